@@ -1,0 +1,1 @@
+"""ARCL, the text protocol of the LD-90 over TCP."""

@@ -1,0 +1,1 @@
+"""`.map` files of the LD-90."""

@@ -1,0 +1,1 @@
+"""ROS nodes: read parameters, build objects, connect callbacks, spin."""

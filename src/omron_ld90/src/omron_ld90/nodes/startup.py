@@ -1,0 +1,90 @@
+"""How every node starts: parameters are read strictly, and a wrong one is said, shown and waited out.
+
+Under `respawn` a node that exits on a wrong configuration would come back for ever. So it stays: it
+says what is wrong once, shows it as ERROR in /diagnostics, and waits for a restart.
+"""
+from __future__ import annotations
+
+import math
+from typing import Any, Callable, Tuple, Type
+
+import rospy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+
+REQUIRED = object()
+
+
+class ConfigurationError(Exception):
+    """A parameter that the node cannot work with; the text says which one and what to do."""
+
+
+def parameter(name: str, default: Any = REQUIRED, kind: Type = str) -> Any:
+    """The parameter `name` (e.g. `~robot_ip`) as `kind`; strict, but an int will do for a float.
+
+    Raises ConfigurationError when it is missing without a default, or of another type. `kind=str`
+    accepts numbers too, because roslaunch turns `password:=1234` into one.
+    """
+    resolved = rospy.resolve_name(name)
+    value = rospy.get_param(name, default)
+    if value is REQUIRED:
+        raise ConfigurationError(f'Parameter {resolved} is missing: set it in the launch file.')
+    if kind is str and isinstance(value, (int, float)) and not isinstance(value, bool):
+        return str(value)
+    if kind is float and isinstance(value, int) and not isinstance(value, bool):
+        return float(value)
+    if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
+        raise ConfigurationError(
+            f'Parameter {resolved} is {value!r}, but must be of type {kind.__name__}.')
+    return value
+
+
+def number(name: str, default: float, least: float = -math.inf, most: float = math.inf) -> float:
+    """A float parameter within `least`..`most`; raises ConfigurationError outside, or on nan."""
+    value = parameter(name, default, float)
+    if not least <= value <= most:
+        raise ConfigurationError(
+            f'Parameter {rospy.resolve_name(name)} is {value}, but must lie in {least}..{most}.')
+    return value
+
+
+def choice(name: str, default: str, allowed: Tuple[str, ...]) -> str:
+    """A string parameter that must be one of `allowed`."""
+    value = parameter(name, default, str)
+    if value not in allowed:
+        raise ConfigurationError(
+            f'Parameter {rospy.resolve_name(name)} is {value!r}, '
+            f'but must be one of {", ".join(allowed)}.')
+    return value
+
+
+def run(name: str, start: Callable[[], Any]) -> None:
+    """Run a node: `start` reads parameters, builds objects and connects callbacks; then spin.
+
+    What `start` returns is kept alive, and its `close()`, if it has one, is called at shutdown.
+    """
+    rospy.init_node(name)
+    try:
+        node = start()
+    except ConfigurationError as error:
+        rospy.logerr('%s cannot work: %s Mend it and restart the node.', rospy.get_name(), error)
+        _wait_misconfigured(str(error))
+        return
+    if hasattr(node, 'close'):
+        rospy.on_shutdown(node.close)
+    rospy.spin()
+
+
+def _wait_misconfigured(reason: str) -> None:
+    publisher = rospy.Publisher('/diagnostics', DiagnosticArray, queue_size=1)
+    status = DiagnosticStatus(
+        level=DiagnosticStatus.ERROR, name=f'{rospy.get_name().lstrip("/")}: configuration',
+        message=reason, hardware_id='none')
+    rate = rospy.Rate(1.0)
+    while not rospy.is_shutdown():
+        array = DiagnosticArray(status=[status])
+        array.header.stamp = rospy.Time.now()
+        publisher.publish(array)
+        try:
+            rate.sleep()
+        except rospy.ROSInterruptException:
+            return

@@ -1,0 +1,1 @@
+"""A simulated OMRON LD-90 that speaks ARCL."""

@@ -1,0 +1,1 @@
+"""The trajectory graph of a robot fleet: vertices, edges, curves, routes."""
