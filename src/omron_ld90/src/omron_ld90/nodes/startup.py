@@ -1,4 +1,4 @@
-"""How every node starts: parameters are read strictly, and a wrong one is said, shown and waited out.
+"""How every node starts: parameters are read strictly; a wrong one is said, shown, waited out.
 
 Under `respawn` a node that exits on a wrong configuration would come back for ever. So it stays: it
 says what is wrong once, shows it as ERROR in /diagnostics, and waits for a restart.

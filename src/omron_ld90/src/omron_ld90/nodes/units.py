@@ -1,4 +1,4 @@
-"""The one border between the robot's units (mm, degrees) and ROS's (m, rad, quaternions; REP 103)."""
+"""The one border between the robot's units (mm, degrees) and those of ROS (m, rad; REP 103)."""
 from __future__ import annotations
 
 import math
@@ -39,6 +39,6 @@ def pose_from_robot(x_mm: float, y_mm: float, heading_deg: float) -> Pose:
 
 
 def pose_to_robot(pose: Pose) -> Tuple[int, int, int]:
-    """x, y (mm) and heading (degrees, -180..180) as ARCL takes them, from a pose in the map frame."""
+    """x, y (mm) and heading (degrees, -180..180) as ARCL takes them, of a pose in `map`."""
     heading = math.degrees(yaw_from_quaternion(pose.orientation))
     return millimetres(pose.position.x), millimetres(pose.position.y), int(round(heading))
