@@ -1,0 +1,25 @@
+#!/usr/bin/env bash
+# Runs benchmarks and prints tables: every figure is the median of several runs, beside its floor.
+#
+#   scripts/bench.sh              all of them
+#   scripts/bench.sh TOPIC...     only these (scripts/bench/TOPIC.py)
+set -euo pipefail
+. "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+[ "${1:-}" != -h ] && [ "${1:-}" != --help ] || { sed -n '2,5s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0; }
+topics=("$@")
+if [ ${#topics[@]} = 0 ]; then
+  for file in "$root"/scripts/bench/*.py; do topics+=("$(basename "$file" .py)"); done
+fi
+for topic in "${topics[@]}"; do
+  [ -f "$root/scripts/bench/$topic.py" ] ||
+    die "there is no benchmark '$topic'; there are: $(cd "$root/scripts/bench" && ls ./*.py | sed 's/.*\///; s/\.py$//' | paste -sd' ')"
+done
+
+prepare "${run_packages[@]}" "${test_packages[@]}"
+export ROS_IP=127.0.0.1 PYTHONPATH="$root/test:$PYTHONPATH"
+cd "$root"
+for topic in "${topics[@]}"; do
+  say "Benchmark $topic, $(date +%F), $(nproc) x $(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -1), $(/usr/bin/python3 --version)"
+  /usr/bin/python3 "scripts/bench/$topic.py" --markdown
+done

@@ -1,0 +1,124 @@
+# What run.sh, test.sh, bench.sh and multimaster.sh share: ROS 1 on this machine, and a built workspace.
+# Sourced, never run. After `prepare` the environment is that of `source devel/setup.bash`.
+
+root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+
+# One line a package: Debian's name, and its name under /opt/ros/noetic where ROS comes from there.
+run_packages=(
+  "ros-base            ros-noetic-ros-base"
+  "ros-base-dev        build-essential"
+  "catkin              ros-noetic-catkin"
+  "rosbash             ros-noetic-rosbash"
+  "rviz                ros-noetic-rviz"
+  "ros-robot-state-publisher ros-noetic-robot-state-publisher"
+  "ros-message-generation    ros-noetic-message-generation"
+  "python3-rospy       ros-noetic-rospy"
+  "python3-actionlib   ros-noetic-actionlib"
+  "python3-diagnostic-updater  ros-noetic-diagnostic-updater"
+  "python3-interactive-markers ros-noetic-interactive-markers"
+  "python3-move-base-msgs      ros-noetic-move-base-msgs"
+  "python3-nav-msgs    ros-noetic-nav-msgs"
+  "python3-sensor-msgs ros-noetic-sensor-msgs"
+  "python3-tf2-ros     ros-noetic-tf2-ros"
+  "python3-tf2-geometry-msgs   ros-noetic-tf2-geometry-msgs"
+  "python3-visualization-msgs  ros-noetic-visualization-msgs"
+  "python3-numpy       python3-numpy"
+  "python3-pil         python3-pil"
+  "python3-scipy       python3-scipy"
+  "python3-setuptools  python3-setuptools"
+  "python3-shapely     python3-shapely"
+  "python3-skimage     python3-skimage"
+  "python3-yaml        python3-yaml"
+)
+test_packages=(
+  "catkin-lint         python3-catkin-lint"
+  "imagemagick         imagemagick"
+  "openbox             openbox"
+  "python3-hypothesis  python3-hypothesis"
+  "python3-pytest      python3-pytest"
+  "python3-rostest     ros-noetic-rostest"
+  "python3-venv        python3-venv"
+  "xdotool             xdotool"
+  "xvfb                xvfb"
+)
+
+say() { printf '== %s\n' "$*"; }
+die() { printf '\nCannot go on: %s\n' "$*" >&2; exit 1; }
+
+# prepare PACKAGE_LINE...: installs what is missing of these, and builds the workspace.
+prepare() {
+  export PATH="/usr/bin:$PATH"  # ROS lives in /usr/bin/python3, whatever other python3 there is
+  if [ -f /opt/ros/noetic/setup.bash ]; then
+    _install_missing 2 "$@"
+    _source /opt/ros/noetic/setup.bash
+  else
+    local id='' version=''
+    id="$(. /etc/os-release 2>/dev/null; echo "${ID:-}")"
+    version="$(. /etc/os-release 2>/dev/null; echo "${VERSION_ID:-}")"
+    [ "$id" = debian ] && [ "$version" = 12 ] ||
+      die "this is ${id:-an unknown system} ${version}, without /opt/ros/noetic; use Debian 12, or install ROS Noetic (Ubuntu 20.04) first."
+    _install_missing 1 "$@"
+  fi
+  _build
+  _source "$root/devel/setup.bash"
+}
+
+_source() { set +u; . "$1"; set -u; }  # ROS's own scripts read unset variables
+
+_install_missing() {  # column of the package table, table lines...
+  local column="$1"; shift
+  local wanted missing
+  wanted="$(printf '%s\n' "$@" | awk -v c="$column" '{print $c}' | sort -u)"
+  missing="$(comm -23 <(echo "$wanted") \
+    <(dpkg-query -W -f '${db:Status-Status} ${Package}\n' $wanted 2>/dev/null | awk '$1 == "installed" {print $2}' | sort -u))"
+  [ -n "$missing" ] || return 0
+  say "Installing" $missing
+  local sudo=()
+  if [ "$(id -u)" != 0 ]; then
+    command -v sudo >/dev/null || die "packages are missing and this user is not root and has no sudo; as root run: apt-get install" $missing
+    sudo=(sudo)
+  fi
+  mkdir -p "$root/build"
+  local log="$root/build/install.log"
+  "${sudo[@]}" apt-get update -q >"$log" 2>&1 ||
+    die "apt-get update failed (is there a network?): $(grep -m1 -E '^(E|Err|W):' "$log") - see $log"
+  "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends $missing >>"$log" 2>&1 ||
+    die "apt-get install failed: $(grep -m1 '^E:' "$log") - see $log"
+}
+
+_build() {
+  local stamp="$root/build/.built"
+  # A workspace that was moved or copied has build files that point elsewhere.
+  if [ -f "$root/build/CMakeCache.txt" ] &&
+     ! grep -qx "CMAKE_HOME_DIRECTORY:INTERNAL=$root/src" "$root/build/CMakeCache.txt"; then
+    say "The workspace has moved: building afresh"
+    rm -rf "$root/devel" "$root/build/CMakeCache.txt" "$root/build/CMakeFiles" "$root/src/CMakeLists.txt" "$stamp"
+  fi
+  if [ -f "$stamp" ] && [ -f "$root/devel/setup.bash" ] && [ -z "$(_newer_than "$stamp" | head -1)" ]; then
+    return 0
+  fi
+  say "Building"
+  mkdir -p "$root/build"
+  local begun="$root/build/.begun" log="$root/build/build.log"
+  touch "$begun"
+  (cd "$root" && catkin_make -DPYTHON_EXECUTABLE=/usr/bin/python3) >"$log" 2>&1 || {
+    tail -20 "$log" >&2
+    die "the build failed; the whole log is $log"
+  }
+  mv "$begun" "$stamp"
+}
+
+# What makes a new build necessary: Python modules are used from their sources and do not.
+_newer_than() {
+  find "$root/src" -not -path '*/.git*' \( -name CMakeLists.txt -o -name package.xml -o -name setup.py \
+    -o -name '*.msg' -o -name '*.srv' -o -name '*.action' -o \( -type d -name nodes \) \) -newer "$1"
+  find "$root/launch" "$root/rviz" "$root/maps" "$root/test" -type d -newer "$1"
+}
+
+# port_is_free PORT: nothing listens there on this machine.
+port_is_free() { ! (exec 3<>"/dev/tcp/127.0.0.1/$1") 2>/dev/null; }
+
+# free_port: a TCP port that nothing uses now.
+free_port() {
+  /usr/bin/python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])'
+}

@@ -1,0 +1,60 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds, and launches the full stack: a simulated LD-90, or a real one.
+#
+#   scripts/run.sh                                    simulated robot on maps/lab.map, RViz where there is a display
+#   scripts/run.sh map_file:=my.map sim_speed:=2      any argument of launch/full_stack.launch
+#   scripts/run.sh sim:=false robot_ip:=10.0.0.5 password_file:=secret.txt
+set -euo pipefail
+. "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+if [ "${1:-}" = -h ] || [ "${1:-}" = --help ]; then
+  sed -n '2,6s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
+  echo
+  echo 'Arguments of launch/full_stack.launch:'
+  sed -n 's/.*<arg name="\([^"]*\)".*doc="\([^"]*\)".*/  \1:=  \2/p' "$root/launch/full_stack.launch"
+  exit 0
+fi
+
+declare -A given=([sim]=true [arcl_port]=7171 [outgoing_port]=7179)
+args=()
+for arg in "$@"; do
+  case "$arg" in
+    *:=*) ;;
+    *) die "'$arg' is not of the form name:=value; see scripts/run.sh --help" ;;
+  esac
+  name="${arg%%:=*}" value="${arg#*:=}"
+  case "$name" in
+    # Nodes run in another folder, so files are made absolute here.
+    *_file | *_map | *_config) [ -z "$value" ] || value="$(realpath -m -- "$value")" ;;
+  esac
+  given[$name]="$value"
+  args+=("$name:=$value")
+done
+
+display_works() {
+  [ -n "${DISPLAY:-}" ] && /usr/bin/python3 -c '
+import ctypes, sys
+sys.exit(not ctypes.CDLL("libX11.so.6").XOpenDisplay(None))' 2>/dev/null
+}
+
+prepare "${run_packages[@]}"
+
+case "${given[sim],,}" in
+  true | 1)
+    export ROS_IP="${ROS_IP:-127.0.0.1}"
+    for name in arcl_port outgoing_port; do
+      port_is_free "${given[$name]}" ||
+        die "TCP port ${given[$name]} is in use, so the simulated robot cannot have it: end the program that holds it (another run.sh?), or choose another with $name:=PORT."
+    done ;;
+esac
+if ! display_works; then
+  if [ "${given[rviz]:-}" = true ]; then
+    say "No display can be opened (DISPLAY=${DISPLAY:-}): RViz is left out, everything else starts"
+  elif [ "${given[rviz]:-}" != false ]; then
+    say "No display: RViz is left out. rostopic, and RViz on another machine, show the robot too"
+  fi
+  args+=("rviz:=false")
+fi
+
+say "Starting: roslaunch omron_ld90 full_stack.launch ${args[*]:-}"
+exec roslaunch omron_ld90 full_stack.launch ${args[@]+"${args[@]}"}
