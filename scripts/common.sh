@@ -6,7 +6,8 @@ root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 # One line a package: Debian's name, and its name under /opt/ros/noetic where ROS comes from there.
 run_packages=(
   "ros-base            ros-noetic-ros-base"
-  "ros-base-dev        build-essential"
+  "ros-base-dev        ros-noetic-ros-base"
+  "build-essential     build-essential"
   "catkin              ros-noetic-catkin"
   "rosbash             ros-noetic-rosbash"
   "rviz                ros-noetic-rviz"
