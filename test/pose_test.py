@@ -1,0 +1,104 @@
+#!/usr/bin/env python3
+"""TF and pose follow the robot's locations: each once, at the time it came, never an old one."""
+from __future__ import annotations
+
+import math
+import unittest
+
+import rospy
+import rostest
+import tf2_ros
+from geometry_msgs.msg import PoseStamped, TransformStamped
+from system_support import Recorder, connected_publisher, wait_until
+from tf2_msgs.msg import TFMessage
+
+from omron_ld90_msgs.msg import RobotStatus
+
+
+def status(x: float, y: float, yaw: float, age: float = 0.0, has_pose: bool = True) -> RobotStatus:
+    message = RobotStatus(has_pose=has_pose)
+    message.header.stamp = rospy.Time.now() - rospy.Duration(age)
+    message.pose.position.x, message.pose.position.y = x, y
+    message.pose.orientation.z, message.pose.orientation.w = math.sin(yaw / 2), math.cos(yaw / 2)
+    return message
+
+
+class PoseTest(unittest.TestCase):
+    """Feeds robot_status and watches pose and /tf."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.poses = Recorder('/omron_ld90/pose', PoseStamped)
+        cls.transforms = Recorder('/tf', TFMessage)
+        cls.status = connected_publisher('/omron_ld90/robot_status', RobotStatus, subscribers=2)
+        cls.odometry = tf2_ros.TransformBroadcaster()
+        wait_until(cls.everything_listens, 20.0, 'the recorders hear pose and /tf')
+
+    @classmethod
+    def everything_listens(cls) -> bool:
+        cls.status.publish(status(0.0, 0.0, 0.0))
+        return bool(cls.poses.messages and cls.transforms.messages)
+
+    def pose_at(self, x: float) -> PoseStamped:
+        return self.poses.wait_for(lambda pose: pose.pose.position.x == x, 10.0, f'pose at x = {x}')
+
+    def sent(self, child: str) -> list:
+        return [transform for message in list(self.transforms.messages)
+                for transform in message.transforms if transform.child_frame_id == child]
+
+    def test_a_location_becomes_one_pose_and_one_transform_with_its_stamp(self):
+        message = status(3.12, -0.54, math.radians(-87))
+        self.status.publish(message)
+        self.status.publish(message)           # received twice, as when a late reader joins
+        self.status.publish(status(4.0, 0.0, 0.0))
+        pose = self.pose_at(3.12)
+        self.assertEqual('map', pose.header.frame_id)
+        self.assertEqual(message.header.stamp, pose.header.stamp)
+        self.transforms.wait_for(
+            lambda tf: tf.transforms[0].transform.translation.x == 4.0, 10.0, 'transform at 4 m')
+        same = [tf for tf in self.sent('omron_ld90/base_link')
+                if tf.header.stamp == message.header.stamp]
+        self.assertEqual(1, len(same), 'one transform for one location')
+        self.assertEqual('map', same[0].header.frame_id)
+        self.assertAlmostEqual(math.sin(math.radians(-87) / 2), same[0].transform.rotation.z)
+
+    def test_an_old_location_and_a_status_without_one_are_not_published(self):
+        self.status.publish(status(11.0, 0.0, 0.0, age=1.5))
+        self.status.publish(status(12.0, 0.0, 0.0, has_pose=False))
+        self.status.publish(status(13.0, 0.0, 0.0))
+        self.pose_at(13.0)
+        published = {pose.pose.position.x for pose in self.poses.messages}
+        self.assertFalse(published & {11.0, 12.0}, f'published: {sorted(published)}')
+
+    def test_a_pose_never_comes_from_the_future(self):
+        self.status.publish(status(21.0, 0.0, 0.0, age=-30.0))
+        pose = self.pose_at(21.0)
+        self.assertLessEqual(pose.header.stamp, rospy.Time.now())
+
+    def test_with_an_odometry_the_map_carries_the_odometry_and_the_robot_is_where_it_says(self):
+        message = status(32.0, 2.0, math.pi / 2)
+        odometry = TransformStamped(child_frame_id='other/base_link')
+        odometry.header.frame_id = 'other/odom'
+        odometry.transform.translation.x = 1.0
+        odometry.transform.rotation.w = 1.0
+        listener_buffer = tf2_ros.Buffer()
+        listener = tf2_ros.TransformListener(listener_buffer)
+        self.addCleanup(listener.unregister)
+
+        def robot_is_in_the_map() -> bool:
+            message.header.stamp = odometry.header.stamp = rospy.Time.now()
+            self.odometry.sendTransform(odometry)
+            self.status.publish(message)
+            return listener_buffer.can_transform('map', 'other/base_link', rospy.Time(0))
+
+        wait_until(robot_is_in_the_map, 20.0, 'map -> other/odom -> other/base_link')
+        robot = listener_buffer.lookup_transform('map', 'other/base_link', rospy.Time(0))
+        self.assertAlmostEqual(32.0, robot.transform.translation.x)
+        self.assertAlmostEqual(2.0, robot.transform.translation.y)
+        self.assertEqual([], [tf for tf in self.sent('other/base_link')
+                              if tf.header.frame_id == 'map'])
+
+
+if __name__ == '__main__':
+    rospy.init_node('pose_test')
+    rostest.rosrun('omron_ld90', 'pose', PoseTest)
