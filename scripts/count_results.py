@@ -1,7 +1,7 @@
-"""Adds up what test.sh left in its results folder; prints the skips, the failures and one last line.
+"""Adds up what test.sh left in its results folder; prints skips, failures and the one last line.
 
-Read are `checks.tsv` (verdict, name, reason), pytest's JUnit files, and rostest's result files, which
-count a skipped test as passed: `*.skips`, written by the tests themselves, says which those are.
+Read are `checks.tsv` (verdict, name, reason), pytest's JUnit files, and rostest's result files,
+which count a skipped test as passed: `*.skips`, written by the tests, says which those are.
 """
 from __future__ import annotations
 

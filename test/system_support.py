@@ -6,6 +6,7 @@ sleeps for a fixed time.
 from __future__ import annotations
 
 import os
+import socket
 import threading
 import time
 import unittest
@@ -30,7 +31,7 @@ class Recorder:
 
     def wait_for(self, predicate: Callable[[Any], bool], timeout: float, what: str,
                  after: int = 0) -> Any:
-        """The first message from index `after` on that satisfies `predicate`, within `timeout` s."""
+        """The first message from index `after` on with `predicate`, within `timeout` s."""
         deadline = time.monotonic() + timeout
         seen = after
         with self._changed:
@@ -75,3 +76,10 @@ def skip(test: unittest.TestCase, reason: str) -> None:
         with open(record, 'a', encoding='utf-8') as file:
             file.write(f'{test.id()}: {reason}\n')
     test.skipTest(reason)
+
+
+def free_port(address: str = '127.0.0.1') -> int:
+    """A TCP port of `address` that nothing uses now."""
+    with socket.socket() as probe:
+        probe.bind((address, 0))
+        return probe.getsockname()[1]
