@@ -1,1 +1,21 @@
-"""The trajectory graph of a robot fleet: vertices, edges, curves, routes."""
+"""The trajectory graph of a robot fleet: vertices, edges, curves, YAML files, routes.
+
+Metres, radians, m/s. Knows nothing of ROS or of any robot.
+"""
+from trajectory_graph.curves import Curve, Projection
+from trajectory_graph.errors import (
+    DiscontinuousRoute,
+    GraphError,
+    TrajectoryGraphError,
+    UnknownEdge,
+    UnknownVertex,
+)
+from trajectory_graph.graph import CurveType, Edge, Graph, Vertex
+from trajectory_graph.routes import check_route, route_vertices
+from trajectory_graph.yaml_file import load_graph
+
+__all__ = [
+    'Curve', 'CurveType', 'DiscontinuousRoute', 'Edge', 'Graph', 'GraphError', 'Projection',
+    'TrajectoryGraphError', 'UnknownEdge', 'UnknownVertex', 'Vertex', 'check_route', 'load_graph',
+    'route_vertices',
+]

@@ -1,0 +1,116 @@
+"""The curves that edges describe in the plane: length, points along them, projection onto them.
+
+Metres and radians. A curve is held as a polyline so fine (0.1 mm) that it may be taken for the
+curve itself; everything else follows from its points.
+"""
+from __future__ import annotations
+
+import math
+from typing import NamedTuple, Tuple
+
+import numpy as np
+
+FLATNESS = 1e-4  # m, greatest distance between a spline and its polyline
+
+
+class Projection(NamedTuple):
+    """The point of a curve nearest to a given point."""
+
+    distance: float    # m, from the given point
+    arc_length: float  # m, from the curve's start
+    fraction: float    # 0..1 of the curve's length
+
+
+class Curve:
+    """A curve in driving direction, parametrised by arc length s in 0..length (m)."""
+
+    def __init__(self, points: np.ndarray) -> None:
+        """`points` (N,2), N >= 2, m: the polyline; repeated points are dropped."""
+        steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+        self.points = points[np.concatenate(([True], steps > 1e-9))]
+        """(N,2) m, the polyline."""
+        self._steps = np.diff(self.points, axis=0)
+        self._lengths = np.linalg.norm(self._steps, axis=1)
+        self._arc = np.concatenate(([0.0], np.cumsum(self._lengths)))
+
+    @property
+    def length(self) -> float:
+        """Arc length in m; 0 for a curve whose points all coincide."""
+        return float(self._arc[-1])
+
+    def reversed(self) -> Curve:
+        """The same curve, driven from its end to its start."""
+        return Curve(self.points[::-1])
+
+    def point_at(self, s: float) -> Tuple[float, float]:
+        """x, y (m) at arc length `s`, held to 0..length."""
+        return (float(np.interp(s, self._arc, self.points[:, 0])),
+                float(np.interp(s, self._arc, self.points[:, 1])))
+
+    def heading_at(self, s: float) -> float:
+        """Driving direction (rad, -pi..pi) at arc length `s`, held to 0..length."""
+        index = int(np.clip(np.searchsorted(self._arc, s, side='right') - 1,
+                            0, len(self._steps) - 1))
+        dx, dy = self._steps[index]
+        return math.atan2(dy, dx)
+
+    def sample(self, step: float) -> np.ndarray:
+        """Points (N,2) at most `step` m apart along the curve, its two ends included."""
+        count = max(2, int(math.ceil(self.length / step)) + 1)
+        s = np.linspace(0.0, self.length, count)
+        return np.column_stack((np.interp(s, self._arc, self.points[:, 0]),
+                                np.interp(s, self._arc, self.points[:, 1])))
+
+    def project(self, x: float, y: float, start: float = 0.0, end: float = math.inf) -> Projection:
+        """The nearest point to x, y among those between arc lengths `start` and `end`.
+
+        Of several equally near ones, the first. `distance` is to the point found.
+        """
+        start = min(max(start, 0.0), self.length)
+        end = min(max(end, start), self.length)
+        along = np.clip(self._nearest_arcs(x, y), start, end)
+        # A segment wholly outside start..end is clipped onto the end point of that range, which
+        # does belong to the curve, so distances are taken to points of the curve in every case.
+        distances = np.hypot(np.interp(along, self._arc, self.points[:, 0]) - x,
+                             np.interp(along, self._arc, self.points[:, 1]) - y)
+        best = int(np.argmin(distances))
+        s = float(along[best])
+        fraction = s / self.length if self.length else 0.0
+        return Projection(float(distances[best]), s, fraction)
+
+    def _nearest_arcs(self, x: float, y: float) -> np.ndarray:
+        """Arc length of the point nearest to x, y on each segment."""
+        if not len(self._steps):
+            return np.zeros(1)
+        ahead = ((np.array((x, y)) - self.points[:-1]) * self._steps).sum(axis=1) / self._lengths
+        return self._arc[:-1] + np.clip(ahead, 0.0, self._lengths)
+
+
+def line(start: Tuple[float, float], end: Tuple[float, float]) -> Curve:
+    """The straight line from `start` to `end`."""
+    return Curve(np.array((start, end), dtype=float))
+
+
+def cubic_bezier(control: np.ndarray) -> Curve:
+    """The cubic Bezier curve with the four `control` points (4,2)."""
+    p0, p1, p2, p3 = control
+    bend = 6.0 * max(np.linalg.norm(p0 - 2 * p1 + p2), np.linalg.norm(p1 - 2 * p2 + p3))
+    segments = max(1, int(math.ceil(math.sqrt(bend / (8.0 * FLATNESS)))))
+    t = np.linspace(0.0, 1.0, segments + 1)[:, None]
+    u = 1.0 - t
+    return Curve(u ** 3 * p0 + 3 * u ** 2 * t * p1 + 3 * u * t ** 2 * p2 + t ** 3 * p3)
+
+
+def spline(start: Tuple[float, float], start_theta: float, param_f: float,
+           end: Tuple[float, float], end_theta: float, param_b: float) -> Curve:
+    """The fleet's spline, as we read it.
+
+    A cubic Bezier curve that leaves `start` along `start_theta`, with a control point `param_f`
+    metres ahead, and enters `end` along `end_theta`, with a control point `param_b` metres behind.
+    This reading is an assumption: the editor's own definition is not public. It is made here only.
+    """
+    p0 = np.array(start, dtype=float)
+    p3 = np.array(end, dtype=float)
+    p1 = p0 + param_f * np.array((math.cos(start_theta), math.sin(start_theta)))
+    p2 = p3 - param_b * np.array((math.cos(end_theta), math.sin(end_theta)))
+    return cubic_bezier(np.array((p0, p1, p2, p3)))

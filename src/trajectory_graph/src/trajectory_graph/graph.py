@@ -1,0 +1,219 @@
+"""Vertices, edges and the graph they make. Metres and radians throughout.
+
+Edge ids are positive. Where an id is *signed*, a negative one means the edge driven backwards, from
+its destination to its origin.
+"""
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass
+from enum import Enum
+from types import MappingProxyType
+from typing import Dict, Iterable, List, Mapping, Optional, Tuple
+
+import numpy as np
+
+from trajectory_graph import curves
+from trajectory_graph.curves import Curve, Projection
+from trajectory_graph.errors import GraphError, UnknownEdge, UnknownVertex
+
+SHORTEST_EDGE = 1e-3  # m
+LARGEST_NUMBER = 1e6  # m, rad or m/s: beyond this a number is a mistake
+
+
+class CurveType(Enum):
+    """How an edge runs between its vertices."""
+
+    SPLINE = 'spline'
+    LINE = 'line'
+
+
+@dataclass(frozen=True)
+class Vertex:
+    """A place where edges meet. x, y in m, angles in rad; `frame_id` is not a TF frame."""
+
+    id: int
+    x: float
+    y: float
+    theta: float
+    theta_holonomic: float = 0.0
+    label: str = ''
+    frame_id: str = ''
+
+    @property
+    def position(self) -> Tuple[float, float]:
+        """x, y in m."""
+        return self.x, self.y
+
+
+@dataclass(frozen=True)
+class Edge:
+    """A curve from vertex `origin` to vertex `destination`; lengths in m, speeds in m/s."""
+
+    id: int
+    origin: int
+    destination: int
+    curve_type: CurveType = CurveType.LINE
+    param_f: float = 0.0
+    param_b: float = 0.0
+    velocity_forward: float = 0.0
+    velocity_backwards: float = 0.0
+
+
+class Graph:
+    """A valid trajectory graph: ids are unique, every edge joins two vertices, all is connected.
+
+    Raises GraphError, naming the element, when that is not so. A graph never changes.
+    """
+
+    def __init__(self, vertices: Iterable[Vertex], edges: Iterable[Edge]) -> None:
+        self.vertices: Mapping[int, Vertex] = MappingProxyType(_by_id('vertex', vertices))
+        self.edges: Mapping[int, Edge] = MappingProxyType(_by_id('edge', edges))
+        self._edges_at: Dict[int, List[int]] = {id: [] for id in self.vertices}
+        self._curves: Dict[int, Curve] = {}
+        self._segments: Optional[_Segments] = None
+        self._check_vertices()
+        for edge in self.edges.values():
+            self._check_edge(edge)
+            self._edges_at[edge.origin].append(edge.id)
+            self._edges_at[edge.destination].append(edge.id)
+        self._check_connected()
+
+    def vertex(self, id: int) -> Vertex:
+        """The vertex `id`; raises UnknownVertex."""
+        try:
+            return self.vertices[id]
+        except KeyError:
+            raise UnknownVertex(id) from None
+
+    def edge(self, signed_id: int) -> Edge:
+        """The edge of a signed id; raises UnknownEdge."""
+        try:
+            return self.edges[abs(signed_id)]
+        except KeyError:
+            raise UnknownEdge(signed_id) from None
+
+    def start_vertex(self, signed_id: int) -> Vertex:
+        """Where the edge starts in driving direction."""
+        edge = self.edge(signed_id)
+        return self.vertices[edge.origin if signed_id > 0 else edge.destination]
+
+    def end_vertex(self, signed_id: int) -> Vertex:
+        """Where the edge ends in driving direction."""
+        return self.start_vertex(-signed_id)
+
+    def edges_at(self, vertex_id: int) -> Tuple[int, ...]:
+        """Ids of the edges that touch the vertex."""
+        self.vertex(vertex_id)
+        return tuple(self._edges_at[vertex_id])
+
+    def is_end_vertex(self, vertex_id: int) -> bool:
+        """Is the vertex touched by exactly one edge?"""
+        return len(self.edges_at(vertex_id)) == 1
+
+    def curve(self, signed_id: int) -> Curve:
+        """The edge's curve in driving direction."""
+        edge = self.edge(signed_id)
+        if signed_id not in self._curves:
+            if signed_id < 0:
+                self._curves[signed_id] = self.curve(-signed_id).reversed()
+            else:
+                self._curves[signed_id] = self._curve_of(edge)
+        return self._curves[signed_id]
+
+    def nearest_edge(self, x: float, y: float) -> Optional[Tuple[int, Projection]]:
+        """Id of the edge nearest to x, y and the projection onto it; None without edges."""
+        if not self.edges:
+            return None
+        if self._segments is None:
+            self._segments = _Segments({id: self.curve(id) for id in self.edges})
+        id = self._segments.nearest(x, y)
+        return id, self.curve(id).project(x, y)
+
+    def _curve_of(self, edge: Edge) -> Curve:
+        origin, destination = self.vertices[edge.origin], self.vertices[edge.destination]
+        if edge.curve_type is CurveType.LINE:
+            return curves.line(origin.position, destination.position)
+        return curves.spline(origin.position, origin.theta, edge.param_f,
+                             destination.position, destination.theta, edge.param_b)
+
+    def _check_vertices(self) -> None:
+        if not self.vertices:
+            raise GraphError('the graph has no vertices')
+        first = next(iter(self.vertices.values()))
+        for vertex in self.vertices.values():
+            _check_numbers('vertex', vertex, ('x', 'y', 'theta', 'theta_holonomic'))
+            if vertex.frame_id != first.frame_id:
+                raise GraphError(
+                    f'FrameId is {vertex.frame_id!r}, but {first.frame_id!r} at vertex '
+                    f'{first.id}; it must be the same everywhere', 'vertex', vertex.id)
+
+    def _check_edge(self, edge: Edge) -> None:
+        for role, id in (('starts', edge.origin), ('ends', edge.destination)):
+            if id not in self.vertices:
+                raise GraphError(f'{role} at vertex {id}, which does not exist', 'edge', edge.id)
+        if edge.origin == edge.destination:
+            raise GraphError(f'joins vertex {edge.origin} to itself', 'edge', edge.id)
+        names = ('param_f', 'param_b', 'velocity_forward', 'velocity_backwards')
+        _check_numbers('edge', edge, names)
+        for name in names:
+            if getattr(edge, name) < 0:
+                raise GraphError(f'{name} is {getattr(edge, name)}, but must not be negative',
+                                 'edge', edge.id)
+        origin, destination = self.vertices[edge.origin], self.vertices[edge.destination]
+        if math.dist(origin.position, destination.position) < SHORTEST_EDGE:
+            raise GraphError(f'joins vertices {origin.id} and {destination.id}, '
+                             'which are at the same place', 'edge', edge.id)
+
+    def _check_connected(self) -> None:
+        start = next(iter(self.vertices))
+        reached = {start}
+        queue = deque(reached)
+        while queue:
+            vertex = queue.popleft()
+            for edge_id in self._edges_at[vertex]:
+                edge = self.edges[edge_id]
+                other = edge.destination if edge.origin == vertex else edge.origin
+                if other not in reached:
+                    reached.add(other)
+                    queue.append(other)
+        for vertex in self.vertices:
+            if vertex not in reached:
+                raise GraphError(f'cannot be reached from vertex {start} over any edges',
+                                 'vertex', vertex)
+
+
+class _Segments:
+    """The segments of many curves in one array, to search them all at once."""
+
+    def __init__(self, by_id: Mapping[int, Curve]) -> None:
+        self._ids = np.concatenate([
+            np.full(len(curve.points) - 1, id) for id, curve in by_id.items()])
+        self._starts = np.concatenate([curve.points[:-1] for curve in by_id.values()])
+        self._steps = np.concatenate([np.diff(curve.points, axis=0) for curve in by_id.values()])
+        self._squares = (self._steps ** 2).sum(axis=1)
+
+    def nearest(self, x: float, y: float) -> int:
+        offsets = np.array((x, y)) - self._starts
+        ahead = np.clip((offsets * self._steps).sum(axis=1) / self._squares, 0.0, 1.0)
+        distances = ((offsets - ahead[:, None] * self._steps) ** 2).sum(axis=1)
+        return int(self._ids[np.argmin(distances)])
+
+
+def _by_id(kind: str, elements: Iterable) -> Dict[int, object]:
+    result: Dict[int, object] = {}
+    for element in elements:
+        if element.id <= 0:
+            raise GraphError('an id must be positive', kind, element.id)
+        if element.id in result:
+            raise GraphError('the id is used twice', kind, element.id)
+        result[element.id] = element
+    return result
+
+
+def _check_numbers(kind: str, element: object, names: Iterable[str]) -> None:
+    for name in names:
+        if not abs(getattr(element, name)) <= LARGEST_NUMBER:  # so written, it catches NaN too
+            raise GraphError(f'{name} is {getattr(element, name)}, not a number within '
+                             f'{LARGEST_NUMBER:.0f}', kind, element.id)

@@ -1,0 +1,28 @@
+"""Routes: signed edge ids in driving order."""
+from __future__ import annotations
+
+from typing import List, Sequence
+
+from trajectory_graph.errors import DiscontinuousRoute
+from trajectory_graph.graph import Graph
+
+
+def check_route(graph: Graph, edges: Sequence[int]) -> None:
+    """Raises UnknownEdge, or DiscontinuousRoute at the first edge that does not follow on."""
+    for edge in edges:
+        graph.edge(edge)
+    for first, second in zip(edges, edges[1:]):
+        end, start = graph.end_vertex(first).id, graph.start_vertex(second).id
+        if end != start:
+            raise DiscontinuousRoute(first, end, second, start)
+
+
+def route_vertices(graph: Graph, edges: Sequence[int]) -> List[int]:
+    """Ids of the vertices to visit, in order, without the one where the route starts.
+
+    Both vertices of every edge in turn, less the first one, less adjacent repeats: edges
+    [E1, E4, E5] from V1 give [V1, V2, V2, V7, V7, V6] and so [V2, V7, V6].
+    Raises what `check_route` raises.
+    """
+    check_route(graph, edges)
+    return [graph.end_vertex(edge).id for edge in edges]

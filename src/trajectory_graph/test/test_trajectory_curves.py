@@ -1,0 +1,90 @@
+"""Curves: length, points, headings, projection."""
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from graph_builders import spline_graph
+from hypothesis import given
+from hypothesis import strategies as st
+from trajectory_graph.curves import cubic_bezier, line, spline
+
+coordinate = st.floats(-50.0, 50.0)
+angle = st.floats(-math.pi, math.pi)
+reach = st.floats(0.0, 5.0)
+splines = st.builds(
+    spline, st.tuples(coordinate, coordinate), angle, reach,
+    st.tuples(st.floats(60.0, 80.0), coordinate), angle, reach)
+
+
+def test_a_line_is_as_long_as_its_ends_are_apart():
+    assert line((1.0, 1.0), (4.0, 5.0)).length == pytest.approx(5.0)
+
+
+def test_a_spline_leaves_along_the_origins_theta_and_enters_along_the_destinations():
+    curve = spline_graph().curve(1)
+    assert curve.heading_at(0.0) == pytest.approx(0.0, abs=0.05)
+    assert curve.heading_at(curve.length) == pytest.approx(math.pi / 2, abs=0.05)
+
+
+def test_a_quarter_circle_of_bezier_curve_has_its_length():
+    k = 4.0 / 3.0 * (math.sqrt(2.0) - 1.0)
+    curve = spline((1.0, 0.0), math.pi / 2, k, (0.0, 1.0), math.pi, k)
+    assert curve.length == pytest.approx(math.pi / 2, rel=3e-4)
+    assert np.hypot(*curve.sample(0.01).T) == pytest.approx(1.0, abs=1e-3)
+
+
+def test_a_spline_without_control_lengths_is_the_straight_line():
+    curve = spline((0.0, 0.0), 1.0, 0.0, (3.0, 4.0), 2.0, 0.0)
+    assert curve.length == pytest.approx(5.0)
+    assert curve.heading_at(2.5) == pytest.approx(math.atan2(4, 3))
+
+
+def test_projection_gives_distance_arc_length_and_fraction():
+    projection = line((0.0, 0.0), (10.0, 0.0)).project(2.5, 0.3)
+    assert projection == pytest.approx((0.3, 2.5, 0.25))
+
+
+def test_projection_beyond_an_end_is_that_end():
+    assert line((0.0, 0.0), (10.0, 0.0)).project(13.0, 4.0) == pytest.approx((5.0, 10.0, 1.0))
+
+
+def test_projection_within_a_range_does_not_leave_it():
+    curve = line((0.0, 0.0), (10.0, 0.0))
+    assert curve.project(2.0, 0.0, start=4.0, end=6.0).arc_length == pytest.approx(4.0)
+    assert curve.project(9.0, 0.0, start=4.0, end=6.0).arc_length == pytest.approx(6.0)
+
+
+def test_where_a_curve_crosses_itself_the_range_decides():
+    loop = cubic_bezier(np.array(((0.0, 0.0), (6.0, 4.0), (-4.0, 4.0), (2.0, 0.0))))
+    crossing = loop.project(1.0, 1.2)
+    later = loop.project(1.0, 1.2, start=loop.length / 2)
+    assert crossing.arc_length < loop.length / 2 < later.arc_length
+
+
+@given(splines)
+def test_a_curve_reversed_is_as_long_and_swaps_its_ends(curve):
+    back = curve.reversed()
+    assert back.length == pytest.approx(curve.length)
+    assert back.point_at(0.0) == pytest.approx(curve.point_at(curve.length))
+
+
+@given(splines, st.floats(0.0, 1.0))
+def test_a_point_of_the_curve_projects_onto_itself(curve, fraction):
+    point = curve.point_at(fraction * curve.length)
+    assert curve.project(*point).distance == pytest.approx(0.0, abs=1e-6)
+
+
+@given(splines, coordinate, coordinate)
+def test_no_sampled_point_is_nearer_than_the_projection(curve, x, y):
+    sampled = np.hypot(*(curve.sample(0.2) - (x, y)).T).min()
+    assert curve.project(x, y).distance <= sampled + 1e-9
+
+
+@given(splines, st.floats(0.01, 2.0))
+def test_samples_include_both_ends_and_keep_the_step(curve, step):
+    points = curve.sample(step)
+    assert points[0] == pytest.approx(curve.point_at(0.0))
+    assert points[-1] == pytest.approx(curve.point_at(curve.length))
+    assert np.linalg.norm(np.diff(points, axis=0), axis=1).max() <= step + 1e-9
