@@ -278,7 +278,7 @@ def graph_text() -> str:
             f'VelocityBackwards: {min(velocity, 0.3)}, VelocityForward: {velocity}}}')
     rows.append('Vertices:')
     for vertex, (x, y, heading) in sorted(VERTICES.items()):
-        theta = round(math.radians(heading), 6)
+        theta = round(math.radians(heading), 8)
         rows.append(
             f'- {{FrameId: map/lab, Id: {vertex}, Label: {label(vertex)}, Theta: {theta}, '
             f'ThetaHolomonic: {theta}, X: {x}, Y: {y}}}')
