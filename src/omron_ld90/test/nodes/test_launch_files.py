@@ -1,0 +1,116 @@
+"""Every launch file: documented arguments, the contract's arguments, and what they expand to."""
+from __future__ import annotations
+
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import pytest
+import roslaunch
+from roslaunch.config import load_config_default
+
+ROOT = Path(__file__).resolve().parents[4]
+LAUNCH_FILES = sorted((ROOT / 'launch').glob('*.launch'))
+#: Arguments without a default: what a user would give.
+GIVEN = {
+    'map_converter.launch': ['base_map:=/nowhere/base.map', 'graph_file:=/nowhere/graph.yaml',
+                             'output:=/nowhere/out.map'],
+    'multimaster.launch': ['peer:=127.0.0.3'],
+}
+CONTRACT = {'robot_name', 'sim', 'robot_ip', 'arcl_port', 'outgoing_port', 'password_file',
+            'map_file', 'base_map', 'graph_file', 'strategy', 'fleet_manager', 'rviz', 'sim_speed'}
+
+
+def arguments(file: Path):
+    return [element for element in ElementTree.parse(file).getroot() if element.tag == 'arg']
+
+
+def expand(name: str, *given: str):
+    """The nodes that roslaunch would start, by name, and their parameters."""
+    file = str(ROOT / 'launch' / name)
+    config = load_config_default([(file, [*GIVEN.get(name, []), *given])], None,
+                                 roslaunch_strs=None, assign_machines=False)
+    nodes = {node.namespace + node.name: node for node in config.nodes}
+    return nodes, {key: parameter.value for key, parameter in config.params.items()}
+
+
+@pytest.fixture(autouse=True)
+def no_display(monkeypatch):
+    monkeypatch.delenv('DISPLAY', raising=False)
+
+
+@pytest.mark.parametrize('file', LAUNCH_FILES, ids=lambda file: file.name)
+def test_every_argument_says_what_it_is(file):
+    missing = [arg.get('name') for arg in arguments(file) if not arg.get('doc')]
+    assert not missing, f'{file.name}: no doc= on {missing}'
+
+
+@pytest.mark.parametrize('file', LAUNCH_FILES, ids=lambda file: file.name)
+def test_every_launch_file_expands(file):
+    try:
+        nodes, _ = expand(file.name)
+    except roslaunch.RLException as error:
+        pytest.fail(f'{file.name}: {error}')
+    assert nodes, f'{file.name} starts nothing'
+
+
+@pytest.mark.parametrize('file', LAUNCH_FILES, ids=lambda file: file.name)
+def test_every_argument_stands_in_the_interface_reference(file):
+    text = (ROOT / 'docs' / 'interface.md').read_text(encoding='utf-8')
+    assert f'`{file.name}`' in text
+    missing = [arg.get('name') for arg in arguments(file) if f'`{arg.get("name")}`' not in text]
+    assert not missing, f'docs/interface.md does not know these arguments of {file.name}: {missing}'
+
+
+def test_the_full_stack_has_the_arguments_of_the_contract():
+    names = {arg.get('name') for arg in arguments(ROOT / 'launch' / 'full_stack.launch')}
+    assert names >= CONTRACT
+
+
+def test_the_full_stack_starts_the_robot_its_simulator_and_the_visualisation():
+    nodes, _ = expand('full_stack.launch')
+    assert set(nodes) >= {f'/omron_ld90/{name}' for name in (
+        'ld90_sim', 'omron_controller', 'omron_connection_receiver', 'omron_edges_to_vertices',
+        'map_visualisation', 'robot_state_publisher', 'goal_sender')}
+    assert '/omron_ld90/rviz' not in nodes, 'without a display RViz stays out'
+
+
+def test_rviz_starts_where_there_is_a_display(monkeypatch):
+    monkeypatch.setenv('DISPLAY', ':7')
+    nodes, _ = expand('full_stack.launch')
+    assert '/omron_ld90/rviz' in nodes
+
+
+def test_a_real_robot_gets_no_simulator():
+    nodes, parameters = expand('full_stack.launch', 'sim:=false', 'robot_ip:=10.0.0.5')
+    assert '/omron_ld90/ld90_sim' not in nodes
+    assert parameters['/omron_ld90/omron_controller/robot_ip'] == '10.0.0.5'
+    assert parameters['/omron_ld90/omron_controller/password_file'] == ''
+
+
+def test_the_lab_graph_belongs_to_the_lab_map_only():
+    _, lab = expand('full_stack.launch')
+    _, other = expand('full_stack.launch', 'map_file:=/site/other.map')
+    graph = '/omron_ld90/omron_edges_to_vertices/graph_file'
+    assert lab[graph].endswith('maps/lab_graph.yaml')
+    assert other[graph] == ''
+
+
+def test_a_base_map_brings_the_converter_and_makes_the_others_wait():
+    nodes, parameters = expand('full_stack.launch', 'base_map:=/site/base.map',
+                               'map_file:=/site/out.map', 'graph_file:=/site/graph.yaml')
+    assert '/omron_ld90/omron_ros_map' in nodes
+    assert parameters['/omron_ld90/omron_ros_map/output'] == '/site/out.map'
+    assert parameters['/omron_ld90/map_visualisation/base_map'] == '/site/base.map'
+    assert '--made-from /site/base.map /site/graph.yaml' in nodes['/omron_ld90/ld90_sim'].args
+
+
+def test_no_password_is_a_parameter_or_an_argument_of_a_process():
+    nodes, parameters = expand('full_stack.launch')
+    password = (ROOT / 'src/omron_ld90_sim/config/simulator_password').read_text().strip()
+    assert password not in [str(value) for value in parameters.values()]
+    assert not [node.name for node in nodes.values() if f' {password}' in node.args]
+
+
+def test_another_robot_name_moves_every_node():
+    nodes, _ = expand('full_stack.launch', 'robot_name:=robot7')
+    assert {name.split('/')[1] for name in nodes} == {'robot7'}
