@@ -1,0 +1,136 @@
+"""What is odd about a map but does not stop it from being used."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Callable, Iterator, List, Tuple
+
+import numpy as np
+
+from omron_ld90.maps.errors import FieldError, MapWarning
+from omron_ld90.maps.objects import printable
+from omron_ld90.maps.references import find_references
+from omron_ld90.maps.tokens import tokenise
+
+if TYPE_CHECKING:
+    from omron_ld90.maps.document import MapDocument, Scan
+
+
+def check(document: MapDocument) -> List[MapWarning]:
+    """Everything odd about `document`, in the order of the tests below."""
+    return [warning for test in _TESTS for warning in test(document)]
+
+
+def _encoding(document: MapDocument) -> Iterator[MapWarning]:
+    if document.records[0].raw.startswith(b'\xef\xbb\xbf'):
+        yield MapWarning('the file begins with a byte order mark: the vendor\'s tools refuse it', 1)
+    if not document.sections[-1].raw.endswith(b'\n'):
+        yield MapWarning('the last row has no line end: the vendor\'s tools lose it')
+
+
+def _header(document: MapDocument) -> Iterator[MapWarning]:
+    for scan in document.scans:
+        for keys, rows in ((('NumPoints', 'MinPos', 'MaxPos', 'PointsAreSorted'), scan.points),
+                           (('NumLines', 'LineMinPos', 'LineMaxPos', 'LinesAreSorted'),
+                            scan.lines)):
+            yield from _claims(scan, keys, rows)
+
+
+def _claims(scan: Scan, keys: Tuple[str, ...], rows: np.ndarray) -> Iterator[MapWarning]:
+    """Compares what the header says about `rows` with the rows, which are what counts."""
+    count, low, high, ordered = keys
+    corners = rows.reshape(-1, 2)
+    found = {count: len(rows)}
+    if len(rows):
+        found[low] = tuple(corners.min(axis=0).tolist())
+        found[high] = tuple(corners.max(axis=0).tolist())
+    for key, value in found.items():
+        claim = scan.header.values.get(key)
+        if claim is not None and claim != value:
+            yield MapWarning(f'{scan.name}{key} says {_show(claim)}, the rows say {_show(value)}',
+                             scan.header.lines[key])
+    if scan.header.values.get(ordered) and not _is_sorted(rows):
+        yield MapWarning(f'{scan.name}{ordered} says true, but the rows are not in order',
+                         scan.header.lines[ordered])
+
+
+def _show(value: object) -> str:
+    return ' '.join(map(str, value)) if isinstance(value, tuple) else str(value)
+
+
+def _is_sorted(rows: np.ndarray) -> bool:
+    """Whether rows ascend by their first column, then by the next."""
+    undecided = np.ones(max(len(rows) - 1, 0), bool)
+    for column in rows.T:
+        if np.any(undecided & (column[1:] < column[:-1])):
+            return False
+        undecided &= column[1:] == column[:-1]
+    return True
+
+
+def _names(document: MapDocument) -> Iterator[MapWarning]:
+    first = {}
+    for number, record in enumerate(document.records, 1):
+        if record.object is None or not record.object.name:
+            continue
+        name = record.object.name.lower()
+        if name in first:
+            yield MapWarning(f'{record.object.kind} {record.object.label!r} has the name of the '
+                             f'object in line {first[name]}: only that one is found', number)
+        first.setdefault(name, number)
+
+
+def _tails(document: MapDocument) -> Iterator[MapWarning]:
+    for number, record in enumerate(document.records, 1):
+        obj = record.object
+        if obj is None or not obj.tail:
+            continue
+        if obj.polygon is None:
+            yield MapWarning(f'{obj.kind} {obj.label!r} ends in words of unknown meaning: '
+                             'they are kept', number)
+        elif obj.theta != 0.0:
+            yield MapWarning(f'{obj.kind} {obj.label!r} is a turned polygon: '
+                             'its rectangle is drawn', number)
+
+
+def _declarations(document: MapDocument) -> Iterator[MapWarning]:
+    """Once a file declares a goal or dock type, only the declared ones exist."""
+    declared = {'goaltype': set(), 'docktype': set()}
+    for record in document.records:
+        if record.keyword == 'mapinfo:':
+            try:
+                words = [word.text for word in tokenise(record.text)]
+            except FieldError:
+                continue
+            if len(words) > 1 and words[1].lower() in declared:
+                declared[words[1].lower()].update(
+                    word[len('Name='):] for word in words if word.startswith('Name='))
+    for number, record in enumerate(document.records, 1):
+        obj = record.object
+        if obj is None or not (obj.is_goal or obj.is_dock):
+            continue
+        declaration = 'docktype' if obj.is_dock else 'goaltype'
+        if declared[declaration] and obj.base_kind not in declared[declaration]:
+            yield MapWarning(f'{obj.kind} {obj.label!r}: the map declares other types, but not '
+                             f'this one (MapInfo: {"DockType" if obj.is_dock else "GoalType"} '
+                             f'Name={obj.base_kind})', number)
+
+
+def _dangling(document: MapDocument) -> Iterator[MapWarning]:
+    present = set()
+    for record in document.records:
+        if record.object is not None:
+            present.add(record.object.name.lower())
+        elif record.keyword in ('_cairn:', 'childcairn:'):
+            try:
+                present.update(word.text.lower() for word in tokenise(record.text)[7:8])
+            except FieldError:
+                continue
+    for number, record in enumerate(document.records, 1):
+        for reference in find_references(record.keyword, record.text):
+            if reference.token.text.lower() not in present:
+                yield MapWarning(f'{record.text.split(None, 1)[0]} names '
+                                 f'{printable(reference.token.text)!r}, which is not in the map',
+                                 number)
+
+
+_TESTS: Tuple[Callable[[MapDocument], Iterator[MapWarning]], ...] = (
+    _encoding, _header, _names, _tails, _declarations, _dangling)

@@ -1,0 +1,154 @@
+"""Edits of a map's objects: which lines change, and where new ones go.
+
+An edit changes the object's `Cairn:` line and, where its name changes, the lines that name it. The
+order is the vendor's: by stored position, then kind, then name.
+"""
+from __future__ import annotations
+
+import dataclasses
+from typing import TYPE_CHECKING, List, Optional
+
+from omron_ld90.maps.errors import DuplicateName, FieldError, MapError, MapWarning
+from omron_ld90.maps.geometry import Extent, normalise_degrees
+from omron_ld90.maps.objects import MapObject, format_object
+from omron_ld90.maps.reader import Record
+from omron_ld90.maps.references import find_references
+
+if TYPE_CHECKING:
+    from omron_ld90.maps.document import MapDocument
+
+
+def add(document: MapDocument, records: List[Record], obj: MapObject) -> None:
+    """Insert `obj` in the vendor's order."""
+    _refuse_duplicate(document, obj.name)
+    record = _record(document, records, obj)
+    records.insert(_place(records, obj), record)
+
+
+def remove(document: MapDocument, records: List[Record], obj: MapObject) -> List[MapWarning]:
+    """Take out `obj` and its parameters; tell which lines still name it."""
+    del records[_index(document, records, obj)]
+    if not obj.name or document.find(obj.name) is not None:
+        return []
+    owned = [record for record in records
+             if any(ref.owned for ref in find_references(record.keyword, record.text, obj.name))]
+    for record in owned:
+        records.remove(record)
+    return _mentions(records, obj.name, f'still names {obj.label!r}, which was removed')
+
+
+def move(document: MapDocument, records: List[Record], obj: MapObject, x: float, y: float,
+         theta: Optional[float]) -> None:
+    """Place `obj` elsewhere."""
+    index = _index(document, records, obj)
+    if obj.tail:
+        raise MapError(document.name, f'{obj.kind} {obj.label!r} has more than corners and cannot '
+                       'be moved; remove it and add a new one', index + 1)
+    moved = _moved(obj, x, y, obj.theta if theta is None else normalise_degrees(theta))
+    record = _record(document, records, moved)
+    if _sorted(records):
+        del records[index]
+        records.insert(_place(records, moved), record)
+    else:
+        records[index] = record
+
+
+def _moved(obj: MapObject, x: float, y: float, theta: float) -> MapObject:
+    if obj.is_area:
+        rectangle = dataclasses.replace(obj.rectangle, centre_x=x, centre_y=y, yaw=theta)
+        return dataclasses.replace(obj, theta=theta, extent=rectangle.to_extent())
+    if obj.extent is not None:
+        old = obj.extent
+        right, up = round(x) - old.from_x, round(y) - old.from_y
+        extent = Extent(old.from_x + right, old.from_y + up, old.to_x + right, old.to_y + up)
+        return dataclasses.replace(obj, x=extent.from_x, y=extent.from_y, extent=extent)
+    return dataclasses.replace(obj, x=x, y=y, theta=theta if obj.has_heading else 0.0)
+
+
+def rename(document: MapDocument, records: List[Record], obj: MapObject,
+           new_name: str) -> List[MapWarning]:
+    """Change the name of `obj` and of the references that surely mean it."""
+    index = _index(document, records, obj)
+    if new_name.lower() != obj.name.lower():
+        _refuse_duplicate(document, new_name)
+    renamed = dataclasses.replace(obj, name=new_name)
+    records[index] = _record(document, records, renamed)
+    if not obj.name or document.find(obj.name) not in (None, renamed):
+        return []
+    for position, record in enumerate(records):
+        records[position] = _with_new_reference(record, obj.name, new_name)
+    if new_name.lower() == obj.name.lower():
+        return []
+    return _mentions(records, obj.name, f'still names {obj.label!r}, now {new_name!r}')
+
+
+def _with_new_reference(record: Record, name: str, new_name: str) -> Record:
+    """`record` with only the bytes of the sure references changed."""
+    text = record.raw.decode('utf-8', 'surrogateescape')
+    for ref in reversed(find_references(record.keyword, record.text, name)):
+        if ref.certain:
+            text = f'{text[:ref.token.start]}"{new_name}"{text[ref.token.end:]}'
+    return dataclasses.replace(record, raw=text.encode('utf-8', 'surrogateescape'))
+
+
+def _mentions(records: List[Record], name: str, text: str) -> List[MapWarning]:
+    return [MapWarning(f'{record.text.split(None, 1)[0]} {text}', number)
+            for number, record in enumerate(records, 1)
+            if find_references(record.keyword, record.text, name)]
+
+
+def _index(document: MapDocument, records: List[Record], obj: MapObject) -> int:
+    """Where `obj` is: itself, else the first that is equal to it."""
+    for same in (lambda other: other is obj, lambda other: other == obj):
+        for index, record in enumerate(records):
+            if record.object is not None and same(record.object):
+                return index
+    raise MapError(document.name, f'{obj.kind} {obj.label!r} is not in the map')
+
+
+def _refuse_duplicate(document: MapDocument, name: str) -> None:
+    other = document.find(name) if name else None
+    if other is not None:
+        raise DuplicateName(
+            document.name, f'there is a {other.kind} {other.label!r} already', field='name',
+            expected='a name of its own, upper and lower case being the same')
+
+
+def _record(document: MapDocument, records: List[Record], obj: MapObject) -> Record:
+    try:
+        text = format_object(obj)
+    except FieldError as error:
+        raise error.in_file(document.name) from None
+    return Record(text.encode('utf-8', 'surrogateescape') + line_end(records), 'cairn:', obj)
+
+
+def line_end(records: List[Record]) -> bytes:
+    """The file's own line end."""
+    return b'\r\n' if records[0].raw.endswith(b'\r\n') else b'\n'
+
+
+def _sorted(records: List[Record]) -> bool:
+    anchors = [record.object.anchor for record in records if record.object is not None]
+    return all(a <= b for a, b in zip(anchors, anchors[1:]))
+
+
+def _place(records: List[Record], obj: MapObject) -> int:
+    """Index at which the record of `obj` belongs."""
+    present = [index for index, record in enumerate(records) if record.object is not None]
+    if not present:
+        return _after_info(records)
+    if _sorted(records):
+        for index in present:
+            if records[index].object.order > obj.order:
+                return index
+    return present[-1] + 1
+
+
+def _after_info(records: List[Record]) -> int:
+    """Behind the active info lines, or else behind the header; ahead of all that may follow."""
+    place = 0
+    for index, record in enumerate(records):
+        active_info = record.keyword.endswith('info:') and not record.keyword.startswith('_')
+        if active_info or (not place and record.keyword and not record.keyword.endswith(':')):
+            place = index + 1
+    return place

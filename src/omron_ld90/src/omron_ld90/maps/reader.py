@@ -1,0 +1,132 @@
+"""Reading a `.map` file into raw records and what they mean; every error says where."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Dict, List, Optional, Tuple
+
+from omron_ld90.maps.errors import FieldError, MapError
+from omron_ld90.maps.header import CATEGORIES, SCAN_KEYS, ScanHeader, ScanKeys, parse_sources
+from omron_ld90.maps.objects import MapObject, parse_object, printable
+from omron_ld90.maps.sections import Section, is_heading, split_sections
+from omron_ld90.maps.tokens import BLANKS, Token, tokenise
+
+BOM = b'\xef\xbb\xbf'
+
+
+@dataclass(frozen=True)
+class Record:
+    """One metadata line: its bytes with the line end, its first word in lower case, its object."""
+
+    raw: bytes
+    keyword: str
+    object: Optional[MapObject] = None
+
+    @property
+    def text(self) -> str:
+        """The line without its end; bytes that are not UTF-8 are kept as surrogates."""
+        return decode(self.raw)
+
+
+@dataclass(frozen=True)
+class Content:
+    """What a file holds: metadata records, a header for each scan source, and the sections."""
+
+    records: List[Record]
+    headers: List[ScanHeader]
+    sections: List[Section]
+
+
+def decode(raw: bytes) -> str:
+    """A line's text without its end, from which the same bytes can be made again."""
+    return raw.decode('utf-8', 'surrogateescape').rstrip('\r\n')
+
+
+def read_content(data: bytes, name: str) -> Content:
+    """The content of the file `name` whose bytes are `data`; raises MapError."""
+    binary = data.find(b'\0')
+    if binary >= 0:
+        raise MapError(name, 'a zero byte: this is no text', data.count(b'\n', 0, binary) + 1,
+                       expected='a text file')
+    lines, rest = _split_metadata(data)
+    _check_category(lines, name)
+    if not rest:
+        raise MapError(name, 'there is neither a LINES nor a DATA section: the file is cut off',
+                       len(lines), expected='at least one of them')
+    records = [_read_record(raw, name, number) for number, raw in enumerate(lines, 1)]
+    headers = _read_headers(records, name)
+    try:
+        sections = split_sections(rest, len(lines) + 1)
+    except FieldError as error:
+        raise error.in_file(name) from None
+    _check_sources(sections, headers, name)
+    return Content(records, headers, sections)
+
+
+def _split_metadata(data: bytes) -> Tuple[List[bytes], bytes]:
+    """The lines before the first section, and the bytes from that section on."""
+    lines = []
+    start = 0
+    while start < len(data):
+        end = data.find(b'\n', start) + 1 or len(data)
+        line = data[start:end]
+        if is_heading(line):
+            return lines, data[start:]
+        lines.append(line)
+        start = end
+    return lines, b''
+
+
+def _check_category(lines: List[bytes], name: str) -> None:
+    for number, raw in enumerate(lines, 1):
+        text = decode(raw[len(BOM):] if number == 1 and raw.startswith(BOM) else raw).strip(BLANKS)
+        if text:
+            if text.lower() in (category.lower() for category in CATEGORIES):
+                return
+            raise MapError(name, f'{printable(text[:40])!r} does not begin a map', number,
+                           'category', ', '.join(CATEGORIES))
+    raise MapError(name, 'the file is empty' if not lines else 'there is no category line',
+                   expected=f'a map that begins with a line like {CATEGORIES[0]}')
+
+
+def _read_record(raw: bytes, name: str, number: int) -> Record:
+    words = raw.split(None, 1)
+    keyword = words[0].decode('utf-8', 'surrogateescape').lower() if words else ''
+    if keyword != 'cairn:':
+        return Record(raw, keyword)
+    text = decode(raw)
+    try:
+        return Record(raw, keyword, parse_object(text, tokenise(text)))
+    except FieldError as error:
+        raise error.in_file(name, number) from None
+
+
+def _read_headers(records: List[Record], name: str) -> List[ScanHeader]:
+    number = 0
+    try:
+        sources = ['']
+        for number, record in enumerate(records, 1):  # noqa: B007, told of in the error
+            if record.keyword == 'sources:':
+                sources = parse_sources(_values(record)) or ['']
+        headers: Dict[str, ScanHeader] = {source: ScanHeader(source) for source in sources}
+        keys = ScanKeys(sources)
+        for number, record in enumerate(records, 1):
+            meaning = keys.get(record.keyword)
+            if meaning is not None:
+                source, key = meaning
+                headers[source].values[key] = SCAN_KEYS[key](_values(record), key)
+                headers[source].lines[key] = number
+    except FieldError as error:
+        raise error.in_file(name, number) from None
+    return list(headers.values())
+
+
+def _values(record: Record) -> List[Token]:
+    return tokenise(record.text)[1:]
+
+
+def _check_sources(sections: List[Section], headers: List[ScanHeader], name: str) -> None:
+    known = [header.source.lower() for header in headers]
+    for section in sections:
+        if section.source and section.source.lower() not in known:
+            raise MapError(name, f'the section {decode(section.heading)} belongs to no scan',
+                           expected='its name in a Sources: line')
