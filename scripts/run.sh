@@ -23,6 +23,8 @@ for arg in "$@"; do
     *) die "'$arg' is not of the form name:=value; see scripts/run.sh --help" ;;
   esac
   name="${arg%%:=*}" value="${arg#*:=}"
+  grep -q "<arg name=\"$name\"" "$root/launch/full_stack.launch" ||
+    die "there is no argument '$name'; scripts/run.sh --help lists them"
   case "$name" in
     # Nodes run in another folder, so files are made absolute here.
     *_file | *_map | *_config) [ -z "$value" ] || value="$(realpath -m -- "$value")" ;;

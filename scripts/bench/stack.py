@@ -1,0 +1,125 @@
+"""The whole stack: seconds from `scripts/run.sh` to the first pose, and the CPU it needs when idle.
+
+The floor of the start is roslaunch with one bare rospy publisher; that of the CPU is such a publisher
+at the stack's own rate, 2 Hz.
+"""
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Callable, Dict, List, Tuple
+
+from system_support import free_port
+
+ROOT = Path(__file__).resolve().parents[2]
+RUNS = 5
+IDLE_SECONDS = 20.0
+TICKS = os.sysconf('SC_CLK_TCK')
+BARE = '''<launch><node name="bare" pkg="rostopic" type="rostopic" args="pub -r 2 /tf tf2_msgs/TFMessage {}"/></launch>'''
+
+
+def first_transform(master_port: int, result: multiprocessing.Queue) -> None:
+    """Puts the time at which the first message on /tf came."""
+    import rosgraph
+    import rospy
+    from tf2_msgs.msg import TFMessage
+    os.environ['ROS_MASTER_URI'] = f'http://127.0.0.1:{master_port}'
+    while not rosgraph.Master('/bench').is_online():
+        time.sleep(0.005)
+    rospy.init_node('bench', anonymous=True, disable_signals=True)
+    rospy.wait_for_message('/tf', TFMessage)
+    result.put(time.monotonic())
+
+
+def descendants(pid: int) -> List[int]:
+    """Process ids below `pid`."""
+    children: Dict[int, List[int]] = {}
+    for folder in Path('/proc').glob('[0-9]*'):
+        try:
+            fields = (folder / 'stat').read_text().rsplit(')', 1)[1].split()
+        except OSError:  # it has ended meanwhile
+            continue
+        children.setdefault(int(fields[1]), []).append(int(folder.name))
+    found, waiting = [], [pid]
+    while waiting:
+        below = children.get(waiting.pop(), [])
+        found += below
+        waiting += below
+    return found
+
+
+def cpu_seconds(pid: int) -> Tuple[str, float]:
+    """Node name (from its __name argument) and the CPU time used so far, in s."""
+    arguments = Path(f'/proc/{pid}/cmdline').read_text().split('\0')
+    name = next((a[len('__name:='):] for a in arguments if a.startswith('__name:=')), '')
+    fields = Path(f'/proc/{pid}/stat').read_text().rsplit(')', 1)[1].split()
+    return name, (int(fields[11]) + int(fields[12])) / TICKS
+
+
+def run(command: Callable[[int], List[str]], idle: bool) -> Tuple[float, Dict[str, float]]:
+    """Start `command`; returns seconds to the first transform, and CPU shares by node when idle."""
+    master_port = free_port()
+    queue: multiprocessing.Queue = multiprocessing.get_context('spawn').Queue()
+    watcher = multiprocessing.get_context('spawn').Process(
+        target=first_transform, args=(master_port, queue), daemon=True)
+    watcher.start()
+    environment = {**os.environ, 'ROS_MASTER_URI': f'http://127.0.0.1:{master_port}'}
+    time.sleep(1.0)  # the watcher's own imports shall not be measured
+    begun = time.monotonic()
+    process = subprocess.Popen(command(master_port), env=environment, stdout=subprocess.DEVNULL,
+                               stderr=subprocess.DEVNULL)
+    try:
+        seconds = queue.get(timeout=120) - begun
+        shares: Dict[str, float] = {}
+        if idle:
+            time.sleep(5.0)  # start-up is over
+            before = {pid: cpu_seconds(pid) for pid in descendants(process.pid)}
+            time.sleep(IDLE_SECONDS)
+            for pid, (name, used) in before.items():
+                if name and name != 'rosout':
+                    shares[name] = (cpu_seconds(pid)[1] - used) / IDLE_SECONDS
+        return seconds, shares
+    finally:
+        process.send_signal(signal.SIGINT)
+        process.wait(30)
+        watcher.terminate()
+
+
+def stack(_: int) -> List[str]:
+    """The user's command, on free ports."""
+    return [str(ROOT / 'scripts/run.sh'), 'rviz:=false', f'arcl_port:={free_port()}',
+            f'outgoing_port:={free_port()}']
+
+
+def main() -> None:
+    """Print the tables."""
+    with tempfile.NamedTemporaryFile('w', suffix='.launch') as bare:
+        bare.write(BARE)
+        bare.flush()
+
+        def floor(port: int) -> List[str]:
+            return ['roslaunch', '-p', str(port), bare.name]
+
+        starts = [run(stack, idle=False)[0] for _ in range(RUNS)]
+        floors = [run(floor, idle=False)[0] for _ in range(RUNS)]
+        shares = run(stack, idle=True)[1]
+        bare_share = sum(run(floor, idle=True)[1].values())
+    print('| figure | median | floor (one bare rospy publisher) | goal |\n|---|---|---|---|')
+    print(f'| `scripts/run.sh` (nothing missing) to the first TF | {statistics.median(starts):.2f} s '
+          f'| {statistics.median(floors):.2f} s | < 7 s |')
+    print(f'| idle stack without RViz and roscore, 2 Hz status and laser | '
+          f'{100 * sum(shares.values()):.1f} % of a core | {100 * bare_share:.1f} % | < 25 % |')
+    print('\n| node, idle | % of a core |\n|---|---|')
+    for name, share in sorted(shares.items(), key=lambda item: -item[1]):
+        print(f'| `{name}` | {100 * share:.1f} |')
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,50 @@
+"""What a user's first command says when it cannot go on."""
+from __future__ import annotations
+
+import socket
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[4]
+
+
+def run(*args: str, folder: Path = ROOT) -> subprocess.CompletedProcess:
+    return subprocess.run([str(ROOT / 'scripts' / 'run.sh'), *args], cwd=folder, text=True,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=120,
+                          check=False)
+
+
+@pytest.fixture
+def taken_port():
+    with socket.socket() as holder:
+        holder.bind(('127.0.0.1', 0))
+        holder.listen()
+        yield holder.getsockname()[1]
+
+
+@pytest.mark.parametrize('argument', ['arcl_port', 'outgoing_port'])
+def test_a_taken_port_is_named_with_the_way_out(argument, taken_port, tmp_path):
+    result = run(f'{argument}:={taken_port}', folder=tmp_path)
+    assert result.returncode == 1
+    assert f'TCP port {taken_port} is in use' in result.stdout
+    assert f'{argument}:=PORT' in result.stdout
+
+
+def test_an_argument_that_is_none_is_refused(tmp_path):
+    result = run('sim_speed=2', folder=tmp_path)
+    assert result.returncode == 1
+    assert "'sim_speed=2' is not of the form name:=value" in result.stdout
+
+
+def test_an_argument_that_no_launch_file_knows_is_refused(tmp_path):
+    result = run('map_fle:=x.map', folder=tmp_path)
+    assert result.returncode == 1
+    assert "no argument 'map_fle'" in result.stdout
+
+
+def test_help_lists_the_arguments():
+    result = run('--help')
+    assert result.returncode == 0
+    assert 'map_file:=' in result.stdout
