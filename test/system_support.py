@@ -5,12 +5,15 @@ sleeps for a fixed time.
 """
 from __future__ import annotations
 
+import contextlib
 import os
+import signal
 import socket
+import subprocess
 import threading
 import time
 import unittest
-from typing import Any, Callable, List, Optional, Type
+from typing import Any, Callable, Iterator, List, Optional, Type
 
 import rospy
 
@@ -67,6 +70,21 @@ def connected_publisher(topic: str, message_type: Type, timeout: float = 30.0,
     wait_until(lambda: publisher.get_num_connections() >= subscribers, timeout,
                f'{subscribers} subscriber(s) of {topic}')
     return publisher
+
+
+@contextlib.contextmanager
+def launched(launch_file: str, **args: object) -> Iterator[subprocess.Popen]:
+    """Runs roslaunch on one of the project's launch files, under this test's master, meanwhile."""
+    process = subprocess.Popen(['roslaunch', 'omron_ld90', launch_file]
+                               + [f'{name}:={value}' for name, value in args.items()])
+    try:
+        yield process
+    finally:
+        process.send_signal(signal.SIGINT)
+        try:
+            process.wait(30)
+        except subprocess.TimeoutExpired:
+            process.kill()
 
 
 def skip(test: unittest.TestCase, reason: str) -> None:

@@ -1,7 +1,7 @@
 """The whole stack: seconds from `scripts/run.sh` to the first pose, and the CPU it needs when idle.
 
-The floor of the start is roslaunch with one bare rospy publisher; that of the CPU is such a publisher
-at the stack's own rate, 2 Hz.
+The floor of the start is roslaunch with one bare rospy publisher; that of the CPU is such a
+publisher at the stack's own rate, 2 Hz.
 """
 from __future__ import annotations
 
@@ -22,7 +22,9 @@ ROOT = Path(__file__).resolve().parents[2]
 RUNS = 5
 IDLE_SECONDS = 20.0
 TICKS = os.sysconf('SC_CLK_TCK')
-BARE = '''<launch><node name="bare" pkg="rostopic" type="rostopic" args="pub -r 2 /tf tf2_msgs/TFMessage {}"/></launch>'''
+BARE = '''<launch>
+  <node name="bare" pkg="rostopic" type="rostopic" args="pub -r 2 /tf tf2_msgs/TFMessage {}"/>
+</launch>'''
 
 
 def first_transform(master_port: int, result: multiprocessing.Queue) -> None:
@@ -112,10 +114,10 @@ def main() -> None:
         shares = run(stack, idle=True)[1]
         bare_share = sum(run(floor, idle=True)[1].values())
     print('| figure | median | floor (one bare rospy publisher) | goal |\n|---|---|---|---|')
-    print(f'| `scripts/run.sh` (nothing missing) to the first TF | {statistics.median(starts):.2f} s '
-          f'| {statistics.median(floors):.2f} s | < 7 s |')
-    print(f'| idle stack without RViz and roscore, 2 Hz status and laser | '
-          f'{100 * sum(shares.values()):.1f} % of a core | {100 * bare_share:.1f} % | < 25 % |')
+    print('| `scripts/run.sh` (nothing missing) to the first TF '
+          f'| {statistics.median(starts):.2f} s | {statistics.median(floors):.2f} s | < 7 s |')
+    print('| idle stack without RViz and roscore, 2 Hz status and laser '
+          f'| {100 * sum(shares.values()):.1f} % of a core | {100 * bare_share:.1f} % | < 25 % |')
     print('\n| node, idle | % of a core |\n|---|---|')
     for name, share in sorted(shares.items(), key=lambda item: -item[1]):
         print(f'| `{name}` | {100 * share:.1f} |')
