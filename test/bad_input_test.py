@@ -13,10 +13,9 @@ import rostest
 from geometry_msgs.msg import PoseStamped
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import String
-from system_support import Recorder, connected_publisher, free_port, launched
 
 from omron_ld90_msgs.msg import LinkState
-
+from system_support import Recorder, connected_publisher, free_port, launched
 
 SIMULATOR_PASSWORD = (Path(__file__).resolve().parents[1]
                       / 'src' / 'omron_ld90_sim' / 'config' / 'simulator_password')

@@ -17,9 +17,9 @@ from typing import Dict
 import rosgraph
 import rospy
 import rostest
-from system_support import Recorder, connected_publisher, free_port, skip, wait_until
 
 from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, TargetRoute
+from system_support import Recorder, connected_publisher, free_port, skip, wait_until
 
 ROBOT, FLEET = '127.0.0.2', '127.0.0.3'
 HERE = Path(__file__).resolve().parent

@@ -16,8 +16,9 @@ import rostest
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import OccupancyGrid
 from std_msgs.msg import String
-from system_support import Recorder, connected_publisher, launched, skip
 from visualization_msgs.msg import MarkerArray
+
+from system_support import Recorder, connected_publisher, launched, skip
 
 MAPS = Path(__file__).resolve().parents[2] / 'shared' / 'maps'
 
