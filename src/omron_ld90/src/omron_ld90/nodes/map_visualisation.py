@@ -1,0 +1,238 @@
+"""Shows a `.map` file: markers for RViz and an occupancy grid for navigation software.
+
+The file is loaded again when it changes. A bad new file leaves the old map up: /diagnostics and the
+log say why.
+
+Topics out, all latched but for `laser_markers`, all in the frame `~frame_id`:
+  map (nav_msgs/OccupancyGrid), map_metadata (nav_msgs/MapMetaData)
+  map_file (std_msgs/String): path of the displayed file, told again whenever it was (re)loaded
+  map_markers/points, lines, goals, docks (visualization_msgs/Marker)
+  map_markers/goal_names, goal_headings, forbidden_areas, sectors (visualization_msgs/MarkerArray)
+  laser_markers (visualization_msgs/Marker)
+  /diagnostics
+Topics in:
+  laser_points (std_msgs/String): lines `RangeDeviceGetCurrent: <device> x y ...`
+Services:
+  static_map (nav_msgs/GetMap)
+  change_map (nav_msgs/LoadMap): shows another file; `map_url` is a path, file:// or package:// URL
+Parameters:
+  ~map_file: `.map` file to show (required)
+  ~base_map (''), ~graph_file (''): when base_map is set, the map is first waited for until it is at
+      least as new as both
+  ~frame_id (map)
+  ~background (unknown): unknown or free, what cells without a point are
+  ~areas_in_grid (false): whether forbidden areas and lines are occupied in the grid
+  ~default_resolution (0.05 m): cell size for maps that give none
+  ~laser_lifetime (2.0 s): how long a laser reading is shown
+"""
+from __future__ import annotations
+
+import os
+import threading
+from dataclasses import dataclass
+from typing import Optional, Tuple
+from urllib.parse import unquote, urlparse
+
+import diagnostic_updater
+import rospkg
+import rospy
+from diagnostic_msgs.msg import DiagnosticStatus
+from nav_msgs.msg import MapMetaData, OccupancyGrid
+from nav_msgs.srv import GetMap, LoadMap, LoadMapRequest, LoadMapResponse
+from std_msgs.msg import Header, String
+from visualization_msgs.msg import Marker, MarkerArray
+
+from omron_ld90.arcl import RangeReading, parse_line
+from omron_ld90.maps import (
+    FREE,
+    UNKNOWN,
+    MapDocument,
+    MapError,
+    MapWatcher,
+    wait_for_map,
+)
+from omron_ld90.maps import (
+    OccupancyGrid as Grid,
+)
+from omron_ld90.nodes import markers
+from omron_ld90.nodes.fast_messages import GetGridResponse, GridMessage, LoadGridResponse
+from omron_ld90.nodes.startup import choice, number, parameter, run
+from omron_ld90.nodes.units import metres, millimetres, pose_from_robot
+
+POLL_PERIOD = 0.5  # s, between two looks at the file
+BACKGROUNDS = {'unknown': UNKNOWN, 'free': FREE}
+MARKERS = {
+    'map_markers/points': markers.points,
+    'map_markers/lines': markers.lines,
+    'map_markers/goals': markers.goals,
+    'map_markers/docks': markers.docks,
+}
+MARKER_ARRAYS = {
+    'map_markers/goal_names': markers.goal_names,
+    'map_markers/goal_headings': markers.goal_headings,
+    'map_markers/forbidden_areas': markers.forbidden_areas,
+    'map_markers/sectors': markers.sectors,
+}
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How the map is shown; lengths in metres, times in seconds."""
+
+    frame_id: str = 'map'
+    background: int = UNKNOWN
+    areas_in_grid: bool = False
+    default_resolution: float = 0.05
+    laser_lifetime: float = 2.0
+
+
+class MapVisualisation:
+    """The displayed map, its topics and services."""
+
+    def __init__(self, settings: Settings, path: str, made_from: Tuple[str, ...] = ()) -> None:
+        self._settings = settings
+        self._lock = threading.Lock()
+        self._watcher = MapWatcher(path)
+        self._document: Optional[MapDocument] = None
+        self._grid: Optional[GridMessage] = None
+        self._problem = f'{path} was not loaded yet'
+        self._markers = {
+            build: rospy.Publisher(topic, message, queue_size=1, latch=True)
+            for table, message in ((MARKERS, Marker), (MARKER_ARRAYS, MarkerArray))
+            for topic, build in table.items()}
+        self._map = rospy.Publisher('map', OccupancyGrid, queue_size=1, latch=True)
+        self._metadata = rospy.Publisher('map_metadata', MapMetaData, queue_size=1, latch=True)
+        self._file = rospy.Publisher('map_file', String, queue_size=1, latch=True)
+        self._laser = rospy.Publisher('laser_markers', Marker, queue_size=5, tcp_nodelay=True)
+        rospy.Subscriber('laser_points', String, self._draw_laser, queue_size=5, tcp_nodelay=True)
+        rospy.Service('static_map', GetMap, self._static_map)
+        rospy.Service('change_map', LoadMap, self._change_map)
+        self._diagnostics = diagnostic_updater.Updater()
+        self._diagnostics.setHardwareID('none')
+        self._diagnostics.add('map', self._diagnose)
+        rospy.Timer(rospy.Duration(1.0), lambda event: self._diagnostics.update())
+        with self._lock:
+            self._begin(path, made_from)
+        rospy.Timer(rospy.Duration(POLL_PERIOD), self._follow_file)
+
+    def _begin(self, path: str, made_from: Tuple[str, ...]) -> None:
+        """Show the first map; when that fails, the file is watched until it can be shown."""
+        try:
+            if made_from:
+                wait_for_map(path, made_from, say=rospy.loginfo, given_up=rospy.is_shutdown)
+                self._watcher = MapWatcher(path)
+            self._show(path)
+        except MapError as error:
+            self._problem = str(error)
+            rospy.logerr('No map is shown: %s It is shown once the file is mended.', error)
+
+    def _follow_file(self, event: rospy.timer.TimerEvent) -> None:
+        with self._lock:
+            if not self._watcher.changed():
+                return
+            try:
+                self._show(self._watcher.path)
+            except MapError as error:
+                self._problem = str(error)
+                rospy.logerr('The map file changed, but the old map stays up: %s', error)
+
+    def _show(self, path: str) -> None:
+        """Load `path` and publish everything, or raise MapError and publish nothing."""
+        document = MapDocument.load(path)
+        pitch = document.resolution or millimetres(self._settings.default_resolution)
+        grid = Grid.from_map(document, pitch, areas=self._settings.areas_in_grid,
+                             background=self._settings.background)
+        header = Header(stamp=rospy.Time.now(), frame_id=self._settings.frame_id)
+        info = MapMetaData(
+            map_load_time=header.stamp, resolution=metres(pitch), width=grid.width,
+            height=grid.height, origin=pose_from_robot(grid.origin[0], grid.origin[1], 0.0))
+        self._grid = GridMessage(grid.cells, header=header, info=info)
+        self._document = document
+        self._problem = ''
+        self._map.publish(self._grid)
+        self._metadata.publish(info)
+        for build, publisher in self._markers.items():
+            publisher.publish(build(document, header))
+        self._file.publish(os.path.abspath(path))
+        rospy.loginfo('Showing %s: %d points, %d lines, %d goals, %d docks, %d forbidden areas.',
+                      path, len(document.points), len(document.lines), len(document.goals),
+                      len(document.docks), len(document.forbidden_areas))
+        for warning in document.warnings:
+            rospy.logwarn('%s, %s', path, warning)
+
+    def _static_map(self, request: object) -> GetGridResponse:
+        with self._lock:
+            if self._grid is None:
+                raise rospy.ServiceException(f'no map is shown: {self._problem}')
+            return GetGridResponse(self._grid)
+
+    def _change_map(self, request: LoadMapRequest) -> LoadMapResponse:
+        try:
+            path = _path(request.map_url)
+        except (ValueError, rospkg.ResourceNotFound) as error:
+            rospy.logerr('change_map: %s cannot be resolved: %s', request.map_url, error)
+            return LoadMapResponse(result=LoadMapResponse.RESULT_MAP_DOES_NOT_EXIST)
+        with self._lock:
+            watcher = MapWatcher(path)
+            try:
+                self._show(path)
+            except MapError as error:
+                rospy.logerr('change_map: the old map stays up: %s', error)
+                return LoadMapResponse(
+                    result=LoadMapResponse.RESULT_INVALID_MAP_DATA if os.path.exists(path)
+                    else LoadMapResponse.RESULT_MAP_DOES_NOT_EXIST)
+            self._watcher = watcher
+            return LoadGridResponse(self._grid, LoadMapResponse.RESULT_SUCCESS)
+
+    def _draw_laser(self, message: String) -> None:
+        reading = parse_line(message.data)
+        if isinstance(reading, RangeReading):
+            header = Header(stamp=rospy.Time.now(), frame_id=self._settings.frame_id)
+            self._laser.publish(
+                markers.laser(reading, header, self._settings.laser_lifetime))
+
+    def _diagnose(self, status: diagnostic_updater.DiagnosticStatusWrapper):
+        document, problem = self._document, self._problem
+        if document is None:
+            status.summary(DiagnosticStatus.ERROR, f'No map is shown: {problem}')
+            return status
+        if problem:
+            status.summary(DiagnosticStatus.WARN, f'The old map is shown: {problem}')
+        else:
+            status.summary(DiagnosticStatus.OK, f'Showing {document.name}')
+        for name, value in (('file', document.name), ('points', len(document.points)),
+                            ('lines', len(document.lines)), ('goals', len(document.goals)),
+                            ('docks', len(document.docks)),
+                            ('forbidden areas', len(document.forbidden_areas))):
+            status.add(name, str(value))
+        return status
+
+
+def _path(url: str) -> str:
+    """The path of a file that is given as such or as a file:// or package:// URL."""
+    parts = urlparse(url)
+    if parts.scheme == 'package':
+        package = rospkg.RosPack().get_path(parts.netloc)
+        return os.path.join(package, unquote(parts.path).lstrip('/'))
+    if parts.scheme == 'file':
+        return unquote(parts.path)
+    if '://' in url:
+        raise ValueError('only file:// and package:// are known')
+    return url
+
+
+def _start() -> MapVisualisation:
+    settings = Settings(
+        frame_id=parameter('~frame_id', 'map'),
+        background=BACKGROUNDS[choice('~background', 'unknown', tuple(BACKGROUNDS))],
+        areas_in_grid=parameter('~areas_in_grid', False, bool),
+        default_resolution=number('~default_resolution', 0.05, least=0.005, most=1.0),
+        laser_lifetime=number('~laser_lifetime', 2.0, least=0.05, most=60.0))
+    base_map = parameter('~base_map', '')
+    made_from = (base_map, parameter('~graph_file', '')) if base_map else ()
+    return MapVisualisation(settings, parameter('~map_file'), made_from)
+
+
+def main() -> None:
+    """Run the node."""
+    run('map_visualisation', _start)
