@@ -9,10 +9,10 @@ import rospy
 import rostest
 import tf2_ros
 from geometry_msgs.msg import PoseStamped, TransformStamped
-from system_support import Recorder, connected_publisher, wait_until
 from tf2_msgs.msg import TFMessage
 
 from omron_ld90_msgs.msg import RobotStatus
+from system_support import Recorder, connected_publisher, wait_until
 
 
 def status(x: float, y: float, yaw: float, age: float = 0.0, has_pose: bool = True) -> RobotStatus:

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import rospy
+
 from omron_ld90.nodes.robot_state_publisher import LocationFilter
 
 MAX_AGE = rospy.Duration(1.0)

@@ -7,9 +7,9 @@ import pytest
 from geometry_msgs.msg import Pose, Transform
 from hypothesis import given
 from hypothesis import strategies as st
-from omron_ld90.nodes.units import quaternion_from_yaw, yaw_from_quaternion
 
 from omron_ld90.nodes import planar
+from omron_ld90.nodes.units import quaternion_from_yaw, yaw_from_quaternion
 
 coordinates = st.floats(-100.0, 100.0)
 angles = st.floats(-3.1, 3.1)

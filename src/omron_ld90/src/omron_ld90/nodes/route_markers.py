@@ -1,0 +1,83 @@
+"""The trajectory graph and the route on it, as RViz draws them. Metres, in the map frame."""
+from __future__ import annotations
+
+from typing import List, Optional, Sequence
+
+from geometry_msgs.msg import Point
+from visualization_msgs.msg import Marker, MarkerArray
+
+from itrci_nav_msgs.msg import EdgeState
+from omron_ld90.nodes import drawing
+from trajectory_graph import Curve, Graph
+
+STEP = 0.1  # m between the points of a drawn curve
+GRAPH_Z, ROUTE_Z = 0.02, 0.03
+EDGE_WIDTH, ROUTE_WIDTH = 0.03, 0.09
+RING, END_RING, DOCK_RING = 0.24, 0.31, 0.38  # m, radii around vertices
+GRAPH = drawing.colour(0.68, 0.60, 0.95)
+COMING = drawing.colour(0.30, 0.60, 1.0)
+ROUTE_COLOURS = {
+    EdgeState.COMPLETE: drawing.colour(0.25, 0.75, 0.35),
+    EdgeState.PROCESSING: drawing.colour(1.0, 0.85, 0.15),
+    EdgeState.FAILED: drawing.colour(1.0, 0.25, 0.2),
+}
+
+
+def graph_markers(graph: Optional[Graph], dock_vertex: int, frame: str) -> MarkerArray:
+    """Edges as their curves with an arrowhead from origin to destination, vertices with their ids.
+
+    A vertex is a ring, an end vertex two, the dock three.
+    """
+    if graph is None:
+        return drawing.complete([])
+    edges = drawing.shape(Marker.LINE_LIST, frame, 'edges', GRAPH, (EDGE_WIDTH, 0.0, 0.0))
+    heads = drawing.shape(Marker.TRIANGLE_LIST, frame, 'directions', GRAPH, (1.0, 1.0, 1.0))
+    rings = drawing.shape(Marker.LINE_LIST, frame, 'vertices', GRAPH, (EDGE_WIDTH, 0.0, 0.0))
+    for edge_id in graph.edges:
+        curve = graph.curve(edge_id)
+        edges.points += drawing.segments(curve.sample(STEP).tolist(), GRAPH_Z)
+        heads.points += _head_at_middle(curve, 0.25, GRAPH_Z)
+    names = []
+    for vertex in graph.vertices.values():
+        radii = [RING]
+        if graph.is_end_vertex(vertex.id):
+            radii.append(END_RING)
+        if vertex.id == dock_vertex:
+            radii.append(DOCK_RING)
+        for radius in radii:
+            rings.points += drawing.segments(drawing.circle(vertex.position, radius), GRAPH_Z)
+        place = (vertex.x + radii[-1] + 0.28, vertex.y)
+        names.append(drawing.text(frame, 'vertex_ids', str(vertex.id), place, 0.3, GRAPH,
+                                  vertex.id, z=0.5))
+    return drawing.complete([edges, heads, rings, *names])
+
+
+def route_markers(graph: Optional[Graph], route: Sequence[EdgeState], frame: str) -> MarkerArray:
+    """The route's edges in driving direction: done green, current yellow, coming blue, failed red.
+
+    The current edge is the first that is not complete. Edges that the graph does not know are left
+    out.
+    """
+    if graph is None:
+        return drawing.complete([])
+    markers: List[Marker] = []
+    current = next((edge for edge in route if edge.state != EdgeState.COMPLETE), None)
+    for index, edge in enumerate(route):
+        if abs(edge.edge_id) not in graph.edges:
+            continue
+        coming = edge.state == EdgeState.PROCESSING and edge is not current
+        paint = COMING if coming else ROUTE_COLOURS.get(edge.state, COMING)
+        curve = graph.curve(edge.edge_id)
+        line = drawing.shape(Marker.LINE_STRIP, frame, 'route', paint, (ROUTE_WIDTH, 0.0, 0.0),
+                             index)
+        line.points = drawing.points(curve.sample(STEP).tolist(), ROUTE_Z)
+        head = drawing.shape(Marker.TRIANGLE_LIST, frame, 'route_directions', paint,
+                             (1.0, 1.0, 1.0), index)
+        head.points = _head_at_middle(curve, 0.4, ROUTE_Z)
+        markers += [line, head]
+    return drawing.complete(markers)
+
+
+def _head_at_middle(curve: Curve, length: float, z: float) -> List[Point]:
+    middle = min((curve.length + length) / 2, curve.length)
+    return drawing.arrowhead(curve.point_at(middle), curve.heading_at(middle), length, z)

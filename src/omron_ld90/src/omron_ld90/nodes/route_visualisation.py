@@ -1,0 +1,194 @@
+"""Shows what the robot and the fleet are about: graph, route, destination, driven path, status.
+
+It only looks: it sends no command, so it may be stopped or changed at any time, unlike
+`goal_sender`, whose clicks move the robot, and `map_visualisation`, which knows no robot. That is
+why it is a node of its own.
+
+Subscribes
+    execution_route_states (itrci_nav_msgs/ExecutionRouteStates)
+    robot_status (omron_ld90_msgs/RobotStatus), link_state (omron_ld90_msgs/LinkState)
+    pose (geometry_msgs/PoseStamped), move_base_simple/goal (geometry_msgs/PoseStamped)
+    map_file (std_msgs/String, latched), map_metadata (nav_msgs/MapMetaData, latched)
+Publishes
+    graph_markers (visualization_msgs/MarkerArray, latched, complete): the trajectory graph
+    route_markers (visualization_msgs/MarkerArray, latched, complete): the route, by state
+    status_markers (visualization_msgs/MarkerArray): arrow, destination, words; short-lived
+    driven_path (nav_msgs/Path, latched): where the robot drove
+Parameters
+    ~graph_file   string  (empty)  trajectory graph (YAML); empty: no graph and no route is shown
+    ~dock_vertex  int     16       id of the graph's dock vertex
+    ~map_frame    string  map
+    ~silence      float   3.0 s    without a status for so long, the robot counts as lost
+    ~path_length  int     400      poses kept of the driven path, at least ~path_step apart
+    ~path_step    float   0.1 m
+    ~status_row   int     0        line above the map for this robot's words; one for each robot
+"""
+from __future__ import annotations
+
+import math
+import threading
+import time
+from typing import Dict, Optional
+
+import rospy
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import MapMetaData, Path
+from std_msgs.msg import String
+from visualization_msgs.msg import MarkerArray
+
+from itrci_nav_msgs.msg import ExecutionRouteStates
+from omron_ld90 import arcl
+from omron_ld90.maps import MapDocument, MapError
+from omron_ld90.nodes import drawing, startup
+from omron_ld90.nodes.goal_clicks import TargetKind, targets_of
+from omron_ld90.nodes.route_markers import graph_markers, route_markers
+from omron_ld90.nodes.route_view import RouteView
+from omron_ld90.nodes.status_markers import status_markers, status_words
+from omron_ld90_msgs.msg import LinkState, RobotStatus
+from trajectory_graph import Graph, TrajectoryGraphError, load_graph
+
+JUMP = 1.5  # m between two locations: further than the robot drives; it was relocalised
+ROW_HEIGHT = 0.8  # m
+
+
+class RouteVisualisation:
+    """The node: see the module's text."""
+
+    def __init__(self) -> None:
+        self._robot = rospy.get_namespace().strip('/') or 'robot'
+        self._frame = startup.parameter('~map_frame', 'map')
+        self._dock_vertex = startup.parameter('~dock_vertex', 16, int)
+        self._silence = startup.number('~silence', 3.0, 0.5, 60.0)
+        self._path_length = int(startup.number('~path_length', 400, 2, 10000))
+        self._path_step = startup.number('~path_step', 0.1, 0.01, 10.0)
+        self._row = startup.parameter('~status_row', 0, int)
+        self._graph = _graph_of(startup.parameter('~graph_file', ''))
+
+        self._lock = threading.Lock()
+        self._status: Optional[RobotStatus] = None
+        self._heard = -math.inf
+        self._links: Dict[str, LinkState] = {}
+        self._goals: Dict[str, drawing.XY] = {}
+        self._dock: Optional[drawing.XY] = None
+        self._point: Optional[drawing.XY] = None
+        self._banner_at = (0.0, 0.0)
+        self._route = RouteView()
+        self._path = Path()
+        self._path.header.frame_id = self._frame
+
+        self._publish_status = rospy.Publisher(
+            'status_markers', MarkerArray, queue_size=2, tcp_nodelay=True)
+        self._publish_route = rospy.Publisher(
+            'route_markers', MarkerArray, queue_size=2, latch=True, tcp_nodelay=True)
+        self._publish_path = rospy.Publisher('driven_path', Path, queue_size=2, latch=True)
+        self._publish_graph = rospy.Publisher(
+            'graph_markers', MarkerArray, queue_size=1, latch=True)
+        self._publish_graph.publish(graph_markers(self._graph, self._dock_vertex, self._frame))
+        self._publish_route.publish(route_markers(self._graph, (), self._frame))
+        for topic, message, callback in (
+                ('map_file', String, self._on_map),
+                ('map_metadata', MapMetaData, self._on_metadata),
+                ('execution_route_states', ExecutionRouteStates, self._on_route),
+                ('link_state', LinkState, self._on_link),
+                ('move_base_simple/goal', PoseStamped, self._on_point),
+                ('pose', PoseStamped, self._on_pose),
+                ('robot_status', RobotStatus, self._on_status)):
+            rospy.Subscriber(topic, message, callback, queue_size=10, tcp_nodelay=True)
+        self._timer = rospy.Timer(rospy.Duration(1.0), self._on_timer)
+
+    def _on_map(self, message: String) -> None:
+        goals, dock = {}, None
+        if message.data:
+            try:
+                for target in targets_of(MapDocument.load(message.data)):
+                    if target.kind is TargetKind.DOCK:
+                        dock = dock or (target.x, target.y)
+                    else:
+                        goals[target.name.lower()] = (target.x, target.y)
+            except MapError as error:
+                rospy.logerr('Destinations are not shown: %s', error)
+        with self._lock:
+            self._goals, self._dock = goals, dock
+
+    def _on_metadata(self, metadata: MapMetaData) -> None:
+        origin = metadata.origin.position
+        x = origin.x + metadata.width * metadata.resolution / 2
+        top = origin.y + metadata.height * metadata.resolution
+        with self._lock:
+            self._banner_at = (x, top + ROW_HEIGHT * (self._row + 1))
+
+    def _on_route(self, message: ExecutionRouteStates) -> None:
+        with self._lock:
+            if self._route.update(message.route_id, message.edge_states, time.monotonic()):
+                self._publish_route.publish(
+                    route_markers(self._graph, self._route.shown, self._frame))
+
+    def _on_link(self, message: LinkState) -> None:
+        with self._lock:
+            self._links[message.link] = message
+            self._show_status()
+
+    def _on_point(self, message: PoseStamped) -> None:
+        if message.header.frame_id in ('', self._frame):
+            with self._lock:
+                self._point = (message.pose.position.x, message.pose.position.y)
+
+    def _on_status(self, message: RobotStatus) -> None:
+        with self._lock:
+            self._status, self._heard = message, time.monotonic()
+            self._show_status()
+
+    def _on_pose(self, message: PoseStamped) -> None:
+        with self._lock:
+            if self._path.poses:
+                last, here = self._path.poses[-1].pose.position, message.pose.position
+                moved = math.hypot(here.x - last.x, here.y - last.y)
+                if moved < self._path_step:
+                    return
+                if moved > JUMP:
+                    self._path.poses = []
+            self._path.header.stamp = message.header.stamp
+            self._path.poses = [*self._path.poses[-self._path_length + 1:], message]
+            self._publish_path.publish(self._path)
+
+    def _on_timer(self, _event: rospy.timer.TimerEvent) -> None:
+        with self._lock:
+            now = time.monotonic()
+            if now - self._heard > 1.0:
+                self._show_status()
+            if self._route.expire(now):
+                self._publish_route.publish(route_markers(self._graph, (), self._frame))
+
+    def _show_status(self) -> None:
+        silent_for = time.monotonic() - self._heard
+        words = status_words(self._robot, self._status, silent_for, list(self._links.values()),
+                             self._silence)
+        pose = self._status.pose if self._status and self._status.has_pose else None
+        self._publish_status.publish(status_markers(
+            self._frame, words, self._banner_at, pose, silent_for <= self._silence,
+            self._destination()))
+
+    def _destination(self) -> Optional[drawing.XY]:
+        if self._status is None:
+            return None
+        doing = arcl.parse_line(self._status.status)
+        if isinstance(doing, arcl.GoingTo):
+            return self._goals.get(doing.goal.lower())
+        if isinstance(doing, arcl.GoingToPoint):
+            return self._point
+        docking = arcl.DockingState.DOCKING.value
+        return self._dock if self._status.docking_state == docking else None
+
+
+def _graph_of(path: str) -> Optional[Graph]:
+    if not path:
+        return None
+    try:
+        return load_graph(path)
+    except TrajectoryGraphError as error:
+        raise startup.ConfigurationError(f'~graph_file: {error}') from error
+
+
+def main() -> None:
+    """Run the node."""
+    startup.run('route_visualisation', RouteVisualisation)
