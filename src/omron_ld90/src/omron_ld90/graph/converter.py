@@ -1,0 +1,162 @@
+"""Graph + base map -> map: every vertex a goal or the dock, nothing else changed.
+
+`convert` edits a document in memory; `convert_file` also writes it, reads it back and checks that
+it says what it should. Positions in mm, headings in degrees.
+"""
+from __future__ import annotations
+
+import os
+from collections import Counter
+from dataclasses import dataclass
+from enum import Enum
+from typing import List, Optional, Set, Tuple
+
+from omron_ld90.graph.goals import places
+from omron_ld90.maps import MapDocument, MapObject
+from trajectory_graph import Graph, UnknownVertex
+
+
+class ConversionError(Exception):
+    """A graph and a map that do not go together; the text says why and what to do."""
+
+
+class ExistingGoals(Enum):
+    """What becomes of the goals and docks that the base map has already."""
+
+    REPLACE = 'replace'
+    """Those named like a vertex move to the vertex; the others stay."""
+    KEEP = 'keep'
+    """All stay where they are; only vertices without one get a goal."""
+    DROP = 'drop'
+    """All goals and docks go."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """How a graph becomes part of a map."""
+
+    dock_vertex: Optional[int] = None
+    """None: the graph has no dock."""
+    dock_heading: Optional[float] = None
+    """Degrees, facing the station; None: by the rule of `goals.dock_pose`."""
+    existing_goals: ExistingGoals = ExistingGoals.REPLACE
+
+
+@dataclass(frozen=True)
+class Conversion:
+    """What was done."""
+
+    added: Tuple[MapObject, ...]
+    removed: Tuple[MapObject, ...]
+    kept: Tuple[MapObject, ...]
+    """Objects that were there already just as wanted, or that stay by `ExistingGoals.KEEP`."""
+    notes: Tuple[str, ...]
+    """What a person should know about the result, a sentence each."""
+
+
+def convert(graph: Graph, document: MapDocument, options: Options) -> Conversion:
+    """Put the graph into the document; raises ConversionError or MapError."""
+    wanted = _places(graph, options)
+    known = {warning.text for warning in document.warnings}
+    removed = _clear(document, wanted, options.existing_goals)
+    added, kept = [], []
+    for place in wanted:
+        present = document.find(place.name)
+        if present is not None and (present.is_goal or present.is_dock):
+            kept.append(present)
+        else:
+            document.add(place)
+            added.append(place)
+    notes = _new_warnings(document, known, removed) + _other_docks(document, wanted)
+    return Conversion(tuple(added), tuple(removed), tuple(kept), tuple(notes))
+
+
+def convert_file(graph: Graph, base_map: str, output: str,
+                 options: Options) -> Conversion:
+    """Make the map `output` from the file `base_map`, which may be the same.
+
+    The output is written even when nothing changes, so that it is newer than what it is made from.
+    Raises ConversionError or MapError; `output` is replaced only by a complete map.
+    """
+    base = MapDocument.load(base_map)
+    made = MapDocument.from_bytes(base.to_bytes(), os.fspath(output))
+    conversion = convert(graph, made, options)
+    made.save(output)
+    check_output(base, conversion, output)
+    return conversion
+
+
+def check_output(base: MapDocument, conversion: Conversion, output: str) -> None:
+    """Read the map `output` and compare it with what it was made of; raises ConversionError.
+
+    The objects must be those of `base` without the removed and with the added ones. All other
+    lines must be those of `base`; only with removed objects, lines about them may be missing.
+    """
+    made = MapDocument.load(output)
+    expected = Counter(map(_written, base.objects))
+    expected.subtract(map(_written, conversion.removed))
+    expected.update(map(_written, conversion.added))
+    if Counter(map(_written, made.objects)) != +expected:
+        raise ConversionError(f'{output}: the objects read back are not those that were written; '
+                              'write it to another disk and compare.')
+    left, right = _other_bytes(base), _other_bytes(made)
+    rest = iter(left)
+    only_fewer = all(line in rest for line in right)
+    if not only_fewer or (len(left) != len(right) and not conversion.removed):
+        raise ConversionError(f'{output}: lines of {base.name} that have nothing to do with the '
+                              'graph have changed; please report this.')
+
+
+def _places(graph: Graph, options: Options) -> List[MapObject]:
+    try:
+        return places(graph, options.dock_vertex, options.dock_heading)
+    except UnknownVertex as error:
+        raise ConversionError(f'The graph has no vertex {error.id}, which dock_vertex names; '
+                              'name the vertex of the dock, or none.') from error
+    except ValueError as error:
+        raise ConversionError(f'{error}.') from error
+
+
+def _clear(document: MapDocument, wanted: List[MapObject],
+           existing: ExistingGoals) -> List[MapObject]:
+    """Take out the goals and docks that are not to stay as they are, and tell which."""
+    if existing is ExistingGoals.KEEP:
+        return []
+    by_name = {place.name.lower(): _written(place) for place in wanted}
+    removed = []
+    for obj in document.goals + document.docks:
+        replacement = by_name.get(obj.name.lower())
+        if replacement == _written(obj):
+            continue
+        if replacement is not None or existing is ExistingGoals.DROP:
+            document.remove(obj)
+            removed.append(obj)
+    return removed
+
+
+def _new_warnings(document: MapDocument, known: Set[str], removed: List[MapObject]) -> List[str]:
+    """The warnings that the base map did not have; not those about objects that came back."""
+    back = [f'{obj.label!r}, which was removed' for obj in removed if document.find(obj.name)]
+    return [f'{warning.text[0].upper()}{warning.text[1:]}.' for warning in document.warnings
+            if warning.text not in known and not any(text in warning.text for text in back)]
+
+
+def _other_docks(document: MapDocument, wanted: List[MapObject]) -> List[str]:
+    if not any(place.is_dock for place in wanted):
+        return []
+    names = {place.name.lower() for place in wanted}
+    return [f'The map has another dock, {obj.label!r}: the robot may choose it when told to dock.'
+            for obj in document.docks if obj.name.lower() not in names]
+
+
+def _written(obj: MapObject) -> Tuple:
+    """What a map file tells of an object: kind, whole mm, degrees to six digits, texts."""
+    theta = round(obj.theta, 6) + 0.0
+    return (obj.kind, round(obj.x), round(obj.y), theta, obj.description, obj.name, obj.extent,
+            obj.tail)
+
+
+def _other_bytes(document: MapDocument) -> List[bytes]:
+    """All lines but those of active objects, and the sections."""
+    return ([record.raw for record in document.records if record.object is None]
+            + [section.raw.rstrip(b'\r\n') for section in document.sections])

@@ -1,0 +1,58 @@
+"""`omron_ros_map`: makes a `.map` file from a trajectory graph and a base map, once.
+
+With options it is a command line tool that needs no ROS master (`--help` lists them); started by
+roslaunch it reads the same as private parameters, converts, and ends: status 0 when the map is
+written, 1 when it could not be made.
+
+Parameters
+    ~graph (str): file of the trajectory graph (YAML)
+    ~base_map (str): `.map` file made with MobilePlanner
+    ~output (str): `.map` file to write
+    ~dock_vertex (int, none): vertex at which the robot docks
+    ~dock_heading (float, from the graph): heading in degrees that faces the station
+    ~existing_goals (str, replace): replace | keep | drop, for goals of the base map
+"""
+from __future__ import annotations
+
+import sys
+from typing import List, Optional
+
+from omron_ld90.graph import converter_cli
+from omron_ld90.graph.converter import ExistingGoals, Options
+
+
+def main(arguments: Optional[List[str]] = None) -> None:
+    """Run as a command or, when roslaunch or rosrun gave names or parameters, as a node."""
+    arguments = sys.argv[1:] if arguments is None else arguments
+    options = [argument for argument in arguments if ':=' not in argument]
+    as_node = len(options) < len(arguments) and not options
+    sys.exit(_run_node() if as_node else converter_cli.main(options))
+
+
+def _run_node() -> int:
+    import rospy
+
+    from omron_ld90.nodes.startup import ConfigurationError, choice, parameter
+
+    rospy.init_node('omron_ros_map')
+    try:
+        options = Options(
+            dock_vertex=parameter('~dock_vertex', kind=int) if _given('~dock_vertex') else None,
+            dock_heading=(parameter('~dock_heading', kind=float) if _given('~dock_heading')
+                          else None),
+            existing_goals=ExistingGoals(choice(
+                '~existing_goals', ExistingGoals.REPLACE.value,
+                tuple(existing.value for existing in ExistingGoals))))
+        converter_cli.run(
+            parameter('~graph'), parameter('~base_map'), parameter('~output'), options,
+            say=rospy.loginfo, warn=rospy.logwarn)
+    except (ConfigurationError, *converter_cli.ERRORS) as error:
+        rospy.logfatal('%s made no map: %s', rospy.get_name(), error)
+        return 1
+    return 0
+
+
+def _given(name: str) -> bool:
+    import rospy
+
+    return rospy.has_param(name)

@@ -1,0 +1,53 @@
+"""Graphs and maps that the converter's tests share."""
+from __future__ import annotations
+
+import importlib.util
+import math
+from pathlib import Path
+from typing import Iterable, Tuple
+
+import pytest
+
+from omron_ld90.maps import MapDocument
+from trajectory_graph import Edge, Graph, Vertex
+
+REPOSITORY = Path(__file__).resolve().parents[4]
+LAB = REPOSITORY / 'maps'
+REAL_MAPS = REPOSITORY.parent / 'shared' / 'maps'
+
+EMPTY_MAP = b'''2D-Map
+MapInfo: GoalType Name=Goal
+MapInfo: DockType "Name=DockLynx"
+RouteInfo: GoalAfter "Pick"
+%sDATA
+'''
+
+
+def map_with(*cairns: str) -> MapDocument:
+    """A map without walls that holds these objects, e.g. `Goal 1000 2000 0 "" ICON "3"`."""
+    lines = ''.join(f'Cairn: {cairn}\n' for cairn in cairns)
+    return MapDocument.from_bytes(EMPTY_MAP % lines.encode(), 'base.map')
+
+
+def graph_of(vertices: Iterable[Tuple], edges: Iterable[Tuple[int, int]]) -> Graph:
+    """Straight edges, numbered from 1, between vertices (id, x m, y m[, heading degrees])."""
+    return Graph([Vertex(id, x, y, math.radians(heading[0] if heading else 0.0))
+                  for id, x, y, *heading in vertices],
+                 [Edge(id, *ends) for id, ends in enumerate(edges, 1)])
+
+
+def lab_generator():
+    """The module `maps/make_lab.py`."""
+    spec = importlib.util.spec_from_file_location('make_lab', str(LAB / 'make_lab.py'))
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def real_maps() -> list:
+    """Parameters for a test of every real robot's map; one that skips where they are not."""
+    paths = sorted(REAL_MAPS.glob('*.map'))
+    if not paths:
+        reason = f'no real maps in {REAL_MAPS}'
+        return [pytest.param(None, marks=pytest.mark.skip(reason=reason))]
+    return [pytest.param(path, id=path.stem) for path in paths]
