@@ -7,10 +7,11 @@ import unittest
 
 import rospy
 import rostest
-from omron_ld90_msgs.msg import LinkState
 from std_msgs.msg import String
-from system_support import Recorder, connected_publisher, wait_until
 from visualization_msgs.msg import Marker, MarkerArray
+
+from omron_ld90_msgs.msg import LinkState
+from system_support import Recorder, connected_publisher, wait_until
 
 VERTICES = {'1', '2', '4', '6', '8', '10', '12', '14', '18', '20', '22', '24', '26', '27', '32',
             '33', '35', '39', '40', '41', '42', '47', '49', '52'}
