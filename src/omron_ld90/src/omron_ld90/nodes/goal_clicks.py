@@ -1,13 +1,10 @@
-"""What a click on the map means: which goal or dock it hits, and whether it may move the robot.
-
-No ROS here; metres in the map frame, and seconds of any steady clock.
-"""
+"""What a click on the map means: which goal or dock it hits. Metres, in the map frame; no ROS."""
 from __future__ import annotations
 
 import enum
 import math
 from dataclasses import dataclass
-from typing import Iterable, List, Optional, Sequence
+from typing import Iterable, List, Optional
 
 from omron_ld90.arcl import quote
 from omron_ld90.maps import MapDocument
@@ -72,33 +69,3 @@ def explain_miss(click: Click, tolerance: float) -> str:
         return 'Nothing there: the map has no goal and no dock.'
     return (f'Nothing within {tolerance:.2f} m of the click: '
             f'{click.target} is the nearest, {click.distance:.2f} m away.')
-
-
-class RouteWatch:
-    """Tells from the states of routes whether the fleet is driving the robot.
-
-    A running route is reported ten times a second, so one that was not heard of for `SILENCE`
-    seconds is over: the bridge is gone, or its link to this computer is.
-    """
-
-    SILENCE = 3.0
-    COMPLETE = 2
-    FAILED = 3
-
-    def __init__(self) -> None:
-        self._running: Optional[int] = None
-        self._heard = -math.inf
-
-    def update(self, route_id: int, edge_states: Sequence[int], now: float) -> None:
-        """Take in one message: the state of every edge, in order, heard at `now`."""
-        failed = any(state == self.FAILED for state in edge_states)
-        finished = all(state == self.COMPLETE for state in edge_states)
-        if not failed and not finished:
-            self._running, self._heard = route_id, now
-        elif route_id == self._running or not failed:
-            self._running = None
-        # What is left is another route's refusal, which leaves the running one alone.
-
-    def running(self, now: float) -> Optional[int]:
-        """The id of the route being driven at `now`, or None."""
-        return self._running if now - self._heard <= self.SILENCE else None

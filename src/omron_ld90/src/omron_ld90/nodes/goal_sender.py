@@ -42,13 +42,13 @@ from omron_ld90.maps import MapDocument, MapError
 from omron_ld90.nodes import startup
 from omron_ld90.nodes.arcl_news import NewsReader, Tone
 from omron_ld90.nodes.goal_clicks import (
-    RouteWatch,
     Target,
     explain_miss,
     resolve_click,
     targets_of,
 )
 from omron_ld90.nodes.interactive_goals import Action, InteractiveGoals
+from omron_ld90.nodes.route_watch import RouteWatch
 from omron_ld90.nodes.units import millimetres, yaw_from_quaternion
 from omron_ld90.nodes.user_feedback import UserFeedback
 from omron_ld90_msgs.msg import CommandRefused, LinkState

@@ -6,8 +6,8 @@ from typing import List, Optional, Sequence
 from geometry_msgs.msg import Point
 from visualization_msgs.msg import Marker, MarkerArray
 
-from itrci_nav_msgs.msg import EdgeState
 from omron_ld90.nodes import drawing
+from omron_ld90.nodes.route_watch import COMPLETE, FAILED, EdgeProgress
 from trajectory_graph import Curve, Graph
 
 STEP = 0.1  # m between the points of a drawn curve
@@ -15,11 +15,11 @@ GRAPH_Z, ROUTE_Z = 0.02, 0.03
 EDGE_WIDTH, ROUTE_WIDTH = 0.03, 0.09
 RING, END_RING, DOCK_RING = 0.24, 0.31, 0.38  # m, radii around vertices
 GRAPH = drawing.colour(0.68, 0.60, 0.95)
+CURRENT = drawing.colour(1.0, 0.85, 0.15)
 COMING = drawing.colour(0.30, 0.60, 1.0)
-ROUTE_COLOURS = {
-    EdgeState.COMPLETE: drawing.colour(0.25, 0.75, 0.35),
-    EdgeState.PROCESSING: drawing.colour(1.0, 0.85, 0.15),
-    EdgeState.FAILED: drawing.colour(1.0, 0.25, 0.2),
+ENDED = {
+    COMPLETE: drawing.colour(0.25, 0.75, 0.35),
+    FAILED: drawing.colour(1.0, 0.25, 0.2),
 }
 
 
@@ -52,7 +52,7 @@ def graph_markers(graph: Optional[Graph], dock_vertex: int, frame: str) -> Marke
     return drawing.complete([edges, heads, rings, *names])
 
 
-def route_markers(graph: Optional[Graph], route: Sequence[EdgeState], frame: str) -> MarkerArray:
+def route_markers(graph: Optional[Graph], route: Sequence[EdgeProgress], frame: str) -> MarkerArray:
     """The route's edges in driving direction: done green, current yellow, coming blue, failed red.
 
     The current edge is the first that is not complete. Edges that the graph does not know are left
@@ -61,13 +61,12 @@ def route_markers(graph: Optional[Graph], route: Sequence[EdgeState], frame: str
     if graph is None:
         return drawing.complete([])
     markers: List[Marker] = []
-    current = next((edge for edge in route if edge.state != EdgeState.COMPLETE), None)
+    current = next((edge for edge in route if edge.state != COMPLETE), None)
     for index, edge in enumerate(route):
-        if abs(edge.edge_id) not in graph.edges:
+        if abs(edge.edge) not in graph.edges:
             continue
-        coming = edge.state == EdgeState.PROCESSING and edge is not current
-        paint = COMING if coming else ROUTE_COLOURS.get(edge.state, COMING)
-        curve = graph.curve(edge.edge_id)
+        paint = ENDED.get(edge.state, CURRENT if edge is current else COMING)
+        curve = graph.curve(edge.edge)
         line = drawing.shape(Marker.LINE_STRIP, frame, 'route', paint, (ROUTE_WIDTH, 0.0, 0.0),
                              index)
         line.points = drawing.points(curve.sample(STEP).tolist(), ROUTE_Z)

@@ -42,7 +42,7 @@ from omron_ld90.maps import MapDocument, MapError
 from omron_ld90.nodes import drawing, startup
 from omron_ld90.nodes.goal_clicks import TargetKind, targets_of
 from omron_ld90.nodes.route_markers import graph_markers, route_markers
-from omron_ld90.nodes.route_view import RouteView
+from omron_ld90.nodes.route_watch import EdgeProgress, RouteView
 from omron_ld90.nodes.status_markers import status_markers, status_words
 from omron_ld90_msgs.msg import LinkState, RobotStatus
 from trajectory_graph import Graph, TrajectoryGraphError, load_graph
@@ -119,7 +119,8 @@ class RouteVisualisation:
 
     def _on_route(self, message: ExecutionRouteStates) -> None:
         with self._lock:
-            if self._route.update(message.route_id, message.edge_states, time.monotonic()):
+            edges = [EdgeProgress(edge.edge_id, edge.state) for edge in message.edge_states]
+            if self._route.update(message.route_id, edges, time.monotonic()):
                 self._publish_route.publish(
                     route_markers(self._graph, self._route.shown, self._frame))
 
