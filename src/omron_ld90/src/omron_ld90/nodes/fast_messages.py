@@ -34,7 +34,7 @@ class PointsMarker(Marker):
         _write(buff, plain.getbuffer(), _AFTER_POINTS, self.array)
 
     def to_plain(self) -> Marker:
-        """The same marker with a list of Point objects."""
+        """The same marker with a list of Point objects, as a MarkerArray needs it."""
         fields = {name: getattr(self, name) for name in self.__slots__}
         fields['points'] = [Point(*row) for row in self.array.tolist()]
         return Marker(**fields)

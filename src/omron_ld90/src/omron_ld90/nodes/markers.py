@@ -108,8 +108,9 @@ def forbidden_areas(document: MapDocument, header: Header) -> MarkerArray:
     ends = [((line.extent.from_x, line.extent.from_y), (line.extent.to_x, line.extent.to_y))
             for line in document.forbidden_lines]
     if ends:
-        markers.append(_many(header, 'forbidden_lines', Marker.LINE_LIST, ORANGE_EDGE,
-                             Vector3(FENCE_WIDTH, 0.0, 0.0), np.reshape(ends, (-1, 2)), AREA_Z))
+        fence = _many(header, 'forbidden_lines', Marker.LINE_LIST, ORANGE_EDGE,
+                      Vector3(FENCE_WIDTH, 0.0, 0.0), np.reshape(ends, (-1, 2)), AREA_Z)
+        markers.append(fence.to_plain())
     return _array(header, markers)
 
 
@@ -118,9 +119,9 @@ def sectors(document: MapDocument, header: Header) -> MarkerArray:
     markers: List[Marker] = []
     for number, sector in enumerate(document.sectors):
         outline = sector.outline
-        markers.append(_many(header, 'sectors', Marker.LINE_STRIP, VIOLET,
-                             Vector3(LINE_WIDTH, 0.0, 0.0), np.concatenate((outline, outline[:1])),
-                             AREA_Z, number))
+        edge = _many(header, 'sectors', Marker.LINE_STRIP, VIOLET, Vector3(LINE_WIDTH, 0.0, 0.0),
+                     np.concatenate((outline, outline[:1])), AREA_Z, number)
+        markers.append(edge.to_plain())
         if sector.label:
             name = _one(header, 'sector_names', number, Marker.TEXT_VIEW_FACING, VIOLET,
                         Vector3(0.0, 0.0, TEXT_HEIGHT * 0.7))
