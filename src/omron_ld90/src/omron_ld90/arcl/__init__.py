@@ -1,6 +1,23 @@
 """ARCL, the text protocol of OMRON mobile robots, without ROS: every public name, in one place."""
 from __future__ import annotations
 
+from omron_ld90.arcl.client import Client
+from omron_ld90.arcl.commands import COMMANDS, Category, Command, CommandSpec, printable, quote
+from omron_ld90.arcl.errors import (
+    ArclError,
+    Busy,
+    ConnectionFailed,
+    ConnectionLost,
+    InvalidCommand,
+    LineTooLong,
+    LinkError,
+    NotConnected,
+    PeerSilent,
+    WrongPassword,
+)
+from omron_ld90.arcl.execution import Execution, Outcome, Result
+from omron_ld90.arcl.link import Backoff, Link, LinkPhase
+from omron_ld90.arcl.listener import Listener
 from omron_ld90.arcl.parser import parse_line
 from omron_ld90.arcl.replies import (
     ArrivedAt,
@@ -70,18 +87,23 @@ from omron_ld90.arcl.replies import (
     WillDoTask,
     same_name,
 )
+from omron_ld90.arcl.session import Closed, HelpList, LoggedIn, Received, Session, State
 
 __all__ = [
-    'ArrivedAt', 'ArrivedAtPoint', 'BatteryVoltage', 'CommandError', 'CommandErrorDescription',
-    'CompletedInstantTask', 'CompletedMacro', 'CompletedTask', 'ConfigErrors', 'ConfigValue',
-    'ConfigurationChanged', 'DateTime', 'DistanceBetween', 'DockingState', 'DockingStatus',
-    'DoingTask', 'Done', 'EStop', 'Echo', 'EndOf', 'ExecutingList', 'ExecutingMacro',
-    'ExtendedStatus', 'FailedGoingTo', 'Fault', 'FinishedList', 'FinishedPatrolling', 'Goal',
-    'GoingTo', 'GoingToPoint', 'HelpEntry', 'Input', 'Interrupted', 'Item', 'LapCompleted',
-    'LocalizationScore', 'Localizing', 'Location', 'Macro', 'MapChanged', 'MapObjectCoord',
-    'MapObjectName', 'Motors', 'Notice', 'Odometer', 'OneLineStatus', 'Parking', 'Patrolling',
-    'PauseState', 'RangeDevice', 'RangeReading', 'Reply', 'RobotError', 'Route',
-    'ServerClosing', 'SetUpError', 'StateOfCharge', 'StatusText', 'Stopped', 'Stopping',
-    'Temperature', 'UnknownCommand', 'UnknownLine', 'WaitState', 'WillDoTask', 'parse_line',
-    'same_name',
+    'ArclError', 'ArrivedAt', 'ArrivedAtPoint', 'Backoff', 'BatteryVoltage', 'Busy', 'COMMANDS',
+    'Category', 'Client', 'Closed', 'Command', 'CommandError', 'CommandErrorDescription',
+    'CommandSpec', 'CompletedInstantTask', 'CompletedMacro', 'CompletedTask', 'ConfigErrors',
+    'ConfigValue', 'ConfigurationChanged', 'ConnectionFailed', 'ConnectionLost', 'DateTime',
+    'DistanceBetween', 'DockingState', 'DockingStatus', 'DoingTask', 'Done', 'EStop', 'Echo',
+    'EndOf', 'ExecutingList', 'ExecutingMacro', 'Execution', 'ExtendedStatus', 'FailedGoingTo',
+    'Fault', 'FinishedList', 'FinishedPatrolling', 'Goal', 'GoingTo', 'GoingToPoint',
+    'HelpEntry', 'HelpList', 'Input', 'Interrupted', 'InvalidCommand', 'Item', 'LapCompleted',
+    'LineTooLong', 'Link', 'LinkError', 'LinkPhase', 'Listener', 'LocalizationScore',
+    'Localizing', 'Location', 'LoggedIn', 'Macro', 'MapChanged', 'MapObjectCoord',
+    'MapObjectName', 'Motors', 'NotConnected', 'Notice', 'Odometer', 'OneLineStatus', 'Outcome',
+    'Parking', 'Patrolling', 'PauseState', 'PeerSilent', 'RangeDevice', 'RangeReading',
+    'Received', 'Reply', 'Result', 'RobotError', 'Route', 'ServerClosing', 'Session',
+    'SetUpError', 'State', 'StateOfCharge', 'StatusText', 'Stopped', 'Stopping', 'Temperature',
+    'UnknownCommand', 'UnknownLine', 'WaitState', 'WillDoTask', 'WrongPassword', 'parse_line',
+    'printable', 'quote', 'same_name',
 ]

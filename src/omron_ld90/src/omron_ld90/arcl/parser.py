@@ -43,7 +43,7 @@ def parse_line(text: str) -> Reply:
 
 
 # %15s%10s%s: a name, ten blanks, what it does
-_HELP_ENTRY = re.compile(r'\s*(\S+) {10}(\S.*)$')
+_HELP_ENTRY = re.compile(r'\s*(\S+) {10}(.*)$')
 
 
 # --- builders: the text after the phrase -> reply; ValueError where it does not fit --------------
@@ -101,7 +101,8 @@ _STATUS_FIELDS: Dict[str, Tuple[str, Builder]] = {
     'localizationscore': ('localization_score', _measured(r.LocalizationScore)),
     'temperature': ('temperature', _temperature),
 }
-_STATUS_KEYWORD = re.compile(r'(?:^| )(%s):(?: |$)' % '|'.join(_STATUS_FIELDS), re.IGNORECASE)
+_STATUS_KEYWORD = re.compile(
+    rf'(?:^| )({"|".join(_STATUS_FIELDS)}):(?: |$)', re.IGNORECASE)
 
 
 def _one_line_status(first: str) -> Builder:

@@ -1,8 +1,8 @@
 """What the robot says: one frozen dataclass per kind of line.
 
-Lengths are mm, angles degrees, in the robot's map frame, as ARCL gives them; `omron_ld90.nodes.units`
-turns them into SI at the ROS border. Names (goals, routes, ...) are spelt as the robot spelt them:
-compare them with `same_name`, for the robot itself does not respect case.
+Lengths are mm, angles degrees, in the robot's map frame, as ARCL gives them (the ROS nodes turn
+them into SI). Names (goals, routes, ...) are spelt as the robot spelt them: compare them with
+`same_name`, for the robot itself does not respect case.
 """
 from __future__ import annotations
 
@@ -446,7 +446,7 @@ class RangeDevice(Reply):
 
 @dataclass(frozen=True)
 class Item(Reply):
-    """An item of a list that needs no closer reading; `prefix` is the robot's, without the colon."""
+    """An item of a list that needs no closer reading; `prefix` is what stands before the colon."""
 
     prefix: str
     text: str

@@ -1,0 +1,152 @@
+"""The connection that the robot opens to us: take it, keep it alive, hand on its lines."""
+from __future__ import annotations
+
+import logging
+import selectors
+import socket
+import threading
+import time
+from typing import Any, Callable, Optional
+
+from omron_ld90.arcl.connection import Connection, Waker, reason_of
+from omron_ld90.arcl.errors import ConnectionLost, LinkError, PeerSilent
+from omron_ld90.arcl.link import Link, LinkPhase
+from omron_ld90.arcl.session import Closed, Received, Session
+
+KEEP_ALIVE = 2.0  # s; the robot drops a listener that is silent for 6 s by default
+_TICK = 0.2  # s
+_MOST_UNSENT = 64  # bytes of keep-alive to a robot that does not read
+_log = logging.getLogger(__name__)
+
+
+class Listener:
+    """Waits for the robot's outgoing connection until `close`; the last connection counts.
+
+    robot: name or address of the only host that may connect. on_line(Received): a line came.
+    on_link(Link): the link changed. on_refused(str): somebody else, with this address, was turned
+    away. silence: seconds without a byte after which the connection counts as dead.
+    Raises OSError where it cannot listen at (bind, port).
+    """
+
+    def __init__(self, bind: str, port: int, robot: str, *,
+                 on_line: Optional[Callable[[Received], None]] = None,
+                 on_link: Optional[Callable[[Link], None]] = None,
+                 on_refused: Optional[Callable[[str], None]] = None,
+                 trace: Optional[Callable[[str, bytes], None]] = None,
+                 silence: float = 4.0) -> None:
+        self._robot = robot
+        self._on_line = on_line
+        self._on_link = on_link
+        self._on_refused = on_refused
+        self._trace = trace
+        self._silence = silence
+        self._closing = threading.Event()
+        self._waker = Waker()
+        self._socket = socket.create_server((bind, port), backlog=4)
+        self._socket.setblocking(False)
+        self.port: int = self._socket.getsockname()[1]
+        self.link = Link(LinkPhase.DISCONNECTED, robot, 'the robot has not connected yet')
+        self._connection: Optional[Connection] = None
+        self._session = Session(None)
+        self._heard = self._spoken = 0.0
+        self._thread = threading.Thread(target=self._run, name='arcl-listener', daemon=True)
+
+    def start(self) -> Listener:
+        """Begins to listen."""
+        self._thread.start()
+        return self
+
+    def __enter__(self) -> Listener:
+        return self.start()
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Closes the connection and stops listening. Takes well under a second."""
+        self._closing.set()
+        self._waker.wake()
+        if threading.current_thread() is not self._thread:
+            self._thread.join(1.0)
+
+    # --- the listener's thread -------------------------------------------------------------------
+
+    def _run(self) -> None:
+        self._call(self._on_link, self.link)
+        with self._socket, selectors.DefaultSelector() as selector:
+            self._selector = selector
+            selector.register(self._socket, selectors.EVENT_READ)
+            selector.register(self._waker.reader, selectors.EVENT_READ)
+            while not self._closing.is_set():
+                ready = [key.fileobj for key, _ in selector.select(_TICK)]
+                if self._socket in ready:
+                    self._accept()
+                if self._connection:
+                    self._serve(time.monotonic())
+            self._drop(ConnectionLost('closed by us'))
+        self._waker.close()
+
+    def _accept(self) -> None:
+        try:
+            accepted, address = self._socket.accept()
+        except OSError as error:  # it was gone again, or there are no descriptors left
+            _log.warning('A connection could not be taken: %s.', reason_of(error))
+            return
+        if not self._is_robot(address[0]):
+            accepted.close()
+            self._call(self._on_refused, address[0])
+            return
+        self._drop(ConnectionLost('the robot connected anew'))
+        self._connection = Connection(accepted)
+        self._session = Session(None)
+        self._heard = self._spoken = time.monotonic()
+        self._selector.register(accepted, selectors.EVENT_READ)
+        self._set_link(Link(LinkPhase.CONNECTED, '{}:{}'.format(*address[:2])))
+
+    def _is_robot(self, address: str) -> bool:
+        try:
+            return address in {entry[4][0] for entry in socket.getaddrinfo(self._robot, None)}
+        except OSError as error:
+            _log.warning('The name %s has no address: %s.', self._robot, reason_of(error))
+            return False
+
+    def _serve(self, now: float) -> None:
+        try:
+            data = self._connection.receive()
+            if data is None:
+                if now - self._heard > self._silence:
+                    raise PeerSilent(now - self._heard)
+            else:
+                self._heard = now
+                for event in self._session.receive(data) if data else self._session.receive_eof():
+                    if isinstance(event, Closed):
+                        raise event.cause
+                    if self._trace:
+                        self._trace('S', event.raw)
+                    self._call(self._on_line, event)
+            if now - self._spoken > KEEP_ALIVE:
+                self._spoken = now
+                self._connection.send(b'\n' if len(self._connection.unsent) < _MOST_UNSENT else b'')
+        except LinkError as error:
+            self._drop(error)
+        except OSError as error:
+            self._drop(ConnectionLost(f'the connection broke: {reason_of(error)}'))
+
+    def _drop(self, cause: LinkError) -> None:
+        if self._connection:
+            self._selector.unregister(self._connection.socket)
+            self._connection.close()
+            self._connection = None
+            self._set_link(Link(LinkPhase.DISCONNECTED, self.link.peer, str(cause)))
+
+    def _set_link(self, link: Link) -> None:
+        self.link = link
+        self._call(self._on_link, link)
+
+    def _call(self, callback: Optional[Callable[..., None]], *arguments: Any) -> None:
+        """A caller's mistake in a callback must not end the connection: it is logged."""
+        if callback:
+            try:
+                callback(*arguments)
+            except Exception:
+                _log.exception('A callback of the ARCL listener failed.')

@@ -1,0 +1,180 @@
+"""One connection as a state machine without I/O: bytes in, events out.
+
+There are two kinds. On port 7171 the robot asks for a password and lists its commands first; the
+connection that the robot opens itself (7179) speaks at once. In both, `receive` takes what came
+from the socket and returns what it means, and `output` holds what is to be sent for the session's
+own part: the password, and `echo off`.
+"""
+from __future__ import annotations
+
+import re
+from enum import Enum
+from typing import Dict, List, Mapping, NamedTuple, Optional, Tuple, Type, Union
+
+from omron_ld90.arcl.errors import (
+    ConnectionFailed,
+    ConnectionLost,
+    LineTooLong,
+    LinkError,
+    WrongPassword,
+)
+from omron_ld90.arcl.framing import LONGEST_LINE, LineBuffer
+from omron_ld90.arcl.parser import parse_line
+from omron_ld90.arcl.replies import HelpEntry, Item, Reply, ServerClosing, UnknownLine
+
+
+class State(Enum):
+    """Where a session is."""
+
+    AWAITING_PROMPT = 'awaiting the prompt'
+    LOGGING_IN = 'logging in'
+    DRAINING_HELP_LIST = 'reading the help list'
+    READY = 'ready'
+    CLOSED = 'closed'
+
+
+# The login: which line takes a state to the next. Facts: transcript 1 of a real LD-90.
+_LOGIN: Dict[State, Tuple[bytes, State]] = {
+    State.AWAITING_PROMPT: (b'enter password:', State.LOGGING_IN),
+    State.LOGGING_IN: (b'welcome to the server.', State.DRAINING_HELP_LIST),
+    State.DRAINING_HELP_LIST: (b'end of commands', State.READY),
+}
+
+# What it means when the peer closes the connection. Facts: on a wrong password without a word.
+_CLOSED_WHILE: Dict[State, Tuple[Type[LinkError], str]] = {
+    State.AWAITING_PROMPT: (ConnectionFailed, 'the robot closed the connection before the login'),
+    State.LOGGING_IN: (WrongPassword, 'the robot refused the password'),
+    State.DRAINING_HELP_LIST: (ConnectionLost, 'the robot closed the connection in the login'),
+    State.READY: (ConnectionLost, 'the robot closed the connection'),
+}
+
+_LONGEST_HELP_LIST = 2000
+_SHORTCUT = re.compile(r'\[(\w+)\]\s*$')
+
+
+class HelpList:
+    """The commands that the robot has, by its own help list; names are compared without case."""
+
+    def __init__(self, descriptions: Mapping[str, str]) -> None:
+        self.descriptions = dict(descriptions)
+        self._names = {name.lower(): name for name in descriptions}
+        for name, description in descriptions.items():
+            shortcut = _SHORTCUT.search(description)
+            if shortcut:
+                self._names.setdefault(shortcut.group(1).lower(), name)
+
+    def full_name(self, name: str) -> Optional[str]:
+        """The command that `name`, or the shortcut `name`, stands for; None if there is none."""
+        return self._names.get(name.lower())
+
+    def __len__(self) -> int:
+        return len(self.descriptions)
+
+
+class LoggedIn(NamedTuple):
+    """The session is ready for commands."""
+
+    help: HelpList
+
+
+class Received(NamedTuple):
+    """A line of the robot: exactly as received, and what it means."""
+
+    raw: bytes
+    reply: Reply
+
+    @property
+    def text(self) -> str:
+        """The line for people; what is no UTF-8 is replaced."""
+        return self.raw.decode('utf-8', 'replace')
+
+
+class Closed(NamedTuple):
+    """The session is over, always the last event."""
+
+    cause: LinkError
+
+
+Event = Union[LoggedIn, Received, Closed]
+
+
+class Session:
+    """The client's end of one connection; with `password` None the kind without login."""
+
+    def __init__(self, password: Optional[bytes], longest_line: int = LONGEST_LINE) -> None:
+        self.state = State.READY if password is None else State.AWAITING_PROMPT
+        self._password = password
+        self._lines = LineBuffer(longest_line)
+        self._output = bytearray()
+        self._help: Dict[str, str] = {}
+        self._last_words = ''
+
+    def receive(self, data: bytes) -> List[Event]:
+        """What `data` from the socket means."""
+        if self.state is State.CLOSED:
+            return []
+        events: List[Event] = []
+        lines = self._lines.feed(data)
+        if self.state is not State.READY:
+            lines = self._log_in(lines, events)
+        events += [Received(raw, parse_line(raw.decode('utf-8', 'replace'))) for raw in lines]
+        if lines and isinstance(events[-1].reply, ServerClosing):
+            self._last_words = events[-1].reply.text
+        if self._lines.overflowed and self.state is not State.CLOSED:
+            events.append(self._close(LineTooLong(self._lines.limit)))
+        return events
+
+    def receive_eof(self) -> List[Event]:
+        """What it means that the peer closed the connection now."""
+        if self.state is State.CLOSED:
+            return []
+        kind, reason = _CLOSED_WHILE[self.state]
+        if self._last_words:
+            reason += f', saying "{self._last_words}"'
+        return [self._close(kind(reason))]
+
+    def take_output(self) -> bytes:
+        """What the session itself has to say to the robot; empties it."""
+        output = bytes(self._output)
+        self._output.clear()
+        return output
+
+    def _log_in(self, lines: List[bytes], events: List[Event]) -> List[bytes]:
+        """Takes the lines of the login; returns those that came after it."""
+        for index, raw in enumerate(lines):
+            awaited, following = _LOGIN[self.state]
+            if raw.strip().lower() == awaited:
+                self.state = following
+                self._last_words = ''
+                if following is State.LOGGING_IN:
+                    self._output += self._password + b'\n'
+                elif following is State.READY:
+                    help_list = HelpList(self._help)
+                    if help_list.full_name('echo'):
+                        self._output += b'echo off\n'
+                    events.append(LoggedIn(help_list))
+                    return lines[index + 1:]
+            elif self.state is State.AWAITING_PROMPT:
+                self._last_words = raw[:100].decode('ascii', 'replace')
+            elif self.state is State.LOGGING_IN and raw.strip().lower() == b'enter password:':
+                events.append(self._close(WrongPassword(_CLOSED_WHILE[State.LOGGING_IN][1])))
+                return []
+            elif self.state is State.DRAINING_HELP_LIST:
+                self._read_help(raw, events)
+                if len(self._help) > _LONGEST_HELP_LIST:
+                    events.append(self._close(
+                        ConnectionFailed('the help list of the robot does not end')))
+                    return []
+        return []
+
+    def _read_help(self, raw: bytes, events: List[Event]) -> None:
+        """An entry of the help list, or a line of another client's doings between two entries."""
+        reply = parse_line(raw.decode('utf-8', 'replace'))
+        if isinstance(reply, HelpEntry):
+            self._help[reply.name] = reply.description
+        elif not isinstance(reply, (UnknownLine, Item)):
+            events.append(Received(raw, reply))
+
+    def _close(self, cause: LinkError) -> Closed:
+        self.state = State.CLOSED
+        return Closed(cause)
