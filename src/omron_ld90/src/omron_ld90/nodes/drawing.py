@@ -61,11 +61,14 @@ def circle(centre: XY, radius: float, corners: int = 24) -> list[XY]:
 
 
 def arrowhead(tip: XY, yaw: float, length: float, z: float) -> list[Point]:
-    """The triangle (for TRIANGLE_LIST) of an arrow that points along `yaw` and ends at `tip`."""
+    """The triangle (for TRIANGLE_LIST) of an arrow that points along `yaw` and ends at `tip`.
+
+    Counter-clockwise seen from above: RViz leaves the other side in the dark.
+    """
     back = [(tip[0] - length * math.cos(yaw) + side * 0.5 * length * math.sin(yaw),
              tip[1] - length * math.sin(yaw) - side * 0.5 * length * math.cos(yaw))
-            for side in (1.0, -1.0)]
-    return points([tip, back[0], back[1]], z)
+            for side in (-1.0, 1.0)]
+    return points([tip, *back], z)
 
 
 def complete(markers: Iterable[Marker]) -> MarkerArray:

@@ -4,7 +4,9 @@ from __future__ import annotations
 import enum
 import math
 from dataclasses import dataclass
-from typing import Iterable, List, Optional
+from typing import Iterable, List, Optional, Tuple
+
+import numpy as np
 
 from omron_ld90.arcl import quote
 from omron_ld90.maps import MapDocument
@@ -43,6 +45,12 @@ def targets_of(document: MapDocument) -> List[Target]:
         Target(TargetKind.DOCK if item.is_dock else TargetKind.GOAL, item.name,
                metres(item.x), metres(item.y), item.theta if item.has_heading else None)
         for item in document.objects if item.is_goal or item.is_dock]
+
+
+def extent_in_x(document: MapDocument) -> Tuple[float, float]:
+    """The westernmost and easternmost x (m) of what the robot's laser saw; infinite without any."""
+    xs = np.concatenate([document.points[:, 0], document.lines[:, ::2].ravel()])
+    return (metres(xs.min()), metres(xs.max())) if xs.size else (-math.inf, math.inf)
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ Subscribes
 Publishes
     send_command (std_msgs/String)
     user_feedback (std_msgs/String): what happened, in a sentence
-    feedback_marker (visualization_msgs/Marker): the same as text in RViz
+    feedback_markers (visualization_msgs/MarkerArray): the same as text in RViz
     interactive_goals/update, update_full (visualization_msgs/InteractiveMarker...)
 Parameters
     ~click_tolerance  float   0.5 m  a click farther than this from every goal and dock is a miss
@@ -44,6 +44,7 @@ from omron_ld90.nodes.arcl_news import NewsReader, Tone
 from omron_ld90.nodes.goal_clicks import (
     Target,
     explain_miss,
+    extent_in_x,
     resolve_click,
     targets_of,
 )
@@ -74,8 +75,7 @@ class GoalSender:
         self._heading: Optional[float] = None  # degrees
 
         self._feedback = UserFeedback(self._map_frame, base_frame)
-        self._handles = InteractiveGoals(
-            self._map_frame, base_frame, 2 * self._tolerance, self._on_handle)
+        self._handles = InteractiveGoals(self._map_frame, base_frame, self._on_handle)
         self._buffer = tf2_ros.Buffer()
         self._listener = tf2_ros.TransformListener(self._buffer)
         self._commands = rospy.Publisher('send_command', String, queue_size=10, tcp_nodelay=True)
@@ -95,7 +95,9 @@ class GoalSender:
         targets = None
         if message.data:
             try:
-                targets = targets_of(MapDocument.load(message.data))
+                document = MapDocument.load(message.data)
+                targets = targets_of(document)
+                self._feedback.stay_within(*extent_in_x(document))
             except MapError as error:
                 rospy.logerr('Clicks do nothing: %s', error)
         with self._lock:

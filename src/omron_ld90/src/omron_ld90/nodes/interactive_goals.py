@@ -8,7 +8,6 @@ from __future__ import annotations
 import enum
 from typing import Callable, Dict, Iterable, Optional
 
-from geometry_msgs.msg import Pose
 from interactive_markers.interactive_marker_server import InteractiveMarkerServer
 from interactive_markers.menu_handler import MenuHandler
 from std_msgs.msg import ColorRGBA
@@ -19,14 +18,18 @@ from visualization_msgs.msg import (
     Marker,
 )
 
+from omron_ld90.nodes import drawing
 from omron_ld90.nodes.goal_clicks import Target, TargetKind
 
 ROBOT_HANDLE = 'robot'
 HANDLE_COLOURS = {
-    TargetKind.GOAL: ColorRGBA(0.2, 0.85, 0.3, 0.35),
-    TargetKind.DOCK: ColorRGBA(0.2, 0.75, 0.85, 0.45),
+    TargetKind.GOAL: drawing.colour(0.2, 0.85, 0.3, 0.3),
+    TargetKind.DOCK: drawing.colour(0.2, 0.75, 0.85, 0.4),
 }
-STOP_COLOUR = ColorRGBA(0.9, 0.1, 0.1, 0.9)
+HANDLE_SIZE = 0.7  # m, across
+HANDLE_Z = 0.1  # m: above the square and the ring, so that the mouse finds the handle
+STOP_SIZE, STOP_Z = 0.24, 0.6
+STOP_COLOUR = drawing.colour(0.9, 0.1, 0.1, 0.9)
 
 
 class Action(enum.Enum):
@@ -54,9 +57,9 @@ class InteractiveGoals:
     robot's own handle.
     """
 
-    def __init__(self, map_frame: str, base_frame: str, size: float,
+    def __init__(self, map_frame: str, base_frame: str,
                  act: Callable[[Action, Optional[Target]], None]) -> None:
-        self._map_frame, self._base_frame, self._size = map_frame, base_frame, size
+        self._map_frame, self._base_frame = map_frame, base_frame
         self._act = act
         self._server = InteractiveMarkerServer('interactive_goals')
         self._menus: Dict[str, MenuHandler] = {}
@@ -66,12 +69,12 @@ class InteractiveGoals:
         for name in [name for name in self._menus if name != ROBOT_HANDLE]:
             self._remove(name)
         for index, target in enumerate(targets):
-            marker = InteractiveMarker(name=f'{target.kind.value} {index}', scale=self._size)
+            marker = InteractiveMarker(name=f'{target.kind.value} {index}', scale=HANDLE_SIZE)
             marker.description = ''
             marker.header.frame_id = self._map_frame
             marker.pose.position.x, marker.pose.position.y = target.x, target.y
             marker.pose.orientation.w = 1.0
-            disc = _flat(Marker.CYLINDER, self._size, HANDLE_COLOURS[target.kind])
+            disc = _flat(Marker.CYLINDER, HANDLE_SIZE, HANDLE_Z, HANDLE_COLOURS[target.kind])
             self._insert(marker, [disc], LEFT_CLICK[target.kind], MENUS[target.kind], target)
         self._server.applyChanges()
 
@@ -83,8 +86,7 @@ class InteractiveGoals:
             marker = InteractiveMarker(name=ROBOT_HANDLE, scale=1.0)
             marker.header.frame_id = self._base_frame  # stamp 0: follows the robot
             marker.pose.orientation.w = 1.0
-            sign = _flat(Marker.CUBE, 0.24, STOP_COLOUR)
-            sign.pose.position.z = 0.6
+            sign = _flat(Marker.CUBE, STOP_SIZE, STOP_Z, STOP_COLOUR)
             self._insert(marker, [sign], Action.STOP, ROBOT_MENU, None)
         else:
             self._remove(ROBOT_HANDLE)
@@ -115,9 +117,7 @@ class InteractiveGoals:
         del self._menus[name]
 
 
-def _flat(shape: int, size: float, colour: ColorRGBA) -> Marker:
-    marker = Marker(type=shape, color=colour)
-    marker.scale.x, marker.scale.y, marker.scale.z = size, size, 0.02
-    marker.pose = Pose()
-    marker.pose.orientation.w = 1.0
+def _flat(kind: int, size: float, z: float, paint: ColorRGBA) -> Marker:
+    marker = Marker(type=kind, color=paint, pose=drawing.pose_at((0.0, 0.0), z=z))
+    marker.scale.x, marker.scale.y, marker.scale.z = size, size, 0.01
     return marker

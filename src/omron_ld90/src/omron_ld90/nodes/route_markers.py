@@ -13,8 +13,8 @@ from trajectory_graph import Curve, Graph
 STEP = 0.1  # m between the points of a drawn curve
 GRAPH_Z, ROUTE_Z = 0.02, 0.03
 EDGE_WIDTH, ROUTE_WIDTH = 0.03, 0.09
-RING, END_RING, DOCK_RING = 0.24, 0.31, 0.38  # m, radii around vertices
-GRAPH = drawing.colour(0.68, 0.60, 0.95)
+RING, END_RING, DOCK_RING = 0.22, 0.29, 0.36  # m, radii around vertices
+GRAPH = drawing.colour(0.74, 0.68, 1.0)
 CURRENT = drawing.colour(1.0, 0.85, 0.15)
 COMING = drawing.colour(0.30, 0.60, 1.0)
 ENDED = {
@@ -46,7 +46,7 @@ def graph_markers(graph: Optional[Graph], dock_vertex: int, frame: str) -> Marke
             radii.append(DOCK_RING)
         for radius in radii:
             rings.points += drawing.segments(drawing.circle(vertex.position, radius), GRAPH_Z)
-        place = (vertex.x + radii[-1] + 0.28, vertex.y)
+        place = (vertex.x + radii[-1] + 0.12, vertex.y - radii[-1] - 0.05)  # off most edges
         names.append(drawing.text(frame, 'vertex_ids', str(vertex.id), place, 0.3, GRAPH,
                                   vertex.id, z=0.5))
     return drawing.complete([edges, heads, rings, *names])

@@ -70,10 +70,10 @@ def status_words(robot: str, status: Optional[RobotStatus], silent_for: float,
         parts += [f'{link.link} link {LINK_WORDS.get(link.state, "unknown")}' for link in broken]
         reasons = [link.reason for link in broken if link.reason]
         if reasons:
-            return Words('   |   '.join(parts) + '\n' + reasons[0], paint)
+            return Words(' | '.join(parts) + '\n' + reasons[0], paint)
     elif links:
         parts.append('link ok')
-    return Words('   |   '.join(parts), paint)
+    return Words(' | '.join(parts), paint)
 
 
 def status_markers(frame: str, words: Words, banner_at: drawing.XY, pose: Optional[Pose],

@@ -1,45 +1,67 @@
 """Sentences for the person at the screen: on a topic, in the log, and as text in RViz.
 
-The text stands where the person looks: at the goal that was clicked, or at the robot.
+The text stands where the person looks, at the goal that was clicked or at the robot, on a dark
+panel that keeps it readable, and within the map.
 """
 from __future__ import annotations
 
+import math
+import textwrap
 from typing import Optional, Tuple
 
 import rospy
-from std_msgs.msg import ColorRGBA, String
-from visualization_msgs.msg import Marker
+from std_msgs.msg import String
+from visualization_msgs.msg import Marker, MarkerArray
 
+from omron_ld90.nodes import drawing
 from omron_ld90.nodes.arcl_news import Tone
 
 TEXT_HEIGHT = 0.38  # m
-ABOVE = 0.75  # m between the place and the middle of the text
-SHOWN_FOR = 8.0  # s
+LINE_PITCH, CHARACTER_PITCH = 1.2, 0.48  # of the text's height
+COLUMNS = 36  # characters in a line
+GAP = 0.5  # m between the place and the panel above it
+Z = 2.0  # m, above all else
+SHOWN_FOR = rospy.Duration(8.0)
+PANEL = drawing.colour(0.08, 0.09, 0.11, 0.85)
 COLOURS = {
-    Tone.NEWS: ColorRGBA(1.0, 0.95, 0.6, 1.0),
-    Tone.GOOD: ColorRGBA(0.4, 1.0, 0.45, 1.0),
-    Tone.BAD: ColorRGBA(1.0, 0.45, 0.3, 1.0),
+    Tone.NEWS: drawing.colour(1.0, 0.95, 0.6),
+    Tone.GOOD: drawing.colour(0.4, 1.0, 0.45),
+    Tone.BAD: drawing.colour(1.0, 0.5, 0.35),
 }
 
 
 class UserFeedback:
-    """Publishes sentences on `user_feedback` and shows the last one on `feedback_marker`."""
+    """Publishes sentences on `user_feedback` and shows the last one on `feedback_markers`."""
 
     def __init__(self, map_frame: str, base_frame: str) -> None:
         self._map_frame, self._base_frame = map_frame, base_frame
+        self._west, self._east = -math.inf, math.inf
         self._text = rospy.Publisher('user_feedback', String, queue_size=10, tcp_nodelay=True)
-        self._marker = rospy.Publisher('feedback_marker', Marker, queue_size=10, tcp_nodelay=True)
+        self._markers = rospy.Publisher(
+            'feedback_markers', MarkerArray, queue_size=10, tcp_nodelay=True)
+
+    def stay_within(self, west: float, east: float) -> None:
+        """Keep the text between these x coordinates (m), as far as it fits."""
+        self._west, self._east = west, east
 
     def say(self, tone: Tone, text: str, place: Optional[Tuple[float, float]] = None) -> None:
         """Tell `text` at `place` (m, in the map), or at the robot."""
         (rospy.logwarn if tone is Tone.BAD else rospy.loginfo)('%s', text)
         self._text.publish(text)
-        marker = Marker(type=Marker.TEXT_VIEW_FACING, ns='feedback', color=COLOURS[tone], text=text)
-        marker.header.frame_id = self._map_frame if place else self._base_frame
-        x, y = place or (0.0, 0.0)
-        marker.pose.position.x, marker.pose.position.y = x, y + ABOVE
-        marker.pose.position.z = 2.0
-        marker.pose.orientation.w = 1.0
-        marker.scale.z = TEXT_HEIGHT
-        marker.lifetime = rospy.Duration(SHOWN_FOR)
-        self._marker.publish(marker)
+        markers = self._draw(tone, text, place)
+        for marker in markers:
+            marker.lifetime = SHOWN_FOR
+        self._markers.publish(MarkerArray(markers=markers))
+
+    def _draw(self, tone: Tone, text: str, place: Optional[Tuple[float, float]]) -> list[Marker]:
+        lines = textwrap.wrap(text, COLUMNS)
+        width = (max(map(len, lines)) + 2) * CHARACTER_PITCH * TEXT_HEIGHT
+        height = (len(lines) * LINE_PITCH + 0.5) * TEXT_HEIGHT
+        frame, (x, y) = (self._map_frame, place) if place else (self._base_frame, (0.0, 0.0))
+        if place:
+            x = max(self._west + width / 2, min(self._east - width / 2, x))
+        middle = (x, y + GAP + height / 2)
+        panel = drawing.shape(Marker.CUBE, frame, 'feedback_panel', PANEL, (width, height, 0.01))
+        panel.pose = drawing.pose_at(middle, z=Z - 0.2)
+        return [panel, drawing.text(frame, 'feedback', '\n'.join(lines), middle, TEXT_HEIGHT,
+                                    COLOURS[tone], z=Z)]
