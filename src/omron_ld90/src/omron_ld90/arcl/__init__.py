@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from omron_ld90.arcl.client import Client
-from omron_ld90.arcl.commands import COMMANDS, Category, Command, CommandSpec, printable, quote
+from omron_ld90.arcl.commands import COMMANDS, Category, Command, CommandSpec, quote, printable
 from omron_ld90.arcl.errors import (
     ArclError,
     Busy,
@@ -16,7 +16,7 @@ from omron_ld90.arcl.errors import (
     WrongPassword,
 )
 from omron_ld90.arcl.execution import Execution, Outcome, Result
-from omron_ld90.arcl.link import Backoff, Link, LinkPhase
+from omron_ld90.arcl.link import Link, LinkPhase, Backoff
 from omron_ld90.arcl.listener import Listener
 from omron_ld90.arcl.parser import parse_line
 from omron_ld90.arcl.replies import (
@@ -29,17 +29,17 @@ from omron_ld90.arcl.replies import (
     CompletedMacro,
     CompletedTask,
     ConfigErrors,
-    ConfigurationChanged,
     ConfigValue,
+    ConfigurationChanged,
     DateTime,
     DistanceBetween,
     DockingState,
     DockingStatus,
     DoingTask,
     Done,
+    EStop,
     Echo,
     EndOf,
-    EStop,
     ExecutingList,
     ExecutingMacro,
     ExtendedStatus,
@@ -87,7 +87,9 @@ from omron_ld90.arcl.replies import (
     WillDoTask,
     same_name,
 )
-from omron_ld90.arcl.session import Closed, HelpList, LoggedIn, Received, Session, State
+from omron_ld90.arcl.session import Session, State, HelpList, LoggedIn, Received, Closed
+from omron_ld90.arcl.session_log import SessionLog
+from omron_ld90.arcl.status import StatusAssembler
 
 __all__ = [
     'ArclError', 'ArrivedAt', 'ArrivedAtPoint', 'Backoff', 'BatteryVoltage', 'Busy', 'COMMANDS',
@@ -103,7 +105,7 @@ __all__ = [
     'MapObjectName', 'Motors', 'NotConnected', 'Notice', 'Odometer', 'OneLineStatus', 'Outcome',
     'Parking', 'Patrolling', 'PauseState', 'PeerSilent', 'RangeDevice', 'RangeReading',
     'Received', 'Reply', 'Result', 'RobotError', 'Route', 'ServerClosing', 'Session',
-    'SetUpError', 'State', 'StateOfCharge', 'StatusText', 'Stopped', 'Stopping', 'Temperature',
-    'UnknownCommand', 'UnknownLine', 'WaitState', 'WillDoTask', 'WrongPassword', 'parse_line',
-    'printable', 'quote', 'same_name',
+    'SessionLog', 'SetUpError', 'State', 'StateOfCharge', 'StatusAssembler', 'StatusText',
+    'Stopped', 'Stopping', 'Temperature', 'UnknownCommand', 'UnknownLine', 'WaitState',
+    'WillDoTask', 'WrongPassword', 'parse_line', 'printable', 'quote', 'same_name',
 ]

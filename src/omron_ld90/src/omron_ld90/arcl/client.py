@@ -24,24 +24,31 @@ from omron_ld90.arcl.errors import (
 )
 from omron_ld90.arcl.execution import Execution, Result
 from omron_ld90.arcl.link import Backoff, Link, LinkPhase
-from omron_ld90.arcl.session import Closed, Event, HelpList, LoggedIn, Received, Session, State
+from omron_ld90.arcl.secret import blank_configured
+from omron_ld90.arcl.session import (
+    Closed,
+    Event,
+    HelpList,
+    LoggedIn,
+    Received,
+    Session,
+    State,
+    Trace,
+)
 
 CONNECT_TIMEOUT = 3.0  # s
 LOGIN_TIMEOUT = 15.0  # s from the connection to the end of the help list
 HEARTBEAT = 'oneLineStatus'  # any answer is a sign of life, an "Unknown command" too
 _TICK = 0.2  # s between looks at the clock
-_BLANKED = b'********'  # stands for the password in traces
 _log = logging.getLogger(__name__)
-
-Trace = Callable[[str, bytes], None]  # 'C' (client) or 'S' (server), and what it said
 
 
 class Client:
     """A robot's ARCL server, connected to for ever until `close`.
 
     on_line(Received): a line came after the login. on_link(Link): the link changed.
-    on_login(HelpList): logged in, once per connection. trace(side, bytes): everything that is
-    sent and received, the password blanked.
+    on_login(HelpList): logged in, once per connection. trace(side, line): everything that is sent
+    and received, passwords blanked.
     heartbeat: seconds between signs of life asked of the robot; silence: seconds without any, after
     which the link counts as dead.
     """
@@ -149,7 +156,7 @@ class Client:
                 return ConnectionLost(f'the connection broke: {reason_of(error)}')
 
     def _talk(self, connection: Connection, selector: selectors.BaseSelector) -> LinkError:
-        session = Session(self._password)
+        session = Session(self._password, trace=self._trace)
         began = heard = time.monotonic()
         while not self._closing.is_set():
             self._send(connection, session)
@@ -183,7 +190,10 @@ class Client:
                 text = self._dispatcher.next_to_send(time.monotonic())
             if text is None:
                 return
-            connection.send(text.encode('ascii') + b'\n')
+            line = text.encode('ascii')
+            if self._trace:
+                self._trace('C', blank_configured(line))
+            connection.send(line + b'\n')
 
     def _handle(self, event: Event, now: float) -> None:
         if isinstance(event, Received):

@@ -11,7 +11,7 @@ from typing import Any, Callable, Optional
 from omron_ld90.arcl.connection import Connection, Waker, reason_of
 from omron_ld90.arcl.errors import ConnectionLost, LinkError, PeerSilent
 from omron_ld90.arcl.link import Link, LinkPhase
-from omron_ld90.arcl.session import Closed, Received, Session
+from omron_ld90.arcl.session import Closed, Received, Session, Trace
 
 KEEP_ALIVE = 2.0  # s; the robot drops a listener that is silent for 6 s by default
 _TICK = 0.2  # s
@@ -32,7 +32,7 @@ class Listener:
                  on_line: Optional[Callable[[Received], None]] = None,
                  on_link: Optional[Callable[[Link], None]] = None,
                  on_refused: Optional[Callable[[str], None]] = None,
-                 trace: Optional[Callable[[str, bytes], None]] = None,
+                 trace: Optional[Trace] = None,
                  silence: float = 4.0) -> None:
         self._robot = robot
         self._on_line = on_line
@@ -47,7 +47,7 @@ class Listener:
         self.port: int = self._socket.getsockname()[1]
         self.link = Link(LinkPhase.DISCONNECTED, robot, 'the robot has not connected yet')
         self._connection: Optional[Connection] = None
-        self._session = Session(None)
+        self._session = Session(None, trace=trace)
         self._heard = self._spoken = 0.0
         self._thread = threading.Thread(target=self._run, name='arcl-listener', daemon=True)
 
@@ -98,7 +98,7 @@ class Listener:
             return
         self._drop(ConnectionLost('the robot connected anew'))
         self._connection = Connection(accepted)
-        self._session = Session(None)
+        self._session = Session(None, trace=self._trace)
         self._heard = self._spoken = time.monotonic()
         self._selector.register(accepted, selectors.EVENT_READ)
         self._set_link(Link(LinkPhase.CONNECTED, '{}:{}'.format(*address[:2])))
@@ -121,8 +121,6 @@ class Listener:
                 for event in self._session.receive(data) if data else self._session.receive_eof():
                     if isinstance(event, Closed):
                         raise event.cause
-                    if self._trace:
-                        self._trace('S', event.raw)
                     self._call(self._on_line, event)
             if now - self._spoken > KEEP_ALIVE:
                 self._spoken = now

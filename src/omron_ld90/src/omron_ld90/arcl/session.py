@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from enum import Enum
-from typing import Dict, List, Mapping, NamedTuple, Optional, Tuple, Type, Union
+from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Tuple, Type, Union
 
 from omron_ld90.arcl.errors import (
     ConnectionFailed,
@@ -20,7 +20,16 @@ from omron_ld90.arcl.errors import (
 )
 from omron_ld90.arcl.framing import LONGEST_LINE, LineBuffer
 from omron_ld90.arcl.parser import parse_line
-from omron_ld90.arcl.replies import HelpEntry, Item, Reply, ServerClosing, UnknownLine
+from omron_ld90.arcl.replies import (
+    ConfigValue,
+    Done,
+    HelpEntry,
+    Item,
+    Reply,
+    ServerClosing,
+    UnknownLine,
+)
+from omron_ld90.arcl.secret import BLANKED, blank_configured
 
 
 class State(Enum):
@@ -96,14 +105,17 @@ class Closed(NamedTuple):
 
 
 Event = Union[LoggedIn, Received, Closed]
+Trace = Callable[[str, bytes], None]  # side, 'C' (client) or 'S' (server), and a line; no secrets
 
 
 class Session:
     """The client's end of one connection; with `password` None the kind without login."""
 
-    def __init__(self, password: Optional[bytes], longest_line: int = LONGEST_LINE) -> None:
+    def __init__(self, password: Optional[bytes], longest_line: int = LONGEST_LINE,
+                 trace: Optional[Trace] = None) -> None:
         self.state = State.READY if password is None else State.AWAITING_PROMPT
         self._password = password
+        self._trace = trace
         self._lines = LineBuffer(longest_line)
         self._output = bytearray()
         self._help: Dict[str, str] = {}
@@ -117,7 +129,11 @@ class Session:
         lines = self._lines.feed(data)
         if self.state is not State.READY:
             lines = self._log_in(lines, events)
-        events += [Received(raw, parse_line(raw.decode('utf-8', 'replace'))) for raw in lines]
+        events += [_received(raw) for raw in lines]
+        if self._trace:
+            for event in events:
+                if isinstance(event, Received):
+                    self._trace('S', event.raw)
         if lines and isinstance(events[-1].reply, ServerClosing):
             self._last_words = events[-1].reply.text
         if self._lines.overflowed and self.state is not State.CLOSED:
@@ -142,16 +158,18 @@ class Session:
     def _log_in(self, lines: List[bytes], events: List[Event]) -> List[bytes]:
         """Takes the lines of the login; returns those that came after it."""
         for index, raw in enumerate(lines):
+            if self._trace:
+                self._trace('S', raw.replace(self._password, BLANKED))
             awaited, following = _LOGIN[self.state]
             if raw.strip().lower() == awaited:
                 self.state = following
                 self._last_words = ''
                 if following is State.LOGGING_IN:
-                    self._output += self._password + b'\n'
+                    self._say(self._password, BLANKED)
                 elif following is State.READY:
                     help_list = HelpList(self._help)
                     if help_list.full_name('echo'):
-                        self._output += b'echo off\n'
+                        self._say(b'echo off')
                     events.append(LoggedIn(help_list))
                     return lines[index + 1:]
             elif self.state is State.AWAITING_PROMPT:
@@ -175,6 +193,19 @@ class Session:
         elif not isinstance(reply, (UnknownLine, Item)):
             events.append(Received(raw, reply))
 
+    def _say(self, line: bytes, shown: bytes = b'') -> None:
+        self._output += line + b'\n'
+        if self._trace:
+            self._trace('C', shown or line)
+
     def _close(self, cause: LinkError) -> Closed:
         self.state = State.CLOSED
         return Closed(cause)
+
+
+def _received(raw: bytes) -> Received:
+    reply = parse_line(raw.decode('utf-8', 'replace'))
+    if isinstance(reply, (ConfigValue, Done)):  # the two that can hold a password
+        raw = blank_configured(raw)
+        reply = parse_line(raw.decode('utf-8', 'replace'))
+    return Received(raw, reply)

@@ -1,0 +1,21 @@
+"""Passwords are blanked wherever lines are kept or handed on.
+
+Besides our own in the login, the robot's configuration holds some: `getConfigSectionValues ARCL
+server setup` prints the very password of the login.
+"""
+from __future__ import annotations
+
+import re
+
+BLANKED = b'********'
+
+_CONFIGURED = re.compile(rb'(password\w*["\']?\s+)(.+?)("?\s*\' to the config)?$',
+                         re.IGNORECASE | re.DOTALL)
+_CONFIGURATION_LINES = (b'getconfigsectionvalue', b'configadd', b'added ', b'newconfigparam')
+
+
+def blank_configured(line: bytes) -> bytes:
+    """`line`, without the value where it reads or writes a password of the configuration."""
+    if not line.lstrip().lower().startswith(_CONFIGURATION_LINES):
+        return line
+    return _CONFIGURED.sub(rb'\g<1>' + BLANKED + rb'\g<3>', line)
