@@ -92,6 +92,7 @@ def test_the_lab_graph_belongs_to_the_lab_map_only():
     _, other = expand('full_stack.launch', 'map_file:=/site/other.map')
     graph = '/omron_ld90/omron_edges_to_vertices/graph_file'
     assert lab[graph].endswith('maps/lab_graph.yaml')
+    assert Path(lab[graph]).exists(), f'{lab[graph]} is not there'
     assert other[graph] == ''
 
 
