@@ -1,0 +1,127 @@
+"""What the robot can do, as scripts for `Robot.start`."""
+from __future__ import annotations
+
+from typing import Optional, Sequence
+
+from omron_ld90.maps import MapObject
+from omron_ld90_sim.battery import ChargeState
+from omron_ld90_sim.planner import NoWay
+from omron_ld90_sim.robot import STANDING, Activity, DockingState, Failure, Robot, Script
+from omron_ld90_sim.track import straight_track
+
+BLOCKED_PATIENCE = 30.0     # s of waiting for a blocked way before giving up
+RETRY = 1.0                 # s between two attempts to find a way
+SETTLE = 0.5                # s between two docking states
+_WAVERING_ON_GOTO = (ChargeState.NOT, ChargeState.OVERCHARGE, ChargeState.BULK)
+_WAVERING_ON_UNDOCK = (ChargeState.NOT, ChargeState.OVERCHARGE, ChargeState.NOT, ChargeState.BULK,
+                       ChargeState.NOT)
+
+
+def go_to_goal(robot: Robot, goal: MapObject, heading: Optional[float] = None) -> Activity:
+    """`goto`: leaves the dock first, drives to the goal, turns where the goal has a heading."""
+    if heading is None and goal.has_heading:
+        heading = goal.theta
+    return _go(robot, goal.name, f'Failed going to {goal.name}', goal.x, goal.y, heading)
+
+
+def go_to_point(robot: Robot, x: float, y: float, heading: Optional[float]) -> Activity:
+    """`gotoPoint`."""
+    return _go(robot, 'point', 'Failed going to point', x, y, heading)
+
+
+def _go(robot: Robot, name: str, failed: str, x: float, y: float,
+        heading: Optional[float]) -> Activity:
+    def script() -> Script:
+        yield from leave_dock(robot, _WAVERING_ON_GOTO)
+        robot.status = robot.extended = f'Going to {name}'
+        robot.announce(f'Going to {name}')
+        yield from drive(robot, x, y, heading, 'Failed going to goal', failed)
+        robot.status = robot.extended = f'Arrived at {name}'
+        robot.announce(f'Arrived at {name}')
+
+    return Activity(f'Going to {name}', f'Going to {name}', script())
+
+
+def drive(robot: Robot, x: float, y: float, heading: Optional[float], error: str,
+          failed: str) -> Script:
+    """Drives to a place around what is in the way; waits a while where there is no way around."""
+    waited = 0.0
+    while True:
+        try:
+            robot.set_course(x, y, heading)
+        except NoWay as reason:
+            if not robot.dynamic_obstacles() or waited >= BLOCKED_PATIENCE:
+                raise Failure(error, failed) from reason
+            yield RETRY
+            waited += RETRY
+            continue
+        yield STANDING
+        if robot.true_pose.distance_to(x, y) < 1.0:
+            return
+        yield RETRY
+        waited += RETRY
+
+
+def leave_dock(robot: Robot, wavering: Sequence[ChargeState]) -> Script:
+    """Backs out of the dock if the robot is in it, with the charge states of the transcripts."""
+    if robot.docking in (DockingState.UNDOCKED, DockingState.DOCKING):
+        if robot.docking is DockingState.DOCKING:
+            robot.set_docking(DockingState.UNDOCKED, ChargeState.NOT)
+        return
+    robot.update_battery()
+    robot.set_docking(DockingState.UNDOCKING, robot.charge)
+    robot.extended = 'Undocking'
+    dock = nearest_dock(robot)
+    if dock is not None:
+        back = robot.true_pose.distance_to(dock.x, dock.y)
+        if back > 1.0:
+            robot.base.follow([straight_track(robot.true_pose, -back, robot.base.limits,
+                                              robot.base.limits.docking_speed)])
+    for charge in wavering:
+        yield SETTLE
+        robot.set_docking(DockingState.UNDOCKING, charge)
+    yield STANDING
+    robot.set_docking(DockingState.UNDOCKED, ChargeState.NOT)
+
+
+def dock(robot: Robot, station: MapObject) -> Activity:
+    """`dock`: drives to the dock's pose, then into the station, and charges."""
+    def script() -> Script:
+        robot.set_docking(DockingState.UNDOCKED, ChargeState.NOT)
+        robot.set_docking(DockingState.DOCKING, ChargeState.NOT)
+        yield from drive(robot, station.x, station.y, station.theta, 'Failed going to goal',
+                         f'Failed going to dock at {station.name}')
+        robot.extended = 'Driving into dock'
+        inside = robot.docked_pose(station)
+        distance = robot.true_pose.distance_to(inside.x, inside.y)
+        if distance > 1.0:
+            robot.base.follow([straight_track(robot.true_pose, distance, robot.base.limits,
+                                              robot.base.limits.docking_speed)])
+            yield STANDING
+        robot.set_docking(DockingState.DOCKING, ChargeState.BULK)
+        yield SETTLE
+        robot.update_battery()
+        robot.battery.docked()
+        robot.set_docking(DockingState.DOCKED, ChargeState.BULK)
+        robot.extended = 'Docked'
+
+    return Activity(f'Going to dock at {station.name}', f'Going to dock at {station.name}',
+                    script())
+
+
+def undock(robot: Robot) -> Activity:
+    """`undock`: backs out; an undocked robot only says the last three lines."""
+    def script() -> Script:
+        if robot.docking is DockingState.UNDOCKED:
+            robot.announce(robot.docking_line)
+        else:
+            yield from leave_dock(robot, _WAVERING_ON_UNDOCK)
+        robot.announce_stopping()
+
+    return Activity('Undocking', 'Undocking', script())
+
+
+def nearest_dock(robot: Robot) -> Optional[MapObject]:
+    """The dock nearest to the robot, None when the map has none."""
+    pose = robot.true_pose
+    return min(robot.document.docks, key=lambda d: pose.distance_to(d.x, d.y), default=None)

@@ -1,0 +1,49 @@
+"""The battery: percent, discharging by what the robot does, charging at the dock."""
+from __future__ import annotations
+
+from enum import Enum
+
+DRAIN_STANDING = 4.0 / 3600     # percent per second; not in the facts, about a day of standing
+DRAIN_DRIVING = 8.0 / 3600      # about twelve hours of driving
+CHARGE = 25.0 / 3600            # four hours from empty to full
+BULK_TIME = 5.0                 # s of Bulk at least, before Overcharge
+OVERCHARGE_FROM = 75.0          # percent
+FULL = 99.9
+
+
+class ChargeState(Enum):
+    """The ChargeState field of a DockingState line."""
+
+    NOT = 'Not'
+    BULK = 'Bulk'
+    OVERCHARGE = 'Overcharge'
+    FLOAT = 'Float'
+
+
+class Battery:
+    """State of charge over time."""
+
+    def __init__(self, percent: float) -> None:
+        self.percent = percent
+        self._since_docked = 0.0
+
+    def docked(self, full_charge_known: bool = False) -> None:
+        """The charger has just been connected."""
+        self._since_docked = BULK_TIME if full_charge_known else 0.0
+
+    def discharge(self, seconds: float, driving: bool) -> None:
+        """Time spent off the charger."""
+        self.percent = max(self.percent - seconds * (DRAIN_DRIVING if driving else DRAIN_STANDING),
+                           0.0)
+
+    def charge(self, seconds: float) -> None:
+        """Time spent on the charger."""
+        self._since_docked += seconds
+        self.percent = min(self.percent + seconds * CHARGE, 100.0)
+
+    @property
+    def charge_state(self) -> ChargeState:
+        """The charger's phase while docked."""
+        if self._since_docked < BULK_TIME or self.percent < OVERCHARGE_FROM:
+            return ChargeState.BULK
+        return ChargeState.OVERCHARGE if self.percent < FULL else ChargeState.FLOAT

@@ -1,0 +1,90 @@
+"""The simulated clock: callbacks at points of simulated time, run in order.
+
+Nothing in the simulator reads the wall clock except the transport, which decides how far to
+advance. A run is therefore a function of its inputs and their times alone.
+"""
+from __future__ import annotations
+
+import heapq
+from typing import Callable, List, Optional, Tuple
+
+
+class Timer:
+    """A callback waiting on a `Clock`; `cancel()` it or let it run once."""
+
+    def __init__(self, callback: Callable[[], None]) -> None:
+        self._callback: Optional[Callable[[], None]] = callback
+
+    @property
+    def waiting(self) -> bool:
+        """Whether the callback has neither run nor been cancelled."""
+        return self._callback is not None
+
+    def cancel(self) -> None:
+        """Forgets the callback; harmless when it has run already."""
+        self._callback = None
+
+    def run(self) -> None:
+        """Runs the callback, once."""
+        callback, self._callback = self._callback, None
+        if callback is not None:
+            callback()
+
+
+class Clock:
+    """Simulated seconds since the start, and what is due when."""
+
+    def __init__(self) -> None:
+        self.now = 0.0
+        self._queue: List[Tuple[float, int, Timer]] = []
+        self._count = 0
+
+    def at(self, time: float, callback: Callable[[], None]) -> Timer:
+        """Runs `callback` at `time` (s), or at once on the next advance when that is past."""
+        timer = Timer(callback)
+        self._count += 1
+        heapq.heappush(self._queue, (max(time, self.now), self._count, timer))
+        return timer
+
+    def after(self, delay: float, callback: Callable[[], None]) -> Timer:
+        """Runs `callback` in `delay` seconds."""
+        return self.at(self.now + delay, callback)
+
+    @property
+    def next_time(self) -> Optional[float]:
+        """When the next callback is due; None when nothing is waiting."""
+        while self._queue and not self._queue[0][2].waiting:
+            heapq.heappop(self._queue)
+        return self._queue[0][0] if self._queue else None
+
+    def advance(self, until: float) -> None:
+        """Runs everything due up to `until`, in order of time, then stands at `until`."""
+        while True:
+            due = self.next_time
+            if due is None or due > until:
+                break
+            _, _, timer = heapq.heappop(self._queue)
+            self.now = max(self.now, due)
+            timer.run()
+        self.now = max(self.now, until)
+
+
+class Ticker:
+    """Calls back every `period` seconds, at start + n * period: it does not drift."""
+
+    def __init__(self, clock: Clock, period: float, callback: Callable[[], None]) -> None:
+        self._clock, self._period, self._callback = clock, period, callback
+        self._start, self._count = clock.now, 0
+        self._timer = self._arm()
+
+    def _arm(self) -> Timer:
+        self._count += 1
+        return self._clock.at(self._start + self._count * self._period, self._tick)
+
+    def _tick(self) -> None:
+        self._timer = self._arm()
+        self._callback()
+
+    def stop(self) -> None:
+        """Ends the calls."""
+        self._timer.cancel()

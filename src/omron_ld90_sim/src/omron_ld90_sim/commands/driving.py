@@ -1,0 +1,110 @@
+"""Commands that move the robot, stop it or tell it where it is."""
+from __future__ import annotations
+
+from omron_ld90_sim import activities
+from omron_ld90_sim.commands.table import Call, CommandFailed, command
+from omron_ld90_sim.kinematics import Pose, normalise
+from omron_ld90_sim.robot import DockingState, Motors
+
+LOCALIZING = 1.0    # s between the two lines of localizeToPoint
+
+
+def check_drivable(call: Call) -> None:
+    """Refuses a driving command while the motors are off or driving is blocked."""
+    robot = call.robot
+    if robot.motors is not Motors.ENABLED:
+        raise CommandFailed(robot.motors.value)
+    if robot.lost:
+        raise CommandFailed('Robot lost')
+    if robot.block_reasons:
+        raise CommandFailed(f'Driving blocked by {next(iter(robot.block_reasons))}')
+
+
+def find_goal(call: Call, name: str):
+    """The goal with that name, in any case."""
+    for goal in call.robot.document.goals:
+        if goal.name.lower() == name.lower():
+            return goal
+    raise CommandFailed(f"No goal '{name}'")
+
+
+@command('goto', 'Goes to a goal', '<goal> [heading]', 1)
+def goto(call: Call) -> None:
+    """Drives to a goal, out of the dock if need be."""
+    arguments = call.arguments
+    goal = find_goal(call, arguments[0])
+    heading = normalise(call.number(1)) if len(arguments) > 1 else None
+    check_drivable(call)
+    call.robot.start(activities.go_to_goal(call.robot, goal, heading), keep_moving=True)
+
+
+@command('gotoPoint', 'Goes to a point', '<X> <Y> [heading]', 2)
+def goto_point(call: Call) -> None:
+    """Drives to a pose in mm and degrees."""
+    x, y = call.number(0), call.number(1)
+    heading = normalise(call.number(2)) if len(call.arguments) > 2 else None
+    check_drivable(call)
+    call.robot.start(activities.go_to_point(call.robot, x, y, heading), keep_moving=True)
+
+
+@command('stop', 'Stops the robot')
+def stop(call: Call) -> None:
+    """Ends whatever runs."""
+    call.robot.stop()
+
+
+@command('dock', 'Sends the robot to the dock')
+def dock(call: Call) -> None:
+    """Drives to the nearest dock and into it; a docked robot stays."""
+    robot = call.robot
+    station = activities.nearest_dock(robot)
+    if station is None:
+        raise CommandFailed('No dock')
+    check_drivable(call)
+    if robot.docking is DockingState.DOCKED:
+        call.reply(robot.docking_line)
+    else:
+        robot.start(activities.dock(robot, station))
+
+
+@command('undock', 'Undocks the robot')
+def undock(call: Call) -> None:
+    """Backs out of the dock."""
+    check_drivable(call)
+    call.robot.start(activities.undock(call.robot))
+
+
+@command('queryDockStatus', 'Gets the docking/charging status')
+def query_dock_status(call: Call) -> None:
+    """Answers the docking state."""
+    call.robot.update_battery()
+    call.reply(call.robot.docking_line)
+
+
+@command('enableMotors', 'Enables the motors so the robot can drive again')
+def enable_motors(call: Call) -> None:
+    """Switches the motors on again."""
+    if call.robot.motors is Motors.ENABLED:
+        call.reply('Motors are enabled')
+    elif not call.robot.enable_motors():
+        call.reply('Estop pressed, cannot enable motors')
+
+
+@command('queryMotors', 'Queries the state of the motors')
+def query_motors(call: Call) -> None:
+    """Answers the motors' state."""
+    call.reply(call.robot.motors.value)
+
+
+@command('localizeToPoint', 'Localizes to a point', '<X> <Y> <T> [xySpread angleSpread]', 3)
+def localize_to_point(call: Call) -> None:
+    """Looks for the robot around a pose."""
+    pose = Pose(call.number(0), call.number(1), normalise(call.number(2)))
+    robot, session = call.robot, call.session
+    session.send('Localizing at point')
+
+    def localized() -> None:
+        robot.localize(pose)
+        session.send('Localized to point')
+
+    robot.clock.after(LOCALIZING, localized)

@@ -1,0 +1,89 @@
+"""The LD-90's body and what it can do, in figures (design.md, "The LD-90 in figures").
+
+Millimetres, degrees and seconds, as in ARCL and in the robot's own configuration.
+"""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+
+def normalise(angle: float) -> float:
+    """The angle (deg) in (-180, 180]."""
+    angle = math.fmod(angle, 360.0)
+    if angle <= -180.0:
+        return angle + 360.0
+    return angle - 360.0 if angle > 180.0 else angle
+
+
+@dataclass(frozen=True)
+class Pose:
+    """A place and heading in the map frame: mm, mm, degrees in (-180, 180]."""
+
+    x: float
+    y: float
+    theta: float
+
+    def ahead(self, distance: float) -> Pose:
+        """The pose `distance` mm straight ahead (behind when negative)."""
+        angle = math.radians(self.theta)
+        return Pose(self.x + distance * math.cos(angle), self.y + distance * math.sin(angle),
+                    self.theta)
+
+    def distance_to(self, x: float, y: float) -> float:
+        """Distance (mm) to a point."""
+        return math.hypot(x - self.x, y - self.y)
+
+
+@dataclass(frozen=True)
+class Body:
+    """The robot's outline, a rectangle about its turning centre (mm)."""
+
+    length: float = 699.0
+    width: float = 500.0
+
+    @property
+    def half_width(self) -> float:
+        """Free space needed at each side while driving straight."""
+        return self.width / 2
+
+    @property
+    def half_length(self) -> float:
+        """From the turning centre to the front."""
+        return self.length / 2
+
+    @property
+    def half_diagonal(self) -> float:
+        """Free space needed all around while turning."""
+        return math.hypot(self.length, self.width) / 2
+
+    def corners(self, pose: Pose) -> np.ndarray:
+        """The four corners (4, 2) at `pose`, counter-clockwise from the front left."""
+        angle = math.radians(pose.theta)
+        ahead = np.array([math.cos(angle), math.sin(angle)])
+        left = np.array([-ahead[1], ahead[0]])
+        centre = np.array([pose.x, pose.y])
+        return np.array([centre + forward * self.half_length * ahead + side * self.half_width * left
+                         for forward, side in ((1, 1), (-1, 1), (-1, -1), (1, -1))])
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Speeds (mm/s, deg/s) and accelerations (mm/s2, deg/s2)."""
+
+    speed: float = 1350.0
+    reverse_speed: float = 300.0
+    docking_speed: float = 150.0
+    acceleration: float = 500.0
+    deceleration: float = 500.0
+    goal_deceleration: float = 200.0
+    emergency_deceleration: float = 2000.0
+    path_rotation: float = 100.0
+    goal_rotation: float = 50.0
+    rotation_acceleration: float = 180.0
+
+
+LD90_BODY = Body()
+LD90_LIMITS = Limits()

@@ -1,0 +1,230 @@
+"""Ways across the floor: straight segments between points where the robot can turn.
+
+The body is 699 x 500 mm, so a place can be wide enough to drive through (half width free) and too
+narrow to turn in (half diagonal free). A way is therefore a chain of straight segments with half
+the width free all along, whose inner vertices have half the diagonal free: whatever the heading,
+the body touches nothing. `track` rounds the vertices off.
+"""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import List, Optional, Sequence, Tuple
+
+import numpy as np
+from skimage.graph import MCP_Geometric
+
+from omron_ld90_sim.floor import Floor
+from omron_ld90_sim.kinematics import Pose
+
+DRIVE_MARGIN = 15.0     # mm kept on top of the half width
+TURN_MARGIN = 5.0       # mm kept on top of the half diagonal
+COMFORT = 700.0         # mm of clearance beyond which more is not worth a detour
+NARROW_COST = 8.0       # a metre where the robot cannot turn counts as this many
+ESCAPE = 2000.0         # mm straight ahead or back to look for room to turn
+ATTEMPTS = 6
+
+
+class NoWay(Exception):
+    """There is no way for the body from the start to the goal."""
+
+
+@dataclass(frozen=True)
+class Disc:
+    """A moving or temporary obstacle (mm)."""
+
+    x: float
+    y: float
+    radius: float
+
+
+@dataclass(frozen=True)
+class Way:
+    """What to drive: optionally straight out of a narrow place, then along `vertices`."""
+
+    start: Pose
+    escape: float               # mm straight ahead first; negative: backwards; 0: turn on the spot
+    vertices: np.ndarray        # (N, 2), first one where the escape ends
+    final_heading: Optional[float]
+
+
+class Planner:
+    """Plans on one `Floor`."""
+
+    def __init__(self, floor: Floor) -> None:
+        self.floor = floor
+        body = floor.body
+        self.drive_clearance = body.half_width + DRIVE_MARGIN
+        self.turn_clearance = body.half_diagonal + TURN_MARGIN
+        clearance = floor.planning_clearance
+        cost = 1.0 + 2.0 * np.clip((COMFORT - clearance) / COMFORT, 0.0, 1.0)
+        cost[clearance < self.turn_clearance] = NARROW_COST
+        cost[clearance < self.drive_clearance] = -1.0
+        self._cost = cost
+
+    def plan(self, start: Pose, goal_x: float, goal_y: float, heading: Optional[float] = None,
+             obstacles: Sequence[Disc] = ()) -> Way:
+        """The way from `start` to a point, turned to `heading` (deg) at its end; or `NoWay`."""
+        space = _Space(self.floor, obstacles)
+        escape = self._escape(space, start)
+        first = start.ahead(escape)
+        goal = np.array([goal_x, goal_y])
+        approach = self._approach(space, goal, heading)
+        cost = space.with_obstacles(self._cost, self.drive_clearance)
+        for _ in range(ATTEMPTS):
+            raw = self._search(cost, (first.x, first.y), approach)
+            vertices, stuck = self._straighten(space, raw)
+            if stuck is None:
+                break
+            cost[stuck[:, 0], stuck[:, 1]] = -1.0
+        else:
+            raise NoWay('no way with room to turn')
+        if not np.array_equal(approach, goal):
+            vertices = np.vstack([vertices, goal])
+        elif len(vertices) > 1 and heading is None:
+            last = vertices[-1] - vertices[-2]
+            arrival = Pose(goal_x, goal_y, math.degrees(math.atan2(last[1], last[0])))
+            if not space.body_fits(arrival):
+                raise NoWay('the body does not fit at the goal')
+        return Way(start, escape, vertices, heading)
+
+    def _escape(self, space: _Space, start: Pose) -> float:
+        """How far to drive straight before there is room to turn."""
+        here = space.clearance_of(start.x, start.y)
+        if here >= self.turn_clearance:
+            return 0.0
+        steps = np.arange(20.0, ESCAPE, 20.0)
+        found = []
+        for sign in (1.0, -1.0):
+            end = start.ahead(sign)
+            direction = np.array([end.x - start.x, end.y - start.y])
+            clear = space.clearance_at(np.array([start.x, start.y]) + steps[:, None] * direction)
+            room = np.flatnonzero(clear >= self.turn_clearance)
+            if len(room) and clear[:room[0]].min(initial=np.inf) >= min(here,
+                                                                        self.drive_clearance) - 1.0:
+                found.append(sign * steps[room[0]])
+        if not found:
+            raise NoWay('no room to turn, ahead or behind')
+        return float(min(found, key=abs))
+
+    def _approach(self, space: _Space, goal: np.ndarray, heading: Optional[float]) -> np.ndarray:
+        """Where to turn for the last straight: the goal itself where there is room."""
+        here = space.clearance_of(*goal)
+        if here >= self.turn_clearance:
+            return goal
+        if here < self.drive_clearance:
+            raise NoWay('no room at the goal')
+        if heading is None:
+            return goal
+        pose = Pose(goal[0], goal[1], heading)
+        if not space.body_fits(pose):
+            raise NoWay('the body does not fit at the goal')
+        for back in np.arange(20.0, ESCAPE, 20.0):
+            behind = pose.ahead(-back)
+            clear = space.clearance_of(behind.x, behind.y)
+            if clear >= self.turn_clearance:
+                return np.array([behind.x, behind.y])
+            if clear < self.drive_clearance:
+                break
+        raise NoWay('no room to turn before the goal')
+
+    def _search(self, cost: np.ndarray, start: Tuple[float, float], goal: np.ndarray) -> np.ndarray:
+        """The cheapest chain of points over the planner's grid, ends exact."""
+        first = self.floor.planning_cell(*start)
+        last = self.floor.planning_cell(*goal)
+        saved = {cell: cost[cell] for cell in (first, last)}
+        for cell in saved:
+            cost[cell] = max(cost[cell], 1.0)
+        search = MCP_Geometric(cost)
+        totals, _ = search.find_costs([first], [last])
+        if not np.isfinite(totals[last]):
+            raise NoWay('goal and robot are not connected')
+        cells = np.array(search.traceback(last))
+        for cell, value in saved.items():
+            cost[cell] = value
+        points = self.floor.planning_points(cells)
+        inner = points[1:-1] if len(points) > 2 else points[:0]
+        return np.vstack([start, inner, goal])
+
+    def _straighten(self, space: _Space, raw: np.ndarray
+                    ) -> Tuple[np.ndarray, Optional[np.ndarray]]:
+        """Long straights between turnable points of `raw`; or the cells where that got stuck."""
+        clear = space.clearance_at(raw)
+        last = len(raw) - 1
+        turnable = clear >= self.turn_clearance
+        turnable[-1] = True
+        chosen = [0]
+        while chosen[-1] < last:
+            i = chosen[-1]
+            candidates = i + 1 + np.flatnonzero(turnable[i + 1:])
+            j = self._farthest(space, raw, clear, i, candidates)
+            if j is None:
+                stop = candidates[0] if len(candidates) else last
+                between = raw[i + 1:max(stop, i + 2)]
+                cells = np.array([self.floor.planning_cell(x, y) for x, y in between])
+                return raw[chosen], cells
+            chosen.append(j)
+        return raw[chosen], None
+
+    def _farthest(self, space: _Space, raw: np.ndarray, clear: np.ndarray, i: int,
+                  candidates: np.ndarray) -> Optional[int]:
+        reach = len(candidates)
+        while reach > 0:
+            j = int(candidates[reach - 1])
+            keep = min(COMFORT, float(clear[i:j + 1].min())) - 20.0
+            if space.straight_is_free(raw[i], raw[j], max(self.drive_clearance, keep)):
+                return j
+            reach = reach * 3 // 4 if reach > 8 else reach - 1
+        if len(candidates) and space.straight_is_free(raw[i], raw[int(candidates[0])],
+                                                      self.drive_clearance):
+            return int(candidates[0])
+        return None
+
+
+class _Space:
+    """A floor with temporary obstacles on it."""
+
+    def __init__(self, floor: Floor, obstacles: Sequence[Disc]) -> None:
+        self.floor = floor
+        self.obstacles: List[Disc] = list(obstacles)
+
+    def clearance_at(self, points: np.ndarray) -> np.ndarray:
+        points = np.asarray(points, float).reshape(-1, 2)
+        clear = self.floor.clearance_at(points)
+        for disc in self.obstacles:
+            away = np.hypot(points[:, 0] - disc.x, points[:, 1] - disc.y) - disc.radius
+            clear = np.minimum(clear, np.maximum(away, 0.0))
+        return clear
+
+    def clearance_of(self, x: float, y: float) -> float:
+        return float(self.clearance_at(np.array([[x, y]]))[0])
+
+    def straight_is_free(self, a: np.ndarray, b: np.ndarray, clearance: float) -> bool:
+        count = int(np.hypot(*(b - a)) / 20.0) + 2
+        points = a + np.linspace(0.0, 1.0, count)[:, None] * (b - a)
+        return bool(self.clearance_at(points).min() >= clearance)
+
+    def body_fits(self, pose: Pose) -> bool:
+        corners = self.floor.body.corners(pose)
+        outline = np.concatenate([np.linspace(a, b, 15) for a, b in
+                                  zip(corners, np.roll(corners, -1, axis=0))])
+        return bool(self.clearance_at(outline).min() >= DRIVE_MARGIN)
+
+    def with_obstacles(self, cost: np.ndarray, clearance: float) -> np.ndarray:
+        cost = cost.copy()
+        pitch = self.floor.planning_pitch
+        for disc in self.obstacles:
+            reach = disc.radius + clearance
+            row, column = self.floor.planning_cell(disc.x, disc.y)
+            n = int(reach / pitch) + 1
+            rows = slice(max(row - n, 0), row + n + 1)
+            columns = slice(max(column - n, 0), column + n + 1)
+            r, c = np.mgrid[rows, columns]
+            r, c = r[:, :cost.shape[1]], c[:, :cost.shape[1]]
+            inside = (r < cost.shape[0]) & (c < cost.shape[1])
+            r, c = r[inside], c[inside]
+            x = self.floor.origin[0] + c * pitch
+            y = self.floor.origin[1] + r * pitch
+            near = np.hypot(x - disc.x, y - disc.y) < reach
+            cost[r[near], c[near]] = -1.0
+        return cost

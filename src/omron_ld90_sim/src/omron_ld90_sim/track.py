@@ -1,0 +1,259 @@
+"""From a way to motion: tracks with rounded corners and a speed for every place on them.
+
+A corner is a quintic Bezier curve whose curvature is zero at both ends, so that the rotation can
+follow without a jump. The speed along a track is as fast as the limits allow: forward for the
+acceleration, backward for the deceleration, which towards the goal is a lower one.
+"""
+from __future__ import annotations
+
+import bisect
+import math
+from dataclasses import dataclass
+from typing import List, Optional, Sequence, Tuple, Union
+
+import numpy as np
+
+from omron_ld90_sim.kinematics import LD90_LIMITS, Limits, Pose, normalise
+from omron_ld90_sim.planner import Planner, Way
+
+STRAIGHT_STEP = 100.0                                   # mm between samples
+CORNER_STEP = 15.0
+CORNER_REACHES = (1200.0, 900.0, 650.0, 450.0, 300.0)   # mm from the vertex to the tangent points
+SHORTEST_REACH = 60.0
+SHARPEST_CORNER = 120.0                                 # deg; beyond it the robot stops and turns
+NEGLIGIBLE = 0.5                                        # deg, mm
+
+
+@dataclass(frozen=True)
+class Turn:
+    """Turn on the spot to a heading (deg) at up to `rate` deg/s."""
+
+    heading: float
+    rate: float
+
+
+class Track:
+    """A smooth line driven without stopping.
+
+    `samples` (N, 4): x, y (mm), driving direction (rad, unwrapped), curvature (1/mm).
+    """
+
+    def __init__(self, samples: np.ndarray, limits: Limits = LD90_LIMITS, reverse: bool = False,
+                 final: bool = True, top_speed: Optional[float] = None,
+                 entry_speed: float = 0.0) -> None:
+        self.samples, self.reverse = samples, reverse
+        steps = np.hypot(np.diff(samples[:, 0]), np.diff(samples[:, 1]))
+        keep = np.concatenate([[True], steps > 1e-6])
+        self.samples = samples = samples[keep]
+        distances = np.concatenate([[0.0], np.cumsum(steps[steps > 1e-6])])
+        self.length = float(distances[-1])
+        self._s: List[float] = distances.tolist()
+        self._v2 = self._profile(limits, distances, final, top_speed or limits.speed, entry_speed)
+        self._rows: List[List[float]] = samples.tolist()
+
+    def _profile(self, limits: Limits, s: np.ndarray, final: bool, top_speed: float,
+                 entry_speed: float) -> List[float]:
+        """Squares of the highest speeds at the samples."""
+        curvature = np.abs(self.samples[:, 3])
+        bend = np.abs(np.gradient(self.samples[:, 3], s)) if len(s) > 2 else np.zeros(len(s))
+        spin = math.radians(limits.rotation_acceleration)
+        with np.errstate(divide='ignore'):
+            cap = np.minimum(top_speed, math.radians(limits.path_rotation) / curvature) ** 2
+            cap = np.minimum(cap, 0.5 * spin / bend)
+            self._ease = (0.4 * spin / curvature).tolist()
+        v2, ease, steps = cap.tolist(), self._ease, np.diff(s).tolist()
+        v2[-1] = 0.0
+        brake = limits.goal_deceleration if final else limits.deceleration
+        for i in range(len(steps) - 1, -1, -1):
+            v2[i] = min(v2[i], v2[i + 1] + 2.0 * min(brake, ease[i], ease[i + 1]) * steps[i])
+        fastest_entry = entry_speed ** 2 - 2.0 * limits.deceleration * s
+        return np.maximum(v2, fastest_entry).tolist()
+
+    def _segment(self, s: float) -> Tuple[int, float]:
+        i = min(max(bisect.bisect_right(self._s, s) - 1, 0), len(self._s) - 2)
+        return i, (s - self._s[i]) / (self._s[i + 1] - self._s[i])
+
+    def speed_at(self, s: float) -> float:
+        """The highest speed (mm/s) allowed at arc length `s` (mm)."""
+        if s >= self.length:
+            return 0.0
+        i, u = self._segment(s)
+        return math.sqrt(max(self._v2[i] * (1 - u) + self._v2[i + 1] * u, 0.0))
+
+    def acceleration_at(self, s: float) -> float:
+        """The highest acceleration (mm/s2) that the rotation can follow at arc length `s`."""
+        i, _ = self._segment(s)
+        return min(self._ease[i], self._ease[i + 1])
+
+    def pose_at(self, s: float) -> Pose:
+        """The robot's pose at arc length `s`."""
+        i, u = self._segment(min(max(s, 0.0), self.length))
+        a, b = self._rows[i], self._rows[i + 1]
+        # heading between two samples: cubic in u would be exact; linear is within 0.01 deg
+        direction = math.degrees(a[2] * (1 - u) + b[2] * u)
+        return Pose(a[0] * (1 - u) + b[0] * u, a[1] * (1 - u) + b[1] * u,
+                    normalise(direction + 180.0 if self.reverse else direction))
+
+    def curvature_at(self, s: float) -> float:
+        """Signed curvature (1/mm) at arc length `s`."""
+        i, u = self._segment(s)
+        return self._rows[i][3] * (1 - u) + self._rows[i + 1][3] * u
+
+    def cut(self, start: float, end: float) -> np.ndarray:
+        """The samples between two arc lengths, with new ones at both ends."""
+        inner = [row for s, row in zip(self._s, self._rows) if start + 1.0 < s < end - 1.0]
+        return np.array([self._row_at(start), *inner, self._row_at(end)])
+
+    def _row_at(self, s: float) -> List[float]:
+        i, u = self._segment(s)
+        return [p * (1 - u) + q * u for p, q in zip(self._rows[i], self._rows[i + 1])]
+
+
+Manoeuvre = Union[Turn, Track]
+
+
+def straight(pose: Pose, distance: float) -> np.ndarray:
+    """Samples of a straight of `distance` mm from `pose`; backwards when negative."""
+    direction = pose.theta if distance >= 0 else pose.theta + 180.0
+    return _line(np.array([pose.x, pose.y]), np.array([pose.ahead(distance).x,
+                                                       pose.ahead(distance).y]),
+                 math.radians(direction))
+
+
+def straight_track(pose: Pose, distance: float, limits: Limits = LD90_LIMITS,
+                   top_speed: Optional[float] = None) -> Track:
+    """A straight drive of `distance` mm; backwards when negative."""
+    fastest = limits.speed if distance >= 0 else limits.reverse_speed
+    return Track(straight(pose, distance), limits, reverse=distance < 0,
+                 top_speed=min(fastest, top_speed or fastest))
+
+
+def manoeuvres(way: Way, planner: Planner, limits: Limits = LD90_LIMITS,
+               lead_in: Optional[np.ndarray] = None, entry_speed: float = 0.0) -> List[Manoeuvre]:
+    """What the robot does to follow `way`.
+
+    With `lead_in` (samples that end at the way's start, straight at their end) the robot is moving
+    at `entry_speed` at their first sample: it drives them first and rounds the corner at their end
+    if it can.
+    """
+    result: List[Manoeuvre] = []
+    heading = way.start.theta
+    if way.escape:
+        result.append(straight_track(way.start, way.escape, limits))
+    points = _without_repeats(way.vertices)
+    lines: List[np.ndarray] = []
+    if lead_in is not None:
+        run = _straight_run(lead_in)
+        before = points[0] - run * np.array([math.cos(lead_in[-1, 2]), math.sin(lead_in[-1, 2])])
+        lines.append(_drop_end(lead_in, run))
+        points = np.vstack([before, points])
+        heading = math.degrees(lead_in[-1, 2])
+    tracks = _tracks(points, lines, planner)
+    for number, samples in enumerate(tracks):
+        direction = math.degrees(samples[0, 2])
+        entry = entry_speed if number == 0 and lead_in is not None else 0.0
+        if entry == 0.0 and abs(normalise(direction - heading)) > 1e-3:
+            result.append(Turn(normalise(direction), limits.path_rotation))
+        result.append(Track(samples, limits, final=number == len(tracks) - 1, entry_speed=entry))
+        heading = math.degrees(samples[-1, 2])
+    if way.final_heading is not None and abs(normalise(way.final_heading - heading)) > 1e-3:
+        result.append(Turn(normalise(way.final_heading), limits.goal_rotation))
+    return result
+
+
+def _without_repeats(points: np.ndarray) -> np.ndarray:
+    steps = np.hypot(*np.diff(points, axis=0).T) if len(points) > 1 else np.array([])
+    return points[np.concatenate([[True], steps > NEGLIGIBLE])]
+
+
+def _straight_run(samples: np.ndarray) -> float:
+    """Length of the straight at the end of `samples`."""
+    bent = np.flatnonzero(np.abs(samples[:, 3]) > 1e-9)
+    first = bent[-1] + 1 if len(bent) else 0
+    first = min(first, len(samples) - 1)
+    return float(np.hypot(*(samples[-1, :2] - samples[first, :2])))
+
+
+def _drop_end(samples: np.ndarray, length: float) -> np.ndarray:
+    """`samples` without the straight of `length` at its end."""
+    away = np.hypot(*(samples[:, :2] - samples[-1, :2]).T)
+    bent = np.abs(samples[:, 3]) > 1e-9
+    return samples[(away > length - 1e-6) | bent]
+
+
+def _line(a: np.ndarray, b: np.ndarray, direction: float) -> np.ndarray:
+    count = int(np.hypot(*(b - a)) / STRAIGHT_STEP) + 2
+    xy = a + np.linspace(0.0, 1.0, count)[:, None] * (b - a)
+    return np.column_stack([xy, np.full(count, direction), np.zeros(count)])
+
+
+def _tracks(points: np.ndarray, lines: List[np.ndarray], planner: Planner) -> List[np.ndarray]:
+    """Samples of the tracks along `points`, one for each stretch without a stop."""
+    finished: List[np.ndarray] = []
+    current: List[np.ndarray] = list(lines)
+    at = points[0]
+    direction: Optional[float] = current[-1][-1, 2] if current and len(current[-1]) else None
+    for k in range(1, len(points)):
+        raw = math.atan2(*(points[k] - points[k - 1])[::-1])
+        direction = raw if direction is None else direction + math.remainder(raw - direction,
+                                                                             2 * math.pi)
+        corner = None
+        if k + 1 < len(points):
+            corner = _corner(points[k - 1], points[k], points[k + 1], at, planner)
+        end = corner[0] if corner is not None else points[k]
+        if np.hypot(*(end[:2] - at)) > NEGLIGIBLE:
+            current.append(_line(at, end[:2], direction))
+        if corner is not None:
+            corner = corner.copy()
+            corner[:, 2] += direction - corner[0, 2]
+            current.append(corner)
+            at, direction = corner[-1, :2], corner[-1, 2]
+        else:
+            if current:
+                finished.append(np.concatenate(current))
+            current, at, direction = [], points[k], None
+    return [samples for samples in finished if len(samples) > 1]
+
+
+def _corner(a: np.ndarray, v: np.ndarray, b: np.ndarray, at: np.ndarray,
+            planner: Planner) -> Optional[np.ndarray]:
+    """Samples around the corner a-v-b, from `at` on; None where the robot must stop to turn."""
+    inward, outward = v - a, b - v
+    turn = abs(math.degrees(math.remainder(math.atan2(*outward[::-1]) - math.atan2(*inward[::-1]),
+                                           2 * math.pi)))
+    if turn > SHARPEST_CORNER:
+        return None
+    into = float(np.hypot(*(v - at)))
+    out = float(np.hypot(*outward))
+    i, o = inward / np.hypot(*inward), outward / out
+    most = min(into, out / 2, CORNER_REACHES[0])
+    for reach in (*(r for r in CORNER_REACHES if r < most), most):
+        samples = _bezier(v, i, o, reach)
+        clear = planner.floor.clearance_at(samples[:, :2]).min()
+        if reach >= SHORTEST_REACH and clear >= planner.turn_clearance:
+            return samples
+    return None
+
+
+_BINOMIALS: Sequence[int] = (1, 5, 10, 10, 5, 1)
+
+
+def _bezier(v: np.ndarray, i: np.ndarray, o: np.ndarray, reach: float) -> np.ndarray:
+    fractions = np.array([1.0, 0.6, 0.2])[:, None] * reach
+    control = np.vstack([v - fractions * i, v + fractions[::-1] * o])
+    count = max(9, int(2 * reach / CORNER_STEP))
+    t = np.linspace(0.0, 1.0, count)[:, None]
+
+    def curve(points: np.ndarray, degree: int, binomials: Sequence[int]) -> np.ndarray:
+        return sum(n * (1 - t) ** (degree - k) * t ** k * points[k]
+                   for k, n in enumerate(binomials))
+
+    first = 5 * np.diff(control, axis=0)
+    second = 4 * np.diff(first, axis=0)
+    xy = curve(control, 5, _BINOMIALS)
+    d1 = curve(first, 4, (1, 4, 6, 4, 1))
+    d2 = curve(second, 3, (1, 3, 3, 1))
+    speed = np.hypot(d1[:, 0], d1[:, 1])
+    curvature = (d1[:, 0] * d2[:, 1] - d1[:, 1] * d2[:, 0]) / speed ** 3
+    curvature[[0, -1]] = 0.0
+    return np.column_stack([xy, np.unwrap(np.arctan2(d1[:, 1], d1[:, 0])), curvature])
