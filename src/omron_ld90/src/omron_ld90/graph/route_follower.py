@@ -52,7 +52,7 @@ class RouteFollower:
         self.errand = RobotErrand()
         self.route: Optional[RouteRun] = None
         """The running route, or the last one."""
-        self._record: Optional[p.RouteRecord] = None
+        self._restored: Optional[Tuple[p.RouteRecord, float]] = None  # with the time to forget
         self._waiting: Optional[Tuple[RouteOrder, float]] = None  # with the time to give up
         self._down: Dict[str, Tuple[float, str]] = {}  # link: since when, why
         self._emergency = False
@@ -99,9 +99,9 @@ class RouteFollower:
         self._consider_waiting(now)
         return self._actions()
 
-    def restore(self, record: p.RouteRecord) -> None:
-        """How far the route had come when this program last ran; asked for by the next order."""
-        self._record = record
+    def restore(self, record: p.RouteRecord, until: float) -> None:
+        """How far the route had come when this program last ran; counts for the next order."""
+        self._restored = (record, until)
 
     @property
     def running(self) -> bool:
@@ -110,8 +110,8 @@ class RouteFollower:
 
     @property
     def record(self) -> Optional[p.RouteRecord]:
-        """What `restore` is to be given after a restart."""
-        return self.route.record if self.route else self._record
+        """What `restore` is to be given after a restart; None where no route is to go on."""
+        return self.route.record if self.route else None
 
     def report(self) -> RouteReport:
         """What the fleet manager is to know now."""
@@ -187,13 +187,13 @@ class RouteFollower:
         if self._waiting is None or self.graph is None or self.seen.last is None:
             return
         order, self._waiting = self._waiting[0], None
-        record, self._record = self._record, None
+        restored, self._restored = self._restored, None
         reason = self._why_not(order)
         if reason:
             self._refuse(order, reason)
         elif self._is_change(order):
             self._change(order, now)
-        elif record is None or not self._resume(order, record, now):
+        elif not (restored and now < restored[1] and self._resume(order, restored[0], now)):
             first = order.edges[0]
             reason = self._here.why_not_from(first, self._is_being_driven(first))
             if reason:

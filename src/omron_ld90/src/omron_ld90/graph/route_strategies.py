@@ -4,12 +4,12 @@ A strategy looks at the progress and at the vertex that the robot was last sent 
 the index of the edge to whose end the robot should be heading. Three of them differ in how far
 ahead they look and in what they wait for:
 
-| strategy           | looks ahead                                      | goes on                    |
-|--------------------|--------------------------------------------------|----------------------------|
-| `vertex_by_vertex` | one vertex                                       | when the robot has stopped |
-| `direct`           | as far as the robot's free way is the route      | when the robot has stopped |
-| `rolling`          | the same, but no farther than braking demands    | before the robot brakes    |
-| `native`           | to the next dock or the end, naming every vertex | when the robot has stopped |
+| strategy           | looks ahead                                      | goes on                 |
+|--------------------|--------------------------------------------------|-------------------------|
+| `vertex_by_vertex` | one vertex                                       | once the robot stops    |
+| `direct`           | as far as the robot's free way is the route      | once the robot stops    |
+| `rolling`          | the same, but no farther than braking demands    | before the robot brakes |
+| `native`           | to the next dock or the end, naming every vertex | once the robot stops    |
 """
 from __future__ import annotations
 
