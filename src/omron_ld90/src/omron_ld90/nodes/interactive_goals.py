@@ -28,8 +28,8 @@ HANDLE_COLOURS = {
 }
 HANDLE_SIZE = 0.7  # m, across
 HANDLE_Z = 0.1  # m: above the square and the ring, so that the mouse finds the handle
-STOP_SIZE, STOP_Z = 0.24, 0.6
-STOP_COLOUR = drawing.colour(0.9, 0.1, 0.1, 0.9)
+STOP_SIZE, STOP_Z = 1.1, 0.6  # wide: it moves
+STOP_COLOUR = drawing.colour(1.0, 0.15, 0.1, 0.22)
 
 
 class Action(enum.Enum):
@@ -86,7 +86,7 @@ class InteractiveGoals:
             marker = InteractiveMarker(name=ROBOT_HANDLE, scale=1.0)
             marker.header.frame_id = self._base_frame  # stamp 0: follows the robot
             marker.pose.orientation.w = 1.0
-            sign = _flat(Marker.CUBE, STOP_SIZE, STOP_Z, STOP_COLOUR)
+            sign = _flat(Marker.CYLINDER, STOP_SIZE, STOP_Z, STOP_COLOUR)
             self._insert(marker, [sign], Action.STOP, ROBOT_MENU, None)
         else:
             self._remove(ROBOT_HANDLE)

@@ -1,0 +1,189 @@
+#!/usr/bin/env python3
+"""Clicks and handles: a hit is sent once, a miss, another map or a running route sends nothing."""
+from __future__ import annotations
+
+import math
+import unittest
+
+import rospkg
+import rospy
+import rostest
+import tf2_ros
+from geometry_msgs.msg import PointStamped, TransformStamped
+from std_msgs.msg import String
+from visualization_msgs.msg import InteractiveMarkerFeedback, InteractiveMarkerInit
+
+from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates
+from omron_ld90.maps import MapDocument
+from omron_ld90_msgs.msg import CommandRefused
+from system_support import Recorder, connected_publisher, wait_until
+
+LAB = rospkg.RosPack().get_path('omron_ld90') + '/../../maps/lab.map'
+
+
+def click(x: float, y: float, frame: str = 'map') -> PointStamped:
+    message = PointStamped()
+    message.header.frame_id = frame
+    message.header.stamp = rospy.Time.now()
+    message.point.x, message.point.y = x, y
+    return message
+
+
+def route(route_id: int, *states: int) -> ExecutionRouteStates:
+    return ExecutionRouteStates(route_id=route_id, edge_states=[
+        EdgeState(edge_id=number, state=state) for number, state in enumerate(states, start=1)])
+
+
+class ClickTest(unittest.TestCase):
+    """Clicks as RViz publishes them, and what goal_sender makes of them."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.lab = MapDocument.load(LAB)
+        cls.commands = Recorder('/omron_ld90/send_command', String)
+        cls.feedback = Recorder('/omron_ld90/user_feedback', String)
+        cls.handles = Recorder('/omron_ld90/interactive_goals/update_full', InteractiveMarkerInit)
+        cls.clicks = connected_publisher('/clicked_point', PointStamped)
+        cls.events = connected_publisher('/omron_ld90/interactive_goals/feedback',
+                                         InteractiveMarkerFeedback)
+        cls.routes = connected_publisher('/omron_ld90/execution_route_states',
+                                         ExecutionRouteStates, subscribers=2)
+        cls.lines = connected_publisher('/omron_ld90/arcl_response', String)
+        cls.refusals = connected_publisher('/omron_ld90/command_refused', CommandRefused)
+        wait_until(lambda: cls.handles.messages and len(cls.handles.messages[-1].markers) == 25,
+                   30.0, 'a handle on each of the 24 goals and the dock')
+
+    def setUp(self) -> None:
+        self.routes.publish(route(1, EdgeState.COMPLETE))
+        self.note_what_was()
+        self.all_clicks_are_dealt_with()
+        self.note_what_was()
+
+    def note_what_was(self) -> None:
+        self.commands_before = len(self.commands.messages)
+        self.feedback_before = len(self.feedback.messages)
+
+    def all_clicks_are_dealt_with(self) -> None:
+        x, y = self.place('39')  # the easternmost, and so the nearest
+        far = 100.0 + len(self.feedback.messages)
+        self.clicks.publish(click(x + far, y))
+        self.told(f'{far:.2f} m away')
+
+    def told(self, words: str) -> str:
+        return self.feedback.wait_for(lambda text: words in text.data, 10.0, f'"{words}"',
+                                      after=self.feedback_before).data
+
+    def sent(self) -> list:
+        return [message.data for message in self.commands.messages[self.commands_before:]]
+
+    def place(self, name: str) -> tuple:
+        goal = self.lab.find(name)
+        return goal.x / 1000.0, goal.y / 1000.0
+
+    def handle_event(self, event: int, near: str, menu_entry: int = 0) -> None:
+        x, y = self.place(near)
+        marker = next(marker for marker in self.handles.messages[-1].markers
+                      if math.hypot(marker.pose.position.x - x, marker.pose.position.y - y) < 0.01)
+        self.events.publish(InteractiveMarkerFeedback(
+            client_id='test', marker_name=marker.name, control_name='button', event_type=event,
+            menu_entry_id=menu_entry))
+
+    def test_a_click_near_a_goal_sends_the_robot_there_once(self):
+        x, y = self.place('12')
+        self.clicks.publish(click(x + 0.3, y - 0.3))
+        self.told('goto 12')
+        self.all_clicks_are_dealt_with()
+        self.assertEqual(['goto 12'], self.sent())
+
+    def test_a_click_on_the_dock_docks(self):
+        self.clicks.publish(click(*self.place('16')))
+        self.told('dock')
+        self.assertEqual(['dock'], self.sent())
+
+    def test_a_click_on_nothing_does_nothing_and_names_the_nearest(self):
+        x, y = self.place('12')
+        self.clicks.publish(click(x + 0.6, y))
+        self.assertIn('goal 12 is the nearest, 0.60 m away', self.told('Nothing within 0.50 m'))
+        self.assertEqual([], self.sent())
+
+    def test_a_click_in_another_frame_is_transformed(self):
+        turned = TransformStamped(child_frame_id='camera')
+        turned.header.frame_id = 'map'
+        turned.header.stamp = rospy.Time.now()
+        turned.transform.translation.x, turned.transform.translation.y = self.place('33')
+        turned.transform.rotation.z = turned.transform.rotation.w = math.sqrt(0.5)
+        broadcaster = tf2_ros.StaticTransformBroadcaster()
+        broadcaster.sendTransform(turned)
+        wait_until(broadcaster.pub_tf.get_num_connections, 10.0, 'goal_sender hears /tf_static')
+        x, y = self.place('32')
+        dx, dy = x - turned.transform.translation.x, y - turned.transform.translation.y
+
+        def goes_there() -> bool:
+            self.clicks.publish(click(dy, -dx, 'camera'))
+            return 'goto 32' in self.sent()
+        wait_until(goes_there, 10.0, 'goto 32')
+
+    def test_a_click_in_an_unknown_frame_does_nothing(self):
+        self.clicks.publish(click(*self.place('12'), frame='nowhere'))
+        self.told('nowhere has no transform to map')
+        self.assertEqual([], self.sent())
+
+    def test_one_click_on_a_handle_goes_once_though_rviz_sends_several_events(self):
+        def handle_is_ready() -> bool:  # the server takes nothing in a handle's first second
+            self.handle_event(InteractiveMarkerFeedback.MENU_SELECT, near='24', menu_entry=3)
+            return 'stop' in self.sent()
+        wait_until(handle_is_ready, 10.0, 'stop')
+        for event in (InteractiveMarkerFeedback.MOUSE_DOWN, InteractiveMarkerFeedback.BUTTON_CLICK,
+                      InteractiveMarkerFeedback.MOUSE_UP):
+            self.handle_event(event, near='24')
+        self.handle_event(InteractiveMarkerFeedback.MENU_SELECT, near='24', menu_entry=2)
+        self.told('Which way does the robot face at goal 24?')  # comes after the click
+        self.assertEqual(1, self.sent().count('goto 24'), self.sent())
+
+    def test_the_menu_of_a_handle_relocalises_and_stops(self):
+        self.handle_event(InteractiveMarkerFeedback.MENU_SELECT, near='16', menu_entry=3)
+        self.told('localizeToPoint')
+        self.handle_event(InteractiveMarkerFeedback.MENU_SELECT, near='16', menu_entry=4)
+        self.told('stop')
+        dock = self.lab.find('16')
+        heading = round(dock.theta)
+        self.assertEqual([f'localizeToPoint {dock.x:.0f} {dock.y:.0f} {heading}', 'stop'],
+                         self.sent())
+
+    def test_while_a_fleet_route_runs_a_click_is_refused_but_stop_is_not(self):
+        self.routes.publish(route(7, EdgeState.COMPLETE, EdgeState.PROCESSING))
+
+        def refused() -> bool:
+            self.clicks.publish(click(*self.place('12')))
+            return any('the fleet drives route 7' in text.data
+                       for text in self.feedback.messages[self.feedback_before:])
+        wait_until(refused, 3.0, 'a refusal')
+        before = len(self.commands.messages)
+        self.handle_event(InteractiveMarkerFeedback.MENU_SELECT, near='12', menu_entry=3)
+        self.commands.wait_for(lambda command: command.data == 'stop', 10.0, 'stop', after=before)
+
+    def test_with_allow_takeover_a_click_is_sent_while_a_route_runs(self):
+        commands = Recorder('/taker/send_command', String)
+        clicks = connected_publisher('/taker/clicked_point', PointStamped)
+        self.routes.publish(route(7, EdgeState.PROCESSING))
+
+        def taken() -> bool:
+            self.routes.publish(route(7, EdgeState.PROCESSING))
+            clicks.publish(click(*self.place('12')))
+            return bool(commands.messages)
+        wait_until(taken, 10.0, 'goto 12')
+        self.assertEqual('goto 12', commands.messages[0].data)
+
+    def test_what_becomes_of_a_command_is_told_in_the_robots_words(self):
+        for line, words in (('Going to 12', 'Going to 12'), ('Arrived at 12', 'Arrived at 12'),
+                            ("CommandErrorDescription: No goal '99'", "No goal '99'"),
+                            ('Error: Failed going to goal', 'Failed going to goal')):
+            self.lines.publish(line)
+            self.told(words)
+        self.refusals.publish(CommandRefused(command='goto 12', reason='No connection.'))
+        self.assertEqual('goto 12 refused: No connection.', self.told('refused'))
+
+
+if __name__ == '__main__':
+    rospy.init_node('click_test')
+    rostest.rosrun('omron_ld90', 'click', ClickTest)
