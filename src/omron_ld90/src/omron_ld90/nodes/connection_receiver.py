@@ -1,0 +1,207 @@
+"""Takes the robot's outgoing connection and publishes what the robot sends over it.
+
+Topics out, each line byte for byte (std_msgs/String):
+  status/state, status/extended_status, status/state_of_charge, status/battery_voltage,
+  status/location, status/localization_score, status/temperature
+  laser_points: `RangeDeviceGetCurrent: <device> x y ...`, of every device
+Topics out, typed, in SI units, stamped when received:
+  robot_status (omron_ld90_msgs/RobotStatus), battery_state (sensor_msgs/BatteryState)
+  laser_cloud (sensor_msgs/PointCloud2, frame `~map_frame`): scans of `~laser_device`
+  laser_cloud/<device>: scans of each other device; laser_cloud/<device>_cumulative
+  link_state (omron_ld90_msgs/LinkState, latched): link `outgoing`
+  /diagnostics
+Parameters:
+  ~robot_ip (required): name or address of the robot, the only one that may connect
+  ~port (7179): where to listen
+  ~bind_address (''): address to listen on; '' is this computer only for a robot on this computer,
+      else every address
+  ~map_frame (map), ~laser_device (Laser_1)
+  ~laser_height (0.203 m): of the laser above the floor
+  ~silence (4.0 s): without a line after which the link counts as dead
+  ~session_log (''): file to which all that the robot sends is appended
+"""
+from __future__ import annotations
+
+import re
+import socket
+from typing import Dict, Optional
+
+import diagnostic_updater
+import rospy
+from sensor_msgs.msg import BatteryState, PointCloud2
+
+from omron_ld90.arcl import (
+    BatteryVoltage,
+    DockingStatus,
+    ExtendedStatus,
+    Link,
+    Listener,
+    LocalizationScore,
+    Location,
+    OneLineStatus,
+    RangeReading,
+    Received,
+    SessionLog,
+    StateOfCharge,
+    StatusAssembler,
+    StatusText,
+    Temperature,
+    parse_line,
+)
+from omron_ld90.nodes.link_line import LineMessage
+from omron_ld90.nodes.link_reports import LinkReporter
+from omron_ld90.nodes.receiver_messages import battery_state, point_cloud, robot_status
+from omron_ld90.nodes.robot_health import RobotHealth
+from omron_ld90.nodes.startup import ConfigurationError, number, parameter, run
+from omron_ld90_msgs.msg import LinkState, RobotStatus
+
+_LINE_TOPICS = {
+    StatusText: 'status/state',
+    OneLineStatus: 'status/state',
+    ExtendedStatus: 'status/extended_status',
+    StateOfCharge: 'status/state_of_charge',
+    BatteryVoltage: 'status/battery_voltage',
+    Location: 'status/location',
+    LocalizationScore: 'status/localization_score',
+    Temperature: 'status/temperature',
+}
+_DEVICE_NAME = re.compile(r'[A-Za-z]\w{0,40}$', re.ASCII)
+_MOST_DEVICES = 16
+
+
+class ConnectionReceiver:
+    """The node."""
+
+    def __init__(self, make_listener, map_frame: str, laser_device: str, laser_height: float,
+                 log: Optional[SessionLog]) -> None:
+        self._map_frame = map_frame
+        self._laser_device = laser_device
+        self._laser_height = laser_height
+        self._log = log
+        self._assembler = StatusAssembler()
+        self._located = rospy.Time()
+        self._docking: Optional[DockingStatus] = None
+        self._reporter = LinkReporter(LinkState.OUTGOING)
+        self._health = RobotHealth()
+        topics = {topic: _publisher(topic, LineMessage) for topic in set(_LINE_TOPICS.values())}
+        self._lines = {kind: topics[topic] for kind, topic in _LINE_TOPICS.items()}
+        self._laser_lines = _publisher('laser_points', LineMessage)
+        self._clouds: Dict[str, rospy.Publisher] = {
+            laser_device: _publisher('laser_cloud', PointCloud2)}
+        self._statuses = _publisher('robot_status', RobotStatus)
+        self._batteries = _publisher('battery_state', BatteryState)
+        self._listener: Listener = make_listener(on_line=self._on_line, on_link=self._on_link,
+                                                 on_refused=_on_refused)
+        self._diagnostics = diagnostic_updater.Updater()
+        self._diagnostics.setHardwareID(self._listener.link.peer)
+        self._diagnostics.add('link from the robot', self._reporter.diagnose)
+        self._diagnostics.add('robot', self._health.diagnose)
+        self._timer = rospy.Timer(rospy.Duration(1.0), lambda _: self._diagnostics.update())
+        self._listener.start()
+
+    def close(self) -> None:
+        """Closes the connection."""
+        self._timer.shutdown()
+        self._listener.close()
+        if self._log:
+            self._log.close()
+
+    def _on_link(self, link: Link) -> None:
+        self._assembler = StatusAssembler()
+        self._docking = None
+        self._health.forget()
+        self._reporter.report(link)
+
+    def _on_line(self, line: Received) -> None:
+        stamp = rospy.Time.now()
+        reply = line.reply
+        publisher = self._lines.get(type(reply))
+        if publisher:
+            publisher.publish(LineMessage(line.raw))
+        elif isinstance(reply, RangeReading):
+            self._on_scan(line.raw, reply, stamp)
+        elif isinstance(reply, DockingStatus):
+            self._docking = reply
+        self._reporter.line()
+        self._health.observe(reply)
+        self._on_status(reply, stamp)
+
+    def _on_status(self, reply, stamp: rospy.Time) -> None:
+        located = self._located
+        if isinstance(reply, (Location, OneLineStatus)):
+            self._located = stamp
+        status = self._assembler.add(reply)
+        if status is None:
+            return
+        # A location that comes again ends the status before it: that one's stamp is the older.
+        taken = located if isinstance(reply, Location) and status.location != reply \
+            else self._located
+        doing = parse_line(status.status)
+        if isinstance(doing, DockingStatus):
+            self._docking = doing
+        stamp = taken if status.location else stamp
+        self._statuses.publish(robot_status(status, self._docking, stamp, self._map_frame))
+        if status.state_of_charge or status.battery_voltage:
+            self._batteries.publish(battery_state(status, self._docking, stamp))
+
+    def _on_scan(self, raw: bytes, reading: RangeReading, stamp: rospy.Time) -> None:
+        name = reading.device + ('_cumulative' if reading.cumulative else '')
+        if not reading.cumulative:
+            self._laser_lines.publish(LineMessage(raw))
+        if name not in self._clouds:
+            if len(self._clouds) >= _MOST_DEVICES or not _DEVICE_NAME.match(name):
+                return
+            self._clouds[name] = _publisher(f'laser_cloud/{name}', PointCloud2)
+        publisher = self._clouds[name]
+        if publisher.get_num_connections():
+            publisher.publish(point_cloud(reading, stamp, self._map_frame, self._laser_height))
+
+
+def _publisher(topic: str, kind: type) -> rospy.Publisher:
+    return rospy.Publisher(topic, kind, queue_size=10, tcp_nodelay=True)
+
+
+def _on_refused(address: str) -> None:
+    rospy.logwarn('A connection from %s was refused: only the robot (~robot_ip) may connect.',
+                  address)
+
+
+def _bind_address(robot: str) -> str:
+    """Loopback for a robot on this computer, so that nobody else can even knock."""
+    try:
+        address = socket.gethostbyname(robot)
+    except OSError:
+        return ''
+    return '127.0.0.1' if address.startswith('127.') else ''
+
+
+def start() -> ConnectionReceiver:
+    """Reads the parameters and builds the node."""
+    robot = parameter('~robot_ip')
+    port = int(number('~port', 7179, 0, 65535))
+    bind = parameter('~bind_address', '') or _bind_address(robot)
+    silence = number('~silence', 4.0, 0.2, 120.0)
+    log_path = parameter('~session_log', '')
+    try:
+        log = SessionLog(log_path) if log_path else None
+    except OSError as error:
+        raise ConfigurationError(f'Parameter {rospy.resolve_name("~session_log")}: {log_path} '
+                                 f'cannot be written: {error.strerror}.') from None
+
+    def make_listener(**callbacks) -> Listener:
+        try:
+            return Listener(bind, port, robot, silence=silence, trace=log.write if log else None,
+                            **callbacks)
+        except OSError as error:
+            raise ConfigurationError(f'Cannot listen on {bind or "every address"}, port {port}: '
+                                     f'{error.strerror}. Choose another ~port, or end the '
+                                     'program that has it.') from None
+
+    return ConnectionReceiver(make_listener, parameter('~map_frame', 'map'),
+                              parameter('~laser_device', 'Laser_1'),
+                              number('~laser_height', 0.203, -10.0, 10.0), log)
+
+
+def main() -> None:
+    """Runs the node."""
+    run('omron_connection_receiver', start)

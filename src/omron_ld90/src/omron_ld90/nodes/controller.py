@@ -1,0 +1,268 @@
+"""Carries commands to the robot and its answers back, over the robot's ARCL server.
+
+Topics in:
+  send_command (std_msgs/String): one ARCL command, e.g. `goto 12`
+  move_base_simple/goal (geometry_msgs/PoseStamped): drive there (`gotoPoint`)
+  initialpose (geometry_msgs/PoseWithCovarianceStamped): the robot is there (`localizeToPoint`)
+Topics out:
+  arcl_response (std_msgs/String): every line that the robot sends after the login, byte for byte
+  command_refused (omron_ld90_msgs/CommandRefused): a message on a topic in that was not sent
+  link_state (omron_ld90_msgs/LinkState, latched): link `commands`
+  /diagnostics
+Actions:
+  execute_command (omron_ld90_msgs/ExecuteCommand): one command to its completion
+  move_base (move_base_msgs/MoveBase): drive to a pose (`gotoPoint`)
+Parameters:
+  ~robot_ip (required), ~port (7171): where the robot's ARCL server is
+  ~password_file (''): file that holds its password, and nothing else; '' takes the environment
+      variable OMRON_LD90_PASSWORD
+  ~map_file (''): `.map` file whose goals are compared with the robot's
+  ~base_map (''), ~graph_file (''): when base_map is set, map_file is first waited for
+  ~map_frame (map): frame of poses in
+  ~allowed_commands ([motion, query]): kinds and names of commands that may be sent; the kinds are
+      query, motion, device, configuration, dangerous, unknown
+  ~session_log (''): file to which all that both sides say is appended, passwords blanked
+  ~heartbeat (1.5 s): between signs of life asked of the robot
+  ~silence (4.0 s): without a line after which the link counts as dead
+  ~reconnect_first (0.5 s), ~reconnect_most (10.0 s), ~reconnect_jitter (0.2): tries to connect
+  ~wrong_password_wait (30.0 s): before a refused password is tried again
+"""
+from __future__ import annotations
+
+import os
+from typing import List, Optional
+
+import diagnostic_updater
+import rospy
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
+from std_msgs.msg import String
+
+from omron_ld90.arcl import (
+    ArclError,
+    Backoff,
+    Client,
+    Execution,
+    Goal,
+    HelpList,
+    Link,
+    MapChanged,
+    OneLineStatus,
+    Outcome,
+    Received,
+    Result,
+    SessionLog,
+    parse_line,
+    printable,
+)
+from omron_ld90.nodes.controller_actions import (
+    ExecuteCommandServer,
+    MoveBaseServer,
+    Refused,
+    robot_pose,
+)
+from omron_ld90.nodes.controller_goals import GoalComparison
+from omron_ld90.nodes.controller_guard import Guard
+from omron_ld90.nodes.link_line import LineMessage
+from omron_ld90.nodes.link_reports import LinkReporter
+from omron_ld90.nodes.robot_health import RobotHealth
+from omron_ld90.nodes.startup import ConfigurationError, number, parameter, run
+from omron_ld90.nodes.units import pose_from_robot
+from omron_ld90_msgs.msg import CommandRefused, LinkState
+
+PASSWORD_VARIABLE = 'OMRON_LD90_PASSWORD'
+
+
+class Controller:
+    """The node; `client` is made by the caller, for the callbacks need each other."""
+
+    def __init__(self, make_client, guard: Guard, goals: GoalComparison, map_frame: str,
+                 log: Optional[SessionLog]) -> None:
+        self._guard = guard
+        self._goals = goals
+        self._map_frame = map_frame
+        self._log = log
+        self._reporter = LinkReporter(LinkState.COMMANDS)
+        self._health = RobotHealth()
+        self._responses = rospy.Publisher('arcl_response', LineMessage, queue_size=1000,
+                                          tcp_nodelay=True)
+        self._refusals = rospy.Publisher('command_refused', CommandRefused, queue_size=20,
+                                         tcp_nodelay=True)
+        self._client: Client = make_client(on_line=self._on_line, on_link=self._on_link,
+                                           on_login=self._on_login)
+        ExecuteCommandServer(self._execute, self._client.cancel)
+        self._move_base = MoveBaseServer(self._execute, self._client.cancel, map_frame)
+        rospy.Subscriber('send_command', String, self._on_command, queue_size=100,
+                         tcp_nodelay=True)
+        rospy.Subscriber('move_base_simple/goal', PoseStamped, self._on_goal_pose, queue_size=1)
+        rospy.Subscriber('initialpose', PoseWithCovarianceStamped, self._on_initial_pose,
+                         queue_size=1)
+        self._diagnostics = diagnostic_updater.Updater()
+        self._diagnostics.setHardwareID(self._client.peer)
+        self._diagnostics.add('link to the robot', self._reporter.diagnose)
+        self._diagnostics.add('robot', self._health.diagnose)
+        self._diagnostics.add('goals', goals.diagnose)
+        self._timer = rospy.Timer(rospy.Duration(1.0), lambda _: self._diagnostics.update())
+        self._client.start()
+
+    def close(self) -> None:
+        """Ends the connection."""
+        self._timer.shutdown()
+        self._client.close()
+        self._goals.close()
+        if self._log:
+            self._log.close()
+
+    # --- from ROS ------------------------------------------------------------------------------
+
+    def _on_command(self, message: String) -> None:
+        self._send(message.data, message)
+
+    def _on_goal_pose(self, message: PoseStamped) -> None:
+        self._send_pose('gotoPoint', message, message)
+
+    def _on_initial_pose(self, message: PoseWithCovarianceStamped) -> None:
+        pose = PoseStamped(header=message.header, pose=message.pose.pose)
+        self._send_pose('localizeToPoint', pose, message)
+
+    def _send_pose(self, command: str, pose: PoseStamped, message: rospy.Message) -> None:
+        try:
+            self._send('{} {} {} {}'.format(command, *robot_pose(pose, self._map_frame)), message)
+        except Refused as error:
+            self._refuse(command, message, str(error))
+
+    def _send(self, text: str, message: rospy.Message) -> None:
+        """Sends a command that came by topic: nobody waits for its end, so failures are logged."""
+        try:
+            self._execute(text, on_end=lambda result: _log_failure(text, result))
+        except ArclError as error:
+            self._refuse(text, message, str(error))
+
+    def _refuse(self, text: str, message: rospy.Message, reason: str) -> None:
+        caller = getattr(message, '_connection_header', {}).get('callerid', 'unknown')
+        rospy.logwarn('%s Asked by %s.', reason, caller)
+        refusal = CommandRefused(command=printable(text), caller=caller, reason=reason)
+        refusal.header.stamp = rospy.Time.now()
+        self._refusals.publish(refusal)
+
+    def _execute(self, text: str, **options) -> Execution:
+        """Gives a command once it is allowed; raises ArclError."""
+        self._guard.check(text)
+        return self._client.execute(text, **options)
+
+    # --- from the robot ---------------------------------------------------------------------------
+
+    def _on_line(self, line: Received) -> None:
+        self._responses.publish(LineMessage(line.raw))
+        self._reporter.line()
+        self._health.observe(line.reply)
+        if isinstance(line.reply, MapChanged):
+            self._ask_goals()
+        elif isinstance(line.reply, OneLineStatus) and line.reply.location:
+            location = line.reply.location
+            pose = PoseStamped(pose=pose_from_robot(location.x, location.y, location.heading))
+            pose.header.stamp = rospy.Time.now()
+            pose.header.frame_id = self._map_frame
+            self._move_base.feedback(pose)
+
+    def _on_link(self, link: Link) -> None:
+        if not link.connected:
+            self._guard.goals = None
+            self._health.forget()
+        self._reporter.report(link)
+
+    def _on_login(self, help_list: HelpList) -> None:
+        self._guard.help = help_list
+        self._ask_goals()
+
+    def _ask_goals(self) -> None:
+        """Our own question: no matter of ~allowed_commands."""
+        self._guard.goals = None
+        self._client.execute('getGoals', on_end=self._on_goals)
+
+    def _on_goals(self, result: Result) -> None:
+        if result.outcome is not Outcome.SUCCEEDED:
+            rospy.logwarn('The robot did not list its goals: %s.', result.words)
+            return
+        replies = [parse_line(line) for line in result.lines]
+        names = frozenset(reply.name for reply in replies if isinstance(reply, Goal))
+        self._guard.goals = frozenset(name.casefold() for name in names)
+        self._goals.robot_goals(names)
+
+
+def _log_failure(text: str, result: Result) -> None:
+    if result.outcome is Outcome.INTERRUPTED:
+        rospy.loginfo('Command "%s" was interrupted: %s', printable(text), result.words)
+    elif result.outcome is not Outcome.SUCCEEDED:
+        rospy.logwarn('Command "%s": %s (%s).', printable(text), result.outcome.value,
+                      result.words)
+
+
+def read_password(path: str) -> bytes:
+    """The password from `path`, or from the environment; raises ConfigurationError.
+
+    No message ever holds it.
+    """
+    source = f'file {path}' if path else f'environment variable {PASSWORD_VARIABLE}'
+    try:
+        if path:
+            with open(path, 'rb') as file:
+                password = file.read(1000).strip()
+        else:
+            password = os.environb.get(PASSWORD_VARIABLE.encode(), b'')
+    except OSError as error:
+        raise ConfigurationError(
+            f'The ARCL password cannot be read from {source}: {error.strerror}.') from None
+    if not password or not all(0x20 <= byte < 0x7f for byte in password):
+        what = 'holds control or non-ASCII characters' if password else 'is empty or not set'
+        raise ConfigurationError(
+            f'There is no usable ARCL password: {source} {what}. Set ~password_file to a file '
+            f'that holds nothing but the password, or set {PASSWORD_VARIABLE}.')
+    return password
+
+
+def _allowed_commands() -> List[str]:
+    allowed = rospy.get_param('~allowed_commands', ['motion', 'query'])
+    words = allowed.replace(',', ' ').split() if isinstance(allowed, str) else allowed
+    if not isinstance(words, list) or not all(isinstance(word, str) for word in words):
+        raise ConfigurationError(f'Parameter {rospy.resolve_name("~allowed_commands")} is '
+                                 f'{allowed!r}, but must be a list of kinds and command names.')
+    return words
+
+
+def start() -> Controller:
+    """Reads the parameters and builds the node."""
+    host = parameter('~robot_ip')
+    port = int(number('~port', 7171, 1, 65535))
+    password = read_password(parameter('~password_file', ''))
+    backoff = Backoff(number('~reconnect_first', 0.5, 0.05, 600.0),
+                      number('~reconnect_most', 10.0, 0.05, 600.0),
+                      number('~reconnect_jitter', 0.2, 0.0, 1.0),
+                      number('~wrong_password_wait', 30.0, 0.05, 3600.0))
+    heartbeat = number('~heartbeat', 1.5, 0.1, 60.0)
+    silence = number('~silence', 4.0, 0.2, 120.0)
+    if silence <= heartbeat:
+        raise ConfigurationError(f'Parameter {rospy.resolve_name("~silence")} is {silence}, but '
+                                 f'must be longer than ~heartbeat, {heartbeat} s.')
+    guard = Guard(_allowed_commands())
+    if guard.unknown_words():
+        rospy.logwarn('~allowed_commands holds names that are not in the table of commands: %s.',
+                      ', '.join(sorted(guard.unknown_words())))
+    log_path = parameter('~session_log', '')
+    try:
+        log = SessionLog(log_path) if log_path else None
+    except OSError as error:
+        raise ConfigurationError(f'Parameter {rospy.resolve_name("~session_log")}: {log_path} '
+                                 f'cannot be written: {error.strerror}.') from None
+    goals = GoalComparison(parameter('~map_file', ''), parameter('~base_map', ''),
+                           parameter('~graph_file', ''))
+
+    def make_client(**callbacks) -> Client:
+        return Client(host, port, password, backoff=backoff, heartbeat=heartbeat, silence=silence,
+                      trace=log.write if log else None, **callbacks)
+
+    return Controller(make_client, guard, goals, parameter('~map_frame', 'map'), log)
+
+
+def main() -> None:
+    """Runs the node."""
+    run('omron_controller', start)

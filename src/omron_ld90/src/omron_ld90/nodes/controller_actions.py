@@ -1,0 +1,185 @@
+"""The controller's two actions: a command to its completion, and driving to a pose.
+
+Succeeded is SUCCEEDED; cancelled, and replaced by another command, is PREEMPTED; whatever else
+ended the command is ABORTED with a text that says what; what was never sent is REJECTED. Commands
+may run side by side: queries do, and a driving command replaces the one before it in the robot.
+"""
+from __future__ import annotations
+
+import math
+import threading
+from typing import Callable, Dict, Tuple
+
+import actionlib
+import rospy
+from geometry_msgs.msg import PoseStamped
+from move_base_msgs.msg import MoveBaseAction, MoveBaseFeedback, MoveBaseResult
+
+from omron_ld90.arcl import ArclError, Execution, Outcome, Result
+from omron_ld90.nodes.units import pose_to_robot
+from omron_ld90_msgs.msg import (
+    ExecuteCommandAction,
+    ExecuteCommandFeedback,
+    ExecuteCommandResult,
+)
+
+# Gives a command; raises ArclError. (text, timeout, on_line, on_end) -> Execution
+Execute = Callable[..., Execution]
+
+_OUTCOMES: Dict[Outcome, int] = {
+    Outcome.SUCCEEDED: ExecuteCommandResult.SUCCEEDED,
+    Outcome.REJECTED: ExecuteCommandResult.FAILED,
+    Outcome.NO_GOAL: ExecuteCommandResult.FAILED,
+    Outcome.UNKNOWN_COMMAND: ExecuteCommandResult.FAILED,
+    Outcome.FAILED: ExecuteCommandResult.FAILED,
+    Outcome.EMERGENCY_STOPPED: ExecuteCommandResult.FAILED,
+    Outcome.INTERRUPTED: ExecuteCommandResult.INTERRUPTED,
+    Outcome.CANCELLED: ExecuteCommandResult.CANCELLED,
+    Outcome.TIMED_OUT: ExecuteCommandResult.TIMED_OUT,
+    Outcome.LOST: ExecuteCommandResult.LOST,
+}
+_PREEMPTED = (Outcome.INTERRUPTED, Outcome.CANCELLED)
+
+
+class Refused(Exception):
+    """A goal or pose that no command can be made of; the text says why."""
+
+
+def robot_pose(pose: PoseStamped, map_frame: str) -> Tuple[int, int, int]:
+    """x, y (mm), heading (degrees) of a pose in the map frame; raises Refused."""
+    frame = pose.header.frame_id.lstrip('/')
+    if frame != map_frame:
+        raise Refused(f'the pose is in the frame "{frame}", not in "{map_frame}"')
+    p, q = pose.pose.position, pose.pose.orientation
+    if not all(math.isfinite(number) for number in (p.x, p.y, q.x, q.y, q.z, q.w)):
+        raise Refused('the pose holds a number that is not finite')
+    if abs(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w - 1.0) > 0.01:
+        raise Refused('the orientation is no unit quaternion')
+    if max(abs(p.x), abs(p.y)) > 1e6:
+        raise Refused('the position is more than 1000 km away')
+    return pose_to_robot(pose.pose)
+
+
+class _Actions:
+    """Goals of one action server and the commands that they are."""
+
+    def __init__(self, name: str, kind: type, execute: Execute,
+                 cancel: Callable[[Execution], None]) -> None:
+        self._execute = execute
+        self._cancel = cancel
+        self._running: Dict[str, Execution] = {}
+        self._lock = threading.Lock()
+        self._server = actionlib.ActionServer(name, kind, self._on_goal, self._on_cancel,
+                                              auto_start=False)
+        self._server.start()
+
+    def _start(self, handle: actionlib.ServerGoalHandle, text: str, timeout: float) -> None:
+        """Accepts the goal once its command is given; raises ArclError, the goal still pending.
+
+        Held by the lock, `_on_end` waits: it may come before the goal is accepted here.
+        """
+        goal_id = handle.get_goal_id().id
+        with self._lock:
+            self._running[goal_id] = self._execute(
+                text, timeout=timeout or None,
+                on_line=lambda line: self._on_line(handle, line),
+                on_end=lambda result: self._on_end(handle, result))
+            handle.set_accepted()
+
+    def _on_end(self, handle: actionlib.ServerGoalHandle, result: Result) -> None:
+        with self._lock:
+            execution = self._running.pop(handle.get_goal_id().id)
+        message = self._result(result)
+        text = f'{result.outcome.value}: {result.words}'
+        if result.outcome is Outcome.SUCCEEDED:
+            handle.set_succeeded(message, text)
+        elif result.outcome in _PREEMPTED:
+            handle.set_canceled(message, text)
+        else:
+            if result.outcome is Outcome.TIMED_OUT and execution.command.spec.drives:
+                self._stop()
+            handle.set_aborted(message, text)
+
+    def _stop(self) -> None:
+        """A drive that nobody watches any more must not go on."""
+        try:
+            self._execute('stop')
+        except ArclError as error:
+            rospy.logerr('The robot could not be stopped after a time-out: %s', error)
+
+    def _on_cancel(self, handle: actionlib.ServerGoalHandle) -> None:
+        with self._lock:
+            execution = self._running.get(handle.get_goal_id().id)
+        if execution:
+            self._cancel(execution)
+
+    def _on_goal(self, handle: actionlib.ServerGoalHandle) -> None:
+        raise NotImplementedError
+
+    def _on_line(self, handle: actionlib.ServerGoalHandle, line: str) -> None:
+        raise NotImplementedError
+
+    def _result(self, result: Result) -> object:
+        raise NotImplementedError
+
+
+class ExecuteCommandServer(_Actions):
+    """Action `execute_command`."""
+
+    def __init__(self, execute: Execute, cancel: Callable[[Execution], None]) -> None:
+        super().__init__('execute_command', ExecuteCommandAction, execute, cancel)
+
+    def _on_goal(self, handle: actionlib.ServerGoalHandle) -> None:
+        goal = handle.get_goal()
+        try:
+            if not (math.isfinite(goal.timeout) and goal.timeout >= 0.0):
+                raise Refused(f'the timeout is {goal.timeout}, but must be 0 or more seconds')
+            self._start(handle, goal.command, goal.timeout)
+        except (ArclError, Refused) as error:
+            handle.set_rejected(
+                ExecuteCommandResult(outcome=ExecuteCommandResult.REFUSED, message=str(error)),
+                str(error))
+
+    def _on_line(self, handle: actionlib.ServerGoalHandle, line: str) -> None:
+        handle.publish_feedback(ExecuteCommandFeedback(line=line))
+
+    def _result(self, result: Result) -> ExecuteCommandResult:
+        return ExecuteCommandResult(outcome=_OUTCOMES[result.outcome], message=result.words,
+                                    lines=list(result.lines))
+
+
+class MoveBaseServer(_Actions):
+    """Action `move_base`; feedback is where the robot is, whenever it says so."""
+
+    def __init__(self, execute: Execute, cancel: Callable[[Execution], None],
+                 map_frame: str) -> None:
+        self._map_frame = map_frame
+        self._handles: Dict[str, actionlib.ServerGoalHandle] = {}
+        super().__init__('move_base', MoveBaseAction, execute, cancel)
+
+    def feedback(self, pose: PoseStamped) -> None:
+        """The robot is at `pose`."""
+        with self._lock:
+            handles = [self._handles[goal_id] for goal_id in self._running]
+        for handle in handles:
+            handle.publish_feedback(MoveBaseFeedback(base_position=pose))
+
+    def _on_goal(self, handle: actionlib.ServerGoalHandle) -> None:
+        goal_id = handle.get_goal_id().id
+        try:
+            target = robot_pose(handle.get_goal().target_pose, self._map_frame)
+            self._handles[goal_id] = handle
+            self._start(handle, 'gotoPoint {} {} {}'.format(*target), 0.0)
+        except (ArclError, Refused) as error:
+            self._handles.pop(goal_id, None)
+            handle.set_rejected(MoveBaseResult(), str(error))
+
+    def _on_line(self, handle: actionlib.ServerGoalHandle, line: str) -> None:
+        """The robot's lines tell nothing that move_base's feedback could hold."""
+
+    def _on_end(self, handle: actionlib.ServerGoalHandle, result: Result) -> None:
+        super()._on_end(handle, result)
+        self._handles.pop(handle.get_goal_id().id, None)
+
+    def _result(self, result: Result) -> MoveBaseResult:
+        return MoveBaseResult()

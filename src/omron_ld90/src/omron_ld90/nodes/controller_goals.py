@@ -1,0 +1,96 @@
+"""Compares the goals that the robot lists with those of the map file."""
+from __future__ import annotations
+
+import threading
+from typing import Callable, FrozenSet, List, Optional
+
+import rospy
+from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_updater import DiagnosticStatusWrapper
+
+from omron_ld90.maps import MapDocument, MapError, wait_for_map
+
+_MOST_NAMES = 20  # told in one message
+
+
+class GoalComparison:
+    """Reads the map file in a thread of its own, whenever the robot's goals are known anew."""
+
+    def __init__(self, map_file: str, base_map: str = '', graph_file: str = '',
+                 wait: Callable[..., None] = wait_for_map) -> None:
+        self._map_file = map_file
+        self._made_from = [base_map, graph_file] if base_map else None
+        self._wait = wait
+        self._due = threading.Event()
+        self._closing = False
+        self._robot: Optional[FrozenSet[str]] = None
+        self._level = DiagnosticStatus.OK
+        self._message = 'the robot has not listed its goals yet'
+        self._only_robot: List[str] = []
+        self._only_map: List[str] = []
+        self._thread = threading.Thread(target=self._run, name='goal-comparison', daemon=True)
+        self._thread.start()
+
+    def robot_goals(self, names: FrozenSet[str]) -> None:
+        """The robot has listed its goals."""
+        self._robot = names
+        self._due.set()
+
+    def close(self) -> None:
+        """Ends the thread."""
+        self._closing = True
+        self._due.set()
+        self._thread.join(0.5)
+
+    def diagnose(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
+        """Task for diagnostic_updater."""
+        status.summary(self._level, self._message)
+        status.add('goals of the robot', str(len(self._robot or ())))
+        status.add('only in the robot', ', '.join(self._only_robot[:_MOST_NAMES]) or 'none')
+        status.add('only in the map file', ', '.join(self._only_map[:_MOST_NAMES]) or 'none')
+        return status
+
+    def _run(self) -> None:
+        while True:
+            self._due.wait()
+            self._due.clear()
+            if self._closing:
+                return
+            if self._map_file:
+                self._compare(self._robot)
+            else:
+                self._message = 'not compared: ~map_file is not set'
+
+    def _compare(self, robot: FrozenSet[str]) -> None:
+        try:
+            if self._made_from:
+                self._wait(self._map_file, self._made_from, say=rospy.loginfo,
+                           given_up=lambda: self._closing)
+                self._made_from = None
+            file = {goal.name for goal in MapDocument.load(self._map_file).goals}
+        except MapError as error:
+            self._level, self._message = DiagnosticStatus.WARN, f'not compared: {error}'
+            rospy.logwarn('The goals of robot and map file were not compared: %s', error)
+            return
+        self._only_robot = _without(robot, file)
+        self._only_map = _without(file, robot)
+        if self._only_robot or self._only_map:
+            self._level = DiagnosticStatus.WARN
+            self._message = (f'the robot drives on another map than {self._map_file}: only the '
+                             f'robot has {_listed(self._only_robot)}, only the file has '
+                             f'{_listed(self._only_map)}')
+            rospy.logwarn('Goals differ: %s.', self._message)
+        else:
+            self._level, self._message = DiagnosticStatus.OK, 'robot and map file have the same'
+
+
+def _without(names: FrozenSet[str], others: FrozenSet[str]) -> List[str]:
+    """`names` that are not in `others`; the robot respects no case."""
+    folded = {name.casefold() for name in others}
+    return sorted(name for name in names if name.casefold() not in folded)
+
+
+def _listed(names: List[str]) -> str:
+    shown = ', '.join(f'"{name}"' for name in names[:_MOST_NAMES])
+    more = len(names) - _MOST_NAMES
+    return (shown + f' and {more} more' if more > 0 else shown) or 'none'

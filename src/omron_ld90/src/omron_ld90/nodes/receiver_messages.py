@@ -1,0 +1,82 @@
+"""What the receiver publishes, from replies: SI units and REP 103 from here on."""
+from __future__ import annotations
+
+import math
+from typing import Optional
+
+import numpy as np
+import rospy
+from sensor_msgs.msg import BatteryState, PointCloud2, PointField
+
+from omron_ld90.arcl import DockingStatus, EStop, OneLineStatus, RangeReading, parse_line
+from omron_ld90.nodes.units import MM_PER_M, pose_from_robot
+from omron_ld90_msgs.msg import RobotStatus
+
+_FIELDS = [PointField(name, offset, PointField.FLOAT32, 1)
+           for name, offset in (('x', 0), ('y', 4), ('z', 8))]
+_CHARGING = {
+    'bulk': BatteryState.POWER_SUPPLY_STATUS_CHARGING,
+    'overcharge': BatteryState.POWER_SUPPLY_STATUS_CHARGING,
+    'float': BatteryState.POWER_SUPPLY_STATUS_FULL,
+    'not': BatteryState.POWER_SUPPLY_STATUS_DISCHARGING,
+}
+
+
+def robot_status(status: OneLineStatus, docking: Optional[DockingStatus], stamp: rospy.Time,
+                 frame: str) -> RobotStatus:
+    """The typed status; `docking` is the last word on docking, `stamp` when the location came."""
+    message = RobotStatus(status=status.status, extended_status=status.extended_status or '')
+    message.header.stamp = stamp
+    message.header.frame_id = frame
+    if docking:
+        message.docking_state = docking.docking.value
+        message.charge_state = docking.charge
+    message.emergency_stop = isinstance(parse_line(status.status), EStop)
+    message.has_pose = status.location is not None
+    if status.location:
+        message.pose = pose_from_robot(status.location.x, status.location.y,
+                                       status.location.heading)
+    else:
+        message.pose.orientation.w = 1.0
+    message.state_of_charge = _share(status)
+    message.battery_voltage = _voltage(status)
+    message.localization_score = (status.localization_score.score if status.localization_score
+                                  else math.nan)
+    temperature = status.temperature.celsius if status.temperature else None
+    message.temperature = math.nan if temperature is None else temperature
+    return message
+
+
+def battery_state(status: OneLineStatus, docking: Optional[DockingStatus],
+                  stamp: rospy.Time) -> BatteryState:
+    """The battery; what the robot does not measure is NaN."""
+    message = BatteryState(
+        percentage=_share(status), voltage=_voltage(status), current=math.nan, charge=math.nan,
+        capacity=math.nan, design_capacity=math.nan, present=True,
+        power_supply_technology=BatteryState.POWER_SUPPLY_TECHNOLOGY_UNKNOWN,
+        power_supply_status=_CHARGING.get(docking.charge.lower() if docking else '',
+                                          BatteryState.POWER_SUPPLY_STATUS_UNKNOWN))
+    message.header.stamp = stamp
+    return message
+
+
+def point_cloud(reading: RangeReading, stamp: rospy.Time, frame: str,
+                height: float) -> PointCloud2:
+    """The points of a scan in the map frame; `height` is the laser's above the floor, m."""
+    points = np.empty((len(reading.points), 3), '<f4')
+    points[:, :2] = reading.points / MM_PER_M
+    points[:, 2] = height
+    message = PointCloud2(height=1, width=len(points), fields=_FIELDS, is_bigendian=False,
+                          point_step=12, row_step=12 * len(points), data=points.tobytes(),
+                          is_dense=True)
+    message.header.stamp = stamp
+    message.header.frame_id = frame
+    return message
+
+
+def _share(status: OneLineStatus) -> float:
+    return status.state_of_charge.percent / 100.0 if status.state_of_charge else math.nan
+
+
+def _voltage(status: OneLineStatus) -> float:
+    return status.battery_voltage.volts if status.battery_voltage else math.nan
