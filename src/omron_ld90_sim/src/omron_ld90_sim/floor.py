@@ -18,7 +18,7 @@ from omron_ld90_sim.kinematics import LD90_BODY, Body
 
 DEFAULT_RESOLUTION = 20
 MAX_CELLS = 6_000_000
-MARGIN = 600            # mm of grid around everything that is on the map
+MARGIN = 1000           # mm of floor around a goal or dock that stands outside the walls
 EXACT_DISTANCE = 1200   # mm around lines and areas in which distances are computed, not rasterised
 PLANNING_PITCH = 60     # mm, cells of the planner's grid
 
@@ -68,10 +68,11 @@ class Floor:
 
     def _lay_out(self, points: np.ndarray, segments: np.ndarray, places: np.ndarray,
                  resolution: int) -> None:
-        everything = np.concatenate([points, segments.reshape(-1, 2), places])
+        everything = np.concatenate([points, segments.reshape(-1, 2), places - MARGIN,
+                                     places + MARGIN])
         if not len(everything):
             everything = np.array([[-5000.0, -5000.0], [5000.0, 5000.0]])
-        low, high = everything.min(axis=0) - MARGIN, everything.max(axis=0) + MARGIN
+        low, high = everything.min(axis=0), everything.max(axis=0)
         while np.prod((high - low) / resolution + 2) > MAX_CELLS:
             resolution *= 2
         self.resolution = float(resolution)

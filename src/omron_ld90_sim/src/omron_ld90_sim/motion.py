@@ -9,6 +9,8 @@ from omron_ld90_sim.kinematics import LD90_LIMITS, Limits, Pose, normalise
 from omron_ld90_sim.track import Manoeuvre, Track, Turn
 
 STEP = 0.05             # s between two steps while moving
+BISECTIONS = 10
+CLOSE = 0.05            # mm and deg from an end that count as there
 CREEP = 5.0             # mm/s and deg/s, slowest motion towards an end
 
 
@@ -91,11 +93,11 @@ class Base:
             wanted = math.sqrt(change * change / 4 + 2 * self.limits.rotation_acceleration
                                * max(abs(left) - now * dt / 2, 0.0)) - change / 2
             wanted = min(max(wanted, CREEP), turn.rate)
-        rate = min(max(wanted, now - change), now + change)
-        moved = (now + rate) / 2 * dt
-        if moved >= abs(left) - 1e-3 and self._braking is None:
+        if now <= change and abs(left) <= now * dt / 2 + CLOSE and self._braking is None:
             self.pose = Pose(self.pose.x, self.pose.y, normalise(turn.heading))
             return True
+        rate = min(max(wanted, now - change), now + change)
+        moved = min((now + rate) / 2 * dt, abs(left))
         self.rotation = sign * rate
         self.pose = Pose(self.pose.x, self.pose.y, normalise(self.pose.theta + sign * moved))
         return False
@@ -105,21 +107,31 @@ class Base:
         if self._braking is not None:
             speed = max(now - self._braking * dt, 0.0)
         else:
-            fastest = now + min(self.limits.acceleration, track.acceleration_at(self._place)) * dt
-            speed = fastest
-            for _ in range(4):
-                ahead = self._place + (now + speed) / 2 * dt
-                speed = min(fastest, max(track.speed_at(ahead), 0.0))
-            speed = max(speed, min(fastest, CREEP), now - self.limits.deceleration * dt)
-        self._place += (now + speed) / 2 * dt
-        if self._place >= track.length - 0.5:
-            self._place, self.speed = track.length, 0.0
-            self.pose = track.pose_at(track.length)
-            return True
+            slowest = max(now - self.limits.deceleration * dt, 0.0)
+            speed = now + min(self.limits.acceleration, track.acceleration_at(self._place)) * dt
+            speed = self._allowed(track, slowest, speed, now, dt)
+            if (now <= self.limits.deceleration * dt
+                    and track.length - self._place <= now * dt / 2 + CLOSE):
+                self.pose = track.pose_at(track.length)
+                return True
+        self._place = min(self._place + (now + speed) / 2 * dt, track.length)
         self.speed = speed
         self.pose = track.pose_at(self._place)
         self.rotation = math.degrees(track.curvature_at(self._place) * speed)
         return False
+
+    def _allowed(self, track: Track, slowest: float, fastest: float, now: float,
+                 dt: float) -> float:
+        """The highest speed after this step that the track allows where the step ends."""
+        def fits(speed: float) -> bool:
+            return speed <= track.speed_at(self._place + (now + speed) / 2 * dt)
+
+        if fits(fastest):
+            return fastest
+        for _ in range(BISECTIONS):
+            middle = (slowest + fastest) / 2
+            slowest, fastest = (middle, fastest) if fits(middle) else (slowest, middle)
+        return max(slowest, min(CREEP, now))
 
     def stopping_distance(self) -> float:
         """How far (mm) the base drives on when it brakes now."""

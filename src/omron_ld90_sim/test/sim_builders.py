@@ -1,0 +1,154 @@
+"""What the simulator's tests share: rooms to drive in, robots without sockets, true obstacles."""
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import List, Optional, Tuple
+
+import numpy as np
+
+from omron_ld90.maps import MapDocument, MapObject, RotatedRectangle
+from omron_ld90_sim.clock import Clock
+from omron_ld90_sim.floor import Floor
+from omron_ld90_sim.kinematics import LD90_BODY, Pose
+from omron_ld90_sim.robot import Robot
+from omron_ld90_sim.server import ArclServer, Session
+
+ROOT = Path(__file__).resolve().parents[3]
+LAB = ROOT / 'maps' / 'lab.map'
+REAL_MAPS = ROOT.parent / 'shared' / 'maps'
+
+ROOM = """2D-Map
+LineMinPos: -4000 -3000
+LineMaxPos: 6000 3000
+NumLines: 5
+LinesAreSorted: false
+MapInfo: DockType Name=DockLynx
+MapInfo: GoalType Name=Goal
+MapInfo: GoalType Name=GoalWithHeading
+RouteInfo: Route "Round"
+RouteInfo: Goal "West"
+RouteInfo: Goal "East side"
+MacroInfo: Macro "Greeting"
+MacroInfo: Task "say" "hello"
+MacroInfo: Task "wait" 2
+Cairn: Goal -3000 1500 0.000000 "" ICON "West"
+Cairn: DockLynx -2500 -2000 180.000000 "" ICON "Dock 1"
+Cairn: GoalWithHeading 4500 1500 90.000000 "the far end" ICON "East side"
+Cairn: Goal 4500 -2000 0.000000 "" ICON "12"
+LINES
+-4000 -3000 6000 -3000
+-4000 3000 6000 3000
+-4000 -3000 -4000 3000
+6000 -3000 6000 3000
+1000 -3000 1000 1000
+"""
+
+
+def room() -> MapDocument:
+    """A room of 10 x 6 m with a wall in it, a dock, three goals, a route and a macro."""
+    return MapDocument.from_bytes(ROOM.encode(), name='room.map')
+
+
+class Rig:
+    """A robot and its ARCL server on a clock of their own, without sockets."""
+
+    def __init__(self, document: Optional[MapDocument] = None,
+                 start: Optional[Tuple[float, float, float]] = (-3000.0, 0.0, 0.0),
+                 seed: int = 0, battery: float = 100.0) -> None:
+        self.clock = Clock()
+        document = document or room()
+        self.robot = Robot(self.clock, document, Floor.from_map(document),
+                           Pose(*start) if start else None, seed, battery)
+        self.server = ArclServer(self.clock, self.robot, 'adept')
+
+    def client(self) -> Client:
+        """A client that has logged in."""
+        client = Client(self, self.server.connect())
+        client.send('adept')
+        client.lines()
+        return client
+
+
+class Client:
+    """One session, driven by hand."""
+
+    def __init__(self, rig: Rig, session: Session) -> None:
+        self._rig, self.session = rig, session
+
+    def send(self, *commands: str) -> None:
+        """Sends commands, each with a line end."""
+        for command in commands:
+            self.session.receive(command.encode() + b'\n')
+
+    def lines(self) -> List[str]:
+        """What has come since the last look."""
+        text = self.session.output.decode()
+        self.session.output.clear()
+        assert not text or text.endswith('\r\n'), f'half a line: {text!r}'
+        return text.split('\r\n')[:-1]
+
+    def ask(self, *commands: str) -> List[str]:
+        """Sends commands and returns what came at once."""
+        self.lines()
+        self.send(*commands)
+        return self.lines()
+
+    def until(self, beginning: str, seconds: float = 200.0) -> List[str]:
+        """What comes up to a line that begins with `beginning`, within simulated seconds."""
+        seen = self.lines()
+        end = self._rig.clock.now + seconds
+        while not any(line.startswith(beginning) for line in seen):
+            due = self._rig.clock.next_time
+            assert due is not None and due <= end, f'no {beginning!r} came, only {seen}'
+            self._rig.clock.advance(due)
+            seen += self.lines()
+        return seen
+
+
+class Obstacles:
+    """The true obstacles of a map, not rasterised, to check a driven line against."""
+
+    def __init__(self, document: MapDocument) -> None:
+        pieces = [np.asarray(document.points, float).reshape(-1, 2)]
+        lines = [list(line) for line in np.asarray(document.lines).reshape(-1, 4)]
+        lines += [[o.extent.from_x, o.extent.from_y, o.extent.to_x, o.extent.to_y]
+                  for o in document.forbidden_lines]
+        for area in document.forbidden_areas:
+            corners = area.rectangle.corners
+            lines += [[*a, *b] for a, b in zip(corners, np.roll(corners, -1, axis=0))]
+        for x1, y1, x2, y2 in lines:
+            count = int(math.hypot(x2 - x1, y2 - y1) / 10.0) + 2
+            pieces.append(np.column_stack([np.linspace(x1, x2, count),
+                                           np.linspace(y1, y2, count)]))
+        from scipy.spatial import cKDTree
+        self._tree = cKDTree(np.concatenate(pieces))
+        self._points = np.concatenate(pieces)
+        self.areas: List[RotatedRectangle] = [o.rectangle for o in document.forbidden_areas]
+
+    def distance(self, pose: Pose) -> float:
+        """From the body's outline to the nearest obstacle (mm); 0 when one is inside."""
+        near = self._tree.query_ball_point((pose.x, pose.y), 700.0)
+        centre = np.array([[pose.x, pose.y]])
+        if any(area.contains(centre)[0] for area in self.areas):
+            return 0.0
+        if not near:
+            return 270.0
+        angle = math.radians(pose.theta)
+        delta = self._points[near] - centre
+        ahead = np.abs(delta[:, 0] * math.cos(angle) + delta[:, 1] * math.sin(angle))
+        aside = np.abs(-delta[:, 0] * math.sin(angle) + delta[:, 1] * math.cos(angle))
+        out = np.hypot(np.maximum(ahead - LD90_BODY.half_length, 0.0),
+                       np.maximum(aside - LD90_BODY.half_width, 0.0))
+        return float(out.min())
+
+    def clearance(self, pose: Pose) -> float:
+        """From the turning centre to the nearest obstacle (mm)."""
+        return float(self._tree.query((pose.x, pose.y))[0])
+
+
+def goal(document: MapDocument, name: str) -> MapObject:
+    """The goal called `name`."""
+    found = document.find(name)
+    assert found is not None, name
+    return found
