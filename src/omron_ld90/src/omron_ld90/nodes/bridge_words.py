@@ -1,11 +1,13 @@
 """What the robot says and shows, as the events that the bridge's route follower understands."""
 from __future__ import annotations
 
-from typing import Callable, Dict, List, Optional, Tuple, Type
+from typing import TYPE_CHECKING, Callable, Dict, List, Optional, Tuple, Type
 
 from omron_ld90 import arcl
 from omron_ld90.graph import route_protocol as p
-from omron_ld90_msgs.msg import RobotStatus
+
+if TYPE_CHECKING:
+    from omron_ld90_msgs.msg import RobotStatus
 
 DESCRIPTION_PATIENCE = 0.5  # s between the two lines of an error
 
@@ -65,13 +67,18 @@ def status_events(status: RobotStatus) -> List[p.RobotEvent]:
     events: List[p.RobotEvent] = [p.EmergencyStop(status.emergency_stop)]
     if status.docking_state in {state.value for state in p.Docking}:
         events.append(p.Docking(status.docking_state))
-    doing = arcl.parse_line(status.status)
-    if type(doing) in _SHOWN:
-        events.append(p.GoalShown(_SHOWN[type(doing)](doing)))
+    events += shown_events(status.status)
     if status.has_pose:
         position = status.pose.position
         events.append(p.Located(status.header.stamp.to_nsec(), position.x, position.y))
     return events
+
+
+def shown_events(text: str) -> List[p.RobotEvent]:
+    """The goal that a status text names, where it does."""
+    doing = arcl.parse_line(text)
+    shown = _SHOWN.get(type(doing))
+    return [p.GoalShown(shown(doing))] if shown else []
 
 
 def is_motion(command: str) -> bool:

@@ -1,0 +1,140 @@
+"""The bridge's mind joined to the simulated LD-90, without ROS, sockets or waiting.
+
+Both are free of input and output, so a drive of minutes takes a second or two, and the same drive
+gives the same figures each time.
+"""
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Callable, List, Optional, Tuple
+
+import numpy as np
+
+from omron_ld90 import arcl
+from omron_ld90.graph import route_protocol as p
+from omron_ld90.graph.route_follower import RouteFollower, Settings
+from omron_ld90.graph.route_strategies import STRATEGIES
+from omron_ld90.maps import MapDocument
+from omron_ld90.nodes.bridge_words import RobotWords, shown_events
+from omron_ld90_sim.clock import Clock
+from omron_ld90_sim.floor import Floor
+from omron_ld90_sim.kinematics import Pose
+from omron_ld90_sim.robot import Robot
+from omron_ld90_sim.server import ArclServer, OutgoingLists, Session
+from trajectory_graph import Graph, load_graph
+
+MAPS = Path(__file__).resolve().parents[4] / 'maps'
+STEP = 0.02           # s
+TICK = 0.1            # s
+STATUS_PERIOD = 0.5   # s
+PATH_STEP = 0.06      # s between samples of the path driven
+NANOSECONDS = 1_000_000_000
+DOCK_VERTEX = 16
+
+
+class SimulatedDrive:
+    """One robot on `lab.map` that drives the routes it is ordered."""
+
+    def __init__(self, strategy: str = 'vertex_by_vertex', vertex: Optional[int] = None,
+                 heading: float = 0.0, map_file: Path = MAPS / 'lab.map',
+                 graph: Optional[Graph] = None, **settings) -> None:
+        """Starts at a vertex with `heading` (degrees), or in the dock."""
+        self.graph = graph or load_graph(MAPS / 'lab_graph.yaml')
+        self.clock = Clock()
+        document = MapDocument.load(str(map_file))
+        start = None
+        if vertex is not None:
+            x, y = self.graph.vertex(vertex).position
+            start = Pose(1000.0 * x, 1000.0 * y, heading)
+        self.robot = Robot(self.clock, document, Floor.from_map(document), start, 0)
+        self.server = ArclServer(self.clock, self.robot, 'adept')
+        self.follower = RouteFollower(Settings(
+            dock_vertex=DOCK_VERTEX, strategy=STRATEGIES[strategy], **settings), self.graph)
+        self.reports: List[p.RouteReport] = []
+        self.commands: List[str] = []
+        self.path: List[Tuple[float, float]] = []  # m
+        self.lines: List[str] = []
+        self._words = RobotWords()
+        self._client = self.server.connect()
+        self._client.receive(b'adept\n')
+        self._lines_of(self._client)
+        self._outgoing = self.server.connect_outgoing()
+        OutgoingLists(self.server, self._outgoing, {1: (STATUS_PERIOD, 'Status')})
+        self._next_tick = self._next_sample = 0.0
+        self.run(lambda: self.follower.seen.last is not None, 5.0)
+
+    @property
+    def now(self) -> float:
+        """Simulated seconds since the start."""
+        return self.clock.now
+
+    def order(self, route_id: int, *edges: int) -> None:
+        """The fleet manager publishes a route."""
+        self._act(self.follower.handle(p.RouteOrder(route_id, edges), self.now))
+
+    def drive(self, route_id: int, *edges: int, seconds: float = 600.0) -> float:
+        """Drives a route to its end; the seconds that took."""
+        start = self.now
+        self.order(route_id, *edges)
+        self.run(lambda: not self.follower.running, seconds)
+        return self.now - start
+
+    def run(self, until: Callable[[], bool], seconds: float) -> None:
+        """Lets simulated time pass until the condition holds."""
+        end = self.now + seconds
+        while not until():
+            assert self.now < end, f'not within {seconds} s: {self.follower.report()}'
+            self.clock.advance(self.now + STEP)
+            self._listen()
+            if self.now >= self._next_sample:
+                self._next_sample += PATH_STEP
+                pose = self.robot.true_pose
+                self.path.append((pose.x / 1000.0, pose.y / 1000.0))
+            if self.now >= self._next_tick:
+                self._next_tick += TICK
+                self._act(self.follower.tick(self.now))
+                self.reports.append(self.follower.report())
+
+    def distance_from(self, edges: Tuple[int, ...], since: int = 0) -> float:
+        """Greatest distance (m) to the edges' curves of the path from sample `since` on."""
+        curves = [self.graph.curve(edge) for edge in edges]
+        return max(min(curve.project(x, y).distance for curve in curves)
+                   for x, y in self.path[since:])
+
+    def nearest_to(self, vertex: int, since: int = 0) -> Tuple[float, int]:
+        """How near (m) the path came to a vertex, from sample `since` on, and at which sample."""
+        away = np.hypot(*(np.array(self.path[since:]) - self.graph.vertex(vertex).position).T)
+        return float(away.min()), since + int(away.argmin())
+
+    def _listen(self) -> None:
+        for line in self._lines_of(self._client):
+            self.lines.append(line)
+            self._tell(*self._words.line(line, self.now))
+        for line in self._lines_of(self._outgoing):
+            reply = arcl.parse_line(line)
+            if isinstance(reply, arcl.StatusText):
+                docked = arcl.parse_line(reply.text)
+                if isinstance(docked, arcl.DockingStatus):
+                    self._tell(p.Docking(docked.docking.value))
+                self._tell(*shown_events(reply.text))
+            elif isinstance(reply, arcl.Location):
+                self._tell(p.Located(int(self.now * NANOSECONDS) + 1,
+                                     reply.x / 1000.0, reply.y / 1000.0))
+
+    def _tell(self, *events: p.Event) -> None:
+        for event in events:
+            self._act(self.follower.handle(event, self.now))
+
+    def _act(self, actions: List[p.Action]) -> None:
+        for action in actions:
+            if isinstance(action, p.Send):
+                self.commands.append(action.command)
+                self._client.receive(f'{action.command}\n'.encode())
+            elif isinstance(action, p.RouteReport):
+                self.reports.append(action)
+
+    @staticmethod
+    def _lines_of(session: Session) -> List[str]:
+        text = session.output.decode('ascii')
+        session.output.clear()
+        return text.split('\r\n')[:-1]
