@@ -7,6 +7,7 @@ import numpy as np
 
 from omron_ld90.maps.errors import FieldError, MapWarning
 from omron_ld90.maps.objects import printable
+from omron_ld90.maps.reader import BOM
 from omron_ld90.maps.references import find_references
 from omron_ld90.maps.tokens import tokenise
 
@@ -20,10 +21,10 @@ def check(document: MapDocument) -> List[MapWarning]:
 
 
 def _encoding(document: MapDocument) -> Iterator[MapWarning]:
-    if document.records[0].raw.startswith(b'\xef\xbb\xbf'):
-        yield MapWarning('the file begins with a byte order mark: the vendor\'s tools refuse it', 1)
+    if document.records[0].raw.startswith(BOM):
+        yield MapWarning("the file begins with a byte order mark: the vendor's tools refuse it", 1)
     if not document.sections[-1].raw.endswith(b'\n'):
-        yield MapWarning('the last row has no line end: the vendor\'s tools lose it')
+        yield MapWarning("the last row has no line end: the vendor's tools lose it")
 
 
 def _header(document: MapDocument) -> Iterator[MapWarning]:

@@ -59,7 +59,7 @@ class MapDocument:
         self._sections = content.sections
         self.scans = tuple(Scan(header, content.sections, index == 0)
                            for index, header in enumerate(content.headers))
-        self._notes: List[MapWarning] = []
+        self._notes: List[editing.Note] = []
 
     @classmethod
     def load(cls, path: str) -> MapDocument:
@@ -155,7 +155,10 @@ class MapDocument:
     @property
     def warnings(self) -> Tuple[MapWarning, ...]:
         """What is odd about the map as it is now, and what edits could not follow."""
-        return tuple(check(self) + self._notes)
+        lines = {id(record): number for number, record in enumerate(self._records, 1)}
+        notes = [MapWarning(text, lines[id(record)]) for record, text in self._notes
+                 if id(record) in lines]
+        return tuple(check(self) + notes)
 
     def find(self, name: str) -> Optional[MapObject]:
         """The first object called `name`, upper or lower case, or None."""

@@ -6,16 +6,21 @@ order is the vendor's: by stored position, then kind, then name.
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING, List, Optional
+import math
+from typing import TYPE_CHECKING, List, Optional, Tuple
 
-from omron_ld90.maps.errors import DuplicateName, FieldError, MapError, MapWarning
+from omron_ld90.maps.errors import DuplicateName, FieldError, MapError
 from omron_ld90.maps.geometry import Extent, normalise_degrees
+from omron_ld90.maps.header import is_header
 from omron_ld90.maps.objects import MapObject, format_object
 from omron_ld90.maps.reader import Record
 from omron_ld90.maps.references import find_references
 
 if TYPE_CHECKING:
     from omron_ld90.maps.document import MapDocument
+
+#: A line that an edit left alone, and what is to be said about it.
+Note = Tuple[Record, str]
 
 
 def add(document: MapDocument, records: List[Record], obj: MapObject) -> None:
@@ -25,7 +30,7 @@ def add(document: MapDocument, records: List[Record], obj: MapObject) -> None:
     records.insert(_place(records, obj), record)
 
 
-def remove(document: MapDocument, records: List[Record], obj: MapObject) -> List[MapWarning]:
+def remove(document: MapDocument, records: List[Record], obj: MapObject) -> List[Note]:
     """Take out `obj` and its parameters; tell which lines still name it."""
     del records[_index(document, records, obj)]
     if not obj.name or document.find(obj.name) is not None:
@@ -44,11 +49,18 @@ def move(document: MapDocument, records: List[Record], obj: MapObject, x: float,
     if obj.tail:
         raise MapError(document.name, f'{obj.kind} {obj.label!r} has more than corners and cannot '
                        'be moved; remove it and add a new one', index + 1)
+    if not all(math.isfinite(value) for value in (x, y, theta or 0.0)):
+        raise MapError(document.name, f'{obj.kind} {obj.label!r} cannot be moved to {x}, {y}, '
+                       f'{theta}', index + 1, expected='finite numbers')
     moved = _moved(obj, x, y, obj.theta if theta is None else normalise_degrees(theta))
-    record = _record(document, records, moved)
+    _replace(records, index, _record(document, records, moved))
+
+
+def _replace(records: List[Record], index: int, record: Record) -> None:
+    """Put `record` in the place of another: where it belongs, if the objects are in order."""
     if _sorted(records):
         del records[index]
-        records.insert(_place(records, moved), record)
+        records.insert(_place(records, record.object), record)
     else:
         records[index] = record
 
@@ -66,15 +78,17 @@ def _moved(obj: MapObject, x: float, y: float, theta: float) -> MapObject:
 
 
 def rename(document: MapDocument, records: List[Record], obj: MapObject,
-           new_name: str) -> List[MapWarning]:
+           new_name: str) -> List[Note]:
     """Change the name of `obj` and of the references that surely mean it."""
     index = _index(document, records, obj)
+    if not new_name:
+        raise MapError(document.name, f'{obj.kind} {obj.label!r} cannot lose its name', index + 1)
     if new_name.lower() != obj.name.lower():
         _refuse_duplicate(document, new_name)
     renamed = dataclasses.replace(obj, name=new_name)
-    records[index] = _record(document, records, renamed)
+    _replace(records, index, _record(document, records, renamed))
     if not obj.name or document.find(obj.name) not in (None, renamed):
-        return []
+        return []  # another object has the old name too, and keeps what names it
     for position, record in enumerate(records):
         records[position] = _with_new_reference(record, obj.name, new_name)
     if new_name.lower() == obj.name.lower():
@@ -91,10 +105,10 @@ def _with_new_reference(record: Record, name: str, new_name: str) -> Record:
     return dataclasses.replace(record, raw=text.encode('utf-8', 'surrogateescape'))
 
 
-def _mentions(records: List[Record], name: str, text: str) -> List[MapWarning]:
-    return [MapWarning(f'{record.text.split(None, 1)[0]} {text}', number)
-            for number, record in enumerate(records, 1)
-            if find_references(record.keyword, record.text, name)]
+def _mentions(records: List[Record], name: str, text: str) -> List[Note]:
+    """The lines that may or may not mean the object `name`."""
+    return [(record, f'{record.text.split(None, 1)[0]} {text}') for record in records
+            if any(not ref.certain for ref in find_references(record.keyword, record.text, name))]
 
 
 def _index(document: MapDocument, records: List[Record], obj: MapObject) -> int:
@@ -145,10 +159,8 @@ def _place(records: List[Record], obj: MapObject) -> int:
 
 
 def _after_info(records: List[Record]) -> int:
-    """Behind the active info lines, or else behind the header; ahead of all that may follow."""
-    place = 0
-    for index, record in enumerate(records):
-        active_info = record.keyword.endswith('info:') and not record.keyword.startswith('_')
-        if active_info or (not place and record.keyword and not record.keyword.endswith(':')):
-            place = index + 1
-    return place
+    """Behind the header and the active info lines, ahead of all that may follow."""
+    places = [index + 1 for index, record in enumerate(records)
+              if is_header(record.keyword)
+              or (record.keyword.endswith('info:') and not record.keyword.startswith('_'))]
+    return places[-1]

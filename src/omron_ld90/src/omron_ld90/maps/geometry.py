@@ -20,7 +20,9 @@ class Extent:
 
 
 def normalise_degrees(angle: float) -> float:
-    """`angle` in (-180, 180], never -0."""
+    """`angle` in (-180, 180], never -0; nan for what is not finite."""
+    if not math.isfinite(angle):
+        return math.nan
     turned = math.fmod(angle, 360.0)
     if turned > 180.0:
         turned -= 360.0

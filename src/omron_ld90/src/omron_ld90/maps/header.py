@@ -6,7 +6,7 @@ key without a name belongs to the first source: the vendor leaves the name off f
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Callable, Dict, List, Sequence, Tuple
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
 from omron_ld90.maps.errors import FieldError
 from omron_ld90.maps.objects import parse_integer, printable
@@ -56,6 +56,16 @@ SCAN_KEYS: Dict[str, Callable[[Sequence[Token], str], Any]] = {
 }
 
 
+_SUFFIXES = tuple(f'{key}:'.lower() for key in SCAN_KEYS)
+_OTHER_KEYS = tuple(category.lower() for category in CATEGORIES) + (
+    'sources:', 'originlatlongalt:', 'originlatlonalt:')  # the last is seen in a published map
+
+
+def is_header(keyword: str) -> bool:
+    """Whether a line with this first word (lower case) belongs to the head of the file."""
+    return keyword.endswith(_SUFFIXES) or keyword in _OTHER_KEYS
+
+
 @dataclass
 class ScanHeader:
     """What the header says about one scan source: values and their lines, by key."""
@@ -76,7 +86,7 @@ class ScanKeys:
         for key in SCAN_KEYS:
             self._meanings.setdefault(f'{key}:'.lower(), (sources[0], key))
 
-    def get(self, keyword: str):
+    def get(self, keyword: str) -> Optional[Tuple[str, str]]:
         """(source, key) for a line's first word in lower case, or None."""
         return self._meanings.get(keyword)
 

@@ -4,6 +4,7 @@
 """
 from __future__ import annotations
 
+import dataclasses
 import math
 import re
 from dataclasses import dataclass
@@ -237,8 +238,10 @@ def format_object(obj: MapObject) -> str:
              f'{round(obj.theta, 6) + 0.0:.6f}', quoted(obj.description, 'description'), obj.icon,
              quoted(obj.name, 'name')]
     if obj.extent is not None:
-        extent = obj.extent
-        words += map(str, (extent.from_x, extent.from_y, extent.to_x, extent.to_y))
+        corners = dataclasses.astuple(obj.extent)
+        if max(map(abs, corners)) > _LARGEST:
+            raise FieldError(f'{corners} is too far away', 'from, to', 'coordinates of 32 bits')
+        words += map(str, corners)
     words += obj.tail
     line = ' '.join(words)
     if len(line.encode('utf-8', 'surrogateescape')) + 2 >= MAX_LINE_BYTES:

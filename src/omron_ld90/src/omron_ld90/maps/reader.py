@@ -76,9 +76,13 @@ def _split_metadata(data: bytes) -> Tuple[List[bytes], bytes]:
     return lines, b''
 
 
+def _without_bom(raw: bytes) -> bytes:
+    return raw[len(BOM):] if raw.startswith(BOM) else raw
+
+
 def _check_category(lines: List[bytes], name: str) -> None:
     for number, raw in enumerate(lines, 1):
-        text = decode(raw[len(BOM):] if number == 1 and raw.startswith(BOM) else raw).strip(BLANKS)
+        text = decode(_without_bom(raw)).strip(BLANKS)
         if text:
             if text.lower() in (category.lower() for category in CATEGORIES):
                 return
@@ -89,7 +93,7 @@ def _check_category(lines: List[bytes], name: str) -> None:
 
 
 def _read_record(raw: bytes, name: str, number: int) -> Record:
-    words = raw.split(None, 1)
+    words = _without_bom(raw).split(None, 1)
     keyword = words[0].decode('utf-8', 'surrogateescape').lower() if words else ''
     if keyword != 'cairn:':
         return Record(raw, keyword)

@@ -31,7 +31,8 @@ class Reference:
 def find_references(keyword: str, line: str, name: Optional[str] = None) -> List[Reference]:
     """The words of `line` that name the object `name`; without `name`, all that surely name one.
 
-    `keyword` is the line's first word in lower case. A line that cannot be split has none.
+    `keyword` is the line's first word in lower case. A line that cannot be split has none, and a
+    bare number is no name, except where nothing else can stand.
     """
     if keyword not in _GROUPS:
         return []
@@ -47,7 +48,8 @@ def find_references(keyword: str, line: str, name: Optional[str] = None) -> List
         if name is None:
             wanted = certain
         else:
-            wanted = word.text.lower() == name.lower() and (certain or word.quoted)
+            wanted = word.text.lower() == name.lower() and (
+                certain or word.quoted or not name.isdigit())
         if wanted:
             found.append(Reference(word, owned and certain, certain))
     return found

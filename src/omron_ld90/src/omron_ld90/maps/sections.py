@@ -4,7 +4,7 @@ from __future__ import annotations
 import dataclasses
 import re
 from dataclasses import dataclass
-from typing import List
+from typing import List, Optional
 
 import numpy as np
 
@@ -94,18 +94,19 @@ def parse_rows(body: bytes, columns: tuple, line: int) -> np.ndarray:
     if len(rows):
         points = rows.reshape(-1, 2)
         low, high = points.min(axis=0), points.max(axis=0)
-        if (high - low > MAX_BOX).any() or max(-low.min(), high.max()) >= 2**31:
+        if (high - low > MAX_BOX).any():
             raise FieldError(_describe_box(low, high), 'section',
                              f'at most {MAX_BOX // 1_000_000} km each way',
                              _line_of_row(body, _far_row(rows), line))
     return rows.astype(np.int32)
 
 
-def _parse_plain_rows(body: bytes, columns: int) -> np.ndarray:
+def _parse_plain_rows(body: bytes, columns: int) -> Optional[np.ndarray]:
     """The rows if all are written as the vendor's tools do, one blank between numbers, else None.
 
-    That nothing but such rows is there takes three checks on the whole block: the separators
-    alternate, each minus begins a number, and there are as many numbers as separators.
+    That nothing but such rows is there takes four checks on the whole block: the separators
+    alternate, each minus begins a number, there are as many numbers as separators, and none is
+    too large.
     """
     body = body.replace(b'\r\n', b'\n') if b'\r' in body else body
     if body and not body.endswith(b'\n'):
@@ -119,7 +120,9 @@ def _parse_plain_rows(body: bytes, columns: int) -> np.ndarray:
     if np.any(minus & ((text[:-2] > ord(' ')) | (text[2:] < ord('0')))):
         return None
     numbers = np.fromstring(body, np.int64, sep=' ')
-    return numbers.reshape(count, columns) if len(numbers) == count * columns else None
+    if len(numbers) != count * columns or np.any(np.abs(numbers) >= 2**31):
+        return None
+    return numbers.reshape(count, columns)
 
 
 def _parse_odd_rows(body: bytes, columns: tuple, line: int) -> np.ndarray:
@@ -128,7 +131,7 @@ def _parse_odd_rows(body: bytes, columns: tuple, line: int) -> np.ndarray:
     for number, raw in enumerate(body.split(b'\n'), line):
         words = raw.split()
         for word, column in zip(words, columns):
-            if not _NUMBER.fullmatch(word) or len(word) > 11:
+            if not _NUMBER.fullmatch(word) or abs(int(word[:12])) >= 2**31:
                 raise FieldError(f'{word[:40].decode("utf-8", "replace")!r} is wrong', column,
                                  'a whole number of mm', number)
         if words and len(words) != len(columns):
