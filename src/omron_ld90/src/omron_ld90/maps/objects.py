@@ -121,6 +121,11 @@ class MapObject:
                 or (self.is_home and self.extent is None) or self.kind == 'LynxDockTarget')
 
     @property
+    def heads_left(self) -> bool:
+        """True when an arrow along the heading points where a name at the left would stand."""
+        return self.has_heading and math.cos(math.radians(self.theta)) < -0.5
+
+    @property
     def label(self) -> str:
         """The name as text that any screen can show: bytes that are not UTF-8 become U+FFFD."""
         return printable(self.name)

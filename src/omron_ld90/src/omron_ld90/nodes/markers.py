@@ -70,13 +70,14 @@ def docks(document: MapDocument, header: Header) -> Marker:
 
 
 def goal_names(document: MapDocument, header: Header) -> MarkerArray:
-    """The names of goals and docks, white, each ending at its square's left side."""
+    """The names of goals and docks, white, each ending left of its square, or of its arrow."""
     names = []
     for obj in document.goals + document.docks:
         half_width = len(obj.label) * CHARACTER_WIDTH * TEXT_HEIGHT / 2.0
+        reach = ARROW.x if obj.heads_left else SQUARE.x / 2.0
         marker = _one(header, 'goal_names', len(names), Marker.TEXT_VIEW_FACING, WHITE,
                       Vector3(0.0, 0.0, TEXT_HEIGHT))
-        marker.pose.position = Point(metres(obj.x) - SQUARE.x / 2.0 - TEXT_GAP - half_width,
+        marker.pose.position = Point(metres(obj.x) - reach - TEXT_GAP - half_width,
                                      metres(obj.y), TEXT_Z)
         marker.text = obj.label
         names.append(marker)
