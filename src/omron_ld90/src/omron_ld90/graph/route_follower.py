@@ -380,6 +380,7 @@ class RouteFollower:
             return
         self._note(f'The robot missed vertex {vertex} and is sent back to it.')
         route.sent_back.append(current)
+        route.allow(self._edges_ahead())
         route.target = current
         route.count_as_progress(now)
         self._send_to(current)

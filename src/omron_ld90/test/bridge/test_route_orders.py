@@ -1,0 +1,318 @@
+"""Orders: what is taken up, changed, refused or left out."""
+from __future__ import annotations
+
+import pytest
+from bridge_builders import Bench, GraphRobot, dissertation_graph, graph_of, yard
+
+from omron_ld90.graph.route_follower import RouteFollower, Settings
+from omron_ld90.graph.route_protocol import (
+    EdgeState,
+    EmergencyStop,
+    LinkChanged,
+    Located,
+    RouteOrder,
+    RouteReport,
+    SymbolicPose,
+)
+
+
+def under_way(edges=(1, 4, 5), strategy='vertex_by_vertex') -> Bench:
+    """A bench whose robot is half way along the second edge of the dissertation's route."""
+    bench = Bench(dissertation_graph(), 1, strategy)
+    bench.order(7, *edges, stamp=50.0)
+    bench.run(lambda bench: bench.last is not None and bench.last.pose.percentage > 50.0
+              and bench.states()[0] == EdgeState.COMPLETE)
+    return bench
+
+
+def refusals(bench: Bench, route_id: int) -> list:
+    return [report for report in bench.reports
+            if report.route_id == route_id and report.reason]
+
+
+def test_a_duplicate_is_ignored():
+    bench = under_way()
+    commands, reports = len(bench.commands), len(bench.reports)
+    bench.order(7, 1, 4, 5, stamp=50.0)
+    bench.order(7, 1, 4, 5, stamp=51.0)
+    assert (len(bench.commands), len(bench.reports)) == (commands, reports)
+
+
+def test_a_duplicate_after_the_end_is_ignored():
+    bench = under_way()
+    bench.run()
+    commands = len(bench.commands)
+    bench.order(7, 1, 4, 5, stamp=50.0)
+    assert len(bench.commands) == commands
+    assert bench.states() == [2, 2, 2]
+
+
+def test_a_late_route_is_left_out():
+    bench = under_way()
+    bench.order(6, 2, stamp=49.0)
+    assert bench.follower.report().route_id == 7
+    assert refusals(bench, 6) == []
+    assert 'came late' in bench.notes[-1]
+
+
+def test_a_longer_list_extends_the_route_and_keeps_what_is_done():
+    bench = under_way(edges=(1, 4))
+    bench.order(7, 1, 4, 5)
+    assert bench.states() == [2, 1, 1]
+    bench.run()
+    assert bench.states() == [2, 2, 2]
+    assert bench.commands == ['goto 2', 'goto 7', 'goto 6']
+
+
+def test_a_complete_route_can_be_extended():
+    bench = under_way(edges=(1, 4))
+    bench.run()
+    bench.order(7, 1, 4, 5)
+    assert bench.states() == [2, 2, 1]
+    bench.run()
+    assert bench.states() == [2, 2, 2]
+
+
+def test_a_shorter_list_ends_the_route_earlier():
+    bench = under_way(strategy='direct')
+    assert bench.commands == ['goto 6']
+    bench.order(7, 1, 4)
+    assert bench.commands[-1] == 'goto 7'
+    bench.run()
+    assert bench.states() == [2, 2]
+    assert bench.robot.position == pytest.approx((8.0, 0.0))
+
+
+def test_a_list_that_drops_the_current_edge_is_refused_and_the_route_goes_on():
+    bench = under_way()
+    bench.order(7, 1, 2)
+    assert 'must go on with' in refusals(bench, 7)[0].reason
+    assert bench.follower.report().states == (2, 1, 1)
+    bench.run()
+    assert bench.states() == [2, 2, 2]
+
+
+def test_another_id_may_begin_on_the_edge_being_driven():
+    bench = under_way()
+    before = bench.follower.report().pose
+    bench.order(8, 4, 5)
+    assert bench.follower.report().route_id == 8
+    assert bench.follower.report().pose == before
+    assert bench.commands.count('goto 7') == 1  # it is on its way there: nothing is sent again
+    bench.run()
+    assert bench.states() == [2, 2]
+
+
+def test_another_id_may_turn_round_on_the_edge_being_driven():
+    bench = under_way()
+    bench.order(8, -4, -1)
+    assert bench.commands[-1] == 'goto 2'
+    bench.run()
+    assert bench.states() == [2, 2]
+    assert bench.robot.position == pytest.approx((0.0, 0.0))
+
+
+def test_an_order_that_crossed_with_the_end_of_its_first_edge_is_taken_up():
+    bench = Bench(dissertation_graph(), 1)
+    bench.order(7, 1, 4)
+    bench.run(lambda bench: bench.states() == [2, 1])
+    bench.order(8, 1, 4, 5)
+    bench.run()
+    assert bench.follower.report().route_id == 8
+    assert bench.states() == [2, 2, 2]
+
+
+def test_an_edge_that_was_driven_before_is_not_complete_again():
+    bench = Bench(dissertation_graph(), 1)
+    bench.order(7, 1)
+    bench.run()
+    bench.order(8, 1)
+    assert 'ends there, at vertex 2' in refusals(bench, 8)[0].reason
+
+
+def test_an_empty_list_stops_the_robot():
+    bench = under_way()
+    bench.order(8)
+    assert bench.commands[-1] == 'stop'
+    report = bench.follower.report()
+    assert (report.route_id, report.edges, report.reason) == (8, (), '')
+    assert not bench.follower.running
+    bench.order(9, 4, 5)  # and on from where it stands
+    bench.run()
+    assert bench.states() == [2, 2]
+
+
+def test_a_stop_is_obeyed_even_when_it_comes_late():
+    bench = under_way()
+    bench.order(6, stamp=1.0)
+    assert bench.commands[-1] == 'stop'
+
+
+@pytest.mark.parametrize('edges, reason', [
+    ((99,), 'The graph has no edge 99.'),
+    ((1, 0), 'The graph has no edge 0.'),
+    ((1, 5), 'Edge 1 ends at vertex 2, but the next edge 5 starts at vertex 7.'),
+    ((5,), 'edge 5 does not start where the robot is'),
+    ((-4, -1), 'edge -4 does not start where the robot is'),
+    ((1,) * 10001, 'more than 10000 edges'),
+])
+def test_a_route_that_cannot_be_driven_is_refused(edges, reason):
+    bench = Bench(dissertation_graph(), 1)
+    bench.order(7, *edges)
+    report, = bench.reports
+    assert (report.route_id, report.edges) == (7, edges)
+    assert set(report.states) == {EdgeState.FAILED}
+    assert reason in report.reason
+    assert bench.commands == []
+
+
+def test_a_refusal_leaves_the_running_route_alone():
+    bench = under_way()
+    commands = len(bench.commands)
+    bench.order(8, 99)
+    assert len(refusals(bench, 8)) == 1
+    assert len(bench.commands) == commands
+    bench.run()
+    assert bench.follower.report().route_id == 7
+    assert bench.states() == [2, 2, 2]
+
+
+def test_a_failed_route_needs_another_id():
+    bench = under_way()
+    bench.tell(EmergencyStop(True), EmergencyStop(False))
+    bench.order(7, 1, 4)
+    assert 'has failed' in refusals(bench, 7)[-1].reason
+    bench.order(8, 4, 5)
+    bench.run()
+    assert bench.states() == [2, 2]
+
+
+@pytest.mark.parametrize('event, reason', [
+    (EmergencyStop(True), 'emergency stop'),
+    (LinkChanged('commands', False, 'connection refused'),
+     'lost link: commands: connection refused'),
+])
+def test_a_robot_that_cannot_drive_takes_no_route(event, reason):
+    bench = Bench(dissertation_graph(), 1)
+    bench.tell(event)
+    bench.order(7, 1)
+    assert refusals(bench, 7)[0].reason == reason
+    assert bench.commands == []
+
+
+def test_an_order_waits_for_the_first_location():
+    follower = RouteFollower(Settings(), dissertation_graph())
+    assert follower.handle(RouteOrder(7, (1,)), 0.0) == []
+    actions = follower.handle(Located(1, 0.0, 0.0), 0.5)
+    assert [action.command for action in actions if hasattr(action, 'command')] == ['goto 2']
+
+
+def test_an_order_waits_no_longer_than_the_location_may_take():
+    follower = RouteFollower(Settings(location_timeout=5.0), dissertation_graph())
+    follower.handle(RouteOrder(7, (1,)), 0.0)
+    assert follower.tick(4.9) == []
+    report = follower.tick(5.1)[0]
+    assert isinstance(report, RouteReport)
+    assert report.reason == 'the robot has not told where it is'
+
+
+def test_without_a_graph_every_route_is_refused():
+    follower = RouteFollower(Settings())
+    follower.handle(Located(1, 0.0, 0.0), 0.0)
+    follower.handle(RouteOrder(7, (1,)), 0.0)
+    assert follower.tick(6.0)[0].reason == 'there is no graph'
+
+
+def test_a_graph_that_comes_later_takes_up_the_order_that_waits():
+    follower = RouteFollower(Settings())
+    follower.handle(Located(1, 0.0, 0.0), 0.0)
+    follower.handle(RouteOrder(7, (1,)), 0.0)
+    follower.use_graph(dissertation_graph(), 0.1)
+    assert follower.running
+
+
+def test_a_docked_robot_starts_from_the_dock_only():
+    bench = Bench(yard(), 90)
+    bench.order(7, 1)
+    assert refusals(bench, 7)[0].reason == (
+        'edge 1 starts at vertex 1, but the robot is docked at vertex 90')
+
+
+def test_a_new_graph_with_the_same_edges_lets_the_route_go_on():
+    bench = under_way()
+    bench.follower.use_graph(dissertation_graph(), bench.now)
+    assert bench.follower.running
+    bench.run()
+    assert bench.states() == [2, 2, 2]
+
+
+def test_a_new_graph_with_other_edges_ends_the_route():
+    bench = under_way()
+    moved = graph_of({1: (0, 0), 2: (4, 0), 7: (9, 0), 6: (8, 4)},
+                     {1: (1, 2), 4: (2, 7), 5: (7, 6)})
+    actions = bench.follower.use_graph(moved, bench.now)
+    assert actions[0].command == 'stop'
+    assert 'the graph was replaced' in bench.follower.report().reason
+
+
+class TestRestart:
+
+    @staticmethod
+    def restarted(bench: Bench) -> Bench:
+        """The same robot with a bridge that was started anew."""
+        record = bench.follower.record
+        bench.follower = RouteFollower(bench.follower.settings, bench.follower.graph)
+        bench.follower.restore(record, bench.now + 20.0)
+        bench.tell(bench.robot.located(bench.now))
+        return bench
+
+    def test_the_next_published_route_goes_on_where_it_was(self):
+        bench = self.restarted(under_way())
+        bench.order(7, 1, 4, 5)
+        assert bench.states() == [2, 1, 1]
+        assert bench.follower.report().pose.percentage > 50.0
+        bench.run()
+        assert bench.states() == [2, 2, 2]
+
+    def test_what_the_robot_went_on_driving_meanwhile_counts(self):
+        bench = under_way(strategy='direct')
+        record = bench.follower.record
+        while bench.robot.position[0] < 8.0:  # the robot drives on to vertex 7 alone
+            bench.now += GraphRobot.STEP
+            bench.robot.step(bench.now)
+        for _ in range(20):
+            bench.now += GraphRobot.STEP
+            bench.robot.step(bench.now)
+        bench.follower = RouteFollower(bench.follower.settings, bench.follower.graph)
+        bench.follower.restore(record, bench.now + 20.0)
+        bench.tell(bench.robot.located(bench.now))
+        bench.order(7, 1, 4, 5)
+        assert bench.states() == [2, 2, 1]
+
+    def test_nothing_is_complete_that_was_not_driven(self):
+        bench = under_way()
+        bench.robot.position = (8.0, 3.0)  # carried to an edge that it was not sent along
+        bench = self.restarted(bench)
+        bench.order(7, 1, 4, 5)
+        assert 'does not start where the robot is' in refusals(bench, 7)[0].reason
+
+    def test_a_route_that_was_complete_stays_so(self):
+        bench = under_way()
+        bench.run()
+        bench = self.restarted(bench)
+        commands = len(bench.commands)
+        bench.order(7, 1, 4, 5)
+        assert bench.states() == [2, 2, 2]
+        assert bench.follower.report().pose == SymbolicPose(5, 100.0)
+        assert len(bench.commands) == commands
+
+    def test_another_route_is_a_new_one(self):
+        bench = self.restarted(under_way())
+        bench.order(8, 4, 5)
+        assert bench.states() == [1, 1]
+
+    def test_after_a_while_the_record_is_forgotten(self):
+        bench = self.restarted(under_way())
+        bench.now += 30.0
+        bench.order(7, 1, 4, 5)
+        assert refusals(bench, 7) != []
