@@ -1,0 +1,185 @@
+#!/usr/bin/env python3
+"""The controller drives a simulated robot to goals and poses, stops it, refuses what it must."""
+from __future__ import annotations
+
+import math
+import unittest
+
+import actionlib
+import rospy
+import rostest
+from actionlib_msgs.msg import GoalStatus
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
+from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
+from std_msgs.msg import String
+
+from omron_ld90.arcl import GoingToPoint, Location, OneLineStatus, parse_line
+from omron_ld90_msgs.msg import (
+    CommandRefused,
+    ExecuteCommandAction,
+    ExecuteCommandGoal,
+    ExecuteCommandResult,
+    LinkState,
+)
+from system_support import Recorder, connected_publisher, wait_until
+
+SOON = 10.0  # s
+DRIVE = 60.0  # s; the simulated robot's clock runs eight times as fast
+
+
+def pose_in_map(x: float, y: float, yaw: float, frame: str = 'map') -> PoseStamped:
+    pose = PoseStamped()
+    pose.header.frame_id = frame
+    pose.pose.position.x, pose.pose.position.y = x, y
+    pose.pose.orientation.z, pose.pose.orientation.w = math.sin(yaw / 2), math.cos(yaw / 2)
+    return pose
+
+
+class ControllerTest(unittest.TestCase):
+    """One robot and one controller for all tests; each leaves the robot standing."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.responses = Recorder('/omron_ld90/arcl_response', String)
+        cls.refusals = Recorder('/omron_ld90/command_refused', CommandRefused)
+        cls.links = Recorder('/omron_ld90/link_state', LinkState)
+        cls.diagnostics = Recorder('/diagnostics', DiagnosticArray)
+        cls.commands = connected_publisher('/omron_ld90/send_command', String)
+        cls.execute = actionlib.ActionClient('/omron_ld90/execute_command', ExecuteCommandAction)
+        cls.move_base = actionlib.ActionClient('/omron_ld90/move_base', MoveBaseAction)
+        for client in (cls.execute, cls.move_base):
+            assert client.wait_for_server(rospy.Duration(30.0)), 'the controller has no actions'
+        cls.links.wait_for(lambda link: link.state == LinkState.CONNECTED, 30.0, 'login')
+        # The goals are asked for at once after the login, and a goto is refused by them.
+        cls.diagnostics.wait_for(cls.goals_compared, 30.0, 'comparison of goals')
+
+    @staticmethod
+    def goals_compared(message: DiagnosticArray) -> bool:
+        return any(status.name.endswith(': goals') and 'same' in status.message
+                   for status in message.status)
+
+    def run_command(self, text: str, timeout: float = 0.0) -> actionlib.ClientGoalHandle:
+        return self.execute.send_goal(ExecuteCommandGoal(command=text, timeout=timeout))
+
+    def result_of(self, handle: actionlib.ClientGoalHandle, within: float = DRIVE):
+        wait_until(lambda: handle.get_comm_state() == actionlib.CommState.DONE, within,
+                   'the end of the action')
+        return handle.get_result()
+
+    def wait_for_line(self, text: str, after: int, within: float = DRIVE) -> None:
+        self.responses.wait_for(lambda line: line.data == text, within, f'line "{text}"', after)
+
+    def location(self) -> Location:
+        result = self.result_of(self.run_command('oneLineStatus'), SOON)
+        status = parse_line(result.lines[0])
+        assert isinstance(status, OneLineStatus)
+        return status.location
+
+    def test_a_command_on_the_topic_drives_the_robot_to_its_goal(self):
+        before = len(self.responses.messages)
+        self.commands.publish(String('goto 20'))
+        self.wait_for_line('Going to 20', before)
+        self.wait_for_line('Arrived at 20', before)
+
+    def test_an_action_ends_when_the_robot_has_arrived(self):
+        handle = self.run_command('goto 8')
+        result = self.result_of(handle)
+        self.assertEqual(ExecuteCommandResult.SUCCEEDED, result.outcome, result.message)
+        self.assertEqual(GoalStatus.SUCCEEDED, handle.get_goal_status())
+        self.assertEqual('Going to 8', [line for line in result.lines if 'Dock' not in line][0])
+        self.assertEqual('Arrived at 8', result.lines[-1])
+
+    def test_a_cancelled_action_stops_the_robot(self):
+        before = len(self.responses.messages)
+        self.result_of(self.run_command('goto 20'))
+        handle = self.run_command('goto 8')
+        self.wait_for_line('Going to 8', before)
+        handle.cancel()
+        result = self.result_of(handle, SOON)
+        self.assertEqual(ExecuteCommandResult.CANCELLED, result.outcome, result.message)
+        self.assertEqual(GoalStatus.PREEMPTED, handle.get_goal_status())
+        self.wait_for_line('Stopped', before)
+        self.assertEqual(self.location(), self.location(), 'the robot still moves')
+
+    def test_a_newer_drive_interrupts_the_older_one_and_arrives(self):
+        older = self.run_command('goto 20')
+        newer = self.run_command('goto 8')
+        self.assertEqual(ExecuteCommandResult.INTERRUPTED, self.result_of(older).outcome)
+        self.assertEqual(ExecuteCommandResult.SUCCEEDED, self.result_of(newer).outcome)
+
+    def test_queries_run_side_by_side_and_each_gets_its_own_answer(self):
+        handles = [self.run_command(text) for text in ('getGoals', 'odometer', 'getGoals')]
+        results = [self.result_of(handle, SOON) for handle in handles]
+        self.assertEqual(results[0].lines, results[2].lines)
+        self.assertEqual('End of goals', results[0].lines[-1])
+        self.assertEqual(1, len(results[1].lines))
+
+    def test_move_base_drives_to_the_pose(self):
+        goal = MoveBaseGoal(target_pose=pose_in_map(1.0, 0.0, math.pi / 2))
+        feedback = []
+        handle = self.move_base.send_goal(
+            goal, feedback_cb=lambda _, message: feedback.append(message))
+        self.result_of(handle)
+        self.assertEqual(GoalStatus.SUCCEEDED, handle.get_goal_status(),
+                         handle.get_goal_status_text())
+        location = self.location()
+        self.assertLess(math.hypot(location.x - 1000.0, location.y), 100.0, location)
+        self.assertLess(abs(location.heading - 90.0), 5.0, location)
+        self.assertTrue(feedback, 'no feedback came')
+        self.assertEqual('map', feedback[0].base_position.header.frame_id)
+
+    def test_a_simple_goal_drives_and_the_wrong_frame_is_refused(self):
+        publisher = connected_publisher('/move_base_simple/goal', PoseStamped)
+        before, refused = len(self.responses.messages), len(self.refusals.messages)
+        publisher.publish(pose_in_map(0.0, 0.0, 0.0))
+        self.responses.wait_for(lambda line: parse_line(line.data) == GoingToPoint(), SOON,
+                                'drive to the point', before)
+        publisher.publish(pose_in_map(0.0, 0.0, 0.0, frame='odom'))
+        refusal = self.refusals.wait_for(lambda _: True, SOON, 'refusal', refused)
+        self.assertIn('"odom"', refusal.reason)
+        self.result_of(self.run_command('stop'))
+
+    def test_an_initial_pose_relocalises_the_robot(self):
+        publisher = connected_publisher('/initialpose', PoseWithCovarianceStamped)
+        before = len(self.responses.messages)
+        here = self.location()
+        message = PoseWithCovarianceStamped()
+        stamped = pose_in_map(here.x / 1000.0, here.y / 1000.0, math.radians(here.heading))
+        message.header, message.pose.pose = stamped.header, stamped.pose
+        publisher.publish(message)
+        self.wait_for_line('Localized to point', before, SOON)
+
+    def test_what_must_not_be_sent_is_refused_with_a_reason(self):
+        for text, reason in (
+                ('', 'empty'), ('goto 8\nshutdown', 'control character'), ('goto', 'goto <goal>'),
+                ('shutdown', 'dangerous'), ('configStart', 'configuration'),
+                ('goto nowhere', 'no goal "nowhere"'), ('x' * 6000, '6000'),
+                ('queueDropoff 8', 'no command queueDropoff')):
+            before = len(self.refusals.messages)
+            self.commands.publish(String(text))
+            refusal = self.refusals.wait_for(lambda _: True, SOON, f'refusal of {text[:20]!r}',
+                                             before)
+            self.assertIn(reason, refusal.reason)
+            self.assertEqual(rospy.get_name(), refusal.caller)
+            self.assertLessEqual(len(refusal.command), 200)
+
+    def test_a_refused_action_is_rejected_with_the_reason(self):
+        handle = self.run_command('shutdown')
+        result = self.result_of(handle, SOON)
+        self.assertEqual(ExecuteCommandResult.REFUSED, result.outcome)
+        self.assertEqual(GoalStatus.REJECTED, handle.get_goal_status())
+        self.assertIn('dangerous', result.message)
+
+    def test_the_session_log_holds_both_sides_and_no_password(self):
+        self.result_of(self.run_command('odometer'), SOON)
+        with open(rospy.get_param('~session_log'), encoding='ascii') as file:
+            log = file.read()
+        for piece in ('S> Enter password:', 'C> ********', 'C> odometer', 'S> Odometer: '):
+            self.assertIn(piece, log)
+        self.assertNotIn('adept', log)
+
+
+if __name__ == '__main__':
+    rospy.init_node('controller_test')
+    rostest.rosrun('omron_ld90', 'controller', ControllerTest)

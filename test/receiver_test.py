@@ -1,0 +1,157 @@
+#!/usr/bin/env python3
+"""The receiver's topics carry what the robot sent: byte for byte, and typed in SI units."""
+from __future__ import annotations
+
+import math
+import socket
+import unittest
+
+import rospy
+import rostest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from sensor_msgs.msg import BatteryState, PointCloud2
+from sensor_msgs.point_cloud2 import read_points
+from std_msgs.msg import String
+
+from omron_ld90_msgs.msg import LinkState, RobotStatus
+from system_support import Recorder, wait_until
+
+SOON = 10.0  # s
+STATUS = {  # topic -> line
+    'extended_status': b'ExtendedStatusForHumans: Going to 12|slowly',
+    'state': b'Status: Going to 12',
+    'state_of_charge': b'StateOfCharge: 79.4',
+    'location': b'Location: 3120 -540 -87',
+    'localization_score': b'LocalizationScore: 0.870543',
+    'temperature': b'Temperature: 36',
+}
+
+
+class RawString(String):
+    """A String whose data stays bytes; rospy's own decodes them as UTF-8."""
+
+    def deserialize(self, buffer: bytes) -> RawString:
+        self.data = buffer[4:]
+        return self
+
+
+class ReceiverTest(unittest.TestCase):
+    """Plays the robot's outgoing connection."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.lines = {name: Recorder(f'/omron_ld90/status/{name}', RawString) for name in STATUS}
+        cls.laser_points = Recorder('/omron_ld90/laser_points', RawString)
+        cls.clouds = Recorder('/omron_ld90/laser_cloud', PointCloud2)
+        cls.statuses = Recorder('/omron_ld90/robot_status', RobotStatus)
+        cls.batteries = Recorder('/omron_ld90/battery_state', BatteryState)
+        cls.links = Recorder('/omron_ld90/link_state', LinkState)
+        cls.diagnostics = Recorder('/diagnostics', DiagnosticArray)
+        cls.links.wait_for(lambda link: link.state == LinkState.DISCONNECTED, 30.0, 'receiver')
+        cls.robot = cls.connect()
+        # Subscribers connect one after the other: a status that all have heard begins the tests.
+        wait_until(cls.everybody_hears, 20.0, 'every subscriber hears the receiver')
+
+    @classmethod
+    def connect(cls) -> socket.socket:
+        return socket.create_connection(('127.0.0.1', rospy.get_param('~port')), timeout=SOON)
+
+    @classmethod
+    def everybody_hears(cls) -> bool:
+        cls.send(*STATUS.values(), b'RangeDeviceGetCurrent: Laser_1 1 2')
+        recorders = (*cls.lines.values(), cls.laser_points, cls.clouds, cls.statuses,
+                     cls.batteries)
+        return all(recorder.messages for recorder in recorders)
+
+    @classmethod
+    def send(cls, *lines: bytes) -> None:
+        cls.robot.sendall(b''.join(line + b'\r\n' for line in lines))
+
+    def setUp(self) -> None:
+        type(self).robot.close()
+        type(self).robot = self.connect()
+
+    def test_every_status_line_comes_out_as_it_was_received(self):
+        # ARCL is ASCII, but nothing hinders a goal's name: the bytes go on as they are.
+        lines = {**STATUS, 'state': b'Status: Going to caf\xe9 \x01'}
+        before = {name: len(recorder.messages) for name, recorder in self.lines.items()}
+        self.send(*lines.values())
+        for name, line in lines.items():
+            self.lines[name].wait_for(lambda m, line=line: m.data == line, SOON, f'line {line}',
+                                      before[name])
+
+    def test_a_status_is_typed_in_si_units(self):
+        before = len(self.statuses.messages)
+        start = rospy.Time.now()
+        self.send(*STATUS.values())
+        status = self.statuses.wait_for(lambda m: m.localization_score > 0.87, SOON, 'status',
+                                        before)
+        self.assertEqual('Going to 12', status.status)
+        self.assertEqual('Going to 12|slowly', status.extended_status)
+        self.assertEqual('map', status.header.frame_id)
+        self.assertTrue(start <= status.header.stamp <= rospy.Time.now(), status.header)
+        self.assertAlmostEqual(3.12, status.pose.position.x)
+        self.assertAlmostEqual(-0.54, status.pose.position.y)
+        self.assertAlmostEqual(math.sin(math.radians(-43.5)), status.pose.orientation.z)
+        self.assertAlmostEqual(0.794, status.state_of_charge, places=5)
+        self.assertTrue(math.isnan(status.battery_voltage))
+        self.assertEqual(36.0, status.temperature)
+
+    def test_the_battery_charges_or_not_by_the_docking_state(self):
+        before = len(self.batteries.messages)
+        self.send(b'DockingState: Docked ForcedState: Unforced ChargeState: Bulk',
+                  *STATUS.values())
+        battery = self.batteries.wait_for(lambda _: True, SOON, 'battery', before)
+        self.assertAlmostEqual(0.794, battery.percentage, places=5)
+        self.assertEqual(BatteryState.POWER_SUPPLY_STATUS_CHARGING, battery.power_supply_status)
+        self.assertTrue(math.isnan(battery.voltage))
+
+    def test_an_emergency_stop_shows_in_the_status_and_in_diagnostics(self):
+        before = len(self.statuses.messages)
+        self.send(*{**STATUS, 'state': b'Status: EStop pressed'}.values())
+        self.statuses.wait_for(lambda m: m.emergency_stop, SOON, 'emergency stop', before)
+        self.diagnostics.wait_for(lambda array: any(
+            status.level == DiagnosticStatus.ERROR and 'emergency stop' in status.message
+            for status in array.status), SOON, 'emergency stop in /diagnostics')
+
+    def test_a_scan_becomes_a_cloud_of_its_points_in_metres(self):
+        line = b'RangeDeviceGetCurrent: Laser_1 3378 -617 3446 -6175'
+        before, clouds = len(self.laser_points.messages), len(self.clouds.messages)
+        self.send(line)
+        self.laser_points.wait_for(lambda m: m.data == line, SOON, 'the line', before)
+        cloud = self.clouds.wait_for(lambda m: m.width == 2, SOON, 'the cloud', clouds)
+        self.assertEqual('map', cloud.header.frame_id)
+        points = [point for xyz in read_points(cloud) for point in xyz]
+        for expected, found in zip((3.378, -0.617, 0.203, 3.446, -6.175, 0.203), points):
+            self.assertAlmostEqual(expected, found, places=4)
+
+    def test_silence_is_reported_and_nothing_is_published_again(self):
+        before = len(self.links.messages)
+        self.send(*STATUS.values())
+        link = self.links.wait_for(lambda m: 'nothing was received' in m.reason, SOON, 'silence',
+                                   before)
+        self.assertEqual(LinkState.DISCONNECTED, link.state)
+        last = self.statuses.messages[-1].header.stamp
+        heard = len(self.diagnostics.messages)
+        self.diagnostics.wait_for(lambda array: True, SOON, 'a second to pass', heard)
+        self.assertEqual(last, self.statuses.messages[-1].header.stamp)
+
+    def test_a_new_connection_replaces_the_old_one(self):
+        old = self.robot
+        type(self).robot = self.connect()
+        before = len(self.statuses.messages)
+        self.send(*STATUS.values())
+        self.statuses.wait_for(lambda _: True, SOON, 'status on the new connection', before)
+        old.settimeout(SOON)
+        while True:
+            try:
+                if not old.recv(100):
+                    break
+            except ConnectionResetError:
+                break
+        old.close()
+
+
+if __name__ == '__main__':
+    rospy.init_node('receiver_test')
+    rostest.rosrun('omron_ld90', 'receiver', ReceiverTest)
