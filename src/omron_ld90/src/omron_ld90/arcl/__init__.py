@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from omron_ld90.arcl.client import Client
-from omron_ld90.arcl.commands import COMMANDS, Category, Command, CommandSpec, quote, printable
+from omron_ld90.arcl.commands import COMMANDS, Category, Command, CommandSpec, printable, quote
 from omron_ld90.arcl.errors import (
     ArclError,
     Busy,
@@ -16,7 +16,7 @@ from omron_ld90.arcl.errors import (
     WrongPassword,
 )
 from omron_ld90.arcl.execution import Execution, Outcome, Result
-from omron_ld90.arcl.link import Link, LinkPhase, Backoff
+from omron_ld90.arcl.link import Backoff, Link, LinkPhase
 from omron_ld90.arcl.listener import Listener
 from omron_ld90.arcl.parser import parse_line
 from omron_ld90.arcl.replies import (
@@ -29,17 +29,17 @@ from omron_ld90.arcl.replies import (
     CompletedMacro,
     CompletedTask,
     ConfigErrors,
-    ConfigValue,
     ConfigurationChanged,
+    ConfigValue,
     DateTime,
     DistanceBetween,
     DockingState,
     DockingStatus,
     DoingTask,
     Done,
-    EStop,
     Echo,
     EndOf,
+    EStop,
     ExecutingList,
     ExecutingMacro,
     ExtendedStatus,
@@ -87,7 +87,7 @@ from omron_ld90.arcl.replies import (
     WillDoTask,
     same_name,
 )
-from omron_ld90.arcl.session import Session, State, HelpList, LoggedIn, Received, Closed
+from omron_ld90.arcl.session import Closed, Event, HelpList, LoggedIn, Received, Session, State
 from omron_ld90.arcl.session_log import SessionLog
 from omron_ld90.arcl.status import StatusAssembler
 
@@ -97,15 +97,16 @@ __all__ = [
     'CommandSpec', 'CompletedInstantTask', 'CompletedMacro', 'CompletedTask', 'ConfigErrors',
     'ConfigValue', 'ConfigurationChanged', 'ConnectionFailed', 'ConnectionLost', 'DateTime',
     'DistanceBetween', 'DockingState', 'DockingStatus', 'DoingTask', 'Done', 'EStop', 'Echo',
-    'EndOf', 'ExecutingList', 'ExecutingMacro', 'Execution', 'ExtendedStatus', 'FailedGoingTo',
-    'Fault', 'FinishedList', 'FinishedPatrolling', 'Goal', 'GoingTo', 'GoingToPoint',
-    'HelpEntry', 'HelpList', 'Input', 'Interrupted', 'InvalidCommand', 'Item', 'LapCompleted',
-    'LineTooLong', 'Link', 'LinkError', 'LinkPhase', 'Listener', 'LocalizationScore',
-    'Localizing', 'Location', 'LoggedIn', 'Macro', 'MapChanged', 'MapObjectCoord',
-    'MapObjectName', 'Motors', 'NotConnected', 'Notice', 'Odometer', 'OneLineStatus', 'Outcome',
-    'Parking', 'Patrolling', 'PauseState', 'PeerSilent', 'RangeDevice', 'RangeReading',
-    'Received', 'Reply', 'Result', 'RobotError', 'Route', 'ServerClosing', 'Session',
-    'SessionLog', 'SetUpError', 'State', 'StateOfCharge', 'StatusAssembler', 'StatusText',
-    'Stopped', 'Stopping', 'Temperature', 'UnknownCommand', 'UnknownLine', 'WaitState',
-    'WillDoTask', 'WrongPassword', 'parse_line', 'printable', 'quote', 'same_name',
+    'EndOf', 'Event', 'ExecutingList', 'ExecutingMacro', 'Execution', 'ExtendedStatus',
+    'FailedGoingTo', 'Fault', 'FinishedList', 'FinishedPatrolling', 'Goal', 'GoingTo',
+    'GoingToPoint', 'HelpEntry', 'HelpList', 'Input', 'Interrupted', 'InvalidCommand', 'Item',
+    'LapCompleted', 'LineTooLong', 'Link', 'LinkError', 'LinkPhase', 'Listener',
+    'LocalizationScore', 'Localizing', 'Location', 'LoggedIn', 'Macro', 'MapChanged',
+    'MapObjectCoord', 'MapObjectName', 'Motors', 'NotConnected', 'Notice', 'Odometer',
+    'OneLineStatus', 'Outcome', 'Parking', 'Patrolling', 'PauseState', 'PeerSilent',
+    'RangeDevice', 'RangeReading', 'Received', 'Reply', 'Result', 'RobotError', 'Route',
+    'ServerClosing', 'Session', 'SessionLog', 'SetUpError', 'State', 'StateOfCharge',
+    'StatusAssembler', 'StatusText', 'Stopped', 'Stopping', 'Temperature', 'UnknownCommand',
+    'UnknownLine', 'WaitState', 'WillDoTask', 'WrongPassword', 'parse_line', 'printable',
+    'quote', 'same_name',
 ]
