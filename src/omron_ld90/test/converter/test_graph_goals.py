@@ -1,7 +1,7 @@
 import pytest
 from converter_builders import graph_of
 
-from omron_ld90.graph.goals import dock_pose, goal, places
+from omron_ld90.graph.goals import dock_pose, goal, places_of
 from trajectory_graph import UnknownVertex
 
 # 1 --> 2 --> 3, and 4 --> 2: 1 and 4 are origins, 3 is a destination
@@ -47,7 +47,7 @@ def test_a_dock_must_be_in_the_graph():
 
 
 def test_every_vertex_becomes_one_place_called_by_its_id():
-    made = places(BRANCH, dock_vertex=3)
+    made = places_of(BRANCH, dock_vertex=3)
     assert [(place.name, place.kind) for place in made] == [
         ('1', 'GoalWithHeading'), ('2', 'Goal'), ('3', 'DockLynx'), ('4', 'GoalWithHeading')]
     assert [(place.x, place.y) for place in made] == [(0, 0), (4000, 0), (8000, 0), (4000, -3000)]

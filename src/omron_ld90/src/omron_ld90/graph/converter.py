@@ -1,4 +1,4 @@
-"""Graph + base map -> map: every vertex a goal or the dock, nothing else changed.
+"""Graph + base map -> map: every vertex a goal or the dock, fences along the edges, no more.
 
 `convert` edits a document in memory; `convert_file` also writes it, reads it back and checks that
 it says what it should. Positions in mm, headings in degrees.
@@ -11,13 +11,34 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import List, Optional, Set, Tuple
 
-from omron_ld90.graph.goals import places
+import numpy as np
+from shapely.geometry import Point
+from shapely.geometry.base import BaseGeometry
+from shapely.prepared import prep
+
+from omron_ld90.graph.corridors import CorridorRules, Corridors, corridors_of
+from omron_ld90.graph.fence_check import check_fences
+from omron_ld90.graph.fences import fence_areas, fence_lines
+from omron_ld90.graph.goals import dock_pose, places_of
+from omron_ld90.graph.obstacles import obstacle_points
 from omron_ld90.maps import MapDocument, MapObject
 from trajectory_graph import Graph, UnknownVertex
 
 
 class ConversionError(Exception):
     """A graph and a map that do not go together; the text says why and what to do."""
+
+
+FENCE = 'omron_ros_map fence'
+"""Description of the objects that keep the robot in the corridors: a later run replaces them."""
+
+
+class Fences(Enum):
+    """What keeps the robot in the graph's corridors."""
+
+    AREAS = 'areas'
+    LINES = 'lines'
+    NONE = 'none'
 
 
 class ExistingGoals(Enum):
@@ -40,18 +61,23 @@ class Options:
     dock_heading: Optional[float] = None
     """Degrees, facing the station; None: by the rule of `goals.dock_pose`."""
     existing_goals: ExistingGoals = ExistingGoals.REPLACE
+    fences: Fences = Fences.AREAS
+    corridors: CorridorRules = CorridorRules()
 
 
 @dataclass(frozen=True)
 class Conversion:
     """What was done."""
 
+    places: Tuple[MapObject, ...]
+    """The map's object for each vertex."""
+    fences: Tuple[MapObject, ...]
     added: Tuple[MapObject, ...]
     removed: Tuple[MapObject, ...]
-    kept: Tuple[MapObject, ...]
-    """Objects that were there already just as wanted, or that stay by `ExistingGoals.KEEP`."""
     notes: Tuple[str, ...]
     """What a person should know about the result, a sentence each."""
+    corridors: Optional[Corridors] = None
+    """What the fences surround."""
 
 
 def convert(graph: Graph, document: MapDocument, options: Options) -> Conversion:
@@ -59,16 +85,27 @@ def convert(graph: Graph, document: MapDocument, options: Options) -> Conversion
     wanted = _places(graph, options)
     known = {warning.text for warning in document.warnings}
     removed = _clear(document, wanted, options.existing_goals)
-    added, kept = [], []
+    places, added = [], []
     for place in wanted:
         present = document.find(place.name)
-        if present is not None and (present.is_goal or present.is_dock):
-            kept.append(present)
-        else:
+        if present is None or not (present.is_goal or present.is_dock):
             document.add(place)
             added.append(place)
+            present = place
+        places.append(present)
     notes = _new_warnings(document, known, removed) + _other_docks(document, wanted)
-    return Conversion(tuple(added), tuple(removed), tuple(kept), tuple(notes))
+
+    corridors, fences = _fences(graph, document, options)
+    old = Counter(filter(is_fence, document.objects))
+    for fence in (old - Counter(fences)).elements():
+        document.remove(fence)
+        removed.append(fence)
+    for fence in (Counter(fences) - old).elements():
+        document.add(fence)
+        added.append(fence)
+    notes += _fence_notes(graph, document, corridors, fences)
+    return Conversion(tuple(places), tuple(fences), tuple(added), tuple(removed), tuple(notes),
+                      corridors)
 
 
 def convert_file(graph: Graph, base_map: str, output: str,
@@ -109,7 +146,7 @@ def check_output(base: MapDocument, conversion: Conversion, output: str) -> None
 
 def _places(graph: Graph, options: Options) -> List[MapObject]:
     try:
-        return places(graph, options.dock_vertex, options.dock_heading)
+        return places_of(graph, options.dock_vertex, options.dock_heading)
     except UnknownVertex as error:
         raise ConversionError(f'The graph has no vertex {error.id}, which dock_vertex names; '
                               'name the vertex of the dock, or none.') from error
@@ -139,6 +176,56 @@ def _new_warnings(document: MapDocument, known: Set[str], removed: List[MapObjec
     back = [f'{obj.label!r}, which was removed' for obj in removed if document.find(obj.name)]
     return [f'{warning.text[0].upper()}{warning.text[1:]}.' for warning in document.warnings
             if warning.text not in known and not any(text in warning.text for text in back)]
+
+
+def is_fence(obj: MapObject) -> bool:
+    """Was the object made by a converter to keep the robot in its corridors?"""
+    return obj.description == FENCE
+
+
+def fence_objects(floor: BaseGeometry, walls: np.ndarray, kind: Fences) -> List[MapObject]:
+    """Fences around `floor` (mm) where `walls` (N,2) leave it open, as a map holds them."""
+    if kind is Fences.AREAS:
+        return [MapObject.forbidden_area(fence.rectangle, description=FENCE)
+                for fence in fence_areas(floor, walls)]
+    if kind is Fences.LINES:
+        return [MapObject.forbidden_line(*fence.line, description=FENCE)
+                for fence in fence_lines(floor, walls)]
+    return []
+
+
+def _fences(graph: Graph, document: MapDocument,
+            options: Options) -> Tuple[Optional[Corridors], List[MapObject]]:
+    if options.fences is Fences.NONE:
+        return None, []
+    _check_widths(graph, options.corridors)
+    dock = None if options.dock_vertex is None else dock_pose(graph, options.dock_vertex,
+                                                              options.dock_heading)
+    corridors = corridors_of(graph, options.corridors, dock)
+    walls = obstacle_points(document, ignored=is_fence)
+    return corridors, fence_objects(corridors.floor, walls, options.fences)
+
+
+def _check_widths(graph: Graph, rules: CorridorRules) -> None:
+    for id in rules.edge_widths:
+        if id not in graph.edges:
+            raise ConversionError(f'The graph has no edge {id}, to which a corridor width is '
+                                  'given; name an edge of the graph.')
+
+
+def _fence_notes(graph: Graph, document: MapDocument, corridors: Optional[Corridors],
+                 fences: List[MapObject]) -> List[str]:
+    """What is wrong with the fences, and which goals are behind them."""
+    if corridors is None:
+        return []
+    check = check_fences(graph, corridors, fences, obstacle_points(document, ignored=is_fence))
+    notes = [f'The fences leave a gap at {x:.0f} {y:.0f} mm.' for x, y in check.leaks]
+    if check.lost_area >= 1.0:
+        notes.append(f'The fences take {check.lost_area / 1e6:.3f} m2 of the corridors.')
+    floor = prep(corridors.floor)
+    return notes + [f'{obj.kind} {obj.label!r} is outside the corridors: the robot cannot drive to '
+                    'it any more.' for obj in document.goals + document.docks
+                    if not floor.contains(Point(obj.x, obj.y))]
 
 
 def _other_docks(document: MapDocument, wanted: List[MapObject]) -> List[str]:

@@ -71,8 +71,8 @@ def dock(graph: Graph, vertex_id: int, heading: Optional[float] = None) -> MapOb
                           *dock_pose(graph, vertex_id, heading))
 
 
-def places(graph: Graph, dock_vertex: Optional[int],
-           dock_heading: Optional[float] = None) -> List[MapObject]:
+def places_of(graph: Graph, dock_vertex: Optional[int],
+              dock_heading: Optional[float] = None) -> List[MapObject]:
     """All vertices as map objects, by id: goals, and a dock for `dock_vertex` (None: no dock).
 
     Raises as `dock_pose` does.

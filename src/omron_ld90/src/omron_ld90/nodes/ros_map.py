@@ -11,6 +11,11 @@ Parameters
     ~dock_vertex (int, none): vertex at which the robot docks
     ~dock_heading (float, from the graph): heading in degrees that faces the station
     ~existing_goals (str, replace): replace | keep | drop, for goals of the base map
+    ~fences (str, areas): areas | lines | none, what keeps the robot in the corridors
+    ~corridor_width (float, 0.9): m
+    ~edge_width (str, ""): widths of single edges in m, like `3=1.2,7=0.8`
+    ~turning_margin (float, 0.05): m, free floor around the turning robot
+    ~draw (str, ""): PNG file to draw the result into; empty: none
 """
 from __future__ import annotations
 
@@ -18,7 +23,7 @@ import sys
 from typing import List, Optional
 
 from omron_ld90.graph import converter_cli
-from omron_ld90.graph.converter import ExistingGoals, Options
+from omron_ld90.graph.converter import ExistingGoals, Fences, Options
 
 
 def main(arguments: Optional[List[str]] = None) -> None:
@@ -42,10 +47,15 @@ def _run_node() -> int:
                           else None),
             existing_goals=ExistingGoals(choice(
                 '~existing_goals', ExistingGoals.REPLACE.value,
-                tuple(existing.value for existing in ExistingGoals))))
+                tuple(existing.value for existing in ExistingGoals))),
+            fences=Fences(choice('~fences', Fences.AREAS.value,
+                                 tuple(fences.value for fences in Fences))),
+            corridors=converter_cli.corridor_rules(
+                parameter('~corridor_width', 0.9, float), parameter('~edge_width', ''),
+                parameter('~turning_margin', 0.05, float)))
         converter_cli.run(
             parameter('~graph'), parameter('~base_map'), parameter('~output'), options,
-            say=rospy.loginfo, warn=rospy.logwarn)
+            say=rospy.loginfo, warn=rospy.logwarn, picture=parameter('~draw', ''))
     except (ConfigurationError, *converter_cli.ERRORS) as error:
         rospy.logfatal('%s made no map: %s', rospy.get_name(), error)
         return 1

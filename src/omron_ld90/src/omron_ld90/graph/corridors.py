@@ -1,0 +1,109 @@
+"""The floor that a robot needs to drive on a graph: what no fence may touch. All in mm, map frame.
+
+A corridor follows every edge's curve. A disc in which the robot can turn is free where it has to
+turn: at end vertices, where edges meet at more than 45 degrees, and at the dock, from where a
+strip leads to the station. Where edges meet their corridors are one, so junctions are open.
+"""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import List, Mapping, Optional
+
+from shapely.geometry import LineString, Point
+from shapely.geometry.base import BaseGeometry
+from shapely.ops import unary_union
+
+from omron_ld90.graph.goals import Pose, millimetres
+from trajectory_graph import Graph
+
+ROBOT_HALF_WIDTH = 250.0
+ROBOT_HALF_DIAGONAL = 430.0
+ARC = 8  # segments of a quarter circle: a circle of 0.5 m is true to 2.4 mm
+ROUNDING = 2.5  # mm that outlines are drawn wider, so that polygons of circles are no smaller
+CURVE_TOLERANCE = 0.5  # mm, between a curve and the polyline that stands for it
+BEND = 45.0  # degrees
+
+
+@dataclass(frozen=True)
+class CorridorRules:
+    """How much floor the robot gets; mm."""
+
+    width: float = 900.0
+    edge_widths: Mapping[int, float] = field(default_factory=dict)
+    """Widths of single edges, by edge id; the others have `width`."""
+    turning_radius: float = ROBOT_HALF_DIAGONAL + 50.0
+    station_distance: float = 1500.0
+    """From the dock pose to the station that it faces."""
+
+    def width_of(self, edge_id: int) -> float:
+        """The width of an edge's corridor."""
+        return self.edge_widths.get(edge_id, self.width)
+
+
+@dataclass(frozen=True)
+class Corridors:
+    """The floor of a graph and what it is made of."""
+
+    curves: Mapping[int, LineString]
+    """By edge id."""
+    rules: CorridorRules
+    lanes: BaseGeometry
+    """Half a corridor's width to either side of every curve."""
+    zones: BaseGeometry
+    """Discs to turn in, and the strip to the station."""
+    floor: BaseGeometry
+    """Lanes and zones: what must stay free."""
+
+    def lanes_widened(self, by: float) -> BaseGeometry:
+        """The corridors alone, every one wider by `by` on either side."""
+        return _lanes(self.curves, self.rules, by)
+
+
+def corridors_of(graph: Graph, rules: CorridorRules,
+                 dock: Optional[Pose] = None) -> Corridors:
+    """The floor of `graph`; `dock` is the pose from which the robot docks."""
+    curves = {id: LineString(graph.curve(id).points * 1000.0).simplify(CURVE_TOLERANCE)
+              for id in graph.edges}
+    zones = unary_union(_turning_places(graph, rules) + _docking_place(dock, rules))
+    lanes = _lanes(curves, rules)
+    return Corridors(curves, rules, lanes, zones, unary_union([lanes, zones]))
+
+
+def _lanes(curves: Mapping[int, LineString], rules: CorridorRules,
+           wider: float = 0.0) -> BaseGeometry:
+    return unary_union([_around(curve, rules.width_of(id) / 2.0 + wider)
+                        for id, curve in curves.items()])
+
+
+def _around(shape: BaseGeometry, distance: float) -> BaseGeometry:
+    return shape.buffer(distance + ROUNDING, ARC)
+
+
+def _turning_places(graph: Graph, rules: CorridorRules) -> List[BaseGeometry]:
+    return [_around(Point(millimetres(vertex.position)), rules.turning_radius)
+            for vertex in graph.vertices.values()
+            if graph.is_end_vertex(vertex.id) or _bends(graph, vertex.id)]
+
+
+def _bends(graph: Graph, vertex_id: int) -> bool:
+    """Does a robot that passes the vertex, without going back, turn by more than BEND?"""
+    ways_out = [graph.curve(id if graph.edge(id).origin == vertex_id else -id).heading_at(0.0)
+                for id in graph.edges_at(vertex_id)]
+    for index, way_out in enumerate(ways_out):
+        for other in ways_out[:index]:
+            between = abs(math.degrees(math.remainder(way_out - other, 2.0 * math.pi)))
+            if 180.0 - between > BEND:
+                return True
+    return False
+
+
+def _docking_place(dock: Optional[Pose], rules: CorridorRules) -> List[BaseGeometry]:
+    if dock is None:
+        return []
+    ahead = math.radians(dock.heading)
+    station = (dock.x + rules.station_distance * math.cos(ahead),
+               dock.y + rules.station_distance * math.sin(ahead))
+    flat = 2
+    return [_around(Point(dock.x, dock.y), rules.turning_radius),
+            LineString([(dock.x, dock.y), station]).buffer(rules.width / 2.0, cap_style=flat)]

@@ -1,0 +1,40 @@
+"""Grids, and fences around the corridors of graphs."""
+from __future__ import annotations
+
+import math
+from typing import List, Optional, Tuple
+
+import numpy as np
+
+from omron_ld90.graph.converter import Fences, fence_objects
+from omron_ld90.graph.corridors import CorridorRules, Corridors, corridors_of
+from omron_ld90.maps import MapObject
+from trajectory_graph import Edge, Graph, Vertex
+
+NO_WALLS = np.empty((0, 2))
+
+
+def grid(columns: int, rows: int, pitch: float = 2.5, degrees: float = 0.0) -> Graph:
+    """A grid of straight edges with `pitch` m between neighbours, turned by `degrees`."""
+    c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+    vertices, ends = [], []
+    for row in range(rows):
+        for column in range(columns):
+            id, x, y = 1 + row * columns + column, column * pitch, row * pitch
+            vertices.append(Vertex(id, x * c - y * s, x * s + y * c, 0.0))
+            ends += [(id, id + 1)] if column + 1 < columns else []
+            ends += [(id, id + columns)] if row + 1 < rows else []
+    return Graph(vertices, [Edge(id, *pair) for id, pair in enumerate(ends, 1)])
+
+
+def fenced(graph: Graph, walls: np.ndarray = NO_WALLS, kind: Fences = Fences.AREAS,
+           rules: Optional[CorridorRules] = None) -> Tuple[Corridors, List[MapObject]]:
+    """The corridors of a graph, and the fences around them as a map would hold them."""
+    corridors = corridors_of(graph, rules or CorridorRules())
+    return corridors, fence_objects(corridors.floor, walls, kind)
+
+
+def wall(x1: float, y1: float, x2: float, y2: float) -> np.ndarray:
+    """Points (N,2) every 20 mm from end to end."""
+    count = int(math.hypot(x2 - x1, y2 - y1) / 20.0) + 1
+    return np.column_stack((np.linspace(x1, x2, count), np.linspace(y1, y2, count)))

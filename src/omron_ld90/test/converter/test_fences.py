@@ -1,0 +1,127 @@
+import math
+
+import numpy as np
+import pytest
+from converter_builders import LAB, graph_of
+from fence_builders import NO_WALLS, fenced, grid, wall
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from omron_ld90.graph.converter import Fences, Options, convert
+from omron_ld90.graph.fence_check import check_fences
+from omron_ld90.maps import MapDocument
+from trajectory_graph import CurveType, Edge, Graph, Vertex, load_graph
+
+AISLE = graph_of([(1, 0.0, 0.0), (2, 6.0, 0.0)], [(1, 2)])
+BOTH_KINDS = pytest.mark.parametrize('kind', [Fences.AREAS, Fences.LINES])
+
+
+def assert_good(graph, corridors, fences, walls=NO_WALLS):
+    check = check_fences(graph, corridors, fences, walls)
+    assert check.leaks == ()
+    assert check.lost_area == 0.0
+
+
+@BOTH_KINDS
+def test_a_lone_corridor_is_closed_all_around(kind):
+    corridors, fences = fenced(AISLE, kind=kind)
+    assert_good(AISLE, corridors, fences)
+    assert len(fences) <= 6
+
+
+def test_a_block_between_corridors_is_one_rectangle():
+    graph = grid(2, 2, pitch=3.0)
+    corridors, fences = fenced(graph)
+    inside = [fence.rectangle for fence in fences
+              if 0 < fence.rectangle.centre_x < 3000 and 0 < fence.rectangle.centre_y < 3000]
+    assert_good(graph, corridors, fences)
+    assert len(inside) == 1
+    assert inside[0].width == pytest.approx(3000 - 900, abs=60)
+    assert inside[0].height == pytest.approx(3000 - 900, abs=60)
+
+
+def test_a_block_that_is_turned_is_one_rectangle_as_well():
+    graph = grid(2, 2, pitch=3.0, degrees=33.0)
+    corridors, fences = fenced(graph)
+    blocks = [fence.rectangle for fence in fences if min(fence.rectangle.width,
+                                                         fence.rectangle.height) > 2000]
+    assert_good(graph, corridors, fences)
+    assert [round(block.yaw, 3) for block in blocks] == [33.0]
+
+
+@pytest.mark.parametrize('degrees', [0.0, 17.0])
+@BOTH_KINDS
+def test_a_grid_of_100_edges(degrees, kind):
+    graph = grid(8, 7, degrees=degrees)
+    corridors, fences = fenced(graph, kind=kind)
+    assert_good(graph, corridors, fences)
+    assert len(fences) <= len(graph.edges) * (1.0 if kind is Fences.AREAS else 3.0)
+
+
+def test_a_corridor_between_walls_needs_fences_at_its_ends_only():
+    walls = np.concatenate((wall(-3000, 560, 9000, 560), wall(-3000, -560, 9000, -560)))
+    corridors, fences = fenced(AISLE, walls)
+    assert_good(AISLE, corridors, fences, walls)
+    assert len(fences) == 2
+    assert all(abs(fence.rectangle.centre_x - 3000) > 3400 for fence in fences)
+
+
+def test_a_gap_in_a_wall_is_fenced_where_a_robot_fits_through():
+    def aisle_with_gap(width):
+        return np.concatenate([wall(-3000, 500, 3000 - width / 2, 500),
+                               wall(3000 + width / 2, 500, 9000, 500),
+                               wall(-3000, -500, 9000, -500),
+                               wall(-600, -600, -600, 600), wall(6600, -600, 6600, 600)])
+    corridors, narrow = fenced(AISLE, aisle_with_gap(400))
+    assert narrow == []
+    assert_good(AISLE, corridors, narrow, aisle_with_gap(400))
+    corridors, wide = fenced(AISLE, aisle_with_gap(1400))
+    assert len(wide) == 1
+    assert_good(AISLE, corridors, wide, aisle_with_gap(1400))
+
+
+@BOTH_KINDS
+@pytest.mark.parametrize('degrees', [10, 25, 45, 90, 150])
+def test_the_wedge_between_two_edges_is_closed(degrees, kind):
+    turn = math.radians(degrees)
+    graph = graph_of([(1, 0.0, 0.0), (2, 8.0, 0.0), (3, 8 * math.cos(turn), 8 * math.sin(turn))],
+                     [(1, 2), (1, 3)])
+    corridors, fences = fenced(graph, kind=kind)
+    assert_good(graph, corridors, fences)
+
+
+@BOTH_KINDS
+@pytest.mark.parametrize('reach', [0.4, 1.0, 2.0, 4.0])
+def test_splines_are_closed(reach, kind):
+    graph = Graph([Vertex(1, 0.0, 0.0, 0.0), Vertex(2, 4.0, 4.0, math.pi / 2)],
+                  [Edge(1, 1, 2, CurveType.SPLINE, reach, reach)])
+    corridors, fences = fenced(graph, kind=kind)
+    assert_good(graph, corridors, fences)
+    assert len(fences) <= 14
+
+
+@BOTH_KINDS
+@settings(max_examples=25, deadline=None)
+@given(places=st.lists(st.tuples(st.integers(0, 120), st.integers(0, 120)), min_size=3, max_size=9,
+                       unique=True),
+       headings=st.lists(st.sampled_from(range(0, 360, 15)), min_size=9, max_size=9),
+       links=st.lists(st.integers(0, 7), min_size=8, max_size=8),
+       curved=st.lists(st.booleans(), min_size=8, max_size=8))
+def test_whatever_the_graph_nothing_leaks_and_no_corridor_is_touched(kind, places, headings, links,
+                                                                     curved):
+    vertices = [Vertex(id, x / 10, y / 10, math.radians(heading))
+                for id, ((x, y), heading) in enumerate(zip(places, headings), 1)]
+    edges = [Edge(id, 1 + link % id, id + 1, CurveType.SPLINE if spline else CurveType.LINE,
+                  1.0, 1.0)
+             for id, (link, spline, _) in enumerate(zip(links, curved, vertices[1:]), 1)]
+    graph = Graph(vertices, edges)
+    corridors, fences = fenced(graph, kind=kind)
+    assert_good(graph, corridors, fences)
+
+
+def test_the_laboratory_has_few_fences_and_they_are_good():
+    graph = load_graph(str(LAB / 'lab_graph.yaml'))
+    conversion = convert(graph, MapDocument.load(str(LAB / 'lab_base.map')),
+                         Options(dock_vertex=16))
+    assert conversion.notes == ()
+    assert len(conversion.fences) <= 2.5 * len(graph.edges)
