@@ -29,7 +29,7 @@ HANDLE_COLOURS = {
 HANDLE_SIZE = 0.7  # m, across
 HANDLE_Z = 0.1  # m: above the square and the ring, so that the mouse finds the handle
 STOP_SIZE, STOP_Z = 1.1, 0.6  # wide: it moves
-STOP_COLOUR = drawing.colour(1.0, 0.15, 0.1, 0.22)
+STOP_COLOUR = drawing.colour(1.0, 0.15, 0.1, 0.14)
 
 
 class Action(enum.Enum):
