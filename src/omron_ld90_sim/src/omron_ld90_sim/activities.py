@@ -6,7 +6,15 @@ from typing import Optional, Sequence
 from omron_ld90.maps import MapObject
 from omron_ld90_sim.battery import ChargeState
 from omron_ld90_sim.planner import NoWay
-from omron_ld90_sim.robot import STANDING, Activity, DockingState, Failure, Robot, Script
+from omron_ld90_sim.robot import (
+    STANDING,
+    Activity,
+    DockingState,
+    Failure,
+    Robot,
+    Script,
+    docked_pose,
+)
 from omron_ld90_sim.track import straight_track
 
 BLOCKED_PATIENCE = 30.0     # s of waiting for a blocked way before giving up
@@ -21,20 +29,24 @@ def go_to_goal(robot: Robot, goal: MapObject, heading: Optional[float] = None) -
     """`goto`: leaves the dock first, drives to the goal, turns where the goal has a heading."""
     if heading is None and goal.has_heading:
         heading = goal.theta
-    return _go(robot, goal.name, f'Failed going to {goal.name}', goal.x, goal.y, heading)
+    return _go(robot, goal.name, goal.x, goal.y, heading)
 
 
 def go_to_point(robot: Robot, x: float, y: float, heading: Optional[float]) -> Activity:
     """`gotoPoint`."""
-    return _go(robot, 'point', 'Failed going to point', x, y, heading)
+    return _go(robot, 'point', x, y, heading)
 
 
-def _go(robot: Robot, name: str, failed: str, x: float, y: float,
-        heading: Optional[float]) -> Activity:
+def _go(robot: Robot, name: str, x: float, y: float, heading: Optional[float]) -> Activity:
     def script() -> Script:
+        failed = f'Failed going to {name}'
         yield from leave_dock(robot, _WAVERING_ON_GOTO)
+        robot.last_goal = name
         robot.status = robot.extended = f'Going to {name}'
         robot.announce(f'Going to {name}')
+        if name.lower() in robot.failing_goals:
+            yield 1.0
+            raise Failure('Failed going to goal', failed)
         yield from drive(robot, x, y, heading, 'Failed going to goal', failed)
         robot.status = robot.extended = f'Arrived at {name}'
         robot.announce(f'Arrived at {name}')
@@ -46,6 +58,8 @@ def drive(robot: Robot, x: float, y: float, heading: Optional[float], error: str
           failed: str) -> Script:
     """Drives to a place around what is in the way; waits a while where there is no way around."""
     waited = 0.0
+    if not robot.can_set_course:
+        yield from come_to_rest(robot)
     while True:
         try:
             robot.set_course(x, y, heading)
@@ -62,12 +76,20 @@ def drive(robot: Robot, x: float, y: float, heading: Optional[float], error: str
         waited += RETRY
 
 
+def come_to_rest(robot: Robot) -> Script:
+    """Brakes and waits until the robot stands."""
+    if not robot.base.still:
+        robot.base.brake()
+        yield STANDING
+
+
 def leave_dock(robot: Robot, wavering: Sequence[ChargeState]) -> Script:
     """Backs out of the dock if the robot is in it, with the charge states of the transcripts."""
     if robot.docking in (DockingState.UNDOCKED, DockingState.DOCKING):
         if robot.docking is DockingState.DOCKING:
             robot.set_docking(DockingState.UNDOCKED, ChargeState.NOT)
         return
+    yield from come_to_rest(robot)
     robot.update_battery()
     robot.set_docking(DockingState.UNDOCKING, robot.charge)
     robot.extended = 'Undocking'
@@ -92,7 +114,7 @@ def dock(robot: Robot, station: MapObject) -> Activity:
         yield from drive(robot, station.x, station.y, station.theta, 'Failed going to goal',
                          f'Failed going to dock at {station.name}')
         robot.extended = 'Driving into dock'
-        inside = robot.docked_pose(station)
+        inside = docked_pose(robot.floor, station)
         distance = robot.true_pose.distance_to(inside.x, inside.y)
         if distance > 1.0:
             robot.base.follow([straight_track(robot.true_pose, distance, robot.base.limits,

@@ -7,6 +7,7 @@ DRAIN_STANDING = 4.0 / 3600     # percent per second; not in the facts, about a 
 DRAIN_DRIVING = 8.0 / 3600      # about twelve hours of driving
 CHARGE = 25.0 / 3600            # four hours from empty to full
 BULK_TIME = 5.0                 # s of Bulk at least, before Overcharge
+OVERCHARGE_TIME = 15.0          # s after docking before Float
 OVERCHARGE_FROM = 75.0          # percent
 FULL = 99.9
 
@@ -27,9 +28,9 @@ class Battery:
         self.percent = percent
         self._since_docked = 0.0
 
-    def docked(self, full_charge_known: bool = False) -> None:
-        """The charger has just been connected."""
-        self._since_docked = BULK_TIME if full_charge_known else 0.0
+    def docked(self, charged_before: bool = False) -> None:
+        """The charger has just been connected, or has been for long (`charged_before`)."""
+        self._since_docked = OVERCHARGE_TIME if charged_before else 0.0
 
     def discharge(self, seconds: float, driving: bool) -> None:
         """Time spent off the charger."""
@@ -46,4 +47,6 @@ class Battery:
         """The charger's phase while docked."""
         if self._since_docked < BULK_TIME or self.percent < OVERCHARGE_FROM:
             return ChargeState.BULK
-        return ChargeState.OVERCHARGE if self.percent < FULL else ChargeState.FLOAT
+        if self._since_docked < OVERCHARGE_TIME or self.percent < FULL:
+            return ChargeState.OVERCHARGE
+        return ChargeState.FLOAT

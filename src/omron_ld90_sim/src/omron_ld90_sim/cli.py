@@ -4,19 +4,23 @@ from __future__ import annotations
 import argparse
 import signal
 import sys
+from contextlib import ExitStack
 from typing import List, Optional, Tuple
 
 from omron_ld90.maps import MapError, wait_for_map
+from omron_ld90_sim.faults import help_text
+from omron_ld90_sim.fleet import RobotSpec, address, read_fleet
 from omron_ld90_sim.planner import NoWay
-from omron_ld90_sim.simulator import DEFAULT_LISTS, Simulator
+from omron_ld90_sim.recording import read_log
+from omron_ld90_sim.simulator import DEFAULT_LISTS, Replay, Simulator
 from omron_ld90_sim.transport import PortTaken
 
 
 def _address(text: str) -> Tuple[str, int]:
-    host, _, port = text.rpartition(':')
-    if not host or not port.isdigit() or not 0 < int(port) < 65536:
-        raise argparse.ArgumentTypeError(f"'{text}' is not HOST:PORT")
-    return host, int(port)
+    try:
+        return address(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
 
 
 def _pose(text: str) -> Tuple[float, float, float]:
@@ -47,32 +51,55 @@ def _list(text: str) -> Tuple[float, str]:
             f"'{text}' is not SECONDS:COMMAND|COMMAND...") from None
 
 
+def _setting(text: str) -> Tuple[str, str, str]:
+    key, equals, value = text.partition('=')
+    section, slash, name = key.rpartition('/')
+    if not equals or not slash:
+        raise argparse.ArgumentTypeError(f"'{text}' is not SECTION/PARAMETER=VALUE")
+    return section, name, value
+
+
+class _FaultHelp(argparse.Action):
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        print(help_text())
+        parser.exit()
+
+
 def parser() -> argparse.ArgumentParser:
     """The command line."""
     result = argparse.ArgumentParser(
         prog='ld90_sim', description='A simulated OMRON LD-90 that speaks ARCL.')
-    result.add_argument('--map', required=True, metavar='FILE', help='.map file to drive on')
-    result.add_argument('--made-from', nargs='*', default=[], metavar='FILE',
-                        help='wait until the map is at least as new as these files')
-    result.add_argument('--port', type=int, default=7171,
-                        help='port of the ARCL server (7171); 0 chooses a free one')
-    result.add_argument('--host', default='127.0.0.1',
-                        help='address to listen on (127.0.0.1; 0.0.0.0 for other machines)')
+    add = result.add_argument
+    add('--map', metavar='FILE', help='.map file to drive on')
+    add('--made-from', nargs='*', default=[], metavar='FILE',
+        help='wait until the map is at least as new as these files')
+    add('--port', type=int, default=7171, help='ARCL port (7171); 0 chooses a free one')
+    add('--host', default='127.0.0.1',
+        help='address to listen on (127.0.0.1; 0.0.0.0 lets other machines in)')
     secret = result.add_mutually_exclusive_group()
-    secret.add_argument('--password', help='ARCL password; visible in the process list')
+    secret.add_argument('--password', help='ARCL password; the process list shows it')
     secret.add_argument('--password-file', metavar='FILE',
                         help='file that holds the ARCL password and nothing else')
-    result.add_argument('--outgoing', type=_address, metavar='HOST:PORT',
-                        help='where the robot dials out to')
-    result.add_argument('--outgoing-commands', type=_list, action='append', metavar='SECONDS:LIST',
-                        help='command list of the outgoing connection, commands separated by |; '
-                             'up to five (0.5:Status and 0.5:RangeDeviceGetCurrent Laser_1)')
-    result.add_argument('--speed', type=_speed, default=1.0,
-                        help="factor on the robot's whole clock, 0.1 to 20")
-    result.add_argument('--start', type=_pose, metavar='X,Y,DEG',
-                        help='start pose in metres and degrees (the dock, RobotHome, a goal, or a '
-                             'free place)')
-    result.add_argument('--seed', type=int, default=0, help='seed of everything random')
+    add('--outgoing', type=_address, metavar='HOST:PORT', help='where the robot dials out to')
+    add('--outgoing-commands', type=_list, action='append', metavar='SECONDS:LIST',
+        help='command list of the outgoing connection, commands separated by |, up to five '
+             '(0.5:Status and 0.5:RangeDeviceGetCurrent Laser_1)')
+    add('--set', type=_setting, action='append', default=[], metavar='SECTION/PARAMETER=VALUE',
+        help='configuration of the robot, e.g. "Docking/AutoDock=true"')
+    add('--speed', type=_speed, default=1.0, help="factor on the robot's whole clock, 0.1 to 20")
+    add('--start', type=_pose, metavar='X,Y,DEG',
+        help='start pose in metres and degrees (the dock, RobotHome, a goal, or a free place)')
+    add('--battery', type=float, default=100.0, metavar='PERCENT', help='state of charge (100)')
+    add('--seed', type=int, default=0, help='seed of everything random (0)')
+    add('--robots', metavar='FILE', help='YAML list of robots: a fleet in one process')
+    add('--fault', action='append', default=[], metavar='"[SECONDS] FAULT"',
+        help='fault at that time or at once; --help-faults lists them')
+    add('--fault-script', metavar='FILE', help='file with one such fault per line')
+    add('--control', type=int, metavar='PORT',
+        help='take faults on this port of 127.0.0.1, one per line')
+    add('--log', metavar='FILE', help="write the robot's sessions to FILE")
+    add('--replay', metavar='LOG', help='serve a recorded session in place of a robot')
+    add('--help-faults', action=_FaultHelp, nargs=0, help='list the faults and end')
     return result
 
 
@@ -86,31 +113,63 @@ def _password(arguments: argparse.Namespace) -> str:
     return word
 
 
+def _replay(arguments: argparse.Namespace) -> Replay:
+    with open(arguments.replay, encoding='utf-8') as file:
+        transfers = read_log(file.readlines())
+    replay = Replay(transfers, arguments.port, arguments.outgoing, arguments.speed,
+                    arguments.host)
+    print(f'ready: ARCL on {arguments.host}:{replay.port}', flush=True)
+    return replay
+
+
+def _simulator(arguments: argparse.Namespace, stack: ExitStack) -> Simulator:
+    if arguments.map is None:
+        raise ValueError('which map? Name a .map file with --map')
+    wait_for_map(arguments.map, made_from=arguments.made_from)
+    specs: List[RobotSpec] = []
+    if arguments.robots is not None:
+        specs = read_fleet(arguments.robots)
+    simulator = Simulator(
+        arguments.map, arguments.port, _password(arguments), arguments.outgoing, arguments.speed,
+        arguments.start, arguments.seed, arguments.host,
+        (arguments.outgoing_commands or DEFAULT_LISTS)[:5], arguments.set, arguments.battery,
+        specs)
+    for fault in arguments.fault:
+        simulator.inject(fault)
+    if arguments.fault_script is not None:
+        with open(arguments.fault_script, encoding='utf-8') as file:
+            simulator.units[0].faults.run_script(file.readlines())
+    if arguments.log is not None:
+        file = open(arguments.log, 'w', encoding='utf-8')   # noqa: SIM115 - closed by the stack
+        simulator.log_to(stack.enter_context(file))
+    if arguments.control is not None:
+        print(f'faults on 127.0.0.1:{simulator.control_on(arguments.control)}', flush=True)
+    for name, port in simulator.ports.items():
+        robot = f' ({name})' if specs else ''
+        print(f'ready: ARCL on {arguments.host}:{port}{robot}', flush=True)
+    return simulator
+
+
 def main(argv: Optional[List[str]] = None) -> int:
     """Runs the program; 0 after a signal, 1 with one sentence when it cannot start."""
     given = sys.argv[1:] if argv is None else argv
     # roslaunch adds remappings such as __name:=ld90_sim, which mean nothing here
     words = [word for word in given if ':=' not in word]
-    while '--start' in words[:-1]:      # argparse takes -1.0,2.0,90 for an option
+    if '--start' in words[:-1]:     # argparse takes -1.0,2.0,90 for an option
         at = words.index('--start')
         words[at:at + 2] = [f'--start={words[at + 1]}']
     arguments = parser().parse_args(words)
-    lists = DEFAULT_LISTS
-    if arguments.outgoing_commands:
-        lists = dict(enumerate(arguments.outgoing_commands[:5], 1))
-    try:
-        wait_for_map(arguments.map, made_from=arguments.made_from)
-        simulator = Simulator(arguments.map, arguments.port, _password(arguments),
-                              arguments.outgoing, arguments.speed, arguments.start,
-                              arguments.seed, arguments.host, lists)
-    except (MapError, PortTaken, NoWay, ValueError) as error:
-        print(f'ld90_sim: {error}', file=sys.stderr)
-        return 1
-    except OSError as error:
-        print(f'ld90_sim: cannot read {error.filename}: {error.strerror}', file=sys.stderr)
-        return 1
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: simulator.loop.stop())
-    print(f'ready: ARCL on {arguments.host}:{simulator.port}', flush=True)
-    simulator.run()
+    with ExitStack() as stack:
+        try:
+            program = (_replay(arguments) if arguments.replay is not None
+                       else _simulator(arguments, stack))
+        except (MapError, PortTaken, NoWay, ValueError) as error:
+            print(f'ld90_sim: {error}', file=sys.stderr)
+            return 1
+        except OSError as error:
+            print(f'ld90_sim: cannot open {error.filename}: {error.strerror}', file=sys.stderr)
+            return 1
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, lambda *_: program.stop())
+        program.run()
     return 0

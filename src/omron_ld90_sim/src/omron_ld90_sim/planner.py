@@ -46,6 +46,12 @@ class Way:
     escape: float               # mm straight ahead first; negative: backwards; 0: turn on the spot
     vertices: np.ndarray        # (N, 2), first one where the escape ends
     final_heading: Optional[float]
+    space: Space                # in which it was planned
+
+    @property
+    def length(self) -> float:
+        """Millimetres along the straight segments."""
+        return abs(self.escape) + float(np.hypot(*np.diff(self.vertices, axis=0).T).sum())
 
 
 class Planner:
@@ -65,7 +71,7 @@ class Planner:
     def plan(self, start: Pose, goal_x: float, goal_y: float, heading: Optional[float] = None,
              obstacles: Sequence[Disc] = ()) -> Way:
         """The way from `start` to a point, turned to `heading` (deg) at its end; or `NoWay`."""
-        space = _Space(self.floor, obstacles)
+        space = Space(self.floor, obstacles)
         escape = self._escape(space, start)
         first = start.ahead(escape)
         goal = np.array([goal_x, goal_y])
@@ -86,9 +92,20 @@ class Planner:
             arrival = Pose(goal_x, goal_y, math.degrees(math.atan2(last[1], last[0])))
             if not space.body_fits(arrival):
                 raise NoWay('the body does not fit at the goal')
-        return Way(start, escape, vertices, heading)
+        return Way(start, escape, vertices, heading, space)
 
-    def _escape(self, space: _Space, start: Pose) -> float:
+    def can_turn(self, pose: Pose, obstacles: Sequence[Disc] = ()) -> bool:
+        """Whether there is room to turn on the spot."""
+        return Space(self.floor, obstacles).clearance_of(pose.x, pose.y) >= self.turn_clearance
+
+    def straight_is_free(self, start: Pose, distance: float,
+                         obstacles: Sequence[Disc] = ()) -> bool:
+        """Whether the body can drive straight on by `distance` mm (back when negative)."""
+        space, end = Space(self.floor, obstacles), start.ahead(distance)
+        return (space.straight_is_free(np.array([start.x, start.y]), np.array([end.x, end.y]),
+                                       self.drive_clearance) and space.body_fits(end))
+
+    def _escape(self, space: Space, start: Pose) -> float:
         """How far to drive straight before there is room to turn."""
         here = space.clearance_of(start.x, start.y)
         if here >= self.turn_clearance:
@@ -107,7 +124,7 @@ class Planner:
             raise NoWay('no room to turn, ahead or behind')
         return float(min(found, key=abs))
 
-    def _approach(self, space: _Space, goal: np.ndarray, heading: Optional[float]) -> np.ndarray:
+    def _approach(self, space: Space, goal: np.ndarray, heading: Optional[float]) -> np.ndarray:
         """Where to turn for the last straight: the goal itself where there is room."""
         here = space.clearance_of(*goal)
         if here >= self.turn_clearance:
@@ -146,7 +163,7 @@ class Planner:
         inner = points[1:-1] if len(points) > 2 else points[:0]
         return np.vstack([start, inner, goal])
 
-    def _straighten(self, space: _Space, raw: np.ndarray
+    def _straighten(self, space: Space, raw: np.ndarray
                     ) -> Tuple[np.ndarray, Optional[np.ndarray]]:
         """Long straights between turnable points of `raw`; or the cells where that got stuck."""
         clear = space.clearance_at(raw)
@@ -166,7 +183,7 @@ class Planner:
             chosen.append(j)
         return raw[chosen], None
 
-    def _farthest(self, space: _Space, raw: np.ndarray, clear: np.ndarray, i: int,
+    def _farthest(self, space: Space, raw: np.ndarray, clear: np.ndarray, i: int,
                   candidates: np.ndarray) -> Optional[int]:
         reach = len(candidates)
         while reach > 0:
@@ -181,7 +198,7 @@ class Planner:
         return None
 
 
-class _Space:
+class Space:
     """A floor with temporary obstacles on it."""
 
     def __init__(self, floor: Floor, obstacles: Sequence[Disc]) -> None:
@@ -189,6 +206,7 @@ class _Space:
         self.obstacles: List[Disc] = list(obstacles)
 
     def clearance_at(self, points: np.ndarray) -> np.ndarray:
+        """Distance (mm) from each point (N, 2) to the nearest obstacle."""
         points = np.asarray(points, float).reshape(-1, 2)
         clear = self.floor.clearance_at(points)
         for disc in self.obstacles:
@@ -197,20 +215,24 @@ class _Space:
         return clear
 
     def clearance_of(self, x: float, y: float) -> float:
+        """The same for one point."""
         return float(self.clearance_at(np.array([[x, y]]))[0])
 
     def straight_is_free(self, a: np.ndarray, b: np.ndarray, clearance: float) -> bool:
+        """Whether `clearance` is kept all along the straight from a to b."""
         count = int(np.hypot(*(b - a)) / 20.0) + 2
         points = a + np.linspace(0.0, 1.0, count)[:, None] * (b - a)
         return bool(self.clearance_at(points).min() >= clearance)
 
     def body_fits(self, pose: Pose) -> bool:
+        """Whether the whole body is free at `pose`."""
         corners = self.floor.body.corners(pose)
         outline = np.concatenate([np.linspace(a, b, 15) for a, b in
                                   zip(corners, np.roll(corners, -1, axis=0))])
         return bool(self.clearance_at(outline).min() >= DRIVE_MARGIN)
 
     def with_obstacles(self, cost: np.ndarray, clearance: float) -> np.ndarray:
+        """A copy of the planner's costs with the obstacles in it."""
         cost = cost.copy()
         pitch = self.floor.planning_pitch
         for disc in self.obstacles:

@@ -7,9 +7,22 @@ for one that another replaces, and tells everybody what happens through `announc
 from __future__ import annotations
 
 import random
-from dataclasses import dataclass
+from collections import deque
+from dataclasses import dataclass, replace
 from enum import Enum
-from typing import Callable, Dict, Generator, List, Optional, Tuple, Union
+from typing import (
+    Callable,
+    Deque,
+    Dict,
+    Generator,
+    Iterator,
+    List,
+    Optional,
+    Sequence,
+    Set,
+    Tuple,
+    Union,
+)
 
 import numpy as np
 
@@ -24,6 +37,7 @@ from omron_ld90_sim.planner import Disc, NoWay, Planner
 from omron_ld90_sim.track import Track, manoeuvres
 
 DRIVE_IN = 250.0            # mm from the dock's pose to where the robot charges
+START_DISTANCE = 1000.0     # mm between the start places of two robots
 LOOK_AHEAD = 600.0          # mm beyond the stopping distance that must be free of obstacles
 CHARGE_CHECK = 1.0          # s between looks at the charger's phase
 TEMPERATURE = 36            # deg C
@@ -71,6 +85,40 @@ class Activity:
     status: str         # the Status text while it runs, and the text behind `Interrupted:`
     extended: str
     script: Script
+    drives: bool = True
+
+
+@dataclass(frozen=True)
+class ApplicationFault:
+    """A fault that an application has raised; as text, the fields of a `Fault:` line."""
+
+    name: str
+    short: str
+    long: str
+    driving: bool
+    critical: bool
+
+    def __str__(self) -> str:
+        kind = ('Fault' + ('_Driving' if self.driving else '')
+                + ('_Critical' if self.critical else '') + '_Application')
+        flags = ' '.join('true' if flag else 'false'
+                         for flag in (self.driving, self.critical, True))
+        return f'{kind} {self.name} "{self.short}" "{self.long}" {flags}'
+
+
+@dataclass
+class AnalogInput:
+    """An analog input: range in volts, counts at full scale, present voltage."""
+
+    least: float = 0.0
+    most: float = 10.0
+    most_raw: int = 4095
+    voltage: float = 0.0
+
+    @property
+    def raw(self) -> int:
+        """The voltage in counts."""
+        return round((self.voltage - self.least) / (self.most - self.least) * self.most_raw)
 
 
 @dataclass(frozen=True)
@@ -98,8 +146,20 @@ class Robot:
         self.activity: Optional[Activity] = None
         self.status = self.extended = 'Stopped'
         self.obstacles: Dict[str, Disc] = {}
-        self.neighbours: Callable[[], List[Robot]] = list
+        self.neighbours: Sequence[Robot] = ()
         self.block_reasons: Dict[str, str] = {}
+        self.failing_goals: Set[str] = set()    # names in lower case
+        self.last_goal = ''
+        self.waiting = ''                       # what a running wait task says
+        self.pausing = False                    # whether a pause task runs
+        self.patrol_places: Dict[str, int] = {}     # route in lower case -> index it is at
+        self.speed_limit: Optional[float] = None    # mm/s, for the present activity
+        self.application_faults: Dict[str, ApplicationFault] = {}
+        self.inputs = {f'Input_{n}': False for n in range(1, 5)}
+        self.outputs = {f'Output_{n}': False for n in range(1, 5)}
+        self.analog_inputs = {'Analog_1': AnalogInput(voltage=2.5)}
+        self.infos: Dict[str, Tuple[int, str]] = {}     # name -> longest value, value
+        self._scans: Deque[Tuple[float, np.ndarray]] = deque()
         self._error = Pose(0.0, 0.0, 0.0)       # believed minus true
         self._odometer = Odometer()
         self._step_timer: Optional[Timer] = None
@@ -118,14 +178,17 @@ class Robot:
         self.document, self.floor, self.planner = document, floor, Planner(floor)
 
     def _place(self, start: Optional[Pose]) -> None:
-        dock = self.document.docks[0] if self.document.docks else None
-        if start is None and dock is not None:
-            self.base.pose = self.docked_pose(dock)
-            self.battery.docked(full_charge_known=True)
-            self.docking, self.charge = DockingState.DOCKED, self.battery.charge_state
-            self.status, self.extended = self.docking_line, 'Docked'
-        else:
-            self.base.pose = start or start_without_dock(self.document, self.floor, self.random)
+        """Stands at `start`, or in the dock, or where robots start on a map without one."""
+        if start is None:
+            start = start_places(self.document, self.floor, [None])[0]
+        self.base.pose = start
+        for dock in self.document.docks:
+            inside = docked_pose(self.floor, dock)
+            if (start.distance_to(inside.x, inside.y) < 1.0
+                    and abs(normalise(start.theta - inside.theta)) < 1.0):
+                self.battery.docked(charged_before=True)
+                self.docking, self.charge = DockingState.DOCKED, self.battery.charge_state
+                self.status, self.extended = self.docking_line, 'Docked'
 
     @property
     def true_pose(self) -> Pose:
@@ -143,34 +206,33 @@ class Robot:
         """Whether the robot's belief of its place is wrong."""
         return self._error != Pose(0.0, 0.0, 0.0)
 
-    def docked_pose(self, dock: MapObject) -> Pose:
-        """Where the robot stands when it charges at `dock`."""
-        pose = Pose(dock.x, dock.y, dock.theta)
-        steps = np.arange(0.0, DRIVE_IN + 1.0, 10.0)
-        fitting = 0.0
-        for step in steps:
-            ahead = pose.ahead(step + self.floor.body.half_length)
-            if self.floor.clearance_of(ahead.x, ahead.y) < 20.0:
-                break
-            fitting = float(step)
-        return pose.ahead(fitting)
-
     def dynamic_obstacles(self) -> List[Disc]:
         """Everything in the way that is not on the map."""
         radius = self.floor.body.half_diagonal
         return [*self.obstacles.values(), *(Disc(other.true_pose.x, other.true_pose.y, radius)
-                                            for other in self.neighbours())]
+                                            for other in self.neighbours)]
 
     def scan(self) -> np.ndarray:
         """One laser scan: hits (N, 2) in mm, in the frame the robot believes in."""
-        others = [other.floor.body.corners(other.true_pose) for other in self.neighbours()]
+        others = [other.floor.body.corners(other.true_pose) for other in self.neighbours]
         for disc in self.obstacles.values():
             angles = np.radians(np.arange(0, 360, 30))
             others.append(np.array([disc.x, disc.y]) + disc.radius * np.column_stack(
                 [np.cos(angles), np.sin(angles)]))
         ranges = laser.scan(self.floor, self.true_pose, others)
         ranges = ranges + self.noise.normal(0.0, laser.NOISE, len(ranges))
-        return laser.points(self.pose, ranges)
+        hits = laser.points(self.pose, ranges)
+        self._scans.append((self.clock.now, hits))
+        while self._scans[0][0] < self.clock.now - laser.KEPT_FOR:
+            self._scans.popleft()
+        return hits
+
+    def cumulative_points(self) -> List[int]:
+        """x y x y ... (mm) of what the laser has seen lately near by."""
+        self.scan()
+        seen = np.concatenate([hits for _, hits in self._scans])
+        near = np.hypot(*(seen - [self.pose.x, self.pose.y]).T) <= laser.KEPT_WITHIN
+        return seen[near][-laser.KEPT_POINTS:].round().astype(int).ravel().tolist()
 
     # -- what it says ------------------------------------------------------------------------
 
@@ -235,13 +297,13 @@ class Robot:
         """Motors on, localized and not blocked by an application."""
         return self.motors is Motors.ENABLED and not self.lost and not self.block_reasons
 
-    def start(self, activity: Activity, keep_moving: bool = False) -> None:
-        """Replaces what runs; `keep_moving` when the new one drives on without stopping."""
+    def start(self, activity: Activity) -> None:
+        """Replaces what runs. The base brakes, unless the new activity sets a course at once."""
         self._interrupt()
-        if not keep_moving:
-            self.base.brake()
-            self._keep_stepping()
+        self.base.brake()
+        self._keep_stepping()
         self._then = None
+        self.speed_limit = None
         self.activity = activity
         self.status, self.extended = activity.status, activity.extended
         self._resume()
@@ -258,6 +320,8 @@ class Robot:
         self.activity, self._waits_for_base = None, False
         if self._wait_timer is not None:
             self._wait_timer.cancel()
+        if self.docking is DockingState.DOCKING:
+            self.set_docking(DockingState.UNDOCKED, ChargeState.NOT)
 
     def _resume(self) -> None:
         activity = self.activity
@@ -304,13 +368,31 @@ class Robot:
             self._then = stopped
             self._keep_stepping()
 
+    def halt(self) -> None:
+        """Ends what runs without a word."""
+        self._drop_activity()
+        self._then = None
+        self.base.brake()
+        self._keep_stepping()
+        self.status = self.extended = 'Stopped'
+
+    def block(self, name: str, text: str = '') -> None:
+        """Something forbids driving from now on; what drives is cancelled."""
+        self.block_reasons[name] = text
+        if self.activity is not None and self.activity.drives:
+            self.stop()
+
     def press_estop(self) -> None:
         """The emergency stop button: motors off, whatever runs has ended."""
+        self.cut_motors(Motors.ESTOP)
+
+    def cut_motors(self, motors: Motors) -> None:
+        """Motors off: whatever runs has ended, nothing goes on by itself."""
         self._drop_activity()
         self._then = None
         self.base.brake(self.base.limits.emergency_deceleration)
         self._keep_stepping()
-        self._set_motors(Motors.ESTOP)
+        self._set_motors(motors)
 
     def release_estop(self) -> None:
         """The button is pulled; the motors stay off."""
@@ -335,20 +417,26 @@ class Robot:
     # -- driving -----------------------------------------------------------------------------
 
     def set_course(self, x: float, y: float, heading: Optional[float]) -> None:
-        """Sends the base to a place, from standing or out of its motion; `NoWay` if there is none.
-        """
+        """Sends the base to a place, out of standing or of driving forwards; raises `NoWay`."""
         obstacles = self.dynamic_obstacles()
-        base, limits = self.base, self.base.limits
-        track = base.track
-        if track is None or base.speed == 0.0 or track.reverse:
+        base, limits, track = self.base, self.base.limits, self.base.track
+        if self.speed_limit is not None:
+            limits = replace(limits, speed=min(limits.speed, self.speed_limit))
+        if track is None or base.speed == 0.0:
             way = self.planner.plan(base.pose, x, y, heading, obstacles)
-            self.base.follow(list(manoeuvres(way, self.planner, limits)))
+            base.follow(manoeuvres(way, self.planner, limits))
         else:
             join = self._join(track)
             way = self.planner.plan(track.pose_at(join), x, y, heading, obstacles)
             lead_in = track.cut(base.place, join)
             base.follow(manoeuvres(way, self.planner, limits, lead_in, base.speed))
         self._keep_stepping()
+
+    @property
+    def can_set_course(self) -> bool:
+        """Standing or driving forwards: not while turning on the spot or backing up."""
+        track = self.base.track
+        return self.base.still or track is not None and not track.reverse
 
     def _join(self, track: Track) -> float:
         """Where on the present track a new one can begin: room to turn, and far enough to brake."""
@@ -415,18 +503,55 @@ class Robot:
         self.status = self.extended = 'Robot lost'
 
 
-def start_without_dock(document: MapDocument, floor: Floor, chance: random.Random) -> Pose:
-    """Where a robot starts on a map without a dock: home, a goal, or a free place."""
-    homes, goals = list(document.homes), list(document.goals)
-    for candidate in (*homes[:1], *[g for g in goals if g.has_heading][:1], *goals[:1]):
-        if candidate.kind == 'RobotHome' and candidate.extent is not None:
-            area = candidate.rectangle
-            return Pose(area.centre_x, area.centre_y, candidate.theta)
-        return Pose(candidate.x, candidate.y, candidate.theta if candidate.has_heading else 0.0)
+def docked_pose(floor: Floor, dock: MapObject) -> Pose:
+    """Where a robot stands when it charges at `dock`: as far in as there is room, up to 250 mm."""
+    pose = Pose(dock.x, dock.y, dock.theta)
+    steps = np.arange(0.0, DRIVE_IN + 1.0, 10.0)
+    fronts = [pose.ahead(step + floor.body.half_length) for step in steps]
+    blocked = np.flatnonzero(floor.clearance_at(np.array([[f.x, f.y] for f in fronts])) < 20.0)
+    last = int(blocked[0]) - 1 if len(blocked) else len(steps) - 1
+    return pose.ahead(float(steps[max(last, 0)]))
+
+
+def start_places(document: MapDocument, floor: Floor,
+                 wanted: Sequence[Optional[Tuple[float, float, float]]], seed: int = 0
+                 ) -> List[Pose]:
+    """Where robots start: as wanted (mm, mm, degrees), the others one after another.
+
+    In the docks, at RobotHome, at goals with heading, at other goals, and then at random free
+    places, each robot clear of the ones before it.
+    """
+    chance = random.Random(seed)
+    taken = [Pose(*place) for place in wanted if place is not None]
+    free = (pose for pose in _candidates(document, floor, chance)
+            if all(pose.distance_to(t.x, t.y) > START_DISTANCE for t in taken))
+    places = []
+    for place in wanted:
+        if place is None:
+            pose = next(free, None)
+            if pose is None:
+                raise NoWay('the map has no free place where a robot could stand')
+            taken.append(pose)
+        else:
+            pose = Pose(*place)
+        places.append(pose)
+    return places
+
+
+def _candidates(document: MapDocument, floor: Floor, chance: random.Random) -> Iterator[Pose]:
+    for dock in document.docks:
+        yield docked_pose(floor, dock)
+    for home in document.homes:
+        if home.extent is None:
+            yield Pose(home.x, home.y, home.theta)
+        else:
+            yield Pose(home.rectangle.centre_x, home.rectangle.centre_y, home.theta)
+    for goal in sorted(document.goals, key=lambda goal: not goal.has_heading):
+        yield Pose(goal.x, goal.y, goal.theta if goal.has_heading else 0.0)
     sizes = np.bincount(floor.regions.ravel())
     sizes[0] = 0
-    if not sizes.any():
-        raise NoWay('the map has no place where the robot could stand')
-    cells = np.argwhere(floor.regions == sizes.argmax())
-    x, y = floor.planning_points(cells[[chance.randrange(len(cells))]])[0]
-    return Pose(float(x), float(y), 0.0)
+    if sizes.any():
+        cells = np.argwhere(floor.regions == sizes.argmax())
+        for _ in range(10 * len(cells)):
+            x, y = floor.planning_points(cells[[chance.randrange(len(cells))]])[0]
+            yield Pose(float(x), float(y), 0.0)

@@ -9,16 +9,27 @@ from __future__ import annotations
 
 import hmac
 import re
+import time
+from collections import deque
+from dataclasses import dataclass
 from enum import Enum
-from typing import Dict, List, Optional
+from pathlib import Path
+from typing import Callable, Deque, Dict, List, Optional, Tuple
 
-from omron_ld90_sim.clock import Clock, Timer
+from omron_ld90.maps import MapDocument, MapError
+from omron_ld90_sim.clock import Clock, Ticker
 from omron_ld90_sim.commands import TABLE, Call, CommandFailed, SetUpError, help_lines
+from omron_ld90_sim.configuration import FILES, SERVER, Configuration
+from omron_ld90_sim.floor import Floor
 from omron_ld90_sim.robot import Robot
 
 MAX_COMMAND = 5000
 UNKNOWN_NAME = 16           # characters of an unknown command's name in the answer
+PROMPT = 'Enter password:'
+LEAST_TIMEOUT = 60.0        # s, SessionTimeoutMins never means less
+HIDDEN = '********'         # what a log shows in place of the password
 _TELNET = re.compile(rb'^(?:\xff[\xfb-\xfe].|[\x80-\xff])+', re.DOTALL)
+_VARIABLE = re.compile(r'\$([gymdHMSTXY])')
 
 
 class Phase(Enum):
@@ -29,6 +40,16 @@ class Phase(Enum):
     CLOSED = 'closed'
 
 
+@dataclass
+class Impairment:
+    """What is wrong with the network, on demand (`faults`)."""
+
+    delay: float = 0.0                  # s that every line comes late
+    silent_until: float = 0.0           # nothing is sent before
+    half_line: Optional[float] = None   # the next line is cut, its rest comes this much later
+    prompt: str = PROMPT
+
+
 class Session:
     """One connection of a client, or the robot's own outgoing one."""
 
@@ -36,11 +57,14 @@ class Session:
         self.server, self.number, self.outgoing = server, number, outgoing
         self.output = bytearray()
         self.echo = False
+        self.task_list: Optional[list] = None   # what listAdd adds to
+        self.aborted = False            # ends with RST, what is queued is lost
         self.phase = Phase.OPEN if outgoing else Phase.LOGIN
-        self._input = bytearray()
         self.last_received = server.clock.now
+        self._input = bytearray()
+        self._held: Deque[Tuple[float, bytes]] = deque()
         if not outgoing:
-            self.send('Enter password:')
+            self.send(server.impairment.prompt)
 
     @property
     def closed(self) -> bool:
@@ -49,11 +73,35 @@ class Session:
 
     def send(self, line: str) -> None:
         """Queues one line."""
-        if not self.closed:
-            self.output += line.encode('ascii', 'replace') + b'\r\n'
+        if self.closed:
+            return
+        self.server.log(self.number, 'S', line)
+        data = line.encode('ascii', 'replace') + b'\r\n'
+        fault, now = self.server.impairment, self.server.clock.now
+        due = max(now + fault.delay, fault.silent_until, self._held[-1][0] if self._held else now)
+        if fault.half_line is not None and self.phase is Phase.OPEN:
+            half, rest, fault.half_line = len(data) // 2, fault.half_line, None
+            self._put(due, data[:half])
+            self._put(due + rest, data[half:])
+        else:
+            self._put(due, data)
 
-    def close(self) -> None:
-        """Ends the session after what is queued."""
+    def _put(self, due: float, data: bytes) -> None:
+        if due <= self.server.clock.now and not self._held:
+            self.output += data
+        else:
+            self._held.append((due, data))
+            self.server.clock.at(due, self._release)
+
+    def _release(self) -> None:
+        while self._held and self._held[0][0] <= self.server.clock.now:
+            self.output += self._held.popleft()[1]
+
+    def close(self, abort: bool = False) -> None:
+        """Ends the session, after what is queued unless it is aborted."""
+        self.aborted = abort
+        if abort:
+            self.output.clear()
         self.phase = Phase.CLOSED
         self.server.forget(self)
 
@@ -76,8 +124,10 @@ class Session:
         if not line:
             return
         if self.phase is Phase.LOGIN:
+            self.server.log(self.number, 'C', HIDDEN)
             self._log_in(line)
         else:
+            self.server.log(self.number, 'C', line)
             if self.echo:
                 self.send(line)
             self.server.execute(self, line)
@@ -96,11 +146,23 @@ class Session:
 class ArclServer:
     """The interface of one robot."""
 
-    def __init__(self, clock: Clock, robot: Robot, password: str) -> None:
+    def __init__(self, clock: Clock, robot: Robot, password: str,
+                 configuration: Optional[Configuration] = None,
+                 map_folder: Optional[Path] = None) -> None:
+        """`map_folder` is where the maps lie that `configAdd Map` may name."""
         self.clock, self.robot, self.password = clock, robot, password
+        self.configuration = configuration or Configuration()
+        self.map_folder = map_folder
         self.sessions: List[Session] = []
+        self.impairment = Impairment()
+        self.online = True              # off: no listener and no outgoing connection
+        self.accepting = True           # off: new connections are refused
+        self.outgoing_wanted = True     # off: the outgoing connection stays away
+        self.log: Callable[[int, str, str], None] = lambda number, direction, text: None
+        self.wall_time = time.localtime
         self._count = 0
         robot.announce = self.broadcast
+        Ticker(clock, LEAST_TIMEOUT / 4, self._drop_silent)
 
     def connect(self) -> Session:
         """A client has connected."""
@@ -121,14 +183,34 @@ class ArclServer:
         if session in self.sessions:
             self.sessions.remove(session)
 
+    def drop_all(self, abort: bool = False) -> None:
+        """Ends every connection, the outgoing one included."""
+        for session in list(self.sessions):
+            session.close(abort)
+
+    def shut_down(self) -> None:
+        """Switches the robot's computer off: farewell, then nothing more."""
+        self.broadcast('Shutting down server')
+        self.online = False
+        self.drop_all()
+
+    def _drop_silent(self) -> None:
+        minutes = self.configuration.number(SERVER, 'SessionTimeoutMins')
+        if minutes >= 0:
+            limit = max(minutes * 60.0, LEAST_TIMEOUT)
+            for session in list(self.sessions):
+                if not session.outgoing and self.clock.now - session.last_received >= limit:
+                    session.close()
+
     def broadcast(self, line: str) -> None:
         """Sends a line to everybody who is logged in."""
-        for session in self.sessions:
+        for session in list(self.sessions):
             if session.phase is Phase.OPEN:
                 session.send(line)
 
     def execute(self, session: Session, line: str) -> None:
         """Carries out one command line for `session`."""
+        line = _VARIABLE.sub(self._variable, line)
         name, _, rest = line.partition(' ')
         row = TABLE.get(name.lower())
         if row is None:
@@ -146,29 +228,24 @@ class ArclServer:
         except SetUpError as failure:
             session.send(f'SetUpError: {failure}')
 
+    def _variable(self, match: re.Match) -> str:
+        pose, now = self.robot.pose, self.wall_time()
+        values: Dict[str, str] = {
+            'g': self.robot.last_goal, 'y': f'{now.tm_year}', 'm': f'{now.tm_mon:02d}',
+            'd': f'{now.tm_mday:02d}', 'H': f'{now.tm_hour:02d}', 'M': f'{now.tm_min:02d}',
+            'S': f'{now.tm_sec:02d}', 'T': f'{round(pose.theta)}', 'X': f'{round(pose.x)}',
+            'Y': f'{round(pose.y)}'}
+        return values[match.group(1)]
 
-class OutgoingLists:
-    """The command lists that the robot carries out for its outgoing link, each at its interval.
-
-    `lists` maps seconds to commands separated by `|`; times count from the connection, so the
-    lists do not drift.
-    """
-
-    def __init__(self, server: ArclServer, session: Session, lists: Dict[int, tuple]) -> None:
-        self._server, self._session = server, session
-        self._start = server.clock.now
-        self._timers: Dict[int, Optional[Timer]] = {}
-        for index, (seconds, commands) in lists.items():
-            if seconds > 0 and commands.strip():
-                self._arm(index, 1, seconds, commands)
-
-    def _arm(self, index: int, count: int, seconds: float, commands: str) -> None:
-        def run() -> None:
-            if self._session.closed:
-                return
-            for text in commands.split('|'):
-                if text.strip():
-                    self._server.execute(self._session, text.strip())
-            self._arm(index, count + 1, seconds, commands)
-
-        self._timers[index] = self._server.clock.at(self._start + count * seconds, run)
+    def switch_map(self, name: str) -> None:
+        """Loads another map from the map folder; ValueError with a sentence when it cannot."""
+        if self.map_folder is None or Path(name).name != name:
+            raise ValueError(f"The file given did not exist: '{name}'")
+        try:
+            document = MapDocument.load(str(self.map_folder / name))
+        except MapError as error:
+            raise ValueError(str(error)) from error
+        self.robot.halt()
+        self.robot.load_map(document, Floor.from_map(document))
+        self.configuration.set(FILES, 'Map', name)
+        self.broadcast('Map changed')

@@ -14,7 +14,7 @@ from typing import List, Optional, Sequence, Tuple, Union
 import numpy as np
 
 from omron_ld90_sim.kinematics import LD90_LIMITS, Limits, Pose, normalise
-from omron_ld90_sim.planner import Planner, Way
+from omron_ld90_sim.planner import Planner, Space, Way
 
 STRAIGHT_STEP = 100.0                                   # mm between samples
 CORNER_STEP = 15.0
@@ -148,7 +148,7 @@ def manoeuvres(way: Way, planner: Planner, limits: Limits = LD90_LIMITS,
         lines.append(_drop_end(lead_in, run))
         points = np.vstack([before, points])
         heading = math.degrees(lead_in[-1, 2])
-    tracks = _tracks(points, lines, planner)
+    tracks = _tracks(points, lines, way.space, planner.turn_clearance)
     for number, samples in enumerate(tracks):
         direction = math.degrees(samples[0, 2])
         entry = entry_speed if number == 0 and lead_in is not None else 0.0
@@ -187,7 +187,8 @@ def _line(a: np.ndarray, b: np.ndarray, direction: float) -> np.ndarray:
     return np.column_stack([xy, np.full(count, direction), np.zeros(count)])
 
 
-def _tracks(points: np.ndarray, lines: List[np.ndarray], planner: Planner) -> List[np.ndarray]:
+def _tracks(points: np.ndarray, lines: List[np.ndarray], space: Space,
+            clearance: float) -> List[np.ndarray]:
     """Samples of the tracks along `points`, one for each stretch without a stop."""
     finished: List[np.ndarray] = []
     current: List[np.ndarray] = list(lines)
@@ -199,7 +200,8 @@ def _tracks(points: np.ndarray, lines: List[np.ndarray], planner: Planner) -> Li
                                                                              2 * math.pi)
         corner = None
         if k + 1 < len(points):
-            corner = _corner(points[k - 1], points[k], points[k + 1], at, planner)
+            corner = _corner(points[k - 1], points[k], points[k + 1], at, space,
+                             clearance)
         end = corner[0] if corner is not None else points[k]
         if np.hypot(*(end[:2] - at)) > NEGLIGIBLE:
             current.append(_line(at, end[:2], direction))
@@ -215,8 +217,8 @@ def _tracks(points: np.ndarray, lines: List[np.ndarray], planner: Planner) -> Li
     return [samples for samples in finished if len(samples) > 1]
 
 
-def _corner(a: np.ndarray, v: np.ndarray, b: np.ndarray, at: np.ndarray,
-            planner: Planner) -> Optional[np.ndarray]:
+def _corner(a: np.ndarray, v: np.ndarray, b: np.ndarray, at: np.ndarray, space: Space,
+            clearance: float) -> Optional[np.ndarray]:
     """Samples around the corner a-v-b, from `at` on; None where the robot must stop to turn."""
     inward, outward = v - a, b - v
     turn = abs(math.degrees(math.remainder(math.atan2(*outward[::-1]) - math.atan2(*inward[::-1]),
@@ -229,8 +231,7 @@ def _corner(a: np.ndarray, v: np.ndarray, b: np.ndarray, at: np.ndarray,
     most = min(into, out / 2, CORNER_REACHES[0])
     for reach in (*(r for r in CORNER_REACHES if r < most), most):
         samples = _bezier(v, i, o, reach)
-        clear = planner.floor.clearance_at(samples[:, :2]).min()
-        if reach >= SHORTEST_REACH and clear >= planner.turn_clearance:
+        if reach >= SHORTEST_REACH and space.clearance_at(samples[:, :2]).min() >= clearance:
             return samples
     return None
 

@@ -8,13 +8,18 @@ from __future__ import annotations
 import errno
 import selectors
 import socket
+import struct
 import time
-from typing import Callable, Dict, List, Optional, Tuple
+from collections import deque
+from typing import Callable, Deque, List, Optional, Tuple
 
 from omron_ld90_sim.clock import Clock
-from omron_ld90_sim.server import ArclServer, OutgoingLists, Session
+from omron_ld90_sim.configuration import OUTGOING
+from omron_ld90_sim.outgoing import OutgoingLink
+from omron_ld90_sim.server import ArclServer, Session
 
 RECONNECT = 1.0         # s between two attempts of the outgoing connection
+_RESET = struct.pack('ii', 1, 0)    # SO_LINGER of no time: close() sends RST
 MAX_OUTPUT = 8_000_000  # bytes a client may leave unread before it is dropped
 
 
@@ -31,7 +36,7 @@ class Loop:
         self._wake_read, self._wake_write = socket.socketpair()
         self._wake_read.setblocking(False)
         self.selector.register(self._wake_read, selectors.EVENT_READ, self._woken)
-        self._calls: List[Callable[[], None]] = []
+        self._calls: Deque[Callable[[], None]] = deque()
         self._running = False
         self._start = time.monotonic()
         self.after_step: List[Callable[[], None]] = []
@@ -63,7 +68,7 @@ class Loop:
     def _woken(self, mask: int) -> None:
         self._wake_read.recv(4096)
         while self._calls:
-            self._calls.pop(0)()
+            self._calls.popleft()()
 
     def stop(self) -> None:
         """Ends `run`; safe from any thread and from a signal handler."""
@@ -71,7 +76,10 @@ class Loop:
         self._wake_write.send(b'.')
 
     def close(self) -> None:
-        """Frees the loop's own sockets."""
+        """Frees the loop's own sockets and what is still registered."""
+        for key in list(self.selector.get_map().values()):
+            if isinstance(key.fileobj, socket.socket):
+                key.fileobj.close()
         self.selector.close()
         self._wake_read.close()
         self._wake_write.close()
@@ -113,6 +121,8 @@ class Connection:
         except OSError:
             self.close()
             return
+        if self.session.aborted:
+            self.sock.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _RESET)
         if len(output) > MAX_OUTPUT or (self.session.closed and not output):
             self.close()
             return
@@ -131,89 +141,180 @@ class Connection:
 
 
 class TcpServer:
-    """One robot's listening port and outgoing connection."""
+    """One robot's listening port and outgoing connection, as its server wants them."""
 
-    def __init__(self, loop: Loop, server: ArclServer, port: int, host: str,
-                 outgoing: Optional[Tuple[str, int]], lists: Dict[int, tuple]) -> None:
+    def __init__(self, loop: Loop, server: ArclServer, host: str, port: int) -> None:
         self.loop, self.server = loop, server
-        self._outgoing, self._lists = outgoing, lists
+        self._host = host
         self._connections: List[Connection] = []
-        self._listener = self._listen(host, port)
+        self._listener: Optional[socket.socket] = self._listen(port)
         self.port: int = self._listener.getsockname()[1]
-        loop.selector.register(self._listener, selectors.EVENT_READ, self._accept)
-        loop.after_step.append(self.flush)
-        if outgoing is not None:
-            self._dial()
+        self._dialling: Optional[socket.socket] = None
+        self._next_dial = 0.0
+        self._closing = False
+        loop.after_step.append(self._maintain)
+        loop.clock.after(0.0, self._maintain)
 
-    def _listen(self, host: str, port: int) -> socket.socket:
+    # -- the port ------------------------------------------------------------------------------
+
+    def _listen(self, port: int) -> socket.socket:
         listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
-            listener.bind((host, port))
+            listener.bind((self._host, port))
             listener.listen(64)
         except OSError as error:
             listener.close()
-            if error.errno == errno.EADDRINUSE:
-                raise PortTaken(f'port {port} on {host} is taken by another program: end that one '
-                                f'or choose another port with --port') from error
-            raise PortTaken(f'cannot listen on port {port} of {host}: {error.strerror}; choose '
+            reason = ('is taken by another program' if error.errno == errno.EADDRINUSE
+                      else f'cannot be listened on ({error.strerror})')
+            raise PortTaken(f'port {port} of {self._host} {reason}: end what uses it or choose '
                             f'another port with --port') from error
         listener.setblocking(False)
+        self.loop.selector.register(listener, selectors.EVENT_READ, self._accept)
         return listener
 
+    def _close_listener(self) -> None:
+        if self._listener is not None:
+            self.loop.selector.unregister(self._listener)
+            self._listener.close()
+            self._listener = None
+
     def _accept(self, mask: int) -> None:
+        if self._listener is None:
+            return
         try:
             sock, _ = self._listener.accept()
         except OSError:
             return
         self._add(sock, self.server.connect())
 
-    def _add(self, sock: socket.socket, session: Session) -> Connection:
+    def _add(self, sock: socket.socket, session: Session) -> None:
         sock.setblocking(False)
         sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        connection = Connection(self.loop, sock, session, self._forget)
+        connection = Connection(self.loop, sock, session, self._connections.remove)
         self._connections.append(connection)
         connection.flush()
-        return connection
 
-    def _forget(self, connection: Connection) -> None:
-        self._connections.remove(connection)
-        if connection.session.outgoing:
-            self.loop.clock.after(RECONNECT, self._dial)
+    # -- the outgoing connection -----------------------------------------------------------------
+
+    def _target(self) -> Optional[Tuple[str, int]]:
+        settings = self.server.configuration
+        host = settings.text(OUTGOING, 'OutgoingHostname')
+        port = int(settings.number(OUTGOING, 'OutgoingPort'))
+        wanted = self.server.online and self.server.outgoing_wanted and not self._closing
+        return (host, port) if host and port and wanted else None
 
     def _dial(self) -> None:
         """Tries the outgoing connection; again in a while when nobody listens."""
+        target, now = self._target(), self.loop.clock.now
+        standing = any(c.session.outgoing for c in self._connections)
+        if target is None or standing or self._dialling is not None or now < self._next_dial:
+            return
+        self._next_dial = now + RECONNECT
+        self.loop.clock.at(self._next_dial, self._maintain)
         sock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
         sock.setblocking(False)
-        error = sock.connect_ex(self._outgoing)
+        try:
+            error = sock.connect_ex(target)
+        except OSError:         # a host name that does not resolve
+            error = errno.EHOSTUNREACH
         if error not in (0, errno.EINPROGRESS):
             sock.close()
-            self.loop.clock.after(RECONNECT, self._dial)
             return
-        self.loop.selector.register(sock, selectors.EVENT_WRITE, lambda mask: self._dialled(sock))
+        self._dialling = sock
+        self.loop.selector.register(sock, selectors.EVENT_WRITE, self._dialled)
 
-    def _dialled(self, sock: socket.socket) -> None:
+    def _dialled(self, mask: int) -> None:
+        sock, self._dialling = self._dialling, None
+        if sock is None:
+            return
         self.loop.selector.unregister(sock)
-        if sock.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR):
+        if sock.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR) or self._target() is None:
             sock.close()
-            self.loop.clock.after(RECONNECT, self._dial)
             return
         session = self.server.connect_outgoing()
-        OutgoingLists(self.server, session, self._lists)
+        OutgoingLink(self.server, session)
         self._add(sock, session)
 
-    def flush(self) -> None:
-        """Sends what the sessions have queued."""
+    # -- upkeep --------------------------------------------------------------------------------
+
+    def _maintain(self) -> None:
+        """Does what the server wants: port open or not, outgoing connection, queued bytes."""
+        open_port = self.server.online and self.server.accepting and not self._closing
+        if open_port and self._listener is None:
+            self._listener = self._listen(self.port)
+        elif not open_port:
+            self._close_listener()
         for connection in list(self._connections):
             if connection.session.output or connection.session.closed:
                 connection.flush()
+        self._dial()
 
     def close(self) -> None:
         """Says good-bye to everybody and closes."""
-        self.server.broadcast('Shutting down server')
-        self.flush()
-        self._outgoing = None
+        self._closing = True
+        self.server.shut_down()
+        self._maintain()
+        if self._dialling is not None:
+            self.loop.selector.unregister(self._dialling)
+            self._dialling.close()
         for connection in list(self._connections):
             connection.close()
-        self.loop.selector.unregister(self._listener)
-        self._listener.close()
+
+
+class ControlServer:
+    """A line protocol on loopback for faults: `ok` or `error: <sentence>` for each line."""
+
+    MAX_LINE = 1000
+
+    def __init__(self, loop: Loop, port: int, inject: Callable[[str], None]) -> None:
+        self._loop, self._inject = loop, inject
+        listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            listener.bind(('127.0.0.1', port))
+        except OSError as error:
+            listener.close()
+            raise PortTaken(f'control port {port} cannot be used ({error.strerror}): choose '
+                            f'another one with --control') from error
+        listener.listen(4)
+        listener.setblocking(False)
+        self.port: int = listener.getsockname()[1]
+        self._listener = listener
+        loop.selector.register(listener, selectors.EVENT_READ, self._accept)
+
+    def _accept(self, mask: int) -> None:
+        try:
+            sock, _ = self._listener.accept()
+        except OSError:
+            return
+        sock.setblocking(False)
+        pending = bytearray()
+
+        def ready(mask: int) -> None:
+            try:
+                data = sock.recv(4096)
+            except BlockingIOError:
+                return
+            except OSError:
+                data = b''
+            pending.extend(data)
+            try:
+                while b'\n' in pending:
+                    line, _, rest = bytes(pending).partition(b'\n')
+                    pending[:] = rest
+                    sock.send(self._answer(line))
+            except OSError:
+                data = b''
+            if not data or len(pending) > self.MAX_LINE:
+                self._loop.selector.unregister(sock)
+                sock.close()
+
+        self._loop.selector.register(sock, selectors.EVENT_READ, ready)
+
+    def _answer(self, line: bytes) -> bytes:
+        try:
+            self._inject(line.decode('utf-8', 'replace').strip())
+        except ValueError as error:
+            return f'error: {error}\n'.encode()
+        return b'ok\n'

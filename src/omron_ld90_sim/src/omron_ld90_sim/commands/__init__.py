@@ -1,6 +1,18 @@
-"""The ARCL commands, one module per group; importing this package fills `TABLE`."""
-from omron_ld90_sim.commands import driving, session, state
+"""The ARCL commands, one module per group; importing this package fills `TABLE`.
+
+What the facts call unknown is not here: the server answers `Unknown command`.
+"""
+from omron_ld90_sim.commands import (
+    application_faults,
+    configuration,
+    driving,
+    inputs_outputs,
+    map_objects,
+    session,
+    state,
+    tasks,
+)
 from omron_ld90_sim.commands.table import TABLE, Call, CommandFailed, SetUpError, help_lines
 
-__all__ = ['TABLE', 'Call', 'CommandFailed', 'SetUpError', 'driving', 'help_lines', 'session',
-           'state']
+__all__ = ['TABLE', 'Call', 'CommandFailed', 'SetUpError', 'application_faults', 'configuration',
+           'driving', 'help_lines', 'inputs_outputs', 'map_objects', 'session', 'state', 'tasks']

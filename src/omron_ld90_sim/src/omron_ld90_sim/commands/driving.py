@@ -1,10 +1,12 @@
 """Commands that move the robot, stop it or tell it where it is."""
 from __future__ import annotations
 
-from omron_ld90_sim import activities
+from omron_ld90.maps import MapObject
+from omron_ld90_sim import activities, tasks
 from omron_ld90_sim.commands.table import Call, CommandFailed, command
 from omron_ld90_sim.kinematics import Pose, normalise
-from omron_ld90_sim.robot import DockingState, Motors
+from omron_ld90_sim.planner import NoWay
+from omron_ld90_sim.robot import LOCALIZED_WITHIN, DockingState, Motors
 
 LOCALIZING = 1.0    # s between the two lines of localizeToPoint
 
@@ -20,12 +22,12 @@ def check_drivable(call: Call) -> None:
         raise CommandFailed(f'Driving blocked by {next(iter(robot.block_reasons))}')
 
 
-def find_goal(call: Call, name: str):
+def find_goal(call: Call, name: str) -> MapObject:
     """The goal with that name, in any case."""
-    for goal in call.robot.document.goals:
-        if goal.name.lower() == name.lower():
-            return goal
-    raise CommandFailed(f"No goal '{name}'")
+    goal = tasks.find_goal(call.robot.document, name)
+    if goal is None:
+        raise CommandFailed(f"No goal '{name}'")
+    return goal
 
 
 @command('goto', 'Goes to a goal', '<goal> [heading]', 1)
@@ -35,7 +37,7 @@ def goto(call: Call) -> None:
     goal = find_goal(call, arguments[0])
     heading = normalise(call.number(1)) if len(arguments) > 1 else None
     check_drivable(call)
-    call.robot.start(activities.go_to_goal(call.robot, goal, heading), keep_moving=True)
+    call.robot.start(activities.go_to_goal(call.robot, goal, heading))
 
 
 @command('gotoPoint', 'Goes to a point', '<X> <Y> [heading]', 2)
@@ -44,7 +46,7 @@ def goto_point(call: Call) -> None:
     x, y = call.number(0), call.number(1)
     heading = normalise(call.number(2)) if len(call.arguments) > 2 else None
     check_drivable(call)
-    call.robot.start(activities.go_to_point(call.robot, x, y, heading), keep_moving=True)
+    call.robot.start(activities.go_to_point(call.robot, x, y, heading))
 
 
 @command('stop', 'Stops the robot')
@@ -100,11 +102,52 @@ def query_motors(call: Call) -> None:
 def localize_to_point(call: Call) -> None:
     """Looks for the robot around a pose."""
     pose = Pose(call.number(0), call.number(1), normalise(call.number(2)))
+    _localize(call, pose, call.number(3, -1.0), call.number(4, -1.0), 'point')
+
+
+@command('localizeAtGoal', 'Localizes at a goal', '<goal> [xySpread angleSpread]', 1)
+def localize_at_goal(call: Call) -> None:
+    """Looks for the robot around a goal, in its heading or in the present one."""
+    goal = find_goal(call, call.arguments[0])
+    heading = goal.theta if goal.has_heading else call.robot.true_pose.theta
+    _localize(call, Pose(goal.x, goal.y, heading), call.number(1, -1.0), call.number(2, -1.0),
+              f'goal {goal.name}')
+
+
+def _localize(call: Call, pose: Pose, xy_spread: float, angle_spread: float, what: str) -> None:
     robot, session = call.robot, call.session
-    session.send('Localizing at point')
+    spread = tuple(given if given > 0 else default for given, default in
+                   zip((xy_spread, angle_spread), LOCALIZED_WITHIN))
+    session.send(f'Localizing at {what}')
 
     def localized() -> None:
-        robot.localize(pose)
-        session.send('Localized to point')
+        robot.localize(pose, spread)
+        session.send(f'Localized to {what}')
 
     robot.clock.after(LOCALIZING, localized)
+
+
+@command('distanceBetween', 'Gets the distance between two goals', '<goal> <goal>', 2)
+def distance_between(call: Call) -> None:
+    """Answers the length of the way from one goal to another."""
+    first, second = (find_goal(call, name) for name in call.arguments[:2])
+    start = Pose(first.x, first.y, first.theta)
+    try:
+        way = call.robot.planner.plan(start, second.x, second.y)
+    except NoWay as error:
+        raise CommandFailed('Cannot find path') from error
+    call.reply(f'DistanceBetween: {way.length:.0f} "{first.name}" "{second.name}"')
+
+
+@command('applicationBlockDrivingSet', 'Sets an application blockDriving',
+         '<name> <shortDesc> <longDesc>', 3, 'abds')
+def block_driving(call: Call) -> None:
+    """Forbids driving and cancels what drives; the facts know of no answer."""
+    call.robot.block(call.arguments[0], call.arguments[1])
+
+
+@command('applicationBlockDrivingClear', 'Clears an application blockDriving', '<name>', 1, 'abdc')
+def unblock_driving(call: Call) -> None:
+    """Allows driving again."""
+    if call.robot.block_reasons.pop(call.arguments[0], None) is None:
+        raise CommandFailed(f"No block '{call.arguments[0]}'")

@@ -1,6 +1,7 @@
 """Commands that ask what the robot is doing, where, and what its laser sees."""
 from __future__ import annotations
 
+import time
 from typing import List
 
 from omron_ld90_sim.commands.table import Call, CommandFailed, command
@@ -72,3 +73,65 @@ def range_device_get_current(call: Call) -> None:
         raise CommandFailed(f"No range device '{call.arguments[0]}'")
     hits = call.robot.scan().round().astype(int).ravel().tolist()
     call.reply(' '.join([f'RangeDeviceGetCurrent: {LASER}', *map(str, hits)]))
+
+
+@command('rangeDeviceGetCumulative', 'Gets the cumulative readings of a range device', '<name>', 1)
+def range_device_get_cumulative(call: Call) -> None:
+    """Answers the points kept of the last 30 s within 4 m, 200 at most."""
+    if call.arguments[0].lower() != LASER.lower():
+        raise CommandFailed(f"No range device '{call.arguments[0]}'")
+    kept = call.robot.cumulative_points()
+    call.reply(' '.join([f'RangeDeviceGetCumulative: {LASER}', *map(str, kept)]))
+
+
+@command('rangeDeviceGetList', 'Gets the list of range devices')
+@command('rangeDeviceList', 'Gets the list of range devices')
+def range_device_get_list(call: Call) -> None:
+    """Lists the laser and how it is drawn."""
+    call.reply(f'RangeDevice: {LASER} LASER')
+    call.reply(f'RangeDeviceCurrentDrawingData: {LASER} polyDots 0x0000ff 0x000000 80 75 DefaultOn')
+    call.reply(f'RangeDeviceCumulativeDrawingData: {LASER} polyDots 0x0000ff 0x000000 80 75 '
+               f'DefaultOn')
+    call.reply('EndOfRangeDeviceList')
+
+
+@command('getDateTime', 'gets the date and time')
+def get_date_time(call: Call) -> None:
+    """Answers the wall clock."""
+    call.reply(f'DateTime: {time.strftime("%m/%d/%Y %H:%M:%S", call.server.wall_time())}')
+
+
+@command('getInfoList', 'Gets the list of information')
+def get_info_list(call: Call) -> None:
+    """Lists the infos that clients have created."""
+    for name in call.robot.infos:
+        call.reply(f'InfoList: {name}')
+    call.reply('End of info list')
+
+
+@command('getInfo', 'Gets a piece of information', '<name>', 1)
+def get_info(call: Call) -> None:
+    """Answers one info."""
+    name = call.arguments[0]
+    if name not in call.robot.infos:
+        raise CommandFailed(f"No info '{name}'")
+    call.reply(f'Info: {name} {call.robot.infos[name][1]}')
+
+
+@command('createInfo', 'creates a piece of information', '<name> <maxLen> <value>', 3)
+def create_info(call: Call) -> None:
+    """Creates an info; a value with blanks gets cut."""
+    name, length = call.arguments[0], int(call.number(1))
+    call.robot.infos[name] = (length, call.arguments[2][:max(length, 0)])
+    call.reply(f'Created info for {name}')
+
+
+@command('updateInfo', 'updates a piece of information', '<name> <value>', 2)
+def update_info(call: Call) -> None:
+    """Changes an info that a client has created."""
+    name = call.arguments[0]
+    if name not in call.robot.infos:
+        raise CommandFailed(f"No info '{name}'")
+    length = call.robot.infos[name][0]
+    call.robot.infos[name] = (length, call.arguments[1][:max(length, 0)])
+    call.reply(f'Updated info for {name}')

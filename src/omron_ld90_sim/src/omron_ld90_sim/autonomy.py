@@ -1,0 +1,74 @@
+"""What the robot does unasked: battery warnings, auto-docking, standing still without its link.
+
+All of it is off by default but the warnings; sections `Docking` and `Outgoing ARCL connection
+setup` of the configuration switch it on.
+"""
+from __future__ import annotations
+
+from omron_ld90_sim import activities
+from omron_ld90_sim.battery import ChargeState
+from omron_ld90_sim.clock import Ticker
+from omron_ld90_sim.configuration import DOCKING, OUTGOING
+from omron_ld90_sim.robot import DockingState
+from omron_ld90_sim.server import ArclServer
+
+PERIOD = 1.0                # s between two looks
+WARN_BELOW = 25.0           # percent
+WARN_EVERY = 60.0           # s
+NO_LINK = 'OutgoingARCLConnLost'
+
+
+class Autonomy:
+    """Watches one robot."""
+
+    def __init__(self, server: ArclServer) -> None:
+        self._server, self._robot = server, server.robot
+        self._warn_from = 0.0
+        self._idle_since = server.clock.now
+        self._docked_by_itself = False
+        Ticker(server.clock, PERIOD, self._look)
+
+    def _look(self) -> None:
+        robot = self._robot
+        if robot.activity is not None or not robot.base.still:
+            self._idle_since = self._server.clock.now
+        self._need_link()
+        if robot.docking is DockingState.DOCKED:
+            self._leave_when_full()
+        else:
+            self._warn()
+            self._dock_when_due()
+
+    def _warn(self) -> None:
+        now = self._server.clock.now
+        if self._robot.state_of_charge < WARN_BELOW and now >= self._warn_from:
+            self._warn_from = now + WARN_EVERY
+            self._server.broadcast('TextRequestChargeVoltage')
+
+    def _dock_when_due(self) -> None:
+        settings, robot = self._server.configuration, self._robot
+        idle = self._server.clock.now - self._idle_since
+        if not settings.flag(DOCKING, 'AutoDock') or robot.activity or not robot.can_drive:
+            return
+        low = robot.state_of_charge < settings.number(DOCKING, 'AutoDockCharge')
+        station = activities.nearest_dock(robot)
+        if station and (low or idle >= 60.0 * settings.number(DOCKING, 'AutoDockIdleMins')):
+            self._docked_by_itself = True
+            robot.start(activities.dock(robot, station))
+
+    def _leave_when_full(self) -> None:
+        robot = self._robot
+        robot.update_battery()
+        if self._docked_by_itself and robot.charge is ChargeState.FLOAT and not robot.activity:
+            self._docked_by_itself = False
+            if robot.can_drive:
+                robot.start(activities.undock(robot))
+
+    def _need_link(self) -> None:
+        required = self._server.configuration.flag(OUTGOING, 'RequireConnectionToPathPlan')
+        linked = any(session.outgoing for session in self._server.sessions)
+        if required and not linked:
+            if NO_LINK not in self._robot.block_reasons:
+                self._robot.block(NO_LINK)
+        else:
+            self._robot.block_reasons.pop(NO_LINK, None)

@@ -1,0 +1,49 @@
+"""Application faults: an application tells the robot that something is wrong."""
+from __future__ import annotations
+
+from omron_ld90_sim.commands.table import Call, CommandFailed, command
+from omron_ld90_sim.robot import ApplicationFault
+
+
+@command('applicationFaultSet', 'Sets an application fault',
+         '<name> "<shortDesc>" "<longDesc>" <isDriving> <isCritical>', 5, 'afs')
+def application_fault_set(call: Call) -> None:
+    """Raises a fault; a driving fault stops the robot and keeps it from driving."""
+    name, short, long, driving, critical = call.arguments[:5]
+    if not {driving, critical} <= {'0', '1'}:
+        raise CommandFailed('driving and critical must be 0 or 1')
+    fault = ApplicationFault(name, short, long, driving == '1', critical == '1')
+    call.robot.application_faults[name] = fault
+    call.reply(f'ApplicationFaultSet set {name}')
+    call.server.broadcast(f'Fault: {fault}')
+    if fault.driving:
+        call.robot.block(name, short)
+
+
+@command('applicationFaultClear', 'Clears an application fault', '<name>', 1, 'afc')
+def application_fault_clear(call: Call) -> None:
+    """Takes a fault back."""
+    name = call.arguments[0]
+    fault = call.robot.application_faults.pop(name, None)
+    if fault is None:
+        raise CommandFailed(f"No application fault '{name}'")
+    call.robot.block_reasons.pop(name, None)
+    call.server.broadcast(f'FaultCleared: {fault}')
+    call.reply(f'ApplicationFaultClear cleared {name}')
+
+
+@command('applicationFaultQuery', 'Gets the list of any application faults currently triggered',
+         shortcut='afq')
+def application_fault_query(call: Call) -> None:
+    """Lists the application faults."""
+    for fault in call.robot.application_faults.values():
+        call.reply(f'ApplicationFaultQuery: {fault}')
+    call.reply('End of ApplicationFaultQuery')
+
+
+@command('faultsGet', 'Gets the list of any faults currently triggered')
+def faults_get(call: Call) -> None:
+    """Lists all faults; the simulated robot knows those of applications."""
+    for fault in call.robot.application_faults.values():
+        call.reply(f'FaultList: {fault}')
+    call.reply('End of FaultList')

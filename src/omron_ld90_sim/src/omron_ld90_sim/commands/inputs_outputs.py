@@ -1,0 +1,111 @@
+"""Digital inputs and outputs, analog inputs, sound and other small things."""
+from __future__ import annotations
+
+from typing import Dict
+
+from omron_ld90_sim.commands.table import Call, CommandFailed, command
+
+_ON_OFF = {True: 'on', False: 'off'}
+
+
+def _named(call: Call, table: Dict, what: str) -> str:
+    for name in table:
+        if name.lower() == call.text.lower():
+            return name
+    raise CommandFailed(f"No {what} '{call.text}'")
+
+
+@command('inputList', 'Lists the named inputs')
+def input_list(call: Call) -> None:
+    """Lists the digital inputs."""
+    for name in call.robot.inputs:
+        call.reply(f'InputList: {name}')
+    call.reply('End of InputList')
+
+
+@command('inputQuery', 'Queries the state of a named input', '<name>', 1)
+def input_query(call: Call) -> None:
+    """Answers one digital input."""
+    name = _named(call, call.robot.inputs, 'input')
+    call.reply(f'Input: {name} {_ON_OFF[call.robot.inputs[name]]}')
+
+
+@command('outputList', 'Lists the named outputs')
+def output_list(call: Call) -> None:
+    """Lists the digital outputs."""
+    for name in call.robot.outputs:
+        call.reply(f'OutputList: {name}')
+    call.reply('End of OutputList')
+
+
+@command('outputQuery', 'Queries the state of a named output', '<name>', 1)
+def output_query(call: Call) -> None:
+    """Answers one digital output."""
+    name = _named(call, call.robot.outputs, 'output')
+    call.reply(f'Output: {name} {_ON_OFF[call.robot.outputs[name]]}')
+
+
+@command('outputOn', 'Turns on a named output', '<name>', 1)
+def output_on(call: Call) -> None:
+    """Switches one digital output on."""
+    call.robot.outputs[_named(call, call.robot.outputs, 'output')] = True
+    output_query(call)
+
+
+@command('outputOff', 'Turns off a named output', '<name>', 1)
+def output_off(call: Call) -> None:
+    """Switches one digital output off."""
+    call.robot.outputs[_named(call, call.robot.outputs, 'output')] = False
+    output_query(call)
+
+
+@command('analogInputList', 'Lists the named analog inputs')
+def analog_input_list(call: Call) -> None:
+    """Lists the analog inputs with their ranges."""
+    for name, analog in call.robot.analog_inputs.items():
+        call.reply(f'AnalogInputList: {analog.least:g} {analog.most:g} {analog.most_raw} {name}')
+    call.reply('End of AnalogInputList')
+
+
+@command('analogInputQueryRaw', 'Queries the state of an analog input by raw', '<name>', 1)
+def analog_input_query_raw(call: Call) -> None:
+    """Answers one analog input in counts."""
+    name = _named(call, call.robot.analog_inputs, 'analog input')
+    call.reply(f'AnalogInputRaw: {name} {call.robot.analog_inputs[name].raw}')
+
+
+@command('analogInputQueryVoltage', 'Queries the state of an analog input by voltage', '<name>', 1)
+def analog_input_query_voltage(call: Call) -> None:
+    """Answers one analog input in volts."""
+    name = _named(call, call.robot.analog_inputs, 'analog input')
+    call.reply(f'AnalogInputVoltage: {name} {call.robot.analog_inputs[name].voltage:g}')
+
+
+@command('say', 'Says the given text', '<text>', 1)
+def say(call: Call) -> None:
+    """Speaks; the answer repeats the text as typed."""
+    call.reply(f'Saying {call.rest.strip()}')
+
+
+@command('play', 'Plays the given sound file', '<file>', 1)
+def play(call: Call) -> None:
+    """Plays a sound file."""
+    call.reply(f'Playing {call.text}')
+
+
+@command('log', 'Logs the given message', '<message> [Terse|Normal|Verbose]', 1)
+def log(call: Call) -> None:
+    """Puts a message into the robot's own log."""
+    words = call.rest.strip().split()
+    level = 'Normal'
+    if len(words) > 1 and words[-1].capitalize() in ('Terse', 'Normal', 'Verbose'):
+        level = words.pop().capitalize()
+    text = ' '.join(words).strip('"')
+    call.reply(f"Logging '{text}' with level {level}")
+
+
+@command('popupSimple', 'Creates a simple popup', '"<title>" "<message>" "<button>" <seconds>', 4)
+def popup_simple(call: Call) -> None:
+    """Shows a message in MobilePlanner, where there is one."""
+    call.number(3)
+    call.reply('Creating simple popup')
