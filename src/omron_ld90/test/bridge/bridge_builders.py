@@ -6,7 +6,8 @@ import math
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 from omron_ld90.graph import route_protocol as p
-from omron_ld90.graph.route_follower import RouteFollower, Settings
+from omron_ld90.graph.route_follower import RouteFollower
+from omron_ld90.graph.route_settings import Settings
 from omron_ld90.graph.route_strategies import STRATEGIES
 from trajectory_graph import Edge, Graph, Vertex
 
@@ -36,7 +37,7 @@ def yard() -> Graph:
 
 def dissertation_graph() -> Graph:
     """Route [E1, E4, E5] leads from V1 over V2 and V7 to V6."""
-    return graph_of({1: (0, 0), 2: (4, 0), 7: (8, 0), 6: (8, 4), 3: (4, 4)},
+    return graph_of({1: (0, 0), 2: (4, 0), 7: (8, 0), 6: (12, 2), 3: (4, 4)},
                     {1: (1, 2), 4: (2, 7), 5: (7, 6), 2: (2, 3)})
 
 

@@ -5,22 +5,25 @@ gives the same figures each time.
 """
 from __future__ import annotations
 
+import heapq
+import math
 from pathlib import Path
-from typing import Callable, List, Optional, Tuple
+from typing import Callable, List, Optional, Sequence, Tuple
 
 import numpy as np
 
 from omron_ld90 import arcl
 from omron_ld90.graph import route_protocol as p
-from omron_ld90.graph.route_follower import RouteFollower, Settings
+from omron_ld90.graph.route_follower import RouteFollower
+from omron_ld90.graph.route_settings import Settings
 from omron_ld90.graph.route_strategies import STRATEGIES
 from omron_ld90.maps import MapDocument
 from omron_ld90.nodes.bridge_words import RobotWords, shown_events
-from omron_ld90_sim.clock import Clock
+from omron_ld90_sim.clock import Clock, Ticker
 from omron_ld90_sim.floor import Floor
 from omron_ld90_sim.kinematics import Pose
 from omron_ld90_sim.robot import Robot
-from omron_ld90_sim.server import ArclServer, OutgoingLists, Session
+from omron_ld90_sim.server import ArclServer, Session
 from trajectory_graph import Graph, load_graph
 
 MAPS = Path(__file__).resolve().parents[4] / 'maps'
@@ -54,12 +57,14 @@ class SimulatedDrive:
         self.commands: List[str] = []
         self.path: List[Tuple[float, float]] = []  # m
         self.lines: List[str] = []
+        self.notes: List[str] = []
         self._words = RobotWords()
         self._client = self.server.connect()
         self._client.receive(b'adept\n')
         self._lines_of(self._client)
         self._outgoing = self.server.connect_outgoing()
-        OutgoingLists(self.server, self._outgoing, {1: (STATUS_PERIOD, 'Status')})
+        self._status = Ticker(self.clock, STATUS_PERIOD,
+                              lambda: self.server.execute(self._outgoing, 'Status'))
         self._next_tick = self._next_sample = 0.0
         self.run(lambda: self.follower.seen.last is not None, 5.0)
 
@@ -78,6 +83,18 @@ class SimulatedDrive:
         self.order(route_id, *edges)
         self.run(lambda: not self.follower.running, seconds)
         return self.now - start
+
+    def wait(self, seconds: float) -> None:
+        """Lets simulated time pass."""
+        end = self.now + seconds
+        self.run(lambda: self.now >= end, seconds + 1.0)
+
+    def send(self, command: str, seconds: float = 300.0) -> None:
+        """Sends the robot somewhere past the bridge, and waits until it is there."""
+        heard = len(self.lines)
+        self._client.receive(f'{command}\n'.encode())
+        self.run(lambda: any(line.startswith(('Arrived at', 'DockingState: Docked'))
+                             for line in self.lines[heard:]), seconds)
 
     def run(self, until: Callable[[], bool], seconds: float) -> None:
         """Lets simulated time pass until the condition holds."""
@@ -101,10 +118,19 @@ class SimulatedDrive:
         return max(min(curve.project(x, y).distance for curve in curves)
                    for x, y in self.path[since:])
 
-    def nearest_to(self, vertex: int, since: int = 0) -> Tuple[float, int]:
-        """How near (m) the path came to a vertex, from sample `since` on, and at which sample."""
+    def first_nearest_to(self, vertex: int, since: int = 0) -> Tuple[float, int]:
+        """How near (m) the path from sample `since` on first came to a vertex; and the sample.
+
+        That is the first time that it came within a metre; infinity and the last sample if never.
+        """
         away = np.hypot(*(np.array(self.path[since:]) - self.graph.vertex(vertex).position).T)
-        return float(away.min()), since + int(away.argmin())
+        near = np.flatnonzero(away < 1.0)
+        if not len(near):
+            return math.inf, len(self.path)
+        leaves = np.flatnonzero(away[near[0]:] >= 1.0)
+        end = near[0] + leaves[0] if len(leaves) else len(away)
+        best = int(near[0] + away[near[0]:end].argmin())
+        return float(away[best]), since + best
 
     def _listen(self) -> None:
         for line in self._lines_of(self._client):
@@ -132,9 +158,29 @@ class SimulatedDrive:
                 self._client.receive(f'{action.command}\n'.encode())
             elif isinstance(action, p.RouteReport):
                 self.reports.append(action)
+            else:
+                self.notes.append(action.text)
 
     @staticmethod
     def _lines_of(session: Session) -> List[str]:
         text = session.output.decode('ascii')
         session.output.clear()
         return text.split('\r\n')[:-1]
+
+
+def shortest_route(graph: Graph, vertices: Sequence[int]) -> Tuple[int, ...]:
+    """The edges of the shortest ways from each of the vertices to the next."""
+    route: Tuple[int, ...] = ()
+    for start, end in zip(vertices, vertices[1:]):
+        queue, seen = [(0.0, start, ())], set()
+        while queue[0][1] != end:
+            length, at, edges = heapq.heappop(queue)
+            if at in seen:
+                continue
+            seen.add(at)
+            for id in graph.edges_at(at):
+                edge = id if graph.edge(id).origin == at else -id
+                heapq.heappush(queue, (length + graph.curve(id).length,
+                                       graph.end_vertex(edge).id, (*edges, edge)))
+        route += queue[0][2]
+    return route

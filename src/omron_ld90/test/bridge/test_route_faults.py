@@ -163,10 +163,10 @@ def test_locations_out_of_order_are_left_out():
 
 
 def test_a_corner_cut_so_far_that_a_vertex_is_missed_is_made_good():
-    bench = Bench(yard(), 1, 'direct', corridor_width=2.0)
+    bench = Bench(yard(), 1, 'direct')
     bench.order(7, 1, 5)
     assert bench.commands == ['goto 5']
-    for x, y in ((2.0, 0.0), (3.5, 0.6), (5.0, 0.6)):  # by vertex 2 at 0.6 m
+    for x, y in ((2.0, 0.0), (3.5, 0.4), (5.0, 0.4)):  # by vertex 2 at 0.4 m
         bench.now += 1.0
         bench.robot.position = (x, y)
         bench.tell(bench.robot.located(bench.now))

@@ -96,7 +96,7 @@ def test_a_vertex_of_arrival_by_word_is_not_passed():
 def test_the_distance_to_the_end_follows_the_route():
     progress = progress_on(dissertation_graph(), (1, 4, 5), (1.0, 0.0))
     assert progress.distance_to_end(0) == pytest.approx(3.0)
-    assert progress.distance_to_end(2) == pytest.approx(11.0)
+    assert progress.distance_to_end(2) == pytest.approx(7.0 + math.hypot(4.0, 2.0))
 
 
 @given(st.lists(st.tuples(st.floats(-2.0, 10.0), st.floats(-2.0, 6.0)), max_size=30))

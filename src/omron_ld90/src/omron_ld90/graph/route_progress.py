@@ -74,12 +74,6 @@ class RouteProgress:
         """Length of the route from the robot to the end of the edge with this index, m."""
         return self._lengths(self.current, index + 1) - self._arc
 
-    def distance_from_route(self, x: float, y: float, until: int) -> float:
-        """Distance in m from x, y to the edges from the one just driven up to index `until`."""
-        edges = self.edges[max(self.current - 1, 0):until + 1]
-        return min((self.graph.curve(edge).project(x, y).distance for edge in edges),
-                   default=math.inf)
-
     def move_to(self, x: float, y: float) -> None:
         """The robot was seen at x, y: passes vertices in order, then moves along the current edge.
 

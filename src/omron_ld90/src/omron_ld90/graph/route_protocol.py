@@ -176,9 +176,3 @@ class Note:
 
 
 Action = Union[Send, RouteReport, Note]
-
-STOP = 'stop'
-DOCK = 'dock'
-
-
-TAKEN_OVER = 'taken over'

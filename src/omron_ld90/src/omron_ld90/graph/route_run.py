@@ -1,14 +1,21 @@
-"""A route that was accepted, and what became of it."""
+"""The driving of one route: where to send the robot next, and what ends the route."""
 from __future__ import annotations
 
 import math
 from enum import Enum
 from typing import List, Optional, Tuple
 
+from omron_ld90.graph.robot_errand import DOCK, RobotErrand
+from omron_ld90.graph.robot_place import RobotPlace
+from omron_ld90.graph.route_place import PlaceOnGraph
 from omron_ld90.graph.route_progress import RouteProgress
 from omron_ld90.graph.route_protocol import EdgeState, RouteOrder, RouteRecord
+from omron_ld90.graph.route_settings import Settings
+from omron_ld90.graph.route_strategies import Outlook, native
 
-PROGRESS = 0.05  # m along the route that count as progress
+PROGRESS = 0.05         # m along the route that count as progress
+ARRIVAL_PATIENCE = 2.0  # s for a location to show what the robot said
+LATENCY = 0.1           # s from our command to the robot's obeying it
 
 
 class Phase(Enum):
@@ -20,26 +27,35 @@ class Phase(Enum):
     STOPPED = 'stopped'
 
 
-class RouteRun:
-    """A route, how far it is driven, and where the robot was sent for it."""
+class RouteFailed(Exception):
+    """The route cannot go on; the text is the reason for the fleet manager."""
 
-    def __init__(self, order: RouteOrder, progress: Optional[RouteProgress], now: float) -> None:
+
+class RouteRun:
+    """A route, how far it is driven, and where the robot was sent for it.
+
+    Methods that take an event raise RouteFailed where it ends the route.
+    """
+
+    def __init__(self, order: RouteOrder, settings: Settings, errand: RobotErrand,
+                 seen: RobotPlace, progress: Optional[RouteProgress], now: float) -> None:
         """`progress` is None for an empty route."""
         self.order = order
         self.progress = progress
         self.phase = Phase.STOPPED if progress is None else Phase.RUNNING
         self.reason = ''
-        self.target: Optional[int] = None
-        """Index of the edge to whose end the robot was sent; None before it was sent anywhere."""
-        self.arrived_at = -math.inf
-        """When the robot said that it had reached the target."""
-        self.sent_back: List[int] = []
-        """Indices of vertices that the robot missed and was sent back to."""
-        self.strayed = False
-        """Whether the last location was off the corridor."""
+        self._settings = settings
+        self._errand = errand
+        self._seen = seen
+        self._target: Optional[int] = None  # index of the edge to whose end the robot was sent
+        self._arrived_at = -math.inf        # when the robot said that it had reached that
+        self._sent_back: List[int] = []     # indices of vertices that it missed
+        self._strayed = False               # the last location was off the corridor
         self._allowed: Tuple[int, Tuple[int, ...]] = (-1, ())
         self._best = -math.inf
         self._best_at = now
+
+    # --- how far it is ---------------------------------------------------------------------------
 
     @property
     def running(self) -> bool:
@@ -67,29 +83,140 @@ class RouteRun:
             return None
         current = self.progress.current
         return RouteRecord(self.order.route_id, self.edges, current,
-                           current if self.target is None else max(current, self.target))
-
-    def allow(self, edges: Tuple[int, ...]) -> None:
-        """The robot was under way along `edges` when the route changed, and brakes on them."""
-        self._allowed = (self.progress.current, edges)
+                           current if self._target is None else max(current, self._target))
 
     @property
-    def leeway(self) -> Tuple[int, ...]:
-        """Edges not of this route that the robot may still be on, until it has done the first."""
-        current, edges = self._allowed
-        return edges if self.progress.current <= current else ()
+    def edges_under_way(self) -> Tuple[int, ...]:
+        """From the edge just driven to the one behind the target: where the robot may brake."""
+        current = self.progress.current
+        return self.edges[max(current - 1, 0):max(current, self._target or 0) + 2]
 
-    def going_back(self) -> bool:
-        """Whether the robot is on its way back to a vertex that it missed."""
-        return self.progress.current in self.sent_back
+    def is_on(self, edge: int) -> bool:
+        """Is the robot on this edge, or just past it, or did it fail on it?"""
+        if self.phase not in (Phase.RUNNING, Phase.FAILED):
+            return False
+        current = self.progress.current
+        return edge in self.edges[max(current - 1, 0) if self.running else current:current + 1]
 
-    def seconds_without_progress(self, now: float) -> float:
-        """Seconds since the robot last got farther along the route."""
-        if self.progress.travelled > self._best + PROGRESS:
-            self._best = self.progress.travelled
+    # --- driving ---------------------------------------------------------------------------------
+
+    def allow(self, edges: Tuple[int, ...]) -> None:
+        """Lets the robot brake on `edges`, which it is on its way along, while on this edge."""
+        self._allowed = (self.progress.current, edges)
+
+    def replace(self, order: RouteOrder, now: float) -> None:
+        """Goes on with more or fewer edges."""
+        self.allow(self.edges_under_way)
+        self.order = order
+        self.progress.replace_edges(order.edges)
+        if not self.progress.done:
+            self.phase = Phase.RUNNING
+            self._target = None
             self._best_at = now
-        return now - self._best_at
+            self.drive()
+
+    def drive(self) -> None:
+        """Sends the robot where the strategy wants it, unless it is on its way there."""
+        if self.progress.done or self.progress.current in self._sent_back:
+            return
+        target = self._settings.strategy(Outlook(
+            self.progress, self._target, self._errand.reached, self._horizon(),
+            self._settings.corridor_width))
+        if target != self._target:
+            self._send_to(target)
+
+    def locate(self, here: PlaceOnGraph, now: float) -> str:
+        """The robot was seen; what people should know of that, or nothing."""
+        self.progress.move_to(*here.position)
+        self._check_corridor(here)
+        if (self.progress.current < self._target and self.progress.has_overshot()
+                and not here.is_docked):
+            return self._send_back(now)
+        self._settle()
+        return ''
+
+    def arrive(self, now: float) -> None:
+        """The robot says that it has reached the goal last sent."""
+        self._arrived_at = now
+        self._settle()
 
     def count_as_progress(self, now: float) -> None:
         """Something moved on that is no way along the route, such as docking."""
         self._best_at = now
+
+    def check_clock(self, now: float) -> str:
+        """Looks at what takes too long; what people should know, or nothing."""
+        if self.progress.travelled > self._best + PROGRESS:
+            self._best = self.progress.travelled
+            self._best_at = now
+        if now - self._best_at > self._settings.stall_timeout:
+            raise RouteFailed(f'no progress for {self._settings.stall_timeout:.0f} s')
+        if not self._errand.reached or now - self._arrived_at < ARRIVAL_PATIENCE:
+            return ''
+        if self.progress.current < self._target:
+            return self._send_back(now)
+        raise RouteFailed(f'the robot says that it is at {self._errand.goal}, but is '
+                          f'{self._distance_to_target():.1f} m away from it')
+
+    def _settle(self) -> None:
+        """Takes the robot's word that it has arrived, once it is seen there, and goes on."""
+        if (self._errand.reached and self.progress.current == self._target
+                and (self._errand.goal == DOCK
+                     or self._distance_to_target() <= self._settings.vertex_tolerance)):
+            self.progress.complete_current()
+        if self.progress.done:
+            self.phase = Phase.COMPLETE
+            self._errand.end()
+        else:
+            self.drive()
+
+    def _send_to(self, index: int) -> None:
+        self._target = index
+        vertex = self.progress.end(index).id
+        goal = DOCK if vertex == self._settings.dock_vertex else str(vertex)
+        if goal == self._errand.goal and not self._errand.reached:
+            return  # it is on its way there: no motion command is repeated
+        via: List[str] = []
+        if goal == DOCK:
+            command = DOCK
+        elif self._settings.strategy is native and self._settings.native_command:
+            via = [str(self.progress.end(i).id) for i in range(self.progress.current, index)]
+            command = self._settings.native_command.format(
+                goals=' '.join([*via, goal]), last=goal)
+        else:
+            command = f'goto {goal}'
+        self._errand.send(command, goal, via)
+
+    def _send_back(self, now: float) -> str:
+        """The robot cut a corner so far that it missed a vertex: back to that, once."""
+        current = self.progress.current
+        vertex = self.progress.end(current).id
+        if current in self._sent_back:
+            raise RouteFailed(f'the robot went by vertex {vertex} without coming near it')
+        self._sent_back.append(current)
+        self.allow(self.edges_under_way)
+        self.count_as_progress(now)
+        self._send_to(current)
+        return f'The robot missed vertex {vertex} and is sent back to it.'
+
+    def _check_corridor(self, here: PlaceOnGraph) -> None:
+        """Fails the route when the robot is outside the corridors twice in a row."""
+        edges = self.edges[max(self.progress.current - 1, 0):
+                           max(self.progress.current, self._target) + 1]
+        until, allowed = self._allowed
+        if self.progress.current <= until:
+            edges += allowed
+        strays = not here.is_about_the_dock and here.nearest_of(edges) is None
+        if strays and self._strayed:
+            raise RouteFailed('off the corridor')
+        self._strayed = strays
+
+    def _horizon(self) -> float:
+        """Distance in m at which the robot may begin to brake before it is looked at again."""
+        settings, seconds = self._settings, self._seen.period + LATENCY
+        speed = min(settings.top_speed, self._seen.speed + settings.acceleration * seconds)
+        return speed * speed / (2.0 * settings.braking) + speed * seconds
+
+    def _distance_to_target(self) -> float:
+        return math.dist((self._seen.last.x, self._seen.last.y),
+                         self.progress.end(self._target).position)

@@ -28,7 +28,7 @@ class Outlook:
     target: Optional[int]  # index of the edge to whose end the robot was sent; None: nowhere
     arrived: bool          # the robot has stopped there
     horizon: float         # m: a target nearer than this makes the robot brake before we look again
-    margin: float          # m: see route_ways
+    corridor_width: float  # m
 
     @property
     def target_is_behind(self) -> bool:
@@ -39,7 +39,7 @@ class Outlook:
         """Would the robot, sent to the end of edge `index`, drive the route there?"""
         progress = self.progress
         return is_the_free_way(progress.graph, progress.edges[progress.current:index + 1],
-                               progress.arc, self.margin)
+                               progress.arc, self.corridor_width, progress.tolerance)
 
     def farthest_free(self, first: int, wanted: Callable[[int], bool]) -> int:
         """The last index reached from `first` while the next is `wanted` and freely followed."""

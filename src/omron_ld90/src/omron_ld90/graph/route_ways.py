@@ -1,22 +1,65 @@
 """Would the robot, left to itself, drive the edges of a route?
 
 The LD-90 plans its own free way to a goal. Fences keep it in the corridors of the graph, so its
-way is taken to be a shortest way over the graph, with lengths of the edges' curves. Corners are cut
-and curves taken on the inside, so lengths that differ by less than `margin` count as equal, and a
-way is only relied upon when every other one is longer than that. Without fences, or with gates
-between corridors that the graph does not know, the assumption does not hold.
+way is taken to be a shortest way over the graph, with lengths of the edges' curves, that cuts
+every corner as far as the corridors allow. Lengths that differ by less than a corridor's width
+count as equal, and a way is only relied upon when every other one is longer than that. Without
+fences, or with gates between corridors that the graph does not know, this does not hold.
 """
 from __future__ import annotations
 
 import heapq
+import math
+from functools import lru_cache
 from itertools import accumulate
 from typing import AbstractSet, Dict, Sequence
 
 from trajectory_graph import Graph
 
+ROBOT_HALF_WIDTH = 0.25  # m
+PLANNING_ERROR = 0.05    # m that the robot's own planner and its localization may be off
+STEP = 0.02              # m between points looked at along a curve
+FARTHEST_CUT = 3.0       # m before a vertex from which a corner can be cut
 
-def is_the_free_way(graph: Graph, edges: Sequence[int], arc: float, margin: float) -> bool:
+
+def is_the_free_way(graph: Graph, edges: Sequence[int], arc: float, corridor_width: float,
+                    tolerance: float) -> bool:
     """Does the free way from `arc` m along `edges[0]` to the end of `edges[-1]` follow them all?
+
+    It has to come within `tolerance` (m) of every vertex on the way.
+    """
+    slack = max(corridor_width / 2.0 - ROBOT_HALF_WIDTH, 0.0) + PLANNING_ERROR
+    return (all(corner_cut(graph, first, second, slack) <= tolerance
+                for first, second in zip(edges, edges[1:]))
+            and is_the_only_short_way(graph, edges, arc, corridor_width))
+
+
+@lru_cache(maxsize=10_000)
+def corner_cut(graph: Graph, first: int, second: int, slack: float) -> float:
+    """How far (m) from the vertex between two edges the shortest way from one to the other passes.
+
+    The robot's centre may be `slack` m off the curves. The inner corner that it goes round is the
+    point farthest from the vertex among those that are so near to both curves: at a right angle
+    1.4 times the slack, at a cusp, where the robot need not go to the vertex at all, very far.
+    """
+    before, after = graph.curve(first), graph.curve(second)
+    vertex = graph.end_vertex(first)
+    farthest = 0.0
+    back = 0.0
+    while back <= min(before.length, FARTHEST_CUT):
+        s = before.length - back
+        x, y = before.point_at(s)
+        heading = before.heading_at(s)
+        for side in (-slack, slack):
+            edge_of_strip = (x - side * math.sin(heading), y + side * math.cos(heading))
+            if after.project(*edge_of_strip).distance <= slack:
+                farthest = max(farthest, math.dist(edge_of_strip, vertex.position))
+        back += STEP
+    return farthest
+
+
+def is_the_only_short_way(graph: Graph, edges: Sequence[int], arc: float, margin: float) -> bool:
+    """Is every other way from `arc` m along `edges[0]` to the end of `edges[-1]` longer?
 
     True when no detour around any part of the route is as short as that part plus `margin` (m).
     Every other way to the same end turns off the route somewhere and joins it again farther on, so

@@ -18,7 +18,7 @@ Publishes
 Parameters
     ~graph_file        string  (empty)  trajectory graph (YAML); empty: wait for /graph
     ~dock_vertex       int     16       vertex that is reached by `dock`; 0: none
-    ~strategy          string  vertex_by_vertex  or direct, rolling, native
+    ~strategy          string  rolling  or vertex_by_vertex, direct, native
     ~native_command    string  (empty)  of strategy native: {goals} = names in order, {last}
     ~vertex_tolerance  float   0.3 m    a vertex is passed within this distance
     ~corridor_width    float   0.9 m    farther than half of it from the route, the route fails
@@ -44,7 +44,8 @@ from std_msgs.msg import String
 from itrci_nav_msgs.msg import ExecutionRouteStates, TargetRoute
 from itrci_nav_msgs.msg import Graph as GraphMessage
 from omron_ld90.graph import route_protocol as p
-from omron_ld90.graph.route_follower import RouteFollower, Settings
+from omron_ld90.graph.route_follower import RouteFollower
+from omron_ld90.graph.route_settings import Settings
 from omron_ld90.graph.route_strategies import STRATEGIES
 from omron_ld90.nodes import fleet_messages, startup
 from omron_ld90.nodes.bridge_memory import RouteMemory
@@ -201,7 +202,7 @@ def _read_settings(graph: Optional[Graph]) -> Settings:
         raise startup.ConfigurationError(
             f'~dock_vertex is {dock}, which is no vertex of the graph: set it to the id of the '
             'dock, or to 0 where there is none.')
-    strategy = startup.choice('~strategy', 'vertex_by_vertex', tuple(STRATEGIES))
+    strategy = startup.choice('~strategy', 'rolling', tuple(STRATEGIES))
     native_command = startup.parameter('~native_command', '')
     if strategy == 'native':
         _check_native_command(native_command)

@@ -1,0 +1,59 @@
+"""Which orders can be driven: reasons against a route, and where a route goes on after a restart.
+
+Reasons are clauses for people and the fleet manager; an empty one means that there is none.
+"""
+from __future__ import annotations
+
+from typing import Optional
+
+from omron_ld90.graph.route_place import PlaceOnGraph
+from omron_ld90.graph.route_protocol import RouteOrder, RouteRecord
+from omron_ld90.graph.route_run import Phase, RouteRun
+from trajectory_graph import Graph, TrajectoryGraphError, check_route
+
+LONGEST_ROUTE = 10_000  # edges
+
+
+def why_unfit(graph: Graph, order: RouteOrder) -> str:
+    """Why no robot could drive this route."""
+    if len(order.edges) > LONGEST_ROUTE:
+        return f'the route has more than {LONGEST_ROUTE} edges'
+    try:
+        check_route(graph, order.edges)
+    except TrajectoryGraphError as error:
+        return str(error).rstrip('.')
+    return ''
+
+
+def is_change(route: Optional[RouteRun], order: RouteOrder) -> bool:
+    """Does the order have the id of a route that was not stopped?"""
+    return (route is not None and route.order.route_id == order.route_id
+            and route.phase is not Phase.STOPPED)
+
+
+def why_no_change(route: RouteRun, order: RouteOrder) -> str:
+    """Why the route cannot become what the order of the same id says."""
+    if route.phase is Phase.FAILED:
+        return f'route {order.route_id} has failed: another one needs another id'
+    kept = route.edges[:route.progress.current + 1]
+    if order.edges[:len(kept)] != kept:
+        return (f'route {order.route_id} must go on with the edges done and the current one, '
+                f'{list(kept)}')
+    return ''
+
+
+def resumed_at(order: RouteOrder, record: RouteRecord, here: PlaceOnGraph) -> Optional[int]:
+    """Index of the edge from which the route goes on that ran before a restart of this program.
+
+    len(order.edges) when it was complete already; None when it was another route, or the robot is
+    elsewhere. Meanwhile the robot went on to the vertex that it had been sent to. Nothing else sent
+    it anywhere as long as it is found on the edges that lead there; those behind it were driven.
+    """
+    kept = record.edges[:record.completed + 1]
+    if record.route_id != order.route_id or order.edges[:len(kept)] != kept:
+        return None
+    ahead = order.edges[record.completed:record.target + 1]
+    if not ahead or here.is_about_the_dock:
+        return record.completed
+    found = here.nearest_of(ahead)
+    return None if found is None else record.completed + found
