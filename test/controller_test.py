@@ -45,7 +45,7 @@ class ControllerTest(unittest.TestCase):
         cls.refusals = Recorder('/omron_ld90/command_refused', CommandRefused)
         cls.links = Recorder('/omron_ld90/link_state', LinkState)
         cls.diagnostics = Recorder('/diagnostics', DiagnosticArray)
-        cls.commands = connected_publisher('/omron_ld90/send_command', String)
+        cls.commands = connected_publisher('/omron_ld90/send_command', String, to='omron_controller')
         cls.execute = actionlib.ActionClient('/omron_ld90/execute_command', ExecuteCommandAction)
         cls.move_base = actionlib.ActionClient('/omron_ld90/move_base', MoveBaseAction)
         for client in (cls.execute, cls.move_base):
@@ -130,7 +130,7 @@ class ControllerTest(unittest.TestCase):
         self.assertEqual('map', feedback[0].base_position.header.frame_id)
 
     def test_a_simple_goal_drives_and_the_wrong_frame_is_refused(self):
-        publisher = connected_publisher('/move_base_simple/goal', PoseStamped)
+        publisher = connected_publisher('/omron_ld90/move_base_simple/goal', PoseStamped)
         before, refused = len(self.responses.messages), len(self.refusals.messages)
         publisher.publish(pose_in_map(0.0, 0.0, 0.0))
         self.responses.wait_for(lambda line: parse_line(line.data) == GoingToPoint(), SOON,
@@ -141,7 +141,7 @@ class ControllerTest(unittest.TestCase):
         self.result_of(self.run_command('stop'))
 
     def test_an_initial_pose_relocalises_the_robot(self):
-        publisher = connected_publisher('/initialpose', PoseWithCovarianceStamped)
+        publisher = connected_publisher('/omron_ld90/initialpose', PoseWithCovarianceStamped)
         before = len(self.responses.messages)
         here = self.location()
         message = PoseWithCovarianceStamped()

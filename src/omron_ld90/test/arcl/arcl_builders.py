@@ -5,6 +5,7 @@ The transcripts are those of a real LD-90 (and of the manual, where no real one 
 from __future__ import annotations
 
 import socket
+import struct
 import threading
 import time
 from typing import Any, Callable, List, Tuple
@@ -182,13 +183,11 @@ class ScriptedRobot:
     def drop(self, reset: bool = False) -> None:
         """Ends all connections, with RST if asked."""
         for connection in self.connections:
-            if reset:
-                linger = b'\x01\0\0\0\0\0\0\0'
-                connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, linger)
-                connection.close()
-                continue
             try:
-                connection.shutdown(socket.SHUT_RDWR)
+                if reset:  # closed with a linger of zero; to end the reading is not seen outside
+                    linger = struct.pack('ii', 1, 0)
+                    connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, linger)
+                connection.shutdown(socket.SHUT_RD if reset else socket.SHUT_RDWR)
             except OSError:
                 continue  # it has ended already
 
@@ -208,9 +207,8 @@ class ScriptedRobot:
             thread.start()
 
     def _serve(self, connection: socket.socket) -> None:
-        with connection:
+        with connection, connection.makefile('rb') as reader:
             try:
-                reader = connection.makefile('rb')
                 if self._login:
                     connection.sendall(lines(LOGIN[0]))
                     if reader.readline().strip() != self._password:

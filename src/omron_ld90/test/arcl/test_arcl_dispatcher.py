@@ -1,0 +1,393 @@
+"""Each line of the robot ends the right command, in the right way; transcripts of real sessions."""
+from __future__ import annotations
+
+import pytest
+from arcl_builders import DOCK, GOTO_FROM_DOCK, STATUS, UNDOCK, Conversation, Noted
+
+from omron_ld90.arcl import Busy, Command, Outcome
+from omron_ld90.arcl.dispatcher import MOST_WAITING
+
+
+@pytest.fixture
+def talk() -> Conversation:
+    return Conversation()
+
+
+def outcome(execution):
+    assert execution.result is not None, f'"{execution.command.text}" is still under way'
+    return execution.result.outcome
+
+
+# --- transcripts (arcl.md 10) ---------------------------------------------------------------------
+
+def test_goto_from_the_dock_ends_with_the_arrival(talk):
+    goto = talk.give('goto 12')
+    talk.robot(*GOTO_FROM_DOCK[:-1])
+    assert goto.result is None
+    talk.robot(GOTO_FROM_DOCK[-1])
+    assert outcome(goto) is Outcome.SUCCEEDED
+    assert goto.result.lines == GOTO_FROM_DOCK
+
+
+def test_a_bad_goal_and_a_bad_command_and_a_stop(talk):
+    bad_goal, bad_command = talk.give('goto 99'), talk.give('gooto 12')
+    talk.robot('CommandError: goto 99', "CommandErrorDescription: No goal '99'",
+               'Unknown command gooto')
+    assert outcome(bad_goal) is Outcome.NO_GOAL
+    assert bad_goal.result.words == "No goal '99'"
+    assert outcome(bad_command) is Outcome.UNKNOWN_COMMAND
+    goto = talk.give('goto 12')
+    talk.robot('Going to 12')
+    stop = talk.give('stop')
+    talk.robot('Interrupted: Going to 12', 'Stopping', 'Stopped')
+    assert outcome(goto) is Outcome.INTERRUPTED
+    assert goto.result.words == 'Interrupted: Going to 12'
+    assert outcome(stop) is Outcome.SUCCEEDED
+    assert stop.result.lines == ('Interrupted: Going to 12', 'Stopping', 'Stopped')
+
+
+def test_dock_and_undock(talk):
+    dock = talk.give('dock')
+    talk.robot(*DOCK[:3])
+    assert dock.result is None
+    talk.robot(*DOCK[3:])
+    assert outcome(dock) is Outcome.SUCCEEDED
+    undock = talk.give('undock')
+    talk.robot(*UNDOCK)
+    assert outcome(undock) is Outcome.SUCCEEDED
+
+
+def test_lines_of_the_outgoing_link_end_nothing(talk):
+    goto = talk.give('goto 12')
+    talk.robot('Going to 12')
+    talk.robot(*(line.decode() for line in STATUS), 'RangeDeviceGetCurrent: Laser_1 1 2',
+               'Goal: 12', 'End of goals', 'Odometer: 8281 mm 210 deg 469 sec',
+               'End of ApplicationFaultQuery')
+    assert goto.result is None
+    assert goto.begun
+
+
+# --- how driving ends -----------------------------------------------------------------------------
+
+@pytest.mark.parametrize(('text', 'lines'), [
+    ('goto x', ('Going to X', 'Arrived at X')),
+    ('goto "goal space"', ('Going to goal space', 'Arrived at goal space')),
+    ('gotoPoint 1 2 3', ('Going to point', 'Arrived at point')),
+    ('gotoPoint 1 2 3', ('Going to point 1 2 3', 'Arrived at point 1 2 3')),
+    ('gotoRouteGoal r g', ('Going to g', 'Arrived at g')),
+    ('doTask gotoPoint 1 2 3', ('Will do task gotoPoint 1 2 3', 'Doing task gotoPoint 1 2 3',
+                                'Going to point', 'Completed doing task gotoPoint 1 2 3')),
+    ('doTask wait 10', ('Will do task wait 10', 'Doing task wait 10',
+                        'WaitState: Waiting 10 seconds with status "Waiting"',
+                        'WaitState: Waiting completed', 'Completed doing task wait 10')),
+    ('executeMacro Adept Greeting', ('Executing macro Adept Greeting',
+                                     'WaitState: Waiting completed',
+                                     'Completed macro Adept Greeting')),
+    ('patrolOnce r', ('Patrolling route r once', 'Finished patrolling route r')),
+    ('listExecute', ('Executing list', 'Doing task move 1', 'Completed doing task move 1',
+                     'Successfully finished task list')),
+    ('localizeToPoint 1 2 3', ('Localizing at point', 'Localized to point')),
+    ('enableMotors', ('Motors are enabled',)),
+    ('undock', ('DockingState: Undocked ForcedState: Unforced ChargeState: Not',)),
+])
+def test_a_command_succeeds_with_its_last_line(talk, text, lines):
+    execution = talk.give(text)
+    talk.robot(*lines[:-1])
+    assert execution.result is None
+    talk.robot(lines[-1])
+    assert outcome(execution) is Outcome.SUCCEEDED
+    assert execution.result.lines == lines
+
+
+@pytest.mark.parametrize(('said', 'expected', 'words'), [
+    ('Error: Failed going to goal', Outcome.FAILED, 'Failed going to goal'),
+    ('Failed going to 12', Outcome.FAILED, 'Failed going to 12'),
+    ('EStop pressed', Outcome.EMERGENCY_STOPPED, 'EStop pressed'),
+    ('Estop pressed', Outcome.EMERGENCY_STOPPED, 'Estop pressed'),
+    ('Motors disabled', Outcome.FAILED, 'Motors disabled'),
+    ('Interrupted: Going to 12', Outcome.INTERRUPTED, 'Interrupted: Going to 12'),
+    ('Going to 13', Outcome.INTERRUPTED, 'taken over: Going to 13'),
+    ('Patrolling route r', Outcome.INTERRUPTED, 'taken over: Patrolling route r'),
+])
+def test_a_drive_that_fails_carries_the_robots_words(talk, said, expected, words):
+    goto = talk.give('goto 12')
+    talk.robot('Going to 12', said)
+    assert outcome(goto) is expected
+    assert goto.result.words == words
+
+
+@pytest.mark.parametrize('said', [
+    'Arrived at 13', 'Interrupted: Going to 13', 'Stopped', 'Stopping', 'Going to 12',
+    'EStop relieved but motors still disabled', 'Motors enabled', 'Parking', 'WaitState: x',
+    'Map changed', 'Failed going to 13', 'hello', 'CommandError: goto 13',
+])
+def test_what_is_about_something_else_does_not_end_a_drive(talk, said):
+    goto = talk.give('goto 12')
+    talk.robot('Going to 12', said)
+    assert goto.result is None
+
+
+def test_a_drive_may_be_silent_for_ever_once_it_began(talk):
+    goto = talk.give('goto 12')
+    talk.robot('Going to 12')
+    talk.pass_time(3600.0)
+    assert goto.result is None
+
+
+def test_a_drive_that_never_begins_times_out_only_after_the_dock_had_time(talk):
+    goto = talk.give('goto 12')
+    talk.pass_time(50.0)
+    assert goto.result is None
+    talk.pass_time(20.0)
+    assert outcome(goto) is Outcome.TIMED_OUT
+
+
+def test_a_timeout_counts_the_silence_and_a_status_about_the_drive_breaks_it(talk):
+    goto = talk.give('goto 12', timeout=5.0)
+    talk.robot('Going to 12')
+    for _ in range(5):
+        talk.pass_time(4.0)
+        talk.robot('Status: Going to 12 Location: 1 2 3')
+    assert goto.result is None
+    talk.pass_time(4.0)
+    talk.robot('Status: Stopped Location: 1 2 3')
+    talk.pass_time(2.0)
+    assert outcome(goto) is Outcome.TIMED_OUT
+
+
+def test_docking_that_is_broken_off_is_interrupted(talk):
+    dock = talk.give('dock')
+    talk.robot(*DOCK[:2], DOCK[0])
+    assert outcome(dock) is Outcome.INTERRUPTED
+
+
+# --- several at once ------------------------------------------------------------------------------
+
+def test_a_second_goto_interrupts_the_first(talk):
+    first, second = talk.give('goto A'), talk.give('goto B')
+    talk.robot('Going to A', 'Interrupted: Going to A', 'Going to B')
+    assert outcome(first) is Outcome.INTERRUPTED
+    assert second.result is None
+    talk.robot('Arrived at B')
+    assert outcome(second) is Outcome.SUCCEEDED
+
+
+def test_a_second_goto_replaces_the_first_also_without_a_word(talk):
+    first, second = talk.give('goto A'), talk.give('goto B')
+    talk.robot('Going to A', 'Going to B')
+    assert outcome(first) is Outcome.INTERRUPTED
+    assert 'goto B' in first.result.words
+    talk.robot('Arrived at B')
+    assert outcome(second) is Outcome.SUCCEEDED
+
+
+@pytest.mark.parametrize('lines', [
+    ('Going to point', 'Interrupted: Going to point', 'Going to point', 'Arrived at point'),
+    ('Going to point', 'Going to point', 'Arrived at point'),
+])
+def test_two_points_are_told_apart_by_their_order(talk, lines):
+    first, second = talk.give('gotoPoint 1 1'), talk.give('gotoPoint 2 2')
+    talk.robot(*lines)
+    assert outcome(first) is Outcome.INTERRUPTED
+    assert outcome(second) is Outcome.SUCCEEDED
+
+
+def test_an_arrival_just_before_the_next_point_belongs_to_the_first(talk):
+    first = talk.give('gotoPoint 1 1')
+    talk.robot('Going to point')
+    second = talk.give('gotoPoint 2 2')
+    talk.robot('Arrived at point')
+    assert outcome(first) is Outcome.SUCCEEDED
+    assert second.result is None
+    talk.robot('Going to point', 'Arrived at point')
+    assert outcome(second) is Outcome.SUCCEEDED
+
+
+def test_a_refused_goto_leaves_the_running_one_alone(talk):
+    running = talk.give('goto A')
+    talk.robot('Going to A')
+    refused = talk.give('goto nowhere')
+    talk.robot('CommandError: goto nowhere', 'EStop relieved but motors still disabled',
+               "CommandErrorDescription: No goal    'nowhere'")
+    assert outcome(refused) is Outcome.NO_GOAL
+    assert running.result is None
+
+
+def test_a_refused_command_ends_also_without_a_description(talk):
+    refused = talk.give('goto nowhere')
+    talk.robot('CommandError: goto nowhere')
+    talk.pass_time(1.5)
+    assert outcome(refused) is Outcome.REJECTED
+
+
+def test_another_reason_than_the_goal_is_a_rejection(talk):
+    refused = talk.give('patrol r')
+    talk.robot('CommandError: patrol r', 'CommandErrorDescription: Bad route')
+    assert outcome(refused) is Outcome.REJECTED
+    assert refused.result.words == 'Bad route'
+
+
+def test_a_long_unknown_name_is_known_by_its_beginning(talk):
+    unknown = talk.give('someVeryLongCommandName 1')
+    talk.robot('Unknown command someVeryLongComm')
+    assert outcome(unknown) is Outcome.UNKNOWN_COMMAND
+
+
+def test_a_setup_error_rejects_the_oldest_that_has_not_begun(talk):
+    goto = talk.give('goto A')
+    talk.robot('Going to A')
+    add = talk.give('listAdd move 1')
+    talk.robot('SetUpError: You need to start a list before you can add to it.')
+    assert outcome(add) is Outcome.REJECTED
+    assert goto.result is None
+
+
+def test_an_emergency_stop_fails_the_enabling_of_motors(talk):
+    enable = talk.give('enableMotors')
+    talk.robot('Estop pressed, cannot enable motors')
+    assert outcome(enable) is Outcome.EMERGENCY_STOPPED
+
+
+def test_equal_queries_wait_for_each_other(talk):
+    first, second, other = (talk.give(text) for text in ('getGoals', 'getGoals', 'odometer'))
+    assert talk.sent == ['getGoals', 'odometer']
+    talk.robot('Goal: 1', 'Odometer: 1 mm 2 deg 3 sec', 'End of goals')
+    assert outcome(first) is Outcome.SUCCEEDED
+    assert first.result.lines == ('Goal: 1', 'End of goals')
+    assert outcome(other) is Outcome.SUCCEEDED
+    assert talk.sent == ['getGoals', 'odometer', 'getGoals']
+    talk.robot('Goal: 2', 'End of goals')
+    assert second.result.lines == ('Goal: 2', 'End of goals')
+
+
+def test_a_query_that_is_not_answered_times_out_and_lets_the_next_one_go(talk):
+    first, second = talk.give('getGoals'), talk.give('getGoals')
+    talk.pass_time(6.0)
+    assert outcome(first) is Outcome.TIMED_OUT
+    assert second.sent
+
+
+def test_an_event_answers_the_query_and_still_reaches_the_drive(talk):
+    query, dock = talk.give('queryDockStatus'), talk.give('dock')
+    talk.robot(DOCK[1])
+    assert outcome(query) is Outcome.SUCCEEDED
+    assert dock.begun
+
+
+def test_an_answer_of_unknown_length_ends_when_the_robot_is_quiet(talk):
+    unknown = talk.give('arclStat')
+    talk.robot('clients 3', 'Going to 12', 'bytes 4')
+    talk.pass_time(0.5)
+    assert unknown.result is None
+    talk.pass_time(1.0)
+    assert outcome(unknown) is Outcome.SUCCEEDED
+    assert unknown.result.lines == ('clients 3', 'bytes 4')
+
+
+# --- stop, cancel, lost ---------------------------------------------------------------------------
+
+def test_a_stop_overtakes_what_is_unsent_and_drops_the_drives(talk):
+    dispatcher = talk.dispatcher
+    goto = talk.give('goto A')
+
+    unsent = dispatcher.start(Command.parse('goto B'))
+    query = dispatcher.start(Command.parse('odometer'))
+    dispatcher.start(Command.parse('stop'))
+    talk.send()
+    assert talk.sent == ['goto A', 'stop', 'odometer']
+    assert outcome(unsent) is Outcome.CANCELLED
+    assert 'never sent' in unsent.result.words
+    assert goto.result is None
+    assert query.sent
+
+
+def test_cancelling_a_drive_stops_the_robot(talk):
+    goto = talk.give('goto A')
+    talk.robot('Going to A')
+    talk.dispatcher.cancel(goto)
+    talk.send()
+    assert talk.sent == ['goto A', 'stop']
+    assert goto.result is None, 'the robot has not stopped yet'
+    talk.robot('Interrupted: Going to A', 'Stopping', 'Stopped')
+    assert outcome(goto) is Outcome.CANCELLED
+
+
+def test_cancelling_docking_ends_when_the_robot_has_stopped(talk):
+    dock = talk.give('dock')
+    talk.robot(*DOCK[:2])
+    talk.dispatcher.cancel(dock)
+    talk.send()
+    talk.robot('Stopping', 'Stopped')
+    assert outcome(dock) is Outcome.CANCELLED
+
+
+def test_a_robot_that_arrived_before_the_stop_has_arrived(talk):
+    goto = talk.give('goto A')
+    talk.robot('Going to A')
+    talk.dispatcher.cancel(goto)
+    talk.send()
+    talk.robot('Arrived at A', 'Stopping', 'Stopped')
+    assert outcome(goto) is Outcome.SUCCEEDED
+
+
+def test_cancelling_twice_stops_once(talk):
+    goto = talk.give('goto A')
+    talk.dispatcher.cancel(goto)
+    talk.dispatcher.cancel(goto)
+    talk.send()
+    assert talk.sent == ['goto A', 'stop']
+
+
+def test_cancelling_a_drive_that_was_replaced_leaves_the_new_one_alone(talk):
+    first, second = talk.give('goto A'), talk.give('goto B')
+    talk.dispatcher.cancel(first)
+    talk.send()
+    assert talk.sent == ['goto A', 'goto B']
+    talk.robot('Going to A', 'Interrupted: Going to A', 'Going to B', 'Arrived at B')
+    assert outcome(first) is Outcome.CANCELLED
+    assert outcome(second) is Outcome.SUCCEEDED
+
+
+def test_a_cancelled_drive_is_stopped_after_all_when_its_replacement_is_refused(talk):
+    first = talk.give('goto A')
+    talk.robot('Going to A')
+    talk.give('goto nowhere')
+    talk.dispatcher.cancel(first)
+    talk.robot('CommandError: goto nowhere', "CommandErrorDescription: No goal 'nowhere'")
+    assert talk.sent[-1] == 'stop'
+
+
+def test_a_cancelled_query_ends_at_once_and_its_answer_goes_to_nobody(talk):
+    first, second = talk.give('getGoals'), talk.give('getGoals')
+    talk.dispatcher.cancel(first)
+    assert outcome(first) is Outcome.CANCELLED
+    talk.send()
+    assert talk.sent == ['getGoals']
+    talk.robot('Goal: 1', 'End of goals', 'Goal: 2', 'End of goals')
+    assert second.result.lines == ('Goal: 2', 'End of goals')
+
+
+def test_a_lost_link_ends_everything_and_nothing_is_sent_again(talk):
+    sent, waiting = talk.give('getGoals'), talk.give('getGoals')
+    goto = talk.give('goto A')
+    talk.dispatcher.on_lost('the robot is gone')
+    assert [outcome(e) for e in (sent, waiting, goto)] == [Outcome.LOST] * 3
+    assert 'never sent' in waiting.result.words
+    assert talk.dispatcher.next_to_send(talk.now) is None
+
+
+def test_no_more_commands_wait_than_is_sound_but_a_stop_always_does(talk):
+
+    for _ in range(MOST_WAITING):
+        talk.dispatcher.start(Command.parse('odometer'))
+    with pytest.raises(Busy):
+        talk.dispatcher.start(Command.parse('odometer'))
+    talk.dispatcher.start(Command.parse('stop'))
+    assert talk.dispatcher.next_to_send(0.0) == 'stop'
+
+
+def test_those_who_wait_are_told_in_order(talk):
+    noted = Noted()
+    talk.give('goto A', on_line=noted, on_end=lambda result: noted(result.outcome))
+    talk.robot('Going to A', 'Arrived at A')
+    assert noted.all == ['Going to A', 'Arrived at A', Outcome.SUCCEEDED]
