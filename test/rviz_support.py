@@ -69,7 +69,7 @@ class RvizWindow:
         """`scale` is that of the configuration's view, pixels per metre."""
         self._screen, self._artefacts, self._scale = screen, artefacts, scale
         self._origin: Optional[Tuple[float, float]] = None  # pixel of the map's origin
-        self._nothing_here, self._idle_bar = (0, 0), b''
+        self._nothing_here = (0, 0)
         self._process = subprocess.Popen(
             ['roslaunch', '--wait', *(launch or ('omron_ld90', 'rviz.launch'))],
             env=screen.environment, start_new_session=True)
@@ -94,8 +94,6 @@ class RvizWindow:
     def calibrate(self, pixel: Tuple[int, int], place: Tuple[float, float]) -> None:
         """The map's `place` (m) is known to be at `pixel`, where no handle is."""
         self._nothing_here = pixel
-        self.hover(pixel)
-        self._idle_bar = self._status_bar()
         self._origin = (pixel[0] - place[0] * self._scale, pixel[1] + place[1] * self._scale)
 
     def pixel(self, x: float, y: float) -> Tuple[int, int]:
@@ -121,11 +119,10 @@ class RvizWindow:
 
     def click_handle(self, pixel: Tuple[int, int], button: int = 1) -> None:
         """Click on a handle once RViz says in its status bar what is under the mouse."""
-        self._screen.mouse('mousemove', *self._nothing_here)
-        wait_until(lambda: self._status_bar() == self._idle_bar, 10.0,
-                   'RViz finds nothing under the mouse')
+        self.hover(self._nothing_here)
+        idle = self._status_bar()
         self.hover(pixel)
-        wait_until(lambda: self._status_bar() != self._idle_bar, 10.0,
+        wait_until(lambda: self._status_bar() != idle, 10.0,
                    f'RViz finds the handle at {pixel}')
         self._screen.mouse('click', button)
 

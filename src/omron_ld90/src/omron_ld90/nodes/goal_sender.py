@@ -74,7 +74,7 @@ class GoalSender:
         self._news = NewsReader()
         self._heading: Optional[float] = None  # degrees
 
-        self._feedback = UserFeedback(self._map_frame, base_frame)
+        self._feedback = UserFeedback(self._map_frame)
         self._handles = InteractiveGoals(self._map_frame, base_frame, self._on_handle)
         self._buffer = tf2_ros.Buffer()
         self._listener = tf2_ros.TransformListener(self._buffer)
@@ -112,6 +112,7 @@ class GoalSender:
     def _on_pose(self, message: PoseStamped) -> None:
         with self._lock:
             self._heading = math.degrees(yaw_from_quaternion(message.pose.orientation))
+            self._feedback.robot = (message.pose.position.x, message.pose.position.y)
 
     def _on_link(self, message: LinkState) -> None:
         if message.link == LinkState.COMMANDS:

@@ -33,8 +33,9 @@ COLOURS = {
 class UserFeedback:
     """Publishes sentences on `user_feedback` and shows the last one on `feedback_markers`."""
 
-    def __init__(self, map_frame: str, base_frame: str) -> None:
-        self._map_frame, self._base_frame = map_frame, base_frame
+    def __init__(self, map_frame: str) -> None:
+        self.robot = (0.0, 0.0)  # m, in the map
+        self._frame = map_frame
         self._west, self._east = -math.inf, math.inf
         self._text = rospy.Publisher('user_feedback', String, queue_size=10, tcp_nodelay=True)
         self._markers = rospy.Publisher(
@@ -45,7 +46,7 @@ class UserFeedback:
         self._west, self._east = west, east
 
     def say(self, tone: Tone, text: str, place: Optional[Tuple[float, float]] = None) -> None:
-        """Tell `text` at `place` (m, in the map), or at the robot."""
+        """Tell `text` at `place` (m, in the map), or where the robot was last."""
         (rospy.logwarn if tone is Tone.BAD else rospy.loginfo)('%s', text)
         self._text.publish(text)
         markers = self._draw(tone, text, place)
@@ -57,11 +58,11 @@ class UserFeedback:
         lines = textwrap.wrap(text, COLUMNS)
         width = (max(map(len, lines)) + 2) * CHARACTER_PITCH * TEXT_HEIGHT
         height = (len(lines) * LINE_PITCH + 0.5) * TEXT_HEIGHT
-        frame, (x, y) = (self._map_frame, place) if place else (self._base_frame, (0.0, 0.0))
-        if place:
-            x = max(self._west + width / 2, min(self._east - width / 2, x))
+        x, y = place or self.robot
+        x = max(self._west + width / 2, min(self._east - width / 2, x))
         middle = (x, y + GAP + height / 2)
-        panel = drawing.shape(Marker.CUBE, frame, 'feedback_panel', PANEL, (width, height, 0.01))
+        panel = drawing.shape(Marker.CUBE, self._frame, 'feedback_panel', PANEL,
+                              (width, height, 0.01))
         panel.pose = drawing.pose_at(middle, z=Z - 0.2)
-        return [panel, drawing.text(frame, 'feedback', '\n'.join(lines), middle, TEXT_HEIGHT,
-                                    COLOURS[tone], z=Z)]
+        return [panel, drawing.text(self._frame, 'feedback', '\n'.join(lines), middle,
+                                    TEXT_HEIGHT, COLOURS[tone], z=Z)]
