@@ -45,7 +45,8 @@ class ControllerTest(unittest.TestCase):
         cls.refusals = Recorder('/omron_ld90/command_refused', CommandRefused)
         cls.links = Recorder('/omron_ld90/link_state', LinkState)
         cls.diagnostics = Recorder('/diagnostics', DiagnosticArray)
-        cls.commands = connected_publisher('/omron_ld90/send_command', String, to='omron_controller')
+        cls.commands = connected_publisher('/omron_ld90/send_command', String,
+                                           to='omron_controller')
         cls.execute = actionlib.ActionClient('/omron_ld90/execute_command', ExecuteCommandAction)
         cls.move_base = actionlib.ActionClient('/omron_ld90/move_base', MoveBaseAction)
         for client in (cls.execute, cls.move_base):

@@ -37,7 +37,7 @@ class ConverterTest(unittest.TestCase):
         link.wait_for(lambda m: m.link == LinkState.COMMANDS and m.state == LinkState.CONNECTED, 60,
                       'robot that is logged in to')
         said = Recorder('/omron_ld90/arcl_response', String)
-        command = connected_publisher('/omron_ld90/send_command', String)
+        command = connected_publisher('/omron_ld90/send_command', String, to='omron_controller')
 
         command.publish('getGoals')
         said.wait_for(lambda m: m.data == 'End of goals', 10, 'end of the list of goals')

@@ -15,10 +15,9 @@ import rospy
 import rostest
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import OccupancyGrid
-from std_msgs.msg import String
 from visualization_msgs.msg import MarkerArray
 
-from system_support import Recorder, connected_publisher, launched, skip
+from system_support import Launched, Recorder, drive_to, skip
 
 MAPS = Path(__file__).resolve().parents[2] / 'shared' / 'maps'
 
@@ -37,7 +36,7 @@ class RealMaps(unittest.TestCase):
             skip(self, f'{file} is not there')
         robot = name.replace('-', '_').replace('.map', '')
         topic = f'/{robot}'.__add__
-        with launched('full_stack.launch', map_file=file, robot_name=robot, sim_speed=10,
+        with Launched('full_stack.launch', map_file=file, robot_name=robot, sim_speed=10,
                       rviz='false', arcl_port=os.environ['LD90_ARCL_PORT'],
                       outgoing_port=os.environ['LD90_OUTGOING_PORT']):
             grid = Recorder(topic('/map'), OccupancyGrid).wait_for(lambda m: True, 60, 'map')
@@ -53,10 +52,7 @@ class RealMaps(unittest.TestCase):
 
             poses = Recorder(topic('/pose'), PoseStamped)
             poses.wait_for(lambda message: True, 30, 'pose of the robot')
-            answers = Recorder(topic('/arcl_response'), String)
-            commands = connected_publisher(topic('/send_command'), String)
-            commands.publish(f'goto {goal}')
-            answers.wait_for(lambda m: m.data == f'Arrived at {goal}', 120, f'arrival at {goal}')
+            drive_to(robot, goal, timeout=120)
             poses.wait_for(
                 lambda m: math.hypot(m.pose.position.x - goal_at[0],
                                      m.pose.position.y - goal_at[1]) < 0.1,

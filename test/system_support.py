@@ -5,17 +5,21 @@ sleeps for a fixed time.
 """
 from __future__ import annotations
 
-import contextlib
 import os
 import signal
 import socket
 import subprocess
+import tempfile
 import threading
 import time
 import unittest
-from typing import Any, Callable, Iterator, List, Optional, Type
+from pathlib import Path
+from typing import Any, Callable, List, Optional, Type
 
 import rospy
+from std_msgs.msg import String
+
+from omron_ld90_msgs.msg import LinkState
 
 
 class Recorder:
@@ -26,6 +30,10 @@ class Recorder:
         self.messages: List[Any] = []
         self._changed = threading.Condition()
         self._subscriber = rospy.Subscriber(topic, message_type, self._add)
+
+    def is_connected(self) -> bool:
+        """Whether a publisher is there, so that nothing it says from now on is missed."""
+        return self._subscriber.get_num_connections() > 0
 
     def _add(self, message: Any) -> None:
         with self._changed:
@@ -64,27 +72,76 @@ def wait_until(condition: Callable[[], Any], timeout: float, what: str) -> Any:
 
 
 def connected_publisher(topic: str, message_type: Type, timeout: float = 30.0,
-                        subscribers: int = 1) -> rospy.Publisher:
-    """A publisher that already has its subscribers, so that its first message is not lost."""
+                        subscribers: int = 1, to: str = '') -> rospy.Publisher:
+    """A publisher that already has its subscribers, so that its first message is not lost.
+
+    `to` is the name (without namespace) of a node that must be among them.
+    """
     publisher = rospy.Publisher(topic, message_type, queue_size=10)
-    wait_until(lambda: publisher.get_num_connections() >= subscribers, timeout,
-               f'{subscribers} subscriber(s) of {topic}')
+
+    def connected() -> bool:
+        nodes = [info[1] for info in publisher.impl.get_stats_info()]
+        return len(nodes) >= subscribers and (
+            not to or any(node.endswith(f'/{to}') for node in nodes))
+
+    wait_until(connected, timeout, f'{to or subscribers} as subscriber(s) of {topic}')
     return publisher
 
 
-@contextlib.contextmanager
-def launched(launch_file: str, **args: object) -> Iterator[subprocess.Popen]:
-    """Runs roslaunch on one of the project's launch files, under this test's master, meanwhile."""
-    process = subprocess.Popen(['roslaunch', 'omron_ld90', launch_file]
-                               + [f'{name}:={value}' for name, value in args.items()])
-    try:
-        yield process
-    finally:
-        process.send_signal(signal.SIGINT)
+def drive_to(robot: str, goal: str, timeout: float = 90.0) -> None:
+    """Publishes `goto <goal>` as soon as the robot can be commanded; returns when it arrived."""
+    Recorder(f'/{robot}/link_state', LinkState).wait_for(
+        lambda message: (message.link, message.state) == (LinkState.COMMANDS, LinkState.CONNECTED),
+        60, 'connected link to the robot')
+    answers = Recorder(f'/{robot}/arcl_response', String)
+    commands = connected_publisher(f'/{robot}/send_command', String, to='omron_controller')
+    wait_until(answers.is_connected, 30, f'connection to /{robot}/arcl_response')
+    commands.publish(f'goto {goal}')
+    answers.wait_for(lambda message: message.data == f'Arrived at {goal}', timeout,
+                     f'arrival at {goal}')
+
+
+class Launched:
+    """roslaunch on one of the project's launch files, under this test's master; ended with `with`.
+
+    What the nodes print is what a user reads on the screen. (`/rosout` is no substitute: what a
+    node logs before rosout has found it does not arrive there.)
+    """
+
+    def __init__(self, launch_file: str, **args: object) -> None:
+        self._folder = tempfile.TemporaryDirectory()
+        self._output = Path(self._folder.name) / 'output.log'
+        with self._output.open('w') as output:
+            self._process = subprocess.Popen(
+                ['roslaunch', 'omron_ld90', launch_file]
+                + [f'{name}:={value}' for name, value in args.items()],
+                stdout=output, stderr=subprocess.STDOUT)
+
+    def __enter__(self) -> Launched:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._process.send_signal(signal.SIGINT)
         try:
-            process.wait(30)
+            self._process.wait(30)
         except subprocess.TimeoutExpired:
-            process.kill()
+            self._process.kill()
+        self._folder.cleanup()
+
+    @property
+    def output(self) -> str:
+        """All that was printed so far."""
+        return self._output.read_text(encoding='utf-8', errors='replace')
+
+    def wait_for_line(self, *words: str, timeout: float = 60.0) -> str:
+        """The first printed line that holds all `words`."""
+        def find() -> Optional[str]:
+            return next((line for line in self.output.splitlines()
+                         if all(word in line for word in words)), None)
+        try:
+            return wait_until(find, timeout, f'a printed line with {words}')
+        except AssertionError as error:
+            raise AssertionError(f'{error}; printed was:\n{self.output}') from None
 
 
 def skip(test: unittest.TestCase, reason: str) -> None:
