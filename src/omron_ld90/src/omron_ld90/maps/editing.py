@@ -102,7 +102,7 @@ def _with_new_reference(record: Record, name: str, new_name: str) -> Record:
     for ref in reversed(find_references(record.keyword, record.text, name)):
         if ref.certain:
             text = f'{text[:ref.token.start]}"{new_name}"{text[ref.token.end:]}'
-    return dataclasses.replace(record, raw=text.encode('utf-8', 'surrogateescape'))
+    return record._replace(raw=text.encode('utf-8', 'surrogateescape'))
 
 
 def _mentions(records: List[Record], name: str, text: str) -> List[Note]:

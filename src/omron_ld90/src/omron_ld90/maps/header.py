@@ -6,7 +6,7 @@ key without a name belongs to the first source: the vendor leaves the name off f
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, List, Sequence, Tuple
 
 from omron_ld90.maps.errors import FieldError
 from omron_ld90.maps.objects import parse_integer, printable
@@ -75,20 +75,12 @@ class ScanHeader:
     lines: Dict[str, int] = field(default_factory=dict)
 
 
-class ScanKeys:
-    """Finds out which source and which key a metadata line's keyword means."""
-
-    def __init__(self, sources: Sequence[str]) -> None:
-        self._meanings: Dict[str, Tuple[str, str]] = {}
-        for source in reversed(sources):
-            for key in SCAN_KEYS:
-                self._meanings[f'{source}{key}:'.lower()] = (source, key)
-        for key in SCAN_KEYS:
-            self._meanings.setdefault(f'{key}:'.lower(), (sources[0], key))
-
-    def get(self, keyword: str) -> Optional[Tuple[str, str]]:
-        """(source, key) for a line's first word in lower case, or None."""
-        return self._meanings.get(keyword)
+def scan_keys(sources: Sequence[str]) -> Dict[str, Tuple[str, str]]:
+    """Source and key by the first word (lower case) of a line in a file with these sources."""
+    meanings = {f'{key}:'.lower(): (sources[0], key) for key in SCAN_KEYS}
+    for source in reversed(sources):
+        meanings.update((f'{source}{key}:'.lower(), (source, key)) for key in SCAN_KEYS)
+    return meanings
 
 
 def parse_sources(words: Sequence[Token]) -> List[str]:

@@ -2,10 +2,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Dict, List, Optional, Tuple
+from typing import Container, List, NamedTuple, Optional, Tuple
 
 from omron_ld90.maps.errors import FieldError, MapError
-from omron_ld90.maps.header import CATEGORIES, SCAN_KEYS, ScanHeader, ScanKeys, parse_sources
+from omron_ld90.maps.header import CATEGORIES, SCAN_KEYS, ScanHeader, parse_sources, scan_keys
 from omron_ld90.maps.objects import MapObject, parse_object, printable
 from omron_ld90.maps.sections import Section, is_heading, split_sections
 from omron_ld90.maps.tokens import BLANKS, Token, tokenise
@@ -13,8 +13,7 @@ from omron_ld90.maps.tokens import BLANKS, Token, tokenise
 BOM = b'\xef\xbb\xbf'
 
 
-@dataclass(frozen=True)
-class Record:
+class Record(NamedTuple):
     """One metadata line: its bytes with the line end, its first word in lower case, its object."""
 
     raw: bytes
@@ -93,8 +92,8 @@ def _check_category(lines: List[bytes], name: str) -> None:
 
 
 def _read_record(raw: bytes, name: str, number: int) -> Record:
-    words = _without_bom(raw).split(None, 1)
-    keyword = words[0].decode('utf-8', 'surrogateescape').lower() if words else ''
+    words = (_without_bom(raw) if number == 1 else raw).split(None, 1)
+    keyword = words[0].lower().decode('utf-8', 'surrogateescape') if words else ''
     if keyword != 'cairn:':
         return Record(raw, keyword)
     text = decode(raw)
@@ -108,20 +107,22 @@ def _read_headers(records: List[Record], name: str) -> List[ScanHeader]:
     number = 0
     try:
         sources = ['']
-        for number, record in enumerate(records, 1):  # noqa: B007, told of in the error
-            if record.keyword == 'sources:':
-                sources = parse_sources(_values(record)) or ['']
-        headers: Dict[str, ScanHeader] = {source: ScanHeader(source) for source in sources}
-        keys = ScanKeys(sources)
-        for number, record in enumerate(records, 1):
-            meaning = keys.get(record.keyword)
-            if meaning is not None:
-                source, key = meaning
-                headers[source].values[key] = SCAN_KEYS[key](_values(record), key)
-                headers[source].lines[key] = number
+        for number, record in _with_keyword(records, ('sources:',)):  # noqa: B007
+            sources = parse_sources(_values(record)) or ['']
+        headers = {source: ScanHeader(source) for source in sources}
+        meanings = scan_keys(sources)
+        for number, record in _with_keyword(records, meanings):
+            source, key = meanings[record.keyword]
+            headers[source].values[key] = SCAN_KEYS[key](_values(record), key)
+            headers[source].lines[key] = number
     except FieldError as error:
         raise error.in_file(name, number) from None
     return list(headers.values())
+
+
+def _with_keyword(records: List[Record], keywords: Container[str]) -> List[Tuple[int, Record]]:
+    return [(number, record) for number, record in enumerate(records, 1)
+            if record.keyword in keywords]
 
 
 def _values(record: Record) -> List[Token]:

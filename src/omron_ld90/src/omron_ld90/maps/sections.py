@@ -14,6 +14,7 @@ MAX_BOX = 2_000_000  # mm; the vendor's library refuses a larger box
 COLUMNS = {'DATA': ('x', 'y'), 'LINES': ('x1', 'y1', 'x2', 'y2')}
 
 _HEADING = re.compile(rb'(?:(\S+)_)?(LINES|DATA)', re.IGNORECASE)
+_ENDS = (b'DATA', b'INES')
 _NUMBER = re.compile(rb'-?[0-9]+')
 
 
@@ -41,7 +42,8 @@ class Section:
 
 def is_heading(line: bytes) -> bool:
     """True for a line that begins a section, like `DATA` or `Laser_1_LINES`."""
-    return _HEADING.fullmatch(line.strip()) is not None
+    text = line.strip()
+    return text[-4:].upper() in _ENDS and _HEADING.fullmatch(text) is not None
 
 
 def split_sections(data: bytes, line: int) -> List[Section]:

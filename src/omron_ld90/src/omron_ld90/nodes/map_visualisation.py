@@ -29,6 +29,7 @@ from __future__ import annotations
 
 import os
 import threading
+import time
 from dataclasses import dataclass
 from typing import Optional, Tuple
 from urllib.parse import unquote, urlparse
@@ -111,30 +112,40 @@ class MapVisualisation:
         self._diagnostics.setHardwareID('none')
         self._diagnostics.add('map', self._diagnose)
         rospy.Timer(rospy.Duration(1.0), lambda event: self._diagnostics.update())
+        # Not in the main thread: it must be free for signals, or shutting down could wait for ever.
+        threading.Thread(target=self._follow_file, args=(path, made_from), daemon=True).start()
+
+    def _follow_file(self, path: str, made_from: Tuple[str, ...]) -> None:
+        """Show the first map, then each new one; a map that cannot be shown is waited for."""
         with self._lock:
             self._begin(path, made_from)
-        rospy.Timer(rospy.Duration(POLL_PERIOD), self._follow_file)
+        while not rospy.is_shutdown():
+            time.sleep(POLL_PERIOD)
+            with self._lock:
+                if self._watcher.changed():
+                    self._try_to_show(self._watcher.path)
 
     def _begin(self, path: str, made_from: Tuple[str, ...]) -> None:
-        """Show the first map; when that fails, the file is watched until it can be shown."""
-        try:
-            if made_from:
+        if made_from:
+            try:
                 wait_for_map(path, made_from, say=rospy.loginfo, given_up=rospy.is_shutdown)
-                self._watcher = MapWatcher(path)
+            except MapError as error:
+                self._report(error)
+                return
+            self._watcher = MapWatcher(path)
+        self._try_to_show(path)
+
+    def _try_to_show(self, path: str) -> None:
+        try:
             self._show(path)
         except MapError as error:
-            self._problem = str(error)
-            rospy.logerr('No map is shown: %s It is shown once the file is mended.', error)
+            self._report(error)
 
-    def _follow_file(self, event: rospy.timer.TimerEvent) -> None:
-        with self._lock:
-            if not self._watcher.changed():
-                return
-            try:
-                self._show(self._watcher.path)
-            except MapError as error:
-                self._problem = str(error)
-                rospy.logerr('The map file changed, but the old map stays up: %s', error)
+    def _report(self, error: MapError) -> None:
+        self._problem = str(error)
+        if not rospy.is_shutdown():
+            shown = 'The old map stays up' if self._document is not None else 'No map is shown'
+            rospy.logerr('%s until the file is mended: %s', shown, error)
 
     def _show(self, path: str) -> None:
         """Load `path` and publish everything, or raise MapError and publish nothing."""

@@ -1,0 +1,227 @@
+"""Maps: loading, grids, messages, the node's start and its memory, each beside its floor.
+
+Uses a real LD robot's map where there is one beside the repository, else the example laboratory.
+"""
+from __future__ import annotations
+
+import io
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import warnings
+from pathlib import Path
+from typing import Callable, List, NamedTuple
+
+import numpy as np
+from genpy import Time
+from geometry_msgs.msg import Point
+from nav_msgs.msg import MapMetaData
+from std_msgs.msg import Header
+from visualization_msgs.msg import Marker
+
+from omron_ld90.maps import MapDocument, OccupancyGrid
+from omron_ld90.nodes.fast_messages import GridMessage, PointsMarker
+from omron_ld90.nodes.map_visualisation import MARKER_ARRAYS, MARKERS
+from system_support import free_port
+
+ROOT = Path(__file__).resolve().parents[2]
+REAL = ROOT.parent / 'shared' / 'maps' / 'omron-ld-site-a.map'
+RUNS = 7
+TOPICS = ['map', 'map_metadata', 'map_file', *MARKERS, *MARKER_ARRAYS]
+BARE_NODE = '''
+import rospy
+from std_msgs.msg import String
+rospy.init_node('bare')
+publisher = rospy.Publisher('bare', String, queue_size=1, latch=True)
+publisher.publish('up')
+rospy.spin()
+'''
+MEMORY = '''
+import gc, sys
+from omron_ld90.maps import MapDocument
+def resident():
+    gc.collect()
+    lines = open('/proc/self/status').readlines()
+    return int(next(line for line in lines if line.startswith('VmRSS')).split()[1]) * 1024
+MapDocument.from_bytes(b'2D-Map\\nDATA\\n0 0\\n').warnings
+before = resident()
+document = MapDocument.load(sys.argv[1])
+print(resident() - before)
+'''
+
+
+class Row(NamedTuple):
+    """One line of the table."""
+
+    what: str
+    figure: str
+    floor: str
+    aim: str
+
+
+def milliseconds(run: Callable[[], object], runs: int = RUNS) -> float:
+    """Median time of `run`."""
+    times = []
+    for _ in range(runs):
+        begin = time.perf_counter()
+        run()
+        times.append(time.perf_counter() - begin)
+    return statistics.median(times) * 1000.0
+
+
+def load(path: Path) -> Row:
+    """A whole file, against numpy's own reader on the points alone."""
+    document = MapDocument.load(str(path))
+    rows = document.sections[-1].body
+    ours = milliseconds(lambda: MapDocument.load(str(path)))
+    floor = milliseconds(lambda: np.loadtxt(io.BytesIO(rows), dtype=np.int32))
+    return Row(f'load {path.name} ({len(document.points):,} points)',
+               f'{ours:.1f} ms ({ours / floor:.2f} x)', f'np.loadtxt, points only: {floor:.1f} ms',
+               'under 3 x')
+
+
+def load_million() -> Row:
+    """A million points, checked, against numpy's unchecked conversion of the same text."""
+    points = np.unique(np.random.default_rng(1).integers(-20_000, 20_000, (1_001_000, 2)) * 20,
+                       axis=0)[:1_000_000]
+    text = '\n'.join(f'{x} {y}' for x, y in points.tolist()) + '\n'
+    low, high = points.min(axis=0), points.max(axis=0)
+    head = (f'2D-Map\nMinPos: {low[0]} {low[1]}\nMaxPos: {high[0]} {high[1]}\n'
+            f'NumPoints: {len(points)}\nPointsAreSorted: true\nResolution: 20\nDATA\n')
+    data = (head + text).encode()
+    ours = milliseconds(lambda: MapDocument.from_bytes(data))
+    checked = milliseconds(lambda: MapDocument.from_bytes(data).warnings)
+    rows = text.encode()
+    floor = milliseconds(lambda: np.fromstring(rows, np.int64, sep=' '))
+    return Row(f'load {len(points):,} points ({len(data) / 1e6:.1f} MB), validated',
+               f'{ours:.0f} ms (with all warnings: {checked:.0f} ms)',
+               f'np.fromstring, unchecked: {floor:.0f} ms', 'under 150 ms')
+
+
+def grid() -> Row:
+    """A grid of 2400 x 2400 cells, built and serialised, against filling and copying the bytes."""
+    side = 2400
+    walls = [(i * 20, j) for i in range(side) for j in (0, 20 * (side - 1))]
+    noise = np.random.default_rng(2).integers(0, side, (40_000, 2)) * 20
+    points = np.unique(np.concatenate((walls, noise)), axis=0)
+    text = ''.join(f'{x} {y}\n' for x, y in points.tolist())
+    document = MapDocument.from_bytes(f'2D-Map\nResolution: 20\nDATA\n{text}'.encode())
+
+    def build() -> None:
+        made = OccupancyGrid.from_map(document)
+        assert made.cells.shape == (side, side)
+        message = GridMessage(made.cells, header=Header(0, Time(1), 'map'), info=MapMetaData())
+        message.serialize(io.BytesIO())
+
+    def fill() -> None:
+        io.BytesIO().write(np.full((side, side), -1, np.int8))
+    return Row(f'grid of {side} x {side} cells from {len(points):,} points, serialised',
+               f'{milliseconds(build):.1f} ms', f'filled and copied: {milliseconds(fill):.1f} ms',
+               'under 15 ms')
+
+
+def markers() -> Row:
+    """A marker of 100,000 points serialised, against a list of Point objects."""
+    array = np.random.default_rng(3).random((100_000, 3))
+    fast = PointsMarker(array, type=Marker.POINTS)
+    ours = milliseconds(lambda: fast.serialize(io.BytesIO()))
+    plain = milliseconds(lambda: Marker(points=[Point(*row) for row in array.tolist()]).serialize(
+        io.BytesIO()), runs=3)
+    copy = milliseconds(lambda: io.BytesIO().write(array.data))
+    return Row('marker of 100,000 points, serialised', f'{ours:.2f} ms',
+               f'copied: {copy:.2f} ms; list of Point objects: {plain:.0f} ms', '')
+
+
+def memory(path: Path) -> Row:
+    """What a loaded document adds to a process that has the library."""
+    grown = [int(subprocess.run([sys.executable, '-c', MEMORY, str(path)], check=True,
+                                stdout=subprocess.PIPE).stdout) for _ in range(RUNS)]
+    size = path.stat().st_size
+    growth = statistics.median(grown)
+    return Row(f'memory of {path.name} loaded', f'{growth / 1e6:.1f} MB ({growth / size:.1f} x)',
+               f'the file: {size / 1e6:.1f} MB', 'under 10 x')
+
+
+def node(path: Path) -> List[Row]:
+    """Start of the node to all topics, and its memory, against a bare rospy publisher's."""
+    import rospy
+    port = free_port()
+    os.environ['ROS_MASTER_URI'] = f'http://127.0.0.1:{port}'
+    import rosgraph
+    core = subprocess.Popen(['roscore', '-p', str(port)], stdout=subprocess.DEVNULL,
+                            stderr=subprocess.DEVNULL)
+    try:
+        while not rosgraph.Master('/bench').is_online():
+            time.sleep(0.05)
+        rospy.init_node('bench', anonymous=True, disable_signals=True)
+        ours = [start_node([str(ROOT / 'src/omron_ld90/nodes/map_visualisation'),
+                            f'_map_file:={path}'], TOPICS) for _ in range(RUNS)]
+        with tempfile.NamedTemporaryFile(suffix='.map') as tiny:
+            tiny.write(b'2D-Map\nResolution: 20\nDATA\n0 0\n')
+            tiny.flush()
+            empty = [start_node([str(ROOT / 'src/omron_ld90/nodes/map_visualisation'),
+                                 f'_map_file:={tiny.name}'], TOPICS) for _ in range(3)]
+        bare = [start_node(['-c', BARE_NODE], ['bare']) for _ in range(RUNS)]
+    finally:
+        core.terminate()
+        core.wait()
+    seconds, resident = (statistics.median(values) for values in zip(*ours))
+    bare_seconds, _ = (statistics.median(values) for values in zip(*bare))
+    _, empty_resident = (statistics.median(values) for values in zip(*empty))
+    size = path.stat().st_size
+    growth = resident - empty_resident
+    return [
+        Row(f'map_visualisation: start to {len(TOPICS)} latched topics', f'{seconds:.2f} s',
+            f'bare rospy publisher: {bare_seconds:.2f} s', 'under 1.5 s'),
+        Row('map_visualisation: memory for the map', f'{growth / 1e6:.1f} MB '
+            f'({growth / size:.1f} x)', f'with a map of one point: {empty_resident / 1e6:.0f} MB',
+            'under 10 x')]
+
+
+def start_node(command: List[str], topics: List[str]) -> tuple:
+    """Seconds from the start of a Python process to a message on every topic; its memory then."""
+    import rospy
+    missing, everything = set(topics), threading.Event()
+
+    def heard(_message: object, topic: str) -> None:
+        missing.discard(topic)
+        if not missing:
+            everything.set()
+    subscribers = [rospy.Subscriber(topic, rospy.AnyMsg, heard, topic) for topic in topics]
+    begin = time.perf_counter()
+    process = subprocess.Popen([sys.executable, *command], stdout=subprocess.DEVNULL,
+                               stderr=subprocess.DEVNULL)
+    try:
+        if not everything.wait(30.0):
+            raise RuntimeError(f'nothing came on {", ".join(sorted(missing))}')
+        seconds = time.perf_counter() - begin
+        status = Path(f'/proc/{process.pid}/status').read_text()
+        resident = int(status.split('VmRSS:')[1].split()[0]) * 1024
+    finally:
+        process.terminate()
+        process.wait(10)
+        for subscriber in subscribers:
+            subscriber.unregister()
+    return seconds, resident
+
+
+def main() -> None:
+    """Measure everything and print the table."""
+    warnings.simplefilter('ignore', DeprecationWarning)
+    path = REAL if REAL.exists() else ROOT / 'maps' / 'lab.map'
+    rows = [load(path), load_million(), grid(), markers(), memory(path), *node(path)]
+    if '--markdown' in sys.argv[1:]:
+        print('| what | median | floor in the same run | aim |\n|---|---|---|---|')
+        for row in rows:
+            print('| ' + ' | '.join(row) + ' |')
+    else:
+        for row in rows:
+            print(f'{row.what}: {row.figure}; {row.floor}; {row.aim}')
+
+
+if __name__ == '__main__':
+    main()
