@@ -22,6 +22,8 @@ ROBOT_HALF_DIAGONAL = 430.0
 ARC = 8  # segments of a quarter circle: a circle of 0.5 m is true to 2.4 mm
 ROUNDING = 2.5  # mm that outlines are drawn wider, so that polygons of circles are no smaller
 CURVE_TOLERANCE = 0.5  # mm, between a curve and the polyline that stands for it
+SLIT = 17.0  # mm: floor on both sides of what is less than twice as wide is one floor
+MITRE = 2  # Shapely's join style that keeps corners sharp
 BEND = 45.0  # degrees
 
 
@@ -53,7 +55,7 @@ class Corridors:
     zones: BaseGeometry
     """Discs to turn in, and the strip to the station."""
     floor: BaseGeometry
-    """Lanes and zones: what must stay free."""
+    """Lanes and zones, without slits: what must stay free."""
 
     def lanes_widened(self, by: float) -> BaseGeometry:
         """The corridors alone, every one wider by `by` on either side."""
@@ -67,7 +69,8 @@ def corridors_of(graph: Graph, rules: CorridorRules,
               for id in graph.edges}
     zones = unary_union(_turning_places(graph, rules) + _docking_place(dock, rules))
     lanes = _lanes(curves, rules)
-    return Corridors(curves, rules, lanes, zones, unary_union([lanes, zones]))
+    floor = unary_union([lanes, zones]).buffer(SLIT, join_style=MITRE)
+    return Corridors(curves, rules, lanes, zones, floor.buffer(-SLIT, join_style=MITRE))
 
 
 def _lanes(curves: Mapping[int, LineString], rules: CorridorRules,

@@ -24,7 +24,8 @@ ALLOWANCE = 50.0
 INTRUSION = 5.0  # what a fence may stand in a corridor
 POINT_PITCH = 60.0  # obstacle points nearer to each other count as one
 ARC = 16  # segments of a quarter circle; circles drawn with them are smaller than true ones
-SHORTEST_GATE = 1.0
+SHORTEST_GATE = 1.0  # a shorter one comes of rounding
+TOUCHING = 0.1  # pieces of a gate nearer than twice this are one
 
 
 @dataclass(frozen=True)
@@ -71,7 +72,7 @@ def lost_area(floor: BaseGeometry, shapes: Iterable[BaseGeometry]) -> float:
 
 def _leaks(graph: Graph, corridors: Corridors, shapes: List[BaseGeometry],
            walls: np.ndarray) -> List[Tuple[float, float]]:
-    allowed = unary_union([corridors.lanes_widened(ALLOWANCE), corridors.zones])
+    allowed = unary_union([corridors.lanes_widened(ALLOWANCE), corridors.floor])
     in_reach = prep(allowed.boundary.buffer(ROBOT_HALF_WIDTH))
     obstacles = [shape for shape in shapes if in_reach.intersects(shape)]
     obstacles += [point for point in map(Point, _thinned(walls)) if in_reach.contains(point)]
@@ -79,14 +80,9 @@ def _leaks(graph: Graph, corridors: Corridors, shapes: List[BaseGeometry],
     vertices = MultiPoint([millimetres(vertex.position) for vertex in graph.vertices.values()])
     reached = [part for part in _parts(allowed.difference(blocked)) if part.intersects(vertices)]
     gates = unary_union(reached).boundary.intersection(allowed.boundary)
-    return [tuple(gate.centroid.coords[0]) for gate in _parts(_merged(gates))
-            if gate.length > SHORTEST_GATE]
-
-
-def _merged(lines: BaseGeometry) -> BaseGeometry:
-    """Lines that touch as one, so that each gap is told of once."""
-    return lines.buffer(0.1).intersection(lines.buffer(0.1)) if lines.is_empty else unary_union(
-        [part.buffer(0.1) for part in _parts(lines)])
+    whole_gates = unary_union([gate.buffer(TOUCHING) for gate in _parts(gates)])
+    return [gate.centroid.coords[0] for gate in _parts(whole_gates)
+            if gate.length > 2.0 * SHORTEST_GATE]
 
 
 def _thinned(points: np.ndarray) -> np.ndarray:

@@ -17,10 +17,10 @@ from shapely.geometry import LinearRing, Polygon, box
 from shapely.geometry.base import BaseGeometry
 from shapely.geometry.polygon import orient
 
-from omron_ld90.graph.corridors import ROBOT_HALF_WIDTH
+from omron_ld90.graph.corridors import MITRE, ROBOT_HALF_WIDTH
 from omron_ld90.maps.geometry import RotatedRectangle
 
-GUARD = 20.0  # mm, from the floor to the guard line
+GUARD = 15.0  # mm, from the floor to the guard line
 STEP = 40.0  # mm, between the points that stand for the guard line
 REACH = ROBOT_HALF_WIDTH - STEP / 2 - 10.0
 """A point of the guard line is covered by what is this near (mm): between two covered points a
@@ -31,13 +31,12 @@ THICKNESS = 200.0  # mm, of a fence along a corridor
 NARROW = 40.0  # mm, of one that ends in a sharp corner
 INSET = 1.0  # mm, by which the sides of a fence may be touched
 DIGITS = 6  # of degrees, in a map file
-POST = 24.0  # mm, side of the square that fits anywhere on the guard line
+POST = 18.0  # mm, side of the square that fits anywhere on the guard line
 OFFSETS = (CLEARANCE - GUARD, 20.0, 60.0, 100.0, 140.0, 180.0)
 """Distances (mm) from the guard line, away from the floor, at which a fence may begin."""
-LOOK_AHEAD = (0.0, 125.0, 250.0, 375.0, 500.0, 750.0, 1000.0, 1300.0, 1600.0)
-"""Arc lengths (mm) along the guard line whose directions a fence may take."""
+LOOK_AHEAD = (250.0, 500.0, 750.0, 1000.0, 1500.0, 2000.0, 2600.0, 3200.0)
+"""Arc lengths (mm) along the guard line to which a fence may be parallel, where it is curved."""
 SAME_DIRECTION = float(np.cos(np.radians(0.5)))
-MITRE = 2  # Shapely's join style that keeps corners sharp
 STRAIGHT = 500.0  # mm of the guard line in one direction that a fence follows
 STAND_OFF = 0.02  # points that a fence must cover more for every mm it stands off the floor
 LONGEST_GAP = 1000.0  # mm along a fence without anything to cover: beyond it ends
@@ -229,7 +228,10 @@ class _Yard:
         if here @ soon > SAME_DIRECTION:
             return here[None], True
         ahead = [(position + int(arc / STEP)) % len(ring) for arc in LOOK_AHEAD]
-        return self._directions[ring[ahead]], False
+        chords = self._points[ring[ahead]] - self._points[ring[position]]
+        lengths = np.hypot(*chords.T)
+        chords = chords[lengths > STEP] / lengths[lengths > STEP, None]
+        return np.concatenate((here[None], chords)), False
 
 
 class _Offers:
