@@ -20,6 +20,7 @@ from system_support import wait_until
 PROGRAMS = ('Xvfb', 'xdotool', 'import', 'roslaunch')
 RVIZ = ('/usr/bin/rviz', '/opt/ros/noetic/bin/rviz')
 WIDTH, HEIGHT = 1280, 900
+TOOLBAR_Y = 42
 STATUS_BAR = (0, 872, 1100, 900)
 Colour = Tuple[int, int, int]
 
@@ -107,6 +108,10 @@ class RvizWindow:
         """Choose a tool by its shortcut: c Publish Point, g 2D Nav Goal, p 2D Pose Estimate."""
         self._screen.mouse('mousemove', WIDTH // 2, 95)
         self._screen.mouse('key', key)
+
+    def tool_at(self, x: int) -> None:
+        """Choose the tool at `x` of the toolbar: of two of a kind a shortcut finds one only."""
+        self._screen.mouse('mousemove', x, TOOLBAR_Y, 'click', 1)
 
     def hover(self, pixel: Tuple[int, int]) -> None:
         """Bring the mouse to `pixel`, with a small move there, as a hand does."""

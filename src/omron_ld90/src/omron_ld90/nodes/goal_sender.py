@@ -21,6 +21,7 @@ Publishes
 Parameters
     ~click_tolerance  float   0.5 m  a click farther than this from every goal and dock is a miss
     ~allow_takeover   bool    false  true: a click ends a running fleet route
+    ~handle_size      float   0.7 m  across the handles on goals; one of its own for each robot
     ~map_frame        string  map
     ~base_frame       string  <namespace>/base_link
 """
@@ -75,7 +76,9 @@ class GoalSender:
         self._heading: Optional[float] = None  # degrees
 
         self._feedback = UserFeedback(self._map_frame)
-        self._handles = InteractiveGoals(self._map_frame, base_frame, self._on_handle)
+        self._handles = InteractiveGoals(
+            self._map_frame, base_frame, startup.number('~handle_size', 0.7, 0.3, 3.0),
+            self._on_handle)
         self._buffer = tf2_ros.Buffer()
         self._listener = tf2_ros.TransformListener(self._buffer)
         self._commands = rospy.Publisher('send_command', String, queue_size=10, tcp_nodelay=True)

@@ -6,6 +6,7 @@ is done is decided by who owns them.
 from __future__ import annotations
 
 import enum
+import math
 from typing import Callable, Dict, Iterable, Optional
 
 from interactive_markers.interactive_marker_server import InteractiveMarkerServer
@@ -26,7 +27,6 @@ HANDLE_COLOURS = {
     TargetKind.GOAL: drawing.colour(0.2, 0.85, 0.3, 0.3),
     TargetKind.DOCK: drawing.colour(0.2, 0.75, 0.85, 0.4),
 }
-HANDLE_SIZE = 0.7  # m, across
 HANDLE_Z = 0.1  # m: above the square and the ring, so that the mouse finds the handle
 STOP_SIZE, STOP_Z = 1.1, 0.6  # wide: it moves
 STOP_COLOUR = drawing.colour(1.0, 0.15, 0.1, 0.14)
@@ -54,12 +54,14 @@ class InteractiveGoals:
     """The handles of one robot, on `interactive_goals/update` and `/feedback`.
 
     `act(action, target)` is called once for each click or menu choice; `target` is None for the
-    robot's own handle.
+    robot's own handle. `size` (m, across) tells the handles of several robots apart: on each goal
+    the smaller ones lie on the larger ones.
     """
 
-    def __init__(self, map_frame: str, base_frame: str,
+    def __init__(self, map_frame: str, base_frame: str, size: float,
                  act: Callable[[Action, Optional[Target]], None]) -> None:
-        self._map_frame, self._base_frame = map_frame, base_frame
+        self._map_frame, self._base_frame, self._size = map_frame, base_frame, size
+        self._robot = base_frame.split('/')[0]
         self._act = act
         self._server = InteractiveMarkerServer('interactive_goals')
         self._menus: Dict[str, MenuHandler] = {}
@@ -68,13 +70,14 @@ class InteractiveGoals:
         """Replace all handles by those of `targets`; the robot's handle stays as it is."""
         for name in [name for name in self._menus if name != ROBOT_HANDLE]:
             self._remove(name)
+        height = HANDLE_Z * (1.0 + math.exp(-self._size))
         for index, target in enumerate(targets):
-            marker = InteractiveMarker(name=f'{target.kind.value} {index}', scale=HANDLE_SIZE)
+            marker = InteractiveMarker(name=f'{target.kind.value} {index}', scale=self._size)
             marker.description = ''
             marker.header.frame_id = self._map_frame
             marker.pose.position.x, marker.pose.position.y = target.x, target.y
             marker.pose.orientation.w = 1.0
-            disc = _flat(Marker.CYLINDER, HANDLE_SIZE, HANDLE_Z, HANDLE_COLOURS[target.kind])
+            disc = _flat(Marker.CYLINDER, self._size, height, HANDLE_COLOURS[target.kind])
             self._insert(marker, [disc], LEFT_CLICK[target.kind], MENUS[target.kind], target)
         self._server.applyChanges()
 
@@ -96,7 +99,7 @@ class InteractiveGoals:
                 target: Optional[Target]) -> None:
         control = InteractiveMarkerControl(
             name='button', interaction_mode=InteractiveMarkerControl.BUTTON, always_visible=True,
-            markers=shapes, description=f'{left_click.value}: {target or "robot"}')
+            markers=shapes, description=f'{self._robot}: {left_click.value} {target or ""}')
         marker.controls.append(control)
 
         def on_feedback(feedback: InteractiveMarkerFeedback) -> None:

@@ -1,0 +1,125 @@
+#!/usr/bin/env python3
+"""Two robots in one RViz: what is clicked for one never moves the other."""
+from __future__ import annotations
+
+import os
+import socket
+import unittest
+
+import rospkg
+import rospy
+import rostest
+from geometry_msgs.msg import PointStamped
+from rviz_support import RvizWindow, Screen, missing_programs, report_failure
+from std_msgs.msg import String
+
+from omron_ld90.maps import MapDocument
+from system_support import Recorder, skip, wait_until
+
+LAB = rospkg.RosPack().get_path('omron_ld90') + '/../../maps/lab.map'
+SCALE = 38.0  # pixels per metre in rviz/two_robots.rviz
+MIDDLE = (640, 440)  # between goals
+FIRST_TOOLS = range(200, 480, 40)  # where on the toolbar the two Publish Point tools are
+ROBOTS = ('robot_a', 'robot_b')
+OUTER_RING = 0.45  # m from a goal: inside robot_b's handle, outside robot_a's
+
+
+def free_ports(count: int) -> list:
+    sockets = [socket.socket() for _ in range(count)]
+    for one in sockets:
+        one.bind(('127.0.0.1', 0))
+    ports = [one.getsockname()[1] for one in sockets]
+    for one in sockets:
+        one.close()
+    return ports
+
+
+class TwoRobotsTest(unittest.TestCase):
+    """launch/two_robots.launch, with its RViz."""
+
+    screen = window = None
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.missing = missing_programs()
+        if not cls.missing:
+            report_failure(cls.set_up)
+
+    @classmethod
+    def set_up(cls) -> None:
+        cls.lab = MapDocument.load(LAB)
+        cls.commands = {robot: Recorder(f'/{robot}/send_command', String) for robot in ROBOTS}
+        cls.lines = {robot: Recorder(f'/{robot}/arcl_response', String) for robot in ROBOTS}
+        cls.clicks = {robot: Recorder(f'/{robot}/clicked_point', PointStamped) for robot in ROBOTS}
+        cls.screen = Screen()
+        ports = zip(('arcl_port_a', 'outgoing_port_a', 'arcl_port_b', 'outgoing_port_b'),
+                    free_ports(4))
+        cls.window = RvizWindow(
+            cls.screen, os.environ.get('SYSTEM_TEST_ARTEFACTS', '/tmp'), SCALE,
+            'omron_ld90', 'two_robots.launch', 'rviz:=true', 'sim_speed:=4.0',
+            *(f'{name}:={port}' for name, port in ports))
+        for robot in ROBOTS:
+            cls.lines[robot].wait_for(lambda line: True, 30.0, 'answer of the robot')
+        cls.find_the_tools()
+
+    @classmethod
+    def find_the_tools(cls) -> None:
+        """The toolbar's tools are tried from the left, with clicks where no goal is."""
+        cls.tools = {}
+
+        def both_found() -> bool:
+            for x in FIRST_TOOLS:
+                before = {robot: len(cls.clicks[robot].messages) for robot in ROBOTS}
+                cls.window.tool_at(x)
+                cls.window.click(MIDDLE)
+                cls.window.picture('rviz_two_robots')
+                for robot in ROBOTS:
+                    if len(cls.clicks[robot].messages) > before[robot]:
+                        cls.tools.setdefault(robot, x)
+            return len(cls.tools) == 2
+        wait_until(both_found, 60.0, 'a Publish Point tool for each robot')
+        point = cls.clicks['robot_a'].messages[-1].point
+        cls.window.calibrate(MIDDLE, (point.x, point.y))
+
+    @classmethod
+    def tearDownClass(cls) -> None:
+        for part in (cls.window, cls.screen):
+            if part is not None:
+                part.close()
+
+    def setUp(self) -> None:
+        if self.missing:
+            skip(self, f'not installed: {", ".join(self.missing)}')
+        self.before = {robot: len(self.commands[robot].messages) for robot in ROBOTS}
+
+    def at(self, name: str, right: float = 0.0) -> tuple:
+        goal = self.lab.find(name)
+        return self.window.pixel(goal.x / 1000.0 + right, goal.y / 1000.0)
+
+    def sent(self, robot: str) -> list:
+        return [message.data for message in self.commands[robot].messages[self.before[robot]:]]
+
+    def arrives(self, robot: str, goal: str) -> None:
+        self.lines[robot].wait_for(lambda line: line.data == f'Arrived at {goal}', 60.0,
+                                   f'arrival at {goal}')
+
+    def test_each_robot_has_a_click_tool_of_its_own(self):
+        for robot, goal in (('robot_a', '4'), ('robot_b', '32')):
+            self.window.tool_at(self.tools[robot])
+            self.window.click(self.at(goal))
+        self.arrives('robot_a', '4')
+        self.arrives('robot_b', '32')
+        self.window.picture('rviz_two_robots')
+        self.assertEqual((['goto 4'], ['goto 32']), (self.sent('robot_a'), self.sent('robot_b')))
+
+    def test_on_a_goal_the_inner_handle_is_one_robots_and_the_outer_the_others(self):
+        self.window.click_handle(self.at('12'))
+        self.arrives('robot_a', '12')
+        self.window.click_handle(self.at('33', right=OUTER_RING))
+        self.arrives('robot_b', '33')
+        self.assertEqual((['goto 12'], ['goto 33']), (self.sent('robot_a'), self.sent('robot_b')))
+
+
+if __name__ == '__main__':
+    rospy.init_node('rviz_two_robots_test')
+    rostest.rosrun('omron_ld90', 'rviz_two_robots', TwoRobotsTest)
