@@ -91,8 +91,8 @@ class TwoMasters(unittest.TestCase):
 
     @staticmethod
     def drive(states: Recorder, routes: rospy.Publisher) -> ExecutionRouteStates:
-        """The end of the route; as a fleet manager does, sent anew while the robot's link is down."""
-        for route_id in range(1, 11):
+        """The route's end; as a fleet manager does, it is sent anew while the link is down."""
+        for route_id in range(1, 61):
             routes.publish(TargetRoute(route_id=route_id, edges=ROUTE))
             done = states.wait_for(
                 lambda message, route_id=route_id: message.route_id == route_id and all(
@@ -101,6 +101,7 @@ class TwoMasters(unittest.TestCase):
                 90, f'end of route {route_id}')
             if 'lost link' not in done.reason:
                 break
+            states.wait_for(lambda _: True, 10, 'next report', after=len(states.messages))
         return done
 
     def test_only_the_route_topics_cross(self) -> None:
