@@ -31,13 +31,13 @@ import os
 import threading
 import time
 from dataclasses import dataclass
-from typing import Optional, Tuple
+from typing import Dict, Optional, Tuple
 from urllib.parse import unquote, urlparse
 
-import diagnostic_updater
 import rospkg
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_updater import DiagnosticStatusWrapper, Updater
 from nav_msgs.msg import MapMetaData, OccupancyGrid
 from nav_msgs.srv import GetMap, LoadMap, LoadMapRequest, LoadMapResponse
 from std_msgs.msg import Header, String
@@ -94,8 +94,8 @@ class MapVisualisation:
         self._settings = settings
         self._lock = threading.Lock()
         self._watcher = MapWatcher(path)
-        self._document: Optional[MapDocument] = None
         self._grid: Optional[GridMessage] = None
+        self._shown: Dict[str, object] = {}  # what is said of the displayed map; empty: none
         self._problem = f'{path} was not loaded yet'
         self._markers = {
             build: rospy.Publisher(topic, message, queue_size=1, latch=True)
@@ -108,7 +108,7 @@ class MapVisualisation:
         rospy.Subscriber('laser_points', String, self._draw_laser, queue_size=5, tcp_nodelay=True)
         rospy.Service('static_map', GetMap, self._static_map)
         rospy.Service('change_map', LoadMap, self._change_map)
-        self._diagnostics = diagnostic_updater.Updater()
+        self._diagnostics = Updater()
         self._diagnostics.setHardwareID('none')
         self._diagnostics.add('map', self._diagnose)
         rospy.Timer(rospy.Duration(1.0), lambda event: self._diagnostics.update())
@@ -144,7 +144,7 @@ class MapVisualisation:
     def _report(self, error: MapError) -> None:
         self._problem = str(error)
         if not rospy.is_shutdown():
-            shown = 'The old map stays up' if self._document is not None else 'No map is shown'
+            shown = 'The old map stays up' if self._shown else 'No map is shown'
             rospy.logerr('%s until the file is mended: %s', shown, error)
 
     def _show(self, path: str) -> None:
@@ -158,16 +158,18 @@ class MapVisualisation:
             map_load_time=header.stamp, resolution=metres(pitch), width=grid.width,
             height=grid.height, origin=pose_from_robot(grid.origin[0], grid.origin[1], 0.0))
         self._grid = GridMessage(grid.cells, header=header, info=info)
-        self._document = document
+        self._shown = {
+            'file': os.path.abspath(path), 'points': len(document.points),
+            'lines': len(document.lines), 'goals': len(document.goals),
+            'docks': len(document.docks), 'forbidden areas': len(document.forbidden_areas)}
         self._problem = ''
         self._map.publish(self._grid)
         self._metadata.publish(info)
         for build, publisher in self._markers.items():
             publisher.publish(build(document, header))
-        self._file.publish(os.path.abspath(path))
-        rospy.loginfo('Showing %s: %d points, %d lines, %d goals, %d docks, %d forbidden areas.',
-                      path, len(document.points), len(document.lines), len(document.goals),
-                      len(document.docks), len(document.forbidden_areas))
+        self._file.publish(self._shown['file'])
+        rospy.loginfo('Showing %(file)s: %(points)d points, %(lines)d lines, %(goals)d goals, '
+                      '%(docks)d docks, %(forbidden areas)d forbidden areas.', self._shown)
         for warning in document.warnings:
             rospy.logwarn('%s, %s', path, warning)
 
@@ -202,19 +204,15 @@ class MapVisualisation:
             self._laser.publish(
                 markers.laser(reading, header, self._settings.laser_lifetime))
 
-    def _diagnose(self, status: diagnostic_updater.DiagnosticStatusWrapper):
-        document, problem = self._document, self._problem
-        if document is None:
+    def _diagnose(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
+        shown, problem = self._shown, self._problem
+        if not shown:
             status.summary(DiagnosticStatus.ERROR, f'No map is shown: {problem}')
-            return status
-        if problem:
+        elif problem:
             status.summary(DiagnosticStatus.WARN, f'The old map is shown: {problem}')
         else:
-            status.summary(DiagnosticStatus.OK, f'Showing {document.name}')
-        for name, value in (('file', document.name), ('points', len(document.points)),
-                            ('lines', len(document.lines)), ('goals', len(document.goals)),
-                            ('docks', len(document.docks)),
-                            ('forbidden areas', len(document.forbidden_areas))):
+            status.summary(DiagnosticStatus.OK, f'Showing {shown["file"]}')
+        for name, value in shown.items():
             status.add(name, str(value))
         return status
 
