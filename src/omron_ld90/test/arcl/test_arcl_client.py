@@ -1,6 +1,7 @@
 """The client against a robot that misbehaves: it never hangs, and says what happened."""
 from __future__ import annotations
 
+import inspect
 import socket
 import threading
 from contextlib import contextmanager
@@ -18,8 +19,10 @@ from omron_ld90.arcl import (
     LinkPhase,
     NotConnected,
     Outcome,
+    SessionLog,
     WrongPassword,
 )
+from omron_ld90.arcl import client as client_module
 
 
 def quick() -> Backoff:
@@ -128,6 +131,11 @@ def test_a_silent_robot_counts_as_dead(robot, links):
         assert goto.wait(5.0).outcome is Outcome.LOST
 
 
+def test_by_default_a_dead_link_is_noticed_within_five_seconds():
+    silence = inspect.signature(Client).parameters['silence'].default
+    assert silence + client_module._TICK < 5.0
+
+
 def test_a_robot_with_nothing_to_say_stays_connected_by_heartbeats(robot, links):
     with connected_client(robot, on_link=links, heartbeat=0.05, silence=0.3):
         wait_for(lambda: robot.heard.count(b'oneLineStatus') >= 10, 'ten heartbeats')
@@ -229,14 +237,25 @@ def test_closing_takes_less_than_a_second_wherever_the_client_is(robot):
             assert not client._thread.is_alive()
 
 
-def test_the_trace_holds_the_session_without_the_password(robot):
-    trace = Noted()
+def test_the_session_log_holds_both_sides_by_connection_without_the_password(robot, tmp_path):
+    path = tmp_path / 'session.log'
+    path.write_text('an older one')
     robot.answers[b'odometer'] = (b'Odometer: 1 mm 2 deg 3 sec',)
-    with connected_client(robot, trace=lambda side, line: trace((side, line))) as client:
+    log = SessionLog(str(path))
+    with connected_client(robot, log=log) as client:
         client.execute('odometer').wait(5.0)
-    assert ('C', b'odometer') in trace.all
-    assert ('S', b'Odometer: 1 mm 2 deg 3 sec') in trace.all
-    assert not [line for _, line in trace.all if PASSWORD in line]
+        robot.say(b'caf\xe9\x01')
+        robot.drop()
+        wait_for(lambda: len(robot.connections) == 2 and client.link.connected, 'reconnection')
+        client.execute('odometer').wait(5.0)
+    log.close()
+    written = path.read_text(encoding='ascii')
+    said = [line.split(' ', 1)[1] for line in written.splitlines()]
+    assert said[:3] == ['S> Enter password:', 'C> ********', 'S> Welcome to the server.']
+    for line in ('C> odometer', 'S> Odometer: 1 mm 2 deg 3 sec', r'S> caf\xe9\x01', 'C2> odometer'):
+        assert line in said
+    assert 'adept' not in written
+    assert (tmp_path / 'session.log.old').read_text() == 'an older one'
 
 
 def _flood(robot: ScriptedRobot, data: bytes) -> None:

@@ -35,6 +35,7 @@ from omron_ld90.arcl.session import (
     State,
     Trace,
 )
+from omron_ld90.arcl.session_log import SessionLog
 
 CONNECT_TIMEOUT = 3.0  # s
 LOGIN_TIMEOUT = 15.0  # s from the connection to the end of the help list
@@ -47,8 +48,7 @@ class Client:
     """A robot's ARCL server, connected to for ever until `close`.
 
     on_line(Received): a line came after the login. on_link(Link): the link changed.
-    on_login(HelpList): logged in, once per connection. trace(side, line): everything that is sent
-    and received, passwords blanked.
+    on_login(HelpList): logged in, once per connection. log: takes all that both sides say.
     heartbeat: seconds between signs of life asked of the robot; silence: seconds without any, after
     which the link counts as dead.
     """
@@ -57,7 +57,7 @@ class Client:
                  on_line: Optional[Callable[[Received], None]] = None,
                  on_link: Optional[Callable[[Link], None]] = None,
                  on_login: Optional[Callable[[HelpList], None]] = None,
-                 trace: Optional[Trace] = None, backoff: Optional[Backoff] = None,
+                 log: Optional[SessionLog] = None, backoff: Optional[Backoff] = None,
                  heartbeat: float = 1.5, silence: float = 4.0) -> None:
         self.peer = f'{host}:{port}'
         self._address = (host, port)
@@ -65,7 +65,8 @@ class Client:
         self._on_line = on_line
         self._on_link = on_link
         self._on_login = on_login
-        self._trace = trace
+        self._log = log
+        self._trace: Optional[Trace] = None
         self._backoff = backoff or Backoff()
         self._heartbeat = heartbeat
         self._silence = silence
@@ -156,6 +157,7 @@ class Client:
                 return ConnectionLost(f'the connection broke: {reason_of(error)}')
 
     def _talk(self, connection: Connection, selector: selectors.BaseSelector) -> LinkError:
+        self._trace = self._log.connection() if self._log else None
         session = Session(self._password, trace=self._trace)
         began = heard = time.monotonic()
         while not self._closing.is_set():

@@ -11,7 +11,8 @@ from typing import Any, Callable, Optional
 from omron_ld90.arcl.connection import Connection, Waker, reason_of
 from omron_ld90.arcl.errors import ConnectionLost, LinkError, PeerSilent
 from omron_ld90.arcl.link import Link, LinkPhase
-from omron_ld90.arcl.session import Closed, Received, Session, Trace
+from omron_ld90.arcl.session import Closed, Received, Session
+from omron_ld90.arcl.session_log import SessionLog
 
 KEEP_ALIVE = 2.0  # s; the robot drops a listener that is silent for 6 s by default
 _TICK = 0.2  # s
@@ -32,13 +33,13 @@ class Listener:
                  on_line: Optional[Callable[[Received], None]] = None,
                  on_link: Optional[Callable[[Link], None]] = None,
                  on_refused: Optional[Callable[[str], None]] = None,
-                 trace: Optional[Trace] = None,
+                 log: Optional[SessionLog] = None,
                  silence: float = 4.0) -> None:
         self._robot = robot
         self._on_line = on_line
         self._on_link = on_link
         self._on_refused = on_refused
-        self._trace = trace
+        self._trace = log.outgoing() if log else None
         self._silence = silence
         self._closing = threading.Event()
         self._waker = Waker()
@@ -47,7 +48,7 @@ class Listener:
         self.port: int = self._socket.getsockname()[1]
         self.link = Link(LinkPhase.DISCONNECTED, robot, 'the robot has not connected yet')
         self._connection: Optional[Connection] = None
-        self._session = Session(None, trace=trace)
+        self._session = Session(None)
         self._heard = self._spoken = 0.0
         self._thread = threading.Thread(target=self._run, name='arcl-listener', daemon=True)
 

@@ -1,36 +1,58 @@
-"""A file with all that both sides said, and when."""
+"""A file with all that both sides said, and when, in the format that the simulator replays."""
 from __future__ import annotations
 
+import os
+import re
 import threading
-from datetime import datetime, timezone
+import time
+from typing import Callable
+
+OUTGOING = 0  # number of the connection that the robot opens itself
+
+_UNPRINTABLE = re.compile(r'[\x00-\x1f\x7f]')
 
 
 class SessionLog:
-    """Appends lines `<UTC time> C> <line>` (client) or `S>` (server); give `write` as a trace.
+    """Writes lines `<Unix time> C> <line>` (client) or `S>` (server), C2 and S2 for the second
+    connection and so on.
 
-    What is not printable ASCII is escaped as Python does. Passwords come blanked already. Raises
-    OSError where the file cannot be opened; a full disk ends the log, not the session.
+    What is no printable ASCII is escaped. Passwords come blanked already. A file that is there is
+    kept as `<path>.old`. Raises OSError where the file cannot be opened; a full disk ends the log,
+    not the session.
     """
 
     def __init__(self, path: str) -> None:
         self.path = path
         self.failure = ''
+        self._connections = 0
         self._lock = threading.Lock()
-        self._file = open(path, 'a', encoding='ascii', buffering=1)  # noqa: SIM115  kept open
+        if os.path.exists(path):
+            os.replace(path, f'{path}.old')
+        self._file = open(path, 'w', encoding='ascii', buffering=1)  # noqa: SIM115  kept open
 
-    def write(self, side: str, line: bytes) -> None:
-        """Notes a line of side 'C' or 'S'."""
-        now = datetime.now(timezone.utc).isoformat(timespec='milliseconds')
-        text = line.decode('latin-1').encode('unicode_escape').decode('ascii')
-        with self._lock:
-            try:
-                if not self._file.closed:
-                    self._file.write(f'{now} {side}> {text}\n')
-            except OSError as error:
-                self.failure = str(error)
-                self._file.close()
+    def connection(self) -> Callable[[str, bytes], None]:
+        """The trace of a new connection to the robot."""
+        self._connections += 1
+        return self._trace('' if self._connections == 1 else str(self._connections))
+
+    def outgoing(self) -> Callable[[str, bytes], None]:
+        """The trace of a connection that the robot opened."""
+        return self._trace(str(OUTGOING))
 
     def close(self) -> None:
         """Closes the file."""
         with self._lock:
             self._file.close()
+
+    def _trace(self, number: str) -> Callable[[str, bytes], None]:
+        def write(side: str, line: bytes) -> None:
+            text = _UNPRINTABLE.sub(lambda match: f'\\x{ord(match.group()):02x}',
+                                    line.decode('ascii', 'backslashreplace'))
+            with self._lock:
+                try:
+                    if not self._file.closed:
+                        self._file.write(f'{time.time():.3f} {side}{number}> {text}\n')
+                except OSError as error:
+                    self.failure = str(error)
+                    self._file.close()
+        return write

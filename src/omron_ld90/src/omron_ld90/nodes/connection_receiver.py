@@ -18,7 +18,7 @@ Parameters:
   ~map_frame (map), ~laser_device (Laser_1)
   ~laser_height (0.203 m): of the laser above the floor
   ~silence (4.0 s): without a line after which the link counts as dead
-  ~session_log (''): file to which all that the robot sends is appended
+  ~session_log (''): file for all that the robot sends; an older one is kept as <file>.old
 """
 from __future__ import annotations
 
@@ -190,8 +190,7 @@ def start() -> ConnectionReceiver:
 
     def make_listener(**callbacks) -> Listener:
         try:
-            return Listener(bind, port, robot, silence=silence, trace=log.write if log else None,
-                            **callbacks)
+            return Listener(bind, port, robot, silence=silence, log=log, **callbacks)
         except OSError as error:
             raise ConfigurationError(f'Cannot listen on {bind or "every address"}, port {port}: '
                                      f'{error.strerror}. Choose another ~port, or end the '

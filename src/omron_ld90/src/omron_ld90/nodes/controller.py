@@ -21,7 +21,8 @@ Parameters:
   ~map_frame (map): frame of poses in
   ~allowed_commands ([motion, query]): kinds and names of commands that may be sent; the kinds are
       query, motion, device, configuration, dangerous, unknown
-  ~session_log (''): file to which all that both sides say is appended, passwords blanked
+  ~session_log (''): file for all that both sides say, passwords blanked; an older one is kept as
+      <file>.old; ld90_sim --replay serves it
   ~heartbeat (1.5 s): between signs of life asked of the robot
   ~silence (4.0 s): without a line after which the link counts as dead
   ~reconnect_first (0.5 s), ~reconnect_most (10.0 s), ~reconnect_jitter (0.2): tries to connect
@@ -258,7 +259,7 @@ def start() -> Controller:
 
     def make_client(**callbacks) -> Client:
         return Client(host, port, password, backoff=backoff, heartbeat=heartbeat, silence=silence,
-                      trace=log.write if log else None, **callbacks)
+                      log=log, **callbacks)
 
     return Controller(make_client, guard, goals, parameter('~map_frame', 'map'), log)
 
