@@ -23,13 +23,13 @@ BLACK = ColorRGBA(0.0, 0.0, 0.0, 1.0)
 RED = ColorRGBA(0.85, 0.05, 0.05, 1.0)
 GREEN = ColorRGBA(0.0, 0.7, 0.15, 1.0)
 WHITE = ColorRGBA(1.0, 1.0, 1.0, 1.0)
-ORANGE = ColorRGBA(1.0, 0.55, 0.0, 0.6)
+ORANGE = ColorRGBA(1.0, 0.55, 0.0, 0.4)
 ORANGE_EDGE = ColorRGBA(1.0, 0.45, 0.0, 1.0)
 VIOLET = ColorRGBA(0.55, 0.3, 0.8, 1.0)
 LIGHT_BLUE = ColorRGBA(0.35, 0.75, 1.0, 1.0)
 
 POINT_SIZE = 0.02  # m, for maps that have no pitch of their own
-LINE_WIDTH = 0.03
+LINE_WIDTH = 0.05
 SQUARE = Vector3(0.3, 0.3, 0.02)
 ARROW = Vector3(0.5, 0.07, 0.07)
 TEXT_HEIGHT = 0.3
