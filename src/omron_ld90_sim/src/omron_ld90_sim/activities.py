@@ -66,14 +66,15 @@ def drive(robot: Robot, x: float, y: float, heading: Optional[float], error: str
         except NoWay as reason:
             if not robot.dynamic_obstacles() or waited >= BLOCKED_PATIENCE:
                 raise Failure(error, failed) from reason
-            yield RETRY
-            waited += RETRY
-            continue
-        yield STANDING
-        if robot.true_pose.distance_to(x, y) < 1.0:
-            return
-        yield RETRY
-        waited += RETRY
+        else:
+            yield STANDING
+            if robot.true_pose.distance_to(x, y) < 1.0:
+                return
+            if waited >= BLOCKED_PATIENCE:
+                raise Failure(error, failed)
+        pause = robot.random.uniform(0.5, 1.5) * RETRY      # two robots must not wait in step
+        yield pause
+        waited += pause
 
 
 def come_to_rest(robot: Robot) -> Script:

@@ -23,6 +23,12 @@ def _address(text: str) -> Tuple[str, int]:
         raise argparse.ArgumentTypeError(str(error)) from error
 
 
+def _port(text: str) -> int:
+    if not text.isdigit() or int(text) > 65535:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a port from 0 to 65535")
+    return int(text)
+
+
 def _pose(text: str) -> Tuple[float, float, float]:
     try:
         x, y, theta = (float(part) for part in text.split(','))
@@ -73,7 +79,7 @@ def parser() -> argparse.ArgumentParser:
     add('--map', metavar='FILE', help='.map file to drive on')
     add('--made-from', nargs='*', default=[], metavar='FILE',
         help='wait until the map is at least as new as these files')
-    add('--port', type=int, default=7171, help='ARCL port (7171); 0 chooses a free one')
+    add('--port', type=_port, default=7171, help='ARCL port (7171); 0 chooses a free one')
     add('--host', default='127.0.0.1',
         help='address to listen on (127.0.0.1; 0.0.0.0 lets other machines in)')
     secret = result.add_mutually_exclusive_group()
@@ -95,7 +101,7 @@ def parser() -> argparse.ArgumentParser:
     add('--fault', action='append', default=[], metavar='"[SECONDS] FAULT"',
         help='fault at that time or at once; --help-faults lists them')
     add('--fault-script', metavar='FILE', help='file with one such fault per line')
-    add('--control', type=int, metavar='PORT',
+    add('--control', type=_port, metavar='PORT',
         help='take faults on this port of 127.0.0.1, one per line')
     add('--log', metavar='FILE', help="write the robot's sessions to FILE")
     add('--replay', metavar='LOG', help='serve a recorded session in place of a robot')
@@ -125,7 +131,8 @@ def _replay(arguments: argparse.Namespace) -> Replay:
 def _simulator(arguments: argparse.Namespace, stack: ExitStack) -> Simulator:
     if arguments.map is None:
         raise ValueError('which map? Name a .map file with --map')
-    wait_for_map(arguments.map, made_from=arguments.made_from)
+    if arguments.made_from:
+        wait_for_map(arguments.map, made_from=arguments.made_from)
     specs: List[RobotSpec] = []
     if arguments.robots is not None:
         specs = read_fleet(arguments.robots)

@@ -33,6 +33,11 @@ class Base:
         return not self._queue and self.speed == 0.0 and self.rotation == 0.0
 
     @property
+    def manoeuvre(self) -> Optional[Manoeuvre]:
+        """What the base is doing, if anything."""
+        return self._queue[0] if self._queue else None
+
+    @property
     def track(self) -> Optional[Track]:
         """The track being driven, if any."""
         return self._queue[0] if self._queue and isinstance(self._queue[0], Track) else None

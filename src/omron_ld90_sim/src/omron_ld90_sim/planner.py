@@ -21,7 +21,7 @@ DRIVE_MARGIN = 15.0     # mm kept on top of the half width
 TURN_MARGIN = 5.0       # mm kept on top of the half diagonal
 COMFORT = 700.0         # mm of clearance beyond which more is not worth a detour
 NARROW_COST = 8.0       # a metre where the robot cannot turn counts as this many
-ESCAPE = 2000.0         # mm straight ahead or back to look for room to turn
+ESCAPE = 3000.0         # mm straight ahead or back to look for room to turn
 ATTEMPTS = 6
 
 
@@ -76,7 +76,7 @@ class Planner:
         first = start.ahead(escape)
         goal = np.array([goal_x, goal_y])
         approach = self._approach(space, goal, heading)
-        cost = space.with_obstacles(self._cost, self.drive_clearance)
+        cost = space.with_obstacles(self._cost, self.drive_clearance, self.turn_clearance)
         for _ in range(ATTEMPTS):
             raw = self._search(cost, (first.x, first.y), approach)
             vertices, stuck = self._straighten(space, raw)
@@ -231,22 +231,18 @@ class Space:
                                   zip(corners, np.roll(corners, -1, axis=0))])
         return bool(self.clearance_at(outline).min() >= DRIVE_MARGIN)
 
-    def with_obstacles(self, cost: np.ndarray, clearance: float) -> np.ndarray:
-        """A copy of the planner's costs with the obstacles in it."""
+    def with_obstacles(self, cost: np.ndarray, drive: float, turn: float) -> np.ndarray:
+        """A copy of the planner's costs with the obstacles in it, for two clearances (mm)."""
         cost = cost.copy()
         pitch = self.floor.planning_pitch
         for disc in self.obstacles:
-            reach = disc.radius + clearance
             row, column = self.floor.planning_cell(disc.x, disc.y)
-            n = int(reach / pitch) + 1
-            rows = slice(max(row - n, 0), row + n + 1)
-            columns = slice(max(column - n, 0), column + n + 1)
-            r, c = np.mgrid[rows, columns]
-            r, c = r[:, :cost.shape[1]], c[:, :cost.shape[1]]
-            inside = (r < cost.shape[0]) & (c < cost.shape[1])
-            r, c = r[inside], c[inside]
-            x = self.floor.origin[0] + c * pitch
-            y = self.floor.origin[1] + r * pitch
-            near = np.hypot(x - disc.x, y - disc.y) < reach
-            cost[r[near], c[near]] = -1.0
+            n = int((disc.radius + turn) / pitch) + 1
+            top, left = max(row - n, 0), max(column - n, 0)
+            window = cost[top:row + n + 1, left:column + n + 1]
+            rows = self.floor.origin[1] + (top + np.arange(window.shape[0])) * pitch
+            columns = self.floor.origin[0] + (left + np.arange(window.shape[1])) * pitch
+            away = np.hypot(columns[None, :] - disc.x, rows[:, None] - disc.y) - disc.radius
+            window[(away < turn) & (window > 0)] = NARROW_COST
+            window[away < drive] = -1.0
         return cost

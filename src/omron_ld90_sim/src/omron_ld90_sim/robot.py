@@ -207,10 +207,19 @@ class Robot:
         return self._error != Pose(0.0, 0.0, 0.0)
 
     def dynamic_obstacles(self) -> List[Disc]:
-        """Everything in the way that is not on the map."""
+        """Everything in the way that is not on the map.
+
+        A moving neighbour counts where it is, where it could come to rest, and between.
+        """
         radius = self.floor.body.half_diagonal
-        return [*self.obstacles.values(), *(Disc(other.true_pose.x, other.true_pose.y, radius)
-                                            for other in self.neighbours)]
+        discs = list(self.obstacles.values())
+        for other in self.neighbours:
+            places, track = [other.true_pose], other.base.track
+            if track is not None:
+                here, rest = other.base.place, other.base.stopping_distance()
+                places += [track.pose_at(here + rest / 2), track.pose_at(here + rest)]
+            discs += [Disc(place.x, place.y, radius) for place in places]
+        return discs
 
     def scan(self) -> np.ndarray:
         """One laser scan: hits (N, 2) in mm, in the frame the robot believes in."""

@@ -59,6 +59,9 @@ def parse(text: str) -> Task:
     task = Task(name, rest.strip())
     if name.lower() not in SCRIPTS and name.lower() not in INSTANT:
         raise BadTask(f"No task '{name}'")
+    least, most = NUMBERS.get(name.lower(), (0, 0))
+    for index in range(max(least, min(most, len(task.words)))):
+        task.number(index)
     return task
 
 
@@ -161,6 +164,13 @@ SCRIPTS: Dict[str, Callable[[Robot, Task], Script]] = {
     'move': _move, 'deltaheading': _delta_heading, 'setheading': _set_heading,
     'gotopoint': _go_to_point, 'goto': _go_to_goal, 'wait': _wait, 'pause': _pause,
     'localizeatgoal': _localize_at_goal,
+}
+
+
+# how many numbers a task needs and takes, checked before it begins
+NUMBERS: Dict[str, Tuple[int, int]] = {
+    'move': (0, 5), 'deltaheading': (1, 1), 'setheading': (1, 1), 'gotopoint': (2, 3),
+    'wait': (1, 1), 'movementparameterstemp': (1, 1),
 }
 
 

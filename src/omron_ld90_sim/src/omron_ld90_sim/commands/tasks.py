@@ -128,6 +128,8 @@ def _route(call: Call, name: str) -> tasks.Route:
         if route.name.lower() == name.lower():
             if not route.goals:
                 raise CommandFailed(f"Bad route '{name}'")
+            for task in (task for tasks_there in route.tasks.values() for task in tasks_there):
+                _task(str(task))
             return route
     raise CommandFailed(f"Bad route '{name}'")
 

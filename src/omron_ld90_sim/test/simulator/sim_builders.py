@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import List, Optional, Tuple
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from omron_ld90.maps import MapDocument, MapObject, RotatedRectangle
 from omron_ld90_sim.clock import Clock
@@ -14,7 +15,7 @@ from omron_ld90_sim.kinematics import LD90_BODY, Pose
 from omron_ld90_sim.robot import Robot
 from omron_ld90_sim.server import ArclServer, Session
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[4]
 LAB = ROOT / 'maps' / 'lab.map'
 REAL_MAPS = ROOT.parent / 'shared' / 'maps'
 
@@ -94,11 +95,11 @@ class Client:
         self.send(*commands)
         return self.lines()
 
-    def until(self, beginning: str, seconds: float = 200.0) -> List[str]:
-        """What comes up to a line that begins with `beginning`, within simulated seconds."""
+    def until(self, beginning: str, times: int = 1, seconds: float = 200.0) -> List[str]:
+        """What comes up to the line that begins with `beginning`, within simulated seconds."""
         seen = self.lines()
         end = self._rig.clock.now + seconds
-        while not any(line.startswith(beginning) for line in seen):
+        while sum(line.startswith(beginning) for line in seen) < times:
             due = self._rig.clock.next_time
             assert due is not None and due <= end, f'no {beginning!r} came, only {seen}'
             self._rig.clock.advance(due)
@@ -121,17 +122,19 @@ class Obstacles:
             count = int(math.hypot(x2 - x1, y2 - y1) / 10.0) + 2
             pieces.append(np.column_stack([np.linspace(x1, x2, count),
                                            np.linspace(y1, y2, count)]))
-        from scipy.spatial import cKDTree
         self._tree = cKDTree(np.concatenate(pieces))
         self._points = np.concatenate(pieces)
         self.areas: List[RotatedRectangle] = [o.rectangle for o in document.forbidden_areas]
 
+    def forbidden(self, pose: Pose) -> bool:
+        """Whether the turning centre is inside a forbidden area."""
+        centre = np.array([[pose.x, pose.y]])
+        return any(area.contains(centre)[0] for area in self.areas)
+
     def distance(self, pose: Pose) -> float:
-        """From the body's outline to the nearest obstacle (mm); 0 when one is inside."""
+        """From the body's outline to the nearest wall, point or border of an area (mm)."""
         near = self._tree.query_ball_point((pose.x, pose.y), 700.0)
         centre = np.array([[pose.x, pose.y]])
-        if any(area.contains(centre)[0] for area in self.areas):
-            return 0.0
         if not near:
             return 270.0
         angle = math.radians(pose.theta)

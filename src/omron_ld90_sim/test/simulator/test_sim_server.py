@@ -1,0 +1,181 @@
+"""Login, framing and who receives what, byte by byte and without sockets."""
+from __future__ import annotations
+
+import pytest
+from sim_builders import Client, Rig
+
+from omron_ld90_sim.autonomy import Autonomy
+from omron_ld90_sim.commands import TABLE
+from omron_ld90_sim.outgoing import OutgoingLink
+
+
+def test_the_prompt_is_a_whole_line() -> None:
+    assert bytes(Rig().server.connect().output) == b'Enter password:\r\n'
+
+
+@pytest.mark.parametrize('end', [b'\n', b'\r\n', b'\r'])
+def test_every_line_end_is_understood(end: bytes) -> None:
+    rig = Rig()
+    session = rig.server.connect()
+    session.output.clear()
+    session.receive(b'adept' + end + b'queryMotors' + end)
+    assert bytes(session.output).endswith(b'End of commands\r\nMotors enabled\r\n')
+
+
+def test_the_welcome_and_the_help_list_are_the_servers() -> None:
+    rig = Rig()
+    session = rig.server.connect()
+    session.output.clear()
+    session.receive(b'adept\n')
+    lines = session.output.decode().split('\r\n')
+    assert lines[:3] == ['Welcome to the server.',
+                         "You can type 'help' at any time for the following help list.",
+                         'Commands:']
+    assert lines[-2:] == ['End of commands', '']
+    rows = lines[3:-2]
+    assert '           dock          Sends the robot to the dock' in rows
+    assert ('applicationFaultQuery          Gets the list of any application faults currently '
+            'triggered [afq]') in rows
+    names = [row.split()[0].lower() for row in rows]
+    assert names == sorted(names) and len(names) == len({row.name for row in TABLE.values()})
+
+
+def test_a_wrong_password_closes_without_a_word() -> None:
+    session = Rig().server.connect()
+    session.output.clear()
+    session.receive(b'adapt\n')
+    assert session.closed and not session.output
+
+
+def test_empty_lines_before_the_password_are_ignored() -> None:
+    session = Rig().server.connect()
+    session.receive(b'\r\n\n  \nadept\n')
+    assert b'Welcome to the server.' in session.output
+
+
+def test_telnet_negotiation_is_stripped_from_the_password() -> None:
+    session = Rig().server.connect()
+    session.receive(b'\xff\xfb\x1f\xff\xfd\x03adept\n')
+    assert b'Welcome to the server.' in session.output
+
+
+def test_a_cut_line_is_kept_until_its_end_arrives() -> None:
+    client = Rig().client()
+    for byte in b'queryMotors':
+        client.session.receive(bytes([byte]))
+        assert client.lines() == []
+    client.session.receive(b'\n')
+    assert client.lines() == ['Motors enabled']
+
+
+def test_several_commands_in_one_segment_are_answered_in_order() -> None:
+    client = Rig().client()
+    client.session.receive(b'  queryMotors\nqueryDockStatus\r\nECHO\n')
+    assert client.lines() == [
+        'Motors enabled', 'DockingState: Undocked ForcedState: Unforced ChargeState: Not',
+        'Echo is off.']
+
+
+@pytest.mark.parametrize('tail', [b'', b'\n'])
+def test_a_command_over_5000_characters_drops_the_client(tail: bytes) -> None:
+    client = Rig().client()
+    client.session.receive(b'say ' + b'x' * 4997 + tail)
+    assert client.lines() == ['String too long'] and client.session.closed
+
+
+def test_a_command_of_5000_characters_is_taken() -> None:
+    client = Rig().client()
+    client.session.receive(b'say ' + b'x' * 4996 + b'\n')
+    assert client.lines() == ['Saying ' + 'x' * 4996]
+
+
+def test_a_reply_goes_to_the_asker_only() -> None:
+    rig = Rig()
+    first, second = rig.client(), rig.client()
+    first.send('oneLineStatus', 'gooto 12', 'goto 99')
+    assert len(first.lines()) == 4 and second.lines() == []
+
+
+def test_events_go_to_everybody_who_is_logged_in_and_to_the_outgoing_link() -> None:
+    rig = Rig()
+    asker, other = rig.client(), rig.client()
+    link = Client(rig, rig.server.connect_outgoing())
+    stranger = rig.server.connect()
+    stranger.output.clear()
+    asker.send('goto west', 'stop')
+    events = ['Going to West', 'Interrupted: Going to West', 'Stopping']
+    asker.until('Stopped')
+    assert other.lines()[:3] == events and link.lines()[:3] == events
+    assert not stranger.output
+
+
+def test_the_outgoing_link_needs_no_login_and_takes_commands() -> None:
+    rig = Rig()
+    link = Client(rig, rig.server.connect_outgoing())
+    assert link.ask('queryMotors') == ['Motors enabled']
+
+
+def test_command_lists_run_at_their_own_intervals_without_drift() -> None:
+    rig = Rig()
+    for n, (seconds, commands) in enumerate([(0.5, 'queryMotors | echo'), (3, 'odometer')], 1):
+        rig.server.configuration.set('Outgoing ARCL commands', f'OutgoingCommands{n}', commands)
+        rig.server.configuration.set('Outgoing ARCL commands', f'OutgoingCommands{n}Seconds',
+                                     seconds)
+    link = Client(rig, rig.server.connect_outgoing())
+    OutgoingLink(rig.server, link.session)
+    rig.clock.advance(600.25)
+    lines = link.lines()
+    assert lines.count('Motors enabled') == lines.count('Echo is off.') == 1200
+    odometers = [line for line in lines if line.startswith('Odometer')]
+    assert len(odometers) == 200 and odometers[-1] == 'Odometer: 0 mm 0 deg 600 sec'
+
+
+def test_status_lines_are_sent_at_their_interval() -> None:
+    rig = Rig()
+    rig.server.configuration.set('Outgoing ARCL connection setup', 'SendStatusInterval', 10)
+    link = Client(rig, rig.server.connect_outgoing())
+    OutgoingLink(rig.server, link.session)
+    rig.clock.advance(1.05)
+    assert len(link.lines()) == 10, 'never faster than 100 ms'
+
+
+def test_a_silent_listener_is_left_after_the_timeout() -> None:
+    rig = Rig()
+    rig.server.configuration.set('Outgoing ARCL connection setup', 'OutgoingSocketTimeoutInMins',
+                                 '0.01')
+    link = Client(rig, rig.server.connect_outgoing())
+    OutgoingLink(rig.server, link.session)
+    rig.clock.advance(4.5)
+    link.send('')
+    rig.clock.advance(9.0)
+    assert not link.session.closed, 'a newline is enough to stay'
+    rig.clock.advance(11.0)
+    assert link.session.closed
+
+
+def test_a_silent_client_is_dropped_after_a_minute_at_the_earliest() -> None:
+    rig = Rig()
+    client = rig.client()
+    rig.server.configuration.set('ARCL server setup', 'SessionTimeoutMins', '0.1')
+    rig.clock.advance(50.0)
+    client.send(' ')
+    rig.clock.advance(105.0)
+    assert not client.session.closed
+    rig.clock.advance(130.0)
+    assert client.session.closed
+
+
+def test_without_its_required_link_the_robot_stands() -> None:
+    rig = Rig()
+    Autonomy(rig.server)
+    rig.server.configuration.set('Outgoing ARCL connection setup', 'RequireConnectionToPathPlan',
+                                 'true')
+    client = rig.client()
+    link = rig.server.connect_outgoing()
+    client.send('goto 12')
+    rig.clock.advance(2.0)
+    assert client.lines() == ['Going to 12']
+    link.close()
+    assert client.until('Stopped') == ['Interrupted: Going to 12', 'Stopping', 'Stopped']
+    assert client.ask('goto 12')[1] == ('CommandErrorDescription: Driving blocked by '
+                                        'OutgoingARCLConnLost')
