@@ -20,6 +20,7 @@ from omron_ld90.graph.route_strategies import STRATEGIES
 from omron_ld90.maps import MapDocument
 from omron_ld90.nodes.bridge_words import RobotWords, shown_events
 from omron_ld90_sim.clock import Clock, Ticker
+from omron_ld90_sim.faults import Faults
 from omron_ld90_sim.floor import Floor
 from omron_ld90_sim.kinematics import Pose
 from omron_ld90_sim.robot import Robot
@@ -51,6 +52,7 @@ class SimulatedDrive:
             start = Pose(1000.0 * x, 1000.0 * y, heading)
         self.robot = Robot(self.clock, document, Floor.from_map(document), start, 0)
         self.server = ArclServer(self.clock, self.robot, 'adept')
+        self._faults = Faults(self.server)
         self.follower = RouteFollower(Settings(
             dock_vertex=DOCK_VERTEX, strategy=STRATEGIES[strategy], **settings), self.graph)
         self.reports: List[p.RouteReport] = []
@@ -95,6 +97,15 @@ class SimulatedDrive:
         self._client.receive(f'{command}\n'.encode())
         self.run(lambda: any(line.startswith(('Arrived at', 'DockingState: Docked'))
                              for line in self.lines[heard:]), seconds)
+
+    def inject(self, fault: str) -> None:
+        """Brings about a fault of the simulator, e.g. `estop press`."""
+        self._faults.inject(fault)
+
+    def enable_motors(self) -> None:
+        """Somebody lets the robot drive again, and it says so in its status."""
+        self._client.receive(b'enableMotors\n')
+        self.wait(2.0 * STATUS_PERIOD)
 
     def run(self, until: Callable[[], bool], seconds: float) -> None:
         """Lets simulated time pass until the condition holds."""

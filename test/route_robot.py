@@ -1,0 +1,95 @@
+"""A simulated robot in the test's own process, the bridge, and the fleet manager's two topics."""
+from __future__ import annotations
+
+import os
+from typing import List, Sequence, Tuple
+
+import rosnode
+import rospy
+from std_msgs.msg import String
+
+from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, TargetRoute
+from omron_ld90_msgs.msg import LinkState, RobotStatus
+from omron_ld90_sim import Simulator
+from system_support import Recorder, connected_publisher, wait_until
+from trajectory_graph import load_graph
+
+BRIDGE = '/omron_ld90/omron_edges_to_vertices'
+
+
+class RouteRobot:
+    """What the system tests of routes share."""
+
+    def __init__(self, maps: str, speed: float, start: Tuple[float, float, float],
+                 status_period: float) -> None:
+        """`maps` holds lab.map and lab_graph.yaml; start in mm and degrees; period in robot's s."""
+        self.graph = load_graph(f'{maps}/lab_graph.yaml')
+        self.robot = Simulator(
+            f'{maps}/lab.map', port=int(os.environ['LD90_ARCL_PORT']), start=start, speed=speed,
+            outgoing=('127.0.0.1', int(os.environ['LD90_OUTGOING_PORT'])),
+            lists=((status_period, 'Status'),))
+        self.robot.start()
+        self.states = Recorder('/omron_ld90/execution_route_states', ExecutionRouteStates)
+        self.status = Recorder('/omron_ld90/robot_status', RobotStatus)
+        self.commands = Recorder('/omron_ld90/send_command', String)
+        self.responses = Recorder('/omron_ld90/arcl_response', String)
+        self.links = Recorder('/omron_ld90/link_state', LinkState)
+        self.routes = connected_publisher('/omron_ld90/target_route', TargetRoute)
+        self.wait_ready()
+        self._route_id = 0
+
+    def wait_ready(self) -> None:
+        """Both links stand, and the bridge tells where the robot is."""
+        wait_until(self._both_links_stand, 30, 'both links to the robot')
+        self.states.wait_for(lambda states: states.symbolic_pose.edge_id != 0, 30,
+                             'report of the robot on the graph', after=len(self.states.messages))
+
+    def _both_links_stand(self) -> bool:
+        last = {link.link: link.state for link in self.links.messages}
+        return last == {'commands': LinkState.CONNECTED, 'outgoing': LinkState.CONNECTED}
+
+    def restart_bridge(self, **parameters: object) -> None:
+        """Ends the bridge's process, and waits until roslaunch has brought it back."""
+        before = rosnode.get_api_uri(rospy.get_master(), BRIDGE, skip_cache=True)
+        for name, value in parameters.items():
+            rospy.set_param(f'{BRIDGE}/{name}', value)
+        heard = len(self.states.messages)
+        rosnode.kill_nodes([BRIDGE])
+        wait_until(lambda: rosnode.get_api_uri(rospy.get_master(), BRIDGE, skip_cache=True)
+                   not in (None, before), 30, 'the bridge is back')
+        wait_until(lambda: self.routes.get_num_connections() == 1, 30, 'the bridge listens')
+        self.states.wait_for(lambda states: states.symbolic_pose.edge_id != 0, 30,
+                             'report of the bridge that is back', after=heard)
+
+    def order(self, edges: Sequence[int]) -> int:
+        """Publishes a route with a new id."""
+        self._route_id += 1
+        self.routes.publish(TargetRoute(route_id=self._route_id, edges=list(edges)))
+        return self._route_id
+
+    def end_of(self, route_id: int, timeout: float = 120.0) -> ExecutionRouteStates:
+        """The first report in which no edge of the route is under way any more."""
+        return self.states.wait_for(
+            lambda states: states.route_id == route_id and states.edge_states and all(
+                edge.state != EdgeState.PROCESSING for edge in states.edge_states),
+            timeout, f'end of route {route_id}')
+
+    def under_way(self, edges: Sequence[int], done: int) -> int:
+        """Orders a route and waits until so many of its edges are complete."""
+        route_id = self.order(edges)
+        self.states.wait_for(lambda states: states.route_id == route_id and sum(
+            edge.state == EdgeState.COMPLETE for edge in states.edge_states) == done,
+            60, f'{done} edges of route {route_id} complete')
+        return route_id
+
+    def distance_from(self, edges: Sequence[int], since: int) -> float:
+        """Greatest distance (m) of the robot's locations from the curves of the edges."""
+        curves = [self.graph.curve(edge) for edge in edges]
+        places = [status.pose.position for status in self.status.messages[since:]]
+        return max(min(curve.project(place.x, place.y).distance for curve in curves)
+                   for place in places)
+
+
+def state_list(states: ExecutionRouteStates) -> List[int]:
+    """The edges' states, in order."""
+    return [edge.state for edge in states.edge_states]
