@@ -1,7 +1,7 @@
 """What is odd about a map but does not stop it from being used."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Callable, Iterator, List, Tuple
+from typing import TYPE_CHECKING, Callable, Dict, Iterator, List, Tuple
 
 import numpy as np
 
@@ -9,6 +9,7 @@ from omron_ld90.maps.errors import FieldError, MapWarning
 from omron_ld90.maps.objects import printable
 from omron_ld90.maps.reader import BOM
 from omron_ld90.maps.references import find_references
+from omron_ld90.maps.sections import bounds
 from omron_ld90.maps.tokens import tokenise
 
 if TYPE_CHECKING:
@@ -38,11 +39,9 @@ def _header(document: MapDocument) -> Iterator[MapWarning]:
 def _claims(scan: Scan, keys: Tuple[str, ...], rows: np.ndarray) -> Iterator[MapWarning]:
     """Compares what the header says about `rows` with the rows, which are what counts."""
     count, low, high, ordered = keys
-    corners = rows.reshape(-1, 2)
-    found = {count: len(rows)}
+    found: Dict[str, object] = {count: len(rows)}
     if len(rows):
-        found[low] = tuple(corners.min(axis=0).tolist())
-        found[high] = tuple(corners.max(axis=0).tolist())
+        found[low], found[high] = bounds(rows)
     for key, value in found.items():
         claim = scan.header.values.get(key)
         if claim is not None and claim != value:

@@ -81,7 +81,7 @@ class OccupancyGrid:
 
     def _mark(self, points: np.ndarray) -> None:
         """Occupy the cells of `points` (N, 2) in mm; those outside are left out."""
-        columns, rows = np.floor((points - self.origin) / self.resolution).astype(np.int64).T
+        columns, rows = ((points - self.origin) // self.resolution).astype(np.int32).T
         inside = (columns >= 0) & (columns < self.width) & (rows >= 0) & (rows < self.height)
         self.cells[rows[inside], columns[inside]] = OCCUPIED
 

@@ -1,6 +1,7 @@
 """Reading a `.map` file into raw records and what they mean; every error says where."""
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import Container, List, NamedTuple, Optional, Tuple
 
@@ -11,6 +12,7 @@ from omron_ld90.maps.sections import Section, is_heading, split_sections
 from omron_ld90.maps.tokens import BLANKS, Token, tokenise
 
 BOM = b'\xef\xbb\xbf'
+_FIRST_LINE = re.compile(rb'(?:\xef\xbb\xbf)?\s*([^\n]*)')  # that is not blank
 
 
 class Record(NamedTuple):
@@ -46,59 +48,54 @@ def read_content(data: bytes, name: str) -> Content:
     if binary >= 0:
         raise MapError(name, 'a zero byte: this is no text', data.count(b'\n', 0, binary) + 1,
                        expected='a text file')
-    lines, rest = _split_metadata(data)
-    _check_category(lines, name)
-    if not rest:
+    _check_category(data, name)
+    records, offset = _read_records(data, name)
+    if offset == len(data):
         raise MapError(name, 'there is neither a LINES nor a DATA section: the file is cut off',
-                       len(lines), expected='at least one of them')
-    records = [_read_record(raw, name, number) for number, raw in enumerate(lines, 1)]
+                       len(records), expected='at least one of them')
     headers = _read_headers(records, name)
     try:
-        sections = split_sections(rest, len(lines) + 1)
+        sections = split_sections(data[offset:], len(records) + 1)
     except FieldError as error:
         raise error.in_file(name) from None
     _check_sources(sections, headers, name)
     return Content(records, headers, sections)
 
 
-def _split_metadata(data: bytes) -> Tuple[List[bytes], bytes]:
-    """The lines before the first section, and the bytes from that section on."""
-    lines = []
+def _check_category(data: bytes, name: str) -> None:
+    first = _FIRST_LINE.match(data)
+    text = decode(first.group(1)).strip(BLANKS)
+    if not text:
+        raise MapError(name, 'there is no category line' if data else 'the file is empty',
+                       expected=f'a map that begins with a line like {CATEGORIES[0]}')
+    if text.lower() not in (category.lower() for category in CATEGORIES):
+        raise MapError(name, f'{printable(text[:40])!r} does not begin a map',
+                       data.count(b'\n', 0, first.start(1)) + 1, 'category', ', '.join(CATEGORIES))
+
+
+def _read_records(data: bytes, name: str) -> Tuple[List[Record], int]:
+    """The metadata, and where the first section begins."""
+    records: List[Record] = []
     start = 0
     while start < len(data):
         end = data.find(b'\n', start) + 1 or len(data)
-        line = data[start:end]
-        if is_heading(line):
-            return lines, data[start:]
-        lines.append(line)
+        raw = data[start:end]
+        words = raw.split(None, 1)
+        keyword = words[0].lower().decode('utf-8', 'surrogateescape') if words else ''
+        if keyword.endswith(('data', 'lines')) and is_heading(raw):
+            break
+        if not records:
+            keyword = keyword.lstrip('\ufeff')
+        obj = _read_object(raw, name, len(records) + 1) if keyword == 'cairn:' else None
+        records.append(Record(raw, keyword, obj))
         start = end
-    return lines, b''
+    return records, start
 
 
-def _without_bom(raw: bytes) -> bytes:
-    return raw[len(BOM):] if raw.startswith(BOM) else raw
-
-
-def _check_category(lines: List[bytes], name: str) -> None:
-    for number, raw in enumerate(lines, 1):
-        text = decode(_without_bom(raw)).strip(BLANKS)
-        if text:
-            if text.lower() in (category.lower() for category in CATEGORIES):
-                return
-            raise MapError(name, f'{printable(text[:40])!r} does not begin a map', number,
-                           'category', ', '.join(CATEGORIES))
-    raise MapError(name, 'the file is empty' if not lines else 'there is no category line',
-                   expected=f'a map that begins with a line like {CATEGORIES[0]}')
-
-
-def _read_record(raw: bytes, name: str, number: int) -> Record:
-    words = (_without_bom(raw) if number == 1 else raw).split(None, 1)
-    keyword = words[0].lower().decode('utf-8', 'surrogateescape') if words else ''
-    if keyword != 'cairn:':
-        return Record(raw, keyword)
+def _read_object(raw: bytes, name: str, number: int) -> MapObject:
     text = decode(raw)
     try:
-        return Record(raw, keyword, parse_object(text, tokenise(text)))
+        return parse_object(text, tokenise(text))
     except FieldError as error:
         raise error.in_file(name, number) from None
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 import dataclasses
 import re
 from dataclasses import dataclass
-from typing import List, Optional
+from typing import List, Optional, Tuple
 
 import numpy as np
 
@@ -14,7 +14,6 @@ MAX_BOX = 2_000_000  # mm; the vendor's library refuses a larger box
 COLUMNS = {'DATA': ('x', 'y'), 'LINES': ('x1', 'y1', 'x2', 'y2')}
 
 _HEADING = re.compile(rb'(?:(\S+)_)?(LINES|DATA)', re.IGNORECASE)
-_ENDS = (b'DATA', b'INES')
 _NUMBER = re.compile(rb'-?[0-9]+')
 
 
@@ -42,8 +41,7 @@ class Section:
 
 def is_heading(line: bytes) -> bool:
     """True for a line that begins a section, like `DATA` or `Laser_1_LINES`."""
-    text = line.strip()
-    return text[-4:].upper() in _ENDS and _HEADING.fullmatch(text) is not None
+    return _HEADING.fullmatch(line.strip()) is not None
 
 
 def split_sections(data: bytes, line: int) -> List[Section]:
@@ -94,10 +92,9 @@ def parse_rows(body: bytes, columns: tuple, line: int) -> np.ndarray:
     if rows is None:
         rows = _parse_odd_rows(body, columns, line)
     if len(rows):
-        points = rows.reshape(-1, 2)
-        low, high = points.min(axis=0), points.max(axis=0)
-        if (high - low > MAX_BOX).any():
-            raise FieldError(_describe_box(low, high), 'section',
+        low, high = bounds(rows)
+        if max(high[0] - low[0], high[1] - low[1]) > MAX_BOX:
+            raise FieldError(f'the rows reach from {low} to {high} mm', 'section',
                              f'at most {MAX_BOX // 1_000_000} km each way',
                              _line_of_row(body, _far_row(rows), line))
     return rows.astype(np.int32)
@@ -145,8 +142,12 @@ def _parse_odd_rows(body: bytes, columns: tuple, line: int) -> np.ndarray:
     return np.array(rows, np.int64).reshape(-1, len(columns))
 
 
-def _describe_box(low: np.ndarray, high: np.ndarray) -> str:
-    return f'the rows reach from ({low[0]}, {low[1]}) to ({high[0]}, {high[1]}) mm'
+def bounds(rows: np.ndarray) -> Tuple[Tuple[int, int], Tuple[int, int]]:
+    """Lowest and highest x, y of the points or line ends in `rows`, of which there is one."""
+    # Column by column: numpy is slow along an axis of two.
+    low = [min(int(rows[:, i].min()) for i in range(axis, rows.shape[1], 2)) for axis in (0, 1)]
+    high = [max(int(rows[:, i].max()) for i in range(axis, rows.shape[1], 2)) for axis in (0, 1)]
+    return (low[0], low[1]), (high[0], high[1])
 
 
 def _far_row(rows: np.ndarray) -> int:
