@@ -6,8 +6,8 @@ from typing import List, Optional, Tuple
 
 import numpy as np
 
-from omron_ld90.graph.converter import Fences, fence_objects
 from omron_ld90.graph.corridors import CorridorRules, Corridors, corridors_of
+from omron_ld90.graph.fencing import Fences, fence_objects
 from omron_ld90.maps import MapObject
 from trajectory_graph import Edge, Graph, Vertex
 
@@ -38,3 +38,14 @@ def wall(x1: float, y1: float, x2: float, y2: float) -> np.ndarray:
     """Points (N,2) every 20 mm from end to end."""
     count = int(math.hypot(x2 - x1, y2 - y1) / 20.0) + 1
     return np.column_stack((np.linspace(x1, x2, count), np.linspace(y1, y2, count)))
+
+
+def real_site_graph() -> Graph:
+    """A graph drawn on the real map `omron-ld-site-a`: corridors of 1.2 m, halls, a diagonal."""
+    places = {1: (-5.0, -0.8), 2: (7.7, -0.8), 3: (7.7, 1.0), 4: (7.7, 8.65), 5: (14.0, 8.65),
+              6: (5.0, 1.6), 7: (2.6, 2.2), 8: (15.2, 0.9), 9: (17.5, 0.6), 10: (17.6, 2.6),
+              11: (21.6, 0.7), 12: (23.9, -2.6), 13: (14.4, -0.75)}
+    ends = [(1, 2), (2, 3), (3, 4), (4, 5), (3, 6), (6, 7), (3, 8), (8, 9), (8, 10), (9, 10),
+            (9, 11), (11, 12), (2, 13), (13, 9), (8, 13)]
+    return Graph([Vertex(id, x, y, 0.0) for id, (x, y) in places.items()],
+                 [Edge(id, *pair) for id, pair in enumerate(ends, 1)])

@@ -4,13 +4,14 @@ import random
 
 import numpy as np
 import pytest
-from converter_builders import LAB, graph_of
-from fence_builders import NO_WALLS, fenced, grid, wall
+from converter_builders import LAB, REAL_MAPS, graph_of
+from fence_builders import NO_WALLS, fenced, grid, real_site_graph, wall
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from omron_ld90.graph.converter import Fences, Options, convert
+from omron_ld90.graph.converter import Options, convert
 from omron_ld90.graph.fence_check import check_fences
+from omron_ld90.graph.fencing import Fences
 from omron_ld90.maps import MapDocument
 from trajectory_graph import CurveType, Edge, Graph, Vertex, load_graph
 
@@ -128,3 +129,16 @@ def test_the_laboratory_has_few_fences_and_they_are_good():
                          Options(dock_vertex=16))
     assert conversion.notes == ()
     assert len(conversion.fences) <= 2.5 * len(graph.edges)
+
+
+@pytest.mark.skipif(not (REAL_MAPS / 'omron-ld-site-a.map').exists(),
+                    reason=f'no real maps in {REAL_MAPS}')
+def test_on_a_real_map_most_walls_are_fence_enough():
+    graph = real_site_graph()
+    document = MapDocument.load(str(REAL_MAPS / 'omron-ld-site-a.map'))
+    conversion = convert(graph, document, Options())
+    assert len(conversion.fences) <= 2.0 * len(graph.edges)
+    assert conversion.notes == (
+        "GoalWithHeading 'Goal1' is outside the corridors: the robot cannot drive to it any more.",)
+    _, in_the_open = fenced(graph)
+    assert len(conversion.fences) < len(in_the_open)

@@ -1,3 +1,4 @@
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -9,17 +10,23 @@ from omron_ld90.graph.converter import (
     Conversion,
     ConversionError,
     ExistingGoals,
-    Fences,
     Options,
     check_output,
     convert,
     convert_file,
 )
+from omron_ld90.graph.corridors import CorridorRules, corridors_of
+from omron_ld90.graph.fencing import FENCE, Fences, is_fence
 from omron_ld90.maps import MapDocument, MapError, MapObject
 from trajectory_graph import load_graph
 
 GRAPH = graph_of([(1, 0.0, 0.0), (2, 4.0, 0.0), (3, 8.0, 0.0)], [(1, 2), (2, 3)])
 DOCKED = Options(dock_vertex=3)
+
+
+def did(added=()):
+    """A conversion that added these objects and did nothing else."""
+    return Conversion((), (), tuple(added), (), (), corridors_of(GRAPH, CorridorRules()))
 
 
 def names(document):
@@ -141,9 +148,8 @@ def test_an_output_that_does_not_say_what_was_made_is_found(tmp_path):
     made = tmp_path / 'made.map'
     base = map_with('Goal 900 0 0 "" ICON "Pick"')
     made.write_bytes(base.to_bytes())
-    missing = Conversion((), (), (MapObject.goal('1', 0, 0),), (), ())
     with pytest.raises(ConversionError, match='objects read back'):
-        check_output(base, missing, str(made))
+        check_output(base, did(added=[MapObject.goal('1', 0, 0)]), str(made))
 
 
 def test_an_output_with_another_line_changed_is_found(tmp_path):
@@ -151,7 +157,7 @@ def test_an_output_with_another_line_changed_is_found(tmp_path):
     base = map_with()
     made.write_bytes(base.to_bytes().replace(b'GoalAfter', b'GoalBefore'))
     with pytest.raises(ConversionError, match='lines of base.map'):
-        check_output(base, Conversion((), (), (), (), ()), str(made))
+        check_output(base, did(), str(made))
 
 
 def test_a_map_may_be_converted_in_place(tmp_path):
@@ -168,6 +174,44 @@ def test_a_base_map_that_is_not_there_leaves_the_output_alone(tmp_path):
         convert_file(GRAPH, str(tmp_path / 'absent.map'), str(output), DOCKED)
     assert output.read_text() == 'precious'
     assert [path.name for path in Path(tmp_path).iterdir()] == ['made.map']
+
+
+def test_fences_are_replaced_and_other_areas_left_alone():
+    theirs = 'ForbiddenArea 0 0 30.000000 "by hand" ICON "FA1" 3000 4000 5000 6000'
+    stale = f'ForbiddenArea 0 0 0.000000 "{FENCE}" ICON "" 1000 900 1200 1100'
+    document = map_with(stale, theirs)
+    conversion = convert(GRAPH, document, Options())
+    assert [obj.extent.from_x for obj in conversion.removed] == [1000]
+    assert f'Cairn: {theirs}\n'.encode() in document.to_bytes()
+    assert Counter(filter(is_fence, document.objects)) == Counter(conversion.fences)
+
+
+def test_fences_may_become_lines_or_nothing():
+    document = map_with()
+    convert(GRAPH, document, Options(fences=Fences.AREAS))
+    assert document.forbidden_areas
+    convert(GRAPH, document, Options(fences=Fences.LINES))
+    assert not document.forbidden_areas
+    assert all(map(is_fence, document.forbidden_lines)) and document.forbidden_lines
+    convert(GRAPH, document, Options(fences=Fences.NONE))
+    assert not document.forbidden_lines
+
+
+def test_a_goal_behind_the_fences_is_told():
+    notes = convert(GRAPH, map_with('Goal 900 3000 0 "" ICON "Pick"'), Options()).notes
+    assert [note for note in notes if "'Pick' is outside the corridors" in note]
+
+
+def test_an_edge_that_leads_through_a_wall_is_told():
+    document = MapDocument.from_bytes(map_with().to_bytes() + b'2000 100\n')
+    notes = convert(GRAPH, document, Options()).notes
+    assert any(note.startswith('Edge 1 leads past an obstacle at a distance of 100 mm near 2000 0')
+               for note in notes), notes
+
+
+def test_a_width_for_an_edge_that_is_not_there_is_refused():
+    with pytest.raises(ConversionError, match='no edge 77'):
+        convert(GRAPH, map_with(), Options(corridors=CorridorRules(edge_widths={77: 900.0})))
 
 
 @given(st.lists(st.tuples(st.integers(1, 6), st.integers(-9999, 9999), st.integers(-9999, 9999)),

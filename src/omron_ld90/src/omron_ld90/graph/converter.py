@@ -11,14 +11,15 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import List, Optional, Set, Tuple
 
-import numpy as np
-from shapely.geometry import Point
-from shapely.geometry.base import BaseGeometry
-from shapely.prepared import prep
-
 from omron_ld90.graph.corridors import CorridorRules, Corridors, corridors_of
-from omron_ld90.graph.fence_check import check_fences
-from omron_ld90.graph.fences import fence_areas, fence_lines
+from omron_ld90.graph.fencing import (
+    Fences,
+    fence_objects,
+    is_fence,
+    notes_on_fences,
+    notes_on_places,
+    notes_on_walls,
+)
 from omron_ld90.graph.goals import dock_pose, places_of
 from omron_ld90.graph.obstacles import obstacle_points
 from omron_ld90.maps import MapDocument, MapObject
@@ -27,18 +28,6 @@ from trajectory_graph import Graph, UnknownVertex
 
 class ConversionError(Exception):
     """A graph and a map that do not go together; the text says why and what to do."""
-
-
-FENCE = 'omron_ros_map fence'
-"""Description of the objects that keep the robot in the corridors: a later run replaces them."""
-
-
-class Fences(Enum):
-    """What keeps the robot in the graph's corridors."""
-
-    AREAS = 'areas'
-    LINES = 'lines'
-    NONE = 'none'
 
 
 class ExistingGoals(Enum):
@@ -76,40 +65,38 @@ class Conversion:
     removed: Tuple[MapObject, ...]
     notes: Tuple[str, ...]
     """What a person should know about the result, a sentence each."""
-    corridors: Optional[Corridors] = None
-    """What the fences surround."""
+    corridors: Corridors
+    """The floor that the fences leave free."""
 
 
 def convert(graph: Graph, document: MapDocument, options: Options) -> Conversion:
     """Put the graph into the document; raises ConversionError or MapError."""
-    wanted = _places(graph, options)
+    wanted = _wanted_places(graph, options)
+    corridors = _corridors(graph, options)
     known = {warning.text for warning in document.warnings}
-    removed = _clear(document, wanted, options.existing_goals)
-    places, added = [], []
-    for place in wanted:
-        present = document.find(place.name)
-        if present is None or not (present.is_goal or present.is_dock):
-            document.add(place)
-            added.append(place)
-            present = place
-        places.append(present)
-    notes = _new_warnings(document, known, removed) + _other_docks(document, wanted)
+    walls = obstacle_points(document, ignored=is_fence)
+    fences = fence_objects(corridors.floor, walls, options.fences)
 
-    corridors, fences = _fences(graph, document, options)
-    old = Counter(filter(is_fence, document.objects))
-    for fence in (old - Counter(fences)).elements():
+    removed = _clear(document, wanted, options.existing_goals)
+    places, added = _add_missing(document, wanted)
+    notes = _new_warnings(document, known, removed) + _other_docks(document, wanted)
+    old, new = Counter(filter(is_fence, document.objects)), Counter(fences)
+    for fence in (old - new).elements():
         document.remove(fence)
         removed.append(fence)
-    for fence in (Counter(fences) - old).elements():
+    for fence in (new - old).elements():
         document.add(fence)
         added.append(fence)
-    notes += _fence_notes(graph, document, corridors, fences)
+
+    notes += notes_on_walls(graph, walls)
+    if options.fences is not Fences.NONE:
+        notes += notes_on_fences(graph, corridors, fences, walls)
+        notes += notes_on_places(corridors, document.goals + document.docks)
     return Conversion(tuple(places), tuple(fences), tuple(added), tuple(removed), tuple(notes),
                       corridors)
 
 
-def convert_file(graph: Graph, base_map: str, output: str,
-                 options: Options) -> Conversion:
+def convert_file(graph: Graph, base_map: str, output: str, options: Options) -> Conversion:
     """Make the map `output` from the file `base_map`, which may be the same.
 
     The output is written even when nothing changes, so that it is newer than what it is made from.
@@ -144,7 +131,7 @@ def check_output(base: MapDocument, conversion: Conversion, output: str) -> None
                               'graph have changed; please report this.')
 
 
-def _places(graph: Graph, options: Options) -> List[MapObject]:
+def _wanted_places(graph: Graph, options: Options) -> List[MapObject]:
     try:
         return places_of(graph, options.dock_vertex, options.dock_heading)
     except UnknownVertex as error:
@@ -152,6 +139,17 @@ def _places(graph: Graph, options: Options) -> List[MapObject]:
                               'name the vertex of the dock, or none.') from error
     except ValueError as error:
         raise ConversionError(f'{error}.') from error
+
+
+def _corridors(graph: Graph, options: Options) -> Corridors:
+    for id in options.corridors.edge_widths:
+        if id not in graph.edges:
+            raise ConversionError(f'The graph has no edge {id}, to which edge_width gives a '
+                                  'width; name an edge of the graph.')
+    dock = None
+    if options.dock_vertex is not None:
+        dock = dock_pose(graph, options.dock_vertex, options.dock_heading)
+    return corridors_of(graph, options.corridors, dock)
 
 
 def _clear(document: MapDocument, wanted: List[MapObject],
@@ -171,61 +169,25 @@ def _clear(document: MapDocument, wanted: List[MapObject],
     return removed
 
 
+def _add_missing(document: MapDocument,
+                 wanted: List[MapObject]) -> Tuple[List[MapObject], List[MapObject]]:
+    """Add the places whose names the map has not; the map's object for each, and the new ones."""
+    places, added = [], []
+    for place in wanted:
+        present = document.find(place.name)
+        if present is None or not (present.is_goal or present.is_dock):
+            document.add(place)
+            added.append(place)
+            present = place
+        places.append(present)
+    return places, added
+
+
 def _new_warnings(document: MapDocument, known: Set[str], removed: List[MapObject]) -> List[str]:
     """The warnings that the base map did not have; not those about objects that came back."""
     back = [f'{obj.label!r}, which was removed' for obj in removed if document.find(obj.name)]
     return [f'{warning.text[0].upper()}{warning.text[1:]}.' for warning in document.warnings
             if warning.text not in known and not any(text in warning.text for text in back)]
-
-
-def is_fence(obj: MapObject) -> bool:
-    """Was the object made by a converter to keep the robot in its corridors?"""
-    return obj.description == FENCE
-
-
-def fence_objects(floor: BaseGeometry, walls: np.ndarray, kind: Fences) -> List[MapObject]:
-    """Fences around `floor` (mm) where `walls` (N,2) leave it open, as a map holds them."""
-    if kind is Fences.AREAS:
-        return [MapObject.forbidden_area(fence.rectangle, description=FENCE)
-                for fence in fence_areas(floor, walls)]
-    if kind is Fences.LINES:
-        return [MapObject.forbidden_line(*fence.line, description=FENCE)
-                for fence in fence_lines(floor, walls)]
-    return []
-
-
-def _fences(graph: Graph, document: MapDocument,
-            options: Options) -> Tuple[Optional[Corridors], List[MapObject]]:
-    if options.fences is Fences.NONE:
-        return None, []
-    _check_widths(graph, options.corridors)
-    dock = None if options.dock_vertex is None else dock_pose(graph, options.dock_vertex,
-                                                              options.dock_heading)
-    corridors = corridors_of(graph, options.corridors, dock)
-    walls = obstacle_points(document, ignored=is_fence)
-    return corridors, fence_objects(corridors.floor, walls, options.fences)
-
-
-def _check_widths(graph: Graph, rules: CorridorRules) -> None:
-    for id in rules.edge_widths:
-        if id not in graph.edges:
-            raise ConversionError(f'The graph has no edge {id}, to which a corridor width is '
-                                  'given; name an edge of the graph.')
-
-
-def _fence_notes(graph: Graph, document: MapDocument, corridors: Optional[Corridors],
-                 fences: List[MapObject]) -> List[str]:
-    """What is wrong with the fences, and which goals are behind them."""
-    if corridors is None:
-        return []
-    check = check_fences(graph, corridors, fences, obstacle_points(document, ignored=is_fence))
-    notes = [f'The fences leave a gap at {x:.0f} {y:.0f} mm.' for x, y in check.leaks]
-    if check.lost_area >= 1.0:
-        notes.append(f'The fences take {check.lost_area / 1e6:.3f} m2 of the corridors.')
-    floor = prep(corridors.floor)
-    return notes + [f'{obj.kind} {obj.label!r} is outside the corridors: the robot cannot drive to '
-                    'it any more.' for obj in document.goals + document.docks
-                    if not floor.contains(Point(obj.x, obj.y))]
 
 
 def _other_docks(document: MapDocument, wanted: List[MapObject]) -> List[str]:

@@ -7,7 +7,8 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 from shapely.geometry.base import BaseGeometry
 
-from omron_ld90.graph.converter import Conversion, is_fence
+from omron_ld90.graph.converter import Conversion
+from omron_ld90.graph.fencing import is_fence
 from omron_ld90.maps import MapDocument, MapError, MapObject
 from trajectory_graph import Graph
 
@@ -27,9 +28,9 @@ def draw(document: MapDocument, graph: Graph, conversion: Conversion, path: str)
     lines red, goals green, docks purple; a dash tells the heading.
     """
     sheet = _Sheet(document, graph)
-    if conversion.corridors is not None:
-        for part in getattr(conversion.corridors.floor, 'geoms', [conversion.corridors.floor]):
-            sheet.area(part)
+    floor = conversion.corridors.floor
+    for part in getattr(floor, 'geoms', [floor]):
+        sheet.area(part)
     objects = sorted(document.forbidden_areas + document.forbidden_lines,
                      key=is_fence, reverse=True)
     for obj in objects:

@@ -1,14 +1,29 @@
-"""What already keeps a robot back on a map, as points close together. All in mm, map frame."""
+"""What already keeps a robot back on a map: as points close together, and where on edges.
+
+All in mm, map frame.
+"""
 from __future__ import annotations
 
-from typing import Callable, List
+from typing import Callable, List, NamedTuple
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from omron_ld90.maps import MapDocument, MapObject, RotatedRectangle
+from trajectory_graph import Graph
 
 LINE_PITCH = 20.0
 AREA_PITCH = 100.0
+CURVE_PITCH = 50.0
+
+
+class Obstruction(NamedTuple):
+    """The place on an edge's curve that is nearest to an obstacle."""
+
+    edge_id: int
+    x: float
+    y: float
+    distance: float
 
 
 def obstacle_points(document: MapDocument,
@@ -26,6 +41,21 @@ def obstacle_points(document: MapDocument,
                                  obj.extent.to_x, obj.extent.to_y))
     points += [_inside(obj.rectangle) for obj in document.forbidden_areas if not ignored(obj)]
     return np.concatenate(points)
+
+
+def obstructions(graph: Graph, obstacles: np.ndarray, clearance: float) -> List[Obstruction]:
+    """The edges on whose curves something is nearer than `clearance`, and where."""
+    if not len(obstacles):
+        return []
+    nearest = cKDTree(obstacles)
+    found = []
+    for id in sorted(graph.edges):
+        curve = graph.curve(id).sample(CURVE_PITCH / 1000.0) * 1000.0
+        distances, _ = nearest.query(curve, distance_upper_bound=clearance)
+        worst = int(np.argmin(distances))
+        if distances[worst] < clearance:
+            found.append(Obstruction(id, *curve[worst].tolist(), float(distances[worst])))
+    return found
 
 
 def _along(x1: float, y1: float, x2: float, y2: float) -> np.ndarray:

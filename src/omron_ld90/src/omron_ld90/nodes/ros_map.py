@@ -23,7 +23,8 @@ import sys
 from typing import List, Optional
 
 from omron_ld90.graph import converter_cli
-from omron_ld90.graph.converter import ExistingGoals, Fences, Options
+from omron_ld90.graph.converter import ExistingGoals, Options
+from omron_ld90.graph.fencing import Fences
 
 
 def main(arguments: Optional[List[str]] = None) -> None:
