@@ -110,7 +110,10 @@ class Base:
     def _drive(self, track: Track, dt: float) -> bool:
         now = self.speed
         if self._braking is not None:
-            speed = max(now - self._braking * dt, 0.0)
+            slow = self._braking
+            if slow <= self.limits.deceleration:    # in a bend, no faster than the turning allows
+                slow = min(slow, track.acceleration_at(self._place))
+            speed = max(now - slow * dt, 0.0)
         else:
             slowest = max(now - self.limits.deceleration * dt, 0.0)
             speed = now + min(self.limits.acceleration, track.acceleration_at(self._place)) * dt

@@ -47,6 +47,7 @@ class Track:
         self.samples = samples = samples[keep]
         distances = np.concatenate([[0.0], np.cumsum(steps[steps > 1e-6])])
         self.length = float(distances[-1])
+        self.entry_fits = True      # whether the limits allow to begin at the entry speed
         self._s: List[float] = distances.tolist()
         self._v2 = self._profile(limits, distances, final, top_speed or limits.speed, entry_speed)
         self._rows: List[List[float]] = samples.tolist()
@@ -66,6 +67,7 @@ class Track:
         brake = limits.goal_deceleration if final else limits.deceleration
         for i in range(len(steps) - 1, -1, -1):
             v2[i] = min(v2[i], v2[i + 1] + 2.0 * min(brake, ease[i], ease[i + 1]) * steps[i])
+        self.entry_fits = entry_speed ** 2 <= v2[0] + 1.0
         fastest_entry = entry_speed ** 2 - 2.0 * limits.deceleration * s
         return np.maximum(v2, fastest_entry).tolist()
 
@@ -136,29 +138,44 @@ def manoeuvres(way: Way, planner: Planner, limits: Limits = LD90_LIMITS,
     at `entry_speed` at their first sample: it drives them first and rounds the corner at their end
     if it can.
     """
-    result: List[Manoeuvre] = []
-    heading = way.start.theta
-    if way.escape:
-        result.append(straight_track(way.start, way.escape, limits))
     points = _without_repeats(way.vertices)
-    lines: List[np.ndarray] = []
-    if lead_in is not None:
+    clearance = planner.turn_clearance
+    if lead_in is not None and not way.escape:
         run = _straight_run(lead_in)
-        before = points[0] - run * np.array([math.cos(lead_in[-1, 2]), math.sin(lead_in[-1, 2])])
-        lines.append(_drop_end(lead_in, run))
-        points = np.vstack([before, points])
-        heading = math.degrees(lead_in[-1, 2])
-    tracks = _tracks(points, lines, way.space, planner.turn_clearance)
+        ahead = np.array([math.cos(lead_in[-1, 2]), math.sin(lead_in[-1, 2])])
+        if run > SHORTEST_REACH:
+            joined = _tracks(np.vstack([points[0] - run * ahead, points]),
+                             [_drop_end(lead_in, run)], way.space, clearance)
+            first = Track(joined[0], limits, final=len(joined) == 1, entry_speed=entry_speed)
+            if first.entry_fits:
+                return [first, *_stretches(joined[1:], limits, joined[0][-1, 2], way)]
+    begin: List[Manoeuvre] = []
+    if lead_in is not None:     # no way round the corner at this speed: stop in front of it
+        begin.append(Track(lead_in, limits, final=False, entry_speed=entry_speed))
+    if way.escape:
+        begin.append(straight_track(way.start, way.escape, limits))
+    return begin + _stretches(_tracks(points, [], way.space, clearance), limits,
+                              math.radians(way.start.theta), way)
+
+
+def _stretches(tracks: List[np.ndarray], limits: Limits, direction: float,
+               way: Way) -> List[Manoeuvre]:
+    """The tracks, each begun standing, with turns before them and at the way's end."""
+    result: List[Manoeuvre] = []
     for number, samples in enumerate(tracks):
-        direction = math.degrees(samples[0, 2])
-        entry = entry_speed if number == 0 and lead_in is not None else 0.0
-        if entry == 0.0 and abs(normalise(direction - heading)) > 1e-3:
-            result.append(Turn(normalise(direction), limits.path_rotation))
-        result.append(Track(samples, limits, final=number == len(tracks) - 1, entry_speed=entry))
-        heading = math.degrees(samples[-1, 2])
-    if way.final_heading is not None and abs(normalise(way.final_heading - heading)) > 1e-3:
-        result.append(Turn(normalise(way.final_heading), limits.goal_rotation))
+        result += _turn(direction, samples[0, 2], limits.path_rotation)
+        result.append(Track(samples, limits, final=number == len(tracks) - 1))
+        direction = samples[-1, 2]
+    if way.final_heading is not None:
+        result += _turn(direction, math.radians(way.final_heading), limits.goal_rotation)
     return result
+
+
+def _turn(before: float, after: float, rate: float) -> List[Manoeuvre]:
+    """A turn on the spot between two directions (rad), unless they are the same."""
+    if abs(math.remainder(after - before, 2 * math.pi)) < 1e-5:
+        return []
+    return [Turn(normalise(math.degrees(after)), rate)]
 
 
 def _without_repeats(points: np.ndarray) -> np.ndarray:

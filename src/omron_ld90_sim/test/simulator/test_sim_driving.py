@@ -3,11 +3,11 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Tuple
+from typing import Optional, Tuple
 
 import numpy as np
 import pytest
-from sim_builders import LAB, REAL_MAPS, Obstacles, Rig
+from sim_builders import LAB, REAL_MAPS, Obstacles, Rig, room
 from skimage.measure import label
 
 from omron_ld90.maps import MapDocument
@@ -35,36 +35,40 @@ def random_pairs(floor: Floor, planner: Planner, near: Tuple[float, float], coun
 
 
 class Inspector:
-    """Steps a base to its end and checks every step against obstacles and limits."""
+    """Checks every step of a base against obstacles and limits."""
 
-    def __init__(self, obstacles: Obstacles) -> None:
-        self.obstacles = obstacles
-
-    def drive(self, base: Base, seconds: float = 1000.0) -> None:
+    def __init__(self, obstacles: Obstacles, base: Base) -> None:
         # no border of an area is ever touched, so it is enough that the start is outside
-        assert not self.obstacles.forbidden(base.pose)
-        limits, left = LD90_LIMITS, seconds
-        speed = rotation = 0.0
-        while not base.still:
-            before, turning = base.pose, isinstance(base.manoeuvre, Turn)
-            base.step()
-            left -= STEP
-            assert left > 0, 'the robot does not arrive'
-            moved = base.pose.distance_to(before.x, before.y) / STEP
-            turned = abs(normalise(base.pose.theta - before.theta)) / STEP
-            where = f'at {base.pose}'
-            assert base.speed <= limits.speed + 1e-6, where
-            assert -limits.deceleration <= (base.speed - speed) / STEP + 1e-6, where
-            assert (base.speed - speed) / STEP <= limits.acceleration + 1e-6, where
-            spin = abs(base.rotation - rotation) / STEP
-            assert spin <= limits.rotation_acceleration + 1e-6, where
-            assert turned <= limits.path_rotation + 1e-6, where
-            assert abs(moved - (speed + base.speed) / 2) < 8.0, f'{where}: jumped'
-            clear = self.obstacles.clearance(base.pose)
-            assert self.obstacles.distance(base.pose) > 0.0, f'{where}: touched'
-            assert clear >= LD90_BODY.half_width, where
-            assert not turning or clear >= LD90_BODY.half_diagonal, where
-            speed, rotation = base.speed, base.rotation
+        assert not obstacles.forbidden(base.pose)
+        self.obstacles, self.base, self.steps = obstacles, base, 0
+        self._step, base.step = base.step, self.step
+
+    def step(self, dt: float = STEP) -> None:
+        """Does a step and checks it."""
+        base, limits = self.base, LD90_LIMITS
+        before, turning = base.pose, isinstance(base.manoeuvre, Turn)
+        speed, rotation = base.speed, base.rotation
+        self._step(dt)
+        self.steps += 1
+        moved = base.pose.distance_to(before.x, before.y) / dt
+        turned = abs(normalise(base.pose.theta - before.theta)) / dt
+        where = f'at {base.pose}'
+        assert base.speed <= limits.speed + 1e-6, where
+        assert -limits.deceleration <= (base.speed - speed) / dt + 1e-6, where
+        assert (base.speed - speed) / dt <= limits.acceleration + 1e-6, where
+        assert abs(base.rotation - rotation) / dt <= limits.rotation_acceleration + 1e-6, where
+        assert turned <= limits.path_rotation + 1e-6, where
+        assert abs(moved - (speed + base.speed) / 2) < 8.0, f'{where}: jumped'
+        clear = self.obstacles.clearance(base.pose)
+        assert self.obstacles.distance(base.pose) > 0.0, f'{where}: touched'
+        assert clear >= LD90_BODY.half_width, where
+        assert not turning or clear >= LD90_BODY.half_diagonal, where
+
+    def drive(self, seconds: float = 1000.0) -> None:
+        """Steps the base to its end."""
+        while not self.base.still:
+            self.base.step()
+            assert self.steps * STEP < seconds, 'the robot does not arrive'
 
 
 @pytest.mark.parametrize('path', MAPS, ids=lambda path: path.stem)
@@ -74,13 +78,13 @@ def test_between_random_poses_the_body_touches_nothing(path: Path) -> None:
     document = MapDocument.load(str(path))
     floor = Floor.from_map(document)
     planner = Planner(floor)
-    inspector = Inspector(Obstacles(document))
+    obstacles = Obstacles(document)
     first = document.goals[0]
     for start, end in random_pairs(floor, planner, (first.x, first.y), PAIRS):
         way = planner.plan(start, end.x, end.y, end.theta)
         base = Base(start)
         base.follow(manoeuvres(way, planner))
-        inspector.drive(base)
+        Inspector(obstacles, base).drive()
         assert base.pose.distance_to(end.x, end.y) < 1.0
         assert abs(normalise(base.pose.theta - end.theta)) < 0.1
 
@@ -190,6 +194,23 @@ def test_a_new_goal_behind_is_taken_within_the_limits() -> None:
         assert abs(now - speed) <= 500.0 * STEP + 1e-6
         speed = now
     assert rig.robot.true_pose.distance_to(-3000.0, 2200.0) < 1.0
+
+
+@pytest.mark.parametrize('path', [None, LAB], ids=['room', 'lab'])
+def test_goals_that_change_on_the_way_never_break_a_limit(path: Optional[Path]) -> None:
+    document = MapDocument.load(str(path)) if path else room()
+    first = document.goals[0]
+    rig = Rig(document, start=(first.x, first.y, 0.0), seed=3)
+    inspector = Inspector(Obstacles(document), rig.robot.base)
+    client, random = rig.client(), np.random.RandomState(4)
+    for _ in range(150):
+        goal = document.goals[random.randint(len(document.goals))]
+        words = ['stop', f'goto {goal.name}', f'gotoPoint {goal.x} {goal.y} {random.randint(360)}']
+        client.send(words[random.choice(3, p=[0.1, 0.6, 0.3])].replace('East side', '"East side"'))
+        rig.clock.advance(rig.clock.now + random.uniform(0.1, 8.0))
+    lines = client.lines()
+    assert not [line for line in lines if line.startswith(('Error', 'CommandError'))]
+    assert inspector.steps > 5000 and sum(line.startswith('Going') for line in lines) > 100
 
 
 def test_two_robots_give_way_or_stop_but_never_touch() -> None:
