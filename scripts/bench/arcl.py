@@ -1,0 +1,283 @@
+"""ARCL: lines through the parser, latency from the socket to a subscriber, CPU of the two nodes.
+
+Each beside its floor in the same run. The bench plays the robot: 10 statuses and 10 scans of 1,000
+points a second. The floor of latency and CPU is a bare rospy publisher of the same lines.
+"""
+from __future__ import annotations
+
+import os
+import random
+import socket
+import statistics
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from pathlib import Path
+from typing import Callable, Dict, List, NamedTuple, Tuple
+
+import numpy as np
+
+from omron_ld90.arcl import Session
+from system_support import free_port
+
+ROOT = Path(__file__).resolve().parents[2]
+NODES = ROOT / 'src/omron_ld90/nodes'
+RUNS = 7
+SECONDS = 20.0
+RATE = 10.0  # statuses, and scans, a second
+PASSWORD = b'bench'
+TICKS = os.sysconf('SC_CLK_TCK')
+
+# Publishes the lines of a status and a scan as plain Strings, stamped with the time of each burst.
+BARE_NODE = '''
+import sys, time
+import rospy
+from std_msgs.msg import String
+rospy.init_node('bare')
+topics = ['state', 'extended', 'charge', 'location', 'score', 'temperature', 'scan']
+lines = open(sys.argv[1]).read().splitlines()
+publishers = [rospy.Publisher('/bare/' + topic, String, queue_size=10, tcp_nodelay=True)
+              for topic in topics]
+rate = rospy.Rate(10)
+while not rospy.is_shutdown():
+    now = time.monotonic_ns()
+    for publisher, line in zip(publishers, lines):
+        publisher.publish(line.replace('STAMP', '%019d' % now))
+    rate.sleep()
+'''
+
+
+class Row(NamedTuple):
+    """One line of the table."""
+
+    what: str
+    figure: str
+    floor: str
+    aim: str
+
+
+def lines_per_second(work: Callable[[], object], lines: int) -> float:
+    """Median of several runs."""
+    times = []
+    for _ in range(RUNS):
+        begin = time.perf_counter()
+        work()
+        times.append(time.perf_counter() - begin)
+    return lines / statistics.median(times)
+
+
+def in_chunks(data: bytes) -> List[bytes]:
+    """As a socket gives them."""
+    return [data[i:i + 65536] for i in range(0, len(data), 65536)]
+
+
+def statuses() -> Row:
+    """Status lines, no two locations alike, through a session; floor: split and decoded only."""
+    draw = random.Random(1)
+    blocks = [f'ExtendedStatusForHumans: Going to {i}\r\nStatus: Going to {i}\r\n'
+              f'StateOfCharge: {draw.uniform(0, 100):.1f}\r\n'
+              f'Location: {draw.randint(-99999, 99999)} {draw.randint(-99999, 99999)} '
+              f'{draw.randint(-180, 180)}\r\nLocalizationScore: {draw.random():.6f}\r\n'
+              f'Temperature: {draw.randint(20, 40)}\r\n' for i in range(20_000)]
+    return throughput('status lines', ''.join(blocks).encode(), 6 * len(blocks), '400,000/s')
+
+
+def scans() -> Row:
+    """Scans of 455 points through a session."""
+    points = np.random.default_rng(1).integers(-20_000, 20_000, 910)
+    line = f'RangeDeviceGetCurrent: Laser_1 {" ".join(map(str, points))}\r\n'
+    return throughput('scans of 455 points', line.encode() * 5000, 5000, '10,000/s')
+
+
+def throughput(what: str, data: bytes, lines: int, aim: str) -> Row:
+    """Lines per second through session and replies."""
+    chunks = in_chunks(data)
+
+    def parse() -> None:
+        session = Session(None)
+        events = sum(len(session.receive(chunk)) for chunk in chunks)
+        assert events == lines, events
+
+    def split() -> None:
+        for line in data.split(b'\r\n'):
+            line.decode()
+    ours, floor = lines_per_second(parse, lines), lines_per_second(split, lines)
+    return Row(f'{what} through session and replies', f'{ours:,.0f}/s',
+               f'split and decoded: {floor:,.0f}/s', aim)
+
+
+def burst(stamp: int, points: str) -> Tuple[List[str], str]:
+    """The lines of a status, with a stamp in their texts, and a scan."""
+    mark = f'{stamp:019d}' if stamp else 'STAMP'
+    status = [f'Status: Going to {mark}', f'ExtendedStatusForHumans: {mark}',
+              'StateOfCharge: 79.4', 'Location: 3120 -540 -87', 'LocalizationScore: 0.870543',
+              'Temperature: 36']
+    return status, f'RangeDeviceGetCurrent: {mark if not stamp else "Laser_1"} {points}'
+
+
+class Robot:
+    """Answers the controller's login and heartbeats on one port, and dials the receiver."""
+
+    def __init__(self) -> None:
+        self._server = socket.create_server(('127.0.0.1', 0))
+        self.port: int = self._server.getsockname()[1]
+        threading.Thread(target=self._serve, daemon=True).start()
+
+    def _serve(self) -> None:
+        connection, _ = self._server.accept()
+        with connection, connection.makefile('rb') as reader:
+            connection.sendall(b'Enter password:\r\n')
+            reader.readline()
+            connection.sendall(b'Welcome to the server.\r\nCommands:\r\nEnd of commands\r\n')
+            for line in reader:
+                if line.strip() == b'oneLineStatus':
+                    connection.sendall(b'Status: Stopped StateOfCharge: 79.4 Location: 1 2 3 '
+                                       b'Temperature: 36\r\n')
+                elif line.strip() == b'getGoals':
+                    connection.sendall(b'Goal: 1\r\nEnd of goals\r\n')
+
+
+def nodes() -> List[Row]:
+    """Latency and CPU of the nodes, against those of the bare publisher."""
+    import rosgraph
+    import rospy
+    master_port, receiver_port = free_port(), free_port()
+    os.environ['ROS_MASTER_URI'] = f'http://127.0.0.1:{master_port}'
+    quiet = {'stdout': subprocess.DEVNULL, 'stderr': subprocess.DEVNULL}
+    points = ' '.join(map(str, np.random.default_rng(2).integers(-15_000, 15_000, 2000)))
+    robot = Robot()
+    processes = {'roscore': subprocess.Popen(['roscore', '-p', str(master_port)], **quiet)}
+    with tempfile.TemporaryDirectory() as folder:
+        password = Path(folder) / 'password'
+        password.write_bytes(PASSWORD)
+        lines = Path(folder) / 'lines'
+        status, scan = burst(0, points)
+        lines.write_text('\n'.join([*status, scan]))
+        try:
+            while not rosgraph.Master('/bench').is_online():
+                time.sleep(0.05)
+            rospy.init_node('bench', anonymous=True, disable_signals=True)
+            processes['bare'] = subprocess.Popen([sys.executable, '-c', BARE_NODE, str(lines)],
+                                                 **quiet)
+            processes['receiver'] = subprocess.Popen(
+                [sys.executable, str(NODES / 'omron_connection_receiver'),
+                 '_robot_ip:=127.0.0.1', f'_port:={receiver_port}'], **quiet)
+            processes['controller'] = subprocess.Popen(
+                [sys.executable, str(NODES / 'omron_controller'), '_robot_ip:=127.0.0.1',
+                 f'_port:={robot.port}', f'_password_file:={password}'], **quiet)
+            return measure(processes, receiver_port, points)
+        finally:
+            for process in reversed(list(processes.values())):
+                process.terminate()
+                process.wait(10)
+
+
+def measure(processes: Dict[str, subprocess.Popen], port: int, points: str) -> List[Row]:
+    """Feeds the receiver for a while, and reads the clocks."""
+    import rospy
+    from sensor_msgs.msg import PointCloud2
+    from std_msgs.msg import String
+
+    from omron_ld90_msgs.msg import RobotStatus
+    latencies: Dict[str, List[float]] = {'ours': [], 'bare': [], 'ours scan': [], 'bare scan': []}
+    sent = [0]
+
+    def heard(message: String, name: str) -> None:
+        stamp = int(message.data.split(' ', 4)[-1 if 'scan' not in name else 1])
+        latencies[name].append((time.monotonic_ns() - stamp) / 1e6)
+
+    def scan_heard(_message: String) -> None:
+        latencies['ours scan'].append((time.monotonic_ns() - sent[0]) / 1e6)
+    rospy.Subscriber('status/state', String, heard, 'ours', tcp_nodelay=True)
+    rospy.Subscriber('/bare/state', String, heard, 'bare', tcp_nodelay=True)
+    rospy.Subscriber('laser_points', String, scan_heard, tcp_nodelay=True)
+    rospy.Subscriber('/bare/scan', String, heard, 'bare scan', tcp_nodelay=True)
+    for topic, kind in (('robot_status', RobotStatus), ('laser_cloud', PointCloud2),
+                        ('status/location', String), ('/bare/location', String)):
+        rospy.Subscriber(topic, kind, lambda _: None, tcp_nodelay=True)
+    connection = connect(port)
+    deadline = time.monotonic() + 30.0
+    while not all(latencies.values()):
+        feed(connection, points, sent, 1)
+        if time.monotonic() > deadline:
+            raise RuntimeError(f'nothing came: {latencies}')
+    for values in latencies.values():
+        values.clear()
+    before = {name: cpu_seconds(process.pid) for name, process in processes.items()}
+    begin = time.monotonic()
+    feed(connection, points, sent, int(SECONDS * RATE))
+    elapsed = time.monotonic() - begin
+    share = {name: 100.0 * (cpu_seconds(process.pid) - before[name]) / elapsed
+             for name, process in processes.items()}
+    connection.close()
+    together = share['controller'] + share['receiver']
+    return [
+        latency_row('status line (6 lines at 10 Hz)', latencies['ours'], latencies['bare']),
+        latency_row('scan of 1,000 points at 10 Hz', latencies['ours scan'],
+                    latencies['bare scan']),
+        Row('CPU of controller + receiver, 10 Hz status and 1,000-point scans',
+            f'{together:.1f} % of a core ({share["controller"]:.1f} + {share["receiver"]:.1f})',
+            f'bare publisher of the same lines: {share["bare"]:.1f} %', 'under 6 %')]
+
+
+def latency_row(what: str, ours: List[float], bare: List[float]) -> Row:
+    """p50 and p99 of both."""
+    (p50, p99), (bare50, bare99) = (np.percentile(values, (50, 99)) for values in (ours, bare))
+    return Row(f'socket to subscriber: {what}',
+               f'p50 {p50:.2f} ms ({p50 / bare50:.2f} x), p99 {p99:.2f} ms',
+               f'bare rospy hop: p50 {bare50:.2f} ms, p99 {bare99:.2f} ms',
+               'p50 within 1.5 x, p99 under 5 ms')
+
+
+def connect(port: int) -> socket.socket:
+    """The robot's outgoing connection."""
+    deadline = time.monotonic() + 30.0
+    while True:
+        try:
+            connection = socket.create_connection(('127.0.0.1', port))
+            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            return connection
+        except ConnectionRefusedError:
+            if time.monotonic() > deadline:
+                raise
+            time.sleep(0.05)
+
+
+def feed(connection: socket.socket, points: str, sent: List[int], times: int) -> None:
+    """Sends status and scan so many times, half a period apart."""
+    half = 0.5 / RATE
+    due = time.monotonic()
+    for _ in range(times):
+        status, scan = burst(time.monotonic_ns(), points)
+        connection.sendall('\r\n'.join([*status, '']).encode())
+        due += half
+        time.sleep(max(due - time.monotonic(), 0.0))
+        data = f'{scan}\r\n'.encode()
+        sent[0] = time.monotonic_ns()
+        connection.sendall(data)
+        due += half
+        time.sleep(max(due - time.monotonic(), 0.0))
+
+
+def cpu_seconds(pid: int) -> float:
+    """What a process has used."""
+    fields = Path(f'/proc/{pid}/stat').read_text().rsplit(')', 1)[1].split()
+    return (int(fields[11]) + int(fields[12])) / TICKS
+
+
+def main() -> None:
+    """Measure everything and print the table."""
+    rows = [statuses(), scans(), *nodes()]
+    if '--markdown' in sys.argv[1:]:
+        print('| what | median | floor in the same run | aim |\n|---|---|---|---|')
+        for row in rows:
+            print('| ' + ' | '.join(row) + ' |')
+    else:
+        for row in rows:
+            print(f'{row.what}: {row.figure}; {row.floor}; {row.aim}')
+
+
+if __name__ == '__main__':
+    main()
