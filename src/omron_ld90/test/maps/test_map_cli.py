@@ -91,6 +91,14 @@ class TestExport:
         served = read_served_map(str(tmp_path / 'grid.yaml'))
         assert served.resolution == 0.1 and (served.cells == 100).sum() > 130
 
+    def test_without_a_name_the_files_are_called_like_the_map_and_stand_here(
+            self, write, tmp_path, monkeypatch):
+        path = write(room_bytes())
+        (tmp_path / 'here').mkdir()
+        monkeypatch.chdir(tmp_path / 'here')
+        assert main(['export', path]) == main(['draw', path]) == 0
+        assert sorted(os.listdir('.')) == ['a.pgm', 'a.png', 'a.yaml']
+
     def test_a_map_without_a_pitch_needs_one(self, write, tmp_path, capsys):
         assert main(['export', write(TWO_SCANS), str(tmp_path / 'grid.png')]) == 1
         assert 'gives no pitch' in capsys.readouterr().err

@@ -6,6 +6,7 @@ addresses in it.
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections import Counter
 from typing import Iterator, List, Optional
@@ -53,7 +54,8 @@ def _parser() -> argparse.ArgumentParser:
     command = commands.add_parser(
         'export', help='write an occupancy grid for map_server: an image and a .yaml beside it')
     command.add_argument('file', metavar='FILE')
-    command.add_argument('output', metavar='OUTPUT', help='image to write: .png or .pgm')
+    command.add_argument('output', nargs='?', metavar='OUTPUT',
+                         help='image to write, .png or .pgm (default: <FILE>.pgm, here)')
     command.add_argument('--resolution', type=_positive, metavar='MM',
                          help="cell size in mm (default: the map's own)")
     command.add_argument('--use', choices=USES, default='auto',
@@ -71,7 +73,8 @@ def _parser() -> argparse.ArgumentParser:
 
     command = commands.add_parser('draw', help='draw a picture of a map')
     command.add_argument('file', metavar='FILE')
-    command.add_argument('output', metavar='OUTPUT', help='.png file to write')
+    command.add_argument('output', nargs='?', metavar='OUTPUT',
+                         help='.png file to write (default: <FILE>.png, here)')
     command.add_argument('--size', type=_positive, default=LONG_SIDE, metavar='PIXELS',
                          help=f'longer side of the picture (default: {LONG_SIDE})')
     command.set_defaults(run=_draw)
@@ -129,7 +132,7 @@ def _export(options: argparse.Namespace) -> int:
     grid = OccupancyGrid.from_map(
         MapDocument.load(options.file), options.resolution, options.use, options.areas,
         BACKGROUNDS[options.background])
-    for path in export_grid(grid, options.output):
+    for path in export_grid(grid, options.output or _beside_us(options.file, '.pgm')):
         print(f'wrote {path}')
     return DONE
 
@@ -151,9 +154,15 @@ def _diff(options: argparse.Namespace) -> int:
 
 
 def _draw(options: argparse.Namespace) -> int:
-    width, height = draw_map(MapDocument.load(options.file), options.output, options.size)
-    print(f'wrote {options.output}, {width} x {height} pixels')
+    output = options.output or _beside_us(options.file, '.png')
+    width, height = draw_map(MapDocument.load(options.file), output, options.size)
+    print(f'wrote {output}, {width} x {height} pixels')
     return DONE
+
+
+def _beside_us(file: str, suffix: str) -> str:
+    """The name of `file` with another suffix, in the current folder."""
+    return os.path.splitext(os.path.basename(file))[0] + suffix
 
 
 def _describe(obj: MapObject) -> str:

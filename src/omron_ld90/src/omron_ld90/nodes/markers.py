@@ -16,6 +16,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from omron_ld90.arcl import RangeReading
 from omron_ld90.maps import MapDocument, MapObject
+from omron_ld90.maps.objects import printable
 from omron_ld90.nodes.fast_messages import PointsMarker
 from omron_ld90.nodes.units import MM_PER_M, metres, pose_from_robot
 
@@ -135,7 +136,7 @@ def sectors(document: MapDocument, header: Header) -> MarkerArray:
 
 def laser(reading: RangeReading, header: Header, lifetime: float) -> Marker:
     """What a range device sees, light blue; RViz drops it after `lifetime` seconds."""
-    marker = _many(header, reading.device, Marker.POINTS, LIGHT_BLUE,
+    marker = _many(header, printable(reading.device), Marker.POINTS, LIGHT_BLUE,
                    Vector3(LASER_SIZE, LASER_SIZE, 0.0), reading.points, LASER_Z)
     marker.lifetime = rospy.Duration.from_sec(lifetime)
     return marker
