@@ -38,6 +38,12 @@ def test_a_charge_that_the_robot_did_not_send_is_left_out():
     assert words(status(state_of_charge=math.nan)).text == 'ld | Going to 12 | link ok'
 
 
+def test_a_docked_robot_is_told_in_short():
+    docked = status(status='DockingState: Docked ForcedState: Unforced ChargeState: Float',
+                    docking_state='Docked', charge_state='Float')
+    assert words(docked).text == 'ld | battery 79 % | Docked, charger Float | link ok'
+
+
 @pytest.mark.parametrize('message, text, paint', [
     (status(state_of_charge=0.1), 'battery 10 %', CARE),
     (status(emergency_stop=True), 'EMERGENCY STOP', WRONG),

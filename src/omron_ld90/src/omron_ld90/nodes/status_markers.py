@@ -54,8 +54,9 @@ def status_words(robot: str, status: Optional[RobotStatus], silent_for: float,
             parts.append(f'battery {100 * status.state_of_charge:.0f} %')
             if status.state_of_charge < LOW_BATTERY:
                 paint = CARE
-        if status.status:
-            parts.append(status.status)
+        doing = _doing(status)
+        if doing:
+            parts.append(doing)
         if status.emergency_stop:
             parts.append('EMERGENCY STOP')
             paint = WRONG
@@ -74,6 +75,13 @@ def status_words(robot: str, status: Optional[RobotStatus], silent_for: float,
     elif links:
         parts.append('link ok')
     return Words(' | '.join(parts), paint)
+
+
+def _doing(status: RobotStatus) -> str:
+    """The robot's words; a docked robot's, which are a record, in short."""
+    if status.docking_state and status.status.startswith('DockingState:'):
+        return f'{status.docking_state}, charger {status.charge_state}'
+    return status.status
 
 
 def status_markers(frame: str, words: Words, banner_at: drawing.XY, pose: Optional[Pose],

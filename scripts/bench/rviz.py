@@ -1,0 +1,104 @@
+"""RViz in software rendering: frames a second, its CPU, and the CPU of the nodes that feed it.
+
+The floor is the same RViz, window and frame rate with every display switched off. Mesa's own
+heads-up display (GALLIUM_HUD) counts the frames and writes one number a second to a file.
+"""
+from __future__ import annotations
+
+import os
+import re
+import signal
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Dict, List, NamedTuple
+
+from rviz_support import Screen, missing_programs
+from stack import cpu_seconds, descendants
+
+from system_support import free_port
+
+ROOT = Path(__file__).resolve().parents[2]
+SHIPPED = (ROOT / 'rviz/omron_ld90.rviz').read_text()
+EMPTY = re.sub(r'(?ms)^  Displays:\n.*?^  Enabled: true\n', '  Displays: ~\n  Enabled: true\n',
+               SHIPPED)
+SETTLE, MEASURE = 8.0, 20.0  # s
+NODES = ('map_visualisation', 'robot_state_publisher', 'body_state_publisher', 'goal_sender',
+         'route_visualisation')
+
+
+class Figures(NamedTuple):
+    """Frames a second (median), and shares of a core by node."""
+
+    frames: float
+    shares: Dict[str, float]
+
+
+def measure(screen: Screen, stack: int, configuration: str, frame_rate: int) -> Figures:
+    """Run RViz with `configuration` beside the stack (its process id) and look at both."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / 'bench.rviz'
+        path.write_text(configuration.replace('Frame Rate: 10', f'Frame Rate: {frame_rate}'))
+        environment = {**screen.environment, 'ROS_NAMESPACE': 'omron_ld90', 'GALLIUM_HUD': 'fps',
+                       'GALLIUM_HUD_PERIOD': '1', 'GALLIUM_HUD_VISIBLE': 'false',
+                       'GALLIUM_HUD_DUMP_DIR': folder}
+        rviz = subprocess.Popen(['rviz', '-d', str(path), '__name:=rviz'], env=environment,
+                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        try:
+            time.sleep(SETTLE)
+            drawn = len(frames_in(folder))
+            before = {pid: cpu_seconds(pid) for pid in [rviz.pid, *descendants(stack)]}
+            time.sleep(MEASURE)
+            shares = {name: (cpu_seconds(pid)[1] - used) / MEASURE
+                      for pid, (name, used) in before.items() if name}
+            return Figures(statistics.median(frames_in(folder)[drawn:]), shares)
+        finally:
+            rviz.send_signal(signal.SIGINT)
+            rviz.wait(20)
+
+
+def frames_in(folder: str) -> List[float]:
+    """The frame rates that Mesa wrote so far."""
+    file = Path(folder) / 'fps'
+    return [float(line) for line in file.read_text().split()] if file.exists() else []
+
+
+def main() -> None:
+    """Print the table."""
+    missing = missing_programs()
+    if missing:
+        print(f'RViz is not measured, not installed: {", ".join(missing)}')
+        return
+    port = free_port()
+    os.environ['ROS_MASTER_URI'] = f'http://127.0.0.1:{port}'
+    screen = Screen()
+    stack = subprocess.Popen(
+        ['roslaunch', '-p', str(port), 'omron_ld90', 'full_stack.launch', 'rviz:=false',
+         f'arcl_port:={free_port()}', f'outgoing_port:={free_port()}'],
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        time.sleep(SETTLE)
+        fast, fast_floor = (measure(screen, stack.pid, text, 30) for text in (SHIPPED, EMPTY))
+        slow, slow_floor = (measure(screen, stack.pid, text, 10) for text in (SHIPPED, EMPTY))
+    finally:
+        stack.send_signal(signal.SIGINT)
+        stack.wait(30)
+        screen.close()
+    print('| RViz on lab.map, software rendering, 1280 x 900 | measured | floor (no displays) '
+          '| goal |\n|---|---|---|---|')
+    print(f'| frames a second at Frame Rate 30 | {fast.frames:.1f} | {fast_floor.frames:.1f} '
+          '| >= 20 |')
+    print(f'| CPU of RViz as shipped (Frame Rate 10) | {100 * slow.shares["rviz"]:.0f} % of a core '
+          f'| {100 * slow_floor.shares["rviz"]:.0f} % | < 60 % |')
+    print(f'| CPU of the visualisation nodes, 2 Hz | '
+          f'{100 * sum(slow.shares[node] for node in NODES):.1f} % of a core | | < 8 % |')
+    print('\n| node | % of a core |\n|---|---|')
+    for node in NODES:
+        print(f'| `{node}` | {100 * slow.shares[node]:.1f} |')
+
+
+if __name__ == '__main__':
+    sys.exit(main())
