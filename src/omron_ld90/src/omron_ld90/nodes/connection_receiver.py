@@ -81,7 +81,7 @@ class ConnectionReceiver:
         self._assembler = StatusAssembler()
         self._located = rospy.Time()
         self._docking: Optional[DockingStatus] = None
-        self._reporter = LinkReporter(LinkState.OUTGOING)
+        self._reporter = LinkReporter(LinkState.OUTGOING, log)
         self._health = RobotHealth()
         topics = {topic: _publisher(topic, LineMessage) for topic in set(_LINE_TOPICS.values())}
         self._lines = {kind: topics[topic] for kind, topic in _LINE_TOPICS.items()}

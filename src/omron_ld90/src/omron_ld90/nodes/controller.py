@@ -82,7 +82,7 @@ class Controller:
         self._goals = goals
         self._map_frame = map_frame
         self._log = log
-        self._reporter = LinkReporter(LinkState.COMMANDS)
+        self._reporter = LinkReporter(LinkState.COMMANDS, log)
         self._health = RobotHealth()
         self._responses = rospy.Publisher('arcl_response', LineMessage, queue_size=1000,
                                           tcp_nodelay=True)

@@ -12,7 +12,7 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
-from omron_ld90.arcl import Link, LinkPhase
+from omron_ld90.arcl import Link, LinkPhase, SessionLog
 from omron_ld90_msgs.msg import LinkState
 
 _STATES: Dict[LinkPhase, int] = {
@@ -28,8 +28,9 @@ _LASTING = (LinkPhase.DISCONNECTED, LinkPhase.WRONG_PASSWORD, LinkPhase.CONNECTE
 class LinkReporter:
     """Give `report` as on_link, and call `line` for every line received."""
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, log: Optional[SessionLog] = None) -> None:
         self._name = name
+        self._log = log
         self._publisher = rospy.Publisher('link_state', LinkState, queue_size=5, latch=True,
                                           tcp_nodelay=True)
         self._link: Optional[Link] = None
@@ -83,4 +84,6 @@ class LinkReporter:
         status.add('lines per second', f'{(self._lines - count) / max(now - then, 1e-3):.1f}')
         status.add('age of last line [s]',
                    'none yet' if self._last_line is None else f'{now - self._last_line:.2f}')
+        if self._log:
+            status.add('session log', self._log.failure or self._log.path)
         return status

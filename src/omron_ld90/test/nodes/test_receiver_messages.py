@@ -1,0 +1,92 @@
+"""From replies to messages: SI units, NaN where unmeasured, bytes as they are."""
+from __future__ import annotations
+
+import math
+import struct
+from io import BytesIO
+
+import numpy as np
+import pytest
+import rospy
+from sensor_msgs.msg import BatteryState, PointCloud2
+from sensor_msgs.point_cloud2 import read_points
+
+from omron_ld90.arcl import DockingState, DockingStatus, OneLineStatus, RangeReading, parse_line
+from omron_ld90.nodes.link_line import LineMessage
+from omron_ld90.nodes.receiver_messages import battery_state, point_cloud, robot_status
+
+STAMP = rospy.Time(12, 34)
+
+
+def status_of(line: str) -> OneLineStatus:
+    return parse_line(line)
+
+
+def test_a_whole_status_is_in_si_units():
+    status = status_of('Status: Going to 12 StateOfCharge: 50 Location: 1500 -2500 90 '
+                       'LocalizationScore: 0.5 Temperature: 30')
+    message = robot_status(status, DockingStatus(DockingState.UNDOCKED, False, 'Not'), STAMP, 'map')
+    assert (message.header.stamp, message.header.frame_id) == (STAMP, 'map')
+    assert (message.pose.position.x, message.pose.position.y) == (1.5, -2.5)
+    assert message.pose.orientation.z == pytest.approx(math.sqrt(0.5))
+    assert message.state_of_charge == 0.5
+    assert message.temperature == 30.0
+    assert (message.docking_state, message.charge_state) == ('Undocked', 'Not')
+    assert message.has_pose
+    assert not message.emergency_stop
+
+
+def test_what_was_not_sent_is_nan_and_no_pose_is_no_pose():
+    message = robot_status(status_of('Status: Stopped Temperature: -127'), None, STAMP, 'map')
+    assert not message.has_pose
+    assert all(math.isnan(value) for value in (
+        message.state_of_charge, message.battery_voltage, message.localization_score,
+        message.temperature))
+    assert message.docking_state == ''
+
+
+def test_volts_are_no_percentage():
+    message = robot_status(status_of('Status: Stopped BatteryVoltage: 26.1'), None, STAMP, 'map')
+    assert math.isnan(message.state_of_charge)
+    assert message.battery_voltage == pytest.approx(26.1)
+
+
+@pytest.mark.parametrize('text', ['EStop pressed', 'EStop relieved but motors still disabled'])
+def test_the_emergency_stop_is_read_from_the_status(text):
+    assert robot_status(OneLineStatus(text), None, STAMP, 'map').emergency_stop
+
+
+@pytest.mark.parametrize(('charge', 'expected'), [
+    ('Bulk', BatteryState.POWER_SUPPLY_STATUS_CHARGING),
+    ('Overcharge', BatteryState.POWER_SUPPLY_STATUS_CHARGING),
+    ('Float', BatteryState.POWER_SUPPLY_STATUS_FULL),
+    ('Not', BatteryState.POWER_SUPPLY_STATUS_DISCHARGING),
+    ('Unknowable', BatteryState.POWER_SUPPLY_STATUS_UNKNOWN),
+])
+def test_the_charge_state_tells_whether_the_battery_charges(charge, expected):
+    docking = DockingStatus(DockingState.DOCKED, False, charge)
+    battery = battery_state(status_of('Status: x StateOfCharge: 79.4'), docking, STAMP)
+    assert battery.power_supply_status == expected
+    assert battery.percentage == pytest.approx(0.794)
+    assert math.isnan(battery.current)
+
+
+@pytest.mark.parametrize('count', [0, 1, 1000])
+def test_a_cloud_holds_every_point_in_metres(count):
+    points = np.random.default_rng(count).integers(-20_000, 20_000, (count, 2))
+    cloud = point_cloud(RangeReading('Laser_1', points), STAMP, 'map', 0.2)
+    received = PointCloud2()
+    buffer = BytesIO()
+    cloud.serialize(buffer)
+    received.deserialize(buffer.getvalue())
+    found = np.array(list(read_points(received))).reshape(-1, 3)
+    assert found[:, :2] == pytest.approx(points / 1000.0, abs=1e-4)
+    assert (found[:, 2] == np.float32(0.2)).all()
+    assert received.width == count
+    assert len(received.data) == received.row_step == 12 * count
+
+
+def test_a_line_is_serialised_byte_for_byte():
+    buffer = BytesIO()
+    LineMessage(b'caf\xe9\x00').serialize(buffer)
+    assert buffer.getvalue() == struct.pack('<I', 5) + b'caf\xe9\x00'
