@@ -1,0 +1,224 @@
+"""The simulated LD-90: what it costs at rest and driving, alone and as a fleet; scans; planning.
+
+Processor time is that of the simulator's process over wall time, with a client that reads
+everything. Scans and plans use a real LD robot's map where there is one beside the repository, else
+the laboratory.
+"""
+from __future__ import annotations
+
+import argparse
+import os
+import socket
+import statistics
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from pathlib import Path
+from typing import Callable, List, NamedTuple
+
+import numpy as np
+from skimage.graph import MCP_Geometric
+
+from omron_ld90.maps import MapDocument
+from omron_ld90_sim import laser
+from omron_ld90_sim.clock import Clock
+from omron_ld90_sim.floor import Floor
+from omron_ld90_sim.kinematics import Pose
+from omron_ld90_sim.planner import NoWay, Planner
+from omron_ld90_sim.robot import Robot
+from omron_ld90_sim.track import manoeuvres
+
+ROOT = Path(__file__).resolve().parents[2]
+REAL = ROOT.parent / 'shared' / 'maps' / 'omron-ld-site-a.map'
+PROGRAM = [sys.executable, '-c',
+           'import sys; from omron_ld90_sim.cli import main; sys.exit(main())']
+FLOOR_PROGRAM = [sys.executable, '-c',
+                 'import time\nwhile True: time.sleep(0.5)']
+SECONDS = 10.0
+RUNS = 3
+FLEET = 50
+PAIRS = 60
+
+
+class Row(NamedTuple):
+    """One line of the table."""
+
+    what: str
+    figure: str
+    floor: str
+    aim: str
+
+
+class Listener:
+    """Takes the outgoing connections of all robots and reads them empty."""
+
+    def __init__(self) -> None:
+        self._sock = socket.create_server(('127.0.0.1', 0), backlog=100)
+        self.port = self._sock.getsockname()[1]
+        self.received = 0
+        threading.Thread(target=self._accept, daemon=True).start()
+
+    def _accept(self) -> None:
+        while True:
+            link, _ = self._sock.accept()
+            threading.Thread(target=self._read, args=(link,), daemon=True).start()
+
+    def _read(self, link: socket.socket) -> None:
+        while True:
+            data = link.recv(65536)
+            if not data:
+                return
+            self.received += len(data)
+
+
+def processor_seconds(pid: int) -> float:
+    """User and system time of a process."""
+    fields = Path(f'/proc/{pid}/stat').read_text().rsplit(')', 1)[1].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')
+
+
+def share_of_a_core(command: List[str], ready: int, work: Callable[[List[int]], None]) -> float:
+    """Percent of a core that a program takes, median of several stretches of one run."""
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
+        try:
+            ports = [int(program.stdout.readline().split('127.0.0.1:')[1].split()[0])
+                     for _ in range(ready)]
+            work(ports)
+            time.sleep(2.0)
+            shares = []
+            for _ in range(RUNS):
+                begin, used = time.monotonic(), processor_seconds(program.pid)
+                time.sleep(SECONDS)
+                shares.append((processor_seconds(program.pid) - used)
+                              / (time.monotonic() - begin) * 100.0)
+            return statistics.median(shares)
+        finally:
+            program.terminate()
+
+
+def patrol(ports: List[int]) -> None:
+    """Sends the robots on endless drives, each of its own."""
+    def drive(port: int, number: int) -> None:
+        with socket.create_connection(('127.0.0.1', port)) as sock:
+            lines = sock.makefile('r', newline='\r\n')
+            sock.sendall(b'adept\ngetGoals\n')
+            goals = []
+            for line in lines:
+                if line.startswith('Goal: '):
+                    goals.append(line[6:].strip())
+                elif line.startswith('End of goals'):
+                    sock.sendall(f'goto {goals[number % len(goals)]}\n'.encode())
+                elif line.startswith(('Arrived', 'Error')):
+                    number += 5
+                    time.sleep(0.2)
+                    sock.sendall(f'goto {goals[number % len(goals)]}\n'.encode())
+
+    for number, port in enumerate(ports):
+        threading.Thread(target=drive, args=(port, number), daemon=True).start()
+
+
+def fleet_file(folder: str, link: int) -> Path:
+    """A fleet with status and laser at 2 Hz each."""
+    path = Path(folder) / 'fleet.yaml'
+    rows = [f'- {{name: r{n}, port: 0, outgoing: "127.0.0.1:{link}"}}' for n in range(FLEET)]
+    path.write_text('robots:\n' + '\n'.join(rows) + '\n')
+    return path
+
+
+def processes(lab: Path) -> List[Row]:
+    """Shares of a core."""
+    listener = Listener()
+    floor = share_of_a_core(FLOOR_PROGRAM, 0, lambda ports: None)
+    base = [*PROGRAM, '--port', '0']
+    link = ['--outgoing', f'127.0.0.1:{listener.port}']
+    rows = []
+    for what, work in (('standing', lambda ports: None), ('driving', patrol)):
+        share = share_of_a_core([*base, '--map', str(lab), *link], 1, work)
+        rows.append(Row(f'one robot {what}, status and laser at 2 Hz', f'{share:.1f} % of a core',
+                        f'{floor:.1f} % (a process that wakes at 2 Hz)', 'under 5 %'))
+    with tempfile.TemporaryDirectory() as folder:
+        fleet = str(fleet_file(folder, listener.port))
+        for what, work in (('standing', lambda ports: None), ('driving', patrol)):
+            share = share_of_a_core([*base, '--map', str(lab), '--robots', fleet], FLEET, work)
+            rows.append(Row(f'{FLEET} robots {what}, status and laser at 2 Hz',
+                            f'{share:.0f} % of a core', f'{floor:.1f} %', 'under 100 %'))
+    return rows
+
+
+def scans(document: MapDocument, floor: Floor, start: Pose) -> Row:
+    """One scan, against one pass of numpy over as many rays."""
+    robot = Robot(Clock(), document, floor, start)
+    rays = np.linspace(0.0, 1.0, laser.RAYS)
+    ours = milliseconds(robot.scan, 200)
+    least = milliseconds(lambda: np.column_stack([np.cos(rays), np.sin(rays)]), 200)
+    return Row(f'a scan of {laser.RAYS} rays', f'{ours:.2f} ms ({1000 / ours:.0f} a second)',
+               f'{least:.2f} ms (sine and cosine of the rays)', '500 a second')
+
+
+def plans(floor: Floor, start: Pose) -> Row:
+    """Planning between random places of the robot's own region."""
+    planner = Planner(floor)
+    region = floor.regions[floor.planning_cell(start.x, start.y)]
+    cells = np.argwhere(floor.regions == region)
+    free = np.where(floor.planning_clearance >= floor.body.half_diagonal, 1.0, -1.0)
+    random, times, searches = np.random.RandomState(1), [], []
+    while len(times) < PAIRS:
+        a, b = floor.planning_points(cells[random.randint(len(cells), size=2)])
+        pose = Pose(a[0], a[1], random.uniform(-180, 180))
+        begin = time.perf_counter()
+        try:
+            way = planner.plan(pose, b[0], b[1], 0.0)
+        except NoWay:
+            continue
+        manoeuvres(way, planner)
+        times.append((time.perf_counter() - begin) * 1000.0)
+        begin = time.perf_counter()
+        MCP_Geometric(free).find_costs([floor.planning_cell(*a)], [floor.planning_cell(*b)])
+        searches.append((time.perf_counter() - begin) * 1000.0)
+    rows, columns = floor.planning_clearance.shape
+    return Row(f'planning on {columns} x {rows} cells',
+               f'{statistics.median(times):.0f} ms, worst {max(times):.0f} ms',
+               f'{statistics.median(searches):.0f} ms (the grid search alone, same ends)',
+               'median under 100 ms')
+
+
+def milliseconds(run: Callable[[], object], runs: int) -> float:
+    """Median time of `run`."""
+    times = []
+    for _ in range(runs):
+        begin = time.perf_counter()
+        run()
+        times.append(time.perf_counter() - begin)
+    return statistics.median(times) * 1000.0
+
+
+def main() -> None:
+    """Measures and prints the table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument('--markdown', action='store_true')
+    markdown = parser.parse_args().markdown
+    lab = ROOT / 'maps' / 'lab.map'
+    path = REAL if REAL.exists() else lab
+    document = MapDocument.load(str(path))
+    floor = Floor.from_map(document)
+    goal = document.goals[0]
+    start = Pose(goal.x, goal.y, goal.theta)
+    loading = milliseconds(lambda: Floor.from_map(document), 5)
+    reading = milliseconds(lambda: MapDocument.load(str(path)), 5)
+    rows = [Row(f'distance fields of {path.name}', f'{loading:.0f} ms',
+                f'{reading:.0f} ms (reading the file)', ''),
+            scans(document, floor, start), plans(floor, start), *processes(lab)]
+    header = Row('what', 'figure', 'floor', 'aim')
+    if markdown:
+        print('\n'.join('| ' + ' | '.join(row) + ' |'
+                        for row in (header, Row('---', '---', '---', '---'), *rows)))
+    else:
+        widths = [max(len(row[k]) for row in (header, *rows)) for k in range(4)]
+        for row in (header, *rows):
+            print('  '.join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip())
+
+
+if __name__ == '__main__':
+    main()
