@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import io
 import math
-from typing import Iterable, List, Optional, Tuple
+from typing import Iterable, List, Tuple
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
@@ -61,6 +61,9 @@ class _Picture:
         self._image = Image.new('RGB', (int(width), int(height)), PAPER)
         self._pen = ImageDraw.Draw(self._image, 'RGBA')
         self._font = _font(max(26 * SUPERSAMPLING * long_side // LONG_SIDE, 12))
+        self._scalable = isinstance(self._font, ImageFont.FreeTypeFont)
+        _, top, bottom = _extent(self._font, 'H')
+        self._middle = (top + bottom) / 2.0  # from the top of a line of text, px
 
     def draw(self, document: MapDocument) -> None:
         """Everything, from the floor up."""
@@ -82,10 +85,10 @@ class _Picture:
             if obj.has_heading:
                 self._arrow(obj)
         for sector in document.sectors:
-            self._text(sector.outline.mean(axis=0), sector.label, VIOLET, 'mm')
+            self._text(sector.outline.mean(axis=0), sector.label, VIOLET, 0.5)
         for obj in document.docks + document.goals:
             gap = ARROW + GAP if obj.heads_left else SQUARE / 2.0 + GAP
-            self._text((obj.x - gap, obj.y), obj.label, DARK_GREEN, 'rm')
+            self._text((obj.x - gap, obj.y), obj.label, DARK_GREEN, 1.0)
 
     def finish(self) -> Image.Image:
         """The picture at its real size."""
@@ -138,19 +141,17 @@ class _Picture:
         self._pen.polygon(self._pixels((tip, neck + wing, neck - wing)), fill=BLACK)
 
     def _text(self, position: Iterable[float], text: str, colour: Tuple[int, int, int],
-              anchor: str) -> None:
-        """Text with a white rim, its `anchor` (Pillow's words) at a place in mm, kept in sight."""
-        if not text:
+              left_share: float) -> None:
+        """Text with a white rim, `left_share` of it left of a place in mm, kept in the picture."""
+        if not self._scalable:  # Pillow's own font, which is Latin only
+            text = text.encode('latin-1', 'replace').decode('latin-1')
+        if not text.strip():
             return
         (x, y), = self._pixels(position)
-        if not isinstance(self._font, ImageFont.FreeTypeFont):  # knows neither anchors nor Unicode
-            text = text.encode('latin-1', 'replace').decode('latin-1')
-            self._pen.text((x, y), text, fill=colour, font=self._font)
-            return
-        left, _, right, _ = self._pen.textbbox((x, y), text, font=self._font, anchor=anchor)
-        x += max(0.0, SUPERSAMPLING * 4 - left) - max(0.0, right - self._image.size[0])
-        self._pen.text((x, y), text, fill=colour, font=self._font, anchor=anchor,
-                       stroke_width=2 * SUPERSAMPLING, stroke_fill=PAPER)
+        width, _, _ = _extent(self._font, text)
+        x = min(max(x - width * left_share, 4 * SUPERSAMPLING), self._image.size[0] - width)
+        rim = {'stroke_width': 2 * SUPERSAMPLING, 'stroke_fill': PAPER} if self._scalable else {}
+        self._pen.text((x, y - self._middle), text, fill=colour, font=self._font, **rim)
 
 
 def _bounds(document: MapDocument) -> Tuple[np.ndarray, np.ndarray]:
@@ -170,10 +171,19 @@ def _closed(outline: np.ndarray) -> np.ndarray:
     return np.concatenate((outline, outline[:1]))
 
 
-def _font(size: int) -> Optional[ImageFont.ImageFont]:
+def _font(size: int) -> ImageFont.ImageFont:
     for name in FONTS:
         try:
             return ImageFont.truetype(name, size)
         except OSError:
             continue
     return ImageFont.load_default()
+
+
+def _extent(font: ImageFont.ImageFont, text: str) -> Tuple[int, int, int]:
+    """Width of `text`, and its top and bottom from the top of a line, px."""
+    if hasattr(font, 'getbbox'):
+        _, top, right, bottom = font.getbbox(text)
+        return right, top, bottom
+    width, height = font.getsize(text)  # Pillow before 8
+    return width, font.getoffset(text)[1] if hasattr(font, 'getoffset') else 0, height
