@@ -161,6 +161,7 @@ class ScriptedRobot:
         self.connections: List[socket.socket] = []
         self.answers = {b'echo off': (b'Echo turned off.',)}
         self.mute = False
+        self._sending = threading.Lock()
         self._closing = False
         self._threads = [threading.Thread(target=self._accept, daemon=True)]
         self._threads[0].start()
@@ -178,7 +179,12 @@ class ScriptedRobot:
 
     def say(self, *texts: bytes) -> None:
         """Sends lines to the last client."""
-        self.connections[-1].sendall(lines(*texts))
+        self.send(self.connections[-1], lines(*texts))
+
+    def send(self, connection: socket.socket, data: bytes) -> None:
+        """Sends bytes, not mixed with those of other threads."""
+        with self._sending:
+            connection.sendall(data)
 
     def drop(self, reset: bool = False) -> None:
         """Ends all connections, with RST if asked."""
@@ -210,14 +216,14 @@ class ScriptedRobot:
         with connection, connection.makefile('rb') as reader:
             try:
                 if self._login:
-                    connection.sendall(lines(LOGIN[0]))
+                    self.send(connection, lines(LOGIN[0]))
                     if reader.readline().strip() != self._password:
                         return
-                    connection.sendall(lines(*LOGIN[1:]))
+                    self.send(connection, lines(*LOGIN[1:]))
                 for line in reader:
                     self.heard.append(line.strip())
                     if not self.mute:
-                        connection.sendall(lines(*self._answer(line.strip())))
+                        self.send(connection, lines(*self._answer(line.strip())))
             except (OSError, ValueError):
                 return  # the other side, or the test, ended it
 

@@ -8,7 +8,16 @@ from contextlib import contextmanager
 from typing import Iterator
 
 import pytest
-from arcl_builders import LOGIN, PASSWORD, Noted, ScriptedRobot, free_port, lines, wait_for
+from arcl_builders import (
+    LOGIN,
+    PASSWORD,
+    STATUS,
+    Noted,
+    ScriptedRobot,
+    free_port,
+    lines,
+    wait_for,
+)
 
 from omron_ld90.arcl import (
     Backoff,
@@ -215,6 +224,25 @@ def test_a_line_beyond_all_measure_ends_the_link_with_a_reason(robot, links):
         flood.join(5.0)
 
 
+def test_a_stop_gets_through_a_flood_of_twenty_megabytes(robot):
+    robot.answers[b'stop'] = (b'Stopping', b'Stopped')
+    noted = [0]
+
+    def count(line) -> None:
+        noted[0] += 1
+    status = lines(*STATUS)
+    with connected_client(robot, on_line=count) as client:
+        wait_for(lambda: noted[0], 'the answer to the login')
+        flood = threading.Thread(target=_flood, args=(robot, status * 400, 400))
+        flood.start()
+        stop = client.execute('stop')
+        robot.wait_heard(b'stop', 20.0)
+        flood.join(60.0)
+        assert stop.wait(20.0).outcome is Outcome.SUCCEEDED
+        wait_for(lambda: noted[0] >= 400 * 400 * len(STATUS), 'every line of the flood', 60.0)
+        assert len(status) * 400 * 400 > 20_000_000
+
+
 def test_a_line_that_drips_in_byte_by_byte_is_one_line(robot):
     noted = Noted()
     robot.answers.clear()  # nothing else is to be said meanwhile
@@ -258,9 +286,9 @@ def test_the_session_log_holds_both_sides_by_connection_without_the_password(rob
     assert (tmp_path / 'session.log.old').read_text() == 'an older one'
 
 
-def _flood(robot: ScriptedRobot, data: bytes) -> None:
+def _flood(robot: ScriptedRobot, data: bytes, times: int = 400) -> None:
     try:
-        for _ in range(400):
-            robot.connections[0].sendall(data)
+        for _ in range(times):
+            robot.send(robot.connections[0], data)
     except OSError:
         return  # the client has had enough

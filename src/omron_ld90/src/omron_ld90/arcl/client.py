@@ -5,6 +5,7 @@ locks held: they may give commands, and must be short.
 """
 from __future__ import annotations
 
+import contextlib
 import logging
 import selectors
 import threading
@@ -15,6 +16,7 @@ from omron_ld90.arcl.commands import Command
 from omron_ld90.arcl.connection import Connection, Waker, reason_of
 from omron_ld90.arcl.dispatcher import Dispatcher
 from omron_ld90.arcl.errors import (
+    Busy,
     ConnectionFailed,
     ConnectionLost,
     LinkError,
@@ -155,6 +157,9 @@ class Client:
                 return error
             except OSError as error:
                 return ConnectionLost(f'the connection broke: {reason_of(error)}')
+            except Exception as error:  # ours; a thread that died of it could never connect again
+                _log.exception('The ARCL client failed.')
+                return ConnectionLost(f'an error of our own: {error!r}')
 
     def _talk(self, connection: Connection, selector: selectors.BaseSelector) -> LinkError:
         self._trace = self._log.connection() if self._log else None
@@ -215,7 +220,8 @@ class Client:
         if self.link.connected and now >= self._beat_due and (
                 self._pulse is None or self._pulse.result is not None):
             self._beat_due = now + self._heartbeat
-            self._pulse = self.execute(HEARTBEAT)
+            with contextlib.suppress(Busy):  # with so much to say there are signs of life enough
+                self._pulse = self.execute(HEARTBEAT)
 
     def _lost(self, cause: LinkError) -> None:
         self._ready.clear()

@@ -97,8 +97,13 @@ class Listener:
             accepted.close()
             self._call(self._on_refused, address[0])
             return
+        try:
+            connection = Connection(accepted)
+        except OSError:  # gone already
+            accepted.close()
+            return
         self._drop(ConnectionLost('the robot connected anew'))
-        self._connection = Connection(accepted)
+        self._connection = connection
         self._session = Session(None, trace=self._trace)
         self._heard = self._spoken = time.monotonic()
         self._selector.register(accepted, selectors.EVENT_READ)
@@ -130,6 +135,9 @@ class Listener:
             self._drop(error)
         except OSError as error:
             self._drop(ConnectionLost(f'the connection broke: {reason_of(error)}'))
+        except Exception as error:  # ours; a thread that died of it could never listen again
+            _log.exception('The ARCL listener failed.')
+            self._drop(ConnectionLost(f'an error of our own: {error!r}'))
 
     def _drop(self, cause: LinkError) -> None:
         if self._connection:
