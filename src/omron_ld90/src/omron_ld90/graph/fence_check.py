@@ -78,7 +78,8 @@ def _leaks(graph: Graph, corridors: Corridors, shapes: List[BaseGeometry],
     obstacles += [point for point in map(Point, _thinned(walls)) if in_reach.contains(point)]
     blocked = unary_union([shape.buffer(ROBOT_HALF_WIDTH, ARC) for shape in obstacles])
     vertices = MultiPoint([millimetres(vertex.position) for vertex in graph.vertices.values()])
-    reached = [part for part in _parts(allowed.difference(blocked)) if part.intersects(vertices)]
+    reached = [part for part in _parts(allowed.difference(blocked))
+               if prep(part).intersects(vertices)]
     gates = unary_union(reached).boundary.intersection(allowed.boundary)
     whole_gates = unary_union([gate.buffer(TOUCHING) for gate in _parts(gates)])
     return [gate.centroid.coords[0] for gate in _parts(whole_gates)

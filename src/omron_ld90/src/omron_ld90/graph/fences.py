@@ -356,8 +356,8 @@ def _clipped(across: np.ndarray, along: np.ndarray, low: float,
     run = across[:, 1] - across[:, 0]
     flat = run == 0.0
     run = np.where(flat, 1.0, run)
-    start = np.where(flat, 0.0, np.clip((low - across[:, 0]) / run, 0.0, 1.0))
-    end = np.where(flat, 1.0, np.clip((high - across[:, 0]) / run, 0.0, 1.0))
+    start = np.where(flat, 0.0, np.minimum(np.maximum((low - across[:, 0]) / run, 0.0), 1.0))
+    end = np.where(flat, 1.0, np.minimum(np.maximum((high - across[:, 0]) / run, 0.0), 1.0))
     rise = along[:, 1] - along[:, 0]
     ends = along[:, :1] + np.stack((start, end), axis=1) * rise[:, None]
     return ends.min(axis=1), ends.max(axis=1)
