@@ -11,7 +11,15 @@ from map_builders import TWO_SCANS, cell, map_bytes, room
 from map_fixtures import ODD
 from map_server_reader import read_served_map
 
-from omron_ld90.maps import FREE, OCCUPIED, UNKNOWN, MapDocument, MapError, OccupancyGrid
+from omron_ld90.maps import (
+    FREE,
+    OCCUPIED,
+    UNKNOWN,
+    MapDocument,
+    MapError,
+    OccupancyGrid,
+    fitting_resolution,
+)
 from omron_ld90.maps.grid_files import export_grid
 
 
@@ -146,6 +154,11 @@ class TestRefusals:
     def test_a_grid_that_cannot_be_is_refused(self, arguments, data, words):
         with pytest.raises(MapError, match=words):
             OccupancyGrid.from_map(MapDocument.from_bytes(data), **arguments)
+
+    def test_a_map_too_large_for_its_own_pitch_fits_with_a_multiple_of_it(self):
+        vast = document([(0, 0), (1_999_999, 1_999_999)], resolution=20)
+        assert fitting_resolution(vast, 20) == 200, '10,000 x 10,000 cells'
+        assert fitting_resolution(room(), 50) == 50
 
     def test_a_wrong_use_is_the_callers_fault(self):
         with pytest.raises(ValueError, match='must be one of'):

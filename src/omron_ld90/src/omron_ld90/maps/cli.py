@@ -30,6 +30,7 @@ EPILOGUE = '''exit status:
 def main(arguments: Optional[List[str]] = None) -> int:
     """Run the command and return its exit status."""
     options = _parser().parse_args(arguments)
+    sys.stdout.reconfigure(errors='backslashreplace')  # names in scripts the terminal lacks
     try:
         return options.run(options)
     except MapError as error:

@@ -162,17 +162,16 @@ class MapDocument:
 
     def find(self, name: str) -> Optional[MapObject]:
         """The first object called `name`, upper or lower case, or None."""
-        wanted = name.lower()
-        return next((obj for obj in self.objects if obj.name.lower() == wanted), None)
+        return editing.find(self._records, name)
 
     def add(self, obj: MapObject) -> None:
         """Put `obj` where the vendor's tools would; raises DuplicateName or MapError."""
-        editing.add(self, self._records, obj)
+        editing.add(self.name, self._records, obj)
         self._end_last_row()
 
     def remove(self, obj: MapObject) -> None:
         """Take `obj` out, and its parameter lines; other lines that name it become warnings."""
-        self._notes += editing.remove(self, self._records, obj)
+        self._notes += editing.remove(self.name, self._records, obj)
         self._end_last_row()
 
     def move(self, obj: MapObject, x: float, y: float, theta: Optional[float] = None) -> None:
@@ -181,7 +180,7 @@ class MapDocument:
         Of an area the centre moves; of a line the from point, and the line is never turned. Goals
         without heading have no theta.
         """
-        editing.move(self, self._records, obj, x, y, theta)
+        editing.move(self.name, self._records, obj, x, y, theta)
         self._end_last_row()
 
     def rename(self, obj: MapObject, new_name: str) -> None:
@@ -189,7 +188,7 @@ class MapDocument:
 
         Lines that may or may not mean the object are left alone and become warnings.
         """
-        self._notes += editing.rename(self, self._records, obj, new_name)
+        self._notes += editing.rename(self.name, self._records, obj, new_name)
         self._end_last_row()
 
     def _end_last_row(self) -> None:

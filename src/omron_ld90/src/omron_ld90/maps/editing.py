@@ -1,13 +1,13 @@
 """Edits of a map's objects: which lines change, and where new ones go.
 
 An edit changes the object's `Cairn:` line and, where its name changes, the lines that name it. The
-order is the vendor's: by stored position, then kind, then name.
+order is the vendor's: by stored position, then kind, then name. `file` is what errors call the map.
 """
 from __future__ import annotations
 
 import dataclasses
 import math
-from typing import TYPE_CHECKING, List, Optional, Tuple
+from typing import List, Optional, Tuple
 
 from omron_ld90.maps.errors import DuplicateName, FieldError, MapError
 from omron_ld90.maps.geometry import Extent, normalise_degrees
@@ -16,24 +16,21 @@ from omron_ld90.maps.objects import MapObject, format_object
 from omron_ld90.maps.reader import Record
 from omron_ld90.maps.references import find_references
 
-if TYPE_CHECKING:
-    from omron_ld90.maps.document import MapDocument
-
 #: A line that an edit left alone, and what is to be said about it.
 Note = Tuple[Record, str]
 
 
-def add(document: MapDocument, records: List[Record], obj: MapObject) -> None:
+def add(file: str, records: List[Record], obj: MapObject) -> None:
     """Insert `obj` in the vendor's order."""
-    _refuse_duplicate(document, obj.name)
-    record = _record(document, records, obj)
+    _refuse_duplicate(file, records, obj.name)
+    record = _record(file, records, obj)
     records.insert(_place(records, obj), record)
 
 
-def remove(document: MapDocument, records: List[Record], obj: MapObject) -> List[Note]:
+def remove(file: str, records: List[Record], obj: MapObject) -> List[Note]:
     """Take out `obj` and its parameters; tell which lines still name it."""
-    del records[_index(document, records, obj)]
-    if not obj.name or document.find(obj.name) is not None:
+    del records[_index(file, records, obj)]
+    if not obj.name or find(records, obj.name) is not None:
         return []
     owned = [record for record in records
              if any(ref.owned for ref in find_references(record.keyword, record.text, obj.name))]
@@ -42,18 +39,18 @@ def remove(document: MapDocument, records: List[Record], obj: MapObject) -> List
     return _mentions(records, obj.name, f'still names {obj.label!r}, which was removed')
 
 
-def move(document: MapDocument, records: List[Record], obj: MapObject, x: float, y: float,
+def move(file: str, records: List[Record], obj: MapObject, x: float, y: float,
          theta: Optional[float]) -> None:
     """Place `obj` elsewhere."""
-    index = _index(document, records, obj)
+    index = _index(file, records, obj)
     if obj.tail:
-        raise MapError(document.name, f'{obj.kind} {obj.label!r} has more than corners and cannot '
+        raise MapError(file, f'{obj.kind} {obj.label!r} has more than corners and cannot '
                        'be moved; remove it and add a new one', index + 1)
     if not all(math.isfinite(value) for value in (x, y, theta or 0.0)):
-        raise MapError(document.name, f'{obj.kind} {obj.label!r} cannot be moved to {x}, {y}, '
+        raise MapError(file, f'{obj.kind} {obj.label!r} cannot be moved to {x}, {y}, '
                        f'{theta}', index + 1, expected='finite numbers')
     moved = _moved(obj, x, y, obj.theta if theta is None else normalise_degrees(theta))
-    _replace(records, index, _record(document, records, moved))
+    _replace(records, index, _record(file, records, moved))
 
 
 def _replace(records: List[Record], index: int, record: Record) -> None:
@@ -77,17 +74,17 @@ def _moved(obj: MapObject, x: float, y: float, theta: float) -> MapObject:
     return dataclasses.replace(obj, x=x, y=y, theta=theta if obj.has_heading else 0.0)
 
 
-def rename(document: MapDocument, records: List[Record], obj: MapObject,
+def rename(file: str, records: List[Record], obj: MapObject,
            new_name: str) -> List[Note]:
     """Change the name of `obj` and of the references that surely mean it."""
-    index = _index(document, records, obj)
+    index = _index(file, records, obj)
     if not new_name:
-        raise MapError(document.name, f'{obj.kind} {obj.label!r} cannot lose its name', index + 1)
+        raise MapError(file, f'{obj.kind} {obj.label!r} cannot lose its name', index + 1)
     if new_name.lower() != obj.name.lower():
-        _refuse_duplicate(document, new_name)
+        _refuse_duplicate(file, records, new_name)
     renamed = dataclasses.replace(obj, name=new_name)
-    _replace(records, index, _record(document, records, renamed))
-    if not obj.name or document.find(obj.name) not in (None, renamed):
+    _replace(records, index, _record(file, records, renamed))
+    if not obj.name or find(records, obj.name) not in (None, renamed):
         return []  # another object has the old name too, and keeps what names it
     for position, record in enumerate(records):
         records[position] = _with_new_reference(record, obj.name, new_name)
@@ -111,28 +108,35 @@ def _mentions(records: List[Record], name: str, text: str) -> List[Note]:
             if any(not ref.certain for ref in find_references(record.keyword, record.text, name))]
 
 
-def _index(document: MapDocument, records: List[Record], obj: MapObject) -> int:
+def find(records: List[Record], name: str) -> Optional[MapObject]:
+    """The first object called `name`, upper or lower case, or None."""
+    wanted = name.lower()
+    return next((record.object for record in records
+                 if record.object is not None and record.object.name.lower() == wanted), None)
+
+
+def _index(file: str, records: List[Record], obj: MapObject) -> int:
     """Where `obj` is: itself, else the first that is equal to it."""
     for same in (lambda other: other is obj, lambda other: other == obj):
         for index, record in enumerate(records):
             if record.object is not None and same(record.object):
                 return index
-    raise MapError(document.name, f'{obj.kind} {obj.label!r} is not in the map')
+    raise MapError(file, f'{obj.kind} {obj.label!r} is not in the map')
 
 
-def _refuse_duplicate(document: MapDocument, name: str) -> None:
-    other = document.find(name) if name else None
+def _refuse_duplicate(file: str, records: List[Record], name: str) -> None:
+    other = find(records, name) if name else None
     if other is not None:
         raise DuplicateName(
-            document.name, f'there is a {other.kind} {other.label!r} already', field='name',
+            file, f'there is a {other.kind} {other.label!r} already', field='name',
             expected='a name of its own, upper and lower case being the same')
 
 
-def _record(document: MapDocument, records: List[Record], obj: MapObject) -> Record:
+def _record(file: str, records: List[Record], obj: MapObject) -> Record:
     try:
         text = format_object(obj)
     except FieldError as error:
-        raise error.in_file(document.name) from None
+        raise error.in_file(file) from None
     return Record(text.encode('utf-8', 'surrogateescape') + line_end(records), 'cairn:', obj)
 
 

@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING, Optional, Tuple
 import numpy as np
 
 from omron_ld90.maps.errors import MapError
+from omron_ld90.maps.objects import MapObject
+from omron_ld90.maps.sections import bounds
 
 if TYPE_CHECKING:
     from omron_ld90.maps.document import MapDocument
@@ -52,13 +54,13 @@ class OccupancyGrid:
         ends = np.concatenate((points, lines.reshape(-1, 2)))
         if not len(ends):
             raise MapError(document.name, 'there are no points and no lines to make a grid of')
-        low = ends.min(axis=0)
-        width, height = ((ends.max(axis=0) - low) // pitch + 1).tolist()
+        low, high = bounds(ends)
+        width, height = _size(low, high, pitch)
         if width * height > MAX_CELLS:
             raise MapError(document.name, f'a grid of {width} x {height} cells is too large',
                            field='resolution', expected=f'at most {MAX_CELLS} cells')
         cells = np.full((height, width), background, np.int8)
-        grid = cls(cells, pitch, (int(low[0]), int(low[1])))
+        grid = cls(cells, pitch, low)
         grid._mark(points)
         grid._mark_lines(lines)
         if areas:
@@ -92,7 +94,7 @@ class OccupancyGrid:
             steps = int(np.abs(end - start).max() * 2 / self.resolution) + 1
             self._mark(start + np.linspace(0.0, 1.0, steps + 1)[:, None] * (end - start))
 
-    def _mark_area(self, area) -> None:
+    def _mark_area(self, area: MapObject) -> None:
         """Occupy the cells whose centres lie in the area's rectangle, edges included."""
         rectangle = area.rectangle
         low = (rectangle.corners.min(axis=0) - self.origin) // self.resolution
@@ -105,6 +107,20 @@ class OccupancyGrid:
         ys = self.origin[1] + (np.arange(bottom, top) + 0.5) * self.resolution
         centres = np.stack(np.meshgrid(xs, ys), axis=-1)
         self.cells[bottom:top, left:right][rectangle.contains(centres)] = OCCUPIED
+
+
+def fitting_resolution(document: MapDocument, resolution: int) -> int:
+    """`resolution` (mm), or the smallest multiple of it of which a grid is not too large."""
+    ends = np.concatenate((document.points, document.lines.reshape(-1, 2)))
+    pitch = resolution
+    while len(ends) and np.prod(_size(*bounds(ends), pitch), dtype=float) > MAX_CELLS:
+        pitch += resolution
+    return pitch
+
+
+def _size(low: Tuple[int, int], high: Tuple[int, int], pitch: int) -> Tuple[int, int]:
+    """Width and height in cells; bounds are inclusive."""
+    return (high[0] - low[0]) // pitch + 1, (high[1] - low[1]) // pitch + 1
 
 
 def _rows(document: MapDocument, use: str) -> Tuple[np.ndarray, np.ndarray]:

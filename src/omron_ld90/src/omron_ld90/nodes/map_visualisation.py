@@ -4,7 +4,8 @@ The file is loaded again when it changes. A bad new file leaves the old map up: 
 log say why.
 
 Topics out, all latched but for `laser_markers`, all in the frame `~frame_id`:
-  map (nav_msgs/OccupancyGrid), map_metadata (nav_msgs/MapMetaData)
+  map (nav_msgs/OccupancyGrid), map_metadata (nav_msgs/MapMetaData): cells of the map's own pitch,
+      or a multiple of it where there would be more than 100 million
   map_file (std_msgs/String): path of the displayed file, told again whenever it was (re)loaded
   map_markers/points, lines, goals, docks (visualization_msgs/Marker)
   map_markers/goal_names, goal_headings, forbidden_areas, sectors (visualization_msgs/MarkerArray)
@@ -50,6 +51,7 @@ from omron_ld90.maps import (
     MapDocument,
     MapError,
     MapWatcher,
+    fitting_resolution,
     wait_for_map,
 )
 from omron_ld90.maps import (
@@ -150,7 +152,11 @@ class MapVisualisation:
     def _show(self, path: str) -> None:
         """Load `path` and publish everything, or raise MapError and publish nothing."""
         document = MapDocument.load(path)
-        pitch = document.resolution or millimetres(self._settings.default_resolution)
+        own_pitch = document.resolution or millimetres(self._settings.default_resolution)
+        pitch = fitting_resolution(document, own_pitch)
+        if pitch != own_pitch:
+            rospy.logwarn('%s is so large that its grid has cells of %d mm instead of %d mm.',
+                          path, pitch, own_pitch)
         grid = Grid.from_map(document, pitch, areas=self._settings.areas_in_grid,
                              background=self._settings.background)
         header = Header(stamp=rospy.Time.now(), frame_id=self._settings.frame_id)

@@ -74,6 +74,8 @@ def goal_names(document: MapDocument, header: Header) -> MarkerArray:
     """The names of goals and docks, white, each ending left of its square, or of its arrow."""
     names = []
     for obj in document.goals + document.docks:
+        if not obj.label:
+            continue
         half_width = len(obj.label) * CHARACTER_WIDTH * TEXT_HEIGHT / 2.0
         reach = ARROW.x if obj.heads_left else SQUARE.x / 2.0
         marker = _one(header, 'goal_names', len(names), Marker.TEXT_VIEW_FACING, WHITE,
