@@ -1,0 +1,138 @@
+#!/usr/bin/env python3
+"""Reboot, emergency stop, another client, a wrong map: each has its own outcome and is named."""
+from __future__ import annotations
+
+import unittest
+
+import actionlib
+import rospy
+import rostest
+from actionlib_msgs.msg import GoalStatus
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
+from std_msgs.msg import String
+
+from omron_ld90_msgs.msg import (
+    CommandRefused,
+    ExecuteCommandAction,
+    ExecuteCommandGoal,
+    ExecuteCommandResult,
+    LinkState,
+    RobotStatus,
+)
+from omron_ld90_sim import Simulator
+from system_support import Recorder, connected_publisher, wait_until
+
+SOON = 15.0  # s
+DRIVE = 60.0  # s; the simulated robot's clock runs four times as fast
+
+
+class ArclFaultsTest(unittest.TestCase):
+    """One robot for all tests."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.links = Recorder('/omron_ld90/link_state', LinkState)
+        cls.responses = Recorder('/omron_ld90/arcl_response', String)
+        cls.refusals = Recorder('/omron_ld90/command_refused', CommandRefused)
+        cls.statuses = Recorder('/omron_ld90/robot_status', RobotStatus)
+        cls.diagnostics = Recorder('/diagnostics', DiagnosticArray)
+        cls.commands = connected_publisher('/omron_ld90/send_command', String)
+        cls.execute = actionlib.ActionClient('/omron_ld90/execute_command', ExecuteCommandAction)
+        cls.move_base = actionlib.ActionClient('/omron_ld90/move_base', MoveBaseAction)
+        for client in (cls.execute, cls.move_base):
+            assert client.wait_for_server(rospy.Duration(30.0)), 'the controller has no actions'
+        # The nodes are there before the robot is.
+        cls.wait_for_link(LinkState.COMMANDS, LinkState.DISCONNECTED, 0)
+        cls.robot = Simulator(rospy.get_param('~map_file'), rospy.get_param('~port'), speed=4.0,
+                              outgoing=('127.0.0.1', rospy.get_param('~outgoing_port')))
+        cls.robot.start()
+        cls.wait_for_link(LinkState.COMMANDS, LinkState.CONNECTED, 0)
+        cls.wait_for_link(LinkState.OUTGOING, LinkState.CONNECTED, 0)
+
+    @classmethod
+    def tearDownClass(cls) -> None:
+        cls.robot.stop()
+
+    @classmethod
+    def wait_for_link(cls, link: str, state: int, after: int) -> LinkState:
+        return cls.links.wait_for(lambda m: (m.link, m.state) == (link, state), SOON,
+                                  f'state {state} of link {link}', after)
+
+    def wait_for_diagnostic(self, name: str, level: int, words: str, after: int) -> None:
+        self.diagnostics.wait_for(lambda array: any(
+            status.name.endswith(f': {name}') and status.level == level and words in status.message
+            for status in array.status), SOON, f'"{words}" of {name}', after)
+
+    def drive(self, goal: str) -> actionlib.ClientGoalHandle:
+        """A drive that has begun."""
+        before = len(self.responses.messages)
+        handle = self.execute.send_goal(ExecuteCommandGoal(command=f'goto {goal}'))
+        self.responses.wait_for(lambda line: line.data == f'Going to {goal}', DRIVE, 'the drive',
+                                before)
+        return handle
+
+    def ended(self, handle: actionlib.ClientGoalHandle):
+        wait_until(lambda: handle.get_comm_state() == actionlib.CommState.DONE, DRIVE,
+                   'the end of the action')
+        return handle.get_result()
+
+    def test_a_reboot_in_the_middle_of_a_drive(self):
+        handle = self.drive('20')
+        before = len(self.links.messages)
+        self.robot.inject('reboot 8')
+        self.assertEqual(ExecuteCommandResult.LOST, self.ended(handle).outcome)
+        self.assertEqual(GoalStatus.ABORTED, handle.get_goal_status())
+        self.assertIn('lost', handle.get_goal_status_text())
+        lost = self.wait_for_link(LinkState.COMMANDS, LinkState.DISCONNECTED, before)
+        self.assertTrue(lost.reason)
+        self.wait_for_link(LinkState.OUTGOING, LinkState.DISCONNECTED, before)
+        self.wait_for_link(LinkState.COMMANDS, LinkState.CONNECTED, before)
+        self.wait_for_link(LinkState.OUTGOING, LinkState.CONNECTED, before)
+        said = len(self.responses.messages)
+        self.ended(self.execute.send_goal(ExecuteCommandGoal(command='odometer')))
+        self.assertFalse([line.data for line in self.responses.messages[said:]
+                          if line.data.startswith('Going')], 'the drive was sent again')
+
+    def test_an_emergency_stop(self):
+        handle = self.drive('20')
+        before = len(self.diagnostics.messages)
+        self.robot.inject('estop press')
+        result = self.ended(handle)
+        self.assertEqual(ExecuteCommandResult.FAILED, result.outcome)
+        self.assertIn('estop', result.message.lower())
+        self.statuses.wait_for(lambda status: status.emergency_stop, SOON, 'emergency stop')
+        self.wait_for_diagnostic('robot', DiagnosticStatus.ERROR, 'emergency stop', before)
+        self.robot.inject('estop release')
+        self.ended(self.execute.send_goal(ExecuteCommandGoal(command='enableMotors')))
+        before = len(self.diagnostics.messages)
+        self.wait_for_diagnostic('robot', DiagnosticStatus.OK, '', before)
+
+    def test_a_stop_that_was_not_ours_interrupts(self):
+        handle = self.drive('20')
+        self.robot.inject('other stop')
+        result = self.ended(handle)
+        self.assertEqual(ExecuteCommandResult.INTERRUPTED, result.outcome)
+        self.assertEqual(GoalStatus.PREEMPTED, handle.get_goal_status())
+
+    def test_a_pose_that_cannot_be_reached_aborts_with_the_robots_words(self):
+        goal = MoveBaseGoal()
+        goal.target_pose.header.frame_id = 'map'
+        goal.target_pose.pose.position.x = 900.0
+        goal.target_pose.pose.orientation.w = 1.0
+        handle = self.move_base.send_goal(goal)
+        self.ended(handle)
+        self.assertEqual(GoalStatus.ABORTED, handle.get_goal_status())
+        self.assertTrue(handle.get_goal_status_text())
+
+    def test_goals_that_robot_and_map_file_do_not_share_are_named_and_refused(self):
+        self.wait_for_diagnostic('goals', DiagnosticStatus.WARN, 'only the robot has', 0)
+        before = len(self.refusals.messages)
+        self.commands.publish(String('goto reception'))
+        refusal = self.refusals.wait_for(lambda _: True, SOON, 'refusal', before)
+        self.assertIn('no goal "reception"', refusal.reason)
+
+
+if __name__ == '__main__':
+    rospy.init_node('arcl_faults_test')
+    rostest.rosrun('omron_ld90', 'arcl_faults', ArclFaultsTest)
