@@ -278,7 +278,7 @@ class RouteFollower:
 
     def _on_refused(self, event: p.CommandRefused, now: float) -> None:
         if self.running:
-            raise RouteFailed(event.reason)
+            raise RouteFailed(self._why_unable() or event.reason)
 
     def _on_link(self, event: p.LinkChanged, now: float) -> None:
         if not event.up:
@@ -321,7 +321,8 @@ class RouteFollower:
     def _end(self, reason: str, detail: str = '') -> None:
         self.route.phase = Phase.FAILED
         self.route.reason = reason
-        self._note(f'Route {self.route.order.route_id} failed: {reason}. {detail}'.rstrip())
+        self._note(f'Route {self.route.order.route_id} failed: {reason.rstrip(".")}. '
+                   f'{detail}'.rstrip())
 
     def _stop(self) -> None:
         self._owes_stop = bool(self._down)

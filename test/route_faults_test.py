@@ -1,0 +1,135 @@
+#!/usr/bin/env python3
+"""Failures under way: the fleet manager is told why, and nothing undriven counts as driven."""
+from __future__ import annotations
+
+import sys
+import unittest
+
+import rospkg
+import rospy
+import rostest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from route_robot import BRIDGE, RouteRobot, state_list
+from std_msgs.msg import String
+
+from itrci_nav_msgs.msg import Edge, EdgeState, Graph, TargetRoute, Vertex
+from system_support import Recorder, connected_publisher, wait_until
+
+HALL = [1, 2, 3, 4, 5, 6]  # 8 10 12 14 32 33 35, 24 m
+FAILED_AT_2 = [EdgeState.COMPLETE] * 2 + [EdgeState.FAILED] * 4
+
+
+class Faults(unittest.TestCase):
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        rospy.init_node('route_faults_test')
+        maps = f'{rospkg.RosPack().get_path("omron_ld90")}/../../maps'
+        cls.lab = RouteRobot(maps, speed=4.0, start=(-12000.0, 0.0, 0.0), status_period=0.2)
+        cls.diagnostics = Recorder('/diagnostics', DiagnosticArray)
+        cls.others = connected_publisher('/omron_ld90/send_command', String, subscribers=3)
+
+    @classmethod
+    def tearDownClass(cls) -> None:
+        cls.lab.robot.stop()
+
+    def tearDown(self) -> None:
+        """The robot is well again and stands at vertex 8."""
+        for fault in ('estop release', 'mend 14', 'unblock'):
+            self.lab.robot.inject(fault)
+        heard = len(self.lab.responses.messages)
+        self.others.publish('enableMotors')
+        self.others.publish('goto 8')
+        self.lab.responses.wait_for(lambda line: line.data == 'Arrived at 8', 60,
+                                    'the robot back at 8', after=heard)
+        place = len(self.lab.status.messages)
+        self.lab.status.wait_for(lambda status: not status.emergency_stop, 10,
+                                 'a status without emergency stop', after=place)
+
+    def fails(self, reason: str, bring_about, stopped: bool = True) -> None:
+        """A route half driven fails for the reason; the robot is stopped, or left to others."""
+        route_id = self.lab.under_way(HALL, 2)
+        commands = len(self.lab.commands.messages)
+        bring_about()
+        end = self.lab.end_of(route_id)
+        self.assertEqual(end.reason, reason)
+        self.assertEqual(state_list(end), FAILED_AT_2)
+        sent = [command.data for command in self.lab.commands.messages[commands:]
+                if command._connection_header['callerid'] == BRIDGE]
+        self.assertEqual('stop' in sent, stopped)
+        self.diagnosed(reason)
+
+    def diagnosed(self, reason: str) -> None:
+        self.diagnostics.wait_for(lambda array: any(
+            status.level == DiagnosticStatus.ERROR and reason in status.message
+            and 'edges_to_vertices' in status.name for status in array.status),
+            10, f'diagnostic about {reason}')
+
+    def test_1_emergency_stop(self) -> None:
+        self.fails('emergency stop', lambda: self.lab.robot.inject('estop press'))
+
+    def test_2_a_goal_that_fails(self) -> None:
+        self.lab.robot.inject('fail 14')
+        end = self.lab.end_of(self.lab.order(HALL))
+        self.assertEqual(end.reason, 'Failed going to goal')
+        self.assertEqual(state_list(end)[2:], [EdgeState.FAILED] * 4)
+        self.diagnosed('Failed going to goal')
+
+    def test_3_another_ros_node_takes_over(self) -> None:
+        self.fails('taken over', lambda: self.others.publish('goto 10'), stopped=False)
+
+    def test_4_another_arcl_client_takes_over(self) -> None:
+        self.fails('taken over', lambda: self.lab.robot.inject('other goto 27'), stopped=False)
+
+    def test_5_a_lost_link(self) -> None:
+        route_id = self.lab.under_way(HALL, 2)
+        self.lab.robot.inject('refuse on')
+        self.lab.robot.inject('drop')
+        end = self.lab.end_of(route_id)
+        self.assertTrue(end.reason.startswith('lost link'), end.reason)
+        self.assertIn(EdgeState.FAILED, state_list(end))
+        heard = len(self.lab.responses.messages)
+        self.lab.robot.inject('refuse off')
+        self.lab.wait_ready()
+        self.lab.responses.wait_for(lambda line: line.data == 'Stopped', 10,
+                                    'the stop that the broken link kept back', after=heard)
+
+    def test_6_the_bridge_is_restarted_under_way(self) -> None:
+        route_id = self.lab.under_way(HALL, 2)
+        self.lab.restart_bridge()
+        self.lab.routes.publish(TargetRoute(route_id=route_id, edges=HALL))
+        resumed = self.lab.states.wait_for(
+            lambda states: states.route_id == route_id and states.edge_states, 10,
+            'report of the resumed route', after=len(self.lab.states.messages) - 1)
+        self.assertEqual(state_list(resumed)[:2], [EdgeState.COMPLETE] * 2, resumed.reason)
+        end = self.lab.end_of(route_id)
+        self.assertEqual(state_list(end), [EdgeState.COMPLETE] * 6, end.reason)
+
+    def test_7_a_stop_of_the_fleet_manager(self) -> None:
+        self.lab.under_way(HALL, 2)
+        heard = len(self.lab.responses.messages)
+        route_id = self.lab.order([])
+        self.lab.states.wait_for(lambda states: states.route_id == route_id, 5, 'acknowledgement')
+        self.lab.responses.wait_for(lambda line: line.data == 'Stopped', 10, 'a robot that stops',
+                                    after=heard)
+
+    def test_8_a_refused_command_ends_the_route(self) -> None:
+        """The graph of the fleet manager has a vertex for which the robot has no goal."""
+        graphs = rospy.Publisher('/graph', Graph, queue_size=1, latch=True)
+        known = self.lab.graph
+        vertices = [Vertex(id=v.id, frame_id=v.frame_id, x=v.x, y=v.y, theta=v.theta)
+                    for v in known.vertices.values()]
+        vertices.append(Vertex(id=99, frame_id=vertices[0].frame_id, x=-8.0, y=1.0))
+        edges = [Edge(id=e.id, origin_id=e.origin, destination_id=e.destination,
+                      curve_type=e.curve_type.value, param_f=e.param_f, param_b=e.param_b)
+                 for e in known.edges.values()]
+        edges.append(Edge(id=99, origin_id=10, destination_id=99, curve_type='line'))
+        graphs.publish(Graph(vertices=vertices, edges=edges))
+        wait_until(lambda: graphs.get_num_connections() >= 1, 10, 'the bridge listens to /graph')
+        end = self.lab.end_of(self.lab.order([1, 99]))
+        self.assertIn('99', end.reason)
+        self.assertEqual(state_list(end)[-1], EdgeState.FAILED)
+
+
+if __name__ == '__main__':
+    rostest.rosrun('omron_ld90', 'route_faults', Faults, sys.argv)
