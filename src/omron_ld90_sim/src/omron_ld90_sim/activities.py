@@ -5,16 +5,10 @@ from typing import Optional, Sequence
 
 from omron_ld90.maps import MapObject
 from omron_ld90_sim.battery import ChargeState
+from omron_ld90_sim.places import docked_pose
 from omron_ld90_sim.planner import NoWay
-from omron_ld90_sim.robot import (
-    STANDING,
-    Activity,
-    DockingState,
-    Failure,
-    Robot,
-    Script,
-    docked_pose,
-)
+from omron_ld90_sim.robot import Robot
+from omron_ld90_sim.states import STANDING, Activity, DockingState, Failure, Script
 from omron_ld90_sim.track import straight_track
 
 BLOCKED_PATIENCE = 30.0     # s of waiting for a blocked way before giving up
@@ -58,13 +52,13 @@ def drive(robot: Robot, x: float, y: float, heading: Optional[float], error: str
           failed: str) -> Script:
     """Drives to a place around what is in the way; waits a while where there is no way around."""
     waited = 0.0
-    if not robot.can_set_course:
+    if not robot.navigation.can_set_course:
         yield from come_to_rest(robot)
     while True:
         try:
             robot.set_course(x, y, heading)
         except NoWay as reason:
-            if not robot.dynamic_obstacles() or waited >= BLOCKED_PATIENCE:
+            if not robot.navigation.obstacles() or waited >= BLOCKED_PATIENCE:
                 raise Failure(error, failed) from reason
         else:
             yield STANDING

@@ -9,8 +9,8 @@ from omron_ld90_sim import activities
 from omron_ld90_sim.battery import ChargeState
 from omron_ld90_sim.clock import Ticker
 from omron_ld90_sim.configuration import DOCKING, OUTGOING
-from omron_ld90_sim.robot import DockingState
 from omron_ld90_sim.server import ArclServer
+from omron_ld90_sim.states import DockingState
 
 PERIOD = 1.0                # s between two looks
 WARN_BELOW = 25.0           # percent

@@ -11,8 +11,8 @@ from typing import Callable, Dict, List, Tuple
 from omron_ld90_sim.configuration import DOCKING
 from omron_ld90_sim.kinematics import Pose
 from omron_ld90_sim.planner import Disc
-from omron_ld90_sim.robot import Motors
 from omron_ld90_sim.server import PROMPT, ArclServer, Session
+from omron_ld90_sim.states import Motors
 
 BLOCK_AHEAD = 1500.0        # mm in front of the robot where `block` puts its obstacle
 BLOCK_RADIUS = 300.0
@@ -101,15 +101,15 @@ class Faults:
             track = self._robot.base.track
             place = (track.pose_at(min(self._robot.base.place + BLOCK_AHEAD, track.length))
                      if track else self._robot.true_pose.ahead(BLOCK_AHEAD))
-        number = len(self._robot.obstacles)
-        self._robot.obstacles[f'block {number}'] = Disc(place.x, place.y, float(radius))
+        number = len(self._robot.navigation.blocks)
+        self._robot.navigation.blocks[f'block {number}'] = Disc(place.x, place.y, float(radius))
 
     def unblock(self) -> None:
         """unblock
 
         Takes all such obstacles away.
         """
-        self._robot.obstacles.clear()
+        self._robot.navigation.blocks.clear()
 
     def fail(self, *goal: str) -> None:
         """fail GOAL

@@ -17,10 +17,6 @@ from omron_ld90_sim.kinematics import Pose
 FIELD_OF_VIEW = 240.0   # deg
 RANGE = 15000.0         # mm
 RAYS = 455
-NOISE = 6.0             # mm, standard deviation along the ray
-KEPT_FOR = 30.0         # s, mm and number of the cumulative points
-KEPT_WITHIN = 4000.0
-KEPT_POINTS = 200
 _ANGLES = np.radians(np.linspace(-FIELD_OF_VIEW / 2, FIELD_OF_VIEW / 2, RAYS))
 
 

@@ -12,14 +12,16 @@ from omron_ld90.maps import MapDocument
 from omron_ld90_sim.autonomy import Autonomy
 from omron_ld90_sim.clock import Clock
 from omron_ld90_sim.configuration import FILES, OUTGOING, OUTGOING_COMMANDS, Configuration
+from omron_ld90_sim.control import ControlServer
 from omron_ld90_sim.faults import Faults, UnknownFault
 from omron_ld90_sim.fleet import RobotSpec
 from omron_ld90_sim.floor import Floor
 from omron_ld90_sim.kinematics import Pose
+from omron_ld90_sim.places import start_places
 from omron_ld90_sim.recording import ReplayServer, SessionLog, Transfer
-from omron_ld90_sim.robot import Robot, start_places
+from omron_ld90_sim.robot import Robot
 from omron_ld90_sim.server import ArclServer
-from omron_ld90_sim.transport import ControlServer, Loop, TcpServer
+from omron_ld90_sim.transport import Loop, TcpServer
 
 CommandLists = Sequence[Tuple[float, str]]
 DEFAULT_LISTS: CommandLists = ((0.5, 'Status'), (0.5, 'RangeDeviceGetCurrent Laser_1'))
@@ -86,7 +88,8 @@ class Simulator:
             self._close()
             raise
         for unit in self.units:
-            unit.robot.neighbours = [other.robot for other in self.units if other is not unit]
+            unit.robot.navigation.neighbours = [other.robot.navigation for other in self.units
+                                                if other is not unit]
         self.robot, self.server = self.units[0].robot, self.units[0].server
         self.port = self.units[0].tcp.port
         self._thread: Optional[threading.Thread] = None

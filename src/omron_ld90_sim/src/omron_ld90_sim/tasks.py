@@ -1,8 +1,6 @@
-"""Tasks, macros and routes: what `doTask`, `executeMacro`, `listExecute` and `patrol` carry out.
+"""Tasks, and what is made of them: `doTask`, `executeMacro` and `listExecute`.
 
-A task is a script, as in `activities`; an instant task is over at once. Routes and macros come
-from the map's `RouteInfo:` and `MacroInfo:` lines: `Route "<name>"` or `Macro "<name>"`, then its
-`Goal "<goal>"` and `Task "<task>" <arguments>` lines.
+A task is a script, as in `activities`; an instant task is over at once.
 """
 from __future__ import annotations
 
@@ -14,10 +12,16 @@ from typing import Callable, Dict, List, Optional, Tuple
 from omron_ld90.maps import MapDocument, MapObject
 from omron_ld90_sim import activities
 from omron_ld90_sim.kinematics import Pose, normalise
-from omron_ld90_sim.robot import STANDING, Activity, Failure, Robot, Script
+from omron_ld90_sim.robot import Robot
+from omron_ld90_sim.states import STANDING, Activity, Failure, Script
 from omron_ld90_sim.track import Turn, straight_track
 
 _WORD = re.compile(r'"([^"]*)"|(\S+)')
+
+
+def split_words(text: str) -> List[str]:
+    """The words of a text, those in double quotes as one and without them."""
+    return [m.group(1) if m.group(2) is None else m.group(2) for m in _WORD.finditer(text)]
 
 
 class BadTask(ValueError):
@@ -37,8 +41,7 @@ class Task:
     @property
     def words(self) -> List[str]:
         """The arguments without quotes."""
-        return [m.group(1) if m.group(2) is None else m.group(2)
-                for m in _WORD.finditer(self.rest)]
+        return split_words(self.rest)
 
     def number(self, index: int, default: Optional[float] = None) -> float:
         """The argument at `index`."""
@@ -83,7 +86,7 @@ def script(robot: Robot, task: Task) -> Script:
 def _move(robot: Robot, task: Task) -> Script:
     distance, speed = task.number(0, 1000.0), task.number(1, 400.0)
     yield from activities.come_to_rest(robot)
-    if not robot.planner.straight_is_free(robot.true_pose, distance, robot.dynamic_obstacles()):
+    if not robot.planner.straight_is_free(robot.true_pose, distance, robot.navigation.obstacles()):
         raise Failure('Failed to move', 'Failed to move')
     robot.base.follow([straight_track(robot.true_pose, distance, robot.base.limits, abs(speed))])
     yield STANDING
@@ -91,7 +94,7 @@ def _move(robot: Robot, task: Task) -> Script:
 
 def _turn_to(robot: Robot, heading: float) -> Script:
     yield from activities.come_to_rest(robot)
-    if not robot.planner.can_turn(robot.true_pose, robot.dynamic_obstacles()):
+    if not robot.planner.can_turn(robot.true_pose, robot.navigation.obstacles()):
         raise Failure('Failed to turn', 'Failed to turn')
     robot.base.follow([Turn(normalise(heading), robot.base.limits.goal_rotation)])
     yield STANDING
@@ -185,7 +188,7 @@ def _play(robot: Robot, task: Task) -> None:
 def _set_speed(robot: Robot, task: Task) -> None:
     """`movementParametersTemp`: its first argument is taken as the top speed (mm/s)."""
     speed = task.number(0)
-    robot.speed_limit = speed if speed > 0 else None
+    robot.navigation.speed_limit = speed if speed > 0 else None
 
 
 def _block(robot: Robot, task: Task) -> None:
@@ -238,84 +241,3 @@ def task_list(robot: Robot, tasks: List[Task]) -> Activity:
         robot.announce(robot.status)
 
     return Activity('Executing list', 'Executing list', run())
-
-
-def patrol(robot: Robot, route: Route, once: bool, first: int = 0) -> Activity:
-    """`patrol` without end, or `patrolOnce` from the goal with index `first`."""
-    text = f'Patrolling route {route.name}' + (' once' if once else '')
-
-    def run() -> Script:
-        robot.announce(text)
-        start = first
-        while True:
-            for index in range(start, len(route.goals)):
-                robot.patrol_places[route.name.lower()] = index
-                goal = find_goal(robot.document, route.goals[index])
-                if goal is None:
-                    raise Failure('Failed going to goal', f'Failed going to {route.goals[index]}')
-                yield from activities.go_to_goal(robot, goal).script
-                for task in route.tasks.get(index, ()):
-                    yield from script(robot, task)
-            robot.patrol_places.pop(route.name.lower(), None)
-            if once:
-                break
-            start = 0
-            yield 0.0
-        robot.status = robot.extended = f'Finished patrolling route {route.name}'
-        robot.announce(robot.status)
-
-    return Activity(text, text, run())
-
-
-# -- what the map knows ---------------------------------------------------------------------
-
-@dataclass(frozen=True)
-class Route:
-    """A route: goals in order, and tasks to do at some of them."""
-
-    name: str
-    goals: Tuple[str, ...]
-    tasks: Dict[int, List[Task]]
-
-
-def _blocks(document: MapDocument, keyword: str, head: str) -> List[Tuple[str, List[List[str]]]]:
-    blocks: List[Tuple[str, List[List[str]]]] = []
-    for record in document.records:
-        text = record.raw.decode('utf-8', 'replace').strip()
-        key, _, rest = text.partition(' ')
-        if key.lower() != keyword.lower():
-            continue
-        words = [m.group(1) if m.group(2) is None else m.group(2) for m in _WORD.finditer(rest)]
-        if words[:1] == [head] and len(words) > 1:
-            blocks.append((words[1], []))
-        elif words[:1] in (['Goal'], ['Task']) and blocks:
-            blocks[-1][1].append([words[0], *words[1:]])
-        else:
-            blocks.append(('', []))     # another kind of block: what follows belongs to it
-    return [block for block in blocks if block[0]]
-
-
-def _task(words: List[str]) -> Task:
-    return Task(words[0], ' '.join(f'"{w}"' if ' ' in w else w for w in words[1:]))
-
-
-def routes(document: MapDocument) -> List[Route]:
-    """The map's routes, in file order."""
-    found = []
-    for name, rows in _blocks(document, 'RouteInfo:', 'Route'):
-        goals: List[str] = []
-        tasks: Dict[int, List[Task]] = {}
-        for kind, *words in rows:
-            if kind == 'Goal' and words:
-                goals.append(words[0])
-            elif words and goals:
-                tasks.setdefault(len(goals) - 1, []).append(_task(words))
-        found.append(Route(name, tuple(goals), tasks))
-    return found
-
-
-def macros(document: MapDocument) -> Dict[str, List[Task]]:
-    """The map's macros by name, in file order."""
-    return {name: [_task(words) for kind, *words in rows if kind == 'Task' and words]
-            for name, rows in _blocks(document, 'MacroInfo:', 'Macro')}
-

@@ -216,7 +216,8 @@ def test_goals_that_change_on_the_way_never_break_a_limit(path: Optional[Path]) 
 def test_two_robots_give_way_or_stop_but_never_touch() -> None:
     left = Rig(start=(-3000.0, 2200.0, 0.0))
     right = Rig(start=(5000.0, 2200.0, 180.0))
-    left.robot.neighbours, right.robot.neighbours = [right.robot], [left.robot]
+    left.robot.navigation.neighbours = [right.robot.navigation]
+    right.robot.navigation.neighbours = [left.robot.navigation]
     one, two = left.client(), right.client()
     one.send('gotoPoint 5000 1000')
     two.send('gotoPoint -3000 1000')

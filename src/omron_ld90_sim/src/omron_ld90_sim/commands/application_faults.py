@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from omron_ld90_sim.commands.table import Call, CommandFailed, command
-from omron_ld90_sim.robot import ApplicationFault
+from omron_ld90_sim.equipment import ApplicationFault
 
 
 @command('applicationFaultSet', 'Sets an application fault',
@@ -13,7 +13,7 @@ def application_fault_set(call: Call) -> None:
     if not {driving, critical} <= {'0', '1'}:
         raise CommandFailed('driving and critical must be 0 or 1')
     fault = ApplicationFault(name, short, long, driving == '1', critical == '1')
-    call.robot.application_faults[name] = fault
+    call.robot.equipment.faults[name] = fault
     call.reply(f'ApplicationFaultSet set {name}')
     call.server.broadcast(f'Fault: {fault}')
     if fault.driving:
@@ -24,7 +24,7 @@ def application_fault_set(call: Call) -> None:
 def application_fault_clear(call: Call) -> None:
     """Takes a fault back."""
     name = call.arguments[0]
-    fault = call.robot.application_faults.pop(name, None)
+    fault = call.robot.equipment.faults.pop(name, None)
     if fault is None:
         raise CommandFailed(f"No application fault '{name}'")
     call.robot.block_reasons.pop(name, None)
@@ -36,7 +36,7 @@ def application_fault_clear(call: Call) -> None:
          shortcut='afq')
 def application_fault_query(call: Call) -> None:
     """Lists the application faults."""
-    for fault in call.robot.application_faults.values():
+    for fault in call.robot.equipment.faults.values():
         call.reply(f'ApplicationFaultQuery: {fault}')
     call.reply('End of ApplicationFaultQuery')
 
@@ -44,6 +44,6 @@ def application_fault_query(call: Call) -> None:
 @command('faultsGet', 'Gets the list of any faults currently triggered')
 def faults_get(call: Call) -> None:
     """Lists all faults; the simulated robot knows those of applications."""
-    for fault in call.robot.application_faults.values():
+    for fault in call.robot.equipment.faults.values():
         call.reply(f'FaultList: {fault}')
     call.reply('End of FaultList')

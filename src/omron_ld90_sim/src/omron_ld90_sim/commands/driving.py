@@ -6,7 +6,8 @@ from omron_ld90_sim import activities, tasks
 from omron_ld90_sim.commands.table import Call, CommandFailed, command
 from omron_ld90_sim.kinematics import Pose, normalise
 from omron_ld90_sim.planner import NoWay
-from omron_ld90_sim.robot import LOCALIZED_WITHIN, DockingState, Motors
+from omron_ld90_sim.robot import LOCALIZED_WITHIN
+from omron_ld90_sim.states import DockingState, Motors
 
 LOCALIZING = 1.0    # s between the two lines of localizeToPoint
 

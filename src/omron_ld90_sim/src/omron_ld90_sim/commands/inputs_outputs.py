@@ -18,7 +18,7 @@ def _named(call: Call, table: Dict, what: str) -> str:
 @command('inputList', 'Lists the named inputs')
 def input_list(call: Call) -> None:
     """Lists the digital inputs."""
-    for name in call.robot.inputs:
+    for name in call.robot.equipment.inputs:
         call.reply(f'InputList: {name}')
     call.reply('End of InputList')
 
@@ -26,14 +26,14 @@ def input_list(call: Call) -> None:
 @command('inputQuery', 'Queries the state of a named input', '<name>', 1)
 def input_query(call: Call) -> None:
     """Answers one digital input."""
-    name = _named(call, call.robot.inputs, 'input')
-    call.reply(f'Input: {name} {_ON_OFF[call.robot.inputs[name]]}')
+    name = _named(call, call.robot.equipment.inputs, 'input')
+    call.reply(f'Input: {name} {_ON_OFF[call.robot.equipment.inputs[name]]}')
 
 
 @command('outputList', 'Lists the named outputs')
 def output_list(call: Call) -> None:
     """Lists the digital outputs."""
-    for name in call.robot.outputs:
+    for name in call.robot.equipment.outputs:
         call.reply(f'OutputList: {name}')
     call.reply('End of OutputList')
 
@@ -41,28 +41,28 @@ def output_list(call: Call) -> None:
 @command('outputQuery', 'Queries the state of a named output', '<name>', 1)
 def output_query(call: Call) -> None:
     """Answers one digital output."""
-    name = _named(call, call.robot.outputs, 'output')
-    call.reply(f'Output: {name} {_ON_OFF[call.robot.outputs[name]]}')
+    name = _named(call, call.robot.equipment.outputs, 'output')
+    call.reply(f'Output: {name} {_ON_OFF[call.robot.equipment.outputs[name]]}')
 
 
 @command('outputOn', 'Turns on a named output', '<name>', 1)
 def output_on(call: Call) -> None:
     """Switches one digital output on."""
-    call.robot.outputs[_named(call, call.robot.outputs, 'output')] = True
+    call.robot.equipment.outputs[_named(call, call.robot.equipment.outputs, 'output')] = True
     output_query(call)
 
 
 @command('outputOff', 'Turns off a named output', '<name>', 1)
 def output_off(call: Call) -> None:
     """Switches one digital output off."""
-    call.robot.outputs[_named(call, call.robot.outputs, 'output')] = False
+    call.robot.equipment.outputs[_named(call, call.robot.equipment.outputs, 'output')] = False
     output_query(call)
 
 
 @command('analogInputList', 'Lists the named analog inputs')
 def analog_input_list(call: Call) -> None:
     """Lists the analog inputs with their ranges."""
-    for name, analog in call.robot.analog_inputs.items():
+    for name, analog in call.robot.equipment.analog_inputs.items():
         call.reply(f'AnalogInputList: {analog.least:g} {analog.most:g} {analog.most_raw} {name}')
     call.reply('End of AnalogInputList')
 
@@ -70,15 +70,15 @@ def analog_input_list(call: Call) -> None:
 @command('analogInputQueryRaw', 'Queries the state of an analog input by raw', '<name>', 1)
 def analog_input_query_raw(call: Call) -> None:
     """Answers one analog input in counts."""
-    name = _named(call, call.robot.analog_inputs, 'analog input')
-    call.reply(f'AnalogInputRaw: {name} {call.robot.analog_inputs[name].raw}')
+    name = _named(call, call.robot.equipment.analog_inputs, 'analog input')
+    call.reply(f'AnalogInputRaw: {name} {call.robot.equipment.analog_inputs[name].raw}')
 
 
 @command('analogInputQueryVoltage', 'Queries the state of an analog input by voltage', '<name>', 1)
 def analog_input_query_voltage(call: Call) -> None:
     """Answers one analog input in volts."""
-    name = _named(call, call.robot.analog_inputs, 'analog input')
-    call.reply(f'AnalogInputVoltage: {name} {call.robot.analog_inputs[name].voltage:g}')
+    name = _named(call, call.robot.equipment.analog_inputs, 'analog input')
+    call.reply(f'AnalogInputVoltage: {name} {call.robot.equipment.analog_inputs[name].voltage:g}')
 
 
 @command('say', 'Says the given text', '<text>', 1)

@@ -80,7 +80,8 @@ def range_device_get_cumulative(call: Call) -> None:
     """Answers the points kept of the last 30 s within 4 m, 200 at most."""
     if call.arguments[0].lower() != LASER.lower():
         raise CommandFailed(f"No range device '{call.arguments[0]}'")
-    kept = call.robot.cumulative_points()
+    call.robot.scan()
+    kept = call.robot.scanner.cumulative(call.robot.pose).round().astype(int).ravel().tolist()
     call.reply(' '.join([f'RangeDeviceGetCumulative: {LASER}', *map(str, kept)]))
 
 
@@ -104,7 +105,7 @@ def get_date_time(call: Call) -> None:
 @command('getInfoList', 'Gets the list of information')
 def get_info_list(call: Call) -> None:
     """Lists the infos that clients have created."""
-    for name in call.robot.infos:
+    for name in call.robot.equipment.infos:
         call.reply(f'InfoList: {name}')
     call.reply('End of info list')
 
@@ -113,16 +114,16 @@ def get_info_list(call: Call) -> None:
 def get_info(call: Call) -> None:
     """Answers one info."""
     name = call.arguments[0]
-    if name not in call.robot.infos:
+    if name not in call.robot.equipment.infos:
         raise CommandFailed(f"No info '{name}'")
-    call.reply(f'Info: {name} {call.robot.infos[name][1]}')
+    call.reply(f'Info: {name} {call.robot.equipment.infos[name][1]}')
 
 
 @command('createInfo', 'creates a piece of information', '<name> <maxLen> <value>', 3)
 def create_info(call: Call) -> None:
     """Creates an info; a value with blanks gets cut."""
     name, length = call.arguments[0], int(call.number(1))
-    call.robot.infos[name] = (length, call.arguments[2][:max(length, 0)])
+    call.robot.equipment.infos[name] = (length, call.arguments[2][:max(length, 0)])
     call.reply(f'Created info for {name}')
 
 
@@ -130,8 +131,8 @@ def create_info(call: Call) -> None:
 def update_info(call: Call) -> None:
     """Changes an info that a client has created."""
     name = call.arguments[0]
-    if name not in call.robot.infos:
+    if name not in call.robot.equipment.infos:
         raise CommandFailed(f"No info '{name}'")
-    length = call.robot.infos[name][0]
-    call.robot.infos[name] = (length, call.arguments[1][:max(length, 0)])
+    length = call.robot.equipment.infos[name][0]
+    call.robot.equipment.infos[name] = (length, call.arguments[1][:max(length, 0)])
     call.reply(f'Updated info for {name}')

@@ -1,7 +1,7 @@
 """Commands for tasks, task lists, macros and routes."""
 from __future__ import annotations
 
-from omron_ld90_sim import activities, tasks
+from omron_ld90_sim import activities, map_scripts, tasks
 from omron_ld90_sim.commands.driving import check_drivable
 from omron_ld90_sim.commands.table import Call, CommandFailed, SetUpError, command
 
@@ -95,7 +95,7 @@ def pause_task_cancel(call: Call) -> None:
 @command('getMacros', 'gets a list of macros')
 def get_macros(call: Call) -> None:
     """Lists the map's macros."""
-    for name in tasks.macros(call.robot.document):
+    for name in map_scripts.macros(call.robot.document):
         call.reply(f'Macro: {name}')
     call.reply('End of macros')
 
@@ -104,7 +104,7 @@ def get_macros(call: Call) -> None:
 def execute_macro(call: Call) -> None:
     """Carries out one of the map's macros; its name goes unquoted and may hold blanks."""
     known = {name.lower(): (name, steps)
-             for name, steps in tasks.macros(call.robot.document).items()}
+             for name, steps in map_scripts.macros(call.robot.document).items()}
     if call.text.lower() not in known:
         raise CommandFailed(f"No macro '{call.text}'")
     name, steps = known[call.text.lower()]
@@ -118,13 +118,13 @@ def execute_macro(call: Call) -> None:
 def get_routes(call: Call) -> None:
     """Lists the map's routes."""
     call.reply('Routes')
-    for route in tasks.routes(call.robot.document):
+    for route in map_scripts.routes(call.robot.document):
         call.reply(f'Route: {route.name}')
     call.reply('End of routes')
 
 
-def _route(call: Call, name: str) -> tasks.Route:
-    for route in tasks.routes(call.robot.document):
+def _route(call: Call, name: str) -> map_scripts.Route:
+    for route in map_scripts.routes(call.robot.document):
         if route.name.lower() == name.lower():
             if not route.goals:
                 raise CommandFailed(f"Bad route '{name}'")
@@ -139,7 +139,7 @@ def patrol(call: Call) -> None:
     """Drives along a route without end."""
     route = _route(call, call.text)
     check_drivable(call)
-    call.robot.start(tasks.patrol(call.robot, route, once=False))
+    call.robot.start(map_scripts.patrol(call.robot, route, once=False))
 
 
 @command('patrolOnce', 'Patrols a route one time', '<route> [index]', 1)
@@ -150,7 +150,7 @@ def patrol_once(call: Call) -> None:
     if not 0 <= first < len(route.goals):
         raise CommandFailed(f'Bad index {first}')
     check_drivable(call)
-    call.robot.start(tasks.patrol(call.robot, route, once=True, first=first))
+    call.robot.start(map_scripts.patrol(call.robot, route, once=True, first=first))
 
 
 @command('patrolResume', 'Resumes a patrol', '<route>', 1)
@@ -159,7 +159,7 @@ def patrol_resume(call: Call) -> None:
     route = _route(call, call.text)
     first = call.robot.patrol_places.get(route.name.lower(), 0)
     check_drivable(call)
-    call.robot.start(tasks.patrol(call.robot, route, once=True, first=first))
+    call.robot.start(map_scripts.patrol(call.robot, route, once=True, first=first))
 
 
 @command('gotoRouteGoal', 'Goes to a goal in a route', '<route> <goal>', 2)

@@ -1,0 +1,55 @@
+"""What hangs on the robot: inputs, outputs, application faults and clients' notes."""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Dict, Tuple
+
+
+@dataclass(frozen=True)
+class ApplicationFault:
+    """A fault that an application has raised; as text, the fields of a `Fault:` line."""
+
+    name: str
+    short: str
+    long: str
+    driving: bool
+    critical: bool
+
+    def __str__(self) -> str:
+        kind = ('Fault' + ('_Driving' if self.driving else '')
+                + ('_Critical' if self.critical else '') + '_Application')
+        flags = ' '.join('true' if flag else 'false'
+                         for flag in (self.driving, self.critical, True))
+        return f'{kind} {self.name} "{self.short}" "{self.long}" {flags}'
+
+
+@dataclass
+class AnalogInput:
+    """An analog input: range in volts, counts at full scale, present voltage."""
+
+    least: float = 0.0
+    most: float = 10.0
+    most_raw: int = 4095
+    voltage: float = 0.0
+
+    @property
+    def raw(self) -> int:
+        """The voltage in counts."""
+        return round((self.voltage - self.least) / (self.most - self.least) * self.most_raw)
+
+
+def _switches(name: str) -> Dict[str, bool]:
+    return {f'{name}_{n}': False for n in range(1, 5)}
+
+
+@dataclass
+class Equipment:
+    """Four digital inputs and outputs, one analog input; a robot's own names are not in the facts.
+    """
+
+    inputs: Dict[str, bool] = field(default_factory=lambda: _switches('Input'))
+    outputs: Dict[str, bool] = field(default_factory=lambda: _switches('Output'))
+    analog_inputs: Dict[str, AnalogInput] = field(
+        default_factory=lambda: {'Analog_1': AnalogInput(voltage=2.5)})
+    faults: Dict[str, ApplicationFault] = field(default_factory=dict)
+    infos: Dict[str, Tuple[int, str]] = field(default_factory=dict)  # name -> longest value, value
