@@ -83,7 +83,8 @@ def _heading_offsets(data: bytes, line: int) -> List[int]:
             raise FieldError(f'{key + ":"!r} stands after the first section', 'section',
                              'all metadata before the first LINES or DATA',
                              line + data.count(b'\n', 0, start))
-        # Any other line is a bad row, which parse_rows tells more about.
+        else:
+            return offsets  # a bad row, which parse_rows tells more about
 
 
 def parse_rows(body: bytes, columns: tuple, line: int) -> np.ndarray:

@@ -63,6 +63,7 @@ from omron_ld90.nodes.startup import choice, number, parameter, run
 from omron_ld90.nodes.units import metres, millimetres, pose_from_robot
 
 POLL_PERIOD = 0.5  # s, between two looks at the file
+MOST_WARNINGS = 10  # in the log, about one file
 BACKGROUNDS = {'unknown': UNKNOWN, 'free': FREE}
 MARKERS = {
     'map_markers/points': markers.points,
@@ -107,6 +108,8 @@ class MapVisualisation:
         self._metadata = rospy.Publisher('map_metadata', MapMetaData, queue_size=1, latch=True)
         self._file = rospy.Publisher('map_file', String, queue_size=1, latch=True)
         self._laser = rospy.Publisher('laser_markers', Marker, queue_size=5, tcp_nodelay=True)
+        # Not in the main thread: it must be free for signals, or shutting down could wait for ever.
+        threading.Thread(target=self._follow_file, args=(path, made_from), daemon=True).start()
         rospy.Subscriber('laser_points', String, self._draw_laser, queue_size=5, tcp_nodelay=True)
         rospy.Service('static_map', GetMap, self._static_map)
         rospy.Service('change_map', LoadMap, self._change_map)
@@ -114,18 +117,20 @@ class MapVisualisation:
         self._diagnostics.setHardwareID('none')
         self._diagnostics.add('map', self._diagnose)
         rospy.Timer(rospy.Duration(1.0), lambda event: self._diagnostics.update())
-        # Not in the main thread: it must be free for signals, or shutting down could wait for ever.
-        threading.Thread(target=self._follow_file, args=(path, made_from), daemon=True).start()
 
     def _follow_file(self, path: str, made_from: Tuple[str, ...]) -> None:
         """Show the first map, then each new one; a map that cannot be shown is waited for."""
-        with self._lock:
-            self._begin(path, made_from)
-        while not rospy.is_shutdown():
-            time.sleep(POLL_PERIOD)
+        try:
             with self._lock:
-                if self._watcher.changed():
-                    self._try_to_show(self._watcher.path)
+                self._begin(path, made_from)
+            while not rospy.is_shutdown():
+                time.sleep(POLL_PERIOD)
+                with self._lock:
+                    if self._watcher.changed():
+                        self._try_to_show(self._watcher.path)
+        except rospy.ROSException:
+            if not rospy.is_shutdown():  # else topics were closed while they were published on
+                raise
 
     def _begin(self, path: str, made_from: Tuple[str, ...]) -> None:
         if made_from:
@@ -159,11 +164,11 @@ class MapVisualisation:
                           path, pitch, own_pitch)
         grid = Grid.from_map(document, pitch, areas=self._settings.areas_in_grid,
                              background=self._settings.background)
-        header = Header(stamp=rospy.Time.now(), frame_id=self._settings.frame_id)
+        frame_id, now = self._settings.frame_id, rospy.Time.now()
         info = MapMetaData(
-            map_load_time=header.stamp, resolution=metres(pitch), width=grid.width,
+            map_load_time=now, resolution=metres(pitch), width=grid.width,
             height=grid.height, origin=pose_from_robot(grid.origin[0], grid.origin[1], 0.0))
-        self._grid = GridMessage(grid.cells, header=header, info=info)
+        self._grid = GridMessage(grid.cells, header=Header(stamp=now, frame_id=frame_id), info=info)
         self._shown = {
             'file': os.path.abspath(path), 'points': len(document.points),
             'lines': len(document.lines), 'goals': len(document.goals),
@@ -171,13 +176,17 @@ class MapVisualisation:
         self._problem = ''
         self._map.publish(self._grid)
         self._metadata.publish(info)
+        always = Header(frame_id=frame_id)  # stamp 0: RViz need not find an old transform
         for build, publisher in self._markers.items():
-            publisher.publish(build(document, header))
+            publisher.publish(build(document, always))
         self._file.publish(self._shown['file'])
         rospy.loginfo('Showing %(file)s: %(points)d points, %(lines)d lines, %(goals)d goals, '
                       '%(docks)d docks, %(forbidden areas)d forbidden areas.', self._shown)
-        for warning in document.warnings:
+        warnings = document.warnings
+        for warning in warnings[:MOST_WARNINGS]:
             rospy.logwarn('%s, %s', path, warning)
+        if len(warnings) > MOST_WARNINGS:
+            rospy.logwarn('%d more warnings: ld_map check %s', len(warnings) - MOST_WARNINGS, path)
 
     def _static_map(self, request: object) -> GetGridResponse:
         with self._lock:
