@@ -80,9 +80,7 @@ def come_to_rest(robot: Robot) -> Script:
 
 def leave_dock(robot: Robot, wavering: Sequence[ChargeState]) -> Script:
     """Backs out of the dock if the robot is in it, with the charge states of the transcripts."""
-    if robot.docking in (DockingState.UNDOCKED, DockingState.DOCKING):
-        if robot.docking is DockingState.DOCKING:
-            robot.set_docking(DockingState.UNDOCKED, ChargeState.NOT)
+    if robot.docking is DockingState.UNDOCKED:
         return
     yield from come_to_rest(robot)
     robot.update_battery()

@@ -123,6 +123,15 @@ class Floor:
         np.minimum(self.clearance, np.minimum(to_row, to_column), out=self.clearance,
                    casting='unsafe')
 
+    @property
+    def end(self) -> np.ndarray:
+        """The centre of the last cell (x, y)."""
+        return self.origin + (np.array(self.shape[::-1]) - 1) * self.resolution
+
+    def holds(self, x: float, y: float) -> bool:
+        """Whether a point is on the map."""
+        return bool(self.origin[0] <= x <= self.end[0] and self.origin[1] <= y <= self.end[1])
+
     def clearance_at(self, xy: np.ndarray) -> np.ndarray:
         """Distance (mm) from each point (N, 2) to the nearest obstacle; 0 outside the map.
 

@@ -48,8 +48,16 @@ def start_places(document: MapDocument, floor: Floor,
             taken.append(pose)
         else:
             pose = Pose(*place)
+            if not floor.holds(pose.x, pose.y):
+                raise NoWay(f'the start at {pose.x / 1000:g}, {pose.y / 1000:g} m is outside the '
+                            f'map, which reaches from {_metres(floor.origin)} to '
+                            f'{_metres(floor.end)}: choose another --start')
         places.append(pose)
     return places
+
+
+def _metres(point: np.ndarray) -> str:
+    return f'{point[0] / 1000:g}, {point[1] / 1000:g} m'
 
 
 def _candidates(document: MapDocument, floor: Floor, chance: random.Random) -> Iterator[Pose]:

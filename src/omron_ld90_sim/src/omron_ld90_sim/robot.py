@@ -213,7 +213,7 @@ class Robot:
         self.activity, self._waits_for_base = None, False
         if self._wait_timer is not None:
             self._wait_timer.cancel()
-        if self.docking is DockingState.DOCKING:
+        if self.docking in (DockingState.DOCKING, DockingState.UNDOCKING):
             self.set_docking(DockingState.UNDOCKED, ChargeState.NOT)
 
     def _resume(self) -> None:

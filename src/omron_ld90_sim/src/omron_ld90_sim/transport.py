@@ -242,7 +242,10 @@ class TcpServer:
         """Does what the server wants: port open or not, outgoing connection, queued bytes."""
         open_port = self.server.online and self.server.accepting and not self._closing
         if open_port and self._listener is None:
-            self._listener = self._listen(self.port)
+            try:
+                self._listener = self._listen(self.port)
+            except PortTaken:       # by somebody else meanwhile: try again
+                self.loop.clock.after(RECONNECT, self._maintain)
         elif not open_port:
             self._close_listener()
         for connection in list(self._connections):

@@ -280,6 +280,18 @@ def test_from_the_dock_goto_backs_out_first() -> None:
         UNDOCKED, 'Going to 12', 'Arrived at 12']
 
 
+def test_stopped_half_way_out_of_the_dock_the_robot_finds_its_way_on() -> None:
+    rig = Rig(start=None)
+    client = rig.client()
+    client.send('goto 12')
+    rig.clock.advance(1.0)
+    client.send('stop')
+    assert client.until('Stopped')[-4:] == [UNDOCKED, 'Interrupted: Going to 12', 'Stopping',
+                                            'Stopped']
+    client.send('goto 12')
+    assert client.until('Arrived') == ['Going to 12', 'Arrived at 12']
+
+
 def test_a_second_goto_replaces_the_first() -> None:
     rig = Rig()
     client = rig.client()

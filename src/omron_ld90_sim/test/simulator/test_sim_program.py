@@ -203,7 +203,7 @@ def test_a_port_in_use_is_told_in_one_sentence(map_file: Path, listener: socket.
     ((), '--map'), (('--map', '/nowhere.map'), '/nowhere.map'),
     (('--password-file', '/nowhere'), '/nowhere'), (('--replay', '/nowhere'), '/nowhere'),
     (('--fault', 'earthquake'), 'earthquake'), (('--robots', '/nowhere'), '/nowhere'),
-    (('--set', 'Docking/Wings=2'), 'Wings')])
+    (('--set', 'Docking/Wings=2'), 'Wings'), (('--start', '90,0,0'), 'outside the map')])
 def test_what_cannot_be_done_is_told_in_one_sentence(map_file: Path, arguments: tuple, words: str,
                                                      capsys: pytest.CaptureFixture) -> None:
     given = list(arguments)
