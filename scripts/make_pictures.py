@@ -1,0 +1,142 @@
+#!/usr/bin/env python3
+"""Makes the pictures of the README: a real RViz on the simulated robot, clicked on with the mouse.
+
+After `source devel/setup.bash`: `PYTHONPATH=test:$PYTHONPATH scripts/make_pictures.py`
+
+Writes docs/images/rviz_map.png, rviz_route.png and rviz_drive.gif.
+"""
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Callable, List, Optional, Tuple
+
+import rospy
+from geometry_msgs.msg import PointStamped
+from PIL import Image, ImageDraw
+from rviz_support import RvizWindow, Screen, missing_programs
+from std_msgs.msg import String
+
+from itrci_nav_msgs.msg import ExecutionRouteStates, TargetRoute
+from omron_ld90.maps import MapDocument
+from system_support import Recorder, connected_publisher, free_port, wait_until
+
+ROOT = Path(__file__).resolve().parents[1]
+IMAGES = ROOT / 'docs/images'
+VIEW = (16, 62, 1264, 870)  # the 3D view in the window
+GIF_WIDTH, GIF_COLOURS = 900, 160
+SCALE = 40.0
+NOTHING_HERE = (640, 440)
+PERIOD, SPEED_UP = 1.0, 5.0  # s between two pictures of the film, and how much faster it plays
+ROUTE = (9, 3, 4, 31, 32, 34)  # from vertex 4 to 52
+
+
+class Film:
+    """Pictures of the 3D view, with a ring where the mouse just clicked."""
+
+    def __init__(self, window: RvizWindow) -> None:
+        self._window = window
+        self._pictures: List[Image.Image] = []
+
+    def take(self, click: Optional[Tuple[int, int]] = None) -> None:
+        """One picture; `click` is the pixel that was just clicked on."""
+        picture = self._window.picture('film')
+        if click is not None:
+            pen = ImageDraw.Draw(picture)
+            for radius in (16, 24):
+                pen.ellipse([click[0] - radius, click[1] - radius, click[0] + radius,
+                             click[1] + radius], outline=(255, 255, 255), width=3)
+        view = picture.crop(VIEW)
+        self._pictures.append(view.resize((GIF_WIDTH, round(GIF_WIDTH * view.height / view.width))))
+
+    def take_until(self, done: Callable[[], bool], longest: float) -> None:
+        """Pictures at an even pace until `done`, but not longer than `longest` s."""
+        end = time.monotonic() + longest
+        while not done() and time.monotonic() < end:
+            begun = time.monotonic()
+            self.take()
+            time.sleep(max(0.0, begun + PERIOD - time.monotonic()))
+
+    def save(self, path: Path) -> None:
+        """Save with one palette for all, so that unchanged parts cost nothing."""
+        palette = self._pictures[len(self._pictures) // 2].quantize(GIF_COLOURS, Image.MAXCOVERAGE)
+        frames = [picture.quantize(palette=palette, dither=0) for picture in self._pictures]
+        frames[0].save(path, save_all=True, append_images=frames[1:], loop=0, optimize=True,
+                       duration=round(1000 * PERIOD / SPEED_UP))
+
+
+def film(window: RvizWindow) -> None:
+    """Click on a goal, see the robot arrive, then see it drive a route of the fleet."""
+    lab = MapDocument.load(str(ROOT / 'maps/lab.map'))
+    clicks = Recorder('/clicked_point', PointStamped)
+    lines = Recorder('/omron_ld90/arcl_response', String)
+    states = Recorder('/omron_ld90/execution_route_states', ExecutionRouteStates)
+    routes = connected_publisher('/omron_ld90/target_route', TargetRoute)
+    lines.wait_for(lambda line: True, 30.0, 'answer of the robot')
+
+    def calibrated() -> bool:
+        window.tool('c')
+        window.click(NOTHING_HERE)
+        return bool(clicks.messages)
+    wait_until(calibrated, 60.0, 'a click lands')
+    point = clicks.messages[0].point
+    window.calibrate(NOTHING_HERE, (point.x, point.y))
+    rospy.sleep(9.0)  # until the words about that click are gone
+    window.picture('rviz_map')
+
+    pictures = Film(window)
+    goal = lab.find('4')
+    pixel = window.pixel(goal.x / 1000.0, goal.y / 1000.0)
+    pictures.take()
+    window.tool('c')
+    window.click(pixel)
+    pictures.take(pixel)
+    pictures.take_until(lambda: any(line.data == 'Arrived at 4' for line in lines.messages), 60.0)
+    pictures.take_until(lambda: False, 1.0)
+    routes.publish(TargetRoute(route_id=7, edges=list(ROUTE)))
+
+    def done() -> int:
+        last: List = states.messages[-1:]
+        return sum(edge.state == edge.COMPLETE for edge in last[0].edge_states) if last else 0
+    pictures.take_until(lambda: done() == 3, 60.0)
+    window.picture('rviz_route')
+    pictures.take_until(lambda: done() == len(ROUTE), 90.0)
+    pictures.take_until(lambda: False, 2.0)
+    pictures.save(IMAGES / 'rviz_drive.gif')
+
+
+def main() -> int:
+    """Start the stack on free ports, film it, and end it."""
+    missing = missing_programs()
+    if missing:
+        print(f'Not installed: {", ".join(missing)}.', file=sys.stderr)
+        return 1
+    IMAGES.mkdir(parents=True, exist_ok=True)
+    port = free_port()
+    os.environ['ROS_MASTER_URI'] = f'http://127.0.0.1:{port}'
+    screen = Screen()
+    stack = subprocess.Popen(
+        ['roslaunch', '-p', str(port), 'omron_ld90', 'full_stack.launch', 'rviz:=false',
+         f'arcl_port:={free_port()}', f'outgoing_port:={free_port()}'], stdout=subprocess.DEVNULL)
+    window = None
+    try:
+        rospy.init_node('make_pictures', disable_signals=True)
+        window = RvizWindow(screen, str(IMAGES), SCALE)
+        film(window)
+    finally:
+        if window is not None:
+            window.close()
+        stack.send_signal(signal.SIGINT)
+        stack.wait(30)
+        screen.close()
+        for name in ('film.png', 'rviz_starting.png'):
+            (IMAGES / name).unlink(missing_ok=True)
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())
