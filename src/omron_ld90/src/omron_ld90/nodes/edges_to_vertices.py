@@ -145,8 +145,6 @@ class EdgesToVertices:
             self._ticks += 1
             if self._follower.running or self._ticks % IDLE_TICKS == 0:
                 self._states.publish(fleet_messages.states_of(self._follower.report()))
-            record = self._follower.record
-        self._memory.keep(record)
         self._updater.update()
 
     # --- actions ---------------------------------------------------------------------------------
@@ -164,6 +162,7 @@ class EdgesToVertices:
                 self._states.publish(fleet_messages.states_of(action))
             else:
                 rospy.logwarn('%s', action.text)
+        self._memory.keep(self._follower.record)
 
     def _diagnose(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
         with self._lock:
