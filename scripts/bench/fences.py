@@ -20,7 +20,7 @@ from fence_builders import NO_WALLS, grid, real_site_graph  # noqa: E402
 
 from omron_ld90.graph.corridors import CorridorRules, corridors_of  # noqa: E402
 from omron_ld90.graph.fence_check import check_fences  # noqa: E402
-from omron_ld90.graph.fencing import Fences, fence_objects, is_fence  # noqa: E402
+from omron_ld90.graph.fences import Fences, fence_objects, is_fence  # noqa: E402
 from omron_ld90.graph.goals import dock_pose  # noqa: E402
 from omron_ld90.graph.obstacles import obstacle_points  # noqa: E402
 from omron_ld90.maps import MapDocument  # noqa: E402

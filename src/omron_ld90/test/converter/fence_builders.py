@@ -7,7 +7,7 @@ from typing import List, Optional, Tuple
 import numpy as np
 
 from omron_ld90.graph.corridors import CorridorRules, Corridors, corridors_of
-from omron_ld90.graph.fencing import Fences, fence_objects
+from omron_ld90.graph.fences import Fences, fence_objects
 from omron_ld90.maps import MapObject
 from trajectory_graph import Edge, Graph, Vertex
 

@@ -1,7 +1,10 @@
 import pytest
 from converter_builders import LAB
+from PIL import Image
 
+from omron_ld90.graph import drawing
 from omron_ld90.graph.converter_cli import main
+from omron_ld90.graph.fences import is_fence
 from omron_ld90.maps import MapDocument
 
 
@@ -46,3 +49,53 @@ def test_missing_options_end_with_status_2():
     with pytest.raises(SystemExit) as ended:
         main(['--graph', 'g.yaml'])
     assert ended.value.code == 2
+
+
+@pytest.mark.parametrize('fences, areas, lines', [('areas', True, False), ('lines', False, True),
+                                                  ('none', False, False)])
+def test_the_kind_of_fences_is_chosen(tmp_path, fences, areas, lines):
+    output = tmp_path / 'out.map'
+    assert main(arguments(output, '--fences', fences)) == 0
+    document = MapDocument.load(str(output))
+    assert any(map(is_fence, document.forbidden_areas)) == areas
+    assert any(map(is_fence, document.forbidden_lines)) == lines
+
+
+def test_single_edges_may_be_wider(tmp_path):
+    def blocks_beside_edge_1(*more):
+        output = tmp_path / 'out.map'
+        assert main(arguments(output, *more)) == 0
+        return min(area.rectangle.corners[:, 1].min()
+                   for area in filter(is_fence, MapDocument.load(str(output)).forbidden_areas)
+                   if area.rectangle.contains([[-10000.0, 2000.0]])[0])
+    assert blocks_beside_edge_1() == pytest.approx(450, abs=25)
+    assert blocks_beside_edge_1('--edge-width', '1=1.3,2=1.0') == pytest.approx(650, abs=25)
+
+
+@pytest.mark.parametrize('option, value, told', [
+    ('--corridor-width', '0.4', 'corridor of 0.4 m'),
+    ('--corridor-width', 'nan', 'corridor of nan m'),
+    ('--edge-width', '3:1.2', "edge_width '3:1.2'"),
+    ('--edge-width', '77=1.2', 'no edge 77'),
+    ('--edge-width', '3=0.1', 'corridor of 0.1 m'),
+    ('--turning-margin', '-1', 'turning_margin is -1'),
+])
+def test_corridors_that_make_no_sense_are_refused(tmp_path, capsys, option, value, told):
+    assert main(arguments(tmp_path / 'out.map', option, value)) == 1
+    error = capsys.readouterr().err
+    assert told in error
+    assert len(error.splitlines()) == 1
+
+
+def test_the_picture_shows_fences_and_places(tmp_path):
+    picture = tmp_path / 'out.png'
+    assert main(arguments(tmp_path / 'out.map', '--dock-vertex', '16', '--draw',
+                          str(picture))) == 0
+    colours = {colour for _, colour in Image.open(str(picture)).getcolors(1 << 20)}
+    assert {drawing.FENCE, drawing.CORRIDOR, drawing.CURVE, drawing.FORBIDDEN, drawing.GOAL,
+            drawing.DOCK, drawing.BLACK} <= colours
+
+
+def test_a_picture_that_cannot_be_written_is_told(tmp_path, capsys):
+    assert main(arguments(tmp_path / 'out.map', '--draw', str(tmp_path / 'no' / 'out.png'))) == 1
+    assert 'out.png: the picture cannot be written' in capsys.readouterr().err

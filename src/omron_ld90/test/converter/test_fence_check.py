@@ -9,7 +9,7 @@ from scipy import ndimage
 from shapely.geometry import Point
 
 from omron_ld90.graph.fence_check import check_fences, lost_area, shape_of
-from omron_ld90.graph.fencing import is_fence
+from omron_ld90.graph.fences import is_fence
 from omron_ld90.graph.obstacles import obstacle_points
 from omron_ld90.maps import MapDocument, MapObject, RotatedRectangle
 from trajectory_graph import load_graph

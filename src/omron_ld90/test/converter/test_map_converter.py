@@ -16,7 +16,7 @@ from omron_ld90.graph.converter import (
     convert_file,
 )
 from omron_ld90.graph.corridors import CorridorRules, corridors_of
-from omron_ld90.graph.fencing import FENCE, Fences, is_fence
+from omron_ld90.graph.fences import FENCE, Fences, is_fence
 from omron_ld90.maps import MapDocument, MapError, MapObject
 from trajectory_graph import load_graph
 

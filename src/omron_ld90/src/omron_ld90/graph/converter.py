@@ -12,7 +12,7 @@ from enum import Enum
 from typing import List, Optional, Set, Tuple
 
 from omron_ld90.graph.corridors import CorridorRules, Corridors, corridors_of
-from omron_ld90.graph.fencing import (
+from omron_ld90.graph.fences import (
     Fences,
     fence_objects,
     is_fence,

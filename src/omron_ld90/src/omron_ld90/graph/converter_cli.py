@@ -17,7 +17,7 @@ from omron_ld90.graph.converter import (
 )
 from omron_ld90.graph.corridors import ROBOT_HALF_DIAGONAL, ROBOT_HALF_WIDTH, CorridorRules
 from omron_ld90.graph.drawing import draw
-from omron_ld90.graph.fencing import Fences
+from omron_ld90.graph.fences import Fences
 from omron_ld90.maps import MapDocument, MapError
 from trajectory_graph import TrajectoryGraphError, load_graph
 

@@ -8,7 +8,7 @@ from PIL import Image, ImageDraw, ImageFont
 from shapely.geometry.base import BaseGeometry
 
 from omron_ld90.graph.converter import Conversion
-from omron_ld90.graph.fencing import is_fence
+from omron_ld90.graph.fences import is_fence
 from omron_ld90.maps import MapDocument, MapError, MapObject
 from trajectory_graph import Graph
 

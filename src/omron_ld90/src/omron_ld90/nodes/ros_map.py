@@ -24,7 +24,7 @@ from typing import List, Optional
 
 from omron_ld90.graph import converter_cli
 from omron_ld90.graph.converter import ExistingGoals, Options
-from omron_ld90.graph.fencing import Fences
+from omron_ld90.graph.fences import Fences
 
 
 def main(arguments: Optional[List[str]] = None) -> None:

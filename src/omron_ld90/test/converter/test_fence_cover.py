@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from omron_ld90.graph.converter import Options, convert
 from omron_ld90.graph.fence_check import check_fences
-from omron_ld90.graph.fencing import Fences
+from omron_ld90.graph.fences import Fences
 from omron_ld90.maps import MapDocument
 from trajectory_graph import CurveType, Edge, Graph, Vertex, load_graph
 
