@@ -8,6 +8,7 @@ import pytest
 from graph_builders import spline_graph
 from hypothesis import given
 from hypothesis import strategies as st
+
 from trajectory_graph.curves import cubic_bezier, line, spline
 
 coordinate = st.floats(-50.0, 50.0)
