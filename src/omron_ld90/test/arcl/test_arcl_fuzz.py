@@ -8,6 +8,7 @@ import os
 import socket
 import sys
 
+import pytest
 from arcl_builders import LOGIN, PASSWORD, STATUS, Conversation, lines, logged_in, texts
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -28,13 +29,22 @@ from omron_ld90.arcl.commands import LONGEST_COMMAND
 from omron_ld90.arcl.framing import LineBuffer
 from omron_ld90.arcl.parser import _TABLE
 
-EXAMPLES = 200_000 if os.environ.get('LD90_LONG_TESTS') == '1' else 5_000
+EXAMPLES = 5_000  # in a batch; hypothesis keeps all of a batch in memory
+BATCHES = 40 if os.environ.get('LD90_LONG_TESTS') == '1' else 1
+
+
+@pytest.fixture(params=range(BATCHES))
+def batch(request) -> int:
+    return request.param
 
 
 def share(percent: int):
-    """The settings of a property that gets so many per cent of all examples."""
-    return settings(max_examples=EXAMPLES * percent // 100, deadline=None, database=None,
-                    suppress_health_check=list(HealthCheck))
+    """A property that gets so many per cent of all examples."""
+    def decorate(test):
+        few = settings(max_examples=EXAMPLES * percent // 100, deadline=None, database=None,
+                       suppress_health_check=list(HealthCheck))
+        return pytest.mark.usefixtures('batch')(few(test))
+    return decorate
 
 
 GOOD = st.sampled_from([*STATUS, b'Arrived at 12', b'DockingState: Docked ForcedState: Unforced '

@@ -175,7 +175,7 @@ class Client:
             now = time.monotonic()
             if data is not None:
                 heard = now
-                for event in session.receive(data) if data else session.receive_eof():
+                for event in session.read(data) if data else session.receive_eof():
                     if isinstance(event, Closed):
                         return event.cause
                     self._handle(event, now)

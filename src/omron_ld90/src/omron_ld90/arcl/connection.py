@@ -51,14 +51,15 @@ class Connection:
 
     def receive(self) -> Optional[bytes]:
         """What has come: None for nothing yet, b'' for the end. Raises OSError when broken."""
-        with contextlib.suppress(BlockingIOError, InterruptedError):
+        try:
             return self.socket.recv(_CHUNK)
-        return None
+        except BlockingIOError:
+            return None
 
     def send(self, data: bytes) -> None:
         """Sends as much as goes now, keeps the rest. Raises OSError when broken."""
         self.unsent += data
-        with contextlib.suppress(BlockingIOError, InterruptedError):
+        with contextlib.suppress(BlockingIOError):
             while self.unsent:
                 self.unsent = self.unsent[self.socket.send(self.unsent):]
 

@@ -124,7 +124,7 @@ class Listener:
                     raise PeerSilent(now - self._heard)
             else:
                 self._heard = now
-                for event in self._session.receive(data) if data else self._session.receive_eof():
+                for event in self._session.read(data) if data else self._session.receive_eof():
                     if isinstance(event, Closed):
                         raise event.cause
                     self._call(self._on_line, event)

@@ -1,15 +1,15 @@
 """One connection as a state machine without I/O: bytes in, events out.
 
 There are two kinds. On port 7171 the robot asks for a password and lists its commands first; the
-connection that the robot opens itself (7179) speaks at once. In both, `receive` takes what came
-from the socket and returns what it means, and `output` holds what is to be sent for the session's
-own part: the password, and `echo off`.
+connection that the robot opens itself (7179) speaks at once. In both, `read` takes what came from
+the socket and gives what it means, and `take_output` gives what is to be sent for the session's own
+part: the password, and `echo off`.
 """
 from __future__ import annotations
 
 import re
 from enum import Enum
-from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Tuple, Type, Union
+from typing import Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Tuple, Type, Union
 
 from omron_ld90.arcl.errors import (
     ConnectionFailed,
@@ -58,6 +58,7 @@ _CLOSED_WHILE: Dict[State, Tuple[Type[LinkError], str]] = {
 }
 
 _LONGEST_HELP_LIST = 2000
+_MAY_HOLD_PASSWORD = (ConfigValue, Done)
 _SHORTCUT = re.compile(r'\[(\w+)\]\s*$')
 
 
@@ -121,24 +122,23 @@ class Session:
         self._help: Dict[str, str] = {}
         self._last_words = ''
 
-    def receive(self, data: bytes) -> List[Event]:
-        """What `data` from the socket means."""
-        if self.state is State.CLOSED:
-            return []
-        events: List[Event] = []
-        lines = self._lines.feed(data)
-        if self.state is not State.READY:
-            lines = self._log_in(lines, events)
-        events += [_received(raw) for raw in lines]
-        if self._trace:
-            for event in events:
-                if isinstance(event, Received):
-                    self._trace('S', event.raw)
-        if lines and isinstance(events[-1].reply, ServerClosing):
-            self._last_words = events[-1].reply.text
+    def read(self, data: bytes) -> Iterator[Event]:
+        """What `data` from the socket means, event by event; to be read to its end.
+
+        One line is read when the one before it has been dealt with, so that it need not wait for
+        those behind it.
+        """
+        for raw in self._lines.feed(data):
+            if self.state is State.READY:
+                yield self._received(raw)
+            elif self.state is not State.CLOSED:
+                yield from self._log_in(raw)
         if self._lines.overflowed and self.state is not State.CLOSED:
-            events.append(self._close(LineTooLong(self._lines.limit)))
-        return events
+            yield self._close(LineTooLong(self._lines.limit))
+
+    def receive(self, data: bytes) -> List[Event]:
+        """All that `data` from the socket means."""
+        return list(self.read(data))
 
     def receive_eof(self) -> List[Event]:
         """What it means that the peer closed the connection now."""
@@ -155,43 +155,50 @@ class Session:
         self._output.clear()
         return output
 
-    def _log_in(self, lines: List[bytes], events: List[Event]) -> List[bytes]:
-        """Takes the lines of the login; returns those that came after it."""
-        for index, raw in enumerate(lines):
-            if self._trace:
-                self._trace('S', raw.replace(self._password, BLANKED))
-            awaited, following = _LOGIN[self.state]
-            if raw.strip().lower() == awaited:
-                self.state = following
-                self._last_words = ''
-                if following is State.LOGGING_IN:
-                    self._say(self._password, BLANKED)
-                elif following is State.READY:
-                    help_list = HelpList(self._help)
-                    if help_list.full_name('echo'):
-                        self._say(b'echo off')
-                    events.append(LoggedIn(help_list))
-                    return lines[index + 1:]
-            elif self.state is State.AWAITING_PROMPT:
-                self._last_words = raw[:100].decode('ascii', 'replace')
-            elif self.state is State.LOGGING_IN and raw.strip().lower() == b'enter password:':
-                events.append(self._close(WrongPassword(_CLOSED_WHILE[State.LOGGING_IN][1])))
-                return []
-            elif self.state is State.DRAINING_HELP_LIST:
-                self._read_help(raw, events)
-                if len(self._help) > _LONGEST_HELP_LIST:
-                    events.append(self._close(
-                        ConnectionFailed('the help list of the robot does not end')))
-                    return []
-        return []
+    def _log_in(self, raw: bytes) -> Iterator[Event]:
+        """A line of the login."""
+        if self._trace:
+            self._trace('S', raw.replace(self._password, BLANKED))
+        said = raw.strip().lower()
+        awaited, following = _LOGIN[self.state]
+        if said == awaited:
+            self.state = following
+            self._last_words = ''
+            if following is State.LOGGING_IN:
+                self._say(self._password, BLANKED)
+            elif following is State.READY:
+                help_list = HelpList(self._help)
+                if help_list.full_name('echo'):
+                    self._say(b'echo off')
+                yield LoggedIn(help_list)
+        elif self.state is State.AWAITING_PROMPT:
+            self._last_words = raw[:100].decode('ascii', 'replace')
+        elif self.state is State.LOGGING_IN and said == _LOGIN[State.AWAITING_PROMPT][0]:
+            kind, reason = _CLOSED_WHILE[State.LOGGING_IN]
+            yield self._close(kind(reason))
+        elif self.state is State.DRAINING_HELP_LIST:
+            yield from self._read_help(raw)
 
-    def _read_help(self, raw: bytes, events: List[Event]) -> None:
+    def _read_help(self, raw: bytes) -> Iterator[Event]:
         """An entry of the help list, or a line of another client's doings between two entries."""
         reply = parse_line(raw.decode('utf-8', 'replace'))
         if isinstance(reply, HelpEntry):
             self._help[reply.name] = reply.description
+            if len(self._help) > _LONGEST_HELP_LIST:
+                yield self._close(ConnectionFailed('the help list of the robot does not end'))
         elif not isinstance(reply, (UnknownLine, Item)):
-            events.append(Received(raw, reply))
+            yield Received(raw, reply)
+
+    def _received(self, raw: bytes) -> Received:
+        reply = parse_line(raw.decode('utf-8', 'replace'))
+        if type(reply) in _MAY_HOLD_PASSWORD:
+            raw = blank_configured(raw)
+            reply = parse_line(raw.decode('utf-8', 'replace'))
+        elif type(reply) is ServerClosing:
+            self._last_words = reply.text
+        if self._trace:
+            self._trace('S', raw)
+        return Received(raw, reply)
 
     def _say(self, line: bytes, shown: bytes = b'') -> None:
         self._output += line + b'\n'
@@ -201,11 +208,3 @@ class Session:
     def _close(self, cause: LinkError) -> Closed:
         self.state = State.CLOSED
         return Closed(cause)
-
-
-def _received(raw: bytes) -> Received:
-    reply = parse_line(raw.decode('utf-8', 'replace'))
-    if isinstance(reply, (ConfigValue, Done)):  # the two that can hold a password
-        raw = blank_configured(raw)
-        reply = parse_line(raw.decode('utf-8', 'replace'))
-    return Received(raw, reply)
