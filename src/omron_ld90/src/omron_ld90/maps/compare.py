@@ -9,6 +9,7 @@ import numpy as np
 
 from omron_ld90.maps.document import MapDocument
 from omron_ld90.maps.objects import MapObject
+from omron_ld90.maps.sections import sorted_rows
 
 
 @dataclass(frozen=True)
@@ -73,6 +74,5 @@ def _without(objects: List[MapObject], taken: List[MapObject]) -> Tuple[MapObjec
 
 def _extra_rows(rows: np.ndarray, others: np.ndarray) -> int:
     """How many different rows `rows` has that `others` has not."""
-    everything = np.concatenate((np.unique(rows, axis=0), np.unique(others, axis=0)))
-    both = len(everything) - len(np.unique(everything, axis=0))
-    return len(np.unique(rows, axis=0)) - both
+    either = sorted_rows(np.concatenate((rows, others)), once=True)
+    return len(either) - len(sorted_rows(others, once=True))

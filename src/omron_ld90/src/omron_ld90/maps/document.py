@@ -11,12 +11,12 @@ from typing import List, Optional, Tuple
 
 import numpy as np
 
-from omron_ld90.maps import editing
+from omron_ld90.maps import editing, scan_editing
 from omron_ld90.maps.checks import check
-from omron_ld90.maps.errors import MapError, MapWarning
+from omron_ld90.maps.errors import FieldError, MapError, MapWarning
 from omron_ld90.maps.header import ScanHeader
 from omron_ld90.maps.objects import MapObject
-from omron_ld90.maps.reader import Content, Record, read_content
+from omron_ld90.maps.reader import Content, Record, read_content, read_headers
 from omron_ld90.maps.saving import write_file
 from omron_ld90.maps.sections import COLUMNS, Section
 
@@ -57,8 +57,7 @@ class MapDocument:
         self.name = name
         self._records = content.records
         self._sections = content.sections
-        self.scans = tuple(Scan(header, content.sections, index == 0)
-                           for index, header in enumerate(content.headers))
+        self.scans = _scans(content.headers, content.sections)
         self._notes: List[editing.Note] = []
 
     @classmethod
@@ -191,10 +190,38 @@ class MapDocument:
         self._notes += editing.rename(self.name, self._records, obj, new_name)
         self._end_last_row()
 
+    def replace_points(self, points: np.ndarray) -> None:
+        """Put `points` (N, 2), whole mm, in the place of the scan's, and tell so in the header."""
+        self._replace_rows('DATA', points)
+
+    def replace_lines(self, lines: np.ndarray) -> None:
+        """Put `lines` (M, 4), whole mm, in the place of the wall lines; points stay."""
+        self._replace_rows('LINES', lines)
+
+    def _replace_rows(self, kind: str, rows: np.ndarray) -> None:
+        if [scan.name for scan in self.scans] != ['']:
+            raise MapError(self.name, 'only a map of one scan without a name can have its rows '
+                           'replaced', field='Sources')
+        end = editing.line_end(self._records)
+        try:
+            rows = scan_editing.checked_rows(rows, kind)
+            if np.array_equal(rows, self.points if kind == 'DATA' else self.lines):
+                return
+            self._sections = scan_editing.with_rows(self._sections, kind, rows, end)
+        except FieldError as error:  # its line, if any, is one of the rows and not of the file
+            raise MapError(self.name, error.problem, None, error.field, error.expected) from None
+        scan_editing.update_header(self._records, kind, rows, end)
+        self.scans = _scans(read_headers(self._records, self.name), self._sections)
+        self._end_last_row()
+
     def _end_last_row(self) -> None:
         """In an edited file the last row has a line end: the vendor's library loses it else."""
         if not self._sections[-1].raw.endswith(b'\n'):
             self._sections[-1] = self._sections[-1].with_final(editing.line_end(self._records))
+
+
+def _scans(headers: List[ScanHeader], sections: List[Section]) -> Tuple[Scan, ...]:
+    return tuple(Scan(header, sections, index == 0) for index, header in enumerate(headers))
 
 
 def _all(blocks: List[np.ndarray]) -> np.ndarray:

@@ -112,9 +112,12 @@ class OccupancyGrid:
 def fitting_resolution(document: MapDocument, resolution: int) -> int:
     """`resolution` (mm), or the smallest multiple of it of which a grid is not too large."""
     ends = np.concatenate((document.points, document.lines.reshape(-1, 2)))
+    low, high = bounds(ends) if len(ends) else ((0, 0), (0, 0))
     pitch = resolution
-    while len(ends) and np.prod(_size(*bounds(ends), pitch), dtype=float) > MAX_CELLS:
+    width, height = _size(low, high, pitch)
+    while width * height > MAX_CELLS:
         pitch += resolution
+        width, height = _size(low, high, pitch)
     return pitch
 
 

@@ -53,7 +53,7 @@ def read_content(data: bytes, name: str) -> Content:
     if offset == len(data):
         raise MapError(name, 'there is neither a LINES nor a DATA section: the file is cut off',
                        len(records), expected='at least one of them')
-    headers = _read_headers(records, name)
+    headers = read_headers(records, name)
     try:
         sections = split_sections(data[offset:], len(records) + 1)
     except FieldError as error:
@@ -100,7 +100,8 @@ def _read_object(raw: bytes, name: str, number: int) -> MapObject:
         raise error.in_file(name, number) from None
 
 
-def _read_headers(records: List[Record], name: str) -> List[ScanHeader]:
+def read_headers(records: List[Record], name: str) -> List[ScanHeader]:
+    """What the file `name` says about each of its scans; raises MapError."""
     number = 0
     try:
         sources = ['']
@@ -130,5 +131,6 @@ def _check_sources(sections: List[Section], headers: List[ScanHeader], name: str
     known = [header.source.lower() for header in headers]
     for section in sections:
         if section.source and section.source.lower() not in known:
-            raise MapError(name, f'the section {decode(section.heading)} belongs to no scan',
+            heading = printable(decode(section.heading))
+            raise MapError(name, f'the section {heading} belongs to no scan',
                            expected='its name in a Sources: line')

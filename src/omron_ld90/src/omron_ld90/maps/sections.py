@@ -58,8 +58,9 @@ def split_sections(data: bytes, line: int) -> List[Section]:
         kind = kind.decode().upper()
         body = data[head:end]
         line += 1
-        sections.append(Section(data[start:head], body, (source or b'').decode('utf-8', 'replace'),
-                                kind, parse_rows(body, COLUMNS[kind], line)))
+        source = (source or b'').decode('utf-8', 'surrogateescape')
+        sections.append(Section(data[start:head], body, source, kind,
+                                parse_rows(body, COLUMNS[kind], line)))
         line += body.count(b'\n')
     return sections
 
@@ -149,6 +150,16 @@ def bounds(rows: np.ndarray) -> Tuple[Tuple[int, int], Tuple[int, int]]:
     low = [min(int(rows[:, i].min()) for i in range(axis, rows.shape[1], 2)) for axis in (0, 1)]
     high = [max(int(rows[:, i].max()) for i in range(axis, rows.shape[1], 2)) for axis in (0, 1)]
     return (low[0], low[1]), (high[0], high[1])
+
+
+def sorted_rows(rows: np.ndarray, once: bool = False) -> np.ndarray:
+    """`rows` by their first column, then the next; with `once` equal rows only once."""
+    rows = rows[np.lexsort(rows.T[::-1])]
+    if not once:
+        return rows
+    new = np.ones(len(rows), bool)
+    new[1:] = np.any(rows[1:] != rows[:-1], axis=1)
+    return rows[new]
 
 
 def _far_row(rows: np.ndarray) -> int:
