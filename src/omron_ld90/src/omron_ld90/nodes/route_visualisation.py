@@ -68,6 +68,7 @@ class RouteVisualisation:
         self._status: Optional[RobotStatus] = None
         self._heard = -math.inf
         self._links: Dict[str, LinkState] = {}
+        self._map_file = ''
         self._goals: Dict[str, drawing.XY] = {}
         self._dock: Optional[drawing.XY] = None
         self._point: Optional[drawing.XY] = None
@@ -109,6 +110,10 @@ class RouteVisualisation:
                 rospy.logerr('Destinations are not shown: %s', error)
         with self._lock:
             self._goals, self._dock = goals, dock
+            if message.data != self._map_file:  # another map: the path was not driven on it
+                self._map_file = message.data
+                self._path.poses = []
+                self._publish_path.publish(self._path)
 
     def _on_metadata(self, metadata: MapMetaData) -> None:
         origin = metadata.origin.position

@@ -1,0 +1,47 @@
+"""RViz opens on the map, wherever and however large it is."""
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import yaml
+
+from omron_ld90.maps import MapDocument
+from omron_ld90.nodes.rviz_view import HEIGHT, WIDTH, View, configuration_for
+
+REPOSITORY = Path(__file__).resolve().parents[4]
+SHIPPED = (REPOSITORY / 'rviz/omron_ld90.rviz').read_text()
+
+
+def room(west: int, south: int, east: int, north: int) -> MapDocument:
+    """A map that holds the two opposite corners of a room, in mm."""
+    return MapDocument.from_bytes(
+        f'2D-Map\nNumPoints: 2\nDATA\n{west} {south}\n{east} {north}\n'.encode())
+
+
+def test_the_shipped_configuration_shows_the_whole_laboratory():
+    assert configuration_for(MapDocument.load(str(REPOSITORY / 'maps/lab.map')), SHIPPED) is None
+
+
+@pytest.mark.parametrize('west, south, east, north', [
+    (-6260, -9820, 25820, 16320), (100000, 0, 101000, 80000), (0, 0, 300000, 1000)])
+def test_a_map_that_is_larger_or_elsewhere_is_put_into_the_middle(west, south, east, north):
+    text = configuration_for(room(west, south, east, north), SHIPPED)
+    view = View.in_configuration(text)
+    assert view.shows(west / 1000, south / 1000, east / 1000, north / 1000 + 1.0)
+    assert view.x == pytest.approx((west + east) / 2000, abs=0.01)
+    assert min(WIDTH / view.scale - (east - west) / 1000,
+               HEIGHT / view.scale - (north - south) / 1000) < 2.5, 'no larger than needed'
+
+
+def test_only_the_view_is_changed():
+    shipped = yaml.safe_load(SHIPPED)
+    changed = yaml.safe_load(configuration_for(room(0, 0, 90000, 90000), SHIPPED))
+    for configuration in (shipped, changed):
+        for name in ('Scale', 'X', 'Y'):
+            del configuration['Visualization Manager']['Views']['Current'][name]
+    assert changed == shipped
+
+
+def test_a_map_without_points_and_lines_leaves_the_view_alone():
+    assert configuration_for(MapDocument.from_bytes(b'2D-Map\nDATA\n'), SHIPPED) is None
