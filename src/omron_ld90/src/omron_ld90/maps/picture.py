@@ -33,6 +33,7 @@ GAP = 75  # mm between a name and what it names
 #: Fonts with more than Latin letters, where they are installed; else Pillow's own small one.
 FONTS = ('NotoSansCJK-Regular.ttc', 'NanumGothic.ttf', 'DejaVuSans.ttf',
          'LiberationSans-Regular.ttf')
+BASIC_LAYOUT = 0  # the other one, for scripts that join letters, crashes with Ubuntu 20.04's Pillow
 
 
 def draw_map(document: MapDocument, path: str, long_side: int = LONG_SIDE) -> Tuple[int, int]:
@@ -174,7 +175,7 @@ def _closed(outline: np.ndarray) -> np.ndarray:
 def _font(size: int) -> ImageFont.ImageFont:
     for name in FONTS:
         try:
-            return ImageFont.truetype(name, size)
+            return ImageFont.truetype(name, size, layout_engine=BASIC_LAYOUT)
         except OSError:
             continue
     return ImageFont.load_default()
