@@ -12,7 +12,7 @@ from omron_ld90_sim.states import STANDING, Activity, DockingState, Failure, Scr
 from omron_ld90_sim.track import straight_track
 
 BLOCKED_PATIENCE = 30.0     # s of waiting for a blocked way before giving up
-RETRY = 1.0                 # s between two attempts to find a way
+RETRY = 2.0                 # s between two attempts to find a way
 SETTLE = 0.5                # s between two docking states
 _WAVERING_ON_GOTO = (ChargeState.NOT, ChargeState.OVERCHARGE, ChargeState.BULK)
 _WAVERING_ON_UNDOCK = (ChargeState.NOT, ChargeState.OVERCHARGE, ChargeState.NOT, ChargeState.BULK,

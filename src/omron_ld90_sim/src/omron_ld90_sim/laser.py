@@ -29,9 +29,7 @@ def scan(floor: Floor, pose: Pose, others: Sequence[np.ndarray] = ()) -> np.ndar
     direction = np.column_stack([np.cos(angles), np.sin(angles)])
     ranges = _march(floor, np.array([pose.x, pose.y]), direction)
     for corners in others:
-        centre = corners.mean(axis=0)
-        if pose.distance_to(*centre) < RANGE + 500.0:
-            ranges = np.minimum(ranges, _polygon(np.array([pose.x, pose.y]), direction, corners))
+        ranges = np.minimum(ranges, _polygon(np.array([pose.x, pose.y]), direction, corners))
     return ranges
 
 
@@ -68,13 +66,12 @@ def _march(floor: Floor, origin: np.ndarray, direction: np.ndarray) -> np.ndarra
 
 
 def _polygon(origin: np.ndarray, direction: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    nearest = np.full(len(direction), np.inf)
-    for a, b in zip(corners, np.roll(corners, -1, axis=0)):
-        edge, to_edge = b - a, a - origin
-        across = direction[:, 0] * edge[1] - direction[:, 1] * edge[0]
-        with np.errstate(divide='ignore', invalid='ignore'):
-            distance = (to_edge[0] * edge[1] - to_edge[1] * edge[0]) / across
-            along = (to_edge[0] * direction[:, 1] - to_edge[1] * direction[:, 0]) / across
-        hit = (distance >= 0) & (distance <= RANGE) & (along >= 0) & (along <= 1)
-        nearest = np.where(hit, np.minimum(nearest, distance), nearest)
-    return nearest
+    """Ranges to the outline through `corners`; inf where a ray misses it."""
+    edge = (np.roll(corners, -1, axis=0) - corners)[:, None, :]
+    to_edge = (corners - origin)[:, None, :]
+    across = direction[:, 0] * edge[..., 1] - direction[:, 1] * edge[..., 0]
+    with np.errstate(divide='ignore', invalid='ignore'):
+        distance = (to_edge[..., 0] * edge[..., 1] - to_edge[..., 1] * edge[..., 0]) / across
+        along = (to_edge[..., 0] * direction[:, 1] - to_edge[..., 1] * direction[:, 0]) / across
+    hit = (distance >= 0) & (distance <= RANGE) & (along >= 0) & (along <= 1)
+    return np.where(hit, distance, np.inf).min(axis=0)

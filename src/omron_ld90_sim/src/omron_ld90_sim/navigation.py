@@ -8,12 +8,14 @@ import numpy as np
 
 from omron_ld90_sim.floor import Floor
 from omron_ld90_sim.motion import Base
-from omron_ld90_sim.planner import Disc, Planner
+from omron_ld90_sim.planner import Disc, planner_for
 from omron_ld90_sim.track import Track, manoeuvres
 
 LOOK_AHEAD = 600.0          # mm beyond the stopping distance that must be free of obstacles
+FARTHEST_STOP = 3000.0      # mm that another robot comes nearer while it stops, and its size
 JOIN_AHEAD = 300.0          # mm beyond the stopping distance where a new course begins
-LOOK_STEP = 100.0           # mm between the places that are looked at
+PLAN_AROUND = 8000.0        # mm within which other robots are planned around
+LOOK_STEP = 200.0           # mm between the places that are looked at
 
 
 class Navigation:
@@ -28,16 +30,16 @@ class Navigation:
 
     def change_floor(self, floor: Floor) -> None:
         """Plans on another floor from now on."""
-        self.floor, self.planner = floor, Planner(floor)
+        self.floor, self.planner = floor, planner_for(floor)
 
-    def obstacles(self) -> List[Disc]:
-        """Everything in the way that is not on the map.
+    def obstacles(self, within: float = PLAN_AROUND) -> List[Disc]:
+        """Everything in the way that is not on the map, other robots within so many mm.
 
         A moving neighbour counts where it is, where it could come to rest, and between.
         """
         radius = self.floor.body.half_diagonal
         discs = list(self.blocks.values())
-        for other in self.neighbours:
+        for other in self._near(within):
             places, track = [other.base.pose], other.base.track
             if track is not None:
                 here, rest = other.base.place, other.base.stopping_distance()
@@ -45,11 +47,16 @@ class Navigation:
             discs += [Disc(place.x, place.y, radius) for place in places]
         return discs
 
-    def outlines(self) -> List[np.ndarray]:
+    def _near(self, within: float) -> List[Navigation]:
+        x, y = self.base.pose.x, self.base.pose.y
+        return [other for other in self.neighbours
+                if abs(other.base.pose.x - x) < within and abs(other.base.pose.y - y) < within]
+
+    def outlines(self, within: float) -> List[np.ndarray]:
         """The same as a laser sees it: corners (N, 2) of each obstacle."""
         circle = np.radians(np.arange(0, 360, 30))
         ring = np.column_stack([np.cos(circle), np.sin(circle)])
-        return [*(other.floor.body.corners(other.base.pose) for other in self.neighbours),
+        return [*(other.floor.body.corners(other.base.pose) for other in self._near(within)),
                 *(np.array([disc.x, disc.y]) + disc.radius * ring
                   for disc in self.blocks.values())]
 
@@ -86,10 +93,13 @@ class Navigation:
 
     def blocked_ahead(self) -> bool:
         """Whether an obstacle is where the base is about to drive."""
-        track, obstacles = self.base.track, self.obstacles()
-        if not obstacles or track is None or self.base.braking:
+        track = self.base.track
+        if track is None or self.base.braking or not (self.blocks or self.neighbours):
             return False
         reach = self.base.stopping_distance() + LOOK_AHEAD
+        obstacles = self.obstacles(within=reach + FARTHEST_STOP)
+        if not obstacles:
+            return False
         places = np.arange(self.base.place, min(self.base.place + reach, track.length), LOOK_STEP)
         ahead = [track.pose_at(s) for s in places]
         clear = self.floor.body.half_width

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
@@ -196,6 +197,12 @@ class Planner:
                                                       self.drive_clearance):
             return int(candidates[0])
         return None
+
+
+@lru_cache(maxsize=4)
+def planner_for(floor: Floor) -> Planner:
+    """The planner of a floor; robots on one floor share it."""
+    return Planner(floor)
 
 
 class Space:

@@ -13,6 +13,7 @@ from typing import Callable, Dict, Optional, Set, Tuple
 import numpy as np
 
 from omron_ld90.maps import MapDocument
+from omron_ld90_sim import laser
 from omron_ld90_sim.battery import Battery, ChargeState
 from omron_ld90_sim.clock import Clock, Timer
 from omron_ld90_sim.equipment import Equipment
@@ -26,6 +27,7 @@ from omron_ld90_sim.scanner import Scanner
 from omron_ld90_sim.states import STANDING, Activity, DockingState, Failure, Motors
 
 CHARGE_CHECK = 1.0          # s between looks at the charger's phase
+LOOK_EVERY = 4              # steps between looks at what is ahead
 TEMPERATURE = 36            # deg C
 LOCALIZED_WITHIN = (1000.0, 30.0)   # mm, deg: how far off a localization may start and still find
 
@@ -63,6 +65,7 @@ class Robot:
         self.equipment = Equipment()
         self._error = Pose(0.0, 0.0, 0.0)       # believed minus true
         self._odometer = Odometer()
+        self._steps = 0
         self._step_timer: Optional[Timer] = None
         self._wait_timer: Optional[Timer] = None
         self._waits_for_base = False
@@ -122,7 +125,7 @@ class Robot:
     def scan(self) -> np.ndarray:
         """One laser scan: hits (N, 2) in mm, in the frame the robot believes in."""
         return self.scanner.scan(self.floor, self.true_pose, self.pose,
-                                 self.navigation.outlines())
+                                 self.navigation.outlines(laser.RANGE))
 
     # -- what it says ------------------------------------------------------------------------
 
@@ -321,7 +324,8 @@ class Robot:
     def _step(self) -> None:
         self.update_battery()
         self.base.step(STEP)
-        if self.navigation.blocked_ahead():
+        self._steps += 1
+        if self._steps % LOOK_EVERY == 0 and self.navigation.blocked_ahead():
             self.base.brake()
         if not self.base.still:
             self._keep_stepping()
