@@ -44,8 +44,10 @@ def test_a_duplicate_after_the_end_is_ignored():
     bench.run()
     commands = len(bench.commands)
     bench.order(7, 1, 4, 5, stamp=50.0)
+    bench.order(7, 1, 4, 5, stamp=51.0)
     assert len(bench.commands) == commands
     assert bench.states() == [2, 2, 2]
+    assert [note for note in bench.notes if 'needs another id' in note] == bench.notes[-1:]
 
 
 def test_a_late_route_is_left_out():
@@ -165,6 +167,17 @@ def test_a_route_that_cannot_be_driven_is_refused(edges, reason):
     assert set(report.states) == {EdgeState.FAILED}
     assert reason in report.reason
     assert bench.commands == []
+
+
+def test_a_duplicate_of_a_refused_route_is_refused_again_wherever_the_robot_is_by_now():
+    bench = Bench(dissertation_graph(), 1)
+    bench.order(7, 4, stamp=50.0)
+    bench.robot.position = (4.0, 0.0)
+    bench.tell(bench.robot.located(bench.now + 1.0))
+    bench.order(7, 4, stamp=50.0)
+    assert len(refusals(bench, 7)) == 2
+    bench.order(7, 4, stamp=60.0)  # said anew, it is considered anew
+    assert bench.follower.running
 
 
 def test_a_refusal_leaves_the_running_route_alone():

@@ -12,16 +12,21 @@ from hypothesis import strategies as st
 from omron_ld90.graph.route_ways import (
     corner_cut,
     distances,
+    has_detour,
     is_the_free_way,
-    is_the_only_short_way,
 )
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 
 MARGIN = 0.9
 
 
+def is_the_only_short_way(graph, edges, arc, margin=MARGIN):
+    """The robot's way without regard to corners."""
+    return is_the_free_way(graph, edges, arc, margin, tolerance=math.inf)
+
+
 def test_the_only_way_is_the_only_short_way():
-    assert is_the_only_short_way(dissertation_graph(), (1, 4, 5), 0.0, MARGIN)
+    assert is_the_only_short_way(dissertation_graph(), (1, 4, 5), 0.0)
 
 
 def test_two_ways_of_one_length_leave_it_open():
@@ -29,22 +34,22 @@ def test_two_ways_of_one_length_leave_it_open():
 
 
 def test_having_begun_on_one_of_them_decides():
-    assert not is_the_only_short_way(yard(), (1, 2), 0.4, MARGIN)
-    assert is_the_only_short_way(yard(), (1, 2), 0.5, MARGIN)
+    assert not is_the_only_short_way(yard(), (1, 2), 0.4)
+    assert is_the_only_short_way(yard(), (1, 2), 0.5)
 
 
 def test_a_way_round_is_not_the_free_way():
-    assert not is_the_only_short_way(yard(), (1, 2, 3), 0.0, MARGIN)
+    assert not is_the_only_short_way(yard(), (1, 2, 3), 0.0)
 
 
 def test_no_free_way_comes_back():
-    assert not is_the_only_short_way(yard(), (1, -1), 3.9, MARGIN)
+    assert not is_the_only_short_way(yard(), (1, -1), 3.9)
 
 
 def test_two_edges_between_the_same_vertices_leave_it_open():
     graph = graph_of({1: (0, 0), 2: (4, 0), 3: (2, 0.5)}, {1: (1, 2), 2: (1, 3), 3: (3, 2)})
-    assert not is_the_only_short_way(graph, (1,), 0.0, MARGIN)
-    assert is_the_only_short_way(graph, (1,), 2.0, MARGIN)
+    assert not is_the_only_short_way(graph, (1,), 0.0)
+    assert is_the_only_short_way(graph, (1,), 2.0)
 
 
 def test_a_right_angle_is_cut_by_the_diagonal_of_the_slack():
@@ -63,7 +68,7 @@ def test_at_a_cusp_the_free_way_leaves_the_vertex_out():
                   [Edge(1, 1, 2, CurveType.SPLINE, 1.5, 1.5),
                    Edge(2, 1, 3, CurveType.SPLINE, 1.5, 1.5)])
     assert corner_cut(graph, -1, 2, 0.2) > 1.0
-    assert is_the_only_short_way(graph, (-1, 2), 0.0, 0.9)
+    assert not has_detour(graph, (-1, 2), 0.0, 0.9)
     assert not is_the_free_way(graph, (-1, 2), 0.0, 0.9, 0.3)
 
 
@@ -115,7 +120,7 @@ def test_what_is_called_the_free_way_is_shorter_than_every_other_by_the_margin(c
     ways = simple_ways(graph, 1, graph.end_vertex(route[-1]).id)
     own = ways.pop(route)
     others = min(ways.values(), default=float('inf'))
-    if is_the_only_short_way(graph, route, 0.0, MARGIN):
+    if is_the_only_short_way(graph, route, 0.0):
         assert own + MARGIN < others + 1e-9
     elif len(route) == 1:
         assert others <= own + MARGIN + 1e-9

@@ -35,12 +35,14 @@ class RouteFollower:
         """The running route, or the last one."""
         self._restored: Optional[Tuple[p.RouteRecord, float]] = None  # with the time to forget
         self._waiting: Optional[Tuple[RouteOrder, float]] = None      # with the time to give up
+        self._refused: Tuple[Optional[RouteOrder], str] = (None, '')  # the last one, and why
         self._down: Dict[str, Tuple[float, str]] = {}                 # link: since when, why
+        self._told_over: Optional[int] = None  # route of which a duplicate was explained
         self._emergency = False
         self._owes_stop = False  # a stop could not reach the robot
         self._interrupted_at: Optional[float] = None
         self._strange_goals = 0  # status texts in a row that name a goal we do not know
-        self._reported: Tuple = ()
+        self._told: Tuple = ()
         self._out: List[p.Action] = []
         self._handlers: Dict[type, Callable[..., None]] = {
             RouteOrder: self._on_order, p.Located: self._on_located,
@@ -98,12 +100,12 @@ class RouteFollower:
         actions: List[p.Action] = [p.Send(command) for command in self.errand.take_commands()]
         actions += self._out
         self._out = []
-        if self.route is not None:
-            report = self.report()
-            changed = (report.route_id, report.edges, report.states, report.reason)
-            if changed != self._reported:
-                self._reported = changed
-                actions.append(report)
+        route = self.route
+        if route is not None:
+            told = (route.order.route_id, route.edges, route.states, route.reason)
+            if told != self._told:
+                self._told = told
+                actions.append(self.report())
         return actions
 
     @property
@@ -142,10 +144,19 @@ class RouteFollower:
             self._note(f'Route {order.route_id} came late and was left out: route '
                        f'{route.order.route_id} was sent after it.')
         elif route and (order.route_id, order.edges) == (route.order.route_id, route.edges):
-            pass  # a duplicate
+            self._on_duplicate(order)
+        elif order.stamp and order == self._refused[0]:
+            self._refuse(*self._refused)
         else:
             self._waiting = (order, now + self.settings.location_timeout)
             self._consider_waiting(now)
+
+    def _on_duplicate(self, order: RouteOrder) -> None:
+        """Nothing is done; who orders a route once more that is over is told so, once."""
+        if not self.running and self._told_over != order.route_id:
+            self._told_over = order.route_id
+            self._note(f'Route {order.route_id} was ordered again and is ignored: it is '
+                       f'{self.route.phase.value}. Another drive needs another id.')
 
     def _on_empty_order(self, order: RouteOrder, now: float) -> None:
         """Stop. That is obeyed whenever it comes, late or twice."""
@@ -204,6 +215,7 @@ class RouteFollower:
 
     def _refuse(self, order: RouteOrder, reason: str) -> None:
         """One message with the order's id; a route that runs goes on."""
+        self._refused = (order, reason)
         self._out.append(RouteReport(self._stamp, order.route_id, order.edges,
                                      (EdgeState.FAILED,) * len(order.edges), self._pose(), reason))
         self._note(f'Route {order.route_id} was refused: {reason}.')

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from typing import Callable, Mapping, Optional
 
 from omron_ld90.graph.route_progress import RouteProgress
-from omron_ld90.graph.route_ways import is_the_free_way
+from omron_ld90.graph.route_ways import follows_on
 
 
 @dataclass(frozen=True)
@@ -35,17 +35,15 @@ class Outlook:
         """Whether there is no target any more: none was sent, or its vertex has been passed."""
         return self.target is None or self.progress.current > self.target
 
-    def follows_freely(self, index: int) -> bool:
-        """Would the robot, sent to the end of edge `index`, drive the route there?"""
-        progress = self.progress
-        return is_the_free_way(progress.graph, progress.edges[progress.current:index + 1],
-                               progress.arc, self.corridor_width, progress.tolerance)
-
     def farthest_free(self, first: int, wanted: Callable[[int], bool]) -> int:
-        """The last index reached from `first` while the next is `wanted` and freely followed."""
-        index = first
-        while (index < self.progress.next_stop and wanted(index)
-               and self.follows_freely(index + 1)):
+        """The last index from `first` on to which the robot, sent there, would drive the route.
+
+        It goes on from an index that it `wanted` to go on from, and never beyond the next stop.
+        """
+        progress, index = self.progress, first
+        while (index < progress.next_stop and wanted(index) and follows_on(
+                progress.graph, progress.edges[progress.current:index + 2], progress.arc,
+                self.corridor_width, progress.tolerance)):
             index += 1
         return index
 

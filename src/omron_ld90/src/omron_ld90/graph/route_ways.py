@@ -28,10 +28,16 @@ def is_the_free_way(graph: Graph, edges: Sequence[int], arc: float, corridor_wid
 
     It has to come within `tolerance` (m) of every vertex on the way.
     """
+    return all(follows_on(graph, edges[:count], arc, corridor_width, tolerance)
+               for count in range(1, len(edges) + 1))
+
+
+def follows_on(graph: Graph, edges: Sequence[int], arc: float, corridor_width: float,
+               tolerance: float) -> bool:
+    """The same, when it is known for all but the last edge already."""
     slack = max(corridor_width / 2.0 - ROBOT_HALF_WIDTH, 0.0) + PLANNING_ERROR
-    return (all(corner_cut(graph, first, second, slack) <= tolerance
-                for first, second in zip(edges, edges[1:]))
-            and is_the_only_short_way(graph, edges, arc, corridor_width))
+    return (len(edges) == 1 or corner_cut(graph, *edges[-2:], slack) <= tolerance
+            ) and not has_detour(graph, edges, arc, corridor_width)
 
 
 @lru_cache(maxsize=10_000)
@@ -58,34 +64,23 @@ def corner_cut(graph: Graph, first: int, second: int, slack: float) -> float:
     return farthest
 
 
-def is_the_only_short_way(graph: Graph, edges: Sequence[int], arc: float, margin: float) -> bool:
-    """Is every other way from `arc` m along `edges[0]` to the end of `edges[-1]` longer?
+def has_detour(graph: Graph, edges: Sequence[int], arc: float, margin: float) -> bool:
+    """Does another way to the end of `edges[-1]` bypass some of them, and is as short?
 
-    True when no detour around any part of the route is as short as that part plus `margin` (m).
-    Every other way to the same end turns off the route somewhere and joins it again farther on, so
-    it is enough to look at the detours from the robot backwards and from each vertex of the route.
+    The robot is `arc` m along `edges[0]`. As short is what is not longer than the part bypassed by
+    more than `margin` (m). A way that turns off the edges joins them again somewhere, so that one
+    which joins them before the last vertex is a detour to that vertex.
     """
-    start = graph.start_vertex(edges[0]).id
-    vertices = [graph.end_vertex(edge).id for edge in edges]
-    if len({start, *vertices}) <= len(edges):
-        return False  # it comes back to a vertex, which no shortest way does
-    lengths = accumulate(graph.curve(edge).length for edge in edges)
+    lengths = accumulate((graph.curve(edge).length for edge in edges), initial=0.0)
+    vertices = [graph.start_vertex(edges[0]).id] + [graph.end_vertex(edge).id for edge in edges]
+    if vertices[-1] in vertices[:-1]:
+        return True  # the edges come back to a vertex, which no shortest way does
     ahead = {vertex: length - arc for vertex, length in zip(vertices, lengths)}
-    total = ahead[vertices[-1]]
-    own = {abs(edge) for edge in edges}
-
-    def can_be_bypassed(source: int, position: float, cost: float) -> bool:
-        """A later vertex is as near as by the route, going by `source`, `cost` m from `position`.
-
-        `position` is measured along the route from the robot.
-        """
-        reach = distances(graph, source, total - position - cost + margin, own)
-        return any(ahead.get(vertex, 0.0) > position
-                   and cost + distance <= ahead[vertex] - position + margin
-                   for vertex, distance in reach.items())
-
-    return not (can_be_bypassed(start, 0.0, arc)
-                or any(can_be_bypassed(vertex, ahead[vertex], 0.0) for vertex in vertices[:-1]))
+    end = ahead.pop(vertices[-1])
+    around = distances(graph, vertices[-1], end + margin, {abs(edge) for edge in edges})
+    # To turn off at the first vertex, which is behind it, the robot has to drive back: abs.
+    return any(around.get(vertex, math.inf) + abs(position) <= end + margin
+               for vertex, position in ahead.items())
 
 
 def distances(graph: Graph, source: int, limit: float,
