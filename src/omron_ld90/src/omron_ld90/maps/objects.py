@@ -123,7 +123,7 @@ class MapObject:
     @property
     def heads_left(self) -> bool:
         """True when an arrow along the heading points where a name at the left would stand."""
-        return self.has_heading and math.cos(math.radians(self.theta)) < -0.5
+        return self.has_heading and math.cos(math.radians(self.theta)) < -0.8
 
     @property
     def label(self) -> str:
