@@ -188,7 +188,7 @@ class ScriptedRobot:
 
     def drop(self, reset: bool = False) -> None:
         """Ends all connections, with RST if asked."""
-        for connection in self.connections:
+        for connection in list(self.connections):  # not those that come meanwhile
             try:
                 if reset:  # closed with a linger of zero; to end the reading is not seen outside
                     linger = struct.pack('ii', 1, 0)

@@ -18,7 +18,7 @@ def outcome(execution):
     return execution.result.outcome
 
 
-# --- transcripts (arcl.md 10) ---------------------------------------------------------------------
+# --- transcripts ----------------------------------------------------------------------------------
 
 def test_goto_from_the_dock_ends_with_the_arrival(talk):
     goto = talk.give('goto 12')

@@ -2,7 +2,8 @@
 from __future__ import annotations
 
 from omron_ld90.arcl.client import Client
-from omron_ld90.arcl.commands import COMMANDS, Category, Command, CommandSpec, printable, quote
+from omron_ld90.arcl.command_table import COMMANDS, Category, CommandSpec
+from omron_ld90.arcl.commands import Command, printable, quote
 from omron_ld90.arcl.errors import (
     ArclError,
     Busy,

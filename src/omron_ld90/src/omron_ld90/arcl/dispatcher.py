@@ -11,7 +11,8 @@ from __future__ import annotations
 from typing import Callable, Dict, List, Optional, Type
 
 from omron_ld90.arcl import replies as r
-from omron_ld90.arcl.commands import PATIENCE, Command
+from omron_ld90.arcl.command_table import PATIENCE
+from omron_ld90.arcl.commands import Command
 from omron_ld90.arcl.errors import Busy
 from omron_ld90.arcl.execution import Execution, Outcome, Result
 from omron_ld90.arcl.parser import parse_line
