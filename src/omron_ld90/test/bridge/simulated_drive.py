@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Callable, List, Optional, Sequence, Tuple
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from omron_ld90 import arcl
 from omron_ld90.graph import route_protocol as p
@@ -125,9 +126,8 @@ class SimulatedDrive:
 
     def distance_from(self, edges: Tuple[int, ...], since: int = 0) -> float:
         """Greatest distance (m) to the edges' curves of the path from sample `since` on."""
-        curves = [self.graph.curve(edge) for edge in edges]
-        return max(min(curve.project(x, y).distance for curve in curves)
-                   for x, y in self.path[since:])
+        curves = cKDTree(np.concatenate([self.graph.curve(edge).sample(0.01) for edge in edges]))
+        return float(curves.query(self.path[since:])[0].max())
 
     def first_nearest_to(self, vertex: int, since: int = 0) -> Tuple[float, int]:
         """How near (m) the path from sample `since` on first came to a vertex; and the sample.

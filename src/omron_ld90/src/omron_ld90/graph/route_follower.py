@@ -5,13 +5,18 @@ monotonic), and every answer is a list of actions. Metres, the map frame.
 """
 from __future__ import annotations
 
-import math
 from typing import Callable, Dict, List, Optional, Tuple
 
 from omron_ld90.graph import route_protocol as p
 from omron_ld90.graph.robot_errand import DOCK, RobotErrand
 from omron_ld90.graph.robot_place import RobotPlace
-from omron_ld90.graph.route_orders import is_change, resumed_at, why_no_change, why_unfit
+from omron_ld90.graph.route_orders import (
+    is_change,
+    is_same_edge,
+    resumed_at,
+    why_no_change,
+    why_unfit,
+)
 from omron_ld90.graph.route_place import PlaceOnGraph
 from omron_ld90.graph.route_progress import RouteProgress
 from omron_ld90.graph.route_protocol import EdgeState, RouteOrder, RouteReport, SymbolicPose
@@ -119,20 +124,11 @@ class RouteFollower:
                             self.settings.corridor_width)
 
     def _pose(self) -> SymbolicPose:
-        if self.running:
-            return self.route.progress.pose
         if self.graph is None or self.seen.last is None:
             return SymbolicPose()
-        if self.route and self.route.phase is Phase.COMPLETE and self._stands_at_the_end():
+        if self.route and self.route.decides_pose(self._here):
             return self.route.progress.pose
         return self._here.symbolic_pose()
-
-    def _stands_at_the_end(self) -> bool:
-        """Has the robot stayed where its last route ended?"""
-        end = self.route.progress.end(-1)
-        if self._here.is_docked:
-            return end.id == self.settings.dock_vertex
-        return math.dist(self._here.position, end.position) <= self.settings.vertex_tolerance
 
     # --- orders -----------------------------------------------------------------------------------
 
@@ -223,7 +219,7 @@ class RouteFollower:
     def _use_graph(self, graph: Graph, now: float) -> None:
         before, self.graph = self.graph, graph
         if self.running:
-            if not all(_same_edge(before, graph, edge) for edge in self.route.edges):
+            if not all(is_same_edge(before, graph, edge) for edge in self.route.edges):
                 raise RouteFailed(
                     'the graph was replaced, and edges of the route are not what they were')
             self.route.progress.graph = graph
@@ -343,10 +339,3 @@ class RouteFollower:
     def _note(self, text: str) -> None:
         if text:
             self._out.append(p.Note(text))
-
-
-def _same_edge(one: Graph, other: Graph, edge: int) -> bool:
-    """Is an edge the same in both graphs, its vertices included?"""
-    return (abs(edge) in other.edges and one.edge(edge) == other.edge(edge)
-            and one.start_vertex(edge) == other.start_vertex(edge)
-            and one.end_vertex(edge) == other.end_vertex(edge))

@@ -57,3 +57,10 @@ def resumed_at(order: RouteOrder, record: RouteRecord, here: PlaceOnGraph) -> Op
         return record.completed
     found = here.nearest_of(ahead)
     return None if found is None else record.completed + found
+
+
+def is_same_edge(one: Graph, other: Graph, edge: int) -> bool:
+    """Is an edge the same in both graphs, its vertices included?"""
+    return (abs(edge) in other.edges and one.edge(edge) == other.edge(edge)
+            and one.start_vertex(edge) == other.start_vertex(edge)
+            and one.end_vertex(edge) == other.end_vertex(edge))

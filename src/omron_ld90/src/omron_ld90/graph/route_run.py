@@ -98,6 +98,15 @@ class RouteRun:
         current = self.progress.current
         return edge in self.edges[max(current - 1, 0) if self.running else current:current + 1]
 
+    def decides_pose(self, here: PlaceOnGraph) -> bool:
+        """Is the robot driving the route, or has it stayed where the route ended?"""
+        if self.phase is not Phase.COMPLETE:
+            return self.running
+        end = self.progress.end(-1)
+        if here.is_docked:
+            return end.id == self._settings.dock_vertex
+        return math.dist(here.position, end.position) <= self._settings.vertex_tolerance
+
     # --- driving ---------------------------------------------------------------------------------
 
     def allow(self, edges: Tuple[int, ...]) -> None:

@@ -19,6 +19,8 @@ from typing import Callable, Mapping, Optional
 from omron_ld90.graph.route_progress import RouteProgress
 from omron_ld90.graph.route_ways import follows_on
 
+LONGEST_PIECE = 100.0  # m: to look farther ahead takes long on large graphs
+
 
 @dataclass(frozen=True)
 class Outlook:
@@ -62,7 +64,9 @@ def vertex_by_vertex(outlook: Outlook) -> Optional[int]:
 def direct(outlook: Outlook) -> Optional[int]:
     """As few goals as possible: one for each piece of the route that the robot drives freely."""
     if outlook.target is None or (outlook.target_is_behind and outlook.arrived):
-        return outlook.farthest_free(outlook.progress.current, lambda index: True)
+        return outlook.farthest_free(
+            outlook.progress.current,
+            lambda index: outlook.progress.distance_to_end(index) < LONGEST_PIECE)
     return outlook.target
 
 
