@@ -197,6 +197,11 @@ class ScriptedRobot:
             except OSError:
                 continue  # it has ended already
 
+    def forget_closed(self) -> None:
+        """Frees what is kept of connections and threads that have ended."""
+        self.connections[:] = [c for c in self.connections if c.fileno() >= 0]
+        self._threads[1:] = [t for t in self._threads[1:] if t.is_alive()]
+
     def wait_heard(self, line: bytes, timeout: float = 5.0) -> None:
         wait_for(lambda: line in self.heard, f'the robot hears {line!r}, it heard {self.heard}',
                  timeout)

@@ -36,24 +36,23 @@ def test_a_client_that_reconnects_a_thousand_times_leaks_nothing():
     with ScriptedRobot() as robot:
         before = resources()
         lost = Noted()
-        with Client('127.0.0.1', robot.port, PASSWORD, backoff=NoBackoff(),
-                    on_login=lambda _: client.execute('goto 12', on_end=lost)) as client:
+        client = Client('127.0.0.1', robot.port, PASSWORD, backoff=NoBackoff(),
+                        on_login=lambda _: client.execute('goto 12', on_end=lost))
+        with client:
             for number in range(RECONNECTS):
                 wait_for(lambda number=number: robot.heard.count(b'goto 12') == number + 1,
                          f'login {number}', 10.0)
                 robot.drop()
                 if number == 99:
                     tracemalloc.start()
-                    robot.connections.clear()
                     start = memory()
-                elif number % 100 == 99:
-                    robot.connections.clear()
             wait_for(lambda: len(lost.all) >= RECONNECTS, 'the end of every command')
             during = resources()
         assert {result.outcome for result in lost.all[:RECONNECTS]} == {Outcome.LOST}
         lost.all.clear()
         robot.heard.clear()
-        robot._threads[1:] = []
+        wait_for(lambda: all(c.fileno() < 0 for c in robot.connections), 'the robot to close all')
+        robot.forget_closed()
         wait_for(lambda: resources()[1] <= before[1] + 1, f'descriptors; before {before}, during '
                  f'{during}, now {resources()}')
         assert during[0] <= before[0] + 2
