@@ -19,7 +19,7 @@ from omron_ld90_sim.kinematics import LD90_BODY, Body
 DEFAULT_RESOLUTION = 20
 MAX_CELLS = 6_000_000
 MARGIN = 1000           # mm of floor around a goal or dock that stands outside the walls
-EXACT_DISTANCE = 1200   # mm around lines and areas in which distances are computed, not rasterised
+EXACT_DISTANCE = 750    # mm around lines and areas that count; the planner asks no farther
 PLANNING_PITCH = 60     # mm, cells of the planner's grid
 
 

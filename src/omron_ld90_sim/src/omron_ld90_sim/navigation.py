@@ -13,6 +13,7 @@ from omron_ld90_sim.track import Track, manoeuvres
 
 LOOK_AHEAD = 600.0          # mm beyond the stopping distance that must be free of obstacles
 FARTHEST_STOP = 3000.0      # mm that another robot comes nearer while it stops, and its size
+SHORTEST_LEAD = 5.0         # mm left on a track that a new course can still begin on
 JOIN_AHEAD = 300.0          # mm beyond the stopping distance where a new course begins
 PLAN_AROUND = 8000.0        # mm within which other robots are planned around
 LOOK_STEP = 200.0           # mm between the places that are looked at
@@ -77,9 +78,10 @@ class Navigation:
 
     @property
     def can_set_course(self) -> bool:
-        """Standing or driving forwards: not while turning on the spot or backing up."""
-        track = self.base.track
-        return self.base.still or track is not None and not track.reverse
+        """Standing or driving forwards: not turning on the spot, backing up or just arriving."""
+        base, track = self.base, self.base.track
+        return base.still or (track is not None and not track.reverse
+                              and track.length - base.place > SHORTEST_LEAD)
 
     def _join(self, track: Track) -> float:
         """Where on the present track a new one can begin: room to turn, and far enough to brake."""

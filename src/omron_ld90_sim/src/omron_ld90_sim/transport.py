@@ -5,6 +5,7 @@ speed factor is simulated time.
 """
 from __future__ import annotations
 
+import contextlib
 import errno
 import selectors
 import socket
@@ -37,7 +38,7 @@ class Loop:
         self._wake_read.setblocking(False)
         self.selector.register(self._wake_read, selectors.EVENT_READ, self._woken)
         self._calls: Deque[Callable[[], None]] = deque()
-        self._running = False
+        self._stopped = False
         self._start = time.monotonic()
         self.after_step: List[Callable[[], None]] = []
 
@@ -47,8 +48,7 @@ class Loop:
     def run(self) -> None:
         """Runs until `stop`."""
         self._start = time.monotonic() - self.clock.now / self.speed
-        self._running = True
-        while self._running:
+        while not self._stopped:
             due = self.clock.next_time
             timeout = None
             if due is not None:
@@ -71,9 +71,10 @@ class Loop:
             self._calls.popleft()()
 
     def stop(self) -> None:
-        """Ends `run`; safe from any thread and from a signal handler."""
-        self._running = False
-        self._wake_write.send(b'.')
+        """Ends `run`; safe from any thread, from a signal handler, early and twice."""
+        self._stopped = True
+        with contextlib.suppress(OSError):      # the loop may have ended and closed already
+            self._wake_write.send(b'.')
 
     def close(self) -> None:
         """Frees the loop's own sockets and what is still registered."""

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import math
+import os
 from pathlib import Path
 from typing import Optional, Tuple
 
@@ -17,7 +18,7 @@ from omron_ld90_sim.motion import STEP, Base
 from omron_ld90_sim.planner import Disc, NoWay, Planner
 from omron_ld90_sim.track import Turn, manoeuvres
 
-PAIRS = 200
+PAIRS = 200 if os.environ.get('LD90_LONG_TESTS') else 40
 MAPS = [LAB, REAL_MAPS / 'omron-ld-site-a.map', REAL_MAPS / 'omron-ld-site-b.map']
 
 

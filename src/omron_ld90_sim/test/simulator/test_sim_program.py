@@ -210,3 +210,29 @@ def test_what_cannot_be_done_is_told_in_one_sentence(map_file: Path, arguments: 
     if given and '--map' not in given:
         given = ['--map', str(map_file), '--port', '0', *given]
     assert words in refused(capsys, *given)
+
+
+def test_the_program_serves_a_recorded_session_again(tmp_path: Path) -> None:
+    log = tmp_path / 'session.log'
+    log.write_text('0.0 S> Enter password:\n0.1 C> ********\n0.1 S> End of commands\n'
+                   '2.0 C> goto 12\n2.1 S> Going to 12\n4.0 S> Arrived at 12\n')
+    program = subprocess.Popen([*PROGRAM, '--replay', str(log), '--port', '0', '--speed', '20'],
+                               stdout=subprocess.PIPE, text=True)
+    try:
+        with closing(Talk(int(program.stdout.readline().rsplit(':', 1)[1]))) as client:
+            client.send('goto 12')
+            assert client.until('Arrived') == ['Going to 12', 'Arrived at 12']
+        program.terminate()
+        assert program.wait(10.0) == 0
+    finally:
+        program.kill()
+        program.communicate()
+
+
+def test_a_simulation_that_ends_at_once_leaves_nothing_behind(map_file: Path) -> None:
+    for _ in range(5):
+        with Simulator(map_file) as robot:
+            port = robot.port
+        robot.stop()
+        with pytest.raises(ConnectionRefusedError):
+            socket.create_connection(('127.0.0.1', port), timeout=5.0)
