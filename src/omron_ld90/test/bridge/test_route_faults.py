@@ -154,6 +154,16 @@ def test_words_that_are_late_or_for_others_are_harmless(event):
     assert bench.states() == [2, 2, 2]
 
 
+def test_on_the_way_to_the_dock_the_robot_may_name_it_as_it_likes():
+    bench = Bench(yard(), 1)
+    bench.order(7, 9)
+    bench.tell(p.GoalStarted('Charger 1'), p.GoalShown('dock at Charger 1'), p.GoalShown('Dock'),
+               p.GoalStarted(''))
+    assert bench.follower.running
+    bench.tell(p.GoalStarted('3'))
+    assert bench.follower.report().reason == 'taken over'
+
+
 def test_locations_out_of_order_are_left_out():
     bench = under_way()
     before = bench.follower.report()

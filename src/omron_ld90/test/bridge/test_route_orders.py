@@ -237,6 +237,14 @@ def test_without_a_graph_every_route_is_refused():
     assert follower.tick(6.0)[0].reason == 'there is no graph'
 
 
+def test_an_order_waits_until_every_link_is_heard_of():
+    follower = RouteFollower(Settings(), dissertation_graph(), links=('commands',))
+    follower.handle(Located(1, 0.0, 0.0), 0.0)
+    assert follower.handle(RouteOrder(7, (1,)), 0.0) == []
+    follower.handle(LinkChanged('commands', True), 0.1)
+    assert follower.running
+
+
 def test_a_graph_that_comes_later_takes_up_the_order_that_waits():
     follower = RouteFollower(Settings())
     follower.handle(Located(1, 0.0, 0.0), 0.0)

@@ -69,7 +69,7 @@ class RobotErrand:
         elif goal in self._via:
             self._awaited.clear()
         else:
-            return goal == self.goal
+            return goal == self.goal or self._may_be_dock(goal)
         return True
 
     def arrived(self, goal: str) -> bool:
@@ -87,7 +87,8 @@ class RobotErrand:
 
     def shown(self, goal: str) -> bool:
         """The status text names `goal`; False when we know of no reason for that."""
-        return goal == self.goal or goal in self._via or not self.confirmed
+        return (goal == self.goal or goal in self._via or not self.confirmed
+                or self._may_be_dock(goal))
 
     def docking_changed(self, state: Docking) -> bool:
         """The docking state was told; False when the robot docks without our having asked."""
@@ -97,6 +98,10 @@ class RobotErrand:
             self.reached = state is Docking.DOCKED
             return True
         return state is not Docking.DOCKING or before in (None, state) or not self.confirmed
+
+    def _may_be_dock(self, goal: str) -> bool:
+        """Is this how the robot calls its way to the dock? Vertices have numbers for names."""
+        return self.goal == DOCK and not goal.isdecimal()
 
     def is_ours(self, command: str) -> bool:
         """Is this our last command, in full or (a robot that does not know it) its first word?"""

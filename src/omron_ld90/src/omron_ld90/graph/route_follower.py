@@ -5,7 +5,7 @@ monotonic), and every answer is a list of actions. Metres, the map frame.
 """
 from __future__ import annotations
 
-from typing import Callable, Dict, List, Optional, Tuple
+from typing import Callable, Dict, Iterable, List, Optional, Tuple
 
 from omron_ld90.graph import route_protocol as p
 from omron_ld90.graph.robot_errand import DOCK, RobotErrand
@@ -31,7 +31,9 @@ PATIENCE = 0.5  # s for the robot to say why its motion was interrupted
 class RouteFollower:
     """Drives one robot along the routes of a fleet manager."""
 
-    def __init__(self, settings: Settings, graph: Optional[Graph] = None) -> None:
+    def __init__(self, settings: Settings, graph: Optional[Graph] = None,
+                 links: Iterable[str] = ()) -> None:
+        """`links` are those that must have been heard of before an order is taken up."""
         self.settings = settings
         self.graph = graph
         self.seen = RobotPlace()
@@ -40,6 +42,7 @@ class RouteFollower:
         """The running route, or the last one."""
         self._restored: Optional[Tuple[p.RouteRecord, float]] = None  # with the time to forget
         self._waiting: Optional[Tuple[RouteOrder, float]] = None      # with the time to give up
+        self._unheard = set(links)
         self._refused: Tuple[Optional[RouteOrder], str] = (None, '')  # the last one, and why
         self._down: Dict[str, Tuple[float, str]] = {}                 # link: since when, why
         self._told_over: Optional[int] = None  # route of which a duplicate was explained
@@ -161,8 +164,8 @@ class RouteFollower:
         self.route = self._run(order, None, now)
 
     def _consider_waiting(self, now: float) -> None:
-        """Takes up the order that waits, or refuses it, once graph and place are known."""
-        if self._waiting is None or self.graph is None or self.seen.last is None:
+        """Takes up the order that waits, or refuses it, once it can be judged."""
+        if self._waiting is None or self._why_to_wait():
             return
         order, self._waiting = self._waiting[0], None
         restored, self._restored = self._restored, None
@@ -183,6 +186,14 @@ class RouteFollower:
                 self._begin(order, current, now)
         if reason:
             self._refuse(order, reason)
+
+    def _why_to_wait(self) -> str:
+        """What must be known before an order can be judged, and is not."""
+        if self.graph is None:
+            return 'there is no graph'
+        if self.seen.last is None:
+            return 'the robot has not told where it is'
+        return next((f'nothing is known of the link {link}' for link in self._unheard), '')
 
     def _why_unable(self) -> str:
         """Why the robot cannot drive now."""
@@ -289,21 +300,22 @@ class RouteFollower:
             raise RouteFailed(self._why_unable() or event.reason)
 
     def _on_link(self, event: p.LinkChanged, now: float) -> None:
-        if not event.up:
+        if event.up:
+            self._down.pop(event.link, None)
+            if self._owes_stop and not self._down:
+                self._stop()
+        else:
             since = self._down.get(event.link, (now, ''))[0]
             self._down[event.link] = (since, event.reason)
-            return
-        self._down.pop(event.link, None)
-        if self._owes_stop and not self._down:
-            self._stop()
+        self._unheard.discard(event.link)
+        self._consider_waiting(now)
 
     # --- the clock, and endings -------------------------------------------------------------------
 
     def _check_clock(self, now: float) -> None:
         if self._waiting and now > self._waiting[1]:
             order, self._waiting = self._waiting[0], None
-            self._refuse(order, 'there is no graph' if self.graph is None
-                         else 'the robot has not told where it is')
+            self._refuse(order, self._why_to_wait())
         if not self.running:
             return
         for link, (since, why) in self._down.items():

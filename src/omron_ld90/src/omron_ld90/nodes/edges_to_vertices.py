@@ -67,7 +67,8 @@ class EdgesToVertices:
     def __init__(self) -> None:
         graph = _read_graph()
         self._lock = threading.RLock()
-        self._follower = RouteFollower(_read_settings(graph), graph)
+        self._follower = RouteFollower(
+            _read_settings(graph), graph, links=(LinkState.COMMANDS, LinkState.OUTGOING))
         self._words = RobotWords()
         self._memory = RouteMemory()
         self._ticks = 0
