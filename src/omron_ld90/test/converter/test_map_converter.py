@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 from converter_builders import LAB, graph_of, lab_generator, map_with, real_maps
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from omron_ld90.graph.converter import (
@@ -214,12 +214,13 @@ def test_a_width_for_an_edge_that_is_not_there_is_refused():
         convert(GRAPH, map_with(), Options(corridors=CorridorRules(edge_widths={77: 900.0})))
 
 
+@settings(deadline=None)
 @given(st.lists(st.tuples(st.integers(1, 6), st.integers(-9999, 9999), st.integers(-9999, 9999)),
                 max_size=6, unique_by=lambda goal: goal[0]),
        st.sampled_from(list(ExistingGoals)))
 def test_whatever_goals_there_are_each_vertex_has_exactly_one_place(goals, existing):
     document = map_with(*(f'Goal {x} {y} 0 "" ICON "{name}"' for name, x, y in goals))
-    conversion = convert(GRAPH, document, Options(dock_vertex=None, existing_goals=existing))
+    conversion = convert(GRAPH, document, Options(existing_goals=existing, fences=Fences.NONE))
     found = [obj.name for obj in document.goals]
     assert len(found) == len(set(found))
     assert {'1', '2', '3'} <= set(found)

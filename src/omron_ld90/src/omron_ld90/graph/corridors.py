@@ -50,33 +50,28 @@ class Corridors:
     curves: Mapping[int, LineString]
     """By edge id."""
     rules: CorridorRules
-    lanes: BaseGeometry
-    """Half a corridor's width to either side of every curve."""
-    zones: BaseGeometry
-    """Discs to turn in, and the strip to the station."""
     floor: BaseGeometry
-    """Lanes and zones, without slits: what must stay free."""
+    """Half a corridor's width to either side of every curve, discs to turn in, and the strip to
+    the station, without slits: what must stay free."""
 
     def lanes_widened(self, by: float) -> BaseGeometry:
         """The corridors alone, every one wider by `by` on either side."""
-        return _lanes(self.curves, self.rules, by)
+        return unary_union(_lanes(self.curves, self.rules, by))
 
 
-def corridors_of(graph: Graph, rules: CorridorRules,
-                 dock: Optional[Pose] = None) -> Corridors:
+def corridors_of(graph: Graph, rules: CorridorRules, dock: Optional[Pose] = None) -> Corridors:
     """The floor of `graph`; `dock` is the pose from which the robot docks."""
     curves = {id: LineString(graph.curve(id).points * 1000.0).simplify(CURVE_TOLERANCE)
               for id in graph.edges}
-    zones = unary_union(_turning_places(graph, rules) + _docking_place(dock, rules))
-    lanes = _lanes(curves, rules)
-    floor = unary_union([lanes, zones]).buffer(SLIT, join_style=MITRE)
-    return Corridors(curves, rules, lanes, zones, floor.buffer(-SLIT, join_style=MITRE))
+    floor = unary_union(_lanes(curves, rules) + _turning_places(graph, rules)
+                        + _docking_place(dock, rules))
+    without_slits = floor.buffer(SLIT, join_style=MITRE).buffer(-SLIT, join_style=MITRE)
+    return Corridors(curves, rules, without_slits)
 
 
 def _lanes(curves: Mapping[int, LineString], rules: CorridorRules,
-           wider: float = 0.0) -> BaseGeometry:
-    return unary_union([_around(curve, rules.width_of(id) / 2.0 + wider)
-                        for id, curve in curves.items()])
+           wider: float = 0.0) -> List[BaseGeometry]:
+    return [_around(curve, rules.width_of(id) / 2.0 + wider) for id, curve in curves.items()]
 
 
 def _around(shape: BaseGeometry, distance: float) -> BaseGeometry:

@@ -15,7 +15,7 @@ from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 from shapely.prepared import prep
 
-from omron_ld90.graph.corridors import ROBOT_HALF_WIDTH, Corridors
+from omron_ld90.graph.corridors import ROBOT_HALF_WIDTH, ROUNDING, Corridors
 from omron_ld90.graph.goals import millimetres
 from omron_ld90.maps import MapObject
 from trajectory_graph import Graph
@@ -72,7 +72,7 @@ def lost_area(floor: BaseGeometry, shapes: Iterable[BaseGeometry]) -> float:
 
 def _leaks(graph: Graph, corridors: Corridors, shapes: List[BaseGeometry],
            walls: np.ndarray) -> List[Tuple[float, float]]:
-    allowed = unary_union([corridors.lanes_widened(ALLOWANCE), corridors.floor])
+    allowed = unary_union([corridors.lanes_widened(ALLOWANCE - ROUNDING), corridors.floor])
     in_reach = prep(allowed.boundary.buffer(ROBOT_HALF_WIDTH))
     obstacles = [shape for shape in shapes if in_reach.intersects(shape)]
     obstacles += [point for point in map(Point, _thinned(walls)) if in_reach.contains(point)]
