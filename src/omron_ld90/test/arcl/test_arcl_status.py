@@ -39,6 +39,17 @@ def test_in_any_order_of_fields_each_location_comes_out_once(order):
     assert all(replace(status, location=WHOLE.location) == WHOLE for status in whole[2:])
 
 
+def test_it_tells_when_the_location_of_a_status_came():
+    assembler = StatusAssembler()
+    for now, reply in enumerate(REPLIES):
+        assembler.add(reply, now)
+    assert assembler.located == REPLIES.index(WHOLE.location)
+    location_first = [WHOLE.location, *(r for r in REPLIES if r != WHOLE.location)]
+    for now, reply in enumerate([*location_first, WHOLE.location], start=100):
+        assembler.add(reply, now)
+    assert assembler.located == 100
+
+
 def test_an_older_robot_without_some_fields_is_understood():
     lines = ('Status: Stopped', 'BatteryVoltage: 26.1', 'Location: 1 2 3')
     assembler = StatusAssembler()

@@ -79,5 +79,8 @@ class Execution:
             self.on_end(self.result)
 
     def wait(self, timeout: Optional[float] = None) -> Optional[Result]:
-        """The result, or None if the command has not ended within `timeout` seconds."""
+        """The result, or None if the command has not ended within `timeout` seconds.
+
+        Not from a callback: the thread that calls it is the one that would end the command.
+        """
         return self.result if self._ended.wait(timeout) else None

@@ -36,17 +36,21 @@ class StatusAssembler:
 
     A status is whole when it has the fields that the last one had. What the fields are is learnt
     from the first two: `Temperature` ends the first if a location came before it, and a field that
-    comes again begins the next.
+    comes again begins the next. `located` is when the location of the last whole status came, by
+    the caller's clock.
     """
 
     def __init__(self) -> None:
+        self.located: Any = None
+        self._location_came: Any = None
         self._status = OneLineStatus('')
         self._fields: Set[str] = set()
         self._expected: Optional[Set[str]] = None
 
-    def add(self, reply: Reply) -> Optional[OneLineStatus]:
+    def add(self, reply: Reply, now: Any = None) -> Optional[OneLineStatus]:
         """Takes a line; returns the status that is whole with it, or was whole before it."""
         if isinstance(reply, OneLineStatus):
+            self.located = now
             return reply
         if type(reply) not in _FIELDS:
             return None
@@ -54,6 +58,8 @@ class StatusAssembler:
         whole = self._finish() if field in self._fields else None
         self._status = replace(self._status, **{field: value(reply)})
         self._fields.add(field)
+        if field == 'location':
+            self._location_came = now
         if self._fields == self._expected or (
                 self._expected is None and field == 'temperature' and 'location' in self._fields):
             whole = self._finish()
@@ -61,6 +67,7 @@ class StatusAssembler:
 
     def _finish(self) -> OneLineStatus:
         status = self._status
+        self.located = self._location_came
         self._expected = self._fields
         self._status, self._fields = OneLineStatus(''), set()
         return status

@@ -24,7 +24,7 @@ from __future__ import annotations
 
 import re
 import socket
-from typing import Dict, Optional
+from typing import Callable, Dict, Optional
 
 import diagnostic_updater
 import rospy
@@ -41,6 +41,7 @@ from omron_ld90.arcl import (
     OneLineStatus,
     RangeReading,
     Received,
+    Reply,
     SessionLog,
     StateOfCharge,
     StatusAssembler,
@@ -49,7 +50,7 @@ from omron_ld90.arcl import (
     parse_line,
 )
 from omron_ld90.nodes.link_line import LineMessage
-from omron_ld90.nodes.link_reports import LinkReporter
+from omron_ld90.nodes.link_reports import LinkReporter, session_log
 from omron_ld90.nodes.receiver_messages import battery_state, point_cloud, robot_status
 from omron_ld90.nodes.robot_health import RobotHealth
 from omron_ld90.nodes.startup import ConfigurationError, number, parameter, run
@@ -72,14 +73,13 @@ _MOST_DEVICES = 16
 class ConnectionReceiver:
     """The node."""
 
-    def __init__(self, make_listener, map_frame: str, laser_device: str, laser_height: float,
-                 log: Optional[SessionLog]) -> None:
+    def __init__(self, make_listener: Callable[..., Listener], map_frame: str,
+                 laser_device: str, laser_height: float, log: Optional[SessionLog]) -> None:
         self._map_frame = map_frame
         self._laser_device = laser_device
         self._laser_height = laser_height
         self._log = log
         self._assembler = StatusAssembler()
-        self._located = rospy.Time()
         self._docking: Optional[DockingStatus] = None
         self._reporter = LinkReporter(LinkState.OUTGOING, log)
         self._health = RobotHealth()
@@ -126,20 +126,15 @@ class ConnectionReceiver:
         self._health.observe(reply)
         self._on_status(reply, stamp)
 
-    def _on_status(self, reply, stamp: rospy.Time) -> None:
-        located = self._located
-        if isinstance(reply, (Location, OneLineStatus)):
-            self._located = stamp
-        status = self._assembler.add(reply)
+    def _on_status(self, reply: Reply, stamp: rospy.Time) -> None:
+        status = self._assembler.add(reply, stamp)
         if status is None:
             return
-        # A location that comes again ends the status before it: that one's stamp is the older.
-        taken = located if isinstance(reply, Location) and status.location != reply \
-            else self._located
         doing = parse_line(status.status)
         if isinstance(doing, DockingStatus):
             self._docking = doing
-        stamp = taken if status.location else stamp
+        if status.location:
+            stamp = self._assembler.located
         self._statuses.publish(robot_status(status, self._docking, stamp, self._map_frame))
         if status.state_of_charge or status.battery_voltage:
             self._batteries.publish(battery_state(status, self._docking, stamp))
@@ -181,12 +176,7 @@ def start() -> ConnectionReceiver:
     port = int(number('~port', 7179, 0, 65535))
     bind = parameter('~bind_address', '') or _bind_address(robot)
     silence = number('~silence', 4.0, 0.2, 120.0)
-    log_path = parameter('~session_log', '')
-    try:
-        log = SessionLog(log_path) if log_path else None
-    except OSError as error:
-        raise ConfigurationError(f'Parameter {rospy.resolve_name("~session_log")}: {log_path} '
-                                 f'cannot be written: {error.strerror}.') from None
+    log = session_log()
 
     def make_listener(**callbacks) -> Listener:
         try:

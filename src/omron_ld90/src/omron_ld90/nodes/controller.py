@@ -31,7 +31,7 @@ Parameters:
 from __future__ import annotations
 
 import os
-from typing import List, Optional
+from typing import Callable, List, Optional
 
 import diagnostic_updater
 import rospy
@@ -64,7 +64,7 @@ from omron_ld90.nodes.controller_actions import (
 from omron_ld90.nodes.controller_goals import GoalComparison
 from omron_ld90.nodes.controller_guard import Guard
 from omron_ld90.nodes.link_line import LineMessage
-from omron_ld90.nodes.link_reports import LinkReporter
+from omron_ld90.nodes.link_reports import LinkReporter, session_log
 from omron_ld90.nodes.robot_health import RobotHealth
 from omron_ld90.nodes.startup import ConfigurationError, number, parameter, run
 from omron_ld90.nodes.units import pose_from_robot
@@ -76,8 +76,8 @@ PASSWORD_VARIABLE = 'OMRON_LD90_PASSWORD'
 class Controller:
     """The node; `client` is made by the caller, for the callbacks need each other."""
 
-    def __init__(self, make_client, guard: Guard, goals: GoalComparison, map_frame: str,
-                 log: Optional[SessionLog]) -> None:
+    def __init__(self, make_client: Callable[..., Client], guard: Guard, goals: GoalComparison,
+                 map_frame: str, log: Optional[SessionLog]) -> None:
         self._guard = guard
         self._goals = goals
         self._map_frame = map_frame
@@ -248,12 +248,7 @@ def start() -> Controller:
     if guard.unknown_words():
         rospy.logwarn('~allowed_commands holds names that are not in the table of commands: %s.',
                       ', '.join(sorted(guard.unknown_words())))
-    log_path = parameter('~session_log', '')
-    try:
-        log = SessionLog(log_path) if log_path else None
-    except OSError as error:
-        raise ConfigurationError(f'Parameter {rospy.resolve_name("~session_log")}: {log_path} '
-                                 f'cannot be written: {error.strerror}.') from None
+    log = session_log()
     goals = GoalComparison(parameter('~map_file', ''), parameter('~base_map', ''),
                            parameter('~graph_file', ''))
 

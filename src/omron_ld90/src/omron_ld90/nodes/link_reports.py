@@ -13,6 +13,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
 from omron_ld90.arcl import Link, LinkPhase, SessionLog
+from omron_ld90.nodes.startup import ConfigurationError, parameter
 from omron_ld90_msgs.msg import LinkState
 
 _STATES: Dict[LinkPhase, int] = {
@@ -23,6 +24,16 @@ _STATES: Dict[LinkPhase, int] = {
     LinkPhase.WRONG_PASSWORD: LinkState.WRONG_PASSWORD,
 }
 _LASTING = (LinkPhase.DISCONNECTED, LinkPhase.WRONG_PASSWORD, LinkPhase.CONNECTED)
+
+
+def session_log() -> Optional[SessionLog]:
+    """The file that `~session_log` names; None for ''. Raises ConfigurationError."""
+    path = parameter('~session_log', '')
+    try:
+        return SessionLog(path) if path else None
+    except OSError as error:
+        raise ConfigurationError(f'Parameter {rospy.resolve_name("~session_log")}: {path} cannot '
+                                 f'be written: {error.strerror}.') from None
 
 
 class LinkReporter:
