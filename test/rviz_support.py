@@ -9,6 +9,7 @@ import os
 import shutil
 import signal
 import subprocess
+import sys
 import traceback
 from typing import Callable, List, Optional, Tuple
 
@@ -21,8 +22,11 @@ PROGRAMS = ('Xvfb', 'xdotool', 'import', 'roslaunch')
 RVIZ = ('/usr/bin/rviz', '/opt/ros/noetic/bin/rviz')
 WIDTH, HEIGHT = 1280, 900
 TOOLBAR_Y = 42
+TOOLBAR = (0, 24, 1000, 60)
+MENU_REACH = 14  # pixels from the click to the inside of the menu
 STATUS_BAR = (0, 872, 1100, 900)
 Colour = Tuple[int, int, int]
+MENU_COLOUR: Colour = (239, 239, 239)
 
 
 def missing_programs() -> List[str]:
@@ -107,7 +111,10 @@ class RvizWindow:
     def tool(self, key: str) -> None:
         """Choose a tool by its shortcut: c Publish Point, g 2D Nav Goal, p 2D Pose Estimate."""
         self._screen.mouse('mousemove', WIDTH // 2, 95)
+        self._screen.mouse('key', 'i')
+        interact = self._at_rest(TOOLBAR)
         self._screen.mouse('key', key)
+        wait_until(lambda: self._at_rest(TOOLBAR) != interact, 10.0, f'RViz takes tool {key}')
 
     def tool_at(self, x: int) -> None:
         """Choose the tool at `x` of the toolbar: of two of a kind a shortcut finds one only."""
@@ -125,21 +132,21 @@ class RvizWindow:
     def click_handle(self, pixel: Tuple[int, int], button: int = 1) -> None:
         """Click on a handle once RViz says in its status bar what is under the mouse."""
         self.hover(self._nothing_here)
-        idle = self._status_bar()
+        idle = self._at_rest(STATUS_BAR)
         self.hover(pixel)
-        wait_until(lambda: self._status_bar() != idle, 10.0,
+        wait_until(lambda: self._at_rest(STATUS_BAR) != idle, 10.0,
                    f'RViz finds the handle at {pixel}')
         self._screen.mouse('click', button)
 
-    def _status_bar(self) -> bytes:
-        """The picture of the bar below the view, taken when it has come to rest."""
-        bars = [b'', b'']
+    def _at_rest(self, box: Tuple[int, int, int, int]) -> bytes:
+        """The picture of a part of the window, taken when it has come to rest."""
+        shots = [b'', b'']
 
         def rests() -> bool:
-            bars[:] = [bars[1], self.picture('rviz_handle').crop(STATUS_BAR).tobytes()]
-            return bars[0] == bars[1]
-        wait_until(rests, 10.0, 'the status bar of RViz rests')
-        return bars[0]
+            shots[:] = [shots[1], self.picture('rviz_part').crop(box).tobytes()]
+            return shots[0] == shots[1]
+        wait_until(rests, 10.0, 'RViz comes to rest')
+        return shots[0]
 
     def drag(self, start: Tuple[int, int], end: Tuple[int, int]) -> None:
         self.hover(start)
@@ -148,8 +155,13 @@ class RvizWindow:
         self._screen.mouse('mousemove', *end)
         self._screen.mouse('mouseup', 1)
 
-    def press(self, *keys: str) -> None:
-        self._screen.mouse('key', *keys)
+    def choose_from_menu(self, pixel: Tuple[int, int], entry: int) -> None:
+        """Open the menu of the handle at `pixel` and choose its `entry`, counted from 1."""
+        self.click_handle(pixel, button=3)
+        below = (pixel[0] + MENU_REACH, pixel[1] + MENU_REACH)
+        wait_until(lambda: count_near(self.picture('rviz_menu'), below, MENU_COLOUR) > 50, 10.0,
+                   f'the menu at {pixel}')
+        self._screen.mouse('key', *['Down'] * entry, 'Return')
 
     # What is to be seen
 
@@ -183,9 +195,10 @@ def count_near(picture: Image.Image, pixel: Tuple[int, int], colour: Colour, rea
 
 
 def report_failure(set_up: Callable[[], None]) -> None:
-    """Calls `set_up` and tells what went wrong in it: rosunit keeps that to itself."""
+    """Calls `set_up` and tells what went wrong in it: rosunit swallows what is
+    raised and printed before the first test."""
     try:
         set_up()
     except BaseException:
-        traceback.print_exc()
+        traceback.print_exc(file=sys.__stderr__)
         raise
