@@ -30,6 +30,7 @@ def test_the_dock_heading_may_be_given(tmp_path):
 @pytest.mark.parametrize('more, inputs, told', [
     (('--dock-vertex', '17'), {}, 'no vertex 17'),
     (('--dock-vertex', '4'), {}, 'dock vertex 4 has several edges'),
+    (('--dock-vertex', '16', '--dock-heading', 'nan'), {}, 'dock_heading is nan'),
     ((), {'graph': 'absent.yaml'}, 'absent.yaml'),
     ((), {'base_map': 'absent.map'}, 'absent.map'),
     ((), {'graph': LAB / 'lab_base.map'}, 'lab_base.map'),

@@ -5,6 +5,7 @@ it says what it should. Positions in mm, headings in degrees.
 """
 from __future__ import annotations
 
+import math
 import os
 from collections import Counter
 from dataclasses import dataclass
@@ -132,6 +133,9 @@ def check_output(base: MapDocument, conversion: Conversion, output: str) -> None
 
 
 def _wanted_places(graph: Graph, options: Options) -> List[MapObject]:
+    heading = options.dock_heading
+    if heading is not None and not math.isfinite(heading):
+        raise ConversionError(f'dock_heading is {heading}, but must be a number of degrees.')
     try:
         return places_of(graph, options.dock_vertex, options.dock_heading)
     except UnknownVertex as error:

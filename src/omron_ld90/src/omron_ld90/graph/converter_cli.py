@@ -52,12 +52,12 @@ def run(graph_file: str, base_map: str, output: str, options: Options,
     """
     graph = load_graph(graph_file)
     conversion = convert_file(graph, base_map, output, options)
-    if picture:
-        draw(MapDocument.load(output), graph, conversion, picture)
     for note in conversion.notes:
         warn(note)
     for line in report(conversion, output):
         say(line)
+    if picture:
+        draw(MapDocument.load(output), graph, conversion, picture)
     return conversion
 
 
