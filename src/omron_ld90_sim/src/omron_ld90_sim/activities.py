@@ -34,7 +34,7 @@ def go_to_point(robot: Robot, x: float, y: float, heading: Optional[float]) -> A
 def _go(robot: Robot, name: str, x: float, y: float, heading: Optional[float]) -> Activity:
     def script() -> Script:
         failed = f'Failed going to {name}'
-        yield from leave_dock(robot, _WAVERING_ON_GOTO)
+        yield from leave_dock(robot)
         robot.last_goal = name
         robot.status = robot.extended = f'Going to {name}'
         robot.announce(f'Going to {name}')
@@ -78,7 +78,7 @@ def come_to_rest(robot: Robot) -> Script:
         yield STANDING
 
 
-def leave_dock(robot: Robot, wavering: Sequence[ChargeState]) -> Script:
+def leave_dock(robot: Robot, wavering: Sequence[ChargeState] = _WAVERING_ON_GOTO) -> Script:
     """Backs out of the dock if the robot is in it, with the charge states of the transcripts."""
     if robot.docking is DockingState.UNDOCKED:
         return
@@ -90,8 +90,8 @@ def leave_dock(robot: Robot, wavering: Sequence[ChargeState]) -> Script:
     if dock is not None:
         back = robot.true_pose.distance_to(dock.x, dock.y)
         if back > 1.0:
-            robot.base.follow([straight_track(robot.true_pose, -back, robot.base.limits,
-                                              robot.base.limits.docking_speed)])
+            robot.follow([straight_track(robot.true_pose, -back, robot.base.limits,
+                                         robot.base.limits.docking_speed)])
     for charge in wavering:
         yield SETTLE
         robot.set_docking(DockingState.UNDOCKING, charge)
@@ -110,8 +110,8 @@ def dock(robot: Robot, station: MapObject) -> Activity:
         inside = docked_pose(robot.floor, station)
         distance = robot.true_pose.distance_to(inside.x, inside.y)
         if distance > 1.0:
-            robot.base.follow([straight_track(robot.true_pose, distance, robot.base.limits,
-                                              robot.base.limits.docking_speed)])
+            robot.follow([straight_track(robot.true_pose, distance, robot.base.limits,
+                                         robot.base.limits.docking_speed)])
             yield STANDING
         robot.set_docking(DockingState.DOCKING, ChargeState.BULK)
         yield SETTLE

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import random
 from dataclasses import dataclass
-from typing import Callable, Dict, Optional, Set, Tuple
+from typing import Callable, Dict, List, Optional, Set, Tuple
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from omron_ld90_sim.places import docked_pose, start_places
 from omron_ld90_sim.planner import Planner
 from omron_ld90_sim.scanner import Scanner
 from omron_ld90_sim.states import STANDING, Activity, DockingState, Failure, Motors
+from omron_ld90_sim.track import Manoeuvre
 
 CHARGE_CHECK = 1.0          # s between looks at the charger's phase
 LOOK_EVERY = 4              # steps between looks at what is ahead
@@ -216,6 +217,9 @@ class Robot:
         self.activity, self._waits_for_base = None, False
         if self._wait_timer is not None:
             self._wait_timer.cancel()
+        self._give_up_docking()
+
+    def _give_up_docking(self) -> None:
         if self.docking in (DockingState.DOCKING, DockingState.UNDOCKING):
             self.set_docking(DockingState.UNDOCKED, ChargeState.NOT)
 
@@ -232,6 +236,7 @@ class Robot:
         except Failure as failure:
             if self.activity is activity:
                 self.activity = None
+            self._give_up_docking()
             self.status = self.extended = failure.status
             self.announce(f'Error: {failure}')
             self.base.brake()
@@ -315,6 +320,11 @@ class Robot:
     def set_course(self, x: float, y: float, heading: Optional[float]) -> None:
         """Sends the base to a place, as `Navigation.set_course`."""
         self.navigation.set_course(x, y, heading)
+        self._keep_stepping()
+
+    def follow(self, manoeuvres: List[Manoeuvre]) -> None:
+        """Sends the standing base along manoeuvres."""
+        self.base.follow(manoeuvres)
         self._keep_stepping()
 
     def _keep_stepping(self) -> None:

@@ -16,6 +16,8 @@ from omron_ld90_sim.robot import Robot
 from omron_ld90_sim.states import STANDING, Activity, Failure, Script
 from omron_ld90_sim.track import Turn, straight_track
 
+LONGEST_MOVE = 100_000.0    # mm
+SLOWEST_MOVE = 10.0         # mm/s
 _WORD = re.compile(r'"([^"]*)"|(\S+)')
 
 
@@ -86,17 +88,23 @@ def script(robot: Robot, task: Task) -> Script:
 def _move(robot: Robot, task: Task) -> Script:
     distance, speed = task.number(0, 1000.0), task.number(1, 400.0)
     yield from activities.come_to_rest(robot)
-    if not robot.planner.straight_is_free(robot.true_pose, distance, robot.navigation.obstacles()):
+    yield from activities.leave_dock(robot)
+    if abs(distance) < 1.0:
+        return
+    if abs(distance) > LONGEST_MOVE or not robot.planner.straight_is_free(
+            robot.true_pose, distance, robot.navigation.obstacles()):
         raise Failure('Failed to move', 'Failed to move')
-    robot.base.follow([straight_track(robot.true_pose, distance, robot.base.limits, abs(speed))])
+    robot.follow([straight_track(robot.true_pose, distance, robot.base.limits,
+                                 max(abs(speed), SLOWEST_MOVE))])
     yield STANDING
 
 
 def _turn_to(robot: Robot, heading: float) -> Script:
     yield from activities.come_to_rest(robot)
+    yield from activities.leave_dock(robot)
     if not robot.planner.can_turn(robot.true_pose, robot.navigation.obstacles()):
         raise Failure('Failed to turn', 'Failed to turn')
-    robot.base.follow([Turn(normalise(heading), robot.base.limits.goal_rotation)])
+    robot.follow([Turn(normalise(heading), robot.base.limits.goal_rotation)])
     yield STANDING
 
 

@@ -8,6 +8,7 @@ import pytest
 from sim_builders import Rig
 
 from omron_ld90_sim.commands import TABLE
+from omron_ld90_sim.planner import Disc
 
 UNDOCKED = 'DockingState: Undocked ForcedState: Unforced ChargeState: Not'
 
@@ -290,6 +291,22 @@ def test_stopped_half_way_out_of_the_dock_the_robot_finds_its_way_on() -> None:
                                             'Stopped']
     client.send('goto 12')
     assert client.until('Arrived') == ['Going to 12', 'Arrived at 12']
+
+
+@pytest.mark.parametrize('task', ['move 300', 'setHeading 90'])
+def test_a_moving_task_leaves_the_dock_first(task: str) -> None:
+    client = Rig(start=None).client()
+    client.send(f'doTask {task}')
+    lines = client.until('Completed')
+    assert lines[-2:] == [UNDOCKED, f'Completed doing task {task}']
+
+
+def test_a_dock_that_cannot_be_reached_leaves_the_robot_undocked() -> None:
+    rig = Rig()
+    rig.robot.navigation.blocks['crate'] = Disc(-2500.0, -2000.0, 300.0)
+    client = rig.client()
+    client.send('dock')
+    assert client.until('Error')[-2:] == [UNDOCKED, 'Error: Failed going to goal']
 
 
 def test_a_second_goto_replaces_the_first() -> None:

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 from typing import List
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from sim_builders import Rig
@@ -29,6 +30,17 @@ def test_no_command_line_breaks_the_robot(lines: List[str]) -> None:
     client.lines()
     assert client.ask('queryMotors') == ['Motors enabled']
     client.session.close()
+
+
+@pytest.mark.parametrize('task', ['move 0', 'move -0.2', 'move 2147483647', 'move 100 0',
+                                  'move 100 -5', 'wait -1', 'setHeading 0', 'deltaHeading 1e9'])
+def test_extreme_tasks_come_to_an_end(task: str) -> None:
+    rig = Rig()
+    client = rig.client()
+    client.send(f'doTask {task}')
+    rig.clock.advance(60.0)
+    assert client.lines()[-1] in (f'Completed doing task {task}', 'Error: Failed to move')
+    assert rig.robot.activity is None and rig.robot.base.still
 
 
 @settings(max_examples=200, deadline=None)
