@@ -321,6 +321,28 @@ def test_cancelling_docking_ends_when_the_robot_has_stopped(talk):
     assert outcome(dock) is Outcome.CANCELLED
 
 
+def test_a_drive_given_after_a_stop_is_not_ended_by_the_stop(talk):
+    first = talk.give('goto A')
+    talk.robot('Going to A')
+    talk.give('stop')
+    second = talk.give('goto B')
+    talk.robot('Interrupted: Going to A', 'Stopping', 'Stopped')
+    assert outcome(first) is Outcome.INTERRUPTED
+    assert second.result is None
+    talk.robot('Going to B', 'Arrived at B')
+    assert outcome(second) is Outcome.SUCCEEDED
+
+
+def test_a_cancelled_drive_does_not_wait_for_ever_for_a_robot_that_ignores_the_stop(talk):
+    goto = talk.give('goto A')
+    talk.robot('Going to A')
+    talk.dispatcher.cancel(goto)
+    talk.send()
+    talk.pass_time(20.0)
+    assert outcome(goto) is Outcome.TIMED_OUT
+    assert 'stop' in goto.result.words
+
+
 def test_a_robot_that_arrived_before_the_stop_has_arrived(talk):
     goto = talk.give('goto A')
     talk.robot('Going to A')

@@ -35,6 +35,7 @@ class Dispatcher:
         self._waiting: List[Execution] = []
         self._sent: List[Execution] = []
         self._news: List[Callable[[], None]] = []
+        self._count = 0  # of commands sent
 
     # --- commands in --------------------------------------------------------------------------
 
@@ -74,6 +75,8 @@ class Dispatcher:
                 self._waiting.remove(execution)
                 self._sent.append(execution)
                 execution.heard = now
+                self._count += 1
+                execution.order = self._count
                 return execution.command.text
         return None
 
@@ -112,8 +115,10 @@ class Dispatcher:
                 if limit is None and not execution.begun:
                     limit = PATIENCE
                 if limit is not None and silence > limit:
-                    self._end(execution, Outcome.TIMED_OUT,
-                              f'the robot said nothing about it for {limit:.0f} s')
+                    words = f'the robot said nothing about it for {limit:.0f} s'
+                    self._end(execution, Outcome.TIMED_OUT, words)
+                    if execution.command.name == 'stop':
+                        self._give_up_cancelled(execution, f'stop: {words}')
         self._stop_if_cancelled()
 
     def on_lost(self, reason: str) -> None:
@@ -188,10 +193,14 @@ class Dispatcher:
 
     def _end_drivers_before(self, execution: Execution, words: str) -> None:
         for driver in self._drivers():
-            if driver is execution:
-                return
-            if driver.heard <= execution.heard:
+            if driver.order < execution.order:
                 self._end(driver, Outcome.INTERRUPTED, words)
+
+    def _give_up_cancelled(self, stop: Execution, words: str) -> None:
+        """The robot did not answer the stop: whoever waits for its effect must not for ever."""
+        for driver in self._drivers():
+            if driver.cancel_requested and driver.order < stop.order:
+                self._end(driver, Outcome.TIMED_OUT, words)
 
     def _line(self, execution: Execution, text: str, now: float) -> None:
         execution.heard = now

@@ -48,6 +48,7 @@ class Execution:
         # Kept by the dispatcher:
         self.silence = silence
         self.heard: Optional[float] = None  # when it was sent, or its last line came
+        self.order = 0  # of sending
         self.begun = False
         self.cancel_requested = False
         self.stopping = False  # a stop was given because of that
