@@ -133,7 +133,7 @@ def main() -> int:
         stack.send_signal(signal.SIGINT)
         stack.wait(30)
         screen.close()
-        for name in ('film.png', 'rviz_starting.png'):
+        for name in ('film.png', 'rviz_part.png', 'rviz_starting.png'):
             (IMAGES / name).unlink(missing_ok=True)
     return 0
 

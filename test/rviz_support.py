@@ -195,8 +195,7 @@ def count_near(picture: Image.Image, pixel: Tuple[int, int], colour: Colour, rea
 
 
 def report_failure(set_up: Callable[[], None]) -> None:
-    """Calls `set_up` and tells what went wrong in it: rosunit swallows what is
-    raised and printed before the first test."""
+    """Calls `set_up` and tells what went wrong: rosunit swallows it before the first test."""
     try:
         set_up()
     except BaseException:

@@ -9,7 +9,7 @@ from omron_ld90.nodes.arcl_news import News, NewsReader, Tone
 @pytest.mark.parametrize('line, news', [
     ('Going to 12', News(Tone.NEWS, 'Going to 12', '12')),
     ('Arrived at Meeting room', News(Tone.GOOD, 'Arrived at Meeting room', 'Meeting room')),
-    ('Interrupted: Going to 12', News(Tone.BAD, 'Interrupted: Going to 12')),
+    ('Interrupted: Going to 12', News(Tone.NEWS, 'Interrupted: Going to 12')),
     ('Error: Failed going to goal', News(Tone.BAD, 'Error: Failed going to goal')),
     ("CommandErrorDescription: No goal '99'", News(Tone.BAD, "No goal '99'")),
     ('Stopped', News(Tone.NEWS, 'Stopped')),

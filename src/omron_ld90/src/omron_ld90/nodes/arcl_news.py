@@ -31,7 +31,7 @@ TELLERS: Dict[Type, Callable[..., News]] = {
     arcl.ArrivedAt: lambda line: News(Tone.GOOD, f'Arrived at {line.goal}', line.goal),
     arcl.ArrivedAtPoint: lambda line: News(Tone.GOOD, 'Arrived at the point'),
     arcl.Stopped: lambda line: News(Tone.NEWS, 'Stopped'),
-    arcl.Interrupted: lambda line: News(Tone.BAD, f'Interrupted: {line.text}'),
+    arcl.Interrupted: lambda line: News(Tone.NEWS, f'Interrupted: {line.text}'),
     arcl.RobotError: lambda line: News(Tone.BAD, f'Error: {line.text}'),
     arcl.CommandErrorDescription: lambda line: News(Tone.BAD, line.text),
     arcl.UnknownCommand: lambda line: News(Tone.BAD, f'The robot does not know {line.name}'),

@@ -73,7 +73,6 @@ class InteractiveGoals:
         height = HANDLE_Z * (1.0 + math.exp(-self._size))
         for index, target in enumerate(targets):
             marker = InteractiveMarker(name=f'{target.kind.value} {index}', scale=self._size)
-            marker.description = ''
             marker.header.frame_id = self._map_frame
             marker.pose.position.x, marker.pose.position.y = target.x, target.y
             marker.pose.orientation.w = 1.0
