@@ -28,6 +28,7 @@ from system_support import Recorder, connected_publisher, free_port, wait_until
 ROOT = Path(__file__).resolve().parents[1]
 IMAGES = ROOT / 'docs/images'
 VIEW = (16, 62, 1264, 870)  # the 3D view in the window
+WINDOW = (0, 0, 1280, 871)
 GIF_WIDTH, GIF_COLOURS = 900, 160
 SCALE = 40.0
 NOTHING_HERE = (640, 440)
@@ -69,6 +70,11 @@ class Film:
                        duration=round(1000 * PERIOD / SPEED_UP))
 
 
+def keep(window: RvizWindow, name: str) -> None:
+    """A picture of the window without its status bar."""
+    window.picture(name).crop(WINDOW).save(IMAGES / f'{name}.png', optimize=True)
+
+
 def film(window: RvizWindow) -> None:
     """Click on a goal, see the robot arrive, then see it drive a route of the fleet."""
     lab = MapDocument.load(str(ROOT / 'maps/lab.map'))
@@ -86,7 +92,7 @@ def film(window: RvizWindow) -> None:
     point = clicks.messages[0].point
     window.calibrate(NOTHING_HERE, (point.x, point.y))
     rospy.sleep(9.0)  # until the words about that click are gone
-    window.picture('rviz_map')
+    keep(window, 'rviz_map')
 
     pictures = Film(window)
     goal = lab.find('4')
@@ -103,7 +109,7 @@ def film(window: RvizWindow) -> None:
         last: List = states.messages[-1:]
         return sum(edge.state == edge.COMPLETE for edge in last[0].edge_states) if last else 0
     pictures.take_until(lambda: done() == 3, 60.0)
-    window.picture('rviz_route')
+    keep(window, 'rviz_route')
     pictures.take_until(lambda: done() == len(ROUTE), 90.0)
     pictures.take_until(lambda: False, 2.0)
     pictures.save(IMAGES / 'rviz_drive.gif')
