@@ -47,7 +47,7 @@ class Floor:
         for corners in areas:
             self._keep_away(corners, inside=True)
         self._keep_off_the_edge()
-        step = max(1, round(PLANNING_PITCH / self.resolution))
+        step = max(1, int(round(PLANNING_PITCH / self.resolution)))
         self.planning_step = step
         self.planning_clearance = np.ascontiguousarray(self.clearance[::step, ::step])
         self.planning_pitch = step * self.resolution
@@ -152,8 +152,9 @@ class Floor:
 
     def planning_cell(self, x: float, y: float) -> Tuple[int, int]:
         """Row and column of the planner's grid nearest to a point."""
-        column = round((x - self.origin[0]) / self.planning_pitch)
-        row = round((y - self.origin[1]) / self.planning_pitch)
+        # int: before numpy 1.19 its floats round to floats
+        column = int(round((x - self.origin[0]) / self.planning_pitch))
+        row = int(round((y - self.origin[1]) / self.planning_pitch))
         rows, columns = self.planning_clearance.shape
         return min(max(row, 0), rows - 1), min(max(column, 0), columns - 1)
 

@@ -230,11 +230,12 @@ class ArclServer:
 
     def _variable(self, match: re.Match) -> str:
         pose, now = self.robot.pose, self.wall_time()
+        x, y, theta = (int(round(value)) for value in (pose.x, pose.y, pose.theta))
         values: Dict[str, str] = {
             'g': self.robot.last_goal, 'y': f'{now.tm_year}', 'm': f'{now.tm_mon:02d}',
             'd': f'{now.tm_mday:02d}', 'H': f'{now.tm_hour:02d}', 'M': f'{now.tm_min:02d}',
-            'S': f'{now.tm_sec:02d}', 'T': f'{round(pose.theta)}', 'X': f'{round(pose.x)}',
-            'Y': f'{round(pose.y)}'}
+            'S': f'{now.tm_sec:02d}', 'T': f'{theta}', 'X': f'{x}',
+            'Y': f'{y}'}
         return values[match.group(1)]
 
     def switch_map(self, name: str) -> None:

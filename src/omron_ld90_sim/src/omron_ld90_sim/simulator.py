@@ -129,7 +129,7 @@ class Simulator:
                 self._inject_here(fault)
             except UnknownFault as error:
                 errors.append(error)
-            done.set()
+            self.loop.call(done.set)    # in the next round, when ports and connections follow
 
         self.loop.call(call)
         if not done.wait(ANSWER_TIMEOUT):

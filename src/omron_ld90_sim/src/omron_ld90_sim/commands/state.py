@@ -12,8 +12,8 @@ LASER = 'Laser_1'
 
 def location(robot: Robot) -> str:
     """The Location line: whole mm, mm, degrees."""
-    pose = robot.pose
-    return f'Location: {round(pose.x)} {round(pose.y)} {round(pose.theta)}'
+    x, y, theta = (int(round(value)) for value in (robot.pose.x, robot.pose.y, robot.pose.theta))
+    return f'Location: {x} {y} {theta}'
 
 
 def status_lines(robot: Robot) -> List[str]:
