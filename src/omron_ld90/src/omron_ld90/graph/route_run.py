@@ -15,7 +15,7 @@ from omron_ld90.graph.route_strategies import Outlook, native
 
 PROGRESS = 0.05         # m along the route that count as progress
 ARRIVAL_PATIENCE = 2.0  # s for a location to show what the robot said
-LATENCY = 0.1           # s from our command to the robot's obeying it
+LEAD = 2.0              # s from our command to the robot's driving on a new way, and some to spare
 
 
 class Phase(Enum):
@@ -222,9 +222,9 @@ class RouteRun:
 
     def _horizon(self) -> float:
         """Distance in m at which the robot may begin to brake before it is looked at again."""
-        settings, seconds = self._settings, self._seen.period + LATENCY
-        speed = min(settings.top_speed, self._seen.speed + settings.acceleration * seconds)
-        return speed * speed / (2.0 * settings.braking) + speed * seconds
+        settings, period = self._settings, self._seen.period
+        speed = min(settings.top_speed, self._seen.speed + settings.acceleration * period)
+        return speed * speed / (2.0 * settings.braking) + speed * (period + LEAD)
 
     def _distance_to_target(self) -> float:
         return math.dist((self._seen.last.x, self._seen.last.y),
