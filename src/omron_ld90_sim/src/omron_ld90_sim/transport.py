@@ -67,7 +67,7 @@ class Loop:
 
     def _woken(self, mask: int) -> None:
         self._wake_read.recv(4096)
-        while self._calls:
+        for _ in range(len(self._calls)):   # what these ask for waits for the next round
             self._calls.popleft()()
 
     def stop(self) -> None:
