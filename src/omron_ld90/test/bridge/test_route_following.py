@@ -51,7 +51,16 @@ def test_rolling_passes_without_stopping():
     bench = Bench(yard(), 2, 'rolling')
     bench.order(7, 5, 6)
     bench.run()
-    assert bench.commands == ['goto 5', 'goto 6']
+    assert bench.commands[-1] == 'goto 6'
+    assert bench.robot.halts == 1
+
+
+def test_rolling_looks_no_farther_ahead_than_braking_demands():
+    bench = Bench(yard(), 1, 'rolling')
+    bench.order(7, 1, 5, 6)
+    assert 'goto 6' not in bench.commands  # 12 m away, and the robot stands
+    bench.run()
+    assert bench.commands[-1] == 'goto 6'
     assert bench.robot.halts == 1
 
 

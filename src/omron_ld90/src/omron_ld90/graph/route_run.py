@@ -222,9 +222,9 @@ class RouteRun:
 
     def _horizon(self) -> float:
         """Distance in m at which the robot may begin to brake before it is looked at again."""
-        settings, period = self._settings, self._seen.period
-        speed = min(settings.top_speed, self._seen.speed + settings.acceleration * period)
-        return speed * speed / (2.0 * settings.braking) + speed * (period + LEAD)
+        settings, seconds = self._settings, self._seen.period + LEAD
+        speed = min(settings.top_speed, self._seen.speed + settings.acceleration * seconds)
+        return speed * speed / (2.0 * settings.braking) + speed * seconds
 
     def _distance_to_target(self) -> float:
         return math.dist((self._seen.last.x, self._seen.last.y),
