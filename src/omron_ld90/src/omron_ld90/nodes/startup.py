@@ -6,12 +6,16 @@ says what is wrong once, shows it as ERROR in /diagnostics, and waits for a rest
 from __future__ import annotations
 
 import math
+import os
+import signal
+import threading
 from typing import Any, Callable, Tuple, Type
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
 REQUIRED = object()
+END_WITHIN = 3.0  # s from SIGINT or SIGTERM to the end of the process, whatever rospy does
 
 
 class ConfigurationError(Exception):
@@ -62,7 +66,13 @@ def run(name: str, start: Callable[[], Any]) -> None:
 
     What `start` returns is kept alive, and its `close()`, if it has one, is called at shutdown.
     """
-    rospy.init_node(name)
+    _end_on_signals()
+    try:
+        rospy.init_node(name, disable_signals=True)
+    except rospy.ROSInitException:
+        if rospy.is_shutdown():
+            os._exit(0)  # ended before it had begun: rospy's server threads would stay for ever
+        raise
     try:
         node = start()
     except ConfigurationError as error:
@@ -72,6 +82,24 @@ def run(name: str, start: Callable[[], Any]) -> None:
     if hasattr(node, 'close'):
         rospy.on_shutdown(node.close)
     rospy.spin()
+
+
+def _end_on_signals() -> None:
+    """Shut down in a thread of its own, and in any case within END_WITHIN seconds.
+
+    rospy's own handlers do it inside the code that the signal interrupts, which may hold the very
+    lock that they wait for; and rospy can lock itself up when it is ended while it registers. About
+    one node in forty then hung when it was ended while starting.
+    """
+    def end(number: int, _frame: Any) -> None:
+        threading.Thread(target=rospy.signal_shutdown, args=(f'signal {number}',),
+                         daemon=True).start()
+        last_resort = threading.Timer(END_WITHIN, os._exit, (1,))
+        last_resort.daemon = True
+        last_resort.start()
+
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, end)
 
 
 def _wait_misconfigured(reason: str) -> None:
