@@ -4,6 +4,8 @@ from __future__ import annotations
 import math
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from map_builders import CELL, GROUPS, OBJECTS, cell, changed_lines, map_bytes, room, room_bytes
 from map_fixtures import GOAL, ODD
 
@@ -21,6 +23,14 @@ def line_of(document: MapDocument, name: str) -> int:
     """Line number of the object called `name`."""
     return next(number for number, record in enumerate(document.records, 1)
                 if record.object is not None and record.object.name == name)
+
+
+JUMBLED = ''.join(reversed(OBJECTS.splitlines(keepends=True)))
+PLACES = st.sampled_from([-4900, -800, 0, 1, 500, 2500])
+NEW_OBJECTS = st.lists(st.one_of(
+    st.builds(MapObject.goal, st.sampled_from('ABCDEFGH'), PLACES, PLACES),
+    st.builds(MapObject.forbidden_line, PLACES, PLACES, PLACES, PLACES, st.sampled_from('IJKLMN'))),
+    unique_by=lambda obj: obj.name)
 
 
 class TestAdding:
@@ -75,6 +85,23 @@ class TestAdding:
         document = room()
         with pytest.raises(MapError, match=r'room\.map, name: .*double quote'):
             document.add(MapObject.goal('6"', 0, 0))
+        assert document.to_bytes() == room_bytes()
+
+    @settings(deadline=None)
+    @given(NEW_OBJECTS, st.sampled_from([OBJECTS, JUMBLED, '']))
+    def test_many_at_once_give_the_same_file_as_one_by_one(self, objects, present):
+        at_once, one_by_one = (MapDocument.from_bytes(room_bytes(present)) for _ in range(2))
+        at_once.add_all(objects)
+        for obj in objects:
+            one_by_one.add(obj)
+        assert at_once.to_bytes() == one_by_one.to_bytes()
+
+    @pytest.mark.parametrize('bad', [MapObject.goal('shelf a', 5, 5), MapObject.goal('new', 1, 1),
+                                     MapObject.goal('6"', 0, 0)])
+    def test_of_many_none_is_added_where_one_cannot_be(self, bad):
+        document = room()
+        with pytest.raises(MapError):
+            document.add_all([MapObject.goal('New', 0, 0), bad])
         assert document.to_bytes() == room_bytes()
 
     def test_the_files_own_line_end_is_used(self):
@@ -220,6 +247,23 @@ class TestRemoving:
         document = cell()
         document.remove(document.goals[0])
         assert document.objects == () and document.to_bytes() == CELL.replace(GOAL, b'')
+
+    @settings(deadline=None)
+    @given(st.permutations(range(10)), st.integers(0, 10))
+    def test_many_at_once_give_the_same_file_as_one_by_one(self, order, count):
+        at_once, one_by_one = room(), room()
+        chosen = [at_once.objects[index] for index in order[:count]]
+        at_once.remove_all(chosen)
+        for obj in chosen:
+            one_by_one.remove(obj)
+        assert at_once.to_bytes() == one_by_one.to_bytes()
+        assert at_once.warnings == one_by_one.warnings
+
+    def test_of_many_none_is_removed_where_one_is_not_there(self):
+        document = room()
+        with pytest.raises(MapError, match='is not in the map'):
+            document.remove_all([document.objects[0]] * 2)
+        assert document.to_bytes() == room_bytes()
 
     def test_an_object_that_is_not_there_is_refused(self):
         with pytest.raises(MapError, match='is not in the map'):

@@ -10,7 +10,7 @@ import os
 from collections import Counter
 from dataclasses import dataclass
 from enum import Enum
-from typing import List, Optional, Set, Tuple
+from typing import Dict, List, Optional, Set, Tuple
 
 from omron_ld90.graph.corridors import CorridorRules, Corridors, corridors_of
 from omron_ld90.graph.fences import (
@@ -82,12 +82,11 @@ def convert(graph: Graph, document: MapDocument, options: Options) -> Conversion
     places, added = _add_missing(document, wanted)
     notes = _new_warnings(document, known, removed) + _other_docks(document, wanted)
     old, new = Counter(filter(is_fence, document.objects)), Counter(fences)
-    for fence in (old - new).elements():
-        document.remove(fence)
-        removed.append(fence)
-    for fence in (new - old).elements():
-        document.add(fence)
-        added.append(fence)
+    outdated, missing = list((old - new).elements()), list((new - old).elements())
+    document.remove_all(outdated)
+    document.add_all(missing)
+    removed += outdated
+    added += missing
 
     notes += notes_on_walls(graph, walls)
     if options.fences is not Fences.NONE:
@@ -168,28 +167,27 @@ def _clear(document: MapDocument, wanted: List[MapObject],
         if replacement == _written(obj):
             continue
         if replacement is not None or existing is ExistingGoals.DROP:
-            document.remove(obj)
             removed.append(obj)
+    document.remove_all(removed)
     return removed
 
 
 def _add_missing(document: MapDocument,
                  wanted: List[MapObject]) -> Tuple[List[MapObject], List[MapObject]]:
     """Add the places whose names the map has not; the map's object for each, and the new ones."""
-    places, added = [], []
-    for place in wanted:
-        present = document.find(place.name)
-        if present is None or not (present.is_goal or present.is_dock):
-            document.add(place)
-            added.append(place)
-            present = place
-        places.append(present)
-    return places, added
+    named: Dict[str, MapObject] = {}
+    for obj in document.objects:
+        named.setdefault(obj.name.lower(), obj)
+    present = {name: obj for name, obj in named.items() if obj.is_goal or obj.is_dock}
+    added = [place for place in wanted if place.name.lower() not in present]
+    document.add_all(added)
+    return [present.get(place.name.lower(), place) for place in wanted], added
 
 
 def _new_warnings(document: MapDocument, known: Set[str], removed: List[MapObject]) -> List[str]:
     """The warnings that the base map did not have; not those about objects that came back."""
-    back = [f'{obj.label!r}, which was removed' for obj in removed if document.find(obj.name)]
+    present = {obj.name.lower() for obj in document.objects}
+    back = [f'{obj.label!r}, which was removed' for obj in removed if obj.name.lower() in present]
     return [f'{warning.text[0].upper()}{warning.text[1:]}.' for warning in document.warnings
             if warning.text not in known and not any(text in warning.text for text in back)]
 

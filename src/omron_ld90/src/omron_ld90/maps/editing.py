@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from typing import List, Optional, Tuple
+from typing import Dict, Iterable, List, Mapping, Optional, Tuple
 
 from omron_ld90.maps.errors import DuplicateName, FieldError, MapError
 from omron_ld90.maps.geometry import Extent, normalise_degrees
@@ -20,29 +20,39 @@ from omron_ld90.maps.references import find_references
 Note = Tuple[Record, str]
 
 
-def add(file: str, records: List[Record], obj: MapObject) -> None:
-    """Insert `obj` in the vendor's order."""
-    _refuse_duplicate(file, records, obj.name)
-    record = _record(file, records, obj)
-    records.insert(_place(records, obj), record)
+def add(file: str, records: List[Record], objects: Iterable[MapObject]) -> None:
+    """Insert `objects` in the vendor's order: all, or none where one cannot be."""
+    known = _by_name(records)
+    added = []
+    for obj in objects:
+        _refuse_duplicate(file, known, obj.name)
+        added.append(_record(file, records, obj))
+        known.setdefault(obj.name.lower(), obj)
+    _insert(records, added)
 
 
-def remove(file: str, records: List[Record], obj: MapObject) -> List[Note]:
-    """Take out `obj` and its parameters; tell which lines still name it."""
-    del records[_index(file, records, obj)]
-    if not obj.name or find(records, obj.name) is not None:
-        return []
-    owned = [record for record in records
-             if any(ref.owned for ref in find_references(record.keyword, record.text, obj.name))]
-    for record in owned:
-        records.remove(record)
+def remove(file: str, records: List[Record], objects: Iterable[MapObject]) -> List[Note]:
+    """Take out `objects` and their parameters, all or none; tell which lines still name them."""
+    gone = {index: records[index].object for index in _indices(file, records, objects)}
+    records[:] = [record for index, record in enumerate(records) if index not in gone]
+    left = _by_name(records)
+    names = {obj.name.lower(): obj for obj in gone.values() if obj.name}
+    return [note for name, obj in names.items() if name not in left
+            for note in _forget(records, obj)]
+
+
+def _forget(records: List[Record], obj: MapObject) -> List[Note]:
+    """Take out the parameters of `obj`; tell which lines still name it."""
+    records[:] = [
+        record for record in records
+        if not any(ref.owned for ref in find_references(record.keyword, record.text, obj.name))]
     return _mentions(records, obj.name, f'still names {obj.label!r}, which was removed')
 
 
 def move(file: str, records: List[Record], obj: MapObject, x: float, y: float,
          theta: Optional[float]) -> None:
     """Place `obj` elsewhere."""
-    index = _index(file, records, obj)
+    index, = _indices(file, records, [obj])
     if obj.tail:
         raise MapError(file, f'{obj.kind} {obj.label!r} has more than corners and cannot '
                        'be moved; remove it and add a new one', index + 1)
@@ -57,7 +67,7 @@ def _replace(records: List[Record], index: int, record: Record) -> None:
     """Put `record` in the place of another: where it belongs, if the objects are in order."""
     if _sorted(records):
         del records[index]
-        records.insert(_place(records, record.object), record)
+        _insert(records, [record])
     else:
         records[index] = record
 
@@ -77,11 +87,11 @@ def _moved(obj: MapObject, x: float, y: float, theta: float) -> MapObject:
 def rename(file: str, records: List[Record], obj: MapObject,
            new_name: str) -> List[Note]:
     """Change the name of `obj` and of the references that surely mean it."""
-    index = _index(file, records, obj)
+    index, = _indices(file, records, [obj])
     if not new_name:
         raise MapError(file, f'{obj.kind} {obj.label!r} cannot lose its name', index + 1)
     if new_name.lower() != obj.name.lower():
-        _refuse_duplicate(file, records, new_name)
+        _refuse_duplicate(file, _by_name(records), new_name)
     renamed = dataclasses.replace(obj, name=new_name)
     _replace(records, index, _record(file, records, renamed))
     if not obj.name or find(records, obj.name) not in (None, renamed):
@@ -115,17 +125,33 @@ def find(records: List[Record], name: str) -> Optional[MapObject]:
                  if record.object is not None and record.object.name.lower() == wanted), None)
 
 
-def _index(file: str, records: List[Record], obj: MapObject) -> int:
-    """Where `obj` is: itself, else the first that is equal to it."""
-    for same in (lambda other: other is obj, lambda other: other == obj):
-        for index, record in enumerate(records):
-            if record.object is not None and same(record.object):
-                return index
-    raise MapError(file, f'{obj.kind} {obj.label!r} is not in the map')
+def _by_name(records: List[Record]) -> Dict[str, MapObject]:
+    """The first object of every name, by the name in lower case."""
+    found: Dict[str, MapObject] = {}
+    for record in records:
+        if record.object is not None:
+            found.setdefault(record.object.name.lower(), record.object)
+    return found
 
 
-def _refuse_duplicate(file: str, records: List[Record], name: str) -> None:
-    other = find(records, name) if name else None
+def _indices(file: str, records: List[Record], objects: Iterable[MapObject]) -> List[int]:
+    """Where `objects` are: each itself, else the first that is equal to it; none is twice."""
+    places: Dict[MapObject, List[int]] = {}
+    for index, record in enumerate(records):
+        if record.object is not None:
+            places.setdefault(record.object, []).append(index)
+    found = []
+    for obj in objects:
+        equal = places.get(obj)
+        if not equal:
+            raise MapError(file, f'{obj.kind} {obj.label!r} is not in the map')
+        found.append(next((index for index in equal if records[index].object is obj), equal[0]))
+        equal.remove(found[-1])
+    return found
+
+
+def _refuse_duplicate(file: str, known: Mapping[str, MapObject], name: str) -> None:
+    other = known.get(name.lower()) if name else None
     if other is not None:
         raise DuplicateName(
             file, f'there is a {other.kind} {other.label!r} already', field='name',
@@ -150,16 +176,22 @@ def _sorted(records: List[Record]) -> bool:
     return all(a <= b for a, b in zip(anchors, anchors[1:]))
 
 
-def _place(records: List[Record], obj: MapObject) -> int:
-    """Index at which the record of `obj` belongs."""
+def _insert(records: List[Record], added: List[Record]) -> None:
+    """Put in the records of new objects where they belong."""
     present = [index for index, record in enumerate(records) if record.object is not None]
-    if not present:
-        return _after_info(records)
-    if _sorted(records):
-        for index in present:
-            if records[index].object.order > obj.order:
-                return index
-    return present[-1] + 1
+    if not _sorted(records):
+        end = present[-1] + 1
+        records[end:end] = added
+        return
+    end = present[-1] + 1 if present else _after_info(records)
+    waiting = sorted(added, key=lambda record: record.object.order)[::-1]
+    merged: List[Record] = []
+    for record in records[:end]:
+        if record.object is not None:
+            while waiting and waiting[-1].object.order < record.object.order:
+                merged.append(waiting.pop())
+        merged.append(record)
+    records[:end] = merged + waiting[::-1]
 
 
 def _after_info(records: List[Record]) -> int:
