@@ -80,11 +80,11 @@ def come_to_rest(robot: Robot) -> Script:
 
 def leave_dock(robot: Robot, wavering: Sequence[ChargeState] = _WAVERING_ON_GOTO) -> Script:
     """Backs out of the dock if the robot is in it, with the charge states of the transcripts."""
-    if robot.docking is DockingState.UNDOCKED:
+    if robot.docking.state is DockingState.UNDOCKED:
         return
     yield from come_to_rest(robot)
-    robot.update_battery()
-    robot.set_docking(DockingState.UNDOCKING, robot.charge)
+    robot.docking.update()
+    robot.docking.enter(DockingState.UNDOCKING, robot.docking.charge)
     robot.extended = 'Undocking'
     dock = nearest_dock(robot)
     if dock is not None:
@@ -94,16 +94,16 @@ def leave_dock(robot: Robot, wavering: Sequence[ChargeState] = _WAVERING_ON_GOTO
                                          robot.base.limits.docking_speed)])
     for charge in wavering:
         yield SETTLE
-        robot.set_docking(DockingState.UNDOCKING, charge)
+        robot.docking.enter(DockingState.UNDOCKING, charge)
     yield STANDING
-    robot.set_docking(DockingState.UNDOCKED, ChargeState.NOT)
+    robot.docking.enter(DockingState.UNDOCKED, ChargeState.NOT)
 
 
 def dock(robot: Robot, station: MapObject) -> Activity:
     """`dock`: drives to the dock's pose, then into the station, and charges."""
     def script() -> Script:
-        robot.set_docking(DockingState.UNDOCKED, ChargeState.NOT)
-        robot.set_docking(DockingState.DOCKING, ChargeState.NOT)
+        robot.docking.enter(DockingState.UNDOCKED, ChargeState.NOT)
+        robot.docking.enter(DockingState.DOCKING, ChargeState.NOT)
         yield from drive(robot, station.x, station.y, station.theta, 'Failed going to goal',
                          f'Failed going to dock at {station.name}')
         robot.extended = 'Driving into dock'
@@ -113,11 +113,11 @@ def dock(robot: Robot, station: MapObject) -> Activity:
             robot.follow([straight_track(robot.true_pose, distance, robot.base.limits,
                                          robot.base.limits.docking_speed)])
             yield STANDING
-        robot.set_docking(DockingState.DOCKING, ChargeState.BULK)
+        robot.docking.enter(DockingState.DOCKING, ChargeState.BULK)
         yield SETTLE
-        robot.update_battery()
-        robot.battery.docked()
-        robot.set_docking(DockingState.DOCKED, ChargeState.BULK)
+        robot.docking.update()
+        robot.docking.battery.docked()
+        robot.docking.enter(DockingState.DOCKED, ChargeState.BULK)
         robot.extended = 'Docked'
 
     return Activity(f'Going to dock at {station.name}', f'Going to dock at {station.name}',
@@ -127,8 +127,8 @@ def dock(robot: Robot, station: MapObject) -> Activity:
 def undock(robot: Robot) -> Activity:
     """`undock`: backs out; an undocked robot only says the last three lines."""
     def script() -> Script:
-        if robot.docking is DockingState.UNDOCKED:
-            robot.announce(robot.docking_line)
+        if robot.docking.state is DockingState.UNDOCKED:
+            robot.announce(robot.docking.line)
         else:
             yield from leave_dock(robot, _WAVERING_ON_UNDOCK)
         robot.announce_stopping()

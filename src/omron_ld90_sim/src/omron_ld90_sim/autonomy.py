@@ -33,7 +33,7 @@ class Autonomy:
         if robot.activity is not None or not robot.base.still:
             self._idle_since = self._server.clock.now
         self._need_link()
-        if robot.docking is DockingState.DOCKED:
+        if robot.docking.state is DockingState.DOCKED:
             self._leave_when_full()
         else:
             self._warn()
@@ -41,7 +41,7 @@ class Autonomy:
 
     def _warn(self) -> None:
         now = self._server.clock.now
-        if self._robot.state_of_charge < WARN_BELOW and now >= self._warn_from:
+        if self._robot.docking.percent < WARN_BELOW and now >= self._warn_from:
             self._warn_from = now + WARN_EVERY
             self._server.broadcast('TextRequestChargeVoltage')
 
@@ -50,7 +50,7 @@ class Autonomy:
         idle = self._server.clock.now - self._idle_since
         if not settings.flag(DOCKING, 'AutoDock') or robot.activity or not robot.can_drive:
             return
-        low = robot.state_of_charge < settings.number(DOCKING, 'AutoDockCharge')
+        low = robot.docking.percent < settings.number(DOCKING, 'AutoDockCharge')
         station = activities.nearest_dock(robot)
         if station and (low or idle >= 60.0 * settings.number(DOCKING, 'AutoDockIdleMins')):
             self._docked_by_itself = True
@@ -58,8 +58,9 @@ class Autonomy:
 
     def _leave_when_full(self) -> None:
         robot = self._robot
-        robot.update_battery()
-        if self._docked_by_itself and robot.charge is ChargeState.FLOAT and not robot.activity:
+        robot.docking.update()
+        full = robot.docking.charge is ChargeState.FLOAT
+        if self._docked_by_itself and full and not robot.activity:
             self._docked_by_itself = False
             if robot.can_drive:
                 robot.start(activities.undock(robot))

@@ -130,8 +130,8 @@ class Faults:
 
         The state of charge from now on.
         """
-        self._robot.update_battery()
-        self._robot.battery.percent = min(max(float(percent), 0.0), 100.0)
+        self._robot.docking.update()
+        self._robot.docking.battery.percent = min(max(float(percent), 0.0), 100.0)
 
     def other(self, *command: str) -> None:
         """other COMMAND

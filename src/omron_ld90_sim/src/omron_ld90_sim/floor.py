@@ -2,16 +2,17 @@
 
 Two fields on a grid of the map's own pitch, cells centred on multiples of it (so the scan points,
 which lie there, are exact): `clearance` to anything the robot may not touch, `sight` to what its
-laser sees. A floor never changes and is shared by all robots on the same map.
+laser sees. A floor never changes and is shared by all robots on the same map; what only some of
+them ask for is worked out when it is asked for.
 """
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from typing import Iterable, Tuple
 
 import numpy as np
 from scipy import ndimage
-from skimage.measure import label
 
 from omron_ld90.maps import MapDocument
 from omron_ld90_sim.kinematics import LD90_BODY, Body
@@ -33,25 +34,35 @@ class Floor:
         self.body = body
         areas = [np.asarray(area, float) for area in areas]
         self._lay_out(points, segments, places, resolution)
-        walls = np.zeros(self.shape, bool)
-        self._mark(walls, points)
-        free_of_points = self._distance(~walls)
-        for x1, y1, x2, y2 in segments:
-            count = int(math.hypot(x2 - x1, y2 - y1) / (self.resolution / 2)) + 2
-            self._mark(walls, np.column_stack([np.linspace(x1, x2, count),
-                                               np.linspace(y1, y2, count)]))
-        self.sight = self._distance(~walls) if len(segments) else free_of_points
-        self.clearance = free_of_points.copy()
+        self._points, self._segments = points, segments
+        occupied = np.zeros(self.shape, bool)
+        self._mark(occupied, points)
+        self.clearance = self._distance(~occupied)
         for segment in np.concatenate([segments, forbidden_segments]):
             self._keep_away(segment.reshape(2, 2), inside=False)
         for corners in areas:
             self._keep_away(corners, inside=True)
         self._keep_off_the_edge()
         step = max(1, int(round(PLANNING_PITCH / self.resolution)))
-        self.planning_step = step
         self.planning_clearance = np.ascontiguousarray(self.clearance[::step, ::step])
         self.planning_pitch = step * self.resolution
-        self.regions = label(self.planning_clearance >= body.half_diagonal, connectivity=2)
+
+    @cached_property
+    def sight(self) -> np.ndarray:
+        """Distance (mm) from every cell to the nearest that the laser sees: points and lines."""
+        seen = np.zeros(self.shape, bool)
+        self._mark(seen, self._points)
+        for x1, y1, x2, y2 in self._segments:
+            count = int(math.hypot(x2 - x1, y2 - y1) / (self.resolution / 2)) + 2
+            self._mark(seen, np.column_stack([np.linspace(x1, x2, count),
+                                              np.linspace(y1, y2, count)]))
+        return self._distance(~seen)
+
+    @cached_property
+    def regions(self) -> np.ndarray:
+        """Planning cells with room to turn, numbered from 1 by connected region; others are 0."""
+        room = self.planning_clearance >= self.body.half_diagonal
+        return ndimage.label(room, structure=np.ones((3, 3)))[0]
 
     @classmethod
     def from_map(cls, document: MapDocument) -> Floor:

@@ -7,39 +7,29 @@ for one that another replaces, and tells everybody what happens through `announc
 from __future__ import annotations
 
 import random
-from dataclasses import dataclass
 from typing import Callable, Dict, List, Optional, Set, Tuple
 
 import numpy as np
 
 from omron_ld90.maps import MapDocument
 from omron_ld90_sim import laser
-from omron_ld90_sim.battery import Battery, ChargeState
+from omron_ld90_sim.battery import ChargeState
 from omron_ld90_sim.clock import Clock, Timer
+from omron_ld90_sim.docking import Docking
 from omron_ld90_sim.equipment import Equipment
 from omron_ld90_sim.floor import Floor
 from omron_ld90_sim.kinematics import Pose, normalise
+from omron_ld90_sim.localization import FOUND_WITHIN, Localization
 from omron_ld90_sim.motion import STEP, Base
 from omron_ld90_sim.navigation import Navigation
+from omron_ld90_sim.odometer import Odometer
 from omron_ld90_sim.places import docked_pose, start_places
 from omron_ld90_sim.planner import Planner
 from omron_ld90_sim.scanner import Scanner
 from omron_ld90_sim.states import STANDING, Activity, DockingState, Failure, Motors
 from omron_ld90_sim.track import Manoeuvre
 
-CHARGE_CHECK = 1.0          # s between looks at the charger's phase
 LOOK_EVERY = 4              # steps between looks at what is ahead
-TEMPERATURE = 36            # deg C
-LOCALIZED_WITHIN = (1000.0, 30.0)   # mm, deg: how far off a localization may start and still find
-
-
-@dataclass(frozen=True)
-class Odometer:
-    """Readings of the base and the clock at the last reset."""
-
-    driven: float = 0.0
-    turned: float = 0.0
-    time: float = 0.0
 
 
 class Robot:
@@ -51,10 +41,7 @@ class Robot:
         self.clock, self.announce = clock, announce
         self.random = random.Random(seed)
         self.scanner = Scanner(clock, seed)
-        self.battery = Battery(battery)
         self.motors = Motors.ENABLED
-        self.docking = DockingState.UNDOCKED
-        self.charge = ChargeState.NOT
         self.activity: Optional[Activity] = None
         self.status = self.extended = 'Stopped'
         self.block_reasons: Dict[str, str] = {}
@@ -64,17 +51,16 @@ class Robot:
         self.pausing = False                    # whether a pause task runs
         self.patrol_places: Dict[str, int] = {}     # route in lower case -> index it is at
         self.equipment = Equipment()
-        self._error = Pose(0.0, 0.0, 0.0)       # believed minus true
-        self._odometer = Odometer()
+        self.localization = Localization(self.random)
         self._steps = 0
         self._step_timer: Optional[Timer] = None
         self._wait_timer: Optional[Timer] = None
         self._waits_for_base = False
         self._then: Optional[Callable[[], None]] = None
-        self._battery_time = clock.now
-        self._charge_timer: Optional[Timer] = None
         self.document = document
         self.base = Base(start or start_places(document, floor, [None])[0])
+        self.docking = Docking(clock, self.base, battery, self._docking_changed)
+        self.odometer = Odometer(self.base, clock)
         self.navigation = Navigation(self.base, floor)
         self._dock_at_start()
 
@@ -92,10 +78,8 @@ class Robot:
             inside = docked_pose(self.floor, dock)
             if (here.distance_to(inside.x, inside.y) < 1.0
                     and abs(normalise(here.theta - inside.theta)) < 1.0):
-                self.battery.docked(charged_before=True)
-                self.docking, self.charge = DockingState.DOCKED, self.battery.charge_state
-                self.status, self.extended = self.docking_line, 'Docked'
-                self._watch_charge()
+                self.docking.begin_docked()
+                self.status, self.extended = self.docking.line, 'Docked'
 
     @property
     def floor(self) -> Floor:
@@ -115,77 +99,22 @@ class Robot:
     @property
     def pose(self) -> Pose:
         """Where the robot believes to be, as it reports."""
-        true, error = self.base.pose, self._error
-        return Pose(true.x + error.x, true.y + error.y, normalise(true.theta + error.theta))
+        return self.localization.believed(self.base.pose)
 
     @property
     def lost(self) -> bool:
         """Whether the robot's belief of its place is wrong."""
-        return self._error != Pose(0.0, 0.0, 0.0)
+        return self.localization.lost
 
     def scan(self) -> np.ndarray:
         """One laser scan: hits (N, 2) in mm, in the frame the robot believes in."""
         return self.scanner.scan(self.floor, self.true_pose, self.pose,
                                  self.navigation.outlines(laser.RANGE))
 
-    # -- what it says ------------------------------------------------------------------------
-
-    @property
-    def docking_line(self) -> str:
-        """The DockingState line."""
-        return (f'DockingState: {self.docking.value} ForcedState: Unforced '
-                f'ChargeState: {self.charge.value}')
-
-    def set_docking(self, docking: DockingState, charge: ChargeState) -> None:
-        """Changes and announces the docking state."""
-        self.docking, self.charge = docking, charge
-        if docking is not DockingState.UNDOCKED:
-            self.status = self.docking_line
-        self.announce(self.docking_line)
-        self._watch_charge()
-
-    def _watch_charge(self) -> None:
-        """Follows the charger's phases until the battery is full."""
-        charging = self.docking is DockingState.DOCKED and self.charge is not ChargeState.FLOAT
-        if charging and (self._charge_timer is None or not self._charge_timer.waiting):
-            self._charge_timer = self.clock.after(CHARGE_CHECK, self._look_at_charge)
-
-    def _look_at_charge(self) -> None:
-        self.update_battery()
-        self._watch_charge()
-
-    @property
-    def localization_score(self) -> float:
-        """How well the laser fits the map at the believed pose, 0 to 1."""
-        fit = 0.06 if self.lost else 0.87
-        return min(max(fit + self.random.gauss(0.0, 0.012), 0.0), 1.0)
-
-    @property
-    def odometer(self) -> Tuple[float, float, float]:
-        """Millimetres, degrees and seconds since the last reset."""
-        zero = self._odometer
-        return (self.base.driven - zero.driven, self.base.turned - zero.turned,
-                self.clock.now - zero.time)
-
-    def reset_odometer(self) -> None:
-        """Starts the odometer from zero."""
-        self._odometer = Odometer(self.base.driven, self.base.turned, self.clock.now)
-
-    @property
-    def state_of_charge(self) -> float:
-        """Percent, now."""
-        self.update_battery()
-        return self.battery.percent
-
-    def update_battery(self) -> None:
-        """Brings the battery up to now and announces a new charge phase."""
-        elapsed, self._battery_time = self.clock.now - self._battery_time, self.clock.now
-        if self.docking is DockingState.DOCKED:
-            self.battery.charge(elapsed)
-            if self.battery.charge_state is not self.charge:
-                self.set_docking(DockingState.DOCKED, self.battery.charge_state)
-        else:
-            self.battery.discharge(elapsed, not self.base.still)
+    def _docking_changed(self) -> None:
+        if self.docking.state is not DockingState.UNDOCKED:
+            self.status = self.docking.line
+        self.announce(self.docking.line)
 
     # -- activities --------------------------------------------------------------------------
 
@@ -220,8 +149,8 @@ class Robot:
         self._give_up_docking()
 
     def _give_up_docking(self) -> None:
-        if self.docking in (DockingState.DOCKING, DockingState.UNDOCKING):
-            self.set_docking(DockingState.UNDOCKED, ChargeState.NOT)
+        if self.docking.state in (DockingState.DOCKING, DockingState.UNDOCKING):
+            self.docking.enter(DockingState.UNDOCKED, ChargeState.NOT)
 
     def _resume(self) -> None:
         activity = self.activity
@@ -332,7 +261,7 @@ class Robot:
             self._step_timer = self.clock.after(STEP, self._step)
 
     def _step(self) -> None:
-        self.update_battery()
+        self.docking.update()
         self.base.step(STEP)
         self._steps += 1
         if self._steps % LOOK_EVERY == 0 and self.navigation.blocked_ahead():
@@ -349,21 +278,20 @@ class Robot:
 
     # -- localization ------------------------------------------------------------------------
 
-    def localize(self, pose: Pose, spread: Tuple[float, float] = LOCALIZED_WITHIN) -> None:
+    def localize(self, pose: Pose, spread: Tuple[float, float] = FOUND_WITHIN) -> None:
         """Looks for itself around `pose`; lost when it is not there."""
-        true = self.base.pose
-        off = true.distance_to(pose.x, pose.y)
-        turned = abs(normalise(pose.theta - true.theta))
-        if off <= spread[0] and turned <= spread[1]:
-            self._error = Pose(0.0, 0.0, 0.0)
-            if self.status == 'Robot lost':
-                self.status = self.extended = 'Stopped'
-        else:
-            self.lose(Pose(pose.x - true.x, pose.y - true.y, normalise(pose.theta - true.theta)))
+        self.localization.search(pose, self.base.pose, spread)
+        if self.lost:
+            self._end_as_lost()
+        elif self.status == 'Robot lost':
+            self.status = self.extended = 'Stopped'
 
     def lose(self, error: Pose) -> None:
         """Believes from now on in a pose that is off by `error`; what runs ends."""
-        self._error = error
+        self.localization.error = error
+        self._end_as_lost()
+
+    def _end_as_lost(self) -> None:
         if self.activity is not None:
             self._drop_activity()
             self.base.brake()

@@ -5,8 +5,8 @@ from omron_ld90.maps import MapObject
 from omron_ld90_sim import activities, tasks
 from omron_ld90_sim.commands.table import Call, CommandFailed, command
 from omron_ld90_sim.kinematics import Pose, normalise
+from omron_ld90_sim.localization import FOUND_WITHIN
 from omron_ld90_sim.planner import NoWay
-from omron_ld90_sim.robot import LOCALIZED_WITHIN
 from omron_ld90_sim.states import DockingState, Motors
 
 LOCALIZING = 1.0    # s between the two lines of localizeToPoint
@@ -64,8 +64,8 @@ def dock(call: Call) -> None:
     if station is None:
         raise CommandFailed('No dock')
     check_drivable(call)
-    if robot.docking is DockingState.DOCKED:
-        call.reply(robot.docking_line)
+    if robot.docking.state is DockingState.DOCKED:
+        call.reply(robot.docking.line)
     else:
         robot.start(activities.dock(robot, station))
 
@@ -80,8 +80,8 @@ def undock(call: Call) -> None:
 @command('queryDockStatus', 'Gets the docking/charging status')
 def query_dock_status(call: Call) -> None:
     """Answers the docking state."""
-    call.robot.update_battery()
-    call.reply(call.robot.docking_line)
+    call.robot.docking.update()
+    call.reply(call.robot.docking.line)
 
 
 @command('enableMotors', 'Enables the motors so the robot can drive again')
@@ -118,7 +118,7 @@ def localize_at_goal(call: Call) -> None:
 def _localize(call: Call, pose: Pose, xy_spread: float, angle_spread: float, what: str) -> None:
     robot, session = call.robot, call.session
     spread = tuple(given if given > 0 else default for given, default in
-                   zip((xy_spread, angle_spread), LOCALIZED_WITHIN))
+                   zip((xy_spread, angle_spread), FOUND_WITHIN))
     session.send(f'Localizing at {what}')
 
     def localized() -> None:

@@ -5,9 +5,10 @@ import time
 from typing import List
 
 from omron_ld90_sim.commands.table import Call, CommandFailed, command
-from omron_ld90_sim.robot import TEMPERATURE, Robot
+from omron_ld90_sim.robot import Robot
 
 LASER = 'Laser_1'
+TEMPERATURE = 36        # deg C
 
 
 def location(robot: Robot) -> str:
@@ -18,15 +19,15 @@ def location(robot: Robot) -> str:
 
 def status_lines(robot: Robot) -> List[str]:
     """The lines of `status`, in an LD robot's order; `Temperature:` is the last."""
-    charge = robot.state_of_charge
+    charge = robot.docking.percent
     return [f'ExtendedStatusForHumans: {robot.extended}', f'Status: {robot.status}',
             f'StateOfCharge: {charge:.1f}', location(robot),
-            f'LocalizationScore: {robot.localization_score:.6f}', f'Temperature: {TEMPERATURE}']
+            f'LocalizationScore: {robot.localization.score:.6f}', f'Temperature: {TEMPERATURE}']
 
 
 def one_line_status(robot: Robot) -> str:
     """The line of `oneLineStatus`."""
-    charge = robot.state_of_charge
+    charge = robot.docking.percent
     return (f'Status: {robot.status} StateOfCharge: {charge:.1f} {location(robot)} '
             f'Temperature: {TEMPERATURE}')
 
@@ -47,14 +48,14 @@ def answer_one_line_status(call: Call) -> None:
 @command('odometer', 'Shows the robot trip odometer')
 def odometer(call: Call) -> None:
     """Answers distance, rotation and time since the last reset."""
-    driven, turned, seconds = call.robot.odometer
+    driven, turned, seconds = call.robot.odometer.trip
     call.reply(f'Odometer: {driven:.0f} mm {turned:.0f} deg {seconds:.0f} sec')
 
 
 @command('odometerReset', 'Resets the robot trip odometer')
 def odometer_reset(call: Call) -> None:
     """Starts the trip from zero."""
-    call.robot.reset_odometer()
+    call.robot.odometer.reset()
     call.reply('Reset odometer')
 
 
