@@ -42,6 +42,18 @@ def test_a_spline_without_control_lengths_is_the_straight_line():
     assert curve.heading_at(2.5) == pytest.approx(math.atan2(4, 3))
 
 
+def test_turns_to_the_left_and_to_the_right_add_up():
+    k = 4.0 / 3.0 * (math.sqrt(2.0) - 1.0)
+    quarter = spline((1.0, 0.0), math.pi / 2, k, (0.0, 1.0), math.pi, k)
+    along = np.array((-1.0, 0.0, math.pi / 4, math.pi / 2, 9.0))
+    assert quarter.turned(along) == pytest.approx(along.clip(0.0, math.pi / 2), abs=0.05)
+    bends_twice = spline((0.0, 0.0), 0.0, 2.0, (4.0, 2.0), 0.0, 2.0)
+    middle, end = bends_twice.turned(np.array((0.5, 1.0)) * bends_twice.length)
+    assert end == pytest.approx(2.0 * middle)
+    assert middle == pytest.approx(bends_twice.heading_at(bends_twice.length / 2), abs=0.05)
+    assert line((0.0, 0.0), (3.0, 4.0)).turned(np.array((0.0, 5.0))).tolist() == [0.0, 0.0]
+
+
 def test_projection_gives_distance_arc_length_and_fraction():
     projection = line((0.0, 0.0), (10.0, 0.0)).project(2.5, 0.3)
     assert projection == pytest.approx((0.3, 2.5, 0.25))

@@ -9,7 +9,7 @@ import numpy as np
 from omron_ld90.graph.corridors import CorridorRules, Corridors, corridors_of
 from omron_ld90.graph.fences import Fences, fence_objects
 from omron_ld90.maps import MapObject
-from trajectory_graph import Edge, Graph, Vertex
+from trajectory_graph import CurveType, Edge, Graph, Vertex
 
 NO_WALLS = np.empty((0, 2))
 
@@ -25,6 +25,14 @@ def grid(columns: int, rows: int, pitch: float = 2.5, degrees: float = 0.0) -> G
             ends += [(id, id + 1)] if column + 1 < columns else []
             ends += [(id, id + columns)] if row + 1 < rows else []
     return Graph(vertices, [Edge(id, *pair) for id, pair in enumerate(ends, 1)])
+
+
+def quarter_turn(radius: float) -> Graph:
+    """Edge 1 leads from the origin to the left through a quarter circle; 4 m before and after."""
+    reach = radius * 4.0 / 3.0 * math.tan(math.pi / 8.0)  # of the Bezier curve of that circle
+    return Graph([Vertex(1, 0.0, 0.0, 0.0), Vertex(2, radius, radius, math.pi / 2.0),
+                  Vertex(3, -4.0, 0.0, 0.0), Vertex(4, radius, radius + 4.0, math.pi / 2.0)],
+                 [Edge(1, 1, 2, CurveType.SPLINE, reach, reach), Edge(2, 3, 1), Edge(3, 2, 4)])
 
 
 def fenced(graph: Graph, walls: np.ndarray = NO_WALLS, kind: Fences = Fences.AREAS,

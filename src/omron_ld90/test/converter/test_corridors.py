@@ -2,6 +2,7 @@ import math
 
 import pytest
 from converter_builders import graph_of
+from fence_builders import quarter_turn
 from shapely.geometry import Point
 
 from omron_ld90.graph.corridors import CorridorRules, corridors_of
@@ -44,6 +45,17 @@ def test_the_robot_can_turn_where_edges_bend_by_more_than_45_degrees(degrees, tu
     behind = math.radians(degrees / 2 - 90)  # the outer side of the bend
     assert is_free(corridors_of(graph, RULES), 475 * math.cos(behind),
                    475 * math.sin(behind)) == turns
+
+
+@pytest.mark.parametrize('radius, turns', [(0.3, True), (0.5, True), (0.6, False), (1.5, False)])
+def test_the_robot_can_turn_where_a_curve_bends_by_45_degrees_within_its_half_diagonal(
+        radius, turns):
+    graph = quarter_turn(radius)
+    narrow = corridors_of(graph, CorridorRules(width=700.0))
+    x, y = (1000 * value for value in graph.curve(1).point_at(graph.curve(1).length / 2))
+    outwards = 475 * math.sqrt(0.5)
+    assert is_free(narrow, x + outwards, y - outwards) == turns
+    assert not is_free(narrow, -1500, -360)
 
 
 def test_a_strip_as_wide_as_a_corridor_leads_to_the_station():

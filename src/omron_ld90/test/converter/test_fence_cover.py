@@ -5,11 +5,12 @@ import random
 import numpy as np
 import pytest
 from converter_builders import LAB, REAL_MAPS, graph_of
-from fence_builders import NO_WALLS, fenced, grid, real_site_graph, wall
+from fence_builders import NO_WALLS, fenced, grid, quarter_turn, real_site_graph, wall
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from omron_ld90.graph.converter import Options, convert
+from omron_ld90.graph.corridors import CorridorRules
 from omron_ld90.graph.fence_check import check_fences
 from omron_ld90.graph.fences import Fences
 from omron_ld90.maps import MapDocument
@@ -105,6 +106,14 @@ def test_splines_are_closed(reach, kind):
     corridors, fences = fenced(graph, kind=kind)
     assert_good(graph, corridors, fences)
     assert len(fences) <= 14
+
+
+@BOTH_KINDS
+@pytest.mark.parametrize('width', [600.0, 900.0])
+def test_a_bend_in_a_curve_is_closed_around_its_disc(width, kind):
+    graph = quarter_turn(0.3)
+    corridors, fences = fenced(graph, kind=kind, rules=CorridorRules(width=width))
+    assert_good(graph, corridors, fences)
 
 
 def tangle(seed: int) -> Graph:

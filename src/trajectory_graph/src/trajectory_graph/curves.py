@@ -54,6 +54,13 @@ class Curve:
         dx, dy = self._steps[index]
         return math.atan2(dy, dx)
 
+    def turned(self, s: np.ndarray) -> np.ndarray:
+        """How far (rad) a robot has turned up to arc lengths `s` (N,), to either side alike."""
+        headings = np.arctan2(self._steps[:, 1], self._steps[:, 0])
+        turns = np.abs((np.diff(headings) + math.pi) % (2.0 * math.pi) - math.pi)
+        middles = self._arc[:-1] + self._lengths / 2.0
+        return np.interp(s, middles, np.concatenate(([0.0], np.cumsum(turns))))
+
     def sample(self, step: float) -> np.ndarray:
         """Points (N,2) at most `step` m apart along the curve, its two ends included."""
         count = max(2, int(math.ceil(self.length / step)) + 1)
