@@ -1,10 +1,11 @@
 """What the robot can do, as scripts for `Robot.start`."""
 from __future__ import annotations
 
-from typing import Optional, Sequence
+from typing import Optional, Sequence, Tuple
 
 from omron_ld90.maps import MapObject
 from omron_ld90_sim.battery import ChargeState
+from omron_ld90_sim.kinematics import Pose, normalise
 from omron_ld90_sim.places import docked_pose
 from omron_ld90_sim.planner import NoWay
 from omron_ld90_sim.robot import Robot
@@ -41,11 +42,25 @@ def _go(robot: Robot, name: str, x: float, y: float, heading: Optional[float]) -
         if name.lower() in robot.failing_goals:
             yield 1.0
             raise Failure('Failed going to goal', failed)
-        yield from drive(robot, x, y, heading, 'Failed going to goal', failed)
+        yield from drive(robot, *_near(robot, x, y, heading), 'Failed going to goal', failed)
         robot.status = robot.extended = f'Arrived at {name}'
         robot.announce(f'Arrived at {name}')
 
     return Activity(f'Going to {name}', f'Going to {name}', script())
+
+
+def _near(robot: Robot, x: float, y: float, heading: Optional[float]
+          ) -> Tuple[float, float, Optional[float]]:
+    """Where the robot comes to rest for a goal: off by its arrival error where there is room."""
+    distance, angle = robot.arrival_error
+    place = Pose(x, y, robot.random.uniform(-180.0, 180.0)).ahead(
+        robot.random.uniform(0.0, distance))
+    turned = robot.random.uniform(-angle, angle)
+    if robot.base.still and robot.true_pose.distance_to(x, y) <= distance:
+        place = robot.true_pose     # near enough already
+    if robot.floor.clearance_of(place.x, place.y) < robot.planner.turn_clearance:
+        return x, y, heading
+    return place.x, place.y, heading if heading is None else normalise(heading + turned)
 
 
 def drive(robot: Robot, x: float, y: float, heading: Optional[float], error: str,

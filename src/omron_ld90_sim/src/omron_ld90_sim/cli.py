@@ -12,7 +12,7 @@ from omron_ld90_sim.faults import help_text
 from omron_ld90_sim.fleet import RobotSpec, address, read_fleet
 from omron_ld90_sim.planner import NoWay
 from omron_ld90_sim.recording import read_log
-from omron_ld90_sim.simulator import DEFAULT_LISTS, Replay, Simulator
+from omron_ld90_sim.simulator import ARRIVAL_ERROR, DEFAULT_LISTS, Replay, Simulator
 from omron_ld90_sim.transport import PortTaken
 
 
@@ -36,6 +36,16 @@ def _pose(text: str) -> Tuple[float, float, float]:
         raise argparse.ArgumentTypeError(f"'{text}' is not X,Y,DEG (metres, metres, degrees)"
                                          ) from None
     return x * 1000.0, y * 1000.0, theta
+
+
+def _error(text: str) -> Tuple[float, float]:
+    try:
+        distance, angle = (float(part) for part in text.split(','))
+    except ValueError:
+        distance = angle = -1.0
+    if not (0.0 <= distance <= 100.0 and 0.0 <= angle <= 10.0):
+        raise argparse.ArgumentTypeError(f"'{text}' is not MM,DEG (up to 100 mm and 10 degrees)")
+    return distance, angle
 
 
 def _speed(text: str) -> float:
@@ -96,6 +106,8 @@ def parser() -> argparse.ArgumentParser:
     add('--start', type=_pose, metavar='X,Y,DEG',
         help='start pose in metres and degrees (the dock, RobotHome, a goal, or a free place)')
     add('--battery', type=float, default=100.0, metavar='PERCENT', help='state of charge (100)')
+    add('--arrival-error', type=_error, default=ARRIVAL_ERROR, metavar='MM,DEG',
+        help='how far from a goal the robot may come to rest (30,1); 0,0 is exact')
     add('--seed', type=int, default=0, help='seed of everything random (0)')
     add('--robots', metavar='FILE', help='YAML list of robots: a fleet in one process')
     add('--fault', action='append', default=[], metavar='"[SECONDS] FAULT"',
@@ -140,7 +152,7 @@ def _simulator(arguments: argparse.Namespace, stack: ExitStack) -> Simulator:
         arguments.map, arguments.port, _password(arguments), arguments.outgoing, arguments.speed,
         arguments.start, arguments.seed, arguments.host,
         (arguments.outgoing_commands or DEFAULT_LISTS)[:5], arguments.set, arguments.battery,
-        specs)
+        specs, arguments.arrival_error)
     for fault in arguments.fault:
         simulator.inject(fault)
     if arguments.fault_script is not None:

@@ -37,8 +37,11 @@ class Robot:
 
     def __init__(self, clock: Clock, document: MapDocument, floor: Floor, start: Optional[Pose],
                  seed: int = 0, battery: float = 100.0,
-                 announce: Callable[[str], None] = lambda line: None) -> None:
+                 announce: Callable[[str], None] = lambda line: None,
+                 arrival_error: Tuple[float, float] = (0.0, 0.0)) -> None:
+        """`arrival_error`: how far (mm, deg) from a goal the robot may come to rest."""
         self.clock, self.announce = clock, announce
+        self.arrival_error = arrival_error
         self.random = random.Random(seed)
         self.scanner = Scanner(clock, seed)
         self.motors = Motors.ENABLED

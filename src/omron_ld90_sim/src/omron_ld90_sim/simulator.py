@@ -25,6 +25,7 @@ from omron_ld90_sim.transport import Loop, TcpServer
 
 CommandLists = Sequence[Tuple[float, str]]
 DEFAULT_LISTS: CommandLists = ((0.5, 'Status'), (0.5, 'RangeDeviceGetCurrent Laser_1'))
+ARRIVAL_ERROR = (30.0, 1.0)     # mm, deg; the LD-90's own goal tolerances begin there
 ANSWER_TIMEOUT = 10.0       # s of wall time that `inject` waits for the simulation's thread
 
 
@@ -33,9 +34,10 @@ class Unit:
 
     def __init__(self, loop: Loop, document: MapDocument, floor: Floor, spec: RobotSpec,
                  place: Optional[Pose], settings: Configuration, password: str, seed: int,
-                 host: str, folder: Path) -> None:
+                 host: str, folder: Path, arrival_error: Tuple[float, float]) -> None:
         self.name = spec.name
-        self.robot = Robot(loop.clock, document, floor, place, seed, spec.battery)
+        self.robot = Robot(loop.clock, document, floor, place, seed, spec.battery,
+                           arrival_error=arrival_error)
         self.server = ArclServer(loop.clock, self.robot, password, settings, folder)
         self.faults = Faults(self.server)
         self.autonomy = Autonomy(self.server)
@@ -66,8 +68,12 @@ class Simulator:
                  start: Optional[Tuple[float, float, float]] = None, seed: int = 0,
                  host: str = '127.0.0.1', lists: CommandLists = DEFAULT_LISTS,
                  settings: Sequence[Tuple[str, str, str]] = (), battery: float = 100.0,
-                 robots: Optional[Sequence[RobotSpec]] = None) -> None:
+                 robots: Optional[Sequence[RobotSpec]] = None,
+                 arrival_error: Tuple[float, float] = ARRIVAL_ERROR) -> None:
         """`start` is mm, mm, degrees; `speed` is a factor on the robots' whole clock.
+
+        `arrival_error` (mm, degrees) is how far from a goal a robot may come to rest; docks are
+        always hit.
 
         `settings` are changes of the configuration (section, parameter, value). `robots`, when
         given, says which robots there are, in place of port, outgoing, start and battery.
@@ -83,7 +89,8 @@ class Simulator:
             for number, (spec, place) in enumerate(zip(specs, places)):
                 configuration = settings_for(path.name, spec.outgoing, lists, settings)
                 self.units.append(Unit(self.loop, document, floor, spec, place, configuration,
-                                       password, seed + number, host, path.parent))
+                                       password, seed + number, host, path.parent,
+                                       arrival_error))
         except Exception:
             self._close()
             raise

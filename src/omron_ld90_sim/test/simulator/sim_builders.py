@@ -56,11 +56,13 @@ class Rig:
 
     def __init__(self, document: Optional[MapDocument] = None,
                  start: Optional[Tuple[float, float, float]] = (-3000.0, 0.0, 0.0),
-                 seed: int = 0, battery: float = 100.0) -> None:
+                 seed: int = 0, battery: float = 100.0,
+                 arrival_error: Tuple[float, float] = (0.0, 0.0)) -> None:
         self.clock = Clock()
         document = document or room()
         self.robot = Robot(self.clock, document, Floor.from_map(document),
-                           Pose(*start) if start else None, seed, battery)
+                           Pose(*start) if start else None, seed, battery,
+                           arrival_error=arrival_error)
         self.server = ArclServer(self.clock, self.robot, 'adept')
 
     def client(self) -> Client:

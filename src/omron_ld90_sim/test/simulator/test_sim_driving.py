@@ -214,6 +214,23 @@ def test_goals_that_change_on_the_way_never_break_a_limit(path: Optional[Path]) 
     assert inspector.steps > 5000 and sum(line.startswith('Going') for line in lines) > 100
 
 
+def test_the_robot_comes_to_rest_within_its_arrival_error() -> None:
+    rig = Rig(arrival_error=(30.0, 1.0))
+    client, off, turned = rig.client(), [], []
+    for _ in range(10):
+        for command, x, y in (('goto "East side"', 4500.0, 1500.0),
+                              ('gotoPoint -3000 1500 90', -3000.0, 1500.0)):
+            client.send(command)
+            client.until('Arrived')
+            off.append(rig.robot.true_pose.distance_to(x, y))
+            turned.append(abs(rig.robot.true_pose.theta - 90.0))
+    assert 15.0 < max(off) < 31.0 and 0.5 < max(turned) < 1.1
+    driven = rig.robot.odometer.trip[0]
+    client.send('goto West')
+    client.until('Arrived')
+    assert rig.robot.odometer.trip[0] == driven, 'near enough already'
+
+
 def test_two_robots_give_way_or_stop_but_never_touch() -> None:
     left = Rig(start=(-3000.0, 2200.0, 0.0))
     right = Rig(start=(5000.0, 2200.0, 180.0))

@@ -72,7 +72,8 @@ def listener() -> Iterator[socket.socket]:
 
 
 def test_a_client_drives_the_robot_over_tcp(map_file: Path) -> None:
-    with Simulator(map_file, speed=20.0) as robot, closing(Talk(robot.port)) as client:
+    with Simulator(map_file, speed=20.0, arrival_error=(0.0, 0.0)) as robot, \
+            closing(Talk(robot.port)) as client:
         client.send('goto 12')
         assert client.until('Arrived')[-2:] == ['Going to 12', 'Arrived at 12']
         assert robot.pose[:2] == pytest.approx((4500.0, -2000.0), abs=1.0)
