@@ -343,6 +343,89 @@ def test_a_cancelled_drive_does_not_wait_for_ever_for_a_robot_that_ignores_the_s
     assert 'stop' in goto.result.words
 
 
+@pytest.mark.parametrize(('said', 'expected'), [
+    (('Unknown command stop',), Outcome.UNKNOWN_COMMAND),
+    (('CommandError: stop', 'CommandErrorDescription: not now'), Outcome.REJECTED),
+])
+def test_a_cancelled_drive_does_not_wait_for_a_stop_that_the_robot_refused(talk, said, expected):
+    goto = talk.give('goto A')
+    talk.robot('Going to A')
+    talk.dispatcher.cancel(goto)
+    talk.send()
+    talk.robot(*said)
+    assert outcome(goto) is expected
+
+
+FAILURE = ('Going to A', 'Error: Failed going to goal')
+
+
+def test_after_a_failed_drive_stop_and_goto_work_as_ever(talk):
+    talk.give('goto A')
+    talk.robot(*FAILURE)
+    stop = talk.give('stop')
+    talk.robot('Stopping', 'Stopped')
+    assert outcome(stop) is Outcome.SUCCEEDED
+    again = talk.give('goto A')
+    talk.robot('Going to A', 'Arrived at A')
+    assert outcome(again) is Outcome.SUCCEEDED
+
+
+def test_two_stops_for_one_failed_drive_end_with_one_stopped(talk):
+    """A robot that still brakes when the second stop comes says only once that it stands."""
+    talk.give('goto A')
+    talk.robot(*FAILURE)
+    stops = [talk.give('stop'), talk.give('stop')]
+    talk.robot('Stopping', 'Stopping', 'Stopped')
+    assert [outcome(stop) for stop in stops] == [Outcome.SUCCEEDED] * 2
+
+
+def test_a_stopped_does_not_end_the_stop_of_a_later_drive(talk):
+    talk.give('goto A')
+    talk.robot('Going to A')
+    first, later, second = talk.give('stop'), talk.give('goto B'), talk.give('stop')
+    talk.robot('Interrupted: Going to A', 'Stopping', 'Stopped')
+    assert outcome(first) is Outcome.SUCCEEDED
+    assert later.result is None
+    assert second.result is None
+    talk.robot('Going to B', 'Interrupted: Going to B', 'Stopping', 'Stopped')
+    assert outcome(later) is Outcome.INTERRUPTED
+    assert outcome(second) is Outcome.SUCCEEDED
+
+
+def test_a_drive_that_begins_while_the_robot_still_brakes_ends_the_stop(talk):
+    """The robot then never says that it stands."""
+    talk.give('goto A')
+    talk.robot(*FAILURE)
+    stop, later = talk.give('stop'), talk.give('goto B')
+    talk.robot('Stopping', 'Going to B')
+    assert outcome(stop) is Outcome.INTERRUPTED
+    assert 'goto B' in stop.result.words
+    talk.robot('Arrived at B')
+    assert outcome(later) is Outcome.SUCCEEDED
+
+
+def test_cancelling_a_drive_does_not_drop_the_one_that_waits_to_replace_it(talk):
+    first = talk.give('goto A')
+    talk.robot('Going to A')
+    second = talk.dispatcher.start(Command.parse('goto B'))
+    talk.dispatcher.cancel(first)
+    talk.send()
+    assert talk.sent == ['goto A', 'goto B']
+    talk.robot('Interrupted: Going to A', 'Going to B', 'Arrived at B')
+    assert outcome(first) is Outcome.CANCELLED
+    assert outcome(second) is Outcome.SUCCEEDED
+
+
+def test_a_cancelled_drive_is_stopped_when_the_one_that_waits_is_cancelled_too(talk):
+    first = talk.give('goto A')
+    talk.robot('Going to A')
+    second = talk.dispatcher.start(Command.parse('goto B'))
+    talk.dispatcher.cancel(first)
+    talk.dispatcher.cancel(second)
+    talk.send()
+    assert talk.sent == ['goto A', 'stop']
+
+
 def test_a_robot_that_arrived_before_the_stop_has_arrived(talk):
     goto = talk.give('goto A')
     talk.robot('Going to A')

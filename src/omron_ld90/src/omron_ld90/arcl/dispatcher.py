@@ -2,8 +2,10 @@
 
 The robot answers in the order of sending, with lines that carry no id. The rules:
 - queries of one name wait for each other, so an answer has one asker;
-- a driving command is acknowledged by a line that names its goal, and replaces the one before it;
+- a driving command is acknowledged by a line that names its goal, and replaces what came before it,
+  a stop that is still under way included;
 - `stop` overtakes all that is unsent, and unsent driving commands are dropped for it;
+- a `Stopped` ends every stop that was sent before the next driving command;
 - nothing is ever sent twice, and whatever is under way ends as LOST with the link.
 """
 from __future__ import annotations
@@ -64,9 +66,9 @@ class Dispatcher:
             return
         if execution.sent and execution.command.spec.drives:
             execution.cancel_requested = True
-            self._stop_if_cancelled()
         else:
             self._end(execution, Outcome.CANCELLED, 'cancelled', keep=execution.sent)
+        self._stop_if_cancelled()
 
     def next_to_send(self, now: float) -> Optional[str]:
         """The next line to send, if one may go now; it counts as sent."""
@@ -117,8 +119,6 @@ class Dispatcher:
                 if limit is not None and silence > limit:
                     words = f'the robot said nothing about it for {limit:.0f} s'
                     self._end(execution, Outcome.TIMED_OUT, words)
-                    if execution.command.name == 'stop':
-                        self._give_up_cancelled(execution, f'stop: {words}')
         self._stop_if_cancelled()
 
     def on_lost(self, reason: str) -> None:
@@ -136,9 +136,12 @@ class Dispatcher:
 
     def _offer(self, reply: Reply, text: str, now: float) -> None:
         claimed = self._offer_to_drivers(reply, text, now)
+        stopped = False
         for execution in list(self._sent):
             spec, command = execution.command.spec, execution.command
             if spec.drives:
+                if stopped:
+                    return  # the stops behind it are still to come
                 continue
             if spec.ends is None:
                 if claimed or isinstance(reply, _BROADCAST):
@@ -149,7 +152,9 @@ class Dispatcher:
                 self._line(execution, text, now)
                 self._end(execution, Outcome.SUCCEEDED, text)
                 if spec.name == 'stop':
-                    self._end_drivers_before(execution, text)
+                    stopped = True
+                    self._end_before(execution, text)
+                    continue
             elif spec.belongs and spec.belongs(command, reply):
                 self._line(execution, text, now)
             else:
@@ -172,7 +177,7 @@ class Dispatcher:
                 self._line(execution, text, now)
                 if not execution.begun:
                     execution.begun = True
-                    self._end_drivers_before(execution, f'replaced by "{command.text}"')
+                    self._end_before(execution, f'replaced by "{command.text}"')
                 return True
         for execution in begun + fresh:
             spec, command = execution.command.spec, execution.command
@@ -191,16 +196,18 @@ class Dispatcher:
     def _drivers(self) -> List[Execution]:
         return [e for e in self._sent if e.command.spec.drives]
 
-    def _end_drivers_before(self, execution: Execution, words: str) -> None:
-        for driver in self._drivers():
-            if driver.order < execution.order:
-                self._end(driver, Outcome.INTERRUPTED, words)
+    def _end_before(self, execution: Execution, words: str) -> None:
+        """Its effect on the wheels has begun, so that of older commands is over."""
+        for other in list(self._sent):
+            moves = other.command.spec.drives or other.command.name == 'stop'
+            if moves and other.order < execution.order:
+                self._end(other, Outcome.INTERRUPTED, words)
 
-    def _give_up_cancelled(self, stop: Execution, words: str) -> None:
-        """The robot did not answer the stop: whoever waits for its effect must not for ever."""
+    def _give_up_cancelled(self, stop: Execution, outcome: Outcome, words: str) -> None:
+        """The stop came to nothing: whoever waits for its effect must not for ever."""
         for driver in self._drivers():
             if driver.cancel_requested and driver.order < stop.order:
-                self._end(driver, Outcome.TIMED_OUT, words)
+                self._end(driver, outcome, f'stop: {words}')
 
     def _line(self, execution: Execution, text: str, now: float) -> None:
         execution.heard = now
@@ -219,11 +226,17 @@ class Dispatcher:
             for executions in (self._waiting, self._sent):
                 if execution in executions:
                     executions.remove(execution)
+        if execution.command.name == 'stop' and outcome in _UNHEEDED:
+            self._give_up_cancelled(execution, outcome, words)
 
     def _stop_if_cancelled(self) -> None:
-        """Stops the robot when what it does, or is about to do, is no longer wanted."""
+        """Stops the robot when what it does, or is about to do, is no longer wanted.
+
+        A driving command that waits goes out next and replaces it; a stop would drop that one.
+        """
         drivers = self._drivers()
-        if drivers and drivers[-1].cancel_requested and not drivers[-1].stopping:
+        if (drivers and drivers[-1].cancel_requested and not drivers[-1].stopping
+                and not any(e.command.spec.drives for e in self._waiting)):
             drivers[-1].stopping = True
             self.start(Command.parse('stop'))
 
@@ -331,6 +344,9 @@ _SPECIAL: Dict[Type[Reply], Callable[[Dispatcher, Reply, str, float], None]] = {
     r.OneLineStatus: Dispatcher._on_status,
     r.StatusText: Dispatcher._on_status,
 }
+
+# How a stop ends of which the robot took no notice.
+_UNHEEDED = (Outcome.TIMED_OUT, Outcome.REJECTED, Outcome.UNKNOWN_COMMAND)
 
 # Said to everybody: these never answer a command whose answer is not known.
 _BROADCAST = (r.DockingStatus, r.GoingTo, r.GoingToPoint, r.ArrivedAt, r.ArrivedAtPoint, r.Parking,
