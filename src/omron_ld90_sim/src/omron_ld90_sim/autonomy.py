@@ -15,7 +15,7 @@ from omron_ld90_sim.states import DockingState
 PERIOD = 1.0                # s between two looks
 WARN_BELOW = 25.0           # percent
 WARN_EVERY = 60.0           # s
-NO_LINK = 'OutgoingARCLConnLost'
+NO_LINK = ('link', 'OutgoingARCLConnLost')
 
 
 class Autonomy:
@@ -69,7 +69,7 @@ class Autonomy:
         required = self._server.configuration.flag(OUTGOING, 'RequireConnectionToPathPlan')
         linked = any(session.outgoing for session in self._server.sessions)
         if required and not linked:
-            if NO_LINK not in self._robot.block_reasons:
-                self._robot.block(NO_LINK)
+            if NO_LINK not in self._robot.blocked_by:
+                self._robot.block(*NO_LINK)
         else:
-            self._robot.block_reasons.pop(NO_LINK, None)
+            self._robot.unblock(*NO_LINK)

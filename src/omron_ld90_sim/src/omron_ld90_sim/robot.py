@@ -47,7 +47,7 @@ class Robot:
         self.motors = Motors.ENABLED
         self.activity: Optional[Activity] = None
         self.status = self.extended = 'Stopped'
-        self.block_reasons: Dict[str, str] = {}
+        self.blocked_by: List[Tuple[str, str]] = []     # what forbids driving: kind and name
         self.failing_goals: Set[str] = set()    # names in lower case
         self.last_goal = ''
         self.waiting = ''                       # what a running wait task says
@@ -123,8 +123,8 @@ class Robot:
 
     @property
     def can_drive(self) -> bool:
-        """Motors on, localized and not blocked by an application."""
-        return self.motors is Motors.ENABLED and not self.lost and not self.block_reasons
+        """Motors on, localized and not blocked."""
+        return self.motors is Motors.ENABLED and not self.lost and not self.blocked_by
 
     def start(self, activity: Activity) -> None:
         """Replaces what runs. The base brakes, unless the new activity sets a course at once."""
@@ -209,11 +209,19 @@ class Robot:
         self._keep_stepping()
         self.status = self.extended = 'Stopped'
 
-    def block(self, name: str, text: str = '') -> None:
+    def block(self, kind: str, name: str) -> None:
         """Something forbids driving from now on; what runs is cancelled."""
-        self.block_reasons[name] = text
+        self.unblock(kind, name)
+        self.blocked_by.append((kind, name))
         if self.activity is not None:
             self.stop()
+
+    def unblock(self, kind: str, name: str) -> bool:
+        """It no longer does; False when it did not."""
+        known = (kind, name) in self.blocked_by
+        if known:
+            self.blocked_by.remove((kind, name))
+        return known
 
     def press_estop(self) -> None:
         """The emergency stop button: motors off, whatever runs has ended."""

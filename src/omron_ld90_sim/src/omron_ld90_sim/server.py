@@ -28,6 +28,7 @@ UNKNOWN_NAME = 16           # characters of an unknown command's name in the ans
 PROMPT = 'Enter password:'
 LEAST_TIMEOUT = 60.0        # s, SessionTimeoutMins never means less
 HIDDEN = '********'         # what a log shows in place of the password
+BLANK = ' \t\0'            # around a line; telnet sends a NUL behind a CR
 _TELNET = re.compile(rb'^(?:\xff[\xfb-\xfe].|[\x80-\xff])+', re.DOTALL)
 _VARIABLE = re.compile(r'\$([gymdHMSTXY])')
 
@@ -118,7 +119,7 @@ class Session:
                 break
             else:
                 self._input = bytearray(rest)
-                self._take(_TELNET.sub(b'', line).decode('ascii', 'ignore').strip())
+                self._take(_TELNET.sub(b'', line).decode('ascii', 'ignore').strip(BLANK))
 
     def _take(self, line: str) -> None:
         if not line:
@@ -211,7 +212,7 @@ class ArclServer:
     def execute(self, session: Session, line: str) -> None:
         """Carries out one command line for `session`."""
         line = _VARIABLE.sub(self._variable, line)
-        name, _, rest = line.partition(' ')
+        name, rest = [*line.split(None, 1), '', ''][:2]
         row = TABLE.get(name.lower())
         if row is None:
             session.send(f'Unknown command {name[:UNKNOWN_NAME]}')

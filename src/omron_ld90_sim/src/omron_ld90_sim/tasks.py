@@ -200,11 +200,11 @@ def _set_speed(robot: Robot, task: Task) -> None:
 
 
 def _block(robot: Robot, task: Task) -> None:
-    robot.block(task.words[0] if task.words else '', ' '.join(task.words[1:]))
+    robot.block('application', task.words[0] if task.words else '')
 
 
 def _unblock(robot: Robot, task: Task) -> None:
-    robot.block_reasons.pop(task.words[0] if task.words else '', None)
+    robot.unblock('application', task.words[0] if task.words else '')
 
 
 INSTANT: Dict[str, Callable[[Robot, Task], None]] = {

@@ -347,6 +347,14 @@ def test_variables_are_filled_in() -> None:
     assert client.ask('say at $X $Y $T') == ['Saying at -2500 250 90']
 
 
+def test_a_block_and_a_fault_of_one_name_are_two_things() -> None:
+    client = Rig().client()
+    lines = client.ask('afs door "Door" "open" 1 0', 'abds door a b', 'afc door', 'goto 12')
+    assert lines[-1] == 'CommandErrorDescription: Driving blocked by door'
+    client.send('abdc door', 'goto 12')
+    assert client.until('Arrived') == ['Going to 12', 'Arrived at 12']
+
+
 def test_configuration_is_closed_without_arclconfig() -> None:
     rig = Rig()
     rig.server.configuration.set('ARCL server setup', 'ArclConfig', 'false')

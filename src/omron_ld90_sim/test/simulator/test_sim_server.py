@@ -13,7 +13,7 @@ def test_the_prompt_is_a_whole_line() -> None:
     assert bytes(Rig().server.connect().output) == b'Enter password:\r\n'
 
 
-@pytest.mark.parametrize('end', [b'\n', b'\r\n', b'\r'])
+@pytest.mark.parametrize('end', [b'\n', b'\r\n', b'\r', b'\r\0'])
 def test_every_line_end_is_understood(end: bytes) -> None:
     rig = Rig()
     session = rig.server.connect()
@@ -70,7 +70,7 @@ def test_a_cut_line_is_kept_until_its_end_arrives() -> None:
 
 def test_several_commands_in_one_segment_are_answered_in_order() -> None:
     client = Rig().client()
-    client.session.receive(b'  queryMotors\nqueryDockStatus\r\nECHO\n')
+    client.session.receive(b'  queryMotors\nqueryDockStatus\r\n\tECHO\t\n')
     assert client.lines() == [
         'Motors enabled', 'DockingState: Undocked ForcedState: Unforced ChargeState: Not',
         'Echo is off.']

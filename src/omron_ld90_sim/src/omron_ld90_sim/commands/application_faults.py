@@ -17,7 +17,7 @@ def application_fault_set(call: Call) -> None:
     call.reply(f'ApplicationFaultSet set {name}')
     call.server.broadcast(f'Fault: {fault}')
     if fault.driving:
-        call.robot.block(name, short)
+        call.robot.block('fault', name)
 
 
 @command('applicationFaultClear', 'Clears an application fault', '<name>', 1, 'afc')
@@ -27,7 +27,7 @@ def application_fault_clear(call: Call) -> None:
     fault = call.robot.equipment.faults.pop(name, None)
     if fault is None:
         raise CommandFailed(f"No application fault '{name}'")
-    call.robot.block_reasons.pop(name, None)
+    call.robot.unblock('fault', name)
     call.server.broadcast(f'FaultCleared: {fault}')
     call.reply(f'ApplicationFaultClear cleared {name}')
 

@@ -19,8 +19,9 @@ def check_drivable(call: Call) -> None:
         raise CommandFailed(robot.motors.value)
     if robot.lost:
         raise CommandFailed('Robot lost')
-    if robot.block_reasons:
-        raise CommandFailed(f'Driving blocked by {next(iter(robot.block_reasons))}')
+    if robot.blocked_by:
+        _, name = robot.blocked_by[0]
+        raise CommandFailed(f'Driving blocked by {name}')
 
 
 def find_goal(call: Call, name: str) -> MapObject:
@@ -144,11 +145,11 @@ def distance_between(call: Call) -> None:
          '<name> <shortDesc> <longDesc>', 3, 'abds')
 def block_driving(call: Call) -> None:
     """Forbids driving and cancels what drives; the facts know of no answer."""
-    call.robot.block(call.arguments[0], call.arguments[1])
+    call.robot.block('application', call.arguments[0])
 
 
 @command('applicationBlockDrivingClear', 'Clears an application blockDriving', '<name>', 1, 'abdc')
 def unblock_driving(call: Call) -> None:
     """Allows driving again."""
-    if call.robot.block_reasons.pop(call.arguments[0], None) is None:
+    if not call.robot.unblock('application', call.arguments[0]):
         raise CommandFailed(f"No block '{call.arguments[0]}'")
