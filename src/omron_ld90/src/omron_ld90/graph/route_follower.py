@@ -9,6 +9,7 @@ from typing import Callable, Dict, Iterable, List, Optional, Tuple
 
 from omron_ld90.graph import route_protocol as p
 from omron_ld90.graph.robot_errand import DOCK, RobotErrand
+from omron_ld90.graph.robot_links import RobotLinks
 from omron_ld90.graph.robot_place import RobotPlace
 from omron_ld90.graph.route_orders import (
     is_change,
@@ -42,9 +43,8 @@ class RouteFollower:
         """The running route, or the last one."""
         self._restored: Optional[Tuple[p.RouteRecord, float]] = None  # with the time to forget
         self._waiting: Optional[Tuple[RouteOrder, float]] = None      # with the time to give up
-        self._unheard = set(links)
+        self._links = RobotLinks(links)
         self._refused: Tuple[Optional[RouteOrder], str] = (None, '')  # the last one, and why
-        self._down: Dict[str, Tuple[float, str]] = {}                 # link: since when, why
         self._told_over: Optional[int] = None  # route of which a duplicate was explained
         self._emergency = False
         self._owes_stop = False  # a stop could not reach the robot
@@ -193,13 +193,11 @@ class RouteFollower:
             return 'there is no graph'
         if self.seen.last is None:
             return 'the robot has not told where it is'
-        return next((f'nothing is known of the link {link}' for link in self._unheard), '')
+        return self._links.why_unknown()
 
     def _why_unable(self) -> str:
         """Why the robot cannot drive now."""
-        if self._emergency:
-            return 'emergency stop'
-        return next((f'lost link: {link}: {why}' for link, (_, why) in self._down.items()), '')
+        return 'emergency stop' if self._emergency else self._links.why_down()
 
     def _begin(self, order: RouteOrder, current: int, now: float) -> None:
         """Drives a new route from edge index `current` on."""
@@ -300,14 +298,9 @@ class RouteFollower:
             raise RouteFailed(self._why_unable() or event.reason)
 
     def _on_link(self, event: p.LinkChanged, now: float) -> None:
-        if event.up:
-            self._down.pop(event.link, None)
-            if self._owes_stop and not self._down:
-                self._stop()
-        else:
-            since = self._down.get(event.link, (now, ''))[0]
-            self._down[event.link] = (since, event.reason)
-        self._unheard.discard(event.link)
+        self._links.update(event, now)
+        if self._owes_stop and self._links.all_stand:
+            self._stop()
         self._consider_waiting(now)
 
     # --- the clock, and endings -------------------------------------------------------------------
@@ -318,9 +311,9 @@ class RouteFollower:
             self._refuse(order, self._why_to_wait())
         if not self.running:
             return
-        for link, (since, why) in self._down.items():
-            if now - since > self.settings.link_timeout:
-                raise RouteFailed(f'lost link: {link}: {why}')
+        lost = self._links.why_down_since(now - self.settings.link_timeout)
+        if lost:
+            raise RouteFailed(lost)
         if now - self.seen.heard > self.settings.location_timeout:
             raise RouteFailed(
                 f'the robot has not told where it is for {self.settings.location_timeout:.0f} s')
@@ -345,7 +338,7 @@ class RouteFollower:
                    f'{detail}'.rstrip())
 
     def _stop(self) -> None:
-        self._owes_stop = bool(self._down)
+        self._owes_stop = not self._links.all_stand
         self.errand.stop()
 
     def _note(self, text: str) -> None:

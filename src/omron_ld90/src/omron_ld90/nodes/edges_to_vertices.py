@@ -44,6 +44,7 @@ from std_msgs.msg import String
 from itrci_nav_msgs.msg import ExecutionRouteStates, TargetRoute
 from itrci_nav_msgs.msg import Graph as GraphMessage
 from omron_ld90.graph import route_protocol as p
+from omron_ld90.graph.report_schedule import TICK, ReportSchedule
 from omron_ld90.graph.route_follower import RouteFollower
 from omron_ld90.graph.route_settings import Settings
 from omron_ld90.graph.route_strategies import STRATEGIES
@@ -53,9 +54,7 @@ from omron_ld90.nodes.bridge_words import RobotWords, is_motion, status_events
 from omron_ld90_msgs.msg import CommandRefused, LinkState, RobotStatus
 from trajectory_graph import Graph, GraphError, load_graph
 
-TICK = 0.1          # s
-IDLE_TICKS = 10     # between two reports without a route
-RESTART = 20.0      # s after a restart in which the route that ran can be gone on with
+RESTART = 20.0  # s after a restart in which the route that ran can be gone on with
 LINK_STATES = {LinkState.DISCONNECTED: 'disconnected', LinkState.CONNECTING: 'connecting',
                LinkState.LOGGING_IN: 'logging in', LinkState.WRONG_PASSWORD: 'wrong password',
                LinkState.MISCONFIGURED: 'misconfigured'}
@@ -71,7 +70,7 @@ class EdgesToVertices:
             _read_settings(graph), graph, links=(LinkState.COMMANDS, LinkState.OUTGOING))
         self._words = RobotWords()
         self._memory = RouteMemory()
-        self._ticks = 0
+        self._schedule = ReportSchedule()
         record = self._memory.recall()
         if record:
             self._follower.restore(record, time.monotonic() + RESTART)
@@ -143,8 +142,7 @@ class EdgesToVertices:
         with self._lock:
             self._handle(self._words.overdue(now))
             self._act(self._follower.tick(now))
-            self._ticks += 1
-            if self._follower.running or self._ticks % IDLE_TICKS == 0:
+            if self._schedule.is_due(self._follower.running, now):
                 self._states.publish(fleet_messages.states_of(self._follower.report()))
         self._updater.update()
 
