@@ -1,14 +1,15 @@
 """The simulated LD-90: what it costs at rest and driving, alone and as a fleet; scans; planning.
 
 Processor time is that of the simulator's process over wall time, with a client that reads
-everything. Scans and plans use a real LD robot's map where there is one beside the repository, else
-the laboratory.
+everything and watches whether the statuses come when they should. Scans and plans use a real LD
+robot's map where there is one beside the repository, else the laboratory.
 """
 from __future__ import annotations
 
 import argparse
 import contextlib
 import os
+import selectors
 import socket
 import statistics
 import subprocess
@@ -17,7 +18,7 @@ import tempfile
 import threading
 import time
 from pathlib import Path
-from typing import Callable, List, NamedTuple
+from typing import Callable, Dict, List, NamedTuple, Tuple
 
 import numpy as np
 from skimage.graph import MCP_Geometric
@@ -37,6 +38,9 @@ PROGRAM = [sys.executable, '-c',
            'import sys; from omron_ld90_sim.cli import main; sys.exit(main())']
 FLOOR_PROGRAM = [sys.executable, '-c',
                  'import time\nwhile True: time.sleep(0.5)']
+LIBRARIES = [sys.executable, '-c',
+             'import numpy, yaml, scipy.ndimage, skimage.graph; print("ready", flush=True)']
+STATUS_PERIOD = 0.5     # s
 SECONDS = 10.0
 RUNS = 3
 FLEET = 50
@@ -53,25 +57,40 @@ class Row(NamedTuple):
 
 
 class Listener:
-    """Takes the outgoing connections of all robots and reads them empty."""
+    """Takes the outgoing connections of all robots, reads them and notes when statuses come."""
 
     def __init__(self) -> None:
-        self._sock = socket.create_server(('127.0.0.1', 0), backlog=100)
-        self.port = self._sock.getsockname()[1]
-        self.received = 0
-        threading.Thread(target=self._accept, daemon=True).start()
+        self._selector = selectors.DefaultSelector()
+        server = socket.create_server(('127.0.0.1', 0), backlog=100)
+        self.port = server.getsockname()[1]
+        self._selector.register(server, selectors.EVENT_READ, None)
+        self._statuses: Dict[socket.socket, List[float]] = {}
+        threading.Thread(target=self._run, daemon=True).start()
 
-    def _accept(self) -> None:
+    def _run(self) -> None:
         while True:
-            link, _ = self._sock.accept()
-            threading.Thread(target=self._read, args=(link,), daemon=True).start()
+            for key, _ in self._selector.select():
+                if key.data is None:
+                    link, _ = key.fileobj.accept()
+                    self._statuses[link] = []
+                    self._selector.register(link, selectors.EVENT_READ, self._statuses[link])
+                    continue
+                data = b''
+                with contextlib.suppress(ConnectionResetError):
+                    data = key.fileobj.recv(65536)
+                key.data.extend([time.monotonic()] * data.count(b'LocalizationScore'))
+                if not data:
+                    self._selector.unregister(key.fileobj)
 
-    def _read(self, link: socket.socket) -> None:
-        while True:
-            data = link.recv(65536)
-            if not data:
-                return
-            self.received += len(data)
+    def lateness(self, since: float) -> np.ndarray:
+        """How late (s) each status came since then, against its link's most punctual one."""
+        late = []
+        for times in list(self._statuses.values()):
+            recent = np.array([at for at in list(times) if at >= since])
+            if len(recent):
+                late.append(recent - np.arange(len(recent)) * STATUS_PERIOD)
+                late[-1] -= late[-1].min()
+        return np.concatenate(late)
 
 
 def processor_seconds(pid: int) -> float:
@@ -80,21 +99,22 @@ def processor_seconds(pid: int) -> float:
     return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')
 
 
-def share_of_a_core(command: List[str], ready: int, work: Callable[[List[int]], None]) -> float:
-    """Percent of a core that a program takes, median of several stretches of one run."""
+def share_of_a_core(command: List[str], ready: int, work: Callable[[List[int]], None]
+                    ) -> Tuple[float, float]:
+    """Percent of a core that a program takes, median of several stretches; and when they began."""
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
         try:
             ports = [int(program.stdout.readline().split('127.0.0.1:')[1].split()[0])
                      for _ in range(ready)]
             work(ports)
             time.sleep(2.0)
-            shares = []
+            shares, first = [], time.monotonic()
             for _ in range(RUNS):
                 begin, used = time.monotonic(), processor_seconds(program.pid)
                 time.sleep(SECONDS)
                 shares.append((processor_seconds(program.pid) - used)
                               / (time.monotonic() - begin) * 100.0)
-            return statistics.median(shares)
+            return statistics.median(shares), first
         finally:
             program.terminate()
 
@@ -146,21 +166,41 @@ def fleet_file(folder: str, link: int) -> Path:
 def processes(lab: Path) -> List[Row]:
     """Shares of a core."""
     listener = Listener()
-    floor = share_of_a_core(FLOOR_PROGRAM, 0, lambda ports: None)
+    floor, _ = share_of_a_core(FLOOR_PROGRAM, 0, lambda ports: None)
     base = [*PROGRAM, '--port', '0']
     link = ['--outgoing', f'127.0.0.1:{listener.port}']
     rows = []
     for what, work in (('standing', lambda ports: None), ('driving', patrol)):
-        share = share_of_a_core([*base, '--map', str(lab), *link], 1, work)
-        rows.append(Row(f'one robot {what}, status and laser at 2 Hz', f'{share:.1f} % of a core',
+        share, began = share_of_a_core([*base, '--map', str(lab), *link], 1, work)
+        rows.append(Row(f'one robot {what}, status and laser at 2 Hz',
+                        f'{share:.1f} % of a core, {punctuality(listener, began)}',
                         f'{floor:.1f} % (a process that wakes at 2 Hz)', 'under 5 %'))
     with tempfile.TemporaryDirectory() as folder:
         fleet, wide = str(fleet_file(folder, listener.port)), str(hall(folder))
         for what, work in (('standing', lambda ports: None), ('driving', patrol)):
-            share = share_of_a_core([*base, '--map', wide, '--robots', fleet], FLEET, work)
+            share, began = share_of_a_core([*base, '--map', wide, '--robots', fleet], FLEET, work)
             rows.append(Row(f'{FLEET} robots {what}, status and laser at 2 Hz',
-                            f'{share:.0f} % of a core', f'{floor:.1f} %', 'under 100 %'))
+                            f'{share:.0f} % of a core, {punctuality(listener, began)}',
+                            f'{floor:.1f} %', 'under 100 %, in real time'))
     return rows
+
+
+def punctuality(listener: Listener, since: float) -> str:
+    """Whether the simulated clock kept up with the real one, as a listener saw it."""
+    late = listener.lateness(since) * 1000.0
+    return f'statuses late by {np.median(late):.0f} ms, at most {late.max():.0f} ms'
+
+
+def ready(lab: Path) -> Row:
+    """From the program's start to the line that says it listens."""
+    def start(command: List[str]) -> None:
+        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
+            program.stdout.readline()
+            program.terminate()
+    ours = milliseconds(lambda: start([*PROGRAM, '--port', '0', '--map', str(lab)]), 5)
+    least = milliseconds(lambda: start(LIBRARIES), 5)
+    return Row(f'start on {lab.name}, to the ready line', f'{ours / 1000:.2f} s',
+               f'{least / 1000:.2f} s (importing numpy, scipy and scikit-image)', '')
 
 
 def scans(document: MapDocument, floor: Floor, start: Pose) -> Row:
@@ -225,7 +265,7 @@ def main() -> None:
     reading = milliseconds(lambda: MapDocument.load(str(path)), 5)
     rows = [Row(f'distance fields of {path.name}', f'{loading:.0f} ms',
                 f'{reading:.0f} ms (reading the file)', ''),
-            scans(document, floor, start), plans(floor, start), *processes(lab)]
+            scans(document, floor, start), plans(floor, start), ready(lab), *processes(lab)]
     header = Row('what', 'figure', 'floor', 'aim')
     if markdown:
         print('\n'.join('| ' + ' | '.join(row) + ' |'

@@ -147,9 +147,9 @@ class Obstacles:
                        np.maximum(aside - LD90_BODY.half_width, 0.0))
         return float(out.min())
 
-    def clearance(self, pose: Pose) -> float:
-        """From the turning centre to the nearest obstacle (mm)."""
-        return float(self._tree.query((pose.x, pose.y))[0])
+    def clearances(self, places: np.ndarray) -> np.ndarray:
+        """From each place (N, 2) of the turning centre to the nearest obstacle (mm)."""
+        return self._tree.query(places)[0]
 
 
 def goal(document: MapDocument, name: str) -> MapObject:
