@@ -125,6 +125,13 @@ class ArclFaultsTest(unittest.TestCase):
         self.assertEqual(GoalStatus.ABORTED, handle.get_goal_status())
         self.assertTrue(handle.get_goal_status_text())
 
+    def test_a_node_with_a_wrong_configuration_says_so_on_its_link(self):
+        links = Recorder('/misconfigured/link_state', LinkState)
+        for name in (LinkState.COMMANDS, LinkState.OUTGOING):
+            link = links.wait_for(lambda m, name=name: m.link == name, SOON, f'link {name}')
+            self.assertEqual(LinkState.MISCONFIGURED, link.state)
+            self.assertIn('robot_ip is missing', link.reason)
+
     def test_goals_that_robot_and_map_file_do_not_share_are_named_and_refused(self):
         self.wait_for_diagnostic('goals', DiagnosticStatus.WARN, 'only the robot has', 0)
         before = len(self.refusals.messages)

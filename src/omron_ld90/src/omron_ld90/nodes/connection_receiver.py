@@ -50,7 +50,7 @@ from omron_ld90.arcl import (
     parse_line,
 )
 from omron_ld90.nodes.link_line import LineMessage
-from omron_ld90.nodes.link_reports import LinkReporter, session_log
+from omron_ld90.nodes.link_reports import LinkReporter, misconfigured, session_log
 from omron_ld90.nodes.receiver_messages import battery_state, point_cloud, robot_status
 from omron_ld90.nodes.robot_health import RobotHealth
 from omron_ld90.nodes.startup import ConfigurationError, number, parameter, run
@@ -193,4 +193,4 @@ def start() -> ConnectionReceiver:
 
 def main() -> None:
     """Runs the node."""
-    run('omron_connection_receiver', start)
+    run('omron_connection_receiver', start, misconfigured(LinkState.OUTGOING))

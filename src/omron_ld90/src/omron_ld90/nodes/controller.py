@@ -26,7 +26,8 @@ Parameters:
   ~heartbeat (1.5 s): between signs of life asked of the robot
   ~silence (4.0 s): without a line after which the link counts as dead
   ~reconnect_first (0.5 s), ~reconnect_most (10.0 s), ~reconnect_jitter (0.2): tries to connect
-  ~wrong_password_wait (30.0 s): before a refused password is tried again
+  ~wrong_password_wait (30.0 s): before a refused password is tried again; the file is read at the
+      start only, so restart the node after mending it
 """
 from __future__ import annotations
 
@@ -64,7 +65,7 @@ from omron_ld90.nodes.controller_actions import (
 from omron_ld90.nodes.controller_goals import GoalComparison
 from omron_ld90.nodes.controller_guard import Guard
 from omron_ld90.nodes.link_line import LineMessage
-from omron_ld90.nodes.link_reports import LinkReporter, session_log
+from omron_ld90.nodes.link_reports import LinkReporter, misconfigured, session_log
 from omron_ld90.nodes.robot_health import RobotHealth
 from omron_ld90.nodes.startup import ConfigurationError, number, parameter, run
 from omron_ld90.nodes.units import pose_from_robot
@@ -261,4 +262,4 @@ def start() -> Controller:
 
 def main() -> None:
     """Runs the node."""
-    run('omron_controller', start)
+    run('omron_controller', start, misconfigured(LinkState.COMMANDS))

@@ -6,7 +6,7 @@ Topics out:
 from __future__ import annotations
 
 import time
-from typing import Dict, Optional
+from typing import Callable, Dict, Optional
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -36,14 +36,28 @@ def session_log() -> Optional[SessionLog]:
                                  f'be written: {error.strerror}.') from None
 
 
+def misconfigured(link: str) -> Callable[[str], rospy.Publisher]:
+    """For `startup.run`: publishes once on `link_state` why `link` will not come about."""
+    def tell(reason: str) -> rospy.Publisher:
+        publisher = _publisher()
+        message = LinkState(link=link, state=LinkState.MISCONFIGURED, reason=reason)
+        message.header.stamp = rospy.Time.now()
+        publisher.publish(message)
+        return publisher
+    return tell
+
+
+def _publisher() -> rospy.Publisher:
+    return rospy.Publisher('link_state', LinkState, queue_size=5, latch=True, tcp_nodelay=True)
+
+
 class LinkReporter:
     """Give `report` as on_link, and call `line` for every line received."""
 
     def __init__(self, name: str, log: Optional[SessionLog] = None) -> None:
         self._name = name
         self._log = log
-        self._publisher = rospy.Publisher('link_state', LinkState, queue_size=5, latch=True,
-                                          tcp_nodelay=True)
+        self._publisher = _publisher()
         self._link: Optional[Link] = None
         self._said: Optional[Link] = None
         self._since = rospy.Time.now()

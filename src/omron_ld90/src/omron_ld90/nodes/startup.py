@@ -61,10 +61,13 @@ def choice(name: str, default: str, allowed: Tuple[str, ...]) -> str:
     return value
 
 
-def run(name: str, start: Callable[[], Any]) -> None:
-    """Run a node: `start` reads parameters, builds objects and connects callbacks; then spin.
+def run(name: str, start: Callable[[], Any],
+        misconfigured: Callable[[str], Any] = lambda reason: None) -> None:
+    """Run a node: `start` reads parameters, builds objects and connects callbacks; then wait.
 
     What `start` returns is kept alive, and its `close()`, if it has one, is called at shutdown.
+    `misconfigured` is called with the reason when `start` raises ConfigurationError: there a node
+    tells of it on topics of its own; what it returns is kept alive.
     """
     _end_on_signals()
     try:
@@ -73,15 +76,18 @@ def run(name: str, start: Callable[[], Any]) -> None:
         if rospy.is_shutdown():
             os._exit(0)  # ended before it had begun: rospy's server threads would stay for ever
         raise
+    ending = threading.Event()
+    rospy.on_shutdown(ending.set)
     try:
         node = start()
     except ConfigurationError as error:
         rospy.logerr('%s cannot work: %s Mend it and restart the node.', rospy.get_name(), error)
-        _wait_misconfigured(str(error))
-        return
-    if hasattr(node, 'close'):
-        rospy.on_shutdown(node.close)
-    rospy.spin()
+        node = misconfigured(str(error))
+        _show_misconfigured(str(error), ending)
+    else:
+        if hasattr(node, 'close'):
+            rospy.on_shutdown(node.close)
+    _wait_for_end(ending)
 
 
 def _end_on_signals() -> None:
@@ -102,17 +108,21 @@ def _end_on_signals() -> None:
         signal.signal(number, end)
 
 
-def _wait_misconfigured(reason: str) -> None:
+def _wait_for_end(ending: threading.Event) -> None:
+    """Until rospy has taken leave of the master; rospy.spin looks for that only twice a second."""
+    while not rospy.is_shutdown():
+        if ending.wait(0.5):
+            rospy.rostime.wallsleep(0.01)
+
+
+def _show_misconfigured(reason: str, ending: threading.Event) -> None:
+    """Keeps an ERROR in /diagnostics until the node ends."""
     publisher = rospy.Publisher('/diagnostics', DiagnosticArray, queue_size=1)
     status = DiagnosticStatus(
         level=DiagnosticStatus.ERROR, name=f'{rospy.get_name().lstrip("/")}: configuration',
         message=reason, hardware_id='none')
-    rate = rospy.Rate(1.0)
-    while not rospy.is_shutdown():
+    while not (ending.is_set() or rospy.is_shutdown()):
         array = DiagnosticArray(status=[status])
         array.header.stamp = rospy.Time.now()
         publisher.publish(array)
-        try:
-            rate.sleep()
-        except rospy.ROSInterruptException:
-            return
+        ending.wait(1.0)
