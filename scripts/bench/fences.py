@@ -1,7 +1,8 @@
 """Fences: how few, how fast and how tight, on the example laboratory, a real map, and grids.
 
-Times are CPU seconds, median of several runs; the floor of each is Shapely's union of the
-corridors alone, without which no fence can be.
+Times are CPU seconds, median of several runs. The floor of the fences is Shapely's union of the
+corridors alone, without which no fence can be; the conversion is everything from the bytes of the
+base map to those of the new one, check included.
 """
 from __future__ import annotations
 
@@ -11,13 +12,13 @@ import time
 from pathlib import Path
 from typing import Callable, List, NamedTuple, Optional
 
-import numpy as np
-
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / 'src' / 'omron_ld90' / 'test' / 'converter'))
 
-from fence_builders import NO_WALLS, grid, real_site_graph  # noqa: E402
+from converter_builders import map_with  # noqa: E402
+from fence_builders import grid, real_site_graph  # noqa: E402
 
+from omron_ld90.graph.converter import Options, convert  # noqa: E402
 from omron_ld90.graph.corridors import CorridorRules, corridors_of  # noqa: E402
 from omron_ld90.graph.fence_check import check_fences  # noqa: E402
 from omron_ld90.graph.fences import Fences, fence_objects, is_fence  # noqa: E402
@@ -28,7 +29,7 @@ from trajectory_graph import Graph, load_graph  # noqa: E402
 
 REAL = ROOT.parent / 'shared' / 'maps' / 'omron-ld-site-a.map'
 HEADINGS = ('graph', 'edges', 'objects', 'objects per edge', 'aim', 'leaks', 'floor lost, m2',
-            'seconds', 'union alone, s', 'check, s')
+            'seconds', 'union alone, s', 'check, s', 'conversion, s')
 
 
 class Case(NamedTuple):
@@ -36,7 +37,7 @@ class Case(NamedTuple):
 
     name: str
     graph: Graph
-    walls: np.ndarray
+    base: bytes  # of the map
     aim: float  # objects per edge
     runs: int
     dock: Optional[int] = None
@@ -46,40 +47,43 @@ class Case(NamedTuple):
 def cases() -> List[Case]:
     """What is measured."""
     lab = load_graph(str(ROOT / 'maps' / 'lab_graph.yaml'))
-    lab_walls = walls_of(ROOT / 'maps' / 'lab_base.map')
-    found = [Case('lab_graph.yaml', lab, lab_walls, 2.5, 5, 16),
-             Case('lab_graph.yaml, lines', lab, lab_walls, 2.5, 5, 16, Fences.LINES)]
+    lab_base = (ROOT / 'maps' / 'lab_base.map').read_bytes()
+    found = [Case('lab_graph.yaml', lab, lab_base, 2.5, 5, 16),
+             Case('lab_graph.yaml, lines', lab, lab_base, 2.5, 5, 16, Fences.LINES)]
     if REAL.exists():
-        found.append(Case('real map', real_site_graph(), walls_of(REAL), 2.5, 5))
-    return found + [Case('grid', grid(8, 7), NO_WALLS, 1.0, 5),
-                    Case('grid, turned 17 degrees', grid(23, 23, degrees=17.0), NO_WALLS, 1.0, 3),
-                    Case('grid', grid(23, 23), NO_WALLS, 1.0, 5),
-                    Case('grid', grid(71, 71), NO_WALLS, 1.0, 1)]
-
-
-def walls_of(path: Path) -> np.ndarray:
-    """What keeps a robot back on a map."""
-    return obstacle_points(MapDocument.load(str(path)), ignored=is_fence)
+        found.append(Case('real map', real_site_graph(), REAL.read_bytes(), 2.5, 5))
+    empty = map_with().to_bytes()
+    return found + [Case('grid', grid(8, 7), empty, 1.0, 5),
+                    Case('grid, turned 17 degrees', grid(23, 23, degrees=17.0), empty, 1.0, 3),
+                    Case('grid', grid(23, 23), empty, 1.0, 5),
+                    Case('grid', grid(71, 71), empty, 1.0, 1)]
 
 
 def measure(case: Case) -> List[str]:
     """One row of the table."""
     rules = CorridorRules()
     dock = None if case.dock is None else dock_pose(case.graph, case.dock)
+    walls = obstacle_points(MapDocument.from_bytes(case.base), ignored=is_fence)
 
     def fence() -> list:
         corridors = corridors_of(case.graph, rules, dock)
-        return fence_objects(corridors.floor, case.walls, case.kind)
+        return fence_objects(corridors.floor, walls, case.kind)
+
+    def conversion() -> bytes:
+        document = MapDocument.from_bytes(case.base)
+        convert(case.graph, document, Options(case.dock, fences=case.kind))
+        return document.to_bytes()
 
     fences = fence()
     corridors = corridors_of(case.graph, rules, dock)
-    check = check_fences(case.graph, corridors, fences, case.walls)
+    check = check_fences(case.graph, corridors, fences, walls)
     edges = len(case.graph.edges)
     return [case.name, f'{edges:,}', f'{len(fences):,}', f'{len(fences) / edges:.2f}',
             f'<= {case.aim:g}', str(len(check.leaks)), f'{check.lost_area / 1e6:.3f}',
             f'{seconds(fence, case.runs):.2f}',
             f'{seconds(lambda: corridors_of(case.graph, rules, dock), case.runs):.2f}',
-            f'{seconds(lambda: check_fences(case.graph, corridors, fences, case.walls), 1):.2f}']
+            f'{seconds(lambda: check_fences(case.graph, corridors, fences, walls), 1):.2f}',
+            f'{seconds(conversion, 1):.2f}']
 
 
 def seconds(run: Callable[[], object], runs: int) -> float:
