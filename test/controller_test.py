@@ -3,7 +3,14 @@
 from __future__ import annotations
 
 import math
+import os
+import shutil
+import subprocess
+import tempfile
 import unittest
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Iterator
 
 import actionlib
 import rospy
@@ -22,7 +29,7 @@ from omron_ld90_msgs.msg import (
     ExecuteCommandResult,
     LinkState,
 )
-from system_support import Recorder, connected_publisher, wait_until
+from system_support import Recorder, connected_publisher, free_port, wait_until
 
 SOON = 10.0  # s
 DRIVE = 60.0  # s; the simulated robot's clock runs eight times as fast
@@ -34,6 +41,18 @@ def pose_in_map(x: float, y: float, yaw: float, frame: str = 'map') -> PoseStamp
     pose.pose.position.x, pose.pose.position.y = x, y
     pose.pose.orientation.z, pose.pose.orientation.w = math.sin(yaw / 2), math.cos(yaw / 2)
     return pose
+
+
+@contextmanager
+def running(*command: str) -> Iterator[None]:
+    """A program of the workspace in the namespace /replayed, ended afterwards."""
+    process = subprocess.Popen(['rosrun', *command],
+                               env={**os.environ, 'ROS_NAMESPACE': '/replayed'})
+    try:
+        yield
+    finally:
+        process.terminate()
+        process.wait(SOON)
 
 
 class ControllerTest(unittest.TestCase):
@@ -179,6 +198,29 @@ class ControllerTest(unittest.TestCase):
         for piece in ('S> Enter password:', 'C> ********', 'C> odometer', 'S> Odometer: '):
             self.assertIn(piece, log)
         self.assertNotIn('adept', log)
+
+    def test_a_replayed_session_log_stands_in_for_the_robot(self):
+        self.result_of(self.run_command('odometer'), SOON)
+        port = free_port()
+        with tempfile.TemporaryDirectory() as folder:
+            log = Path(folder) / 'session.log'
+            shutil.copy(rospy.get_param('~session_log'), log)
+            recorded = next(line.partition('S> ')[2] for line in log.read_text().splitlines()
+                            if 'S> Odometer' in line)
+            # A heartbeat would make the replay skip to the next one recorded.
+            with running('omron_ld90_sim', 'ld90_sim', '--replay', str(log), '--port', str(port)), \
+                    running('omron_ld90', 'omron_controller', '_robot_ip:=127.0.0.1',
+                            f'_port:={port}', '_heartbeat:=50', '_silence:=100',
+                            '_password_file:=' + rospy.get_param('~password_file')):
+                self.assert_replays(recorded)
+
+    def assert_replays(self, odometer: str) -> None:
+        links = Recorder('/replayed/link_state', LinkState)
+        execute = actionlib.ActionClient('/replayed/execute_command', ExecuteCommandAction)
+        self.assertTrue(execute.wait_for_server(rospy.Duration(30.0)), 'no second controller')
+        links.wait_for(lambda link: link.state == LinkState.CONNECTED, SOON, 'login')
+        result = self.result_of(execute.send_goal(ExecuteCommandGoal(command='odometer')), SOON)
+        self.assertEqual([odometer], result.lines, result.message)
 
 
 if __name__ == '__main__':

@@ -102,6 +102,13 @@ def test_a_wrong_password_is_told_apart_and_tried_again_later(links):
     assert all(b'adept' not in repr(link).encode() for link in links.all)
 
 
+def test_who_waits_for_the_login_hears_of_a_wrong_password_at_once():
+    patient = Backoff(wrong_password=1000.0)
+    with ScriptedRobot(password=b'other') as robot, \
+            Client('127.0.0.1', robot.port, PASSWORD, backoff=patient) as client:
+        assert client.wait_connected(1000.0).phase is LinkPhase.WRONG_PASSWORD
+
+
 def test_a_wrong_password_waits_longer_than_a_lost_connection():
     backoff = Backoff(jitter=0.0)
     assert backoff.after(WrongPassword('x')) == 30.0
@@ -230,17 +237,18 @@ def test_a_stop_gets_through_a_flood_of_twenty_megabytes(robot):
 
     def count(line) -> None:
         noted[0] += 1
-    status = lines(*STATUS)
+    said = (*STATUS, b'RangeDeviceGetCurrent: Laser_1' + b' -1234 5678' * 455)
+    piece, pieces = lines(*said) * 40, 100
     with connected_client(robot, on_line=count) as client:
         wait_for(lambda: noted[0], 'the answer to the login')
-        flood = threading.Thread(target=_flood, args=(robot, status * 400, 400))
+        flood = threading.Thread(target=_flood, args=(robot, piece, pieces))
         flood.start()
         stop = client.execute('stop')
         robot.wait_heard(b'stop', 20.0)
         flood.join(60.0)
         assert stop.wait(20.0).outcome is Outcome.SUCCEEDED
-        wait_for(lambda: noted[0] >= 400 * 400 * len(STATUS), 'every line of the flood', 60.0)
-        assert len(status) * 400 * 400 > 20_000_000
+        wait_for(lambda: noted[0] >= 40 * pieces * len(said), 'every line of the flood', 60.0)
+        assert len(piece) * pieces > 20_000_000
 
 
 def test_a_line_that_drips_in_byte_by_byte_is_one_line(robot):

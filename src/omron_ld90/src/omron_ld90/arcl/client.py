@@ -79,7 +79,7 @@ class Client:
         self._beat_due = 0.0
         self._lock = threading.Lock()  # guards link, help, _dispatcher
         self._dispatcher = Dispatcher()
-        self._ready = threading.Event()
+        self._answered = threading.Event()  # the password was taken, or refused
         self._closing = threading.Event()
         self._waker = Waker()
         self._thread = threading.Thread(target=self._run, name='arcl-client', daemon=True)
@@ -105,8 +105,8 @@ class Client:
             self._thread.join(1.0)
 
     def wait_connected(self, timeout: float) -> Link:
-        """Waits until logged in, `timeout` s at most; the link then."""
-        self._ready.wait(timeout)
+        """Waits until logged in or refused, `timeout` s at most; the link then."""
+        self._answered.wait(timeout)
         return self.link
 
     def execute(self, text: str, *, timeout: Optional[float] = None,
@@ -142,6 +142,7 @@ class Client:
 
     def _converse(self) -> LinkError:
         """One connection from beginning to end; returns why it ended."""
+        self._answered.clear()
         self._set_link(LinkPhase.CONNECTING, 'connecting')
         try:
             connection = Connection.open(*self._address, CONNECT_TIMEOUT, self._closing.is_set)
@@ -212,7 +213,7 @@ class Client:
             self.help = event.help
             self._beat_due = now + self._heartbeat
             self._set_link(LinkPhase.CONNECTED)
-            self._ready.set()
+            self._answered.set()
             self._call(self._on_login, event.help)
 
     def _beat(self, now: float) -> None:
@@ -224,9 +225,12 @@ class Client:
                 self._pulse = self.execute(HEARTBEAT)
 
     def _lost(self, cause: LinkError) -> None:
-        self._ready.clear()
-        self._set_link(LinkPhase.WRONG_PASSWORD if isinstance(cause, WrongPassword)
-                       else LinkPhase.DISCONNECTED, str(cause))
+        refused = isinstance(cause, WrongPassword)
+        if not refused:
+            self._answered.clear()
+        self._set_link(LinkPhase.WRONG_PASSWORD if refused else LinkPhase.DISCONNECTED, str(cause))
+        if refused:
+            self._answered.set()
         with self._lock:
             self._dispatcher.on_lost(str(cause))
         self._tell_news()
