@@ -161,6 +161,7 @@ class ScriptedRobot:
         self.connections: List[socket.socket] = []
         self.answers = {b'echo off': (b'Echo turned off.',)}
         self.mute = False
+        self.hangs_up_on = b''  # the line at which it ends the connection
         self._sending = threading.Lock()
         self._closing = False
         self._threads = [threading.Thread(target=self._accept, daemon=True)]
@@ -227,6 +228,8 @@ class ScriptedRobot:
                     self.send(connection, lines(*LOGIN[1:]))
                 for line in reader:
                     self.heard.append(line.strip())
+                    if line.strip() == self.hangs_up_on:
+                        return
                     if not self.mute:
                         self.send(connection, lines(*self._answer(line.strip())))
             except (OSError, ValueError):
