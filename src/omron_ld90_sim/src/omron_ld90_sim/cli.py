@@ -8,7 +8,7 @@ from contextlib import ExitStack
 from typing import List, Optional, Tuple
 
 from omron_ld90.maps import MapError, wait_for_map
-from omron_ld90_sim.faults import help_text
+from omron_ld90_sim.faults import help_text, run_script
 from omron_ld90_sim.fleet import RobotSpec, address, read_fleet
 from omron_ld90_sim.planner import NoWay
 from omron_ld90_sim.recording import read_log
@@ -115,7 +115,7 @@ def parser() -> argparse.ArgumentParser:
     add('--fault-script', metavar='FILE', help='file with one such fault per line')
     add('--control', type=_port, metavar='PORT',
         help='take faults on this port of 127.0.0.1, one per line')
-    add('--log', metavar='FILE', help="write the robot's sessions to FILE")
+    add('--log', metavar='FILE', help="write the (first) robot's sessions to FILE")
     add('--replay', metavar='LOG', help='serve a recorded session in place of a robot')
     add('--help-faults', action=_FaultHelp, nargs=0, help='list the faults and end')
     return result
@@ -157,7 +157,7 @@ def _simulator(arguments: argparse.Namespace, stack: ExitStack) -> Simulator:
         simulator.inject(fault)
     if arguments.fault_script is not None:
         with open(arguments.fault_script, encoding='utf-8') as file:
-            simulator.units[0].faults.run_script(file.readlines())
+            run_script(file, simulator.inject)
     if arguments.log is not None:
         file = open(arguments.log, 'w', encoding='utf-8')   # noqa: SIM115 - closed by the stack
         simulator.log_to(stack.enter_context(file))

@@ -6,7 +6,8 @@ control socket and from `Simulator.inject`. Nothing here happens unless it is as
 from __future__ import annotations
 
 import inspect
-from typing import Callable, Dict, List, Tuple
+import sys
+from typing import Callable, Dict, Iterable, Tuple
 
 from omron_ld90_sim.configuration import DOCKING
 from omron_ld90_sim.kinematics import Pose
@@ -55,17 +56,14 @@ class Faults:
         name = rest.split()[0].lower() if rest.split() else ''
         if name not in _methods():
             raise UnknownFault(f"no fault '{name}': --help-faults lists them")
-        self._server.clock.at(seconds, lambda: self.inject(rest))
 
-    def run_script(self, lines: List[str]) -> None:
-        """Schedules every line of a script."""
-        for number, line in enumerate(lines, 1):
-            line = line.partition('#')[0].strip()
-            if line:
-                try:
-                    self.schedule(line)
-                except UnknownFault as error:
-                    raise UnknownFault(f'line {number}: {error}') from error
+        def later() -> None:
+            try:
+                self.inject(rest)
+            except UnknownFault as error:   # nobody waits for an answer any more
+                print(f'ld90_sim: {error}', file=sys.stderr)
+
+        self._server.clock.at(seconds, later)
 
     # -- the robot -----------------------------------------------------------------------------
 
@@ -228,6 +226,17 @@ class Faults:
                 session.close()
 
 
+def run_script(lines: Iterable[str], schedule: Callable[[str], None]) -> None:
+    """Schedules every line of a script; `UnknownFault` names the line that means none."""
+    for number, line in enumerate(lines, 1):
+        line = line.partition('#')[0].strip()
+        if line:
+            try:
+                schedule(line)
+            except UnknownFault as error:
+                raise UnknownFault(f'line {number}: {error}') from error
+
+
 def _name(words: Tuple[str, ...]) -> str:
     if not words:
         raise ValueError('no goal')
@@ -235,7 +244,7 @@ def _name(words: Tuple[str, ...]) -> str:
 
 
 def _methods() -> Dict[str, Callable[..., None]]:
-    others = ('inject', 'schedule', 'run_script')
+    others = ('inject', 'schedule')
     return {name: method for name, method in vars(Faults).items()
             if not name.startswith('_') and name not in others and inspect.isfunction(method)}
 

@@ -12,6 +12,7 @@ from omron_ld90_sim.configuration import LISTS, OUTGOING, OUTGOING_COMMANDS
 from omron_ld90_sim.server import ArclServer, Session
 
 FASTEST_STATUS = 0.1        # s, SendStatusInterval is never faster
+FASTEST_LIST = 0.01         # s, not in the facts; keeps the simulator from doing nothing else
 LEAST_TIMEOUT = 5.0         # s, OutgoingSocketTimeoutInMins never means less
 
 
@@ -27,7 +28,8 @@ class OutgoingLink:
             commands = [part.strip() for part in
                         settings.text(OUTGOING_COMMANDS, f'OutgoingCommands{n}').split('|')]
             if seconds > 0 and any(commands):
-                self._every(seconds, lambda commands=commands: self._run(commands))
+                self._every(max(seconds, FASTEST_LIST),
+                            lambda commands=commands: self._run(commands))
         interval = settings.number(OUTGOING, 'SendStatusInterval') / 1000.0
         if interval > 0:
             self._every(max(interval, FASTEST_STATUS),

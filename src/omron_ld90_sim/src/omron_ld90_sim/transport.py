@@ -20,6 +20,7 @@ from omron_ld90_sim.outgoing import OutgoingLink
 from omron_ld90_sim.server import ArclServer, Session
 
 RECONNECT = 1.0         # s between two attempts of the outgoing connection
+LONGEST_SLEEP = 3600.0  # s, more than a selector may be asked for is an error
 _RESET = struct.pack('ii', 1, 0)    # SO_LINGER of no time: close() sends RST
 MAX_OUTPUT = 8_000_000  # bytes a client may leave unread before it is dropped
 
@@ -52,7 +53,8 @@ class Loop:
             due = self.clock.next_time
             timeout = None
             if due is not None:
-                timeout = max((due - self._simulated_now()) / self.speed, 0.0)
+                timeout = (due - self._simulated_now()) / self.speed
+                timeout = min(max(timeout, 0.0), LONGEST_SLEEP)
             ready = self.selector.select(timeout)
             self.clock.advance(self._simulated_now())
             for key, mask in ready:

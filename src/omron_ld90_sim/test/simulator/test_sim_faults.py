@@ -5,7 +5,7 @@ import pytest
 from sim_builders import Client, Rig
 
 from omron_ld90_sim.autonomy import Autonomy
-from omron_ld90_sim.faults import Faults, UnknownFault, help_text
+from omron_ld90_sim.faults import Faults, UnknownFault, help_text, run_script
 
 
 class Faulty(Rig):
@@ -198,7 +198,8 @@ def test_a_reboot_takes_the_robot_away_for_a_while() -> None:
 
 def test_a_script_brings_faults_at_their_times() -> None:
     rig = Faulty()
-    rig.faults.run_script(['# first the button', '2 estop press', '', '4.5 estop release  # free'])
+    run_script(['# first the button', '2 estop press', '', '4.5 estop release  # free'],
+               rig.faults.schedule)
     rig.clock.advance(1.9)
     assert rig.me.lines() == []
     rig.clock.advance(2.0)
@@ -216,9 +217,18 @@ def test_words_that_mean_no_fault_are_refused(words: str) -> None:
 
 def test_a_script_names_the_line_that_is_wrong() -> None:
     with pytest.raises(UnknownFault, match='line 2: '):
-        Faulty().faults.run_script(['drop', '1 earthquake'])
+        run_script(['drop', '1 earthquake'], Faulty().faults.schedule)
 
 
 def test_the_help_tells_of_every_fault() -> None:
     assert len(help_text().splitlines()) == 19
     assert 'estop press|release' in help_text()
+
+
+def test_a_fault_that_proves_wrong_when_its_time_comes_is_told_and_ends_nothing(
+        capsys: pytest.CaptureFixture) -> None:
+    rig = Faulty()
+    rig.faults.schedule('2 estop hammer')
+    rig.clock.advance(3.0)
+    assert "'estop hammer' is no fault, expected: estop press|release" in capsys.readouterr().err
+    assert rig.me.ask('queryMotors') == ['Motors enabled']
