@@ -88,6 +88,26 @@ def test_a_drive_that_fails_ends_with_the_robots_words(robot):
         assert 'Failed going to goal' in result.words
 
 
+def test_stops_and_drives_behind_a_failed_drive_are_carried_out_every_time(robot):
+    """The drive fails while the robot still moves, so that stops and drives come as it brakes."""
+    robot.inject('fail 8')
+    begun = Noted()
+    with client_of(robot, heartbeat=0.1, on_line=lambda line: begun(line.text)) as client:
+        client.execute('goto 20')
+        for _ in range(5):
+            before = len(begun.all)
+            begun.wait(lambda line: line.startswith('Status: '), 'a while of driving', PATIENCE,
+                       before)
+            assert client.execute('goto 8').wait(PATIENCE).outcome is Outcome.FAILED
+            before = len(begun.all)
+            stops = [client.execute('stop'), client.execute('stop')]
+            drive = client.execute('goto 20')
+            begun.wait(lambda line: line == 'Going to 20', 'the next drive', PATIENCE, before)
+            for stop in stops:
+                assert stop.wait(PATIENCE).outcome in (Outcome.SUCCEEDED, Outcome.INTERRUPTED)
+        assert drive.wait(PATIENCE).outcome is Outcome.SUCCEEDED
+
+
 def test_an_emergency_stop_ends_the_drive(robot):
     with client_of(robot) as client:
         begun = Noted()
