@@ -23,13 +23,15 @@ _ANGLES = np.radians(np.linspace(-FIELD_OF_VIEW / 2, FIELD_OF_VIEW / 2, RAYS))
 def scan(floor: Floor, pose: Pose, others: Sequence[np.ndarray] = ()) -> np.ndarray:
     """Ranges (mm) of the 455 rays from right to left; inf where nothing is within 15 m.
 
-    `others` are the corners (4, 2) of other robots' bodies.
+    `others` are the corners (N, 2) of what else stands there, each in order around it.
     """
     angles = _ANGLES + np.radians(pose.theta)
     direction = np.column_stack([np.cos(angles), np.sin(angles)])
     ranges = _march(floor, np.array([pose.x, pose.y]), direction)
-    for corners in others:
-        ranges = np.minimum(ranges, _polygon(np.array([pose.x, pose.y]), direction, corners))
+    if others:
+        starts = np.concatenate(others)
+        ends = np.concatenate([np.roll(corners, -1, axis=0) for corners in others])
+        ranges = np.minimum(ranges, _edges(starts - [pose.x, pose.y], ends - starts, direction))
     return ranges
 
 
@@ -65,13 +67,12 @@ def _march(floor: Floor, origin: np.ndarray, direction: np.ndarray) -> np.ndarra
     return ranges
 
 
-def _polygon(origin: np.ndarray, direction: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Ranges to the outline through `corners`; inf where a ray misses it."""
-    edge = (np.roll(corners, -1, axis=0) - corners)[:, None, :]
-    to_edge = (corners - origin)[:, None, :]
-    across = direction[:, 0] * edge[..., 1] - direction[:, 1] * edge[..., 0]
+def _edges(start: np.ndarray, along: np.ndarray, direction: np.ndarray) -> np.ndarray:
+    """Ranges to the nearest of edges (E, 2) seen from the origin; inf where a ray misses all."""
+    start, along = start[:, None, :], along[:, None, :]
+    across = direction[:, 0] * along[..., 1] - direction[:, 1] * along[..., 0]
     with np.errstate(divide='ignore', invalid='ignore'):
-        distance = (to_edge[..., 0] * edge[..., 1] - to_edge[..., 1] * edge[..., 0]) / across
-        along = (to_edge[..., 0] * direction[:, 1] - to_edge[..., 1] * direction[:, 0]) / across
-    hit = (distance >= 0) & (distance <= RANGE) & (along >= 0) & (along <= 1)
+        distance = (start[..., 0] * along[..., 1] - start[..., 1] * along[..., 0]) / across
+        part = (start[..., 0] * direction[:, 1] - start[..., 1] * direction[:, 0]) / across
+    hit = (distance >= 0) & (distance <= RANGE) & (part >= 0) & (part <= 1)
     return np.where(hit, distance, np.inf).min(axis=0)

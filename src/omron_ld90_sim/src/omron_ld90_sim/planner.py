@@ -24,6 +24,8 @@ COMFORT = 700.0         # mm of clearance beyond which more is not worth a detou
 NARROW_COST = 8.0       # a metre where the robot cannot turn counts as this many
 ESCAPE = 3000.0         # mm straight ahead or back to look for room to turn
 ATTEMPTS = 6
+SEARCH_AROUND = 4000.0  # mm around robot and goal where a way is looked for first
+DETOUR = 2.5            # a way from there may cost so many times the straight line in the open
 
 
 class NoWay(Exception):
@@ -153,16 +155,29 @@ class Planner:
         saved = {cell: cost[cell] for cell in (first, last)}
         for cell in saved:
             cost[cell] = max(cost[cell], 1.0)
-        search = MCP_Geometric(cost)
-        totals, _ = search.find_costs([first], [last])
-        if not np.isfinite(totals[last]):
-            raise NoWay('goal and robot are not connected')
-        cells = np.array(search.traceback(last))
+        cells = self._search_near(cost, np.array(first), np.array(last))
+        if cells is None:
+            cells, _ = _cheapest(cost, first, last)
         for cell, value in saved.items():
             cost[cell] = value
+        if cells is None:
+            raise NoWay('goal and robot are not connected')
         points = self.floor.planning_points(cells)
         inner = points[1:-1] if len(points) > 2 else points[:0]
         return np.vstack([start, inner, goal])
+
+    def _search_near(self, cost: np.ndarray, first: np.ndarray, last: np.ndarray
+                     ) -> Optional[np.ndarray]:
+        """The same around both ends only, which is quicker; None for what might be a detour."""
+        margin = int(SEARCH_AROUND / self.floor.planning_pitch)
+        low = np.maximum(np.minimum(first, last) - margin, 0)
+        high = np.maximum(first, last) + margin + 1
+        window = cost[low[0]:high[0], low[1]:high[1]]
+        if window.size > cost.size / 2:
+            return None
+        cells, total = _cheapest(window, tuple(first - low), tuple(last - low))
+        straight = float(np.hypot(*(last - first)))
+        return cells + low if cells is not None and total <= DETOUR * straight else None
 
     def _straighten(self, space: Space, raw: np.ndarray
                     ) -> Tuple[np.ndarray, Optional[np.ndarray]]:
@@ -197,6 +212,15 @@ class Planner:
                                                       self.drive_clearance):
             return int(candidates[0])
         return None
+
+
+def _cheapest(cost: np.ndarray, first: Tuple[int, int], last: Tuple[int, int]
+              ) -> Tuple[Optional[np.ndarray], float]:
+    """Cells (N, 2) of the cheapest chain over a grid, None where there is none; and its cost."""
+    search = MCP_Geometric(cost)
+    totals, _ = search.find_costs([first], [last])
+    total = float(totals[last])
+    return (np.array(search.traceback(last)) if math.isfinite(total) else None), total
 
 
 @lru_cache(maxsize=4)

@@ -137,6 +137,18 @@ def test_a_door_narrower_than_the_robot_is_no_way() -> None:
         planner.plan(Pose(-3000.0, 2000.0, 0.0), 3000.0, -2000.0)
 
 
+def test_a_detour_of_many_metres_is_found() -> None:
+    outside = np.array([[-20000, -15000, 20000, -15000], [-20000, 15000, 20000, 15000],
+                        [-20000, -15000, -20000, 15000], [20000, -15000, 20000, 15000],
+                        [0, -15000, 0, 13000]], float)      # a wall with a gap at its far end
+    planner = Planner(Floor(np.empty((0, 2)), outside, np.empty((0, 4)), [], 20,
+                            np.empty((0, 2))))
+    way = planner.plan(Pose(-1000.0, -5000.0, 0.0), 1000.0, -5000.0)
+    assert 36_000.0 < way.length < 40_000.0
+    near = planner.plan(Pose(-1000.0, -5000.0, 0.0), -4000.0, -5000.0)
+    assert near.length < 3_010.0
+
+
 def test_a_corridor_of_900_mm_with_a_bend_can_be_driven() -> None:
     # an L: along y = 0 from the left, then up along x = 0
     floor = lonely_floor((-5000, 450, -450, 450), (-450, 450, -450, 4000),
