@@ -14,7 +14,7 @@ from omron_ld90.maps.geometry import Extent, normalise_degrees
 from omron_ld90.maps.header import is_header
 from omron_ld90.maps.objects import MapObject, format_object
 from omron_ld90.maps.reader import Record
-from omron_ld90.maps.references import find_references
+from omron_ld90.maps.references import find_references, may_name_objects
 
 #: A line that an edit left alone, and what is to be said about it.
 Note = Tuple[Record, str]
@@ -36,17 +36,16 @@ def remove(file: str, records: List[Record], objects: Iterable[MapObject]) -> Li
     gone = {index: records[index].object for index in _indices(file, records, objects)}
     records[:] = [record for index, record in enumerate(records) if index not in gone]
     left = _by_name(records)
-    names = {obj.name.lower(): obj for obj in gone.values() if obj.name}
-    return [note for name, obj in names.items() if name not in left
-            for note in _forget(records, obj)]
-
-
-def _forget(records: List[Record], obj: MapObject) -> List[Note]:
-    """Take out the parameters of `obj`; tell which lines still name it."""
-    records[:] = [
-        record for record in records
-        if not any(ref.owned for ref in find_references(record.keyword, record.text, obj.name))]
-    return _mentions(records, obj.name, f'still names {obj.label!r}, which was removed')
+    lost = {obj.name.lower(): obj for obj in gone.values() if obj.name}
+    naming = [record for record in records if may_name_objects(record.keyword)]
+    kept, notes = naming, []
+    for obj in (obj for name, obj in lost.items() if name not in left):
+        kept = [record for record in kept if not any(
+            ref.owned for ref in find_references(record.keyword, record.text, obj.name))]
+        notes += _mentions(kept, obj.name, f'still names {obj.label!r}, which was removed')
+    owned = {id(record) for record in naming} - {id(record) for record in kept}
+    records[:] = [record for record in records if id(record) not in owned]
+    return notes
 
 
 def move(file: str, records: List[Record], obj: MapObject, x: float, y: float,

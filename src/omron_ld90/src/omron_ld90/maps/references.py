@@ -28,13 +28,18 @@ class Reference:
     certain: bool
 
 
+def may_name_objects(keyword: str) -> bool:
+    """Can a line whose first word, in lower case, is `keyword` name an object?"""
+    return keyword in _GROUPS
+
+
 def find_references(keyword: str, line: str, name: Optional[str] = None) -> List[Reference]:
     """The words of `line` that name the object `name`; without `name`, all that surely name one.
 
     `keyword` is the line's first word in lower case. A line that cannot be split has none, and a
     bare number is no name, except where nothing else can stand.
     """
-    if keyword not in _GROUPS:
+    if not may_name_objects(keyword):
         return []
     try:
         words: Sequence[Token] = tokenise(line)
