@@ -96,7 +96,7 @@ class ConnectionReceiver:
         self._diagnostics.setHardwareID(self._listener.link.peer)
         self._diagnostics.add('link from the robot', self._reporter.diagnose)
         self._diagnostics.add('robot', self._health.diagnose)
-        self._timer = rospy.Timer(rospy.Duration(1.0), lambda _: self._diagnostics.update())
+        self._timer = rospy.Timer(rospy.Duration(1.0), lambda _: self._diagnostics.force_update())
         self._listener.start()
 
     def close(self) -> None:

@@ -103,7 +103,7 @@ class Controller:
         self._diagnostics.add('link to the robot', self._reporter.diagnose)
         self._diagnostics.add('robot', self._health.diagnose)
         self._diagnostics.add('goals', goals.diagnose)
-        self._timer = rospy.Timer(rospy.Duration(1.0), lambda _: self._diagnostics.update())
+        self._timer = rospy.Timer(rospy.Duration(1.0), lambda _: self._diagnostics.force_update())
         self._client.start()
 
     def close(self) -> None:
