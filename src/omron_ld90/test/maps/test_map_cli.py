@@ -2,6 +2,8 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -167,3 +169,12 @@ def test_wrong_arguments_end_with_status_2(arguments, capsys):
     with pytest.raises(SystemExit) as caught:
         main(arguments)
     assert caught.value.code == 2 and 'usage: ld_map' in capsys.readouterr().err
+
+
+def test_a_reader_that_leaves_early_is_no_error(write):
+    program = 'import sys; from omron_ld90.maps.cli import main; sys.exit(main())'
+    with subprocess.Popen([sys.executable, '-c', program, 'info', write(OBJECTS)],
+                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as ld_map:
+        ld_map.stdout.close()
+        assert ld_map.stderr.read() == ''
+    assert ld_map.returncode == 0

@@ -32,10 +32,15 @@ def main(arguments: Optional[List[str]] = None) -> int:
     options = _parser().parse_args(arguments)
     sys.stdout.reconfigure(errors='backslashreplace')  # names in scripts the terminal lacks
     try:
-        return options.run(options)
+        status = options.run(options)
+        sys.stdout.flush()
+        return status
     except MapError as error:
         print(f'ld_map: {error}', file=sys.stderr)
         return FAILED
+    except BrokenPipeError:     # whoever read has seen enough, as in `ld_map info FILE | head`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return DONE
 
 
 def _parser() -> argparse.ArgumentParser:
