@@ -1,5 +1,6 @@
+import numpy as np
 import pytest
-from converter_builders import LAB
+from converter_builders import LAB, map_with
 from PIL import Image
 
 from omron_ld90.graph import drawing
@@ -95,6 +96,17 @@ def test_the_picture_shows_fences_and_places(tmp_path):
     colours = {colour for _, colour in Image.open(str(picture)).getcolors(1 << 20)}
     assert {drawing.FENCE, drawing.CORRIDOR, drawing.CURVE, drawing.FORBIDDEN, drawing.GOAL,
             drawing.DOCK, drawing.BLACK} <= colours
+
+
+def test_the_picture_of_a_map_without_walls_shows_the_outermost_fences(tmp_path):
+    (tmp_path / 'base.map').write_bytes(map_with().to_bytes())
+    picture = tmp_path / 'out.png'
+    assert main(arguments(tmp_path / 'out.map', '--draw', str(picture),
+                          base_map=tmp_path / 'base.map')) == 0
+    image = np.asarray(Image.open(str(picture)))
+    border = np.concatenate((image[0], image[-1], image[:, 0], image[:, -1]))
+    assert (border == drawing.WHITE).all()
+    assert (image == drawing.FENCE).all(axis=-1).any()
 
 
 def test_a_picture_that_cannot_be_written_is_told(tmp_path, capsys):

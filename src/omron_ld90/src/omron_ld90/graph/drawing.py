@@ -8,6 +8,7 @@ from PIL import Image, ImageDraw, ImageFont
 from shapely.geometry.base import BaseGeometry
 
 from omron_ld90.graph.converter import Conversion
+from omron_ld90.graph.fence_check import shape_of
 from omron_ld90.graph.fences import is_fence
 from omron_ld90.maps import MapDocument, MapError, MapObject
 from trajectory_graph import Graph
@@ -27,8 +28,10 @@ def draw(document: MapDocument, graph: Graph, conversion: Conversion, path: str)
     Walls are black, corridors light blue, curves blue, fences orange, other forbidden areas and
     lines red, goals green, docks purple; a dash tells the heading.
     """
-    sheet = _Sheet(document, graph)
     floor = conversion.corridors.floor
+    bounds = [floor.bounds, *(shape_of(fence).bounds for fence in conversion.fences)]
+    sheet = _Sheet(np.concatenate(
+        [document.points, document.lines.reshape(-1, 2), np.reshape(bounds, (-1, 2))]))
     for part in getattr(floor, 'geoms', [floor]):
         sheet.area(part)
     objects = sorted(document.forbidden_areas + document.forbidden_lines,
@@ -46,10 +49,8 @@ def draw(document: MapDocument, graph: Graph, conversion: Conversion, path: str)
 class _Sheet:
     """An image with the map's coordinates."""
 
-    def __init__(self, document: MapDocument, graph: Graph) -> None:
-        corners = [document.points, document.lines.reshape(-1, 2),
-                   *(graph.curve(id).points * 1000.0 for id in graph.edges)]
-        shown = np.concatenate([c for c in corners if len(c)])
+    def __init__(self, shown: np.ndarray) -> None:
+        """`shown` (N,2) are points that must be on it."""
         self._low, self._high = shown.min(axis=0) - BORDER, shown.max(axis=0) + BORDER
         size = self._high - self._low
         self._scale = min(SCALE, LARGEST_SIDE / size.max())
