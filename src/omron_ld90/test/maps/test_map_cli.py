@@ -173,7 +173,7 @@ def test_wrong_arguments_end_with_status_2(arguments, capsys):
 
 def test_a_reader_that_leaves_early_is_no_error(write):
     program = 'import sys; from omron_ld90.maps.cli import main; sys.exit(main())'
-    with subprocess.Popen([sys.executable, '-c', program, 'info', write(OBJECTS)],
+    with subprocess.Popen([sys.executable, '-c', program, 'info', write(room_bytes())],
                           stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as ld_map:
         ld_map.stdout.close()
         assert ld_map.stderr.read() == ''
