@@ -11,6 +11,7 @@ from omron_ld90.graph.converter import Conversion
 from omron_ld90.graph.fence_check import shape_of
 from omron_ld90.graph.fences import is_fence
 from omron_ld90.maps import MapDocument, MapError, MapObject
+from omron_ld90.maps.picture import BASIC_LAYOUT
 from trajectory_graph import Graph
 
 LARGEST_SIDE = 2000  # pixels
@@ -111,7 +112,7 @@ def _font(size: int) -> ImageFont.ImageFont:
     """A scalable font where the system has one, else Pillow's own."""
     for name in ('DejaVuSans.ttf', 'LiberationSans-Regular.ttf'):
         try:
-            return ImageFont.truetype(name, size)
+            return ImageFont.truetype(name, size, layout_engine=BASIC_LAYOUT)
         except OSError:
             continue
     return ImageFont.load_default()
