@@ -33,8 +33,6 @@ run_packages=(
 )
 test_packages=(
   "catkin-lint         python3-catkin-lint"
-  "imagemagick         imagemagick"
-  "openbox             openbox"
   "python3-hypothesis  python3-hypothesis"
   "python3-pytest      python3-pytest"
   "python3-rostest     ros-noetic-rostest"

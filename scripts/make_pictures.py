@@ -45,7 +45,7 @@ class Film:
 
     def take(self, click: Optional[Tuple[int, int]] = None) -> None:
         """One picture; `click` is the pixel that was just clicked on."""
-        picture = self._window.picture('film')
+        picture = self._window.look()
         if click is not None:
             pen = ImageDraw.Draw(picture)
             for radius in (16, 24):
@@ -72,7 +72,7 @@ class Film:
 
 def keep(window: RvizWindow, name: str) -> None:
     """A picture of the window without its status bar."""
-    window.picture(name).crop(WINDOW).save(IMAGES / f'{name}.png', optimize=True)
+    window.look().crop(WINDOW).save(IMAGES / f'{name}.png', optimize=True)
 
 
 def film(window: RvizWindow) -> None:
@@ -139,8 +139,6 @@ def main() -> int:
         stack.send_signal(signal.SIGINT)
         stack.wait(30)
         screen.close()
-        for name in ('film.png', 'rviz_part.png', 'rviz_starting.png'):
-            (IMAGES / name).unlink(missing_ok=True)
     return 0
 
 

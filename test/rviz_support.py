@@ -2,6 +2,9 @@
 
 The screen is an Xvfb of 1280 x 900; the mouse is xdotool's. Where a program is missing,
 `missing_programs` says which.
+
+A loaded computer draws late. So what is done next waits for what is seen: a handle is clicked when
+the status bar tells of it, an entry of a menu when it is lit.
 """
 from __future__ import annotations
 
@@ -10,23 +13,27 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
+import time
 import traceback
-from typing import Callable, List, Optional, Tuple
+from typing import Callable, List, Optional, Sequence, Tuple
 
 import numpy as np
 from PIL import Image
 
 from system_support import wait_until
 
-PROGRAMS = ('Xvfb', 'xdotool', 'import', 'roslaunch')
+PROGRAMS = ('Xvfb', 'xdotool', 'roslaunch')
 RVIZ = ('/usr/bin/rviz', '/opt/ros/noetic/bin/rviz')
 WIDTH, HEIGHT = 1280, 900
 TOOLBAR_Y = 42
 TOOLBAR = (0, 24, 1000, 60)
-MENU_REACH = 14  # pixels from the click to the inside of the menu
 STATUS_BAR = (0, 872, 1100, 900)
+MENU_INSET = 24  # pixels from a menu's left edge to between the mouse's arrow and the words
+REST = 0.5  # s without a change: a picture is complete
+PATIENCE = 30.0  # s for RViz to draw what it was told, on a loaded computer
 Colour = Tuple[int, int, int]
-MENU_COLOUR: Colour = (239, 239, 239)
+MENU_COLOUR: Colour = (255, 255, 255)
 
 
 def missing_programs() -> List[str]:
@@ -40,9 +47,10 @@ class Screen:
 
     def __init__(self) -> None:
         read_end, write_end = os.pipe()
+        self._folder = tempfile.TemporaryDirectory()
         self._server = subprocess.Popen(
             ['Xvfb', '-displayfd', str(write_end), '-screen', '0', f'{WIDTH}x{HEIGHT}x24',
-             '+extension', 'GLX', '-nolisten', 'tcp'],
+             '-fbdir', self._folder.name, '+extension', 'GLX', '-nolisten', 'tcp'],
             pass_fds=[write_end], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         os.close(write_end)
         with os.fdopen(read_end) as answer:
@@ -54,17 +62,21 @@ class Screen:
     def close(self) -> None:
         self._server.terminate()
         self._server.wait(10)
-
-    def run(self, *command: str) -> str:
-        return subprocess.run(command, env=self.environment, check=True, timeout=30,
-                              stdout=subprocess.PIPE, text=True).stdout
+        self._folder.cleanup()
 
     def mouse(self, *command: object) -> None:
-        self.run('xdotool', *map(str, command))
+        subprocess.run(['xdotool', *map(str, command)], env=self.environment, check=True,
+                       timeout=60, stdout=subprocess.DEVNULL)
 
-    def picture(self, path: str) -> Image.Image:
-        self.run('import', '-window', 'root', path)
-        return Image.open(path).convert('RGB')
+    def picture(self) -> Image.Image:
+        """What is on the screen: Xvfb keeps it in a file in the format of xwd."""
+        path = os.path.join(self._folder.name, 'Xvfb_screen0')
+        header = np.fromfile(path, '>u4', 25)  # big-endian, whatever the computer is
+        header_size, line_size, colours = int(header[0]), int(header[12]), int(header[19])
+        pixels = np.fromfile(path, np.uint8, HEIGHT * line_size,
+                             offset=header_size + 12 * colours)
+        bgrx = pixels.reshape(HEIGHT, line_size // 4, 4)
+        return Image.fromarray(np.ascontiguousarray(bgrx[:, :WIDTH, 2::-1]))
 
 
 class RvizWindow:
@@ -91,8 +103,7 @@ class RvizWindow:
     def _is_painted(self) -> bool:
         if self._process.poll() is not None:
             raise AssertionError('RViz ended before its window was seen')
-        colours = self.picture('rviz_starting').getcolors(WIDTH * HEIGHT)
-        return len(colours) > 100
+        return len(self.look().getcolors(WIDTH * HEIGHT)) > 100
 
     # Where things are
 
@@ -114,7 +125,7 @@ class RvizWindow:
         self._screen.mouse('key', 'i')
         interact = self._at_rest(TOOLBAR)
         self._screen.mouse('key', key)
-        wait_until(lambda: self._at_rest(TOOLBAR) != interact, 10.0, f'RViz takes tool {key}')
+        wait_until(lambda: self._part(TOOLBAR) != interact, PATIENCE, f'RViz takes tool {key}')
 
     def tool_at(self, x: int) -> None:
         """Choose the tool at `x` of the toolbar: of two of a kind a shortcut finds one only."""
@@ -133,20 +144,12 @@ class RvizWindow:
         """Click on a handle once RViz says in its status bar what is under the mouse."""
         self.hover(self._nothing_here)
         idle = self._at_rest(STATUS_BAR)
-        self.hover(pixel)
-        wait_until(lambda: self._at_rest(STATUS_BAR) != idle, 10.0,
-                   f'RViz finds the handle at {pixel}')
+
+        def found() -> bool:  # RViz looks once a frame, at most, and only when the mouse moves
+            self.hover(pixel)
+            return self._at_rest(STATUS_BAR) != idle
+        wait_until(found, PATIENCE, f'RViz finds the handle at {pixel}')
         self._screen.mouse('click', button)
-
-    def _at_rest(self, box: Tuple[int, int, int, int]) -> bytes:
-        """The picture of a part of the window, taken when it has come to rest."""
-        shots = [b'', b'']
-
-        def rests() -> bool:
-            shots[:] = [shots[1], self.picture('rviz_part').crop(box).tobytes()]
-            return shots[0] == shots[1]
-        wait_until(rests, 10.0, 'RViz comes to rest')
-        return shots[0]
 
     def drag(self, start: Tuple[int, int], end: Tuple[int, int]) -> None:
         self.hover(start)
@@ -155,30 +158,73 @@ class RvizWindow:
         self._screen.mouse('mousemove', *end)
         self._screen.mouse('mouseup', 1)
 
-    def choose_from_menu(self, pixel: Tuple[int, int], entry: int) -> None:
-        """Open the menu of the handle at `pixel` and choose its `entry`, counted from 1."""
+    def choose_from_menu(self, pixel: Tuple[int, int], menu: Sequence, entry: object) -> None:
+        """Open the `menu` of the handle at `pixel`, and click on one of its entries.
+
+        The menu opens right and below of the mouse: there must be room for it.
+        """
         self.click_handle(pixel, button=3)
-        below = (pixel[0] + MENU_REACH, pixel[1] + MENU_REACH)
-        wait_until(lambda: count_near(self.picture('rviz_menu'), below, MENU_COLOUR) > 50, 10.0,
-                   f'the menu at {pixel}')
-        self._screen.mouse('key', *['Down'] * entry, 'Return')
+        column = pixel[0] + MENU_INSET
+        height = wait_until(lambda: self._height_of_menu(column, pixel[1]), PATIENCE,
+                            f'the menu at {pixel}')
+        y = pixel[1] + round((menu.index(entry) + 0.5) * height / len(menu))
+
+        def lit() -> bool:
+            self.hover((column + MENU_INSET, y))
+            return count_near(self.look(), (column, y), MENU_COLOUR, reach=1) == 0
+        wait_until(lit, PATIENCE, f'{entry} of the menu at {pixel} is lit')
+        self._screen.mouse('click', 1)
+
+    def _height_of_menu(self, column: int, top: int) -> int:
+        """How many pixels of the menu's colour lie below each other; 0 while there is no menu."""
+        pixels = np.asarray(self.look())[top + 4:, column]
+        beyond = np.flatnonzero(~close_to(pixels, MENU_COLOUR, 5.0))
+        return int(beyond[0]) + 4 if beyond.size and beyond[0] > 0 else 0
+
+    def _part(self, box: Tuple[int, int, int, int]) -> bytes:
+        return self.look().crop(box).tobytes()
+
+    def _at_rest(self, box: Tuple[int, int, int, int]) -> bytes:
+        """A part of the window once it stayed the same for a while."""
+        shot, since = self._part(box), time.monotonic()
+
+        def rests() -> bool:
+            nonlocal shot, since
+            now = self._part(box)
+            if now != shot:
+                shot, since = now, time.monotonic()
+            return time.monotonic() - since > REST
+        wait_until(rests, PATIENCE, 'RViz comes to rest')
+        return shot
 
     # What is to be seen
 
+    def look(self) -> Image.Image:
+        """What is on the screen now."""
+        return self._screen.picture()
+
     def picture(self, name: str) -> Image.Image:
-        """A picture of the screen, kept among the artefacts as `name`.png."""
-        return self._screen.picture(os.path.join(self._artefacts, f'{name}.png'))
+        """The same, kept among the artefacts as `name`.png."""
+        picture = self.look()
+        picture.save(os.path.join(self._artefacts, f'{name}.png'))
+        return picture
 
-    def wait_for_picture(self, name: str, seen: Callable[[Image.Image], bool], what: str,
-                         timeout: float = 20.0) -> Image.Image:
-        """Takes pictures until one satisfies `seen`; the last one is kept."""
-        last: List[Image.Image] = []
+    def wait_for_picture(self, name: str, missing: Callable[[Image.Image], List[str]],
+                         timeout: float = PATIENCE) -> None:
+        """Looks until `missing` names nothing any more; the last picture is kept as `name`.png."""
+        picture, lacking = self.look(), ['']
 
-        def is_seen() -> bool:
-            last[:] = [self.picture(name)]
-            return seen(last[0])
-        wait_until(is_seen, timeout, f'{what} in {name}.png')
-        return last[0]
+        def complete() -> bool:
+            nonlocal picture, lacking
+            picture = self.look()
+            lacking = missing(picture)
+            return not lacking
+        try:
+            wait_until(complete, timeout, f'all that is to be seen in {name}.png')
+        except AssertionError as error:
+            raise AssertionError(f'{error}; missing: {"; ".join(lacking)}') from None
+        finally:
+            picture.save(os.path.join(self._artefacts, f'{name}.png'))
 
 
 def close_to(pixels: np.ndarray, colour: Colour, tolerance: float = 40.0) -> np.ndarray:

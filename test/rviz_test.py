@@ -16,6 +16,8 @@ from visualization_msgs.msg import MarkerArray
 
 from itrci_nav_msgs.msg import TargetRoute
 from omron_ld90.maps import MapDocument
+from omron_ld90.nodes.goal_clicks import TargetKind
+from omron_ld90.nodes.interactive_goals import MENUS, ROBOT_MENU, Action
 from omron_ld90_msgs.msg import RobotStatus
 from omron_ld90_sim import Simulator
 from system_support import Recorder, connected_publisher, skip, wait_until
@@ -25,7 +27,7 @@ LAB = rospkg.RosPack().get_path('omron_ld90') + '/../../maps/lab.map'
 SCALE = 40.0  # pixels per metre in rviz/omron_ld90.rviz
 MIDDLE = (640, 466)  # of the 3D view: nothing of the lab is there
 SPEED = 4.0
-STOP_ENTRY = 3  # of a goal's menu
+GOAL_MENU, DOCK_MENU = MENUS[TargetKind.GOAL], MENUS[TargetKind.DOCK]
 ROUTE = (-13, 8, 9, 3)  # from the dock to vertex 14
 START = (-8000.0, 0.0, 0.0)  # at goal 10
 
@@ -34,6 +36,7 @@ VIOLET, LIGHT_BLUE, WHITE, BLUE = (185, 170, 250), (90, 190, 255), (255, 255, 25
 ORANGE, DEEP_ORANGE = (146, 108, 52), (190, 121, 31)  # one area; two on each other
 DONE_GREEN = (62, 185, 90)
 FAILURE = (255, 97, 77)
+BODY = (211, 184, 190)  # the deck, under the red of the stop handle
 
 
 def orange_near(picture, pixel: tuple) -> int:
@@ -123,6 +126,10 @@ class RvizTest(unittest.TestCase):
         here = self.simulator.pose
         return math.hypot(here[0] / 1000.0 - x, here[1] / 1000.0 - y) < 0.2
 
+    def robot_believes_to_be_at(self, name: str) -> bool:
+        here, (x, y) = self.poses.messages[-1].pose.position, self.place(name)
+        return math.hypot(here.x - x, here.y - y) < 0.2
+
     def seen_on_route(self, picture, colour: tuple) -> bool:
         places = [self.graph.curve(edge).point_at(0.7) for edge in ROUTE]
         return any(count_near(picture, self.window.pixel(*place), colour, 3) > 3
@@ -130,40 +137,47 @@ class RvizTest(unittest.TestCase):
 
     # See
 
-    def test_1_the_map_the_graph_and_the_robot_are_to_be_seen(self):
-        window = self.window
-        robot = self.poses.messages[-1].pose.position
-
-        def robot_seen(picture) -> bool:
-            return count_near(picture, window.pixel(robot.x + 0.4, robot.y), RED, 8) > 10
-        picture = window.wait_for_picture('rviz_map', robot_seen, 'the red arrow of the robot')
-        for goal in self.lab.goals:
-            pixel = window.pixel(goal.x / 1000.0, goal.y / 1000.0)
-            if goal.name != '10':  # the robot stands there
-                self.assertGreater(count_near(picture, pixel, GREEN), 60, f'goal {goal.name}')
+    def test_01_the_map_the_graph_and_the_robot_are_to_be_seen(self):
+        self.assertGreaterEqual(len(self.lab.forbidden_areas), 3)
         for name in self.names.messages[-1].markers:
-            place = name.pose.position
+            if name.text:
+                self.assertLess(name.pose.position.x, self.place(name.text)[0],
+                                f'{name.text} stands at the left')
+        self.window.wait_for_picture('rviz_map', self.missing_of_the_map, timeout=60.0)
+
+    def missing_of_the_map(self, picture) -> list:
+        """What of the map, the graph and the robot is not to be seen in a picture."""
+        def colour_at(x: float, y: float, colour: tuple, *reach) -> int:
+            return count_near(picture, self.window.pixel(x, y), colour, *reach)
+
+        robot = self.poses.messages[-1].pose.position  # faces east, on goal 10
+        seen = {
+            'the red arrow of the robot': colour_at(robot.x + 0.4, robot.y, RED, 8) > 10,
+            'the body of the robot': colour_at(robot.x - 0.2, robot.y + 0.1, BODY, 3, 15.0) > 10,
+        }
+        for goal in self.lab.goals:
+            if goal.name != '10':  # the robot stands there
+                seen[f'the green of goal {goal.name}'] = colour_at(
+                    *self.place(goal.name), GREEN) > 60
+        for name in self.names.messages[-1].markers:
             if name.text not in ('', '10'):
-                pixel = window.pixel(place.x, place.y)
-                self.assertGreater(count_near(picture, pixel, WHITE, 9, 140), 2,
-                                   f'white name of {name.text}')
-                self.assertLess(pixel[0], self.at(name.text)[0], f'{name.text} stands at the left')
-        areas = [area.rectangle for area in self.lab.forbidden_areas]
-        self.assertGreaterEqual(len(areas), 3)
-        for area in areas:
+                place = name.pose.position
+                seen[f'the white name of {name.text}'] = colour_at(
+                    place.x, place.y, WHITE, 9, 140) > 2
+        for area in (area.rectangle for area in self.lab.forbidden_areas):
             inside = 0.85 * area.corners + 0.15 * area.corners.mean(axis=0)
-            orange = sum(orange_near(picture, window.pixel(x / 1000.0, y / 1000.0)) > 0
+            orange = sum(orange_near(picture, self.window.pixel(x / 1000.0, y / 1000.0)) > 0
                          for x, y in inside)  # a wrong rotation would leave two at most
-            self.assertGreaterEqual(orange, 3, f'orange at the corners of {area}')
+            seen[f'orange at the corners of {area}'] = orange >= 3
         middle = [(a + b) / 2 for a, b in zip(self.place('26'), self.place('14'))]
-        self.assertGreater(count_near(picture, window.pixel(*middle), VIOLET, 8), 6,
-                           'the edge from vertex 26 to 14')
+        seen['the edge from vertex 26 to 14'] = colour_at(*middle, VIOLET, 8) > 6
         blue = sum(count_near(picture, (x, 466), LIGHT_BLUE, 32) for x in range(100, 1240, 64))
-        self.assertGreater(blue, 20, 'light blue laser points in the corridor')
+        seen['light blue laser points in the corridor'] = blue > 20
+        return [what for what, is_seen in seen.items() if not is_seen]
 
     # Act
 
-    def test_2_a_click_with_publish_point_drives_to_the_goal(self):
+    def test_02_a_click_with_publish_point_drives_to_the_goal(self):
         self.window.tool('c')
         self.window.click(self.at('12'))
         self.robot_says('Going to 12')
@@ -173,14 +187,14 @@ class RvizTest(unittest.TestCase):
         self.assertTrue(self.robot_is_at(*self.place('12')), self.simulator.pose)
         self.assertEqual(['goto 12'], self.sent())
 
-    def test_3_a_click_on_a_handle_goes_once_and_its_menu_stops(self):
+    def test_03_a_click_on_a_handle_goes_once_and_its_menu_stops(self):
         self.window.click_handle(self.at('26'))
         self.robot_says('Going to 26')
-        self.window.choose_from_menu(self.at('41'), STOP_ENTRY)
+        self.window.choose_from_menu(self.at('32'), GOAL_MENU, Action.STOP)
         self.robot_says('Stopped')
         self.assertEqual(['goto 26', 'stop'], self.sent())
 
-    def test_4_the_handle_on_the_robot_stops_it(self):
+    def test_04_the_handle_on_the_robot_stops_it(self):
         self.window.click_handle(self.at('8'))
         self.robot_says('Going to 8')
 
@@ -188,10 +202,20 @@ class RvizTest(unittest.TestCase):
             here = self.poses.messages[-1].pose.position
             self.window.click(self.window.pixel(here.x, here.y))
             return 'stop' in self.sent()
-        wait_until(stop_is_sent, 30.0, 'a click on the robot sends stop')
+        wait_until(stop_is_sent, 60.0, 'a click on the robot sends stop')
         self.robot_says('Stopped')
 
-    def test_5_2d_nav_goal_drives_to_a_pose(self):
+    def test_05_the_menu_of_a_goal_goes_there_and_tells_the_robot_where_it_is(self):
+        self.window.choose_from_menu(self.at('10'), GOAL_MENU, Action.GO)
+        self.robot_says('Arrived at 10')
+        self.window.choose_from_menu(self.at('22'), GOAL_MENU, Action.LOCALIZE)
+        wait_until(lambda: self.robot_believes_to_be_at('22'), 30.0, 'the robot is led astray')
+        self.window.choose_from_menu(self.at('10'), GOAL_MENU, Action.LOCALIZE)
+        wait_until(lambda: self.robot_believes_to_be_at('10'), 30.0, 'the robot is set right')
+        self.assertEqual(['goto', 'localizeToPoint', 'localizeToPoint'],
+                         [command.split()[0] for command in self.sent()])
+
+    def test_06_2d_nav_goal_drives_to_a_pose(self):
         x, y = -6.0, 0.0
         self.window.tool('g')
         self.window.drag(self.window.pixel(x, y), self.window.pixel(x, y + 2.0))
@@ -199,7 +223,7 @@ class RvizTest(unittest.TestCase):
         self.robot_says('Arrived at')
         wait_until(lambda: abs(self.simulator.pose[2] - 90.0) < 5.0, 10.0, 'the robot faces north')
 
-    def test_6_2d_pose_estimate_relocalises(self):
+    def test_07_2d_pose_estimate_relocalises(self):
         x, y, heading = self.simulator.pose
         x, y = x / 1000.0, y / 1000.0
         ahead = (x + 2.0 * math.cos(math.radians(heading)),
@@ -208,20 +232,33 @@ class RvizTest(unittest.TestCase):
         self.window.drag(self.window.pixel(x, y), self.window.pixel(*ahead))
         self.robot_says('Localized to point')
 
-    def test_7_a_click_on_the_dock_docks(self):
+    def test_08_a_click_on_the_dock_docks_and_the_robots_menu_undocks(self):
         self.window.tool('c')
         self.window.click(self.at('16'))
         self.robot_says('DockingState: Docked', timeout=120.0)
         self.assertEqual(['dock'], self.sent())
         self.told('Docked')
+        here = self.poses.messages[-1].pose.position
+        self.window.choose_from_menu(self.window.pixel(here.x, here.y), ROBOT_MENU, Action.UNDOCK)
+        self.robot_says('DockingState: Undocked')
+        self.assertEqual(['dock', 'undock'], self.sent())
 
-    def test_8_a_route_shows_what_is_done_current_and_coming(self):
+    def test_09_the_menu_of_the_dock_docks(self):
+        self.window.tool('c')  # away from the dock: the robot's handle lies above the dock's
+        self.window.click(self.at('1'))
+        self.robot_says('Arrived at 1')
+        self.window.choose_from_menu(self.at('16'), DOCK_MENU, Action.DOCK)
+        self.robot_says('DockingState: Docked')
+        self.assertEqual(['goto 1', 'dock'], self.sent())
+
+    def test_10_a_route_shows_what_is_done_current_and_coming(self):
         self.routes.publish(TargetRoute(route_id=7, edges=list(ROUTE)))
-
-        def in_three_colours(picture) -> bool:
-            return all(self.seen_on_route(picture, colour) for colour in (DONE_GREEN, YELLOW, BLUE))
-        self.window.wait_for_picture('rviz_route', in_three_colours,
-                                     'edges done, current and coming', timeout=90.0)
+        colours = {'done': DONE_GREEN, 'current': YELLOW, 'coming': BLUE}
+        self.window.wait_for_picture(
+            'rviz_route', lambda picture: [f'an edge that is {state}' for state, colour
+                                           in colours.items()
+                                           if not self.seen_on_route(picture, colour)],
+            timeout=90.0)
         self.window.tool('c')
         self.window.click(self.at('39'))
         self.told('the fleet drives route 7')
@@ -229,17 +266,19 @@ class RvizTest(unittest.TestCase):
 
     # Know
 
-    def test_9_a_dead_link_is_told_and_nothing_stays_behind(self):
+    def test_11_a_dead_link_is_told_and_nothing_stays_behind(self):
         here = self.poses.messages[-1].pose.position
         RvizTest.simulator.stop()
         RvizTest.simulator = None
         pixel = self.window.pixel(here.x, here.y)
 
-        def robot_is_gone(picture) -> bool:
+        def missing(picture) -> list:
             banner = sum(count_near(picture, (x, 98), FAILURE, 20) for x in range(200, 1100, 41))
-            return count_near(picture, pixel, RED, 20) == 0 and banner > 50
-        self.window.wait_for_picture('rviz_dead_link', robot_is_gone,
-                                     'no arrow, and the banner in red', timeout=30.0)
+            seen = {'the banner in red': banner > 50,
+                    'a place without the arrow': count_near(picture, pixel, RED, 20) == 0,
+                    'a place without the body': count_near(picture, pixel, BODY, 12, 15.0) == 0}
+            return [what for what, is_seen in seen.items() if not is_seen]
+        self.window.wait_for_picture('rviz_dead_link', missing)
 
 
 if __name__ == '__main__':

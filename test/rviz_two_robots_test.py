@@ -18,8 +18,9 @@ from system_support import Recorder, skip, wait_until
 
 LAB = rospkg.RosPack().get_path('omron_ld90') + '/../../maps/lab.map'
 SCALE = 38.0  # pixels per metre in rviz/two_robots.rviz
-MIDDLE = (640, 440)  # between goals
-FIRST_TOOLS = range(200, 480, 40)  # where on the toolbar the two Publish Point tools are
+MIDDLE = (640, 440)  # between goals; the map's x is 0 there
+TOOLS = range(200, 480, 40)  # where on the toolbar the two Publish Point tools are
+APART = 8  # pixels between the clicks that find them
 ROBOTS = ('robot_a', 'robot_b')
 OUTER_RING = 0.45  # m from a goal: inside robot_b's handle, outside robot_a's
 
@@ -64,22 +65,24 @@ class TwoRobotsTest(unittest.TestCase):
 
     @classmethod
     def find_the_tools(cls) -> None:
-        """The toolbar's tools are tried from the left, with clicks where no goal is."""
+        """The toolbar's tools are tried from the left, with clicks where no goal is.
+
+        Each is tried at a pixel of its own: where a click landed tells whose tool it was,
+        however late it came.
+        """
         cls.tools = {}
 
         def both_found() -> bool:
-            for x in FIRST_TOOLS:
-                before = {robot: len(cls.clicks[robot].messages) for robot in ROBOTS}
+            for number, x in enumerate(TOOLS):
                 cls.window.tool_at(x)
-                cls.window.click(MIDDLE)
-                cls.window.picture('rviz_two_robots')
-                for robot in ROBOTS:
-                    if len(cls.clicks[robot].messages) > before[robot]:
-                        cls.tools.setdefault(robot, x)
+                cls.window.click((MIDDLE[0] + number * APART, MIDDLE[1]))
+            for robot in ROBOTS:
+                for click in cls.clicks[robot].messages[-1:]:
+                    cls.tools[robot] = TOOLS[round(click.point.x * SCALE / APART)]
             return len(cls.tools) == 2
         wait_until(both_found, 60.0, 'a Publish Point tool for each robot')
         point = cls.clicks['robot_a'].messages[-1].point
-        cls.window.calibrate(MIDDLE, (point.x, point.y))
+        cls.window.calibrate((MIDDLE[0] + round(point.x * SCALE), MIDDLE[1]), (point.x, point.y))
 
     @classmethod
     def tearDownClass(cls) -> None:

@@ -19,6 +19,7 @@ from typing import Dict, List, NamedTuple
 from rviz_support import Screen, missing_programs
 from stack import cpu_seconds, descendants
 
+from omron_ld90.nodes.rviz_view import rendering_arguments
 from system_support import free_port
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -45,8 +46,9 @@ def measure(screen: Screen, stack: int, configuration: str, frame_rate: int) -> 
         environment = {**screen.environment, 'ROS_NAMESPACE': 'omron_ld90', 'GALLIUM_HUD': 'fps',
                        'GALLIUM_HUD_PERIOD': '1', 'GALLIUM_HUD_VISIBLE': 'false',
                        'GALLIUM_HUD_DUMP_DIR': folder}
-        rviz = subprocess.Popen(['rviz', '-d', str(path), '__name:=rviz'], env=environment,
-                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        rviz = subprocess.Popen(
+            ['rviz', '-d', str(path), *rendering_arguments(), '__name:=rviz'], env=environment,
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         try:
             time.sleep(SETTLE)
             drawn = len(frames_in(folder))

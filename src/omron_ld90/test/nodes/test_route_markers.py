@@ -59,6 +59,12 @@ def test_each_vertex_shows_its_id_and_the_dock_and_the_ends_have_more_rings(grap
     assert [len(radii[vertex]) for vertex in (1, 2, 3)] == [3, 1, 2]
 
 
+def test_an_id_that_the_map_shows_already_is_not_drawn_twice(graph):
+    named = {'1': (0.1, 0.0), '2': (0.0, 0.0), 'charger': (8.0, 2.0)}  # 2 stands elsewhere
+    array = graph_markers(graph, 1, 'map', named)
+    assert [marker.text for marker in of(array, 'vertex_ids')] == ['2', '3']
+
+
 def test_what_is_done_current_and_coming_differs_in_colour(graph):
     route = [EdgeProgress(1, COMPLETE), EdgeProgress(2, PROCESSING), EdgeProgress(-2, PROCESSING)]
     array = route_markers(graph, route, 'map')

@@ -39,8 +39,8 @@ def test_the_displays_of_the_contract_are_there():
     assert shown >= {
         'map', 'map_markers/points', 'map_markers/lines', 'map_markers/goals', 'map_markers/docks',
         'map_markers/goal_names', 'map_markers/goal_headings', 'map_markers/forbidden_areas',
-        'laser_markers', 'graph_markers', 'route_markers', 'status_markers', 'driven_path',
-        'feedback_markers', 'interactive_goals/update', 'robot_description',
+        'map_markers/sectors', 'laser_markers', 'graph_markers', 'route_markers', 'status_markers',
+        'driven_path', 'feedback_markers', 'interactive_goals/update', 'robot_description',
         'clicked_point', 'move_base_simple/goal', 'initialpose'}
 
 

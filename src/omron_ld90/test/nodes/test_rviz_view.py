@@ -1,13 +1,14 @@
 """RViz opens on the map, wherever and however large it is."""
 from __future__ import annotations
 
+import fnmatch
 from pathlib import Path
 
 import pytest
 import yaml
 
 from omron_ld90.maps import MapDocument
-from omron_ld90.nodes.rviz_view import HEIGHT, WIDTH, View, configuration_for
+from omron_ld90.nodes.rviz_view import HEIGHT, WIDTH, View, configuration_for, rendering_arguments
 
 REPOSITORY = Path(__file__).resolve().parents[4]
 SHIPPED = (REPOSITORY / 'rviz/omron_ld90.rviz').read_text()
@@ -45,3 +46,15 @@ def test_only_the_view_is_changed():
 
 def test_a_map_without_points_and_lines_leaves_the_view_alone():
     assert configuration_for(MapDocument.from_bytes(b'2D-Map\nDATA\n'), SHIPPED) is None
+
+
+def test_where_a_program_draws_anti_aliasing_is_left_out(monkeypatch):
+    monkeypatch.setenv('LIBGL_ALWAYS_SOFTWARE', '1')
+    assert rendering_arguments() == ['--disable-anti-aliasing']
+
+
+@pytest.mark.parametrize('device', ['/dev/dri/card0', '/dev/nvidia0'])
+def test_a_graphics_card_draws_as_well_as_it_can(monkeypatch, device):
+    monkeypatch.delenv('LIBGL_ALWAYS_SOFTWARE', raising=False)
+    monkeypatch.setattr('glob.glob', lambda pattern: fnmatch.filter([device], pattern))
+    assert rendering_arguments() == []

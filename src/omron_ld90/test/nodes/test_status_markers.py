@@ -6,6 +6,7 @@ import math
 import pytest
 import rospy
 from geometry_msgs.msg import Pose
+from visualization_msgs.msg import Marker
 
 from omron_ld90.nodes.status_markers import (
     CARE,
@@ -69,10 +70,10 @@ def test_a_broken_link_is_told_with_its_reason():
     assert told.paint is WRONG
 
 
-def shown(alive: bool, destination=None) -> dict:
+def shown(alive: bool, destination=None, body=()) -> dict:
     pose = Pose()
     pose.position.x, pose.orientation.w = 2.0, 1.0
-    array = status_markers('map', words(status()), (0.0, 10.0), pose, alive, destination)
+    array = status_markers('map', words(status()), (0.0, 10.0), pose, alive, destination, body)
     return {marker.ns: marker for marker in array.markers}
 
 
@@ -86,6 +87,12 @@ def test_a_robot_that_is_gone_is_no_arrow_but_a_note_where_it_was_last_seen():
     assert markers['last_seen'].pose.position.x == 2.0
 
 
+def test_only_a_robot_that_is_there_has_a_body():
+    assert 'body' in shown(alive=True, body=[Marker(ns='body')])
+    assert 'body' not in shown(alive=False, body=[Marker(ns='body')])
+
+
 def test_everything_goes_away_by_itself():
     for alive in (True, False):
-        assert {marker.lifetime for marker in shown(alive).values()} == {rospy.Duration(LIFETIME)}
+        markers = shown(alive, body=[Marker(ns='body')])
+        assert {marker.lifetime for marker in markers.values()} == {rospy.Duration(LIFETIME)}

@@ -1,7 +1,8 @@
 """The trajectory graph and the route on it, as RViz draws them. Metres, in the map frame."""
 from __future__ import annotations
 
-from typing import List, Optional, Sequence
+import math
+from typing import List, Mapping, Optional, Sequence
 
 from geometry_msgs.msg import Point
 from visualization_msgs.msg import Marker, MarkerArray
@@ -14,6 +15,7 @@ STEP = 0.1  # m between the points of a drawn curve
 GRAPH_Z, ROUTE_Z = 0.02, 0.03
 EDGE_WIDTH, ROUTE_WIDTH = 0.03, 0.09
 RING, END_RING, DOCK_RING = 0.22, 0.29, 0.36  # m, radii around vertices
+NAMED_WITHIN = 0.3  # m from a vertex: what stands there names it
 GRAPH = drawing.colour(0.74, 0.68, 1.0)
 CURRENT = drawing.colour(1.0, 0.85, 0.15)
 COMING = drawing.colour(0.30, 0.60, 1.0)
@@ -23,10 +25,12 @@ ENDED = {
 }
 
 
-def graph_markers(graph: Optional[Graph], dock_vertex: int, frame: str) -> MarkerArray:
+def graph_markers(graph: Optional[Graph], dock_vertex: int, frame: str,
+                  named: Optional[Mapping[str, drawing.XY]] = None) -> MarkerArray:
     """Edges as their curves with an arrowhead from origin to destination, vertices with their ids.
 
-    A vertex is a ring, an end vertex two, the dock three.
+    A vertex is a ring, an end vertex two, the dock three. `named` are the places (m) of the map's
+    goals and docks by name: where one of them shows a vertex's id already, it is not drawn twice.
     """
     if graph is None:
         return drawing.complete([])
@@ -46,6 +50,9 @@ def graph_markers(graph: Optional[Graph], dock_vertex: int, frame: str) -> Marke
             radii.append(DOCK_RING)
         for radius in radii:
             rings.points += drawing.segments(drawing.circle(vertex.position, radius), GRAPH_Z)
+        goal = (named or {}).get(str(vertex.id))
+        if goal and math.hypot(goal[0] - vertex.x, goal[1] - vertex.y) <= NAMED_WITHIN:
+            continue
         place = (vertex.x + radii[-1] + 0.12, vertex.y - radii[-1] - 0.05)  # off most edges
         names.append(drawing.text(frame, 'vertex_ids', str(vertex.id), place, 0.3, GRAPH,
                                   vertex.id, z=0.5))

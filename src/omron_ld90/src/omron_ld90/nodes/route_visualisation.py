@@ -12,9 +12,10 @@ Subscribes
 Publishes
     graph_markers (visualization_msgs/MarkerArray, latched, complete): the trajectory graph
     route_markers (visualization_msgs/MarkerArray, latched, complete): the route, by state
-    status_markers (visualization_msgs/MarkerArray): arrow, destination, words; short-lived
+    status_markers (visualization_msgs/MarkerArray): body, arrow, destination, words; short-lived
     driven_path (nav_msgs/Path, latched): where the robot drove
 Parameters
+    robot_description  (URDF of the body, in the robot's namespace; without it no body is shown)
     ~graph_file   string  (empty)  trajectory graph (YAML); empty: no graph and no route is shown
     ~dock_vertex  int     16       id of the graph's dock vertex
     ~map_frame    string  map
@@ -28,18 +29,20 @@ from __future__ import annotations
 import math
 import threading
 import time
-from typing import Dict, Optional
+import xml.etree.ElementTree as ElementTree
+from typing import Dict, List, Optional
 
 import rospy
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import MapMetaData, Path
 from std_msgs.msg import String
-from visualization_msgs.msg import MarkerArray
+from visualization_msgs.msg import Marker, MarkerArray
 
 from itrci_nav_msgs.msg import ExecutionRouteStates
 from omron_ld90 import arcl
 from omron_ld90.maps import MapDocument, MapError
 from omron_ld90.nodes import drawing, startup
+from omron_ld90.nodes.body_markers import body_markers
 from omron_ld90.nodes.goal_clicks import TargetKind, targets_of
 from omron_ld90.nodes.route_markers import graph_markers, route_markers
 from omron_ld90.nodes.route_watch import EdgeProgress, RouteView
@@ -63,6 +66,7 @@ class RouteVisualisation:
         self._path_step = startup.number('~path_step', 0.1, 0.01, 10.0)
         self._row = startup.parameter('~status_row', 0, int)
         self._graph = _graph_of(startup.parameter('~graph_file', ''))
+        self._body = _body_of(startup.parameter('robot_description', ''))
 
         self._lock = threading.Lock()
         self._status: Optional[RobotStatus] = None
@@ -84,7 +88,7 @@ class RouteVisualisation:
         self._publish_path = rospy.Publisher('driven_path', Path, queue_size=2, latch=True)
         self._publish_graph = rospy.Publisher(
             'graph_markers', MarkerArray, queue_size=1, latch=True)
-        self._publish_graph.publish(graph_markers(self._graph, self._dock_vertex, self._frame))
+        self._show_graph({})
         self._publish_route.publish(route_markers(self._graph, (), self._frame))
         for topic, message, callback in (
                 ('map_file', String, self._on_map),
@@ -98,10 +102,11 @@ class RouteVisualisation:
         self._timer = rospy.Timer(rospy.Duration(1.0), self._on_timer)
 
     def _on_map(self, message: String) -> None:
-        goals, dock = {}, None
+        goals, dock, named = {}, None, {}
         if message.data:
             try:
                 for target in targets_of(MapDocument.load(message.data)):
+                    named[target.name] = (target.x, target.y)
                     if target.kind is TargetKind.DOCK:
                         dock = dock or (target.x, target.y)
                     else:
@@ -109,11 +114,16 @@ class RouteVisualisation:
             except MapError as error:
                 rospy.logerr('Destinations are not shown: %s', error)
         with self._lock:
+            self._show_graph(named)
             self._goals, self._dock = goals, dock
             if message.data != self._map_file:  # another map: the path was not driven on it
                 self._map_file = message.data
                 self._path.poses = []
                 self._publish_path.publish(self._path)
+
+    def _show_graph(self, named: Dict[str, drawing.XY]) -> None:
+        self._publish_graph.publish(
+            graph_markers(self._graph, self._dock_vertex, self._frame, named))
 
     def _on_metadata(self, metadata: MapMetaData) -> None:
         origin = metadata.origin.position
@@ -172,7 +182,7 @@ class RouteVisualisation:
         pose = self._status.pose if self._status and self._status.has_pose else None
         self._publish_status.publish(status_markers(
             self._frame, words, self._banner_at, pose, silent_for <= self._silence,
-            self._destination()))
+            self._destination(), self._body))
 
     def _destination(self) -> Optional[drawing.XY]:
         if self._status is None:
@@ -193,6 +203,15 @@ def _graph_of(path: str) -> Optional[Graph]:
         return load_graph(path)
     except TrajectoryGraphError as error:
         raise startup.ConfigurationError(f'~graph_file: {error}') from error
+
+
+def _body_of(urdf: str) -> List[Marker]:
+    try:
+        return body_markers(urdf) if urdf else []
+    except (ElementTree.ParseError, KeyError, ValueError) as error:
+        raise startup.ConfigurationError(
+            f'robot_description is no URDF that can be drawn ({error}). Correct it, or leave it '
+            'out.') from error
 
 
 def main() -> None:

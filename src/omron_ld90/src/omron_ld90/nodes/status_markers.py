@@ -1,4 +1,4 @@
-"""The robot's state as RViz shows it: a red arrow, its destination, a line of words.
+"""The robot's state as RViz shows it: body, red arrow, destination, a line of words.
 
 Everything lives for `LIFETIME` and is sent again before that, so that nothing stays behind when the
 robot, its link or this program is gone. Metres, in the map frame.
@@ -6,7 +6,7 @@ robot, its link or this program is gone. Metres, in the map frame.
 from __future__ import annotations
 
 import math
-from typing import List, NamedTuple, Optional, Tuple
+from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 import rospy
 from geometry_msgs.msg import Pose
@@ -23,7 +23,7 @@ WELL = drawing.colour(0.92, 0.94, 0.97)
 CARE = drawing.colour(1.0, 0.80, 0.25)
 WRONG = drawing.colour(1.0, 0.38, 0.30)
 LOW_BATTERY = 0.2
-BODY = (0.80, 0.60, 0.40)  # m, covers the robot's body
+GHOST_SIZE = (0.70, 0.50, 0.40)  # m, the robot's
 LINK_WORDS = {
     LinkState.DISCONNECTED: 'not connected',
     LinkState.CONNECTING: 'connecting',
@@ -85,20 +85,21 @@ def _doing(status: RobotStatus) -> str:
 
 
 def status_markers(frame: str, words: Words, banner_at: drawing.XY, pose: Optional[Pose],
-                   alive: bool, destination: Optional[Tuple[float, float]]) -> MarkerArray:
-    """The words at `banner_at`; the robot's arrow, or a grey patch where it was last seen."""
+                   alive: bool, destination: Optional[Tuple[float, float]],
+                   body: Sequence[Marker] = ()) -> MarkerArray:
+    """The words at `banner_at`; the robot's body and arrow, or a grey patch: last seen here."""
     markers = [drawing.text(frame, 'status', words.text, banner_at, 0.42, words.paint)]
     if pose is not None and alive:
         arrow = drawing.shape(Marker.ARROW, frame, 'robot', ARROW, (0.9, 0.18, 0.1))
         arrow.pose = Pose(position=pose.position, orientation=pose.orientation)
         arrow.pose.position.z = 0.45
-        markers.append(arrow)
+        markers += [arrow, *body]
         if destination is not None:
             markers += _destination(frame, destination)
     elif pose is not None:
-        ghost = drawing.shape(Marker.CUBE, frame, 'last_seen', GHOST, BODY)
+        ghost = drawing.shape(Marker.CUBE, frame, 'last_seen', GHOST, GHOST_SIZE)
         ghost.pose = Pose(position=pose.position, orientation=pose.orientation)
-        ghost.pose.position.z = BODY[2] / 2
+        ghost.pose.position.z = GHOST_SIZE[2] / 2
         place = (pose.position.x, pose.position.y - 0.75)
         markers += [ghost, drawing.text(frame, 'last_seen_words', 'last seen here', place, 0.34,
                                         WRONG)]
