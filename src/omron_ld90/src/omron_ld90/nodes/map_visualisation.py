@@ -116,7 +116,7 @@ class MapVisualisation:
         self._diagnostics = Updater()
         self._diagnostics.setHardwareID('none')
         self._diagnostics.add('map', self._diagnose)
-        rospy.Timer(rospy.Duration(1.0), lambda event: self._diagnostics.update())
+        rospy.Timer(rospy.Duration(1.0), lambda event: self._diagnostics.force_update())
 
     def _follow_file(self, path: str, made_from: Tuple[str, ...]) -> None:
         """Show the first map, then each new one; a map that cannot be shown is waited for."""

@@ -81,7 +81,7 @@ class RobotStatePublisher:
         self._diagnostics.setHardwareID(namespace or 'none')
         self._diagnostics.add('locations', self._diagnose)
         self._diagnostics_timer = rospy.Timer(
-            rospy.Duration(1.0), lambda _event: self._diagnostics.update())
+            rospy.Duration(1.0), lambda _event: self._diagnostics.force_update())
         self._subscriber = rospy.Subscriber(
             'robot_status', RobotStatus, self._on_status, queue_size=10, tcp_nodelay=True)
 
