@@ -47,7 +47,7 @@ virtual_environment() {
 
 find_python38() {
   local candidate
-  for candidate in python3.8 "$HOME"/.pyenv/versions/3.8*/bin/python3.8; do
+  for candidate in python3.8 "${HOME:-/root}"/.pyenv/versions/3.8*/bin/python3.8; do
     if "$candidate" -c '' 2>/dev/null; then echo "$candidate"; return; fi
   done
 }
