@@ -26,8 +26,8 @@ for arg in "$@"; do
   grep -q "<arg name=\"$name\"" "$root/launch/full_stack.launch" ||
     die "there is no argument '$name'; scripts/run.sh --help lists them"
   case "$name" in
-    # Nodes run in another folder, so files are made absolute here.
-    *_file | *_map | *_config) [ -z "$value" ] || value="$(realpath -m -- "$value")" ;;
+    # Nodes run in another folder, so files are made absolute here; after := the shell leaves ~ alone.
+    *_file | *_map | *_config) [ -z "$value" ] || value="$(realpath -m -- "${value/#\~\//$HOME/}")" ;;
   esac
   given[$name]="$value"
   args+=("$name:=$value")

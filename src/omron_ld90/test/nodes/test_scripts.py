@@ -44,6 +44,15 @@ def test_an_argument_that_no_launch_file_knows_is_refused(tmp_path):
     assert "no argument 'map_fle'" in result.stdout
 
 
+def test_files_are_found_from_any_folder_and_in_the_home_folder(tmp_path, monkeypatch):
+    monkeypatch.setenv('HOME', str(tmp_path))
+    monkeypatch.setenv('ROS_MASTER_URI', 'nowhere')  # so that roslaunch gives up at once
+    result = run('sim:=false', 'map_file:=site.map', 'password_file:=~/secret', folder=tmp_path)
+    assert result.returncode != 0
+    assert f'map_file:={tmp_path}/site.map' in result.stdout
+    assert f'password_file:={tmp_path}/secret' in result.stdout
+
+
 def test_help_lists_the_arguments():
     result = run('--help')
     assert result.returncode == 0
