@@ -8,7 +8,14 @@ import pytest
 import yaml
 
 from omron_ld90.maps import MapDocument
-from omron_ld90.nodes.rviz_view import HEIGHT, WIDTH, View, configuration_for, rendering_arguments
+from omron_ld90.nodes.rviz_view import (
+    HEIGHT,
+    WIDTH,
+    View,
+    check_display,
+    configuration_for,
+    rendering_arguments,
+)
 
 REPOSITORY = Path(__file__).resolve().parents[4]
 SHIPPED = (REPOSITORY / 'rviz/omron_ld90.rviz').read_text()
@@ -58,3 +65,9 @@ def test_a_graphics_card_draws_as_well_as_it_can(monkeypatch, device):
     monkeypatch.delenv('LIBGL_ALWAYS_SOFTWARE', raising=False)
     monkeypatch.setattr('glob.glob', lambda pattern: fnmatch.filter([device], pattern))
     assert rendering_arguments() == []
+
+
+def test_without_a_display_a_sentence_says_so(monkeypatch):
+    monkeypatch.setenv('DISPLAY', ':12345')
+    with pytest.raises(SystemExit, match='there is no X display ":12345"'):
+        check_display()

@@ -9,6 +9,7 @@ RViz.
 """
 from __future__ import annotations
 
+import ctypes
 import glob
 import os
 import re
@@ -78,8 +79,17 @@ def rendering_arguments() -> List[str]:
     return ['--disable-anti-aliasing'] if software else []
 
 
+def check_display() -> None:
+    """Ends the program with a sentence where no window can be opened: Qt speaks in riddles."""
+    if not ctypes.CDLL('libX11.so.6').XOpenDisplay(None):
+        display = os.environ.get('DISPLAY', '')
+        sys.exit(f'RViz is not opened: there is no X display "{display}". Set DISPLAY, or open '
+                 'RViz on another computer; everything else runs without it.')
+
+
 def main() -> None:
     """Become RViz."""
+    check_display()
     map_file, path, *arguments = sys.argv[1:]
     try:
         with open(path, encoding='utf-8') as file:
