@@ -1,8 +1,12 @@
-"""What hangs on the robot: inputs, outputs, application faults and clients' notes."""
+"""What hangs on the robot: inputs, outputs, payload, application faults and clients' notes."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Dict, Tuple
+from typing import Dict, Optional, Tuple
+
+from omron_ld90_sim.external_io import IoSet
+
+SLOTS = 4       # payload slots of a robot that is not configured otherwise (I617-E-02 p. 48)
 
 
 @dataclass(frozen=True)
@@ -38,6 +42,14 @@ class AnalogInput:
         return round((self.voltage - self.least) / (self.most - self.least) * self.most_raw)
 
 
+@dataclass(frozen=True)
+class Load:
+    """What lies in a payload slot, and since when (`MM/DD/YYYY hh:mm:ss`)."""
+
+    text: str
+    since: str
+
+
 def _switches(name: str) -> Dict[str, bool]:
     return {f'{name}_{n}': False for n in range(1, 5)}
 
@@ -53,3 +65,14 @@ class Equipment:
         default_factory=lambda: {'Analog_1': AnalogInput(voltage=2.5)})
     faults: Dict[str, ApplicationFault] = field(default_factory=dict)
     infos: Dict[str, Tuple[int, str]] = field(default_factory=dict)  # name -> longest value, value
+    io_sets: Dict[str, IoSet] = field(default_factory=dict)     # external I/O, name in lower case
+    slots: Dict[int, Optional[Load]] = field(
+        default_factory=lambda: dict.fromkeys(range(1, SLOTS + 1)))
+
+    def load(self, slot: int, text: str, since: str) -> None:
+        """Something lies in a slot from now on."""
+        self.slots[slot] = Load(text, since)
+
+    def unload(self, slot: int) -> None:
+        """A slot is empty again."""
+        self.slots[slot] = None

@@ -205,15 +205,7 @@ class Faults:
 
         The robot's computer is gone for so long: no port, no connection, nothing runs.
         """
-        back = float(seconds)
-        self._server.online = False
-        self._server.drop_all(abort=True)
-        self._robot.halt()
-
-        def up() -> None:
-            self._server.online = True
-
-        self._server.clock.after(back, up)
+        self._server.restart(float(seconds), abort=True)
 
     def outgoing(self, action: str) -> None:
         """outgoing on|off

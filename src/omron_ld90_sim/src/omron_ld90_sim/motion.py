@@ -141,6 +141,12 @@ class Base:
             slowest, fastest = (middle, fastest) if fits(middle) else (slowest, middle)
         return max(slowest, min(CREEP, now))
 
+    @property
+    def distance_left(self) -> float:
+        """Way (mm) of the manoeuvres that are left to do."""
+        tracks = [part for part in self._queue if isinstance(part, Track)]
+        return sum(track.length for track in tracks) - (self._place if self.track else 0.0)
+
     def stopping_distance(self) -> float:
         """How far (mm) the base drives on when it brakes now."""
         return self.speed * self.speed / (2.0 * self.limits.deceleration) + self.speed * STEP

@@ -26,6 +26,7 @@ from omron_ld90_sim.odometer import Odometer
 from omron_ld90_sim.places import docked_pose, start_places
 from omron_ld90_sim.planner import Planner
 from omron_ld90_sim.scanner import Scanner
+from omron_ld90_sim.state_times import StateTimes, WorkState
 from omron_ld90_sim.states import STANDING, Activity, DockingState, Failure, Motors
 from omron_ld90_sim.track import Manoeuvre
 
@@ -64,6 +65,7 @@ class Robot:
         self.base = Base(start or start_places(document, floor, [None])[0])
         self.docking = Docking(clock, self.base, battery, self._docking_changed)
         self.odometer = Odometer(self.base, clock)
+        self.state_times = StateTimes(clock, self.base)
         self.navigation = Navigation(self.base, floor)
         self._dock_at_start()
 
@@ -83,6 +85,7 @@ class Robot:
                     and abs(normalise(here.theta - inside.theta)) < 1.0):
                 self.docking.begin_docked()
                 self.status, self.extended = self.docking.line, 'Docked'
+                self._note_state()
 
     @property
     def floor(self) -> Floor:
@@ -117,7 +120,19 @@ class Robot:
     def _docking_changed(self) -> None:
         if self.docking.state is not DockingState.UNDOCKED:
             self.status = self.docking.line
+        self._note_state()
         self.announce(self.docking.line)
+
+    def _note_state(self) -> None:
+        """Something has changed that the data store counts."""
+        if self.motors in (Motors.ESTOP, Motors.RELIEVED):
+            state: Optional[WorkState] = WorkState.IN_ESTOP
+        elif any(kind == 'fault' for kind, _ in self.blocked_by):
+            state = WorkState.IN_FAULT
+        else:
+            state = {DockingState.DOCKING: WorkState.DOCKING,
+                     DockingState.DOCKED: WorkState.DOCKED}.get(self.docking.state)
+        self.state_times.enter(state)
 
     # -- activities --------------------------------------------------------------------------
 
@@ -213,6 +228,7 @@ class Robot:
         """Something forbids driving from now on; what runs is cancelled."""
         self.unblock(kind, name)
         self.blocked_by.append((kind, name))
+        self._note_state()
         if self.activity is not None:
             self.stop()
 
@@ -221,6 +237,7 @@ class Robot:
         known = (kind, name) in self.blocked_by
         if known:
             self.blocked_by.remove((kind, name))
+            self._note_state()
         return known
 
     def press_estop(self) -> None:
@@ -242,6 +259,7 @@ class Robot:
 
     def _set_motors(self, motors: Motors) -> None:
         self.motors = motors
+        self._note_state()
         self.status = self.extended = motors.value
         self.announce(motors.value)
 
@@ -251,6 +269,7 @@ class Robot:
             return False
         if self.motors is not Motors.ENABLED:
             self.motors = Motors.ENABLED
+            self._note_state()
             self.announce(Motors.ENABLED.value)
             self.announce_stopping()
         return True

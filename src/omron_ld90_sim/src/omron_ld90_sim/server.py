@@ -20,6 +20,7 @@ from omron_ld90.maps import MapDocument, MapError
 from omron_ld90_sim.clock import Clock, Ticker
 from omron_ld90_sim.commands import TABLE, Call, CommandFailed, SetUpError, help_lines
 from omron_ld90_sim.configuration import FILES, SERVER, Configuration
+from omron_ld90_sim.data_store import DataStore
 from omron_ld90_sim.floor import Floor
 from omron_ld90_sim.robot import Robot
 
@@ -149,9 +150,10 @@ class ArclServer:
 
     def __init__(self, clock: Clock, robot: Robot, password: str,
                  configuration: Optional[Configuration] = None,
-                 map_folder: Optional[Path] = None) -> None:
+                 map_folder: Optional[Path] = None, robot_name: str = 'robot') -> None:
         """`map_folder` is where the maps lie that `configAdd Map` may name."""
         self.clock, self.robot, self.password = clock, robot, password
+        self.robot_name = robot_name
         self.configuration = configuration or Configuration()
         self.map_folder = map_folder
         self.sessions: List[Session] = []
@@ -161,6 +163,7 @@ class ArclServer:
         self.outgoing_wanted = True     # off: the outgoing connection stays away
         self.log: Callable[[int, str, str], None] = lambda number, direction, text: None
         self.wall_time = time.localtime
+        self.data_store = DataStore(robot, lambda: self.wall_time())
         self._count = 0
         robot.announce = self.broadcast
         Ticker(clock, LEAST_TIMEOUT / 4, self._drop_silent)
@@ -190,10 +193,24 @@ class ArclServer:
             session.close(abort)
 
     def shut_down(self) -> None:
-        """Switches the robot's computer off: farewell, then nothing more."""
+        """Ends the server: farewell, then no port and no connection."""
         self.broadcast('Shutting down server')
         self.online = False
         self.drop_all()
+
+    def restart(self, seconds: float, abort: bool = False) -> None:
+        """The robot's software is gone for so long, with a farewell or without (`abort`)."""
+        if abort:
+            self.online = False
+            self.drop_all(abort)
+        else:
+            self.shut_down()
+        self.robot.halt()
+
+        def up() -> None:
+            self.online = True
+
+        self.clock.after(seconds, up)
 
     def _drop_silent(self) -> None:
         minutes = self.configuration.number(SERVER, 'SessionTimeoutMins')

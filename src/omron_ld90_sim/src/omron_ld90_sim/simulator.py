@@ -38,7 +38,7 @@ class Unit:
         self.name = spec.name
         self.robot = Robot(loop.clock, document, floor, place, seed, spec.battery,
                            arrival_error=arrival_error)
-        self.server = ArclServer(loop.clock, self.robot, password, settings, folder)
+        self.server = ArclServer(loop.clock, self.robot, password, settings, folder, spec.name)
         self.faults = Faults(self.server)
         self.autonomy = Autonomy(self.server)
         self.tcp = TcpServer(loop, self.server, host, spec.port)

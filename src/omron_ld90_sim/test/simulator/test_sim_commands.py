@@ -1,11 +1,10 @@
 """One transcript for each command: what is asked, and every line that comes back."""
 from __future__ import annotations
 
-import re
-from typing import List
-
 import pytest
 from sim_builders import Rig
+from sim_transcripts import check
+from test_sim_equipment import TRANSCRIPTS as EQUIPMENT
 
 from omron_ld90_sim.commands import TABLE
 from omron_ld90_sim.planner import Disc
@@ -210,19 +209,6 @@ LASTING = {
 }
 
 
-def agree(wanted: str, line: str) -> bool:
-    """Whether a line is as wanted: equal, or matching where `/.../` is given."""
-    if wanted.startswith('/'):
-        return re.fullmatch(wanted[1:-1], line) is not None
-    return wanted == line
-
-
-def check(wanted: List[str], lines: List[str]) -> None:
-    for number, (expected, line) in enumerate(zip(wanted, lines)):
-        assert agree(expected, line), f'line {number}: expected {expected!r}, got {line!r}'
-    assert len(lines) == len(wanted), f'expected {wanted}, got {lines}'
-
-
 @pytest.mark.parametrize('name', IMMEDIATE)
 def test_a_command_answers_as_the_robot_does(name: str) -> None:
     commands, wanted = IMMEDIATE[name]
@@ -242,7 +228,7 @@ def test_a_lasting_command_tells_its_course(name: str) -> None:
 
 def test_every_command_in_the_table_has_a_transcript() -> None:
     names = {row.name for row in TABLE.values()} - {'rangeDeviceList'}
-    assert names == set(IMMEDIATE) | set(LASTING)
+    assert names == set(IMMEDIATE) | set(LASTING) | set(EQUIPMENT)
 
 
 @pytest.mark.parametrize('name', [row.name for row in TABLE.values() if row.least])

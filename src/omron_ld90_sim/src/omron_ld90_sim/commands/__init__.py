@@ -5,9 +5,12 @@ What the facts call unknown is not here: the server answers `Unknown command`.
 from omron_ld90_sim.commands import (
     application_faults,
     configuration,
+    data_store,
     driving,
+    external_io,
     inputs_outputs,
     map_objects,
+    payload,
     session,
     state,
     tasks,
@@ -15,4 +18,5 @@ from omron_ld90_sim.commands import (
 from omron_ld90_sim.commands.table import TABLE, Call, CommandFailed, SetUpError, help_lines
 
 __all__ = ['TABLE', 'Call', 'CommandFailed', 'SetUpError', 'application_faults', 'configuration',
-           'driving', 'help_lines', 'inputs_outputs', 'map_objects', 'session', 'state', 'tasks']
+           'data_store', 'driving', 'external_io', 'help_lines', 'inputs_outputs', 'map_objects',
+           'payload', 'session', 'state', 'tasks']

@@ -1,0 +1,65 @@
+"""External I/O: named banks of inputs and outputs that a device elsewhere keeps up to date.
+
+Positions of bits and bytes count from 1, values are printed with a quarter as many hexadecimal
+digits as there are bits, rounded down, and more where they are needed: this is what all examples
+of ARCL manual I617-E-02 p. 82-101 have in common.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+MOST_BITS = 4096            # of one bank
+DECIMAL_BITS = 32           # a decimal value says nothing of the bits above
+
+
+@dataclass
+class Bank:
+    """The inputs or the outputs of one set."""
+
+    count: int
+    value: int = 0
+
+    @property
+    def text(self) -> str:
+        """The value in hexadecimal."""
+        return f'0x{self.value:0{self.count // 4}x}'
+
+    def update(self, value: int) -> None:
+        """Takes over a value, without the bits that the bank does not have."""
+        self.value = value & ((1 << self.count) - 1)
+
+    def set_bit(self, position: int, on: bool) -> None:
+        """Sets one bit; ValueError when the bank does not reach so far."""
+        self._set(position, 1, int(on))
+
+    def set_byte(self, position: int, value: int) -> None:
+        """Sets eight bits, or what there is of them; ValueError beyond the bank."""
+        self._set(position, 8, value)
+
+    def _set(self, position: int, width: int, value: int) -> None:
+        shift = (position - 1) * width
+        if not 0 <= shift < self.count:
+            raise ValueError(f'position {position} is not in a bank of {self.count}')
+        mask = ((1 << width) - 1) << shift
+        self.update(self.value & ~mask | value << shift)
+
+
+@dataclass
+class IoSet:
+    """A named pair of banks."""
+
+    name: str
+    inputs: Bank
+    outputs: Bank
+
+    def __str__(self) -> str:
+        return (f'{self.name} with {self.inputs.count} input(s), value = {self.inputs.text} and '
+                f'{self.outputs.count} output(s), value = {self.outputs.text}')
+
+
+def parse_value(text: str) -> int:
+    """`0x...` in full, a decimal number up to its 32 bits; ValueError for anything else."""
+    value = int(text, 16) if text.lower().startswith('0x') else int(text)
+    if value < 0:
+        raise ValueError(f"'{text}' is negative")
+    return value if text.lower().startswith('0x') else value & ((1 << DECIMAL_BITS) - 1)

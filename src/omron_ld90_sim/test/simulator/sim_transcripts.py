@@ -1,0 +1,19 @@
+"""Comparing what came over a session with what was to come."""
+from __future__ import annotations
+
+import re
+from typing import List, Sequence
+
+
+def agree(wanted: str, line: str) -> bool:
+    """Whether a line is as wanted: equal, or matching where `/.../` is given."""
+    if wanted.startswith('/'):
+        return re.fullmatch(wanted[1:-1], line) is not None
+    return wanted == line
+
+
+def check(wanted: Sequence[str], lines: List[str]) -> None:
+    """Asserts that every line is as wanted, and that there are no others."""
+    for number, (expected, line) in enumerate(zip(wanted, lines)):
+        assert agree(expected, line), f'line {number}: expected {expected!r}, got {line!r}'
+    assert len(lines) == len(wanted), f'expected {wanted}, got {lines}'
