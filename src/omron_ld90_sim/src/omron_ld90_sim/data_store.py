@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 DATE = '%a %b %d %H:%M:%S %Y'
 DOUBLE, LONG, TEXT = 'Double', 'Long long', 'String'
 RANGES = {DOUBLE: '0 inf', LONG: '0 9223372036854775807', TEXT: 'None None'}
-ANY_SIGN = '-inf inf'
+ANY_SIGN = '-2147483648 2147483647'
 HOUR = 3600.0
 CHARGE_NUMBERS = {state: number for number, state in enumerate(ChargeState)}
 JOB_COUNTS = ('CompletedJobs', 'CompletedJobSegments', 'CancelledJobs', 'CancelledJobSegments',
@@ -146,8 +146,8 @@ GROUPS: Tuple[Group, ...] = (
               lambda store: time.strftime(DATE, store.wall_time())),)),
     Group('JobCounts', 'Counts of jobs', 'Queuing Statistics', _counts(JOB_COUNTS)),
     Group('LaserLocalization', 'Localization with the laser', 'Robot', (
-        Field('LaserLocalizationScore', DOUBLE, 'Localization score, 0 to 1',
-              lambda store: store.robot.localization.score),)),
+        Field('LaserLocalizationScore', LONG, 'Localization score (percent)',
+              lambda store: round(store.robot.localization.score * 100.0), '0 100'),)),
     Group('LastTripReset', 'The last trip reset', 'Time', (
         Field('SecsSinceLastTripReset', LONG, 'Seconds since the last trip reset',
               lambda store: int(store.times.trip_seconds)),
@@ -160,8 +160,8 @@ GROUPS: Tuple[Group, ...] = (
         Field('Distance_to_goal', DOUBLE, 'Way left to the goal (mm)',
               lambda store: store.robot.base.distance_left),)),
     Group('RobotPose', 'Pose of the robot', 'Robot', (
-        Field('RobotX', DOUBLE, 'X (mm)', lambda store: store.robot.pose.x, ANY_SIGN),
-        Field('RobotY', DOUBLE, 'Y (mm)', lambda store: store.robot.pose.y, ANY_SIGN),
+        Field('RobotX', LONG, 'X (mm)', lambda store: round(store.robot.pose.x), ANY_SIGN),
+        Field('RobotY', LONG, 'Y (mm)', lambda store: round(store.robot.pose.y), ANY_SIGN),
         Field('RobotTh', DOUBLE, 'Heading (deg)', lambda store: store.robot.pose.theta,
               '-180 180'))),
     Group('SecondsSinceEpoch', 'Seconds since 1970', 'Time', (
@@ -179,6 +179,6 @@ GROUPS: Tuple[Group, ...] = (
           _counts(SEGMENT_COUNTS, 'Trip') + _state_fields(
               'Trip', lambda store, state: store.times.trip(state)), trip=True),
     Group('Velocities', 'Speeds of the robot', 'Robot', (
-        Field('TransVel', DOUBLE, 'Speed, forwards positive (mm/s)',
-              lambda store: store.speed(), ANY_SIGN),)),
+        Field('TransVel', LONG, 'Speed, forwards positive (mm/s)',
+              lambda store: round(store.speed()), ANY_SIGN),)),
 )

@@ -105,16 +105,19 @@ TRANSCRIPTS: Dict[str, List[List[str]]] = {
         'EndOfGetDataStoreGroupInfo', 'CommandError: dsgi Nothing',
         "CommandErrorDescription: No group 'Nothing'"]],
     'getDataStoreGroupValues': [['getDataStoreGroupValues RobotPose', 'dsgv datEandtime'], [
-        'GetDataStoreGroupValues: RobotX -3000.000', 'GetDataStoreGroupValues: RobotY 0.000',
+        'GetDataStoreGroupValues: RobotX -3000', 'GetDataStoreGroupValues: RobotY 0',
         'GetDataStoreGroupValues: RobotTh 0.000', 'EndOfGetDataStoreGroupValues',
         rf'/GetDataStoreGroupValues: DateAndTime {DATE}/', 'EndOfGetDataStoreGroupValues']],
     'getDataStoreFieldInfo': [['dsfi TransVel', 'dsfi RobotZ'], [
-        'GetDataStoreFieldInfo: Double TransVel Intermediate -inf inf '
+        'GetDataStoreFieldInfo: Long long TransVel Intermediate -2147483648 2147483647 '
         '"Speed, forwards positive (mm/s)" "" ""', 'EndOfGetDataStoreFieldInfo',
         'CommandError: dsfi RobotZ', "CommandErrorDescription: No field 'RobotZ'"]],
-    'getDataStoreFieldValues': [['dsfv parkingtime', 'dsfv modestatus'], [
+    'getDataStoreFieldValues': [['dsfv parkingtime', 'dsfv modestatus',
+                                 'dsfv LaserLocalizationScore'], [
         'GetDataStoreFieldValues: ParkingTime 0.000', 'EndOfGetDataStoreFieldValues',
-        'GetDataStoreFieldValues: ModeStatus Stopped', 'EndOfGetDataStoreFieldValues']],
+        'GetDataStoreFieldValues: ModeStatus Stopped', 'EndOfGetDataStoreFieldValues',
+        r'/GetDataStoreFieldValues: LaserLocalizationScore \d\d/', 'EndOfGetDataStoreFieldValues'
+    ]],
     'getDataStoreTripGroupList': [['dstgl'], [
         'GetDataStoreTripGroupList: LastTripReset', 'GetDataStoreTripGroupList: TripJobCounts',
         'GetDataStoreTripGroupList: TripStateInformation', 'EndOfGetDataStoreTripGroupList']],
@@ -190,7 +193,7 @@ def test_the_data_store_follows_the_robot_on_its_way() -> None:
     client.lines()
     driving = values(client.ask('dsfv TransVel', 'dsfv Distance_to_goal', 'dsfv RobotX'))
     assert driving['TransVel'] > 500.0 and driving['Distance_to_goal'] > 5000.0, driving
-    assert driving['RobotX'] == pytest.approx(rig.robot.pose.x, abs=0.001)
+    assert driving['RobotX'] == pytest.approx(rig.robot.pose.x, abs=0.5)
     client.until('Arrived')
     assert values(client.ask('dsgv Path_Planning', 'dsgv Velocities')) == {
         'Distance_to_goal': 0.0, 'TransVel': 0.0}
