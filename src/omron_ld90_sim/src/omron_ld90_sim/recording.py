@@ -18,7 +18,7 @@ from typing import Deque, Dict, List, Optional, TextIO
 
 from omron_ld90_sim.clock import Clock
 from omron_ld90_sim.configuration import Configuration
-from omron_ld90_sim.server import HIDDEN
+from omron_ld90_sim.server import HIDDEN, text_of
 
 _LINE = re.compile(r'^(\d+(?:\.\d+)?) ([CS])(\d*)> ?(.*)$')
 
@@ -84,10 +84,8 @@ class ReplaySession:
 
     def receive(self, data: bytes) -> None:
         """Takes bytes from the client; its lines call up what the robot answered to them."""
-        self._input += data.replace(b'\r', b'\n')
-        *lines, self._input = self._input.split(b'\n')
-        self._asked.extend(text for text in
-                           (line.decode('ascii', 'ignore').strip() for line in lines) if text)
+        *lines, self._input = (self._input + data.replace(b'\r', b'\n')).split(b'\n')
+        self._asked.extend(filter(None, map(text_of, lines)))
         self._go_on()
 
     def _go_on(self) -> None:
@@ -116,7 +114,7 @@ class ReplaySession:
                 for _ in range(skipped + 1):
                     self._script.popleft()
                 return
-        self.output += f'Unknown command {line.split()[0][:16]}\r\n'.encode('ascii', 'replace')
+        self.output += f'Unknown command {line.split()[0]}\r\n'.encode('ascii', 'replace')
 
     def close(self, abort: bool = False) -> None:
         """Ends the session."""

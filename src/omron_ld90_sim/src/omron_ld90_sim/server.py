@@ -25,13 +25,18 @@ from omron_ld90_sim.floor import Floor
 from omron_ld90_sim.robot import Robot
 
 MAX_COMMAND = 5000
-UNKNOWN_NAME = 16           # characters of an unknown command's name in the answer
+CYCLE = 0.1                 # s between two looks of the server at what its clients have sent
 PROMPT = 'Enter password:'
 LEAST_TIMEOUT = 60.0        # s, SessionTimeoutMins never means less
 HIDDEN = '********'         # what a log shows in place of the password
 BLANK = ' \t\0'            # around a line; telnet sends a NUL behind a CR
 _TELNET = re.compile(rb'^(?:\xff[\xfb-\xfe].|[\x80-\xff])+', re.DOTALL)
 _VARIABLE = re.compile(r'\$([gymdHMSTXY])')
+
+
+def text_of(line: bytes) -> str:
+    """What a client's line says, without telnet negotiation and what is not ASCII."""
+    return _TELNET.sub(b'', line).decode('ascii', 'ignore').strip(BLANK)
 
 
 class Phase(Enum):
@@ -58,12 +63,13 @@ class Session:
     def __init__(self, server: ArclServer, number: int, outgoing: bool = False) -> None:
         self.server, self.number, self.outgoing = server, number, outgoing
         self.output = bytearray()
-        self.echo = False
+        self.echo: Optional[bool] = None        # None until it is set: see _echo_typed
         self.task_list: Optional[list] = None   # what listAdd adds to
         self.aborted = False            # ends with RST, what is queued is lost
         self.phase = Phase.OPEN if outgoing else Phase.LOGIN
         self.last_received = server.clock.now
-        self._input = bytearray()
+        self._input = b''               # a line whose end has not come yet
+        self._echoed = 0                # bytes of it that went back
         self._held: Deque[Tuple[float, bytes]] = deque()
         if not outgoing:
             self.send(server.impairment.prompt)
@@ -79,17 +85,19 @@ class Session:
             return
         self.server.log(self.number, 'S', line)
         data = line.encode('ascii', 'replace') + b'\r\n'
-        fault, now = self.server.impairment, self.server.clock.now
-        due = max(now + fault.delay, fault.silent_until, self._held[-1][0] if self._held else now)
+        fault = self.server.impairment
         if fault.half_line is not None and self.phase is Phase.OPEN:
             half, rest, fault.half_line = len(data) // 2, fault.half_line, None
-            self._put(due, data[:half])
-            self._put(due + rest, data[half:])
+            self._put(data[:half])
+            self._put(data[half:], rest)
         else:
-            self._put(due, data)
+            self._put(data)
 
-    def _put(self, due: float, data: bytes) -> None:
-        if due <= self.server.clock.now and not self._held:
+    def _put(self, data: bytes, later: float = 0.0) -> None:
+        fault, now = self.server.impairment, self.server.clock.now
+        before = self._held[-1][0] if self._held else now
+        due = max(now + fault.delay, fault.silent_until, before) + later
+        if due <= now and not self._held:
             self.output += data
         else:
             self._held.append((due, data))
@@ -110,17 +118,31 @@ class Session:
     def receive(self, data: bytes) -> None:
         """Takes bytes from the client, in any chunks."""
         self.last_received = self.server.clock.now
-        self._input += data.replace(b'\r', b'\n')
-        while not self.closed:
-            line, end, rest = bytes(self._input).partition(b'\n')
-            if len(line) > MAX_COMMAND:
-                self.send('String too long')
-                self.close()
-            elif not end:
-                break
-            else:
-                self._input = bytearray(rest)
-                self._take(_TELNET.sub(b'', line).decode('ascii', 'ignore').strip(BLANK))
+        *lines, self._input = (self._input + data.replace(b'\r', b'\n')).split(b'\n')
+        for line in lines:
+            if self._echoed:
+                self._put(b'\n\r')
+                self._echoed = 0
+            if self._accepts(line):
+                self._take(text_of(line))
+        if self._accepts(self._input) and self._input:
+            self.server.clock.after(CYCLE, self._echo_typed)
+
+    def _accepts(self, line: bytes) -> bool:
+        """Whether to go on with a line; a client that sends a longer one is dropped."""
+        if len(line) > MAX_COMMAND:
+            self.send('String too long')
+            self.close()
+        if line >= b'\x80' and self.echo is None:
+            self.echo = False       # telnet negotiation: such a client shows what is typed itself
+        return not self.closed
+
+    def _echo_typed(self) -> None:
+        """Gives back what stands of an unfinished line, as the server does until `echo` is set."""
+        if self.echo is None and not self.closed:
+            typed = self._input[self._echoed:].decode('ascii', 'ignore')
+            self._put(typed.encode())
+            self._echoed = len(self._input)
 
     def _take(self, line: str) -> None:
         if not line:
@@ -194,7 +216,8 @@ class ArclServer:
 
     def shut_down(self) -> None:
         """Ends the server: farewell, then no port and no connection."""
-        self.broadcast('Shutting down server')
+        for session in list(self.sessions):
+            session.send('Shutting down server')
         self.online = False
         self.drop_all()
 
@@ -232,7 +255,7 @@ class ArclServer:
         name, rest = [*line.split(None, 1), '', ''][:2]
         row = TABLE.get(name.lower())
         if row is None:
-            session.send(f'Unknown command {name[:UNKNOWN_NAME]}')
+            session.send(f'Unknown command {name}')
             return
         call = Call(self, session, line, rest)
         if len(call.arguments) < row.least:

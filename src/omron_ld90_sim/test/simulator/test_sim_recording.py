@@ -104,6 +104,12 @@ def test_the_client_may_skip_commands_but_not_invent_them() -> None:
     assert lines_of(session)[-2:] == ['Unknown command echooo', 'Stopping']
 
 
+def test_a_telnet_client_is_understood_by_a_replay() -> None:
+    session = ReplayServer(Clock(), read_log(LOG.splitlines())).connect()
+    session.receive(b'\xff\xfb\x1f\xff\xfd\x03x\r\0 stop \r\0\n')
+    assert lines_of(session)[-1] == 'Stopping'
+
+
 def test_a_simulated_session_can_be_replayed() -> None:
     transfers = read_log(run_and_log(2).splitlines())
     clock = Clock()
