@@ -22,9 +22,7 @@ _WAVERING_ON_UNDOCK = (ChargeState.NOT, ChargeState.OVERCHARGE, ChargeState.NOT,
 
 def go_to_goal(robot: Robot, goal: MapObject, heading: Optional[float] = None) -> Activity:
     """`goto`: leaves the dock first, drives to the goal, turns where the goal has a heading."""
-    if heading is None and goal.has_heading:
-        heading = goal.theta
-    return _go(robot, goal.name, goal.x, goal.y, heading)
+    return _go(robot, goal.name, *_place(goal, heading))
 
 
 def go_to_point(robot: Robot, x: float, y: float, heading: Optional[float]) -> Activity:
@@ -34,19 +32,36 @@ def go_to_point(robot: Robot, x: float, y: float, heading: Optional[float]) -> A
 
 def _go(robot: Robot, name: str, x: float, y: float, heading: Optional[float]) -> Activity:
     def script() -> Script:
-        failed = f'Failed going to {name}'
         yield from leave_dock(robot)
-        robot.last_goal = name
         robot.status = robot.extended = f'Going to {name}'
         robot.announce(f'Going to {name}')
-        if name.lower() in robot.failing_goals:
-            yield 1.0
-            raise Failure('Failed going to goal', failed)
-        yield from drive(robot, *_near(robot, x, y, heading), 'Failed going to goal', failed)
+        yield from _reach(robot, name, x, y, heading)
         robot.status = robot.extended = f'Arrived at {name}'
         robot.announce(f'Arrived at {name}')
 
     return Activity(f'Going to {name}', f'Going to {name}', script())
+
+
+def pass_goal(robot: Robot, goal: MapObject) -> Script:
+    """Drives to a goal on the way; nothing of it is told but to humans."""
+    robot.extended = f'Going to {goal.name}'
+    yield from _reach(robot, goal.name, *_place(goal))
+
+
+def _place(goal: MapObject, heading: Optional[float] = None
+           ) -> Tuple[float, float, Optional[float]]:
+    if heading is None and goal.has_heading:
+        heading = goal.theta
+    return goal.x, goal.y, heading
+
+
+def _reach(robot: Robot, name: str, x: float, y: float, heading: Optional[float]) -> Script:
+    failed = f'Failed going to {name}'
+    robot.last_goal = name
+    if name.lower() in robot.failing_goals:
+        yield 1.0
+        raise Failure('Failed going to goal', failed)
+    yield from drive(robot, *_near(robot, x, y, heading), 'Failed going to goal', failed)
 
 
 def _near(robot: Robot, x: float, y: float, heading: Optional[float]

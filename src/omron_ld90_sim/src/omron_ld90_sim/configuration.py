@@ -6,6 +6,7 @@ facts. `configAdd` lines are collected and parsed at `configParse`, as on the ro
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Dict, List, Optional, Tuple
 
 FILES = 'Files'
@@ -14,6 +15,9 @@ OUTGOING = 'Outgoing ARCL connection setup'
 OUTGOING_COMMANDS = 'Outgoing ARCL commands'
 DOCKING = 'Docking'
 LISTS = range(1, 6)
+ADDED = 'CENTRAL_SECTION'       # flags of a section that a client has added (I617-E-02 p. 148)
+TEXT, WHOLE, REAL, FLAG, SEPARATOR = 'String', 'Int', 'Double', 'Bool', 'Separator'
+_BOUNDS = {WHOLE: ('-2147483648', '2147483647'), REAL: ('-inf', 'inf')}
 
 
 @dataclass
@@ -21,23 +25,31 @@ class Parameter:
     """One value with what `getConfigSectionInfo` tells about it; a range of None is open."""
 
     name: str
-    type: str           # string, int, double or bool
+    type: str
     value: str
     description: str
     least: Optional[float] = None
     most: Optional[float] = None
-    priority: str = 'Normal'
+    priority: str = 'Intermediate'
     hint: str = ''
+
+    @property
+    def info(self) -> str:
+        """What `getConfigSectionInfo` tells about it, the empty delimiter field included."""
+        least, most = (unbounded if bound is None else f'{bound:.15g}' for bound, unbounded
+                       in zip((self.least, self.most), _BOUNDS.get(self.type, ('None', 'None'))))
+        return (f'{self.type} {self.name} {self.priority} {least} {most} '
+                f'"{self.description}" "{self.hint}" ""')
 
     def check(self, value: str) -> None:
         """Raises ValueError, with a sentence, for a value that is none of this type."""
-        if self.type == 'bool':
+        if self.type == FLAG:
             if value.lower() not in ('true', 'false'):
                 raise ValueError(f"{self.name} must be true or false, not '{value}'")
             return
-        if self.type in ('int', 'double'):
+        if self.type in _BOUNDS:
             try:
-                number = int(value) if self.type == 'int' else float(value)
+                number = int(value) if self.type == WHOLE else float(value)
             except ValueError:
                 raise ValueError(f"{self.name} must be a number, not '{value}'") from None
             if (self.least is not None and not number >= self.least
@@ -51,6 +63,7 @@ class Section:
 
     comment: str
     parameters: List[Parameter] = field(default_factory=list)
+    flags: str = ''
 
     def find(self, name: str) -> Optional[Parameter]:
         """The parameter called `name`; case matters."""
@@ -58,34 +71,42 @@ class Section:
 
 
 def _sections() -> Dict[str, Section]:
-    text, whole, real, flag = 'string', 'int', 'double', 'bool'
-    commands = [Parameter('LogOutgoingCommands', flag, 'false', 'Log the commands sent')]
+    """Texts and priorities as far as known from I617-E-02 p. 105 and the maps of real robots."""
+    advanced = partial(Parameter, priority='Advanced')
+    commands = [advanced('LogOutgoingCommands', FLAG, 'false',
+                         'Log the commands sent on the Outgoing ARCL connection.')]
     for n in LISTS:
-        commands += [Parameter(f'OutgoingCommands{n}', text, '',
-                               'Commands to carry out, separated by |'),
-                     Parameter(f'OutgoingCommands{n}Seconds', real, '0',
-                               'Seconds between two runs, 0 is off', 0.0)]
+        commands += [
+            advanced(f'OutgoingCommands{n}', TEXT, '',
+                     'ARCL commands to send on the Outgoing ARCL connection. Multiple commands '
+                     'may be separated by |. Spaces are permitted.'),
+            advanced(f'OutgoingCommands{n}Seconds', REAL, '0',
+                     f'Interval (in sec.) at which to send the OutgoingCommands{n}. Fractional '
+                     'seconds are allowed. 0 to disable.', 0.0)]
+    connection = [
+        advanced('OutgoingHostname', TEXT, '', 'Where to connect to, empty is off'),
+        advanced('OutgoingPort', WHOLE, '0', 'Port to connect to, 0 is off', 0, 65535),
+        advanced('OutgoingSocketTimeoutInMins', REAL, '-1',
+                 'Minutes of silence after which the robot connects again, -1 is off'),
+        advanced('SendStatusInterval', WHOLE, '0',
+                 'Milliseconds between two status lines, 0 is off', 0),
+        advanced('RequireConnectionToPathPlan', FLAG, 'false',
+                 'Whether the robot drives only while connected')]
     return {
-        FILES: Section('The files the robot uses', [
-            Parameter('Map', text, '', 'The map the robot drives on')]),
         SERVER: Section('The ARCL server', [
-            Parameter('ArclConfig', flag, 'true', 'Whether ARCL may read and change this'),
-            Parameter('SessionTimeoutMins', real, '-1',
+            Parameter('ArclConfig', FLAG, 'true', 'Whether ARCL may read and change this',
+                      priority='Expert'),
+            Parameter('SessionTimeoutMins', REAL, '-1',
                       'Minutes of silence after which a client is dropped, -1 is off')]),
-        OUTGOING: Section('The connection that the robot opens', [
-            Parameter('OutgoingHostname', text, '', 'Where to connect to, empty is off'),
-            Parameter('OutgoingPort', whole, '0', 'Port to connect to, 0 is off', 0, 65535),
-            Parameter('OutgoingSocketTimeoutInMins', real, '-1',
-                      'Minutes of silence after which the robot connects again, -1 is off'),
-            Parameter('SendStatusInterval', whole, '0',
-                      'Milliseconds between two status lines, 0 is off', 0),
-            Parameter('RequireConnectionToPathPlan', flag, 'false',
-                      'Whether the robot drives only while connected')]),
-        OUTGOING_COMMANDS: Section('Commands for the outgoing connection', commands),
+        OUTGOING: Section('The connection that the robot opens', connection),
+        OUTGOING_COMMANDS: Section('Setup of commands that can be automatically sent on the '
+                                   'Outgoing ARCL connection.', commands),
+        FILES: Section('The files the robot uses', [
+            Parameter('Map', TEXT, '', 'The map the robot drives on')]),
         DOCKING: Section('When the robot docks by itself', [
-            Parameter('AutoDock', flag, 'false', 'Whether the robot docks by itself'),
-            Parameter('AutoDockCharge', real, '25', 'Percent below which it docks', 0, 100),
-            Parameter('AutoDockIdleMins', real, '15', 'Idle minutes after which it docks', 0)]),
+            Parameter('AutoDock', FLAG, 'false', 'Whether the robot docks by itself'),
+            Parameter('AutoDockCharge', REAL, '25', 'Percent below which it docks', 0, 100),
+            Parameter('AutoDockIdleMins', REAL, '15', 'Idle minutes after which it docks', 0)]),
     }
 
 

@@ -67,19 +67,24 @@ def macros(document: MapDocument) -> Dict[str, List[Task]]:
 
 
 def patrol(robot: Robot, route: Route, once: bool, first: int = 0) -> Activity:
-    """`patrol` without end, or `patrolOnce` from the goal with index `first`."""
+    """`patrol` without end, or `patrolOnce` from the goal with index `first`.
+
+    The goals on the way are not told (ARCL manual I617-E-02 p. 161-166).
+    """
     text = f'Patrolling route {route.name}' + (' once' if once else '')
 
     def run() -> Script:
         robot.announce(text)
+        yield from activities.leave_dock(robot)
         start = first
         while True:
             for index in range(start, len(route.goals)):
                 robot.patrol_places[route.name.lower()] = index
+                robot.status = text
                 goal = tasks.find_goal(robot.document, route.goals[index])
                 if goal is None:
                     raise Failure('Failed going to goal', f'Failed going to {route.goals[index]}')
-                yield from activities.go_to_goal(robot, goal).script
+                yield from activities.pass_goal(robot, goal)
                 for task in route.tasks.get(index, ()):
                     yield from tasks.script(robot, task)
             robot.patrol_places.pop(route.name.lower(), None)

@@ -18,6 +18,8 @@ from omron_ld90_sim.track import Turn, straight_track
 
 LONGEST_MOVE = 100_000.0    # mm
 SLOWEST_MOVE = 10.0         # mm/s
+SPEECH = 12.0               # characters a second
+SOUND = 2.0                 # s, how long every sound file is
 _WORD = re.compile(r'"([^"]*)"|(\S+)')
 
 
@@ -131,10 +133,8 @@ def _go_to_goal(robot: Robot, task: Task) -> Script:
 
 def _wait(robot: Robot, task: Task) -> Script:
     seconds = max(task.number(0), 0.0)
-    status = ' '.join(task.words[1:]) or 'Waiting'
-    whole = f'{seconds:g}'
-    robot.waiting = f'Waiting {whole} seconds with status "{status}"'
-    robot.announce(f'WaitState: {robot.waiting}')
+    robot.waiting = ' '.join(task.words[1:]) or 'Waiting'
+    robot.announce(f'WaitState: Waiting {seconds:g} seconds with status "{robot.waiting}"')
     try:
         end = robot.clock.now + seconds
         while robot.clock.now < end and robot.waiting:
@@ -171,12 +171,19 @@ def _localize_at_goal(robot: Robot, task: Task) -> Script:
     robot.localize(Pose(goal.x, goal.y, heading))
 
 
+def _say(robot: Robot, task: Task) -> Script:
+    yield len(task.rest) / SPEECH
+
+
+def _play(robot: Robot, task: Task) -> Script:
+    yield SOUND
+
+
 SCRIPTS: Dict[str, Callable[[Robot, Task], Script]] = {
     'move': _move, 'deltaheading': _delta_heading, 'setheading': _set_heading,
     'gotopoint': _go_to_point, 'goto': _go_to_goal, 'wait': _wait, 'pause': _pause,
-    'localizeatgoal': _localize_at_goal,
+    'localizeatgoal': _localize_at_goal, 'say': _say, 'play': _play,
 }
-
 
 # how many numbers a task needs and takes, checked before it begins
 NUMBERS: Dict[str, Tuple[int, int]] = {
@@ -185,12 +192,8 @@ NUMBERS: Dict[str, Tuple[int, int]] = {
 }
 
 
-def _say(robot: Robot, task: Task) -> None:
-    robot.announce(f'Saying {task.rest}')
-
-
-def _play(robot: Robot, task: Task) -> None:
-    robot.announce(f'Playing {task.rest}')
+def _without_a_word(robot: Robot, task: Task) -> None:
+    """What is heard or felt on the robot only: its tasks answer nothing (I617-E-02 p. 32, 74)."""
 
 
 def _set_speed(robot: Robot, task: Task) -> None:
@@ -208,8 +211,8 @@ def _unblock(robot: Robot, task: Task) -> None:
 
 
 INSTANT: Dict[str, Callable[[Robot, Task], None]] = {
-    'say': _say, 'sayinstant': _say, 'play': _play, 'playinstant': _play,
-    'movementparameterstemp': _set_speed, 'pathplanningsettingstemp': lambda robot, task: None,
+    'sayinstant': _without_a_word, 'playinstant': _without_a_word,
+    'movementparameterstemp': _set_speed, 'pathplanningsettingstemp': _without_a_word,
     'applicationblockdrivingset': _block, 'applicationblockdrivingclear': _unblock,
 }
 

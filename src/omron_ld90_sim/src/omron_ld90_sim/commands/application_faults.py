@@ -3,10 +3,12 @@ from __future__ import annotations
 
 from omron_ld90_sim.commands.table import Call, CommandFailed, command
 from omron_ld90_sim.equipment import ApplicationFault
+from omron_ld90_sim.states import DockingState
 
 
 @command('applicationFaultSet', 'Sets an application fault',
-         '<name> "<shortDesc>" "<longDesc>" <isDriving> <isCritical>', 5, 'afs')
+         '<name> "<short_description>" "<long_description>" <bool_driving> <bool_critical>', 5,
+         'afs')
 def application_fault_set(call: Call) -> None:
     """Raises a fault; a driving fault stops the robot and keeps it from driving."""
     name, short, long, driving, critical = call.arguments[:5]
@@ -22,13 +24,16 @@ def application_fault_set(call: Call) -> None:
 
 @command('applicationFaultClear', 'Clears an application fault', '<name>', 1, 'afc')
 def application_fault_clear(call: Call) -> None:
-    """Takes a fault back."""
+    """Takes a fault back; a robot that may drive again says a lone `Stopping` (I617-E-02 p. 57)."""
     name = call.arguments[0]
     fault = call.robot.equipment.faults.pop(name, None)
     if fault is None:
         raise CommandFailed(f"No application fault '{name}'")
-    call.robot.unblock('fault', name)
+    robot = call.robot
+    freed = robot.unblock('fault', name) and robot.can_drive
     call.server.broadcast(f'FaultCleared: {fault}')
+    if freed and robot.docking.state is DockingState.UNDOCKED:
+        call.server.broadcast('Stopping')
     call.reply(f'ApplicationFaultClear cleared {name}')
 
 
@@ -41,7 +46,7 @@ def application_fault_query(call: Call) -> None:
     call.reply('End of ApplicationFaultQuery')
 
 
-@command('faultsGet', 'Gets the list of any faults currently triggered')
+@command('faultsGet', 'Gets the list of any faults currently triggered', shortcut='fg')
 def faults_get(call: Call) -> None:
     """Lists all faults; the simulated robot knows those of applications."""
     for fault in call.robot.equipment.faults.values():

@@ -4,9 +4,22 @@ from __future__ import annotations
 from functools import wraps
 
 from omron_ld90_sim.commands.table import Call, CommandFailed, Handler, SetUpError, command
-from omron_ld90_sim.configuration import FILES, SERVER, Parameter, Section
+from omron_ld90_sim.configuration import (
+    ADDED,
+    FILES,
+    FLAG,
+    REAL,
+    SEPARATOR,
+    SERVER,
+    TEXT,
+    WHOLE,
+    Parameter,
+    Section,
+)
 
 NOT_STARTED = 'You need to start a config before you can {} it.'
+TYPES = {'integer': WHOLE, 'int': WHOLE, 'double': REAL, 'string': TEXT, 'boolean': FLAG,
+         'bool': FLAG, 'separator': SEPARATOR}      # the words of newConfigParam
 
 
 def _gated(handler: Handler) -> Handler:
@@ -21,13 +34,20 @@ def _gated(handler: Handler) -> Handler:
 
 
 def _section(call: Call) -> Section:
-    section = call.server.configuration.sections.get(call.text)
+    """The section that the command names; case matters, and quotes are not taken off."""
+    name = call.rest.strip()
+    section = call.server.configuration.sections.get(name)
     if section is None:
-        raise CommandFailed(f'No section of name {call.text}')
+        raise CommandFailed(f'No section of name {name}')
     return section
 
 
-@command('getConfigSectionList', 'Gets the list of config sections')
+def _own_section(call: Call, name: str) -> Section:
+    """The section called `name`, added if there is none."""
+    return call.server.configuration.sections.setdefault(name, Section('', flags=ADDED))
+
+
+@command('getConfigSectionList', 'Gets the list of sections in the config')
 @_gated
 def section_list(call: Call) -> None:
     """Lists the sections."""
@@ -36,25 +56,23 @@ def section_list(call: Call) -> None:
     call.reply('EndOfGetConfigSectionList')
 
 
-@command('getConfigSectionValues', 'Gets the values of a config section', '<section>', 1)
+@command('getConfigSectionValues', 'Gets the values in a section of the config', '<section>', 1)
 @_gated
 def section_values(call: Call) -> None:
-    """Lists the values of one section; its name goes unquoted, in the right case."""
+    """Lists the values of one section."""
     for parameter in _section(call).parameters:
         call.reply(f'GetConfigSectionValue: {parameter.name} {parameter.value}'.rstrip())
     call.reply('EndOfGetConfigSectionValues')
 
 
-@command('getConfigSectionInfo', 'Gets the information about a config section', '<section>', 1)
+@command('getConfigSectionInfo', 'Gets the info about a section of the config', '<section>', 1)
 @_gated
 def section_info(call: Call) -> None:
     """Describes one section and its parameters."""
     section = _section(call)
-    call.reply(f'GetConfigSectionInfo: "{section.comment}" ""')
-    for p in section.parameters:
-        least, most = ('None' if bound is None else f'{bound:g}' for bound in (p.least, p.most))
-        call.reply(f'GetConfigSectionParamInfo: {p.type} {p.name} {p.priority} {least} {most} '
-                   f'"{p.description}" "{p.hint}" ""')
+    call.reply(f'GetConfigSectionInfo: "{section.comment}" "{section.flags}"')
+    for parameter in section.parameters:
+        call.reply(f'GetConfigSectionParamInfo: {parameter.info}')
     call.reply('EndOfGetConfigSectionInfo')
 
 
@@ -67,7 +85,7 @@ def config_start(call: Call) -> None:
 
 
 @command('configAdd', 'Adds a config file line to the config values being imported.',
-         '<keyword> <value>', 1)
+         '<configuration> <value>', 1)
 @_gated
 def config_add(call: Call) -> None:
     """Adds `Section <name>` or `<parameter> <value>`."""
@@ -103,32 +121,31 @@ def config_parse(call: Call) -> None:
 
 
 @command('newConfigParam', 'Adds a new param to the config',
-         '<section> <name> <description> <priority> <type> <default> <min> <max> <hint>', 6)
+         '<section> <name> <description> <priority_level> <type> <default_value> <min> <max> '
+         '<DisplayHint>', 9)
 @_gated
 def new_config_parameter(call: Call) -> None:
     """Adds a parameter; the robot keeps its value, not its definition, over a restart."""
-    section, name, description, priority, kind, default = call.arguments[:6]
-    bounds = [*call.arguments[6:8], 'None', 'None'][:2]
-    hint = call.arguments[8] if len(call.arguments) > 8 else ''
-    if kind not in ('string', 'int', 'double', 'bool'):
+    section, name, description, priority, kind, default, low, high, hint = call.arguments[:9]
+    if kind.lower() not in TYPES:
         raise CommandFailed(f"Bad type '{kind}'")
     try:
-        least, most = (None if bound.lower() == 'none' else float(bound) for bound in bounds)
-        parameter = Parameter(name, kind, default, description, least, most, priority, hint)
+        least, most = (None if bound.lower() == 'none' else float(bound) for bound in (low, high))
+        parameter = Parameter(name, TYPES[kind.lower()], default, description, least, most,
+                              priority, '' if hint.lower() == 'none' else hint)
         parameter.check(default)
     except ValueError as error:
         raise CommandFailed(str(error)) from error
-    sections = call.server.configuration.sections
-    target = sections.setdefault(section, Section(''))
+    target = _own_section(call, section)
     if target.find(name) is None:
         target.parameters.append(parameter)
     call.reply(f"Will add new param '{name}' to section '{section}'")
 
 
-@command('newConfigSectionComment', 'Adds a comment to a config section', '<section> <text>', 2)
+@command('newConfigSectionComment', 'Adds a comment to a config section', '<section> <comment>', 2)
 @_gated
 def new_section_comment(call: Call) -> None:
     """Gives a section its comment."""
     section, text = call.arguments[0], ' '.join(call.arguments[1:])
-    call.server.configuration.sections.setdefault(section, Section('')).comment = text
+    _own_section(call, section).comment = text
     call.reply(f"Will add config comment '{text}' to section '{section}'")

@@ -3,16 +3,25 @@ from __future__ import annotations
 
 from typing import Dict
 
-from omron_ld90_sim.commands.table import Call, CommandFailed, command
+from omron_ld90_sim.commands.table import Call, CommandFailed, SetUpError, command
 
 _ON_OFF = {True: 'on', False: 'off'}
+ANALOG_HELP = (     # ARCL manual I617-E-02 p. 54
+    'List format is: <minV> <maxV> <maxRaw> <name>',
+    'The data returned by analogInputQueryVoltage is a voltage as a double between <minV> and '
+    '<maxV>',
+    'The data returned by analogInputQueryRaw is an int called <rawValue>',
+    "To get <rawValue> to voltage do '<minV> + (<maxV> - <minV>) * <rawValue> / <maxRaw>'",
+)
+NO_SOUND = 'There was nothing given to replay.'
 
 
 def _named(call: Call, table: Dict, what: str) -> str:
+    wanted = call.arguments[0]
     for name in table:
-        if name.lower() == call.text.lower():
+        if name.lower() == wanted.lower():
             return name
-    raise CommandFailed(f"No {what} '{call.text}'")
+    raise CommandFailed(f"No {what} '{wanted}'")
 
 
 @command('inputList', 'Lists the named inputs')
@@ -62,6 +71,8 @@ def output_off(call: Call) -> None:
 @command('analogInputList', 'Lists the named analog inputs')
 def analog_input_list(call: Call) -> None:
     """Lists the analog inputs with their ranges."""
+    for line in ANALOG_HELP:
+        call.reply(f'AnalogInputListHelper: {line}')
     for name, analog in call.robot.equipment.analog_inputs.items():
         call.reply(f'AnalogInputList: {analog.least:g} {analog.most:g} {analog.most_raw} {name}')
     call.reply('End of AnalogInputList')
@@ -81,19 +92,21 @@ def analog_input_query_voltage(call: Call) -> None:
     call.reply(f'AnalogInputVoltage: {name} {call.robot.equipment.analog_inputs[name].voltage:g}')
 
 
-@command('say', 'Says the given text', '<text>', 1)
+@command('say', 'Says the given text', '<text_string>', 1)
 def say(call: Call) -> None:
     """Speaks; the answer repeats the text as typed."""
     call.reply(f'Saying {call.rest.strip()}')
 
 
-@command('play', 'Plays the given sound file', '<file>', 1)
+@command('play', 'Plays the given sound file', '<path_file>', 1)
 def play(call: Call) -> None:
-    """Plays a sound file."""
+    """Plays a sound file; this robot has every `.wav` file, and no others."""
+    if not call.text.lower().endswith('.wav'):
+        raise SetUpError(NO_SOUND)
     call.reply(f'Playing {call.text}')
 
 
-@command('log', 'Logs the given message', '<message> [Terse|Normal|Verbose]', 1)
+@command('log', 'Logs the given message', '<message> [level]', 1)
 def log(call: Call) -> None:
     """Puts a message into the robot's own log."""
     words = call.rest.strip().split()
@@ -104,7 +117,8 @@ def log(call: Call) -> None:
     call.reply(f"Logging '{text}' with level {level}")
 
 
-@command('popupSimple', 'Creates a simple popup', '"<title>" "<message>" "<button>" <seconds>', 4)
+@command('popupSimple', 'Creates a simple popup',
+         '<"title"> <"message"> <"buttonLabel"> <timeout>', 4)
 def popup_simple(call: Call) -> None:
     """Shows a message in MobilePlanner, where there is one."""
     call.number(3)

@@ -12,7 +12,7 @@ def show_help(call: Call) -> None:
         call.reply(line)
 
 
-@command('echo', 'with no args gets echo, with args sets echo', '[on|off]')
+@command('echo', 'with no args gets echo, with args sets echo', '[state]')
 def echo(call: Call) -> None:
     """Gets or sets whether typed characters come back."""
     wanted = call.text.lower()
@@ -32,7 +32,7 @@ def end_session(call: Call) -> None:
     call.session.close()
 
 
-@command('arclSendText', 'Sends the given message to all ARCL clients', '<text>', 1)
+@command('arclSendText', 'Sends the given message to all ARCL clients', '<string>', 1)
 def send_text(call: Call) -> None:
     """Sends a text, as it is, to everybody."""
     call.server.broadcast(call.text)
@@ -54,7 +54,7 @@ def connect_outgoing(call: Call) -> None:
             session.close()
 
 
-@command('shutdown', 'Shuts down the robot')
+@command('shutDown', 'Shuts down the robot')
 def shut_down(call: Call) -> None:
     """Switches the robot off; the program goes on without answering until it is ended."""
     call.robot.halt()

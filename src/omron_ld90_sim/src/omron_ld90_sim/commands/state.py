@@ -2,13 +2,26 @@
 from __future__ import annotations
 
 import time
-from typing import List
+from typing import Callable, Dict, List
 
 from omron_ld90_sim.commands.table import Call, CommandFailed, command
 from omron_ld90_sim.robot import Robot
 
 LASER = 'Laser_1'
 TEMPERATURE = 36        # deg C
+
+# A robot's own infos, of those in I617-E-02 p. 126 the ones whose form is known (p. 124 and the
+# manual of a public client). Not here: laser, fault flags, packets and load of the processor.
+INFOS: Dict[str, Callable[[Robot], object]] = {
+    'Odometer(KM)': lambda robot: int(robot.base.driven / 1e6),
+    'Flags': lambda robot: 400,
+    'SBC Uptime': lambda robot: int(robot.clock.now),
+    'ARAM Uptime': lambda robot: int(robot.clock.now),
+    'Queue ID': lambda robot: '',
+    'Queue Job ID': lambda robot: '',
+    'DebugLogState': lambda robot: 'Not',
+    'DebugLogSeconds': lambda robot: -1,
+}
 
 
 def location(robot: Robot) -> str:
@@ -59,7 +72,7 @@ def odometer_reset(call: Call) -> None:
     call.reply('Reset odometer')
 
 
-@command('getGoals', 'gets a list of goals in the map')
+@command('getGoals', 'gets a list of goals in the map (for use with goto)')
 def get_goals(call: Call) -> None:
     """Lists the goals in map order; docks are not goals."""
     for goal in call.robot.document.goals:
@@ -105,30 +118,37 @@ def get_date_time(call: Call) -> None:
 
 @command('getInfoList', 'Gets the list of information')
 def get_info_list(call: Call) -> None:
-    """Lists the infos that clients have created."""
-    for name in call.robot.equipment.infos:
+    """Lists the robot's own infos and those that clients have created."""
+    for name in (*INFOS, *call.robot.equipment.infos):
         call.reply(f'InfoList: {name}')
     call.reply('End of info list')
 
 
-@command('getInfo', 'Gets a piece of information', '<name>', 1)
+@command('getInfo', 'Gets a piece of information', '<infoName>', 1)
 def get_info(call: Call) -> None:
-    """Answers one info."""
-    name = call.arguments[0]
-    if name not in call.robot.equipment.infos:
+    """Answers one info; a robot's own may have blanks in its name, which goes unquoted."""
+    name, own = call.text, call.robot.equipment.infos
+    if name in INFOS:
+        value = INFOS[name](call.robot)
+    elif call.arguments[0] in own:
+        name = call.arguments[0]
+        value = own[name][1]
+    else:
         raise CommandFailed(f"No info '{name}'")
-    call.reply(f'Info: {name} {call.robot.equipment.infos[name][1]}')
+    call.reply(f'Info: {name} {value}'.rstrip())
 
 
-@command('createInfo', 'creates a piece of information', '<name> <maxLen> <value>', 3)
+@command('createInfo', 'creates a piece of information', '<infoName> <maxLen> <infoValue>', 3)
 def create_info(call: Call) -> None:
     """Creates an info; a value with blanks gets cut."""
     name, length = call.arguments[0], int(call.number(1))
+    if name in INFOS:
+        raise CommandFailed(f"Info '{name}' is the robot's own")
     call.robot.equipment.infos[name] = (length, call.arguments[2][:max(length, 0)])
     call.reply(f'Created info for {name}')
 
 
-@command('updateInfo', 'updates a piece of information', '<name> <value>', 2)
+@command('updateInfo', 'updates a piece of information', '<infoName> <infoValue>', 2)
 def update_info(call: Call) -> None:
     """Changes an info that a client has created."""
     name = call.arguments[0]

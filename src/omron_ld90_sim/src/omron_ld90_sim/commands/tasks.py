@@ -13,7 +13,7 @@ def _task(text: str) -> tasks.Task:
         raise CommandFailed(str(error)) from error
 
 
-@command('doTask', 'does a task', '<task> <args>', 1)
+@command('doTask', 'does a task', '<task> <argument>', 1)
 def do_task(call: Call) -> None:
     """Carries out one task."""
     task = _task(call.rest)
@@ -22,7 +22,7 @@ def do_task(call: Call) -> None:
     call.robot.start(tasks.single(call.robot, task))
 
 
-@command('doTaskInstant', "does an instant task (doesn't interrupt modes)", '<task> <args>', 1)
+@command('doTaskInstant', "does an instant task (doesn't interrupt modes)", '<task> <argument>', 1)
 def do_task_instant(call: Call) -> None:
     """Carries out a task that is over at once."""
     task = _task(call.rest)
@@ -43,7 +43,7 @@ def list_start(call: Call) -> None:
     call.reply('Making new list')
 
 
-@command('listAdd', 'Adds a task to the task list', '<task> <args>', 1)
+@command('listAdd', 'Adds a task to the task list', '<task> <argument>', 1)
 def list_add(call: Call) -> None:
     """Adds a task to the list."""
     if call.session.task_list is None:
@@ -65,7 +65,9 @@ def list_execute(call: Call) -> None:
 @command('waitTaskState', 'Gets the state of the wait task')
 def wait_task_state(call: Call) -> None:
     """Answers what the wait task does."""
-    call.reply(f'WaitState: {call.robot.waiting or "Not waiting"}')
+    status = call.robot.waiting
+    call.reply(f'WaitState: Waiting with status "{status}"' if status
+               else 'WaitState: Not waiting')
 
 
 @command('waitTaskCancel', 'Cancels the wait task')
@@ -100,7 +102,7 @@ def get_macros(call: Call) -> None:
     call.reply('End of macros')
 
 
-@command('executeMacro', 'Executes a macro', '<macro>', 1)
+@command('executeMacro', 'executes a given macro', '<macro_name>', 1)
 def execute_macro(call: Call) -> None:
     """Carries out one of the map's macros; its name goes unquoted and may hold blanks."""
     known = {name.lower(): (name, steps)
@@ -134,7 +136,7 @@ def _route(call: Call, name: str) -> map_scripts.Route:
     raise CommandFailed(f"Bad route '{name}'")
 
 
-@command('patrol', 'Patrols a route', '<route>', 1)
+@command('patrol', 'Patrols a route', '<route_name>', 1)
 def patrol(call: Call) -> None:
     """Drives along a route without end."""
     route = _route(call, call.text)
@@ -142,7 +144,7 @@ def patrol(call: Call) -> None:
     call.robot.start(map_scripts.patrol(call.robot, route, once=False))
 
 
-@command('patrolOnce', 'Patrols a route one time', '<route> [index]', 1)
+@command('patrolOnce', 'Patrols a route one time', '<route_name> [index]', 1)
 def patrol_once(call: Call) -> None:
     """Drives along a route once, from the goal with that index."""
     route = _route(call, call.arguments[0])
@@ -153,7 +155,7 @@ def patrol_once(call: Call) -> None:
     call.robot.start(map_scripts.patrol(call.robot, route, once=True, first=first))
 
 
-@command('patrolResume', 'Resumes a patrol', '<route>', 1)
+@command('patrolResume', 'Resumes a patrol', '<route_name>', 1)
 def patrol_resume(call: Call) -> None:
     """Goes on with a route that was stopped."""
     route = _route(call, call.text)
