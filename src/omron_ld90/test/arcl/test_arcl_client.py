@@ -31,7 +31,7 @@ from omron_ld90.arcl import (
     SessionLog,
     WrongPassword,
 )
-from omron_ld90.arcl import client as client_module
+from omron_ld90.arcl.connection import TICK
 
 
 def quick() -> Backoff:
@@ -149,7 +149,7 @@ def test_a_silent_robot_counts_as_dead(robot, links):
 
 def test_by_default_a_dead_link_is_noticed_within_five_seconds():
     silence = inspect.signature(Client).parameters['silence'].default
-    assert silence + client_module._TICK < 5.0
+    assert silence + TICK < 5.0
 
 
 def test_a_robot_with_nothing_to_say_stays_connected_by_heartbeats(robot, links):

@@ -76,7 +76,12 @@ def test_a_reply_about_another_goal_is_none_of_its(text, name):
     ('status', Category.QUERY), ('getConfigSectionValues', Category.QUERY),
     ('say', Category.DEVICE), ('outputOn', Category.DEVICE),
     ('configParse', Category.CONFIGURATION), ('newConfigParam', Category.CONFIGURATION),
+    ('extIOAdd', Category.CONFIGURATION), ('extIOInputUpdate', Category.DEVICE),
+    ('extIODump', Category.QUERY), ('payloadSet', Category.DEVICE),
+    ('payloadQueryLocal', Category.QUERY), ('tripReset', Category.DEVICE),
+    ('queueModifyLocal', Category.MOTION), ('queueCancelLocal', Category.MOTION),
     ('shutdown', Category.DANGEROUS), ('quit', Category.DANGEROUS),
+    ('extIORemove', Category.DANGEROUS), ('queuePickup', Category.UNKNOWN),
     ('abracadabra', Category.UNKNOWN),
 ])
 def test_commands_have_a_category(name, category):
@@ -96,6 +101,10 @@ def test_whoever_drives_says_how_it_begins_and_ends():
 def test_only_what_is_known_is_in_the_table_twice_never():
     assert len(COMMANDS) == len({spec.name.lower() for spec in COMMANDS.values()})
     assert all(name == name.lower() for name in COMMANDS)
+
+
+def test_text_for_people_holds_no_password_of_the_configuration():
+    assert printable('configAdd Password secret') == 'configAdd Password ********'
 
 
 def test_text_for_people_is_printable_and_short():

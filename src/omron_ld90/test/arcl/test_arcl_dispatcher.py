@@ -2,10 +2,18 @@
 from __future__ import annotations
 
 import pytest
-from arcl_builders import DOCK, GOTO_FROM_DOCK, STATUS, UNDOCK, Conversation, Noted
+from arcl_builders import (
+    DOCK,
+    GOTO_FROM_DOCK,
+    STATUS,
+    UNDOCK,
+    UNDOCKED,
+    Conversation,
+    Noted,
+)
 
 from omron_ld90.arcl import Busy, Command, Outcome
-from omron_ld90.arcl.dispatcher import MOST_WAITING
+from omron_ld90.arcl.command_queue import MOST_WAITING
 
 
 @pytest.fixture
@@ -74,6 +82,7 @@ def test_lines_of_the_outgoing_link_end_nothing(talk):
     ('goto "goal space"', ('Going to goal space', 'Arrived at goal space')),
     ('gotoPoint 1 2 3', ('Going to point', 'Arrived at point')),
     ('gotoPoint 1 2 3', ('Going to point 1 2 3', 'Arrived at point 1 2 3')),
+    ('gotoPoint -597 -5765 90', ('Going to -597 -5765', 'Arrived at -597 -5765')),
     ('gotoRouteGoal r g', ('Going to g', 'Arrived at g')),
     ('doTask gotoPoint 1 2 3', ('Will do task gotoPoint 1 2 3', 'Doing task gotoPoint 1 2 3',
                                 'Going to point', 'Completed doing task gotoPoint 1 2 3')),
@@ -161,6 +170,73 @@ def test_docking_that_is_broken_off_is_interrupted(talk):
     assert outcome(dock) is Outcome.INTERRUPTED
 
 
+@pytest.mark.parametrize(('text', 'lines'), [
+    ('getDataStoreGroupValues FleetRobotInformation', (
+        'GetDataStoreGroupValues: Robots 5', 'GetDataStoreGroupValues: RobotsAvail 3',
+        'EndOfGetDataStoreGroupValues')),
+    ('getDataStoreFieldValues ParkingTime', (
+        'GetDataStoreFieldValues: ParkingTime 773.984', 'EndOfGetDataStoreFieldValues')),
+    ('getDataStoreTripGroupList', (
+        'GetDataStoreTripGroupList: TripJobCounts', 'EndOfGetDataStoreTripGroupList')),
+    ('getDataStoreFieldInfo AggParkingTime', (
+        'GetDataStoreFieldInfo: Double AggParkingTime Intermediate 0 inf "(hours)" "" ""',
+        'EndOfGetDataStoreFieldInfo')),
+    ('tripReset', ('tripReset: TripCompletedJobs 0', 'EndOfTripReset')),
+    ('extIODump', (
+        'ExtIODump: example with 69 input(s), value = 0x000000000ff000000 and 37 output(s), '
+        'value = 0x1f00000000', 'EndExtIODump')),
+    ('extIOAdd example 69 37', (
+        'extIOAdd: example added with 69 input(s) and 37 output(s)',)),
+    ('extIOInputUpdate example2 32', (
+        'extIOInputUpdate: input example2 updated with 0x00000000000000020 from 32',)),
+    ('extIOOutputUpdateBit example 35 1', (
+        'extIOOutputUpdateBit: output example updated with 1 at bit 35 to 0x400000000',)),
+    ('extIORemove example', ('extIORemove: example removed',)),
+    ('payloadQueryLocal default hello', (
+        'PayloadQuery: 1 "slotjunk" 05/07/2012 21:11:33 hello', 'EndPayloadQuery')),
+    ('payloadSlotCountLocal', (
+        'PayloadSlotCount: "OAT_Telepresence_Robot" 4', 'EndPayloadSlotCount')),
+    ('payloadSet 1 Books', (
+        'payloadset attempting to set payload 1 "Books"',
+        'payloadset on "OAT" of slot number 1 with string "Books" successfully set')),
+    ('payloadRemove 4', (
+        'payloadremove attempting to remove slot 4',
+        'payloadremove on 31 of slot number 4 successfully')),
+    ('queueQueryLocal status completed', (
+        'QueueQuery: DROPOFF18 y4rt 22 Completed None Goal "x" "MT-490" 12/19/2011 07:07:53 '
+        '12/19/2011 07:08:07 xyz 0', 'EndQueueQuery')),
+    ('queueShowRobotLocal echoit', (
+        'QueueRobot: "Robot1" UnAvailable EStopPressed echoit', 'EndQueueShowRobot')),
+    ('queueCancelLocal robotname x', (
+        'queuecancel attempting to cancel "robotname" "B" "" "None"',
+        'queuecancel cancelling "robotname" "B" "" "None" from queue')),
+    ('queueModifyLocal dropoff6 goal x', ('queuemodifylocal modifying id dropoff6 goal "x"',)),
+    ('queueDropoff x 22 y4rt', (
+        'queuedropoff attempting to queue goal "x" with priority 22',
+        'queuedropoff goal "x" with priority 22, id DROPOFF18 and job_id y4rt successfully queued',
+        'QueueUpdate: DROPOFF18 y4rt 22 Pending None Goal "x" "MT" 12/19/2011 07:07:53 None None 0',
+        'Going to X', 'Arrived at X')),
+    ('waitTaskCancel', ('WaitTask: Wait cancelled',)),
+    ('inputList', ('Input: digin1', 'End of inputList')),
+    ('analogInputList', (
+        'AnalogInputListHelper: List format is: <minV> <maxV> <maxRaw> <name>',
+        'End of AnalogInputList')),
+])
+def test_the_manuals_examples_of_i617_e_02_end_as_it_says(talk, text, lines):
+    execution = talk.give(text)
+    talk.robot(*lines[:-1])
+    assert execution.result is None
+    talk.robot(lines[-1])
+    assert outcome(execution) is Outcome.SUCCEEDED
+    assert execution.result.lines == lines
+
+
+def test_the_update_of_another_set_of_inputs_and_outputs_ends_nothing(talk):
+    update = talk.give('extIOInputUpdate example 1')
+    talk.robot('extIOInputUpdate: input other updated with 0x1 from 1')
+    assert update.result is None
+
+
 # --- several at once ------------------------------------------------------------------------------
 
 def test_a_second_goto_interrupts_the_first(talk):
@@ -192,6 +268,19 @@ def test_two_points_are_told_apart_by_their_order(talk, lines):
     assert outcome(second) is Outcome.SUCCEEDED
 
 
+def test_a_point_that_the_robot_names_by_its_coordinates_is_interrupted_by_name(talk):
+    goto = talk.give('gotoPoint -597 -5765')
+    talk.robot('Going to point', 'Interrupted: Going to -597 -5765')
+    assert outcome(goto) is Outcome.INTERRUPTED
+
+
+@pytest.mark.parametrize('goal', ['-597', '-597 5765', '-597 -5765 90'])
+def test_a_goal_whose_name_begins_as_the_point_does_is_another_matter(talk, goal):
+    goto = talk.give('gotoPoint -597 -5765')
+    talk.robot('Going to point', f'Going to {goal}')
+    assert goto.result.words == f'taken over: Going to {goal}'
+
+
 def test_an_arrival_just_before_the_next_point_belongs_to_the_first(talk):
     first = talk.give('gotoPoint 1 1')
     talk.robot('Going to point')
@@ -218,6 +307,12 @@ def test_a_refused_command_ends_also_without_a_description(talk):
     talk.robot('CommandError: goto nowhere')
     talk.pass_time(1.5)
     assert outcome(refused) is Outcome.REJECTED
+
+
+def test_a_refused_command_is_known_again_though_its_password_is_blanked(talk):
+    add = talk.give('configAdd Password secret')
+    talk.robot('CommandError: configAdd Password ********', 'CommandErrorDescription: not enabled')
+    assert outcome(add) is Outcome.REJECTED
 
 
 def test_another_reason_than_the_goal_is_a_rejection(talk):
@@ -402,6 +497,87 @@ def test_a_drive_that_begins_while_the_robot_still_brakes_ends_the_stop(talk):
     assert 'goto B' in stop.result.words
     talk.robot('Arrived at B')
     assert outcome(later) is Outcome.SUCCEEDED
+
+
+# Another client drives before the robot, stopped by us, has come to stand: it never says `Stopped`.
+OVERTAKEN = ('Interrupted: Going to A', 'Stopping', 'Going to B')
+
+
+def test_a_stop_that_another_clients_drive_overtakes_ends_at_once_and_not_as_a_success(talk):
+    goto = talk.give('goto A')
+    talk.robot('Going to A')
+    stop = talk.give('stop')
+    talk.robot(*OVERTAKEN)
+    assert outcome(goto) is Outcome.INTERRUPTED
+    assert goto.result.words == 'Interrupted: Going to A'
+    assert outcome(stop) is Outcome.INTERRUPTED, 'the robot drives, so it is not stopped'
+    assert stop.result.words == 'taken over: Going to B'
+    assert stop.result.lines == OVERTAKEN[:2]
+    talk.robot('Arrived at B')
+    assert talk.sent == ['goto A', 'stop'], 'nothing is sent again'
+
+
+def test_a_cancelled_drive_is_over_when_another_clients_drive_overtakes_its_stop(talk):
+    goto = talk.give('goto A')
+    talk.dispatcher.cancel(goto)
+    talk.send()
+    talk.robot('Stopping', 'Going to B')
+    assert outcome(goto) is Outcome.CANCELLED
+    assert goto.result.words == 'taken over: Going to B'
+    assert talk.sent == ['goto A', 'stop']
+
+
+def test_every_stop_that_the_robot_obeyed_is_overtaken(talk):
+    talk.give('goto A')
+    talk.robot('Going to A')
+    obeyed, too, unread = talk.give('stop'), talk.give('stop'), talk.give('stop')
+    talk.robot('Interrupted: Going to A', 'Stopping', 'Stopping', 'Going to B')
+    assert outcome(obeyed) is Outcome.INTERRUPTED
+    assert outcome(too) is Outcome.INTERRUPTED
+    assert unread.result is None
+    talk.robot('Interrupted: Going to B', 'Stopping', 'Stopped')
+    assert outcome(unread) is Outcome.SUCCEEDED
+
+
+def test_a_stop_that_the_robot_may_not_have_read_yet_waits_for_what_it_does(talk):
+    """The other's drive interrupted ours; our stop will interrupt the other's."""
+    talk.give('goto A')
+    talk.robot('Going to A')
+    stop = talk.give('stop')
+    talk.robot('Interrupted: Going to A', 'Going to B')
+    assert stop.result is None
+    talk.robot('Interrupted: Going to B', 'Stopping', 'Stopped')
+    assert outcome(stop) is Outcome.SUCCEEDED
+
+
+def test_a_drive_of_ours_given_after_the_stop_is_not_ended_by_another_clients(talk):
+    talk.give('goto A')
+    talk.robot('Going to A')
+    stop, later = talk.give('stop'), talk.give('goto C')
+    talk.robot(*OVERTAKEN)
+    assert outcome(stop) is Outcome.INTERRUPTED
+    assert later.result is None
+    talk.robot('Interrupted: Going to B', 'Going to C', 'Arrived at C')
+    assert outcome(later) is Outcome.SUCCEEDED
+
+
+def test_a_stop_is_overtaken_by_docking_which_only_the_docking_state_tells(talk):
+    talk.robot(UNDOCKED)
+    stop = talk.give('stop')
+    talk.robot('Stopping', UNDOCKED)
+    assert stop.result is None
+    talk.robot(DOCK[1])
+    assert outcome(stop) is Outcome.INTERRUPTED
+
+
+def test_a_charger_that_changes_its_mind_overtakes_no_stop(talk):
+    dock = talk.give('dock')
+    talk.robot(*DOCK[:2])
+    talk.dispatcher.cancel(dock)
+    talk.send()
+    talk.robot('Interrupted: Docking', 'Stopping', DOCK[2])
+    assert outcome(dock) is Outcome.CANCELLED
+    assert talk.dispatcher._commands.sent, 'the stop still waits for the robot to stand'
 
 
 def test_cancelling_a_drive_does_not_drop_the_one_that_waits_to_replace_it(talk):

@@ -194,13 +194,13 @@ def test_commands_end_once_whatever_the_robot_says(script):
 def test_whatever_was_before_a_stop_and_then_a_goto_are_carried_out(script):
     talk = History(script).talk
     stop = talk.give('stop')
-    for _ in [e for e in talk.dispatcher._sent if e.command.name == 'stop']:
+    for _ in [e for e in talk.dispatcher._commands.sent if e.command.name == 'stop']:
         talk.robot('Stopping', 'Stopped')
     assert stop.result.outcome is Outcome.SUCCEEDED
     goto = talk.give('goto afterwards')
     talk.robot('Going to afterwards', 'Arrived at afterwards')
     assert goto.result.outcome is Outcome.SUCCEEDED
-    assert not [e for e in talk.dispatcher._sent if e.command.spec.drives]
+    assert not [e for e in talk.dispatcher._commands.sent if e.command.spec.drives]
 
 
 @share(5)

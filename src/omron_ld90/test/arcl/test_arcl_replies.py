@@ -8,6 +8,7 @@ import pytest
 
 from omron_ld90 import arcl
 from omron_ld90.arcl import (
+    COMMANDS,
     ArrivedAt,
     ArrivedAtPoint,
     BatteryVoltage,
@@ -19,6 +20,7 @@ from omron_ld90.arcl import (
     ConfigErrors,
     ConfigurationChanged,
     ConfigValue,
+    DataStoreValue,
     DateTime,
     DistanceBetween,
     DockingState,
@@ -31,6 +33,8 @@ from omron_ld90.arcl import (
     ExecutingList,
     ExecutingMacro,
     ExtendedStatus,
+    ExternalIO,
+    ExternalIOUpdate,
     FailedGoingTo,
     Fault,
     FinishedList,
@@ -57,6 +61,7 @@ from omron_ld90.arcl import (
     Parking,
     Patrolling,
     PauseState,
+    PayloadSlot,
     RangeDevice,
     RangeReading,
     RobotError,
@@ -162,6 +167,7 @@ CASES = [
     ('Config had errors parsing: x', ConfigErrors('x')),
     ('Config parsed fine', Done('Config parsed fine')),
     ('Input: i1 on', Input('i1', 'on')),
+    ('Input: digin 1', Input('digin 1', '')),
     ('Output: o 1 broken', Input('o 1', 'broken', output=True)),
     ('RangeDevice: Laser_1 LASER', RangeDevice('Laser_1', 'LASER')),
     ('Info: name value', Item('Info', 'name value')),
@@ -174,6 +180,53 @@ CASES = [
      Fault('Fault_Application', 'f', '', '', False, False, True, cleared=True)),
     ('Saying "hello"', Done('Saying "hello"')),
     ('ApplicationFaultSet set f', Done('ApplicationFaultSet set f')),
+    # what the newer manual, I617-E-02, shows: data store (p. 110-119, 244)
+    ('GetDataStoreGroupValues: RobotsAvail 3', DataStoreValue('RobotsAvail', '3')),
+    ('GetDataStoreFieldValues: ParkingTime 773.984', DataStoreValue('ParkingTime', '773.984')),
+    ('tripReset: TripAggDockedTime 0.000', DataStoreValue('TripAggDockedTime', '0.000')),
+    ('getDataStoreGroupInfo: "Fleet Robot statistics" "Queuing Statistics"',
+     Item('GetDataStoreGroupInfo', '"Fleet Robot statistics" "Queuing Statistics"')),
+    ('GetDataStoreTripGroupList: TripJobCounts',
+     Item('GetDataStoreTripGroupList', 'TripJobCounts')),
+    # external inputs and outputs (p. 82-101)
+    ('ExtIODump: example with 69 input(s), value = 0x000000000ff000000 and 37 output(s), '
+     'value = 0x1f00000000', ExternalIO('example', 69, 0xff000000, 37, 0x1f00000000)),
+    ('ExtIODumpLocal: my set with 1 input(s), value = 0x1 and 0 output(s), value = 0x0',
+     ExternalIO('my set', 1, 1, 0, 0)),
+    ('extIOInputUpdate: input example2 updated with 0x00000000000000020 from 32',
+     ExternalIOUpdate('example2', False, 0x20)),
+    ('extIOInputUpdateBit: input example updated with 1 at bit 32 to 0x00000000080000000',
+     ExternalIOUpdate('example', False, 0x80000000)),
+    ('extIOOutputUpdateByte: output my set updated with 0xff at byte 5 to 0x1f00000000',
+     ExternalIOUpdate('my set', True, 0x1f00000000)),
+    ('extIOOutputUpdateBit: output example updated with 1 at 35 to 0x400000000',
+     ExternalIOUpdate('example', True, 0x400000000)),
+    ('extIOAdd: example added with 69 input(s) and 37 output(s)',
+     Done('extIOAdd: example added with 69 input(s) and 37 output(s)')),
+    ('extIORemove: example removed', Done('extIORemove: example removed')),
+    ('AnalogInputListHelper: List format is: <minV> <maxV> <maxRaw> <name>',
+     Item('AnalogInputListHelper', 'List format is: <minV> <maxV> <maxRaw> <name>')),
+    # payload (p. 167-178)
+    ('PayloadQuery: "21" 2 "Glasses" 05/07/2012 21:15:11 ""', PayloadSlot(2, 'Glasses', '21')),
+    ('PayloadQuery: 1 "slot junk" 05/07/2012 21:11:33 hello', PayloadSlot(1, 'slot junk')),
+    ('PayloadQueryLocal: 3 "Empty" None None ""', PayloadSlot(3, 'Empty')),
+    ('PayloadSlotCount: "21" 4 ""', Item('PayloadSlotCount', '"21" 4 ""')),
+    ('PayloadUpdate: "31" 4 "Empty" None None',
+     Notice('PayloadUpdate', '"31" 4 "Empty" None None')),
+    # what a fleet manager says of its robots: never this robot's own (p. 184-187, 190-237)
+    ('RobotFaultQuery: "robot1" Fault_Critical_Application fault1 "s" "l" false true true false '
+     'false ""', Item('RobotFaultQuery', '"robot1" Fault_Critical_Application fault1 "s" "l" '
+                                         'false true true false false ""')),
+    ('RobotFault: "Sim2" Fault_Application f1 "s" "l" false false true false true',
+     Notice('RobotFault', '"Sim2" Fault_Application f1 "s" "l" false false true false true')),
+    ('RobotFaultCleared: "Sim2" Fault_Application f1 "s" "l" false false true false true',
+     Notice('RobotFaultCleared',
+            '"Sim2" Fault_Application f1 "s" "l" false false true false true')),
+    ('QueueRobot: "21" InProgress Driving ""', Item('QueueRobot', '"21" InProgress Driving ""')),
+    ('QueueCancel: DROPOFF18 JOB18 20 Cancelling None',
+     Notice('QueueCancel', 'DROPOFF18 JOB18 20 Cancelling None')),
+    ('queuepickup goal "z" with priority 11', Done('queuePickup goal "z" with priority 11')),
+    ('WaitTask: Wait cancelled', WaitState('Wait cancelled')),
     # at any time
     ('Map changed', MapChanged()),
     ('Configuration changed', ConfigurationChanged()),
@@ -195,6 +248,10 @@ ENDS = [
     ('EndOfRangeDeviceList', 'rangedevicelist'), ('EndQueryFaults', 'queryfaults'),
     ('End of ApplicationFaultQuery', 'applicationfaultquery'), ('EndExtIODump', 'extiodump'),
     ('End of commands', 'commands'), ('EndOfTripReset', 'tripreset'),
+    ('EndExtIODumpLocal', 'extiodumplocal'), ('EndPayloadQuery', 'payloadquery'),
+    ('EndPayloadSlotCount', 'payloadslotcount'), ('EndQueueShowRobot', 'queueshowrobot'),
+    ('EndQueueShowCompleted', 'queueshowcompleted'), ('EndQueueMulti', 'queuemulti'),
+    ('EndOfGetDataStoreTripGroupList', 'getdatastoretripgrouplist'),
 ]
 
 
@@ -209,6 +266,11 @@ def test_trailing_blanks_change_nothing(line, reply):
         assert parse_line(line + ' ') == reply
 
 
+@pytest.mark.parametrize('name', [spec.name for spec in COMMANDS.values()])
+def test_no_command_in_the_help_list_is_taken_for_an_answer_of_it(name):
+    assert parse_line(f'{name:>15}          does it [x]') == HelpEntry(name, 'does it [x]')
+
+
 @pytest.mark.parametrize(('line', 'what'), ENDS)
 def test_the_irregular_ends_of_lists_all_are_ends(line, what):
     assert parse_line(line) == EndOf(what)
@@ -220,6 +282,10 @@ def test_the_irregular_ends_of_lists_all_are_ends(line, what):
     'Temperature:', 'DockingState:', 'DockingState: Lost ForcedState: Unforced ChargeState: Not',
     'Odometer: 1 mm', 'Stopped now', 'EStop', 'EStop what', 'Fault: f', 'Goal:', 'Motors',
     'RangeDeviceGetCurrent:', 'Locations: 1 2 3', 'Echo is on',
+    'ExtIODump: example', 'ExtIODump: e with x input(s), value = 0x1 and 1 output(s), value = 0x1',
+    'extIOInputUpdate: input e updated with 7', 'extIOInputUpdate: side e updated with 1 from 1',
+    'extIOInputUpdateBit: input e updated with 1 at bit 2 to nothing', 'PayloadQuery: x "y"',
+    'PayloadQuery: "31"', 'GetDataStoreFieldValues:', 'tripReset:', 'Input:',
 ])
 def test_a_line_of_no_known_kind_is_an_unknown_line(line):
     assert parse_line(line) == UnknownLine(line)
@@ -277,5 +343,5 @@ def test_replies_are_values():
 
 
 def test_every_reply_is_a_public_name():
-    kinds = {kind.__name__ for kind in arcl.replies.Reply.__subclasses__()}
+    kinds = {kind.__name__ for kind in arcl.Reply.__subclasses__()}
     assert kinds <= set(arcl.__all__)

@@ -160,11 +160,15 @@ def test_a_password_in_the_robots_configuration_is_blanked_everywhere():
     session = Session(None, trace=lambda side, line: trace((side, line)))
     events = session.receive(lines(b'GetConfigSectionValue: Password adept',
                                    b"Added 'Password adept' to the config",
-                                   b'GetConfigSectionValue: PortNumber 7171'))
+                                   b'GetConfigSectionValue: PortNumber 7171',
+                                   b'CommandError: configAdd Password adept',
+                                   b'configAdd Password adept'))  # an echo
     assert 'adept' not in repr(events) + repr(trace.all)
     assert events[0].raw == b'GetConfigSectionValue: Password ********'
     assert events[1].raw == b"Added 'Password ********' to the config"
     assert events[2].raw == b'GetConfigSectionValue: PortNumber 7171'
+    assert events[3].raw == b'CommandError: configAdd Password ********'
+    assert events[4].raw == b'configAdd Password ********'
 
 
 def test_text_is_readable_whatever_the_bytes_are():

@@ -1,6 +1,7 @@
 """Client and listener against the simulated LD-90, with faults brought upon it."""
 from __future__ import annotations
 
+import math
 import threading
 from contextlib import contextmanager
 from pathlib import Path
@@ -128,6 +129,26 @@ def test_another_client_that_drives_interrupts_ours(robot):
         begun.wait(lambda line: line == 'Going to 8', 'the drive', PATIENCE)
         theirs.execute('goto 20')
         assert goto.wait(PATIENCE).outcome is Outcome.INTERRUPTED
+
+
+def test_a_stop_that_another_client_overtakes_ends_at_once_with_what_happened(robot):
+    with client_of(robot) as client:
+        lines = Noted()
+        goto = client.execute('goto 8', on_line=lines)
+        lines.wait(lambda line: line == 'Going to 8', 'the drive', PATIENCE)
+        x, y, _ = robot.pose
+        wait_for(lambda: math.hypot(robot.pose[0] - x, robot.pose[1] - y) > 500.0, 'half a metre',
+                 PATIENCE)
+
+        def overtake(line: str) -> None:  # while the robot brakes
+            if line == 'Stopping':
+                robot.inject('other goto 20')
+
+        result = client.execute('stop', on_line=overtake).wait(5.0)
+        assert result, 'the stop still waits for a robot that drives for somebody else'
+        assert result.outcome is Outcome.INTERRUPTED
+        assert result.words == 'taken over: Going to 20'
+        assert goto.result.words == 'Interrupted: Going to 8'
 
 
 def test_two_clients_get_their_own_answers(robot):

@@ -2,7 +2,8 @@
 from __future__ import annotations
 
 from omron_ld90.arcl.client import Client
-from omron_ld90.arcl.command_table import COMMANDS, Category, CommandSpec
+from omron_ld90.arcl.command_spec import Category, CommandSpec
+from omron_ld90.arcl.command_table import COMMANDS
 from omron_ld90.arcl.commands import Command, printable, quote
 from omron_ld90.arcl.errors import (
     ArclError,
@@ -20,73 +21,83 @@ from omron_ld90.arcl.execution import Execution, Outcome, Result
 from omron_ld90.arcl.link import Backoff, Link, LinkPhase
 from omron_ld90.arcl.listener import Listener
 from omron_ld90.arcl.parser import parse_line
-from omron_ld90.arcl.replies import (
+from omron_ld90.arcl.replies.configuration import ConfigErrors, ConfigurationChanged, ConfigValue
+from omron_ld90.arcl.replies.driving import (
     ArrivedAt,
     ArrivedAtPoint,
-    BatteryVoltage,
-    CommandError,
-    CommandErrorDescription,
-    CompletedInstantTask,
-    CompletedMacro,
-    CompletedTask,
-    ConfigErrors,
-    ConfigurationChanged,
-    ConfigValue,
-    DateTime,
-    DistanceBetween,
     DockingState,
     DockingStatus,
-    DoingTask,
+    FailedGoingTo,
+    FinishedPatrolling,
+    GoingTo,
+    GoingToPoint,
+    Interrupted,
+    LapCompleted,
+    Localizing,
+    Parking,
+    Patrolling,
+    RobotError,
+    Stopped,
+    Stopping,
+)
+from omron_ld90.arcl.replies.equipment import (
+    ExternalIO,
+    ExternalIOUpdate,
+    Input,
+    PayloadSlot,
+    RangeDevice,
+    RangeReading,
+)
+from omron_ld90.arcl.replies.general import (
     Done,
     Echo,
     EndOf,
-    EStop,
-    ExecutingList,
-    ExecutingMacro,
-    ExtendedStatus,
-    FailedGoingTo,
-    Fault,
-    FinishedList,
-    FinishedPatrolling,
-    Goal,
-    GoingTo,
-    GoingToPoint,
     HelpEntry,
-    Input,
-    Interrupted,
     Item,
-    LapCompleted,
-    LocalizationScore,
-    Localizing,
-    Location,
+    Notice,
+    ServerClosing,
+)
+from omron_ld90.arcl.replies.refusals import (
+    CommandError,
+    CommandErrorDescription,
+    SetUpError,
+    UnknownCommand,
+)
+from omron_ld90.arcl.replies.reply import Reply, UnknownLine, same_name
+from omron_ld90.arcl.replies.safety import EStop, Fault, Motors
+from omron_ld90.arcl.replies.site import (
+    DistanceBetween,
+    Goal,
     Macro,
     MapChanged,
     MapObjectCoord,
     MapObjectName,
-    Motors,
-    Notice,
+    Route,
+)
+from omron_ld90.arcl.replies.status import (
+    BatteryVoltage,
+    DataStoreValue,
+    DateTime,
+    ExtendedStatus,
+    LocalizationScore,
+    Location,
     Odometer,
     OneLineStatus,
-    Parking,
-    Patrolling,
-    PauseState,
-    RangeDevice,
-    RangeReading,
-    Reply,
-    RobotError,
-    Route,
-    ServerClosing,
-    SetUpError,
     StateOfCharge,
     StatusText,
-    Stopped,
-    Stopping,
     Temperature,
-    UnknownCommand,
-    UnknownLine,
+)
+from omron_ld90.arcl.replies.tasks import (
+    CompletedInstantTask,
+    CompletedMacro,
+    CompletedTask,
+    DoingTask,
+    ExecutingList,
+    ExecutingMacro,
+    FinishedList,
+    PauseState,
     WaitState,
     WillDoTask,
-    same_name,
 )
 from omron_ld90.arcl.session import Closed, Event, HelpList, LoggedIn, Received, Session, State
 from omron_ld90.arcl.session_log import SessionLog
@@ -96,18 +107,18 @@ __all__ = [
     'ArclError', 'ArrivedAt', 'ArrivedAtPoint', 'Backoff', 'BatteryVoltage', 'Busy', 'COMMANDS',
     'Category', 'Client', 'Closed', 'Command', 'CommandError', 'CommandErrorDescription',
     'CommandSpec', 'CompletedInstantTask', 'CompletedMacro', 'CompletedTask', 'ConfigErrors',
-    'ConfigValue', 'ConfigurationChanged', 'ConnectionFailed', 'ConnectionLost', 'DateTime',
-    'DistanceBetween', 'DockingState', 'DockingStatus', 'DoingTask', 'Done', 'EStop', 'Echo',
-    'EndOf', 'Event', 'ExecutingList', 'ExecutingMacro', 'Execution', 'ExtendedStatus',
-    'FailedGoingTo', 'Fault', 'FinishedList', 'FinishedPatrolling', 'Goal', 'GoingTo',
-    'GoingToPoint', 'HelpEntry', 'HelpList', 'Input', 'Interrupted', 'InvalidCommand', 'Item',
-    'LapCompleted', 'LineTooLong', 'Link', 'LinkError', 'LinkPhase', 'Listener',
-    'LocalizationScore', 'Localizing', 'Location', 'LoggedIn', 'Macro', 'MapChanged',
-    'MapObjectCoord', 'MapObjectName', 'Motors', 'NotConnected', 'Notice', 'Odometer',
-    'OneLineStatus', 'Outcome', 'Parking', 'Patrolling', 'PauseState', 'PeerSilent',
-    'RangeDevice', 'RangeReading', 'Received', 'Reply', 'Result', 'RobotError', 'Route',
-    'ServerClosing', 'Session', 'SessionLog', 'SetUpError', 'State', 'StateOfCharge',
-    'StatusAssembler', 'StatusText', 'Stopped', 'Stopping', 'Temperature', 'UnknownCommand',
-    'UnknownLine', 'WaitState', 'WillDoTask', 'WrongPassword', 'parse_line', 'printable',
-    'quote', 'same_name',
+    'ConfigValue', 'ConfigurationChanged', 'ConnectionFailed', 'ConnectionLost',
+    'DataStoreValue', 'DateTime', 'DistanceBetween', 'DockingState', 'DockingStatus',
+    'DoingTask', 'Done', 'EStop', 'Echo', 'EndOf', 'Event', 'ExecutingList', 'ExecutingMacro',
+    'Execution', 'ExtendedStatus', 'ExternalIO', 'ExternalIOUpdate', 'FailedGoingTo', 'Fault',
+    'FinishedList', 'FinishedPatrolling', 'Goal', 'GoingTo', 'GoingToPoint', 'HelpEntry',
+    'HelpList', 'Input', 'Interrupted', 'InvalidCommand', 'Item', 'LapCompleted', 'LineTooLong',
+    'Link', 'LinkError', 'LinkPhase', 'Listener', 'LocalizationScore', 'Localizing', 'Location',
+    'LoggedIn', 'Macro', 'MapChanged', 'MapObjectCoord', 'MapObjectName', 'Motors',
+    'NotConnected', 'Notice', 'Odometer', 'OneLineStatus', 'Outcome', 'Parking', 'Patrolling',
+    'PauseState', 'PayloadSlot', 'PeerSilent', 'RangeDevice', 'RangeReading', 'Received',
+    'Reply', 'Result', 'RobotError', 'Route', 'ServerClosing', 'Session', 'SessionLog',
+    'SetUpError', 'State', 'StateOfCharge', 'StatusAssembler', 'StatusText', 'Stopped',
+    'Stopping', 'Temperature', 'UnknownCommand', 'UnknownLine', 'WaitState', 'WillDoTask',
+    'WrongPassword', 'parse_line', 'printable', 'quote', 'same_name',
 ]

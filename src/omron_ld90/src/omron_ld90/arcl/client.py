@@ -6,14 +6,13 @@ locks held: they may give commands, and must be short.
 from __future__ import annotations
 
 import contextlib
-import logging
 import selectors
 import threading
 import time
-from typing import Any, Callable, Optional
+from typing import Callable, Optional
 
 from omron_ld90.arcl.commands import Command
-from omron_ld90.arcl.connection import Connection, Waker, reason_of
+from omron_ld90.arcl.connection import TICK, Connection, Transport, reason_of
 from omron_ld90.arcl.dispatcher import Dispatcher
 from omron_ld90.arcl.errors import (
     Busy,
@@ -42,11 +41,9 @@ from omron_ld90.arcl.session_log import SessionLog
 CONNECT_TIMEOUT = 3.0  # s
 LOGIN_TIMEOUT = 15.0  # s from the connection to the end of the help list
 HEARTBEAT = 'oneLineStatus'  # any answer is a sign of life, an "Unknown command" too
-_TICK = 0.2  # s between looks at the clock
-_log = logging.getLogger(__name__)
 
 
-class Client:
+class Client(Transport):
     """A robot's ARCL server, connected to for ever until `close`.
 
     on_line(Received): a line came after the login. on_link(Link): the link changed.
@@ -61,6 +58,7 @@ class Client:
                  on_login: Optional[Callable[[HelpList], None]] = None,
                  log: Optional[SessionLog] = None, backoff: Optional[Backoff] = None,
                  heartbeat: float = 1.5, silence: float = 4.0) -> None:
+        super().__init__('ARCL client')
         self.peer = f'{host}:{port}'
         self._address = (host, port)
         self._password = password
@@ -80,29 +78,8 @@ class Client:
         self._lock = threading.Lock()  # guards link, help, _dispatcher
         self._dispatcher = Dispatcher()
         self._answered = threading.Event()  # the password was taken, or refused
-        self._closing = threading.Event()
-        self._waker = Waker()
-        self._thread = threading.Thread(target=self._run, name='arcl-client', daemon=True)
 
     # --- for any thread --------------------------------------------------------------------------
-
-    def start(self) -> Client:
-        """Begins to connect."""
-        self._thread.start()
-        return self
-
-    def __enter__(self) -> Client:
-        return self.start()
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
-    def close(self) -> None:
-        """Ends the connection; what is under way ends as lost. Takes well under a second."""
-        self._closing.set()
-        self._waker.wake()
-        if threading.current_thread() is not self._thread:
-            self._thread.join(1.0)
 
     def wait_connected(self, timeout: float) -> Link:
         """Waits until logged in or refused, `timeout` s at most; the link then."""
@@ -138,7 +115,6 @@ class Client:
             cause = self._converse()
             self._lost(cause)
             self._closing.wait(self._backoff.after(cause))
-        self._waker.close()
 
     def _converse(self) -> LinkError:
         """One connection from beginning to end; returns why it ended."""
@@ -154,13 +130,8 @@ class Client:
             selector.register(self._waker.reader, selectors.EVENT_READ)
             try:
                 return self._talk(connection, selector)
-            except LinkError as error:
-                return error
-            except OSError as error:
-                return ConnectionLost(f'the connection broke: {reason_of(error)}')
-            except Exception as error:  # ours; a thread that died of it could never connect again
-                _log.exception('The ARCL client failed.')
-                return ConnectionLost(f'an error of our own: {error!r}')
+            except Exception as error:  # a thread that died of it could never connect again
+                return self._cause(error)
 
     def _talk(self, connection: Connection, selector: selectors.BaseSelector) -> LinkError:
         self._trace = self._log.connection() if self._log else None
@@ -170,7 +141,7 @@ class Client:
             self._send(connection, session)
             selector.modify(connection.socket, selectors.EVENT_READ
                             | (selectors.EVENT_WRITE if connection.unsent else 0))
-            selector.select(_TICK)
+            selector.select(TICK)
             self._waker.drain()
             data = connection.receive()
             now = time.monotonic()
@@ -245,11 +216,3 @@ class Client:
             news = self._dispatcher.take_news()
         for tell in news:
             self._call(tell)
-
-    def _call(self, callback: Optional[Callable[..., None]], *arguments: Any) -> None:
-        """A caller's mistake in a callback must not end the connection: it is logged."""
-        if callback:
-            try:
-                callback(*arguments)
-            except Exception:
-                _log.exception('A callback of the ARCL client failed.')

@@ -1,71 +1,85 @@
-"""How each command ends: one table, read by `commands` and `dispatcher`.
+"""Every command that is known, and how it ends: one table.
 
-ARCL has no request ids, so the only link between a command and the robot's lines is what the lines
-say. A row of the table therefore holds tests of replies: which one acknowledges the command, which
-belong to it, which one ends it well. What ends it badly is the same for all and is in `dispatcher`.
-Syntax and answers are those of OMRON's ARCL reference (I617-E-01), or of real robots where they
-differ.
+Syntax and answers are those of OMRON's ARCL references (I617-E-01, and the newer I617-E-02), or of
+real robots where they differ. Commands that only a fleet manager has are not in it.
 """
 from __future__ import annotations
 
-from dataclasses import dataclass
-from enum import Enum
-from typing import TYPE_CHECKING, Callable, Dict, Iterable, Optional, Tuple
+from typing import Dict, Iterable, Optional, Tuple
 
-from omron_ld90.arcl import replies as r
-from omron_ld90.arcl.replies import DockingState, Reply
-
-if TYPE_CHECKING:
-    from omron_ld90.arcl.commands import Command
-
-
-class Category(Enum):
-    """What a command does to the robot; the controller allows or refuses by it."""
-
-    QUERY = 'query'  # asks, changes nothing
-    MOTION = 'motion'  # drives, stops, docks, localises, or enables driving
-    DEVICE = 'device'  # speaks, plays, switches outputs, raises faults
-    CONFIGURATION = 'configuration'  # changes the robot's settings or its map
-    DANGEROUS = 'dangerous'  # powers the robot off, frees its wheels, or cuts the link
-    UNKNOWN = 'unknown'  # not in this table
-
-
-Test = Callable[['Command', Reply], bool]
-
-
-@dataclass(frozen=True)
-class CommandSpec:
-    """A row of the table.
-
-    `begins`: the reply that acknowledges the command, None where none is promised. `belongs`: the
-    lines that are its own. `ends`: the last of them. `undone`: once begun, the reply that shows
-    that it was broken off. `silence`: seconds without a line of its own until it counts as timed
-    out, None for ever; before it began it is `PATIENCE` at most. `drives`: it takes over the
-    wheels, and so replaces the one before it.
-    """
-
-    syntax: str
-    category: Category
-    ends: Optional[Test]
-    begins: Optional[Test] = None
-    belongs: Optional[Test] = None
-    undone: Optional[Test] = None
-    silence: Optional[float] = 5.0
-    drives: bool = False
-    goal_at: Optional[int] = None
-
-    @property
-    def name(self) -> str:
-        """The command's name as the manual spells it."""
-        return self.syntax.split(' ', 1)[0]
-
-    @property
-    def required(self) -> int:
-        """How many arguments it needs."""
-        return self.syntax.count('<')
-
-
-PATIENCE = 60.0  # s until a driving command must have begun: leaving the dock comes first
+from omron_ld90.arcl.command_spec import Category, CommandSpec, Test
+from omron_ld90.arcl.replies.configuration import ConfigErrors, ConfigurationChanged, ConfigValue
+from omron_ld90.arcl.replies.driving import (
+    ArrivedAt,
+    ArrivedAtPoint,
+    DockingState,
+    DockingStatus,
+    FinishedPatrolling,
+    GoingTo,
+    GoingToPoint,
+    Interrupted,
+    LapCompleted,
+    Localizing,
+    Patrolling,
+    Stopped,
+    Stopping,
+)
+from omron_ld90.arcl.replies.equipment import (
+    ExternalIO,
+    ExternalIOUpdate,
+    Input,
+    PayloadSlot,
+    RangeDevice,
+    RangeReading,
+)
+from omron_ld90.arcl.replies.general import Echo, HelpEntry, Notice
+from omron_ld90.arcl.replies.reply import UnknownLine
+from omron_ld90.arcl.replies.safety import EStop, Fault, Motors
+from omron_ld90.arcl.replies.site import (
+    DistanceBetween,
+    Goal,
+    Macro,
+    MapChanged,
+    MapObjectCoord,
+    MapObjectName,
+    Route,
+)
+from omron_ld90.arcl.replies.status import (
+    BatteryVoltage,
+    DataStoreValue,
+    DateTime,
+    ExtendedStatus,
+    LocalizationScore,
+    Location,
+    Odometer,
+    OneLineStatus,
+    StateOfCharge,
+    StatusText,
+    Temperature,
+)
+from omron_ld90.arcl.replies.tasks import (
+    CompletedInstantTask,
+    CompletedMacro,
+    CompletedTask,
+    DoingTask,
+    ExecutingList,
+    ExecutingMacro,
+    FinishedList,
+    PauseState,
+    WaitState,
+    WillDoTask,
+)
+from omron_ld90.arcl.reply_tests import (
+    any_of,
+    at_the_point,
+    docking_is,
+    end_of,
+    is_one_of,
+    items,
+    names,
+    same_task,
+    says,
+)
 
 
 def spec_of(name: str) -> CommandSpec:
@@ -73,72 +87,30 @@ def spec_of(name: str) -> CommandSpec:
     return COMMANDS.get(name.lower()) or CommandSpec(name, Category.UNKNOWN, ends=None)
 
 
-# --- tests of replies -----------------------------------------------------------------------------
-
-def _is(*kinds: type) -> Test:
-    return lambda command, reply: isinstance(reply, kinds)
-
-
-def _names(kind: type, field: str = 'goal') -> Test:
-    return lambda command, reply: (isinstance(reply, kind)
-                                   and command.is_for(getattr(reply, field)))
-
-
-def _docking(*states: DockingState) -> Test:
-    return lambda command, reply: isinstance(reply, r.DockingStatus) and reply.docking in states
-
-
-def _says(phrase: str) -> Test:
-    return lambda command, reply: isinstance(reply, r.Done) and reply.text.startswith(phrase)
-
-
-def _end_of(what: str) -> Test:
-    return lambda command, reply: isinstance(reply, r.EndOf) and reply.what == what.lower()
-
-
-def _items(*prefixes: str) -> Test:
-    return lambda command, reply: isinstance(reply, r.Item) and reply.prefix in prefixes
-
-
-def _any(*tests: Test) -> Test:
-    return lambda command, reply: any(test(command, reply) for test in tests)
-
-
-def _same_task(*kinds: type) -> Test:
-    """The robot repeats a task's arguments as they were typed."""
-    def test(command: Command, reply: Reply) -> bool:
-        return isinstance(reply, kinds) and _plain(reply.task) == _plain(command.rest)
-    return test
-
-
-def _plain(text: str) -> str:
-    return ' '.join(text.replace('"', ' ').split()).casefold()
-
-
-# --- rows -----------------------------------------------------------------------------------------
-
-def _drive(syntax: str, begins: Optional[Test], ends: Optional[Test],
-           belongs: Optional[Test] = None, silence: Optional[float] = None,
-           goal_at: Optional[int] = None, undone: Optional[Test] = None) -> CommandSpec:
-    belongs = belongs or _is(r.DockingStatus)  # while it leaves the dock
+def _drive(syntax: str, begins: Test, ends: Test, belongs: Optional[Test] = None,
+           silence: Optional[float] = None, goal_at: Optional[int] = None,
+           undone: Optional[Test] = None) -> CommandSpec:
+    """It takes the wheels over."""
+    belongs = belongs or is_one_of(DockingStatus)  # while it leaves the dock
     return CommandSpec(syntax, Category.MOTION, ends, begins, belongs, undone, silence,
                        drives=True, goal_at=goal_at)
 
 
 def _answer(syntax: str, *kinds: type, category: Category = Category.QUERY) -> CommandSpec:
     """One reply of one of `kinds` is all."""
-    return CommandSpec(syntax, category, _is(*kinds))
+    return CommandSpec(syntax, category, is_one_of(*kinds))
 
 
-def _listing(syntax: str, end: str, belongs: Test) -> CommandSpec:
+def _listing(syntax: str, end: str, belongs: Test,
+             category: Category = Category.QUERY) -> CommandSpec:
     """Items up to an end line."""
-    return CommandSpec(syntax, Category.QUERY, _end_of(end), belongs=belongs)
+    return CommandSpec(syntax, category, end_of(end), belongs=belongs)
 
 
-def _done(syntax: str, category: Category, *phrases: str,
+def _done(syntax: str, category: Category, phrase: str,
           belongs: Optional[Test] = None) -> CommandSpec:
-    """A phrase is all."""
-    return CommandSpec(syntax, category, _any(*map(_says, phrases)), belongs=belongs)
+    """A confirmation is all."""
+    return CommandSpec(syntax, category, says(phrase), belongs=belongs)
 
 
 def _quiet(syntaxes: Iterable[str], category: Category) -> Iterable[CommandSpec]:
@@ -146,138 +118,157 @@ def _quiet(syntaxes: Iterable[str], category: Category) -> Iterable[CommandSpec]
     return (CommandSpec(syntax, category, ends=None) for syntax in syntaxes)
 
 
-_EVERY_STATUS = _is(r.ExtendedStatus, r.StatusText, r.StateOfCharge, r.BatteryVoltage, r.Location,
-                    r.LocalizationScore, r.Temperature)
-_TASK = _any(_same_task(r.WillDoTask, r.DoingTask),
-             _is(r.WaitState, r.GoingTo, r.GoingToPoint, r.ArrivedAt, r.ArrivedAtPoint,
-                 r.DockingStatus))
+_ON_THE_WAY = (GoingTo, GoingToPoint, ArrivedAt, ArrivedAtPoint, DockingStatus)
+_OF_TASKS = (WillDoTask, DoingTask, CompletedTask, CompletedInstantTask, WaitState)
 
 _ROWS: Tuple[CommandSpec, ...] = (
     # driving
-    _drive('goto <goal> [heading]', _names(r.GoingTo), _names(r.ArrivedAt), goal_at=0),
-    _drive('gotoPoint <x> <y> [heading]', _is(r.GoingToPoint), _is(r.ArrivedAtPoint)),
-    _drive('gotoRouteGoal <route> <goal>', _names(r.GoingTo), _names(r.ArrivedAt), goal_at=1),
-    _drive('dock', _docking(DockingState.DOCKING), _docking(DockingState.DOCKED), silence=180.0,
-           belongs=_is(r.DockingStatus, r.GoingTo, r.ArrivedAt),
-           undone=_docking(DockingState.UNDOCKED)),
-    _drive('undock', _docking(DockingState.UNDOCKING), _docking(DockingState.UNDOCKED),
-           silence=60.0, undone=_docking(DockingState.DOCKING, DockingState.DOCKED)),
-    _drive('patrol <route>', _names(r.Patrolling, 'route'), lambda command, reply: False,
-           belongs=_is(r.GoingTo, r.ArrivedAt, r.LapCompleted, r.DockingStatus), goal_at=0),
-    *(_drive(syntax, _names(r.Patrolling, 'route'), _names(r.FinishedPatrolling, 'route'),
-             belongs=_is(r.GoingTo, r.ArrivedAt, r.DockingStatus), goal_at=0)
+    _drive('goto <goal> [heading]', names(GoingTo), names(ArrivedAt), goal_at=0),
+    _drive('gotoPoint <x> <y> [heading]', any_of(is_one_of(GoingToPoint), at_the_point(GoingTo)),
+           any_of(is_one_of(ArrivedAtPoint), at_the_point(ArrivedAt))),
+    _drive('gotoRouteGoal <route> <goal>', names(GoingTo), names(ArrivedAt), goal_at=1),
+    _drive('dock', docking_is(DockingState.DOCKING), docking_is(DockingState.DOCKED),
+           belongs=is_one_of(DockingStatus, GoingTo, ArrivedAt), silence=180.0,
+           undone=docking_is(DockingState.UNDOCKED)),
+    _drive('undock', docking_is(DockingState.UNDOCKING), docking_is(DockingState.UNDOCKED),
+           silence=60.0, undone=docking_is(DockingState.DOCKING, DockingState.DOCKED)),
+    _drive('patrol <route>', names(Patrolling, 'route'), lambda command, reply: False,
+           belongs=is_one_of(GoingTo, ArrivedAt, LapCompleted, DockingStatus), goal_at=0),
+    *(_drive(syntax, names(Patrolling, 'route'), names(FinishedPatrolling, 'route'),
+             belongs=is_one_of(GoingTo, ArrivedAt, DockingStatus), goal_at=0)
       for syntax in ('patrolOnce <route> [index]', 'patrolResume <route>')),
-    _drive('doTask <task> [arguments]', _same_task(r.WillDoTask, r.DoingTask),
-           _same_task(r.CompletedTask), belongs=_TASK),
-    _drive('executeMacro <macro>', _names(r.ExecutingMacro, 'macro'),
-           _names(r.CompletedMacro, 'macro'), goal_at=0,
-           belongs=_is(r.WillDoTask, r.DoingTask, r.CompletedTask, r.CompletedInstantTask,
-                       r.WaitState, r.GoingTo, r.GoingToPoint, r.ArrivedAt, r.ArrivedAtPoint,
-                       r.DockingStatus)),
-    _drive('listExecute', _is(r.ExecutingList), _is(r.FinishedList),
-           belongs=_is(r.WillDoTask, r.DoingTask, r.CompletedTask, r.CompletedInstantTask,
-                       r.WaitState)),
-    _drive('queueDropoff <goal> [priority] [jobId]', _names(r.GoingTo), _names(r.ArrivedAt),
-           belongs=_is(r.Notice, r.DockingStatus), goal_at=0),
-    *_quiet(('go', 'stay', 'follow', 'pauseTaskCancel', 'waitTaskCancel',
-             'applicationBlockDrivingClear <name>',
-             'applicationBlockDrivingSet <name> <short> <long>'), Category.MOTION),
-    CommandSpec('stop', Category.MOTION, _is(r.Stopped), belongs=_is(r.Interrupted, r.Stopping),
-                silence=15.0),
+    _drive('doTask <task> [arguments]', same_task(WillDoTask, DoingTask),
+           same_task(CompletedTask),
+           belongs=any_of(same_task(WillDoTask, DoingTask), is_one_of(WaitState, *_ON_THE_WAY))),
+    _drive('executeMacro <macro>', names(ExecutingMacro, 'macro'), names(CompletedMacro, 'macro'),
+           belongs=is_one_of(*_OF_TASKS, *_ON_THE_WAY), goal_at=0),
+    _drive('listExecute', is_one_of(ExecutingList), is_one_of(FinishedList),
+           belongs=is_one_of(*_OF_TASKS)),
+    _drive('queueDropoff <goal> [priority] [jobId]', names(GoingTo), names(ArrivedAt),
+           belongs=any_of(says('queueDropoff'), is_one_of(Notice, DockingStatus)), goal_at=0),
+    # what else moves the robot, or lets it be moved
+    CommandSpec('stop', Category.MOTION, is_one_of(Stopped), begins=is_one_of(Stopping),
+                belongs=is_one_of(Interrupted), silence=15.0),
     CommandSpec('enableMotors', Category.MOTION,
-                lambda command, reply: isinstance(reply, r.Motors) and reply.enabled),
+                lambda command, reply: isinstance(reply, Motors) and reply.enabled),
     *(CommandSpec(syntax, Category.MOTION,
-                  lambda command, reply: isinstance(reply, r.Localizing) and reply.done,
-                  belongs=_is(r.Localizing), silence=30.0)
+                  lambda command, reply: isinstance(reply, Localizing) and reply.done,
+                  belongs=is_one_of(Localizing), silence=30.0)
       for syntax in ('localizeToPoint <x> <y> <heading> [xySpread] [angleSpread]',
                      'localizeAtGoal <goal>')),
-    _answer('doTaskInstant <task> [arguments]', r.CompletedInstantTask, category=Category.MOTION),
+    _answer('doTaskInstant <task> [arguments]', CompletedInstantTask, category=Category.MOTION),
+    _answer('waitTaskCancel', WaitState, category=Category.MOTION),
     _done('listStart [name]', Category.MOTION, 'Making new list',
-          belongs=_says('List being cleared')),
+          belongs=says('List being cleared')),
     _done('listAdd <task> [arguments]', Category.MOTION, 'Added task'),
+    _done('queueCancelLocal <type> <value> [echo] [reason]', Category.MOTION,
+          'queueCancel cancelling', belongs=says('queueCancel attempting')),
+    CommandSpec('queueModifyLocal <id> <type> <value>', Category.MOTION,
+                any_of(says('queueModify modifying'), says('queueModifyLocal modifying'))),
+    *_quiet(('go', 'stay', 'follow', 'pauseTaskCancel', 'applicationBlockDrivingClear <name>',
+             'applicationBlockDrivingSet <name> <short> <long>'), Category.MOTION),
     # status and state
-    CommandSpec('status', Category.QUERY, _is(r.Temperature), belongs=_EVERY_STATUS),
-    _answer('oneLineStatus', r.OneLineStatus),
-    _answer('queryDockStatus', r.DockingStatus),
-    _answer('queryMotors', r.Motors, r.EStop),
-    _answer('odometer', r.Odometer),
+    CommandSpec('status', Category.QUERY, is_one_of(Temperature),
+                belongs=is_one_of(ExtendedStatus, StatusText, StateOfCharge, BatteryVoltage,
+                                  Location, LocalizationScore)),
+    _answer('oneLineStatus', OneLineStatus),
+    _answer('queryDockStatus', DockingStatus),
+    _answer('queryMotors', Motors, EStop),
+    _answer('odometer', Odometer),
     _done('odometerReset', Category.DEVICE, 'Reset odometer'),
-    _answer('getDateTime', r.DateTime),
-    _answer('pauseTaskState', r.PauseState),
-    _answer('waitTaskState', r.WaitState),
-    _answer('distanceBetween <goal> <goal>', r.DistanceBetween),
-    _listing('getInfoList', 'info list', _items('InfoList')),
-    CommandSpec('getInfo <name>', Category.QUERY, _items('Info')),
+    _answer('getDateTime', DateTime),
+    _answer('pauseTaskState', PauseState),
+    _answer('waitTaskState', WaitState),
+    _answer('distanceBetween <goal> <goal>', DistanceBetween),
+    _listing('queueQueryLocal <type> <value> [echo]', 'QueueQuery', items('QueueQuery')),
+    _listing('queueShowRobotLocal [echo]', 'QueueShowRobot', items('QueueRobot')),
+    *_quiet(('goalDistanceRemaining', 'etaRequest', 'distanceFromHere', 'arclStat',
+             'centralServer', 'trackSectors'), Category.QUERY),
+    # what the robot counts and keeps
+    _listing('getInfoList', 'info list', items('InfoList')),
+    CommandSpec('getInfo <name>', Category.QUERY, items('Info')),
     _done('createInfo <name> <length> <value>', Category.DEVICE, 'Created info for'),
     _done('updateInfo <name> <value>', Category.DEVICE, 'Updated info for'),
-    *(_listing(f'getDataStore{name}', f'GetDataStore{name.split()[0]}',
-               _items(f'GetDataStore{name.split()[0]}'))
-      for name in ('GroupList', 'GroupValues <group>', 'GroupInfo <group>', 'FieldList',
-                   'FieldValues <field>', 'FieldInfo <field>')),
-    *_quiet(('goalDistanceRemaining', 'etaRequest', 'distanceFromHere', 'arclStat',
-             'centralServer', 'queueQueryLocal', 'queueShowRobotLocal', 'trackSectors'),
-            Category.QUERY),
+    *(_listing(f'getDataStore{syntax}', f'GetDataStore{syntax.split()[0]}',
+               any_of(items(f'GetDataStore{syntax.split()[0]}'), is_one_of(DataStoreValue)))
+      for syntax in ('GroupList', 'GroupValues <group>', 'GroupInfo <group>', 'TripGroupList',
+                     'FieldList', 'FieldValues <field>', 'FieldInfo <field>')),
+    _listing('tripReset', 'TripReset', is_one_of(DataStoreValue), Category.DEVICE),
     # goals, routes, macros, map objects
-    _listing('getGoals', 'goals', _is(r.Goal)),
-    _listing('getRoutes', 'routes', _any(_is(r.Route), _items('Routes'))),
-    _listing('getMacros', 'macros', _is(r.Macro, r.UnknownLine)),
-    _listing('mapObjectTypeList', 'MapObjectTypeList', _items('MapObjectTypeList')),
+    _listing('getGoals', 'goals', is_one_of(Goal)),
+    _listing('getRoutes', 'routes', any_of(is_one_of(Route), items('Routes'))),
+    _listing('getMacros', 'macros', is_one_of(Macro, UnknownLine)),
+    _listing('mapObjectTypeList', 'MapObjectTypeList', items('MapObjectTypeList')),
     _listing('mapObjectTypeInfo <type>', 'MapObjectTypeInfo',
-             _items('MapObjectTypeList', 'MapObjectTypeInfoArgument')),
-    _listing('mapObjectList <type>', 'MapObjectList', _is(r.MapObjectName)),
+             items('MapObjectTypeList', 'MapObjectTypeInfoArgument')),
+    _listing('mapObjectList <type>', 'MapObjectList', is_one_of(MapObjectName)),
     _listing('mapObjectInfo <name>', 'MapObjectInfo',
-             _any(_items('MapObjectInfo', 'MapObjectInfoParams'), _is(r.MapObjectCoord))),
+             any_of(items('MapObjectInfo', 'MapObjectInfoParams'), is_one_of(MapObjectCoord))),
     # range devices
     *(_listing(name, 'RangeDeviceList',
-               _any(_is(r.RangeDevice), _items('RangeDeviceCurrentDrawingData',
-                                               'RangeDeviceCumulativeDrawingData')))
+               any_of(is_one_of(RangeDevice), items('RangeDeviceCurrentDrawingData',
+                                                    'RangeDeviceCumulativeDrawingData')))
       for name in ('rangeDeviceGetList', 'rangeDeviceList')),
     CommandSpec('rangeDeviceGetCurrent <device>', Category.QUERY,
-                lambda command, reply: isinstance(reply, r.RangeReading) and not reply.cumulative),
+                lambda command, reply: isinstance(reply, RangeReading) and not reply.cumulative),
     CommandSpec('rangeDeviceGetCumulative <device>', Category.QUERY,
-                lambda command, reply: isinstance(reply, r.RangeReading) and reply.cumulative),
+                lambda command, reply: isinstance(reply, RangeReading) and reply.cumulative),
     # configuration: reading is a query
-    _listing('getConfigSectionList', 'GetConfigSectionList', _items('GetConfigSectionList')),
-    _listing('getConfigSectionValues <section>', 'GetConfigSectionValues', _is(r.ConfigValue)),
+    _listing('getConfigSectionList', 'GetConfigSectionList', items('GetConfigSectionList')),
+    _listing('getConfigSectionValues <section>', 'GetConfigSectionValues', is_one_of(ConfigValue)),
     _listing('getConfigSectionInfo <section>', 'GetConfigSectionInfo',
-             _items('GetConfigSectionInfo', 'GetConfigSectionParamInfo')),
+             items('GetConfigSectionInfo', 'GetConfigSectionParamInfo')),
     _done('configStart', Category.CONFIGURATION, 'New config starting'),
     _done('configAdd <line>', Category.CONFIGURATION, 'Added'),
     CommandSpec('configParse', Category.CONFIGURATION,
-                _any(_says('Config parsed fine'), _is(r.ConfigErrors)), silence=60.0,
-                belongs=_any(_says('Will parse config'),
-                             _is(r.MapChanged, r.ConfigurationChanged))),
+                any_of(says('Config parsed fine'), is_one_of(ConfigErrors)), silence=60.0,
+                belongs=any_of(says('Will parse config'),
+                               is_one_of(MapChanged, ConfigurationChanged))),
     _done('newConfigParam <section> <name> <description> <priority> <type> <default> '
           '<min> <max> <hint>', Category.CONFIGURATION, 'Will add new param'),
     _done('newConfigSectionComment <section> <text>', Category.CONFIGURATION,
           'Will add config comment'),
-    # faults, inputs and outputs, sound
+    # faults, inputs and outputs, payload, sound
     _done('applicationFaultSet <name> <short> <long> <driving> <critical>', Category.DEVICE,
           'ApplicationFaultSet set'),
     _done('applicationFaultClear <name>', Category.DEVICE, 'ApplicationFaultClear cleared'),
-    _listing('applicationFaultQuery', 'ApplicationFaultQuery', _is(r.Fault)),
-    _listing('faultsGet', 'FaultList', _is(r.Fault)),
-    _listing('queryFaults', 'QueryFaults', _is(r.Fault)),
-    _listing('inputList', 'InputList', _any(_items('InputList'), _is(r.Input))),
-    _listing('outputList', 'OutputList', _any(_items('OutputList'), _is(r.Input))),
-    _listing('analogInputList', 'AnalogInputList', _items('AnalogInputList')),
-    _answer('inputQuery <name>', r.Input),
-    _answer('outputQuery <name>', r.Input),
-    _answer('outputOn <name>', r.Input, category=Category.DEVICE),
-    _answer('outputOff <name>', r.Input, category=Category.DEVICE),
-    CommandSpec('analogInputQueryRaw <name>', Category.QUERY, _items('AnalogInputRaw')),
-    CommandSpec('analogInputQueryVoltage <name>', Category.QUERY, _items('AnalogInputVoltage')),
+    _listing('applicationFaultQuery', 'ApplicationFaultQuery', is_one_of(Fault)),
+    _listing('faultsGet', 'FaultList', is_one_of(Fault)),
+    _listing('inputList', 'InputList', any_of(items('InputList'), is_one_of(Input))),
+    _listing('outputList', 'OutputList', any_of(items('OutputList'), is_one_of(Input))),
+    _listing('analogInputList', 'AnalogInputList',
+             items('AnalogInputList', 'AnalogInputListHelper')),
+    _answer('inputQuery <name>', Input),
+    _answer('outputQuery <name>', Input),
+    _answer('outputOn <name>', Input, category=Category.DEVICE),
+    _answer('outputOff <name>', Input, category=Category.DEVICE),
+    CommandSpec('analogInputQueryRaw <name>', Category.QUERY, items('AnalogInputRaw')),
+    CommandSpec('analogInputQueryVoltage <name>', Category.QUERY, items('AnalogInputVoltage')),
+    *(_listing(name, name, is_one_of(ExternalIO)) for name in ('extIODump', 'extIODumpLocal')),
+    *(CommandSpec(f'extIO{side}{syntax}', Category.DEVICE, names(ExternalIOUpdate, 'name'),
+                  goal_at=0)
+      for side in ('Input', 'Output')
+      for syntax in ('Update <name> <value>', 'UpdateBit <name> <bit> <0|1>',
+                     'UpdateByte <name> <byte> <value>')),
+    _done('extIOAdd <name> <inputs> <outputs>', Category.CONFIGURATION, 'extIOAdd:'),
+    _listing('payloadQueryLocal [slot] [echo]', 'PayloadQuery', is_one_of(PayloadSlot)),
+    _listing('payloadSlotCountLocal', 'PayloadSlotCount', items('PayloadSlotCount')),
+    _done('payloadSet <slot> <content>', Category.DEVICE, 'payloadSet on',
+          belongs=says('payloadSet attempting')),
+    _done('payloadRemove <slot>', Category.DEVICE, 'payloadRemove on',
+          belongs=says('payloadRemove attempting')),
     _done('say <text>', Category.DEVICE, 'Saying'),
     _done('play <file>', Category.DEVICE, 'Playing'),
     _done('log <message> [level]', Category.DEVICE, 'Logging'),
     _done('popupSimple <title> <message> <button> <seconds>', Category.DEVICE,
           'Creating simple popup'),
-    *_quiet(('arclSendText <text>', 'modeLock', 'modeUnlock', 'clearAllObstacles',
-             'queueCancelLocal', 'queueModifyLocal', 'tripReset'), Category.DEVICE),
-    # the connection itself
-    _listing('help', 'commands', _any(_is(r.HelpEntry), _items('Commands'))),
-    _answer('echo [on|off]', r.Echo),
-    CommandSpec('connectOutgoing <host> <port>', Category.DANGEROUS, _says('Outgoing connected')),
+    *_quiet(('arclSendText <text>', 'modeLock', 'modeUnlock', 'clearAllObstacles'),
+            Category.DEVICE),
+    # the connection itself, and the robot's life
+    _listing('help', 'commands', any_of(is_one_of(HelpEntry), items('Commands'))),
+    _answer('echo [on|off]', Echo),
+    _done('connectOutgoing <host> <port>', Category.DANGEROUS, 'Outgoing connected'),
+    _done('extIORemove <name>', Category.DANGEROUS, 'extIORemove:'),  # restarts the robot's ARAM
     *_quiet(('quit', 'shutdown', 'shutDownServer', 'disableMotors', 'freeMotors'),
             Category.DANGEROUS),
 )

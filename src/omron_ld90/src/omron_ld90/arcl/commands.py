@@ -5,9 +5,11 @@ import re
 from dataclasses import dataclass
 from typing import Callable, Optional, Tuple
 
-from omron_ld90.arcl.command_table import CommandSpec, spec_of
+from omron_ld90.arcl.command_spec import CommandSpec
+from omron_ld90.arcl.command_table import spec_of
 from omron_ld90.arcl.errors import InvalidCommand
-from omron_ld90.arcl.replies import same_name
+from omron_ld90.arcl.replies.reply import same_name
+from omron_ld90.arcl.secret import blank_configured
 
 LONGEST_COMMAND = 5000  # characters; the server drops a client that sends more
 
@@ -38,7 +40,7 @@ class Command:
         spec = spec_of(name)
         arguments = tuple(quoted or bare for quoted, bare in _WORDS.findall(rest))
         if len(arguments) < spec.required:
-            raise InvalidCommand(text, f'its syntax is "{spec.syntax}"')
+            raise InvalidCommand(printable(text), f'its syntax is "{spec.syntax}"')
         return cls(text, spec.name, arguments, spec)
 
     @property
@@ -79,8 +81,8 @@ def _unsendable(text: str) -> str:
 
 
 def printable(text: str, longest: int = 200) -> str:
-    """`text` fit for a log: control characters escaped, shortened."""
-    shown = text.encode('unicode_escape', 'replace').decode('ascii')
+    """`text` fit for a log: control characters escaped, shortened, without passwords."""
+    shown = blank_configured(text.encode('unicode_escape', 'replace')).decode('ascii')
     return shown if len(shown) <= longest else shown[:longest - 3] + '...'
 
 

@@ -1,16 +1,23 @@
-"""A TCP connection that never blocks: what both transports stand on."""
+"""A TCP connection that never blocks, and the thread that serves one: for both transports."""
 from __future__ import annotations
 
 import contextlib
 import errno
+import logging
 import os
 import selectors
 import socket
+import threading
 import time
-from typing import Callable, Optional
+from typing import Any, Callable, Optional, TypeVar
 
+from omron_ld90.arcl.errors import ConnectionLost, LinkError
+
+TICK = 0.2  # s between looks at the clock
 _CHUNK = 1 << 16
-_TICK = 0.1  # s
+_CONNECT_TICK = 0.1  # s
+_log = logging.getLogger(__name__)
+_Own = TypeVar('_Own', bound='Transport')
 
 
 class Connection:
@@ -73,7 +80,7 @@ def _await_connected(attempt: socket.socket, timeout: float, give_up: Callable[[
     deadline = time.monotonic() + timeout
     with selectors.DefaultSelector() as selector:
         selector.register(attempt, selectors.EVENT_WRITE)
-        while not selector.select(_TICK):
+        while not selector.select(_CONNECT_TICK):
             if give_up() or time.monotonic() > deadline:
                 raise OSError(errno.ETIMEDOUT, os.strerror(errno.ETIMEDOUT))
     code = attempt.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
@@ -113,3 +120,58 @@ class Waker:
         """Frees the descriptors."""
         self.reader.close()
         self._writer.close()
+
+
+class Transport:
+    """A thread that serves connections from `start` until `close`; also a context manager.
+
+    A kind of it is its method `_run`, which ends soon after `_closing` is set: `_waker` wakes it.
+    """
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+        self._closing = threading.Event()
+        self._waker = Waker()
+        self._thread = threading.Thread(target=self._run_and_free, name=name, daemon=True)
+
+    def start(self: _Own) -> _Own:
+        """Begins to connect, or to listen."""
+        self._thread.start()
+        return self
+
+    def __enter__(self: _Own) -> _Own:
+        return self.start()
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Ends the connection; what is under way ends as lost. Takes well under a second."""
+        self._closing.set()
+        self._waker.wake()
+        if threading.current_thread() is not self._thread:
+            self._thread.join(1.0)
+
+    def _run_and_free(self) -> None:
+        self._run()
+        self._waker.close()
+
+    def _run(self) -> None:
+        raise NotImplementedError
+
+    def _cause(self, error: Exception) -> LinkError:
+        """Why a connection ended on `error`. Our own mistakes are logged, and end it too."""
+        if isinstance(error, LinkError):
+            return error
+        if isinstance(error, OSError):
+            return ConnectionLost(f'the connection broke: {reason_of(error)}')
+        _log.error('The %s failed.', self._name, exc_info=error)
+        return ConnectionLost(f'an error of our own: {error!r}')
+
+    def _call(self, callback: Optional[Callable[..., None]], *arguments: Any) -> None:
+        """A caller's mistake in a callback must not end the connection: it is logged."""
+        if callback:
+            try:
+                callback(*arguments)
+            except Exception:
+                _log.exception('A callback of the %s failed.', self._name)

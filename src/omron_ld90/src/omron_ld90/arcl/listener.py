@@ -4,23 +4,21 @@ from __future__ import annotations
 import logging
 import selectors
 import socket
-import threading
 import time
-from typing import Any, Callable, Optional
+from typing import Callable, Optional
 
-from omron_ld90.arcl.connection import Connection, Waker, reason_of
+from omron_ld90.arcl.connection import TICK, Connection, Transport, reason_of
 from omron_ld90.arcl.errors import ConnectionLost, LinkError, PeerSilent
 from omron_ld90.arcl.link import Link, LinkPhase
 from omron_ld90.arcl.session import Closed, Received, Session
 from omron_ld90.arcl.session_log import SessionLog
 
 KEEP_ALIVE = 2.0  # s; the robot drops a listener that is silent for 6 s by default
-_TICK = 0.2  # s
 _MOST_UNSENT = 64  # bytes of keep-alive to a robot that does not read
 _log = logging.getLogger(__name__)
 
 
-class Listener:
+class Listener(Transport):
     """Waits for the robot's outgoing connection until `close`; the last connection counts.
 
     robot: name or address of the only host that may connect. on_line(Received): a line came.
@@ -35,14 +33,13 @@ class Listener:
                  on_refused: Optional[Callable[[str], None]] = None,
                  log: Optional[SessionLog] = None,
                  silence: float = 4.0) -> None:
+        super().__init__('ARCL listener')
         self._robot = robot
         self._on_line = on_line
         self._on_link = on_link
         self._on_refused = on_refused
         self._trace = log.outgoing() if log else None
         self._silence = silence
-        self._closing = threading.Event()
-        self._waker = Waker()
         self._socket = socket.create_server((bind, port), backlog=4)
         self._socket.setblocking(False)
         self.port: int = self._socket.getsockname()[1]
@@ -50,25 +47,6 @@ class Listener:
         self._connection: Optional[Connection] = None
         self._session = Session(None)
         self._heard = self._spoken = 0.0
-        self._thread = threading.Thread(target=self._run, name='arcl-listener', daemon=True)
-
-    def start(self) -> Listener:
-        """Begins to listen."""
-        self._thread.start()
-        return self
-
-    def __enter__(self) -> Listener:
-        return self.start()
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
-    def close(self) -> None:
-        """Closes the connection and stops listening. Takes well under a second."""
-        self._closing.set()
-        self._waker.wake()
-        if threading.current_thread() is not self._thread:
-            self._thread.join(1.0)
 
     # --- the listener's thread -------------------------------------------------------------------
 
@@ -79,13 +57,12 @@ class Listener:
             selector.register(self._socket, selectors.EVENT_READ)
             selector.register(self._waker.reader, selectors.EVENT_READ)
             while not self._closing.is_set():
-                ready = [key.fileobj for key, _ in selector.select(_TICK)]
+                ready = [key.fileobj for key, _ in selector.select(TICK)]
                 if self._socket in ready:
                     self._accept()
                 if self._connection:
                     self._serve(time.monotonic())
             self._drop(ConnectionLost('closed by us'))
-        self._waker.close()
 
     def _accept(self) -> None:
         try:
@@ -131,13 +108,8 @@ class Listener:
             if now - self._spoken > KEEP_ALIVE:
                 self._spoken = now
                 self._connection.send(b'\n' if len(self._connection.unsent) < _MOST_UNSENT else b'')
-        except LinkError as error:
-            self._drop(error)
-        except OSError as error:
-            self._drop(ConnectionLost(f'the connection broke: {reason_of(error)}'))
-        except Exception as error:  # ours; a thread that died of it could never listen again
-            _log.exception('The ARCL listener failed.')
-            self._drop(ConnectionLost(f'an error of our own: {error!r}'))
+        except Exception as error:  # a thread that died of it could never listen again
+            self._drop(self._cause(error))
 
     def _drop(self, cause: LinkError) -> None:
         if self._connection:
@@ -149,11 +121,3 @@ class Listener:
     def _set_link(self, link: Link) -> None:
         self.link = link
         self._call(self._on_link, link)
-
-    def _call(self, callback: Optional[Callable[..., None]], *arguments: Any) -> None:
-        """A caller's mistake in a callback must not end the connection: it is logged."""
-        if callback:
-            try:
-                callback(*arguments)
-            except Exception:
-                _log.exception('A callback of the ARCL listener failed.')

@@ -9,15 +9,18 @@ import re
 from functools import partial
 from typing import Callable, Dict, List, Tuple
 
-import numpy as np
-
-from omron_ld90.arcl import replies as r
-from omron_ld90.arcl.replies import Reply
+from omron_ld90.arcl.replies import (
+    driving,
+    general,
+    safety,
+    site,
+    status,
+    tasks,
+)
+from omron_ld90.arcl.replies.reply import Reply
 
 Reader = Callable[[str], Reply]
 Row = Tuple[str, Reader]
-
-_COORDINATE_LIMIT = 2 ** 31  # ARCL's integers are signed 32 bit
 
 
 def named(kind: Callable[[str], Reply]) -> Reader:
@@ -54,28 +57,28 @@ def _numbers(text: str) -> List[float]:
     return [_number(word) for word in text.split()]
 
 
-def location(text: str) -> r.Location:
+def location(text: str) -> status.Location:
     """`3120 -540 -87`: mm, mm, degrees."""
     x, y, heading = text.split()
-    location = r.Location(float(x), float(y), float(heading))
+    location = status.Location(float(x), float(y), float(heading))
     if not math.isfinite(location.x + location.y + location.heading) or '_' in text:
         raise ValueError
     return location
 
 
-def temperature(text: str) -> r.Temperature:
+def temperature(text: str) -> status.Temperature:
     """Degrees Celsius; -127 and -128 stand for no sensor."""
     celsius = _number(text)
-    return r.Temperature(None if celsius in (-127.0, -128.0) else celsius)
+    return status.Temperature(None if celsius in (-127.0, -128.0) else celsius)
 
 
 _STATUS_FIELDS: Dict[str, Row] = {
     'extendedstatusforhumans': ('extended_status', str),
     'status': ('status', str),
-    'stateofcharge': ('state_of_charge', measured(r.StateOfCharge)),
-    'batteryvoltage': ('battery_voltage', measured(r.BatteryVoltage)),
+    'stateofcharge': ('state_of_charge', measured(status.StateOfCharge)),
+    'batteryvoltage': ('battery_voltage', measured(status.BatteryVoltage)),
     'location': ('location', location),
-    'localizationscore': ('localization_score', measured(r.LocalizationScore)),
+    'localizationscore': ('localization_score', measured(status.LocalizationScore)),
     'temperature': ('temperature', temperature),
 }
 _STATUS_KEYWORD = re.compile(
@@ -94,27 +97,27 @@ def one_line_status(first: str) -> Reader:
         for keyword, value in zip(parts[::2], parts[1::2]):
             name, read = _STATUS_FIELDS[keyword.lower()]
             fields[name] = read(value.strip())
-        return r.OneLineStatus(**{'status': '', **fields})
+        return status.OneLineStatus(**{'status': '', **fields})
     return read
 
 
-def docking(text: str) -> r.DockingStatus:
+def docking(text: str) -> driving.DockingStatus:
     """`Docked ForcedState: Unforced ChargeState: Float`."""
     words = text.split()
-    state = r.DockingState(words[0].capitalize()) if words else None
+    state = driving.DockingState(words[0].capitalize()) if words else None
     fields = dict(zip((word.lower() for word in words[1::2]), words[2::2]))
     if state is None or not set(fields) <= {'forcedstate:', 'chargestate:'}:
         raise ValueError
-    return r.DockingStatus(state, fields.get('forcedstate:', '').lower() == 'forced',
+    return driving.DockingStatus(state, fields.get('forcedstate:', '').lower() == 'forced',
                            fields.get('chargestate:', ''))
 
 
-def estop(text: str) -> r.EStop:
+def estop(text: str) -> safety.EStop:
     """`pressed`, `relieved but motors still disabled`, `pressed, cannot enable motors`."""
     word = text.split(' ', 1)[0].rstrip(',').lower()
     if word not in ('pressed', 'relieved'):
         raise ValueError
-    return r.EStop(word == 'pressed', f'EStop {text}')
+    return safety.EStop(word == 'pressed', f'EStop {text}')
 
 
 def to_point(reply: Reply) -> Reader:
@@ -126,123 +129,85 @@ def to_point(reply: Reply) -> Reader:
     return read
 
 
-def patrolling(text: str) -> r.Patrolling:
+def patrolling(text: str) -> driving.Patrolling:
     """`<route>`, or `<route> once`."""
     if text.lower().endswith(' once'):
-        return r.Patrolling(text[:-len(' once')], once=True)
-    return named(partial(r.Patrolling, once=False))(text)
+        return driving.Patrolling(text[:-len(' once')], once=True)
+    return named(partial(driving.Patrolling, once=False))(text)
 
 
-def instant_task(text: str) -> r.CompletedInstantTask:
+def instant_task(text: str) -> tasks.CompletedInstantTask:
     """The task; some robots put a colon before it."""
-    return r.CompletedInstantTask(text.lstrip(': '))
+    return tasks.CompletedInstantTask(text.lstrip(': '))
 
 
 _QUOTED_WORDS = re.compile(r'"([^"]*)"|(\S+)')
 
 
-def _words(text: str) -> List[str]:
+def split_words(text: str) -> List[str]:
+    """The words of a line; one in double quotes may hold blanks."""
     return [quoted or bare for quoted, bare in _QUOTED_WORDS.findall(text)]
 
 
 _TRUTH = {'true': True, 'false': False, '1': True, '0': False}
 
 
-def fault(text: str, cleared: bool = False) -> r.Fault:
+def fault(text: str, cleared: bool = False) -> safety.Fault:
     """`<kind> <name> "<short>" "<long>" <driving> <critical> <application>`."""
-    kind, name, short, long, *flags = _words(text)
+    kind, name, short, long, *flags = split_words(text)
     driving, critical, application = (_TRUTH.get(flag.lower(), False)
                                       for flag in (flags + ['', '', ''])[:3])
-    return r.Fault(kind, name, short, long, driving, critical, application, cleared)
+    return safety.Fault(kind, name, short, long, driving, critical, application, cleared)
 
 
-def odometer(text: str) -> r.Odometer:
+def odometer(text: str) -> status.Odometer:
     """`8281 mm 210 deg 469 sec`."""
     distance, _, rotation, _, seconds, _ = text.split()
-    return r.Odometer(_number(distance), _number(rotation), _number(seconds))
+    return status.Odometer(_number(distance), _number(rotation), _number(seconds))
 
 
-def distance_between(text: str) -> r.DistanceBetween:
+def distance_between(text: str) -> site.DistanceBetween:
     """`<mm> "<goal>" "<goal>"`."""
-    distance, origin, destination = _words(text)
-    return r.DistanceBetween(_number(distance), origin, destination)
+    distance, origin, destination = split_words(text)
+    return site.DistanceBetween(_number(distance), origin, destination)
 
 
-def map_object(text: str) -> r.MapObjectName:
+def map_object(text: str) -> site.MapObjectName:
     """`"<name>" <type>`."""
-    name, kind, *_ = _words(text)
-    return r.MapObjectName(name, kind)
+    name, kind, *_ = split_words(text)
+    return site.MapObjectName(name, kind)
 
 
-def map_object_coord(text: str) -> r.MapObjectCoord:
+def map_object_coord(text: str) -> site.MapObjectCoord:
     """`"<name>" -3914 1929 -90.000`: mm, mm, degrees."""
-    name, x, y, heading = _words(text)
-    return r.MapObjectCoord(name, _number(x), _number(y), _number(heading))
+    name, x, y, heading = split_words(text)
+    return site.MapObjectCoord(name, _number(x), _number(y), _number(heading))
 
 
-def config_value(text: str) -> r.ConfigValue:
-    """`<key> <value>`."""
-    key, _, value = text.partition(' ')
-    return r.ConfigValue(key, value)
-
-
-def digital_input(text: str, output: bool) -> r.Input:
-    """`<name> on`."""
-    name, _, state = text.rpartition(' ')
-    return r.Input(name.strip('"'), state.lower(), output)
-
-
-def range_device(text: str) -> r.RangeDevice:
-    """`<name> <kind>`."""
-    name, _, kind = text.partition(' ')
-    return r.RangeDevice(name, kind)
-
-
-def range_reading(text: str, cumulative: bool) -> r.RangeReading:
-    """`<device> x y x y ...`: whole mm in the map frame; a dangling last number is dropped."""
-    device, _, numbers = text.partition(' ')
-    if not device:
-        raise ValueError
-    flat = _integers(numbers)
-    points = flat[:flat.size // 2 * 2].reshape(-1, 2)
-    points.setflags(write=False)
-    return r.RangeReading(device, points, cumulative)
-
-
-def _integers(text: str) -> np.ndarray:
-    """Blank-separated integers, read at once by numpy.
-
-    numpy stops silently at the first word that is no integer, so the text is checked before: only
-    digits, blanks and signs, each sign after a blank and before a digit.
-    """
-    padded = f' {text} '.encode('ascii')
-    if (padded.translate(None, b'0123456789 -') or b'- ' in padded
-            or padded.count(b'-') != padded.count(b' -')):
-        raise ValueError
-    if not padded.strip():
-        return np.empty(0, np.int64)
-    numbers = np.fromstring(text, dtype=np.int64, sep=' ')
-    if numbers.max() >= _COORDINATE_LIMIT or numbers.min() < -_COORDINATE_LIMIT:
-        raise ValueError
-    return numbers
+def key_and_value(kind: Callable[[str, str], Reply]) -> Reader:
+    """`<key> <value>`; the value may be missing, or hold blanks."""
+    def read(text: str) -> Reply:
+        key, _, value = text.partition(' ')
+        return named(lambda key: kind(key, value))(key)
+    return read
 
 
 def localizing(done: bool, head: str) -> Reader:
     """Whatever follows: the wording varies between robots."""
-    return lambda text: r.Localizing(done, f'{head} {text}'.strip())
+    return lambda text: driving.Localizing(done, f'{head} {text}'.strip())
 
 
-def said(phrase: str, kind: Callable[[str], Reply] = r.Done) -> Row:
+def said(phrase: str, kind: Callable[[str], Reply] = general.Done) -> Row:
     """A row whose reply keeps the line as a whole."""
     return phrase, lambda text: kind(f'{phrase} {text}'.strip())
 
 
 def item(prefix: str) -> Row:
     """A row for list items that are kept as text."""
-    return f'{prefix}:', partial(r.Item, prefix)
+    return f'{prefix}:', partial(general.Item, prefix)
 
 
 def end(phrase: str) -> Row:
     """A row for the end of a list. The robot writes `End of x`, `EndOfX` and `EndX`."""
     what = re.sub(r'^end ?(of)? ?', '', phrase.lower())
-    return phrase, exactly(r.EndOf(what))
+    return phrase, exactly(general.EndOf(what))

@@ -11,11 +11,13 @@ BLANKED = b'********'
 
 _CONFIGURED = re.compile(rb'(password\w*["\']?\s+)(.+?)("?\s*\' to the config)?$',
                          re.IGNORECASE | re.DOTALL)
-_CONFIGURATION_LINES = (b'getconfigsectionvalue', b'configadd', b'added ', b'newconfigparam')
+_READS_OR_WRITES = re.compile(rb'\s*(commanderror:\s*)?'
+                              rb'(getconfigsectionvalue|configadd|added |newconfigparam)',
+                              re.IGNORECASE)
 
 
 def blank_configured(line: bytes) -> bytes:
     """`line`, without the value where it reads or writes a password of the configuration."""
-    if not line.lstrip().lower().startswith(_CONFIGURATION_LINES):
+    if not _READS_OR_WRITES.match(line):
         return line
     return _CONFIGURED.sub(rb'\g<1>' + BLANKED + rb'\g<3>', line)

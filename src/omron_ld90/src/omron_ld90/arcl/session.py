@@ -20,15 +20,10 @@ from omron_ld90.arcl.errors import (
 )
 from omron_ld90.arcl.framing import LONGEST_LINE, LineBuffer
 from omron_ld90.arcl.parser import parse_line
-from omron_ld90.arcl.replies import (
-    ConfigValue,
-    Done,
-    HelpEntry,
-    Item,
-    Reply,
-    ServerClosing,
-    UnknownLine,
-)
+from omron_ld90.arcl.replies.configuration import ConfigValue
+from omron_ld90.arcl.replies.general import Done, HelpEntry, Item, ServerClosing
+from omron_ld90.arcl.replies.refusals import CommandError
+from omron_ld90.arcl.replies.reply import Reply, UnknownLine
 from omron_ld90.arcl.secret import BLANKED, blank_configured
 
 
@@ -58,7 +53,7 @@ _CLOSED_WHILE: Dict[State, Tuple[Type[LinkError], str]] = {
 }
 
 _LONGEST_HELP_LIST = 2000
-_MAY_HOLD_PASSWORD = (ConfigValue, Done)
+_MAY_HOLD_PASSWORD = (ConfigValue, Done, CommandError, UnknownLine)  # an echoed line is unknown
 _SHORTCUT = re.compile(r'\[(\w+)\]\s*$')
 
 

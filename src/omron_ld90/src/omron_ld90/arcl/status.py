@@ -8,13 +8,13 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any, Callable, Dict, Optional, Set, Tuple, Type
 
-from omron_ld90.arcl.replies import (
+from omron_ld90.arcl.replies.reply import Reply
+from omron_ld90.arcl.replies.status import (
     BatteryVoltage,
     ExtendedStatus,
     LocalizationScore,
     Location,
     OneLineStatus,
-    Reply,
     StateOfCharge,
     StatusText,
     Temperature,

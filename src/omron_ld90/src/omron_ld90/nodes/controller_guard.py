@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from typing import FrozenSet, Iterable, Optional
 
-from omron_ld90.arcl import COMMANDS, Category, Command, HelpList, InvalidCommand
+from omron_ld90.arcl import COMMANDS, Category, Command, HelpList, InvalidCommand, printable
 
 _DRIVES_TO_A_GOAL = ('goto', 'gotoRouteGoal')
 
@@ -32,7 +32,7 @@ class Guard:
         command = Command.parse(text, self.help.full_name)
         reason = self._not_allowed(command) or self._not_there(command)
         if reason:
-            raise InvalidCommand(text, reason)
+            raise InvalidCommand(printable(text), reason)
         return command
 
     def _not_allowed(self, command: Command) -> str:
