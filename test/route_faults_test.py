@@ -16,7 +16,8 @@ from itrci_nav_msgs.msg import Edge, EdgeState, Graph, TargetRoute, Vertex
 from system_support import Recorder, connected_publisher, wait_until
 
 HALL = [1, 2, 3, 4, 5, 6]  # 8 10 12 14 32 33 35, 24 m
-FAILED_AT_2 = [EdgeState.COMPLETE] * 2 + [EdgeState.FAILED] * 4
+DEAD_END = [14, 17]        # 8 20 18
+IN_THE_DEAD_END = 'block -10880 6600'  # mm, on edge 17
 
 
 class Faults(unittest.TestCase):
@@ -46,42 +47,49 @@ class Faults(unittest.TestCase):
         self.lab.status.wait_for(lambda status: not status.emergency_stop, 10,
                                  'a status without emergency stop', after=place)
 
-    def fails(self, reason: str, bring_about, stopped: bool = True) -> None:
-        """A route half driven fails for the reason; the robot is stopped, or left to others."""
-        route_id = self.lab.under_way(HALL, 2)
-        commands = len(self.lab.commands.messages)
+    def fails(self, reason: str, bring_about, stopped: bool = True, route=HALL,
+              done: int = 2) -> None:
+        """A route fails for the reason after `done` edges; the robot is stopped, or left alone."""
+        route_id = self.lab.under_way(route, done)
+        commands, told = len(self.lab.commands.messages), len(self.diagnostics.messages)
         bring_about()
         end = self.lab.end_of(route_id)
         self.assertEqual(end.reason, reason)
-        self.assertEqual(state_list(end), FAILED_AT_2)
+        self.assertEqual(state_list(end), [EdgeState.COMPLETE] * done
+                         + [EdgeState.FAILED] * (len(route) - done))
+        self.diagnosed(reason, told)
         sent = [command.data for command in self.lab.commands.messages[commands:]
                 if command._connection_header['callerid'] == BRIDGE]
         self.assertEqual('stop' in sent, stopped)
-        self.diagnosed(reason)
 
-    def diagnosed(self, reason: str) -> None:
+    def drives(self, route) -> None:
+        """A new route is driven to its end from where the robot is."""
+        end = self.lab.end_of(self.lab.order(route))
+        self.assertEqual(state_list(end), [EdgeState.COMPLETE] * len(route), end.reason)
+
+    def diagnosed(self, reason: str, after: int = 0) -> None:
         self.diagnostics.wait_for(lambda array: any(
             status.level == DiagnosticStatus.ERROR and reason in status.message
             and 'edges_to_vertices' in status.name for status in array.status),
-            10, f'diagnostic about {reason}')
+            10, f'diagnostic about {reason}', after)
 
-    def test_1_emergency_stop(self) -> None:
+    def test_01_emergency_stop(self) -> None:
         self.fails('emergency stop', lambda: self.lab.robot.inject('estop press'))
 
-    def test_2_a_goal_that_fails(self) -> None:
+    def test_02_a_goal_that_fails(self) -> None:
         self.lab.robot.inject('fail 14')
         end = self.lab.end_of(self.lab.order(HALL))
         self.assertEqual(end.reason, 'Failed going to goal')
         self.assertEqual(state_list(end)[2:], [EdgeState.FAILED] * 4)
         self.diagnosed('Failed going to goal')
 
-    def test_3_another_ros_node_takes_over(self) -> None:
+    def test_03_another_ros_node_takes_over(self) -> None:
         self.fails('taken over', lambda: self.others.publish('goto 10'), stopped=False)
 
-    def test_4_another_arcl_client_takes_over(self) -> None:
+    def test_04_another_arcl_client_takes_over(self) -> None:
         self.fails('taken over', lambda: self.lab.robot.inject('other goto 27'), stopped=False)
 
-    def test_5_a_lost_link(self) -> None:
+    def test_05_a_lost_link(self) -> None:
         route_id = self.lab.under_way(HALL, 2)
         self.lab.robot.inject('refuse on')
         self.lab.robot.inject('drop')
@@ -94,7 +102,7 @@ class Faults(unittest.TestCase):
         self.lab.responses.wait_for(lambda line: line.data == 'Stopped', 10,
                                     'the stop that the broken link kept back', after=heard)
 
-    def test_6_the_bridge_is_restarted_under_way(self) -> None:
+    def test_06_the_bridge_is_restarted_under_way(self) -> None:
         route_id = self.lab.under_way(HALL, 2)
         self.lab.restart_bridge()
         self.lab.routes.publish(TargetRoute(route_id=route_id, edges=HALL))
@@ -105,7 +113,7 @@ class Faults(unittest.TestCase):
         end = self.lab.end_of(route_id)
         self.assertEqual(state_list(end), [EdgeState.COMPLETE] * 6, end.reason)
 
-    def test_7_a_stop_of_the_fleet_manager(self) -> None:
+    def test_07_a_stop_of_the_fleet_manager(self) -> None:
         self.lab.under_way(HALL, 2)
         heard = len(self.lab.responses.messages)
         route_id = self.lab.order([])
@@ -113,7 +121,37 @@ class Faults(unittest.TestCase):
         self.lab.responses.wait_for(lambda line: line.data == 'Stopped', 10, 'a robot that stops',
                                     after=heard)
 
-    def test_8_a_refused_command_ends_the_route(self) -> None:
+    def test_08_a_blocked_way_without_another_one(self) -> None:
+        """The robot waits for its way to become free, and gives up."""
+        self.fails('Failed going to goal', lambda: self.lab.robot.inject(IN_THE_DEAD_END),
+                   route=DEAD_END, done=1)
+        self.lab.robot.inject('unblock')
+        self.drives([17])
+
+    def test_09_a_blocked_way_while_the_robot_waits(self) -> None:
+        """The fleet manager does not wait as long as the robot does."""
+        self.lab.restart_bridge(stall_timeout=3.0)
+        self.addCleanup(self.lab.restart_bridge, stall_timeout=30.0)
+        self.fails('no progress for 3 s', lambda: self.lab.robot.inject(IN_THE_DEAD_END),
+                   route=DEAD_END, done=1)
+        self.drives([-17, -14])
+
+    def test_10_a_blocked_way_with_another_one_around(self) -> None:
+        """The robot would leave the edges that the fleet manager has given it."""
+        self.fails('off the corridor', lambda: self.lab.robot.inject('block -1500 0'))
+        self.drives([-19, -2, -1])
+
+    def test_11_a_robot_that_is_lost(self) -> None:
+        self.fails('Robot lost', lambda: self.lab.robot.inject('lost'))
+        told = len(self.lab.states.messages)
+        self.others.publish('localizeToPoint {:.0f} {:.0f} {:.0f}'.format(*self.lab.robot.pose))
+        self.lab.responses.wait_for(lambda line: line.data == 'Localized to point', 10,
+                                    'a robot that has been found')
+        self.lab.states.wait_for(lambda states: states.symbolic_pose.edge_id == 3, 10,
+                                 'report of the robot on edge 3', after=told)
+        self.drives([3])
+
+    def test_12_a_refused_command_ends_the_route(self) -> None:
         """The graph of the fleet manager has a vertex for which the robot has no goal."""
         graphs = rospy.Publisher('/graph', Graph, queue_size=1, latch=True)
         known = self.lab.graph

@@ -130,12 +130,17 @@ def test_who_takes_over_arrives():
     assert drive.commands[-1] == 'goto 12'
 
 
-def test_a_blocked_way_ends_the_route():
-    drive = under_way(stall_timeout=20.0)
-    drive.inject('block')
-    drive.run(lambda: not drive.follower.running, 120.0)
-    assert drive.follower.report().reason
-    assert tuple(drive.follower.report().states) == (2, 2, 2, 3, 3)
+@pytest.mark.parametrize('stall_timeout, reason', [
+    (20.0, 'no progress for 20 s'),
+    (120.0, 'Failed going to goal'),
+])
+def test_a_blocked_way_ends_the_route_when_the_robot_or_the_bridge_gives_up(stall_timeout, reason):
+    drive = SimulatedDrive(vertex=8, stall_timeout=stall_timeout)
+    drive.inject('block -10880 6600')  # on edge 17, which leads into a dead end
+    drive.drive(1, 14, 17)
+    assert drive.follower.report().reason == reason
+    assert tuple(drive.follower.report().states) == (2, 3)
+    assert drive.commands[-1] == 'stop'
 
 
 def test_after_a_failure_a_new_route_goes_on_from_the_middle_of_an_edge():
