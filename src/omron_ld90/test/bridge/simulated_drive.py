@@ -69,7 +69,7 @@ class SimulatedDrive:
         self._status = Ticker(self.clock, STATUS_PERIOD,
                               lambda: self.server.execute(self._outgoing, 'Status'))
         self._next_tick = self._next_sample = 0.0
-        self.run(lambda: self.follower.seen.last is not None, 5.0)
+        self.run(lambda: self.follower.robot.seen.last is not None, 5.0)
 
     @property
     def now(self) -> float:

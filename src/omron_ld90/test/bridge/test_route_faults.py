@@ -13,7 +13,7 @@ def under_way(strategy: str = 'vertex_by_vertex', **settings) -> Bench:
     bench = Bench(dissertation_graph(), 1, strategy, **settings)
     bench.order(7, 1, 4, 5)
     bench.run(lambda bench: bench.last is not None and bench.last.pose.percentage > 50.0
-              and bench.states()[0] == EdgeState.COMPLETE and bench.follower.errand.confirmed)
+              and bench.states()[0] == EdgeState.COMPLETE and bench.follower.robot.errand.confirmed)
     return bench
 
 
@@ -128,9 +128,9 @@ def test_no_progress_fails_the_route():
 def test_off_the_corridor_fails_the_route_at_the_second_location():
     bench = under_way()
     x, _ = bench.robot.position
-    bench.tell(p.Located(bench.follower.seen.last.stamp + 1, x, 0.6))
+    bench.tell(p.Located(bench.follower.robot.seen.last.stamp + 1, x, 0.6))
     assert bench.follower.running
-    bench.tell(p.Located(bench.follower.seen.last.stamp + 1, x, 0.6))
+    bench.tell(p.Located(bench.follower.robot.seen.last.stamp + 1, x, 0.6))
     assert_failed(bench, 'off the corridor')
 
 

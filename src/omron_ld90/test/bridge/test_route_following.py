@@ -135,7 +135,7 @@ def test_a_report_carries_the_stamp_of_the_location_used():
     bench = Bench(dissertation_graph(), 1)
     bench.order(7, 1, 4, 5)
     bench.run(seconds=30.0, until=lambda bench: bench.states()[0] == 2)
-    assert bench.last.stamp == bench.follower.seen.last.stamp
+    assert bench.last.stamp == bench.follower.robot.seen.last.stamp
     before = bench.follower.report()
     bench.wait(0.3)
     assert bench.follower.report() == before  # nothing new is known, so nothing new is told

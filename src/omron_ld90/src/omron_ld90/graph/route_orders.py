@@ -1,7 +1,4 @@
-"""Which orders can be driven: reasons against a route, and where a route goes on after a restart.
-
-Reasons are clauses for people and the fleet manager; an empty one means that there is none.
-"""
+"""Which orders can be driven, as what, and where a route goes on after a restart."""
 from __future__ import annotations
 
 from typing import Optional
@@ -14,15 +11,18 @@ from trajectory_graph import Graph, TrajectoryGraphError, check_route
 LONGEST_ROUTE = 10_000  # edges
 
 
-def why_unfit(graph: Graph, order: RouteOrder) -> str:
-    """Why no robot could drive this route."""
+class RouteRefused(Exception):
+    """The order is not taken up; the text, a clause, is the reason for the fleet manager."""
+
+
+def check_fit(graph: Graph, order: RouteOrder) -> None:
+    """Raises RouteRefused for a route that no robot could drive."""
     if len(order.edges) > LONGEST_ROUTE:
-        return f'the route has more than {LONGEST_ROUTE} edges'
+        raise RouteRefused(f'the route has more than {LONGEST_ROUTE} edges')
     try:
         check_route(graph, order.edges)
     except TrajectoryGraphError as error:
-        return str(error).rstrip('.')
-    return ''
+        raise RouteRefused(str(error).rstrip('.')) from None
 
 
 def is_change(route: Optional[RouteRun], order: RouteOrder) -> bool:
@@ -31,15 +31,30 @@ def is_change(route: Optional[RouteRun], order: RouteOrder) -> bool:
             and route.phase is not Phase.STOPPED)
 
 
-def why_no_change(route: RouteRun, order: RouteOrder) -> str:
-    """Why the route cannot become what the order of the same id says."""
+def check_change(route: RouteRun, order: RouteOrder) -> None:
+    """Raises RouteRefused where the route cannot become what the order of the same id says."""
     if route.phase is Phase.FAILED:
-        return f'route {order.route_id} has failed: another one needs another id'
+        raise RouteRefused(f'route {order.route_id} has failed: another one needs another id')
     kept = route.edges[:route.progress.current + 1]
     if order.edges[:len(kept)] != kept:
-        return (f'route {order.route_id} must go on with the edges done and the current one, '
-                f'{list(kept)}')
-    return ''
+        raise RouteRefused(f'route {order.route_id} must go on with the edges done and the '
+                           f'current one, {list(kept)}')
+
+
+def first_index(order: RouteOrder, route: Optional[RouteRun], record: Optional[RouteRecord],
+                here: PlaceOnGraph) -> int:
+    """Index of the edge with which the order begins: 0, or where it was before a restart.
+
+    Raises RouteRefused where it does not start `here`. `route` is the one before it.
+    """
+    current = resumed_at(order, record, here) if record else None
+    if current is not None:
+        return current
+    first = order.edges[0]
+    reason = here.why_not_from(first, being_driven=route is not None and route.is_on(first))
+    if reason:
+        raise RouteRefused(reason)
+    return 0
 
 
 def resumed_at(order: RouteOrder, record: RouteRecord, here: PlaceOnGraph) -> Optional[int]:

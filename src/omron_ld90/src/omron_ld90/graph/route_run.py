@@ -28,7 +28,22 @@ class Phase(Enum):
 
 
 class RouteFailed(Exception):
-    """The route cannot go on; the text is the reason for the fleet manager."""
+    """The route cannot go on; `reason` is for the fleet manager, the text for people."""
+
+    def __init__(self, reason: str, detail: str = '') -> None:
+        super().__init__(reason, detail)
+        self.reason = reason
+        self.detail = detail
+
+    def __str__(self) -> str:
+        return f'{self.reason.rstrip(".")}. {self.detail}'.rstrip()
+
+
+class TakenOver(RouteFailed):
+    """The robot obeys somebody else already, so that it is not ours to stop."""
+
+    def __init__(self, how: str) -> None:
+        super().__init__('taken over', how)
 
 
 class RouteRun:

@@ -180,7 +180,7 @@ class EdgesToVertices:
                                  f'{len(report.edges)}')
         status.add('edge', str(report.pose.edge))
         status.add('percentage', f'{report.pose.percentage:.1f}')
-        status.add('going to', str(follower.errand.goal))
+        status.add('going to', str(follower.robot.errand.goal))
         return status
 
 
