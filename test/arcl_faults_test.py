@@ -2,6 +2,7 @@
 """Reboot, emergency stop, another client, a wrong map: each has its own outcome and is named."""
 from __future__ import annotations
 
+import math
 import unittest
 
 import actionlib
@@ -15,6 +16,7 @@ from std_msgs.msg import String
 from omron_ld90_msgs.msg import (
     CommandRefused,
     ExecuteCommandAction,
+    ExecuteCommandFeedback,
     ExecuteCommandGoal,
     ExecuteCommandResult,
     LinkState,
@@ -114,6 +116,23 @@ class ArclFaultsTest(unittest.TestCase):
         result = self.ended(handle)
         self.assertEqual(ExecuteCommandResult.INTERRUPTED, result.outcome)
         self.assertEqual(GoalStatus.PREEMPTED, handle.get_goal_status())
+
+    def test_a_stop_that_another_clients_drive_overtakes_ends_at_once_and_is_no_success(self):
+        driving = self.drive('8')
+        x, y, _ = self.robot.pose
+        wait_until(lambda: math.hypot(self.robot.pose[0] - x, self.robot.pose[1] - y) > 500.0,
+                   DRIVE, 'half a metre')
+
+        def overtake(_: actionlib.ClientGoalHandle, feedback: ExecuteCommandFeedback) -> None:
+            if feedback.line == 'Stopping':  # the robot brakes
+                self.robot.inject('other goto 20')
+
+        result = self.ended(self.execute.send_goal(ExecuteCommandGoal(command='stop'),
+                                                   feedback_cb=overtake))
+        self.assertEqual(ExecuteCommandResult.INTERRUPTED, result.outcome, result.message)
+        self.assertEqual('taken over: Going to 20', result.message)
+        self.assertEqual('Interrupted: Going to 8', self.ended(driving).message)
+        self.ended(self.execute.send_goal(ExecuteCommandGoal(command='stop')))
 
     def test_a_pose_that_cannot_be_reached_aborts_with_the_robots_words(self):
         goal = MoveBaseGoal()
