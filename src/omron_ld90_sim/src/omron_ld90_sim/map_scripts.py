@@ -12,7 +12,7 @@ from omron_ld90.maps import MapDocument
 from omron_ld90_sim import activities, tasks
 from omron_ld90_sim.robot import Robot
 from omron_ld90_sim.states import Activity, Failure, Script
-from omron_ld90_sim.tasks import Task, split_words
+from omron_ld90_sim.task import Task, find_goal, split_words
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ def patrol(robot: Robot, route: Route, once: bool, first: int = 0) -> Activity:
             for index in range(start, len(route.goals)):
                 robot.patrol_places[route.name.lower()] = index
                 robot.status = text
-                goal = tasks.find_goal(robot.document, route.goals[index])
+                goal = find_goal(robot.document, route.goals[index])
                 if goal is None:
                     raise Failure('Failed going to goal', f'Failed going to {route.goals[index]}')
                 yield from activities.pass_goal(robot, goal)

@@ -4,60 +4,40 @@ A task is a script, as in `activities`; an instant task is over at once.
 """
 from __future__ import annotations
 
-import math
-import re
-from dataclasses import dataclass
-from typing import Callable, Dict, List, Optional, Tuple
+from typing import Callable, Dict, List, NamedTuple
 
-from omron_ld90.maps import MapDocument, MapObject
 from omron_ld90_sim import activities
-from omron_ld90_sim.kinematics import Pose, normalise
+from omron_ld90_sim.instant_tasks import INSTANT
+from omron_ld90_sim.kinematics import normalise
 from omron_ld90_sim.robot import Robot
 from omron_ld90_sim.states import STANDING, Activity, Failure, Script
+from omron_ld90_sim.task import BadTask, Task, find_goal
 from omron_ld90_sim.track import Turn, straight_track
 
 LONGEST_MOVE = 100_000.0    # mm
 SLOWEST_MOVE = 10.0         # mm/s
 SPEECH = 12.0               # characters a second
 SOUND = 2.0                 # s, how long every sound file is
-_WORD = re.compile(r'"([^"]*)"|(\S+)')
 
 
-def split_words(text: str) -> List[str]:
-    """The words of a text, those in double quotes as one and without them."""
-    return [m.group(1) if m.group(2) is None else m.group(2) for m in _WORD.finditer(text)]
+class Arguments(NamedTuple):
+    """How many words a task needs, and at which places there are numbers."""
+
+    least: int
+    numbers: range = range(0)
 
 
-class BadTask(ValueError):
-    """No such task, or its arguments are wrong."""
-
-
-@dataclass(frozen=True)
-class Task:
-    """A task with its arguments, as typed."""
-
-    name: str
-    rest: str
-
-    def __str__(self) -> str:
-        return f'{self.name} {self.rest}'.strip()
-
-    @property
-    def words(self) -> List[str]:
-        """The arguments without quotes."""
-        return split_words(self.rest)
-
-    def number(self, index: int, default: Optional[float] = None) -> float:
-        """The argument at `index`."""
-        if index >= len(self.words) and default is not None:
-            return default
-        try:
-            value = float(self.words[index])
-        except (IndexError, ValueError):
-            raise BadTask(f"Bad arguments for task '{self}'") from None
-        if not math.isfinite(value):
-            raise BadTask(f"Bad arguments for task '{self}'")
-        return value
+ARGUMENTS: Dict[str, Arguments] = {     # of the tasks that need any, checked before they begin
+    'move': Arguments(0, range(5)), 'deltaheading': Arguments(1, range(1)),
+    'setheading': Arguments(1, range(1)), 'gotopoint': Arguments(2, range(3)),
+    'goto': Arguments(1), 'wait': Arguments(1, range(1)), 'say': Arguments(1),
+    'play': Arguments(1), 'sayinstant': Arguments(1), 'playinstant': Arguments(1),
+    'movementparameterstemp': Arguments(2, range(1, 5)), 'arclsendtext': Arguments(1),
+    'applicationfaultset': Arguments(3), 'applicationfaultclear': Arguments(1),
+    'applicationblockdrivingset': Arguments(1), 'applicationblockdrivingclear': Arguments(1),
+    'customoutputon': Arguments(1), 'customoutputoff': Arguments(1),
+    'localizeatgoal': Arguments(1, range(1, 3)),
+}
 
 
 def parse(text: str) -> Task:
@@ -66,15 +46,13 @@ def parse(text: str) -> Task:
     task = Task(name, rest.strip())
     if name.lower() not in SCRIPTS and name.lower() not in INSTANT:
         raise BadTask(f"No task '{name}'")
-    least, most = NUMBERS.get(name.lower(), (0, 0))
-    for index in range(max(least, min(most, len(task.words)))):
-        task.number(index)
+    wanted = ARGUMENTS.get(name.lower(), Arguments(0))
+    if len(task.words) < wanted.least:
+        raise task.bad_arguments()
+    for index in wanted.numbers:
+        if index < len(task.words):
+            task.number(index)
     return task
-
-
-def find_goal(document: MapDocument, name: str) -> Optional[MapObject]:
-    """The goal with that name, in any case."""
-    return next((goal for goal in document.goals if goal.name.lower() == name.lower()), None)
 
 
 def script(robot: Robot, task: Task) -> Script:
@@ -125,7 +103,7 @@ def _go_to_point(robot: Robot, task: Task) -> Script:
 
 
 def _go_to_goal(robot: Robot, task: Task) -> Script:
-    goal = find_goal(robot.document, ' '.join(task.words[:1]))
+    goal = find_goal(robot.document, task.words[0])
     if goal is None:
         raise Failure('Failed going to goal', f'Failed going to {task.rest}')
     yield from activities.go_to_goal(robot, goal).script
@@ -133,7 +111,7 @@ def _go_to_goal(robot: Robot, task: Task) -> Script:
 
 def _wait(robot: Robot, task: Task) -> Script:
     seconds = max(task.number(0), 0.0)
-    robot.waiting = ' '.join(task.words[1:]) or 'Waiting'
+    robot.waiting = ''.join(task.words[1:2]) or 'Waiting'
     robot.announce(f'WaitState: Waiting {seconds:g} seconds with status "{robot.waiting}"')
     try:
         end = robot.clock.now + seconds
@@ -162,15 +140,6 @@ def _pause(robot: Robot, task: Task) -> Script:
         robot.pausing = False
 
 
-def _localize_at_goal(robot: Robot, task: Task) -> Script:
-    goal = find_goal(robot.document, ' '.join(task.words[:1]))
-    if goal is None:
-        raise Failure('Robot lost', 'Robot lost')
-    yield 1.0
-    heading = goal.theta if goal.has_heading else robot.true_pose.theta
-    robot.localize(Pose(goal.x, goal.y, heading))
-
-
 def _say(robot: Robot, task: Task) -> Script:
     yield len(task.rest) / SPEECH
 
@@ -182,38 +151,7 @@ def _play(robot: Robot, task: Task) -> Script:
 SCRIPTS: Dict[str, Callable[[Robot, Task], Script]] = {
     'move': _move, 'deltaheading': _delta_heading, 'setheading': _set_heading,
     'gotopoint': _go_to_point, 'goto': _go_to_goal, 'wait': _wait, 'pause': _pause,
-    'localizeatgoal': _localize_at_goal, 'say': _say, 'play': _play,
-}
-
-# how many numbers a task needs and takes, checked before it begins
-NUMBERS: Dict[str, Tuple[int, int]] = {
-    'move': (0, 5), 'deltaheading': (1, 1), 'setheading': (1, 1), 'gotopoint': (2, 3),
-    'wait': (1, 1), 'movementparameterstemp': (1, 1),
-}
-
-
-def _without_a_word(robot: Robot, task: Task) -> None:
-    """What is heard or felt on the robot only: its tasks answer nothing (I617-E-02 p. 32, 74)."""
-
-
-def _set_speed(robot: Robot, task: Task) -> None:
-    """`movementParametersTemp`: its first argument is taken as the top speed (mm/s)."""
-    speed = task.number(0)
-    robot.navigation.speed_limit = speed if speed > 0 else None
-
-
-def _block(robot: Robot, task: Task) -> None:
-    robot.block('application', task.words[0] if task.words else '')
-
-
-def _unblock(robot: Robot, task: Task) -> None:
-    robot.unblock('application', task.words[0] if task.words else '')
-
-
-INSTANT: Dict[str, Callable[[Robot, Task], None]] = {
-    'sayinstant': _without_a_word, 'playinstant': _without_a_word,
-    'movementparameterstemp': _set_speed, 'pathplanningsettingstemp': _without_a_word,
-    'applicationblockdrivingset': _block, 'applicationblockdrivingclear': _unblock,
+    'say': _say, 'play': _play,
 }
 
 

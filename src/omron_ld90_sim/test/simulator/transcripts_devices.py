@@ -66,7 +66,7 @@ IMMEDIATE = {
     'analogInputQueryVoltage': [['analogInputQueryVoltage Analog_1'],
                                 ['AnalogInputVoltage: Analog_1 2.5']],
     'say': [['say "hello"'], ['Saying "hello"']],
-    'play': [['play WindowsLogonSound.wav', 'play /sub/file.wav', 'play song.mp3'],
+    'play': [['play WindowsLogonSound.wav', 'play /sub/file.wav', 'play notes.txt'],
              ['Playing WindowsLogonSound.wav', 'Playing /sub/file.wav',
               'SetUpError: There was nothing given to replay.']],
     'log': [['log well done', 'log "This is a test" terse'],

@@ -1,39 +1,30 @@
 """Application faults: an application tells the robot that something is wrong."""
 from __future__ import annotations
 
+from omron_ld90_sim import instant_tasks
 from omron_ld90_sim.commands.table import Call, CommandFailed, command
 from omron_ld90_sim.equipment import ApplicationFault
-from omron_ld90_sim.states import DockingState
 
 
 @command('applicationFaultSet', 'Sets an application fault',
          '<name> "<short_description>" "<long_description>" <bool_driving> <bool_critical>', 5,
          'afs')
 def application_fault_set(call: Call) -> None:
-    """Raises a fault; a driving fault stops the robot and keeps it from driving."""
+    """Raises a fault."""
     name, short, long, driving, critical = call.arguments[:5]
     if not {driving, critical} <= {'0', '1'}:
         raise CommandFailed('driving and critical must be 0 or 1')
-    fault = ApplicationFault(name, short, long, driving == '1', critical == '1')
-    call.robot.equipment.faults[name] = fault
     call.reply(f'ApplicationFaultSet set {name}')
-    call.server.broadcast(f'Fault: {fault}')
-    if fault.driving:
-        call.robot.block('fault', name)
+    instant_tasks.set_fault(call.robot, ApplicationFault(name, short, long, driving == '1',
+                                                         critical == '1'))
 
 
 @command('applicationFaultClear', 'Clears an application fault', '<name>', 1, 'afc')
 def application_fault_clear(call: Call) -> None:
-    """Takes a fault back; a robot that may drive again says a lone `Stopping` (I617-E-02 p. 57)."""
+    """Takes a fault back."""
     name = call.arguments[0]
-    fault = call.robot.equipment.faults.pop(name, None)
-    if fault is None:
+    if not instant_tasks.clear_fault(call.robot, name):
         raise CommandFailed(f"No application fault '{name}'")
-    robot = call.robot
-    freed = robot.unblock('fault', name) and robot.can_drive
-    call.server.broadcast(f'FaultCleared: {fault}')
-    if freed and robot.docking.state is DockingState.UNDOCKED:
-        call.server.broadcast('Stopping')
     call.reply(f'ApplicationFaultClear cleared {name}')
 
 

@@ -2,10 +2,9 @@
 from __future__ import annotations
 
 from omron_ld90.maps import MapObject
-from omron_ld90_sim import activities, tasks
+from omron_ld90_sim import activities, instant_tasks, task
 from omron_ld90_sim.commands.table import Call, CommandFailed, command
 from omron_ld90_sim.kinematics import Pose, normalise
-from omron_ld90_sim.localization import FOUND_WITHIN
 from omron_ld90_sim.planner import NoWay
 from omron_ld90_sim.states import DockingState, Motors
 
@@ -26,7 +25,7 @@ def check_drivable(call: Call) -> None:
 
 def find_goal(call: Call, name: str) -> MapObject:
     """The goal with that name, in any case."""
-    goal = tasks.find_goal(call.robot.document, name)
+    goal = task.find_goal(call.robot.document, name)
     if goal is None:
         raise CommandFailed(f"No goal '{name}'")
     return goal
@@ -118,12 +117,10 @@ def localize_at_goal(call: Call) -> None:
 
 def _localize(call: Call, pose: Pose, xy_spread: float, angle_spread: float, what: str) -> None:
     robot, session = call.robot, call.session
-    spread = tuple(given if given > 0 else default for given, default in
-                   zip((xy_spread, angle_spread), FOUND_WITHIN))
     session.send(f'Localizing at {what}')
 
     def localized() -> None:
-        robot.localize(pose, spread)
+        instant_tasks.localize(robot, pose, xy_spread, angle_spread)
         session.send(f'Localized to {what}')
 
     robot.clock.after(LOCALIZING, localized)

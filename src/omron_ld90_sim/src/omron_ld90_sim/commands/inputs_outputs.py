@@ -13,6 +13,7 @@ ANALOG_HELP = (     # ARCL manual I617-E-02 p. 54
     'The data returned by analogInputQueryRaw is an int called <rawValue>',
     "To get <rawValue> to voltage do '<minV> + (<maxV> - <minV>) * <rawValue> / <maxRaw>'",
 )
+SOUNDS = ('.wav', '.mp3', '.ogg')       # what real robots' maps say of the task `play`
 NO_SOUND = 'There was nothing given to replay.'
 
 
@@ -100,8 +101,8 @@ def say(call: Call) -> None:
 
 @command('play', 'Plays the given sound file', '<path_file>', 1)
 def play(call: Call) -> None:
-    """Plays a sound file; this robot has every `.wav` file, and no others."""
-    if not call.text.lower().endswith('.wav'):
+    """Plays a sound file; this robot has every one that it could play."""
+    if not call.text.lower().endswith(SOUNDS):
         raise SetUpError(NO_SOUND)
     call.reply(f'Playing {call.text}')
 

@@ -2,14 +2,17 @@
 from __future__ import annotations
 
 from omron_ld90_sim import activities, map_scripts, tasks
-from omron_ld90_sim.commands.driving import check_drivable
+from omron_ld90_sim.commands.driving import check_drivable, find_goal
 from omron_ld90_sim.commands.table import Call, CommandFailed, SetUpError, command
+from omron_ld90_sim.instant_tasks import INSTANT
+from omron_ld90_sim.states import Failure
+from omron_ld90_sim.task import BadTask, Task
 
 
-def _task(text: str) -> tasks.Task:
+def _task(text: str) -> Task:
     try:
         return tasks.parse(text)
-    except tasks.BadTask as error:
+    except BadTask as error:
         raise CommandFailed(str(error)) from error
 
 
@@ -26,12 +29,12 @@ def do_task(call: Call) -> None:
 def do_task_instant(call: Call) -> None:
     """Carries out a task that is over at once."""
     task = _task(call.rest)
-    if task.name.lower() not in tasks.INSTANT:
+    if task.name.lower() not in INSTANT:
         raise CommandFailed(f"Task '{task.name}' is not an instant task")
     try:
-        tasks.INSTANT[task.name.lower()](call.robot, task)
-    except tasks.BadTask as error:
-        raise CommandFailed(str(error)) from error
+        INSTANT[task.name.lower()](call.robot, task)
+    except Failure as failure:
+        raise CommandFailed(str(failure)) from failure
     call.reply(f'Completed doing instant task {task}')
 
 
@@ -168,9 +171,8 @@ def patrol_resume(call: Call) -> None:
 def goto_route_goal(call: Call) -> None:
     """Drives straight to a goal that a route lists."""
     route = _route(call, call.arguments[0])
-    name = call.arguments[1]
-    goal = tasks.find_goal(call.robot.document, name)
-    if goal is None or name.lower() not in (listed.lower() for listed in route.goals):
-        raise CommandFailed(f"No goal '{name}'")
+    goal = find_goal(call, call.arguments[1])
+    if goal.name.lower() not in (listed.lower() for listed in route.goals):
+        raise CommandFailed(f"No goal '{goal.name}'")
     check_drivable(call)
     call.robot.start(activities.go_to_goal(call.robot, goal))
