@@ -17,6 +17,7 @@ DOCKING = 'Docking'
 LISTS = range(1, 6)
 ADDED = 'CENTRAL_SECTION'       # flags of a section that a client has added (I617-E-02 p. 148)
 TEXT, WHOLE, REAL, FLAG, SEPARATOR = 'String', 'Int', 'Double', 'Bool', 'Separator'
+Change = Tuple[str, str, str]       # section, name, value
 _BOUNDS = {WHOLE: ('-2147483648', '2147483647'), REAL: ('-inf', 'inf')}
 
 
@@ -153,8 +154,8 @@ class Configuration:
         self._import.append((key, value))
         return True
 
-    def finish_import(self) -> Optional[Tuple[List[Tuple[str, str, str]], List[str]]]:
-        """`configParse`: the changes (section, name, value) and the errors; None if not started."""
+    def finish_import(self) -> Optional[Tuple[List[Change], List[str]]]:
+        """`configParse`: the changes and the errors; None if not started."""
         if self._import is None:
             return None
         lines, self._import = self._import, None

@@ -199,3 +199,22 @@ def test_a_wrong_value_leaves_the_configuration_as_it_was() -> None:
                              'configAdd AutoDockCharge lots', 'configParse')
     assert lines[-1] == ("Config had errors parsing: AutoDockCharge must be a number, not 'lots'")
     assert not rig.server.configuration.flag('Docking', 'AutoDock')
+
+
+def test_a_map_that_is_not_there_leaves_the_configuration_as_it_was() -> None:
+    rig = Rig()
+    lines = rig.client().ask('configStart', 'configAdd Section Docking', 'configAdd AutoDock true',
+                             'configAdd Section Files', 'configAdd Map moon.map', 'configParse')
+    assert lines[-1].startswith('Config had errors parsing: ') and 'moon.map' in lines[-1]
+    assert not rig.server.configuration.flag('Docking', 'AutoDock')
+
+
+def test_a_change_of_the_configuration_waits_until_the_robot_is_idle() -> None:
+    rig = Rig()
+    client = rig.client()
+    client.send('goto 12', 'configStart', 'configAdd Section Docking', 'configAdd AutoDock true',
+                'configParse')
+    assert client.until('Arrived')[-2:] == ['Will parse config', 'Arrived at 12']
+    assert not rig.server.configuration.flag('Docking', 'AutoDock')
+    assert client.until('Config parsed') == ['Configuration changed', 'Config parsed fine']
+    assert rig.server.configuration.flag('Docking', 'AutoDock')

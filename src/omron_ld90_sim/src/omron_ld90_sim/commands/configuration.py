@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from functools import wraps
+from typing import Callable, List
 
 from omron_ld90_sim.commands.table import Call, CommandFailed, Handler, SetUpError, command
 from omron_ld90_sim.configuration import (
@@ -13,11 +14,15 @@ from omron_ld90_sim.configuration import (
     SERVER,
     TEXT,
     WHOLE,
+    Change,
     Parameter,
     Section,
 )
+from omron_ld90_sim.robot import Robot
 
 NOT_STARTED = 'You need to start a config before you can {} it.'
+MAP = (FILES, 'Map')
+LOOK_EVERY = 0.1        # s between looks whether the robot is idle
 TYPES = {'integer': WHOLE, 'int': WHOLE, 'double': REAL, 'string': TEXT, 'boolean': FLAG,
          'bool': FLAG, 'separator': SEPARATOR}      # the words of newConfigParam
 
@@ -99,25 +104,39 @@ def config_add(call: Call) -> None:
          'Parses the imported config values and terminates the configStart command.')
 @_gated
 def config_parse(call: Call) -> None:
-    """Makes the changes, all of them or none."""
+    """Makes the changes, all of them or none, as soon as the robot is idle."""
     result = call.server.configuration.finish_import()
     if result is None:
         raise SetUpError(NOT_STARTED.format('parse'))
     changes, errors = result
     call.reply('Will parse config')
-    if not errors:
-        try:
-            for section, name, value in changes:
-                if (section, name) == (FILES, 'Map'):
-                    call.server.switch_map(value)
-                else:
-                    call.server.configuration.set(section, name, value)
-            if any((section, name) != (FILES, 'Map') for section, name, _ in changes):
-                call.server.broadcast('Configuration changed')
-        except ValueError as error:
-            errors = [str(error)]
-    call.reply(f'Config had errors parsing: {"; ".join(errors)}' if errors
-               else 'Config parsed fine')
+    if errors:
+        call.reply(f'Config had errors parsing: {"; ".join(errors)}')
+    else:
+        _when_idle(call.robot, lambda: _change(call, changes))
+
+
+def _when_idle(robot: Robot, action: Callable[[], None]) -> None:
+    """Changes wait until the robot does nothing and stands (ARCL manual I617-E-02 p. 46)."""
+    if robot.activity is None and robot.base.still:
+        action()
+    else:
+        robot.clock.after(LOOK_EVERY, lambda: _when_idle(robot, action))
+
+
+def _change(call: Call, changes: List[Change]) -> None:
+    others = [change for change in changes if change[:2] != MAP]
+    try:
+        for _, _, value in (change for change in changes if change[:2] == MAP):
+            call.server.switch_map(value)       # may fail, before anything else has changed
+    except ValueError as error:
+        call.reply(f'Config had errors parsing: {error}')
+        return
+    for change in others:
+        call.server.configuration.set(*change)
+    if others:
+        call.server.broadcast('Configuration changed')
+    call.reply('Config parsed fine')
 
 
 @command('newConfigParam', 'Adds a new param to the config',
