@@ -7,7 +7,7 @@ import socket
 import struct
 import subprocess
 import sys
-from contextlib import closing
+from contextlib import ExitStack, closing
 from pathlib import Path
 from typing import Iterator, List
 
@@ -159,6 +159,18 @@ def test_a_client_that_never_reads_holds_nobody_up_and_is_dropped(
                 deaf.sendall(b'help\n' * 10)
         deaf.close()
         assert other.until('Arrived')[-1] == 'Arrived at 12'
+
+
+def test_many_clients_at_once_each_get_their_own_answers(map_file: Path) -> None:
+    with Simulator(map_file) as robot, ExitStack() as stack:
+        clients = [stack.enter_context(closing(Talk(robot.port))) for _ in range(20)]
+        for number, client in enumerate(clients):
+            client.send(f'createInfo client{number} 9 {number}\r\ngetInfo client{number}\r\nquit')
+        for number, client in enumerate(clients):
+            assert client.until('Closing') == [
+                f'Created info for client{number}', f'Info: client{number} {number}',
+                'Closing connection']
+            assert client.ended()
 
 
 def test_a_client_that_vanishes_leaves_the_robot_driving(map_file: Path) -> None:

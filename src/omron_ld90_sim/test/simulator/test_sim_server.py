@@ -40,10 +40,11 @@ def test_the_welcome_and_the_help_list_are_the_servers() -> None:
     assert names == sorted(names) and len(names) == len({row.name for row in TABLE.values()})
 
 
-def test_a_wrong_password_closes_without_a_word() -> None:
+@pytest.mark.parametrize('typed', [b'adapt\n', b'adapt\nadept\nqueryMotors\n'])
+def test_a_wrong_password_closes_without_a_word(typed: bytes) -> None:
     session = Rig().server.connect()
     session.output.clear()
-    session.receive(b'adapt\n')
+    session.receive(typed)
     assert session.closed and not session.output
 
 
