@@ -11,6 +11,7 @@ import pytest
 from arcl_builders import PASSWORD, Noted, wait_for
 
 from omron_ld90.arcl import (
+    COMMANDS,
     Backoff,
     Client,
     LinkPhase,
@@ -51,11 +52,23 @@ def client_of(robot, **options) -> Iterator[Client]:
 
 
 QUERIES = ('status', 'oneLineStatus', 'getGoals', 'getRoutes', 'getMacros', 'odometer',
-           'queryDockStatus', 'queryMotors', 'getDateTime', 'rangeDeviceGetCurrent Laser_1',
-           'rangeDeviceGetCumulative Laser_1', 'mapObjectTypeList', 'mapObjectList Goal',
-           'mapObjectInfo 8', 'getConfigSectionList', 'getConfigSectionValues Files',
-           'applicationFaultQuery', 'faultsGet', 'inputList', 'outputList', 'help', 'echo',
-           'waitTaskState', 'getInfoList')
+           'queryDockStatus', 'queryMotors', 'getDateTime', 'rangeDeviceGetList',
+           'rangeDeviceGetCurrent Laser_1', 'rangeDeviceGetCumulative Laser_1',
+           'mapObjectTypeList', 'mapObjectTypeInfo Goal', 'mapObjectList Goal', 'mapObjectInfo 8',
+           'getConfigSectionList', 'getConfigSectionValues Files', 'getConfigSectionInfo Files',
+           'applicationFaultQuery', 'faultsGet', 'inputList', 'outputList', 'analogInputList',
+           'help', 'echo', 'waitTaskState', 'getInfoList', 'getInfo Flags',
+           'distanceBetween 8 20', 'getDataStoreGroupList', 'getDataStoreTripGroupList',
+           'getDataStoreFieldList', 'getDataStoreGroupInfo TripStateInformation',
+           'getDataStoreGroupValues TripStateInformation', 'extIODump', 'extIODumpLocal',
+           'payloadQueryLocal', 'payloadSlotCountLocal')
+CHANGES = ('odometerReset', 'tripReset', 'createInfo place 10 here', 'updateInfo place there',
+           'applicationFaultSet f "a fault" "no more" 0 0', 'applicationFaultClear f',
+           'extIOAdd bank 8 8', 'extIOInputUpdate bank 0x3', 'extIOInputUpdateBit bank 2 1',
+           'extIOInputUpdateByte bank 1 255', 'extIOOutputUpdate bank 7',
+           'extIOOutputUpdateBit bank 1 0', 'extIOOutputUpdateByte bank 1 0x10',
+           'payloadSet 1 Books', 'payloadRemove 1', 'say "hello"', 'log message Terse',
+           'popupSimple "title" "text" "button" 5', 'doTaskInstant sayInstant "hello"')
 
 
 @pytest.mark.parametrize('query', QUERIES)
@@ -64,6 +77,20 @@ def test_every_query_ends_and_every_line_of_it_is_known(shared_robot, query):
         result = client.execute(query).wait(PATIENCE)
         assert result.outcome is Outcome.SUCCEEDED, result
         assert not [line for line in result.lines if isinstance(parse_line(line), UnknownLine)]
+
+
+def test_every_change_is_confirmed_in_known_words(robot):
+    with client_of(robot) as client:
+        for change in CHANGES:
+            result = client.execute(change).wait(PATIENCE)
+            assert result.outcome is Outcome.SUCCEEDED, (change, result)
+            assert not [line for line in result.lines if isinstance(parse_line(line), UnknownLine)]
+
+
+def test_every_command_of_the_robot_is_in_the_table(shared_robot):
+    with client_of(shared_robot) as client:
+        assert len(client.help) > 50
+        assert not {name for name in client.help.descriptions if name.lower() not in COMMANDS}
 
 
 def test_a_drive_arrives_where_the_map_says(robot):

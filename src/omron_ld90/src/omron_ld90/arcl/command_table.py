@@ -269,7 +269,7 @@ _ROWS: Tuple[CommandSpec, ...] = (
     _answer('echo [on|off]', Echo),
     _done('connectOutgoing <host> <port>', Category.DANGEROUS, 'Outgoing connected'),
     _done('extIORemove <name>', Category.DANGEROUS, 'extIORemove:'),  # restarts the robot's ARAM
-    *_quiet(('quit', 'shutdown', 'shutDownServer', 'disableMotors', 'freeMotors'),
+    *_quiet(('quit', 'shutDown', 'shutDownServer', 'disableMotors', 'freeMotors'),
             Category.DANGEROUS),
 )
 
