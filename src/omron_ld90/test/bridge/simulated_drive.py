@@ -25,7 +25,8 @@ from omron_ld90_sim.faults import Faults
 from omron_ld90_sim.floor import Floor
 from omron_ld90_sim.kinematics import Pose
 from omron_ld90_sim.robot import Robot
-from omron_ld90_sim.server import ArclServer, Session
+from omron_ld90_sim.server import ArclServer
+from omron_ld90_sim.session import Session
 from trajectory_graph import Graph, load_graph
 
 MAPS = Path(__file__).resolve().parents[4] / 'maps'

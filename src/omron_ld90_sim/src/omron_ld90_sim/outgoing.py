@@ -9,7 +9,8 @@ from typing import List
 from omron_ld90_sim.clock import Ticker
 from omron_ld90_sim.commands.state import one_line_status
 from omron_ld90_sim.configuration import LISTS, OUTGOING, OUTGOING_COMMANDS
-from omron_ld90_sim.server import ArclServer, Session
+from omron_ld90_sim.server import ArclServer
+from omron_ld90_sim.session import Session
 
 FASTEST_STATUS = 0.1        # s, SendStatusInterval is never faster
 FASTEST_LIST = 0.01         # s, not in the facts; keeps the simulator from doing nothing else

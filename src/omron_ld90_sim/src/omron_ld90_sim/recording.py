@@ -18,7 +18,7 @@ from typing import Deque, Dict, List, Optional, TextIO
 
 from omron_ld90_sim.clock import Clock
 from omron_ld90_sim.configuration import Configuration
-from omron_ld90_sim.server import HIDDEN, text_of
+from omron_ld90_sim.session import HIDDEN, text_of
 
 _LINE = re.compile(r'^(\d+(?:\.\d+)?) ([CS])(\d*)> ?(.*)$')
 

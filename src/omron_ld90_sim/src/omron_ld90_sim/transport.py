@@ -17,7 +17,8 @@ from typing import Callable, Deque, List, Optional, Tuple
 from omron_ld90_sim.clock import Clock
 from omron_ld90_sim.configuration import OUTGOING
 from omron_ld90_sim.outgoing import OutgoingLink
-from omron_ld90_sim.server import ArclServer, Session
+from omron_ld90_sim.server import ArclServer
+from omron_ld90_sim.session import Session
 
 RECONNECT = 1.0         # s between two attempts of the outgoing connection
 LONGEST_SLEEP = 3600.0  # s, more than a selector may be asked for is an error

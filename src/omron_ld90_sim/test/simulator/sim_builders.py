@@ -13,7 +13,8 @@ from omron_ld90_sim.clock import Clock
 from omron_ld90_sim.floor import Floor
 from omron_ld90_sim.kinematics import LD90_BODY, Pose
 from omron_ld90_sim.robot import Robot
-from omron_ld90_sim.server import ArclServer, Session
+from omron_ld90_sim.server import ArclServer
+from omron_ld90_sim.session import Session
 
 ROOT = Path(__file__).resolve().parents[4]
 LAB = ROOT / 'maps' / 'lab.map'

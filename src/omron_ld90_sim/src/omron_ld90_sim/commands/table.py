@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Callable, Dict, List, Optional
 
 if TYPE_CHECKING:
     from omron_ld90_sim.robot import Robot
-    from omron_ld90_sim.server import ArclServer, Session
+    from omron_ld90_sim.server import ArclServer
+    from omron_ld90_sim.session import Session
 
 _ARGUMENT = re.compile(r'"([^"]*)"?|(\S+)')
 
