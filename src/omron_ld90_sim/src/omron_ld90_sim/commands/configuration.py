@@ -64,9 +64,9 @@ def section_list(call: Call) -> None:
 @command('getConfigSectionValues', 'Gets the values in a section of the config', '<section>', 1)
 @_gated
 def section_values(call: Call) -> None:
-    """Lists the values of one section."""
+    """Lists the values of one section; an empty one keeps its blank, clients split there."""
     for parameter in _section(call).parameters:
-        call.reply(f'GetConfigSectionValue: {parameter.name} {parameter.value}'.rstrip())
+        call.reply(f'GetConfigSectionValue: {parameter.name} {parameter.value}')
     call.reply('EndOfGetConfigSectionValues')
 
 
