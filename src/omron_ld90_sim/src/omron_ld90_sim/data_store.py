@@ -1,18 +1,20 @@
 """The robot's data store: named values in groups, some of them counted anew from each trip reset.
 
-Names and forms are those of ARCL manual I617-E-02 p. 110-119 and 244, of its vendor's Python
-library's guide (groups and fields of a real robot) and of public client programs (`RobotX`,
+Names and forms are those of ARCL manual I617-E-02 p. 110-119 and 244, of the guide to the vendor's
+Python library (groups and fields of a real robot) and of public client programs (`RobotX`,
 `TransVel`, `ModeStatus`, `BatteryStateOfCharge` ...). A fleet manager's sums over its robots begin
 with `Agg`; a robot's own have the name without it (`ParkingTime`). Only what the simulator knows
 is here: a real robot has some forty groups. Its distances are taken to be metres.
 """
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Callable, Dict, List, Optional, Tuple
 
 from omron_ld90_sim.battery import ChargeState
+from omron_ld90_sim.kinematics import Pose, normalise
 from omron_ld90_sim.state_times import StateTimes, Sum, WorkState
 
 if TYPE_CHECKING:
@@ -72,6 +74,7 @@ class DataStore:
     def __init__(self, robot: Robot, wall_time: Callable[[], time.struct_time]) -> None:
         self.robot, self.wall_time = robot, wall_time
         self.trip_start = wall_time()
+        self._encoder_zero = robot.true_pose
 
     @property
     def times(self) -> StateTimes:
@@ -97,6 +100,14 @@ class DataStore:
         self.trip_start = self.wall_time()
         return [field for group in GROUPS for field in group.fields
                 if group.trip and field.name.startswith('Trip')]
+
+    @property
+    def encoder_pose(self) -> Pose:
+        """Where the wheels say that the robot is, seen from where it was switched on."""
+        zero, here = self._encoder_zero, self.robot.true_pose
+        turn = complex(math.cos(math.radians(zero.theta)), -math.sin(math.radians(zero.theta)))
+        place = complex(here.x - zero.x, here.y - zero.y) * turn
+        return Pose(place.real, place.imag, normalise(here.theta - zero.theta))
 
     def speed(self) -> float:
         """mm/s, negative when driving backwards."""
@@ -132,6 +143,22 @@ def _state_fields(trip: str, spent: Callable[[DataStore, WorkState], Sum]) -> Tu
     return tuple(fields)
 
 
+def _pose_fields(names: str, pose: Callable[[DataStore], Pose]) -> Tuple[Field, ...]:
+    """X and Y (mm) and Th (deg); `names` has a `*` where these stand."""
+    x, y, theta = (names.replace('*', axis) for axis in ('X', 'Y', 'Th'))
+    return (Field(x, LONG, 'X (mm)', lambda store: round(pose(store).x), ANY_SIGN),
+            Field(y, LONG, 'Y (mm)', lambda store: round(pose(store).y), ANY_SIGN),
+            Field(theta, DOUBLE, 'Heading (deg)', lambda store: pose(store).theta, '-180 180'))
+
+
+def _robot_pose(store: DataStore) -> Pose:
+    return store.robot.pose
+
+
+def _encoder_pose(store: DataStore) -> Pose:
+    return store.encoder_pose
+
+
 GROUPS: Tuple[Group, ...] = (
     Group('BatteryStateOfCharge', 'State of charge of the battery', 'Robot', (
         Field('BatteryStateOfCharge', DOUBLE, 'State of charge (percent)',
@@ -144,6 +171,10 @@ GROUPS: Tuple[Group, ...] = (
     Group('DateAndTime', 'Date and time', 'Time', (
         Field('DateAndTime', TEXT, 'Date and time',
               lambda store: time.strftime(DATE, store.wall_time())),)),
+    Group('EncoderPose', 'Pose from the wheels', 'Robot',
+          _pose_fields('Encoder*', _encoder_pose)),
+    Group('EncoderPoseInterpolated', 'Pose from the wheels, now', 'Robot',
+          _pose_fields('EncoderPoseInterpolated_*', _encoder_pose)),
     Group('JobCounts', 'Counts of jobs', 'Queuing Statistics', _counts(JOB_COUNTS)),
     Group('LaserLocalization', 'Localization with the laser', 'Robot', (
         Field('LaserLocalizationScore', LONG, 'Localization score (percent)',
@@ -159,11 +190,9 @@ GROUPS: Tuple[Group, ...] = (
     Group('Path_Planning', 'Path planning', 'Robot', (
         Field('Distance_to_goal', DOUBLE, 'Way left to the goal (mm)',
               lambda store: store.robot.base.distance_left),)),
-    Group('RobotPose', 'Pose of the robot', 'Robot', (
-        Field('RobotX', LONG, 'X (mm)', lambda store: round(store.robot.pose.x), ANY_SIGN),
-        Field('RobotY', LONG, 'Y (mm)', lambda store: round(store.robot.pose.y), ANY_SIGN),
-        Field('RobotTh', DOUBLE, 'Heading (deg)', lambda store: store.robot.pose.theta,
-              '-180 180'))),
+    Group('RobotPose', 'Pose of the robot', 'Robot', _pose_fields('Robot*', _robot_pose)),
+    Group('RobotPoseInterpolated', 'Pose of the robot, now', 'Robot',
+          _pose_fields('RobotPoseInterpolated_*', _robot_pose)),
     Group('SecondsSinceEpoch', 'Seconds since 1970', 'Time', (
         Field('SecondsSinceEpoch', LONG, 'Seconds since 1970',
               lambda store: int(time.mktime(store.wall_time()))),)),
@@ -181,4 +210,6 @@ GROUPS: Tuple[Group, ...] = (
     Group('Velocities', 'Speeds of the robot', 'Robot', (
         Field('TransVel', LONG, 'Speed, forwards positive (mm/s)',
               lambda store: round(store.speed()), ANY_SIGN),)),
+    Group('Versions', 'What the robot runs', 'Robot', tuple(
+        Field(name, TEXT, 'Version', lambda _: 'ld90_sim') for name in ('SNG', 'ARAM', 'MARC'))),
 )

@@ -92,10 +92,11 @@ TRANSCRIPTS: Dict[str, List[List[str]]] = {
     'payloadSlotCountLocal': [['payloadslotcountlocal'],
                               ['PayloadSlotCount: "robot" 4', 'EndPayloadSlotCount']],
     'getDataStoreGroupList': [['dsgl'], [*(f'GetDataStoreGroupList: {name}' for name in (
-        'BatteryStateOfCharge', 'ChargingInfo', 'DateAndTime', 'JobCounts', 'LaserLocalization',
-        'LastTripReset', 'ModeInfo', 'Path_Planning', 'RobotPose', 'SecondsSinceEpoch',
+        'BatteryStateOfCharge', 'ChargingInfo', 'DateAndTime', 'EncoderPose',
+        'EncoderPoseInterpolated', 'JobCounts', 'LaserLocalization', 'LastTripReset', 'ModeInfo',
+        'Path_Planning', 'RobotPose', 'RobotPoseInterpolated', 'SecondsSinceEpoch',
         'SecondsSinceEpochMonotonic', 'StateInformation', 'TripJobCounts',
-        'TripStateInformation', 'Velocities')), 'EndOfGetDataStoreGroupList']],
+        'TripStateInformation', 'Velocities', 'Versions')), 'EndOfGetDataStoreGroupList']],
     'getDataStoreGroupInfo': [['dsgi chargingInfo', 'dsgi Nothing'], [
         'GetDataStoreGroupInfo: "State of the charger" "Robot"',
         'GetDataStoreGroupInfo: String RobotChargeState Intermediate None None "Phase of charging" '
@@ -126,11 +127,14 @@ TRANSCRIPTS: Dict[str, List[List[str]]] = {
                            'EndOfTripReset']],
     'getDataStoreFieldList': [['dsfl'], [*(f'GetDataStoreFieldList: {name}' for name in (
         'BatteryStateOfCharge', 'RobotChargeState', 'RobotChargeStateNumber', 'DateAndTime',
-        *TRIP_COUNTS[:5], 'LaserLocalizationScore', 'SecsSinceLastTripReset',
-        'DateAndTimeOfLastTripReset', 'ModeStatus', 'Distance_to_goal', 'RobotX', 'RobotY',
-        'RobotTh', 'SecondsSinceEpoch', 'SecondsSinceEpochMonotonic', *TRIP_COUNTS[5:],
-        *TRIP_STATES, *(f'Trip{name}' for name in TRIP_COUNTS),
-        *(f'Trip{name}' for name in TRIP_STATES), 'TransVel')), 'EndOfGetDataStoreFieldList']],
+        'EncoderX', 'EncoderY', 'EncoderTh', 'EncoderPoseInterpolated_X',
+        'EncoderPoseInterpolated_Y', 'EncoderPoseInterpolated_Th', *TRIP_COUNTS[:5],
+        'LaserLocalizationScore', 'SecsSinceLastTripReset', 'DateAndTimeOfLastTripReset',
+        'ModeStatus', 'Distance_to_goal', 'RobotX', 'RobotY', 'RobotTh',
+        'RobotPoseInterpolated_X', 'RobotPoseInterpolated_Y', 'RobotPoseInterpolated_Th',
+        'SecondsSinceEpoch', 'SecondsSinceEpochMonotonic', *TRIP_COUNTS[5:], *TRIP_STATES,
+        *(f'Trip{name}' for name in TRIP_COUNTS), *(f'Trip{name}' for name in TRIP_STATES),
+        'TransVel', 'SNG', 'ARAM', 'MARC')), 'EndOfGetDataStoreFieldList']],
 }
 
 
@@ -197,6 +201,16 @@ def test_the_data_store_follows_the_robot_on_its_way() -> None:
     client.until('Arrived')
     assert values(client.ask('dsgv Path_Planning', 'dsgv Velocities')) == {
         'Distance_to_goal': 0.0, 'TransVel': 0.0}
+
+
+def test_the_wheels_count_from_where_the_robot_was_switched_on() -> None:
+    rig = Rig(start=(-2500.0, 1000.0, 90.0))
+    client = rig.client()
+    for task in ('move 500', 'deltaHeading 90'):
+        client.send(f'doTask {task}')
+        client.until(f'Completed doing task {task}')
+    assert values(client.ask('dsgv EncoderPose')) == {
+        'EncoderX': 500.0, 'EncoderY': 0.0, 'EncoderTh': 90.0}
 
 
 def test_the_data_store_counts_the_hours_of_each_state_and_the_trip_anew() -> None:
