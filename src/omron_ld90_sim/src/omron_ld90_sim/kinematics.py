@@ -6,8 +6,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Sequence, Tuple, Union
 
 import numpy as np
+
+Points = Union[np.ndarray, Sequence[Tuple[float, float]]]     # (N, 2)
 
 
 def normalise(angle: float) -> float:
@@ -67,6 +70,15 @@ class Body:
         centre = np.array([pose.x, pose.y])
         return np.array([centre + forward * self.half_length * ahead + side * self.half_width * left
                          for forward, side in ((1, 1), (-1, 1), (-1, -1), (1, -1))])
+
+    def distances(self, poses: Sequence[Pose], points: Points) -> np.ndarray:
+        """From the body at each of M poses to each of N points (mm), 0 inside: (M, N)."""
+        at = np.array([(pose.x, pose.y, math.radians(pose.theta)) for pose in poses])
+        x, y = (np.asarray(points, float).T[:, None, :] - at[:, :2].T[:, :, None])
+        cosine, sine = np.cos(at[:, 2, None]), np.sin(at[:, 2, None])
+        ahead = np.abs(x * cosine + y * sine) - self.half_length
+        aside = np.abs(y * cosine - x * sine) - self.half_width
+        return np.hypot(np.maximum(ahead, 0.0), np.maximum(aside, 0.0))
 
 
 @dataclass(frozen=True)

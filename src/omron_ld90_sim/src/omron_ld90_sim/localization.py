@@ -16,9 +16,9 @@ _NO_ERROR = Pose(0.0, 0.0, 0.0)
 class Localization:
     """The belief of one robot: its true pose, or one that is off by `error` while it is lost."""
 
-    def __init__(self, chance: random.Random) -> None:
+    def __init__(self, seed: int) -> None:
         self.error = _NO_ERROR
-        self._random = chance
+        self._random = random.Random(seed)      # its own: who asks often must not change the rest
 
     @property
     def lost(self) -> bool:

@@ -59,10 +59,13 @@ class Base:
         self._braking = None
 
     def brake(self, deceleration: Optional[float] = None) -> None:
-        """Comes to a stop as fast as `deceleration` (mm/s2) allows and drops what is left."""
+        """Comes to a stop and drops what is left; an emergency brake under way stays one.
+
+        As fast as `deceleration` (mm/s2) allows, and in a bend the rotation's own limit.
+        """
         if self._queue:
             self._queue = deque([self._queue[0]])
-            self._braking = deceleration or self.limits.deceleration
+            self._braking = max(deceleration or self.limits.deceleration, self._braking or 0.0)
             if self.speed == 0.0 and self.rotation == 0.0:
                 self._halt()
 
@@ -110,9 +113,7 @@ class Base:
     def _drive(self, track: Track, dt: float) -> bool:
         now = self.speed
         if self._braking is not None:
-            slow = self._braking
-            if slow <= self.limits.deceleration:    # in a bend, no faster than the turning allows
-                slow = min(slow, track.acceleration_at(self._place))
+            slow = min(self._braking, track.acceleration_at(self._place))
             speed = max(now - slow * dt, 0.0)
         else:
             slowest = max(now - self.limits.deceleration * dt, 0.0)

@@ -7,6 +7,7 @@ from typing import Dict, List, Optional, Sequence
 import numpy as np
 
 from omron_ld90_sim.floor import Floor
+from omron_ld90_sim.kinematics import Pose
 from omron_ld90_sim.motion import Base
 from omron_ld90_sim.planner import Disc, planner_for
 from omron_ld90_sim.track import Track, manoeuvres
@@ -17,6 +18,7 @@ SHORTEST_LEAD = 5.0         # mm left on a track that a new course can still beg
 JOIN_AHEAD = 300.0          # mm beyond the stopping distance where a new course begins
 PLAN_AROUND = 8000.0        # mm within which other robots are planned around
 LOOK_STEP = 200.0           # mm between the places that are looked at
+STOP_STEP = 600.0           # mm; discs of the half diagonal so far apart hold the body between them
 
 
 class Navigation:
@@ -39,14 +41,21 @@ class Navigation:
         A moving neighbour counts where it is, where it could come to rest, and between.
         """
         radius = self.floor.body.half_diagonal
-        discs = list(self.blocks.values())
+        return [*self.blocks.values(),
+                *(Disc(place.x, place.y, radius) for place in self._stops(within))]
+
+    def _stops(self, within: float) -> List[Pose]:
+        """Where the robots within so many mm are, could come to rest, and between."""
+        stops = []
         for other in self._near(within):
-            places, track = [other.base.pose], other.base.track
-            if track is not None:
-                here, rest = other.base.place, other.base.stopping_distance()
-                places += [track.pose_at(here + rest / 2), track.pose_at(here + rest)]
-            discs += [Disc(place.x, place.y, radius) for place in places]
-        return discs
+            base, track = other.base, other.base.track
+            stops.append(base.pose)
+            if track is not None and base.speed > 0.0:
+                rest = base.stopping_distance()
+                parts = int(rest / STOP_STEP) + 1
+                stops += [track.pose_at(base.place + rest * part / parts)
+                          for part in range(1, parts + 1)]
+        return stops
 
     def _near(self, within: float) -> List[Navigation]:
         x, y = self.base.pose.x, self.base.pose.y
@@ -94,16 +103,37 @@ class Navigation:
         return track.length
 
     def blocked_ahead(self) -> bool:
-        """Whether an obstacle is where the base is about to drive."""
-        track = self.base.track
-        if track is None or self.base.braking or not (self.blocks or self.neighbours):
+        """Whether the body would come too near to an obstacle if the base went on for a while.
+
+        Robots that stop as soon as this is true for one of them never touch each other: each
+        leaves the other the room to turn, wherever it comes to rest.
+        """
+        base, track = self.base, self.base.track
+        if base.still or base.braking or not (self.blocks or self.neighbours):
             return False
-        reach = self.base.stopping_distance() + LOOK_AHEAD
+        reach = base.stopping_distance() + LOOK_AHEAD
         obstacles = self.obstacles(within=reach + FARTHEST_STOP)
         if not obstacles:
             return False
-        places = np.arange(self.base.place, min(self.base.place + reach, track.length), LOOK_STEP)
-        ahead = [track.pose_at(s) for s in places]
-        clear = self.floor.body.half_width
-        return any(pose.distance_to(disc.x, disc.y) < disc.radius + clear
-                   for pose in ahead for disc in obstacles)
+        if track is None:       # turning: the others may stand near, but not in its circle
+            return self._circle_taken()
+        end = min(base.place + reach, track.length)
+        count = int((end - base.place) / LOOK_STEP) + 2
+        gaps = self._gaps([track.pose_at(s) for s in np.linspace(base.place, end, count)],
+                          obstacles)
+        # what it is too near to already it may leave, but not come nearer to
+        return bool(gaps[1:].min() < min(gaps[0], 0.0) - 1.0)
+
+    def _gaps(self, poses: Sequence[Pose], obstacles: Sequence[Disc]) -> np.ndarray:
+        """From the body at each pose to the nearest obstacle (mm); negative inside of one."""
+        discs = np.array([(disc.x, disc.y, disc.radius) for disc in obstacles])
+        return (self.floor.body.distances(poses, discs[:, :2]) - discs[:, 2]).min(axis=1)
+
+    def _circle_taken(self) -> bool:
+        """Whether something is, or could come to rest, where the body turns."""
+        here, body = self.base.pose, self.floor.body
+        within = body.half_diagonal
+        stops = self._stops(FARTHEST_STOP)
+        return (any(here.distance_to(disc.x, disc.y) < disc.radius + within
+                    for disc in self.blocks.values())
+                or bool(stops) and body.distances(stops, [(here.x, here.y)]).min() < within)

@@ -1,8 +1,7 @@
 """The robot: one body on one floor, doing one activity at a time.
 
-What it does is written as generators (`activities`): each yields a number of seconds to wait or
-`STANDING` to wait until the base stands. The robot runs at most one of them, says `Interrupted:`
-for one that another replaces, and tells everybody what happens through `announce`.
+It says `Interrupted:` for an activity that another replaces, knows what forbids driving, and tells
+everybody what happens through `announce`. Its `executive` carries the activities out.
 """
 from __future__ import annotations
 
@@ -14,23 +13,22 @@ import numpy as np
 from omron_ld90.maps import MapDocument
 from omron_ld90_sim import laser
 from omron_ld90_sim.battery import ChargeState
-from omron_ld90_sim.clock import Clock, Timer
+from omron_ld90_sim.clock import Clock
 from omron_ld90_sim.docking import Docking
 from omron_ld90_sim.equipment import Equipment
+from omron_ld90_sim.executive import Executive
 from omron_ld90_sim.floor import Floor
 from omron_ld90_sim.kinematics import Pose, normalise
 from omron_ld90_sim.localization import FOUND_WITHIN, Localization
-from omron_ld90_sim.motion import STEP, Base
+from omron_ld90_sim.motion import Base
 from omron_ld90_sim.navigation import Navigation
 from omron_ld90_sim.odometer import Odometer
 from omron_ld90_sim.places import docked_pose, start_places
 from omron_ld90_sim.planner import Planner
 from omron_ld90_sim.scanner import Scanner
 from omron_ld90_sim.state_times import StateTimes, WorkState
-from omron_ld90_sim.states import STANDING, Activity, DockingState, Failure, Motors
+from omron_ld90_sim.states import Activity, DockingState, Failure, Motors
 from omron_ld90_sim.track import Manoeuvre
-
-LOOK_EVERY = 4              # steps between looks at what is ahead
 
 
 class Robot:
@@ -46,7 +44,6 @@ class Robot:
         self.random = random.Random(seed)
         self.scanner = Scanner(clock, seed)
         self.motors = Motors.ENABLED
-        self.activity: Optional[Activity] = None
         self.status = self.extended = 'Stopped'
         self.blocked_by: List[Tuple[str, str]] = []     # what forbids driving: kind and name
         self.failing_goals: Set[str] = set()    # names in lower case
@@ -55,18 +52,14 @@ class Robot:
         self.pausing = False                    # whether a pause task runs
         self.patrol_places: Dict[str, int] = {}     # route in lower case -> index it is at
         self.equipment = Equipment()
-        self.localization = Localization(self.random)
-        self._steps = 0
-        self._step_timer: Optional[Timer] = None
-        self._wait_timer: Optional[Timer] = None
-        self._waits_for_base = False
-        self._then: Optional[Callable[[], None]] = None
+        self.localization = Localization(seed)
         self.document = document
         self.base = Base(start or start_places(document, floor, [None])[0])
         self.docking = Docking(clock, self.base, battery, self._docking_changed)
         self.odometer = Odometer(self.base, clock)
         self.state_times = StateTimes(clock, self.base)
         self.navigation = Navigation(self.base, floor)
+        self.executive = Executive(clock, self.navigation, self.docking.update, self._failed)
         self._dock_at_start()
 
     # -- the world ---------------------------------------------------------------------------
@@ -84,8 +77,8 @@ class Robot:
             if (here.distance_to(inside.x, inside.y) < 1.0
                     and abs(normalise(here.theta - inside.theta)) < 1.0):
                 self.docking.begin_docked()
-                self.status, self.extended = self.docking.line, 'Docked'
                 self._note_state()
+                self._at_rest()
 
     @property
     def floor(self) -> Floor:
@@ -137,20 +130,16 @@ class Robot:
     # -- activities --------------------------------------------------------------------------
 
     @property
-    def can_drive(self) -> bool:
-        """Motors on, localized and not blocked."""
-        return self.motors is Motors.ENABLED and not self.lost and not self.blocked_by
+    def activity(self) -> Optional[Activity]:
+        """What the robot is doing, if anything."""
+        return self.executive.activity
 
     def start(self, activity: Activity) -> None:
         """Replaces what runs. The base brakes, unless the new activity sets a course at once."""
         self._interrupt()
-        self.base.brake()
-        self._keep_stepping()
-        self._then = None
         self.navigation.speed_limit = None
-        self.activity = activity
         self.status, self.extended = activity.status, activity.extended
-        self._resume()
+        self.executive.run(activity)
 
     def _interrupt(self) -> None:
         if self.activity is not None:
@@ -159,41 +148,28 @@ class Robot:
             self.announce(f'Interrupted: {text}')
 
     def _drop_activity(self) -> None:
-        if self.activity is not None:
-            self.activity.script.close()
-        self.activity, self._waits_for_base = None, False
-        if self._wait_timer is not None:
-            self._wait_timer.cancel()
+        self.executive.drop()
         self._give_up_docking()
 
     def _give_up_docking(self) -> None:
         if self.docking.state in (DockingState.DOCKING, DockingState.UNDOCKING):
             self.docking.enter(DockingState.UNDOCKED, ChargeState.NOT)
 
-    def _resume(self) -> None:
-        activity = self.activity
-        if activity is None:
-            return
-        try:
-            request = next(activity.script)
-        except StopIteration:
-            if self.activity is activity:
-                self.activity = None
-            return
-        except Failure as failure:
-            if self.activity is activity:
-                self.activity = None
-            self._give_up_docking()
-            self.status = self.extended = failure.status
-            self.announce(f'Error: {failure}')
-            self.base.brake()
-            self._keep_stepping()
-            return
-        if request is STANDING:
-            self._waits_for_base = True
-            self._keep_stepping()
+    def _failed(self, failure: Failure) -> None:
+        self._give_up_docking()
+        self.status = self.extended = failure.status
+        self.announce(f'Error: {failure}')
+
+    def _at_rest(self) -> None:
+        """The status of a robot that does nothing."""
+        if self.motors is not Motors.ENABLED:
+            self.status = self.extended = self.motors.value
+        elif self.lost:
+            self.status = self.extended = 'Robot lost'
+        elif self.docking.state is DockingState.DOCKED:
+            self.status, self.extended = self.docking.line, 'Docked'
         else:
-            self._wait_timer = self.clock.after(float(request), self._resume)
+            self.status = self.extended = 'Stopped'
 
     def stop(self) -> None:
         """Ends what runs, with the robot's words for it."""
@@ -204,33 +180,45 @@ class Robot:
         """Brakes: `Stopping`, and `Stopped` when the robot stands."""
         self.status = self.extended = 'Stopping'
         self.announce('Stopping')
-        self.base.brake()
 
         def stopped() -> None:
             self.status = self.extended = 'Stopped'
             self.announce('Stopped')
 
-        if self.base.still:
-            stopped()
-        else:
-            self._then = stopped
-            self._keep_stepping()
+        self.executive.brake(then=stopped)
 
     def halt(self) -> None:
         """Ends what runs without a word."""
         self._drop_activity()
-        self._then = None
-        self.base.brake()
-        self._keep_stepping()
-        self.status = self.extended = 'Stopped'
+        self.executive.brake()
+        self._at_rest()
+
+    def set_course(self, x: float, y: float, heading: Optional[float]) -> None:
+        """Sends the base to a place, as `Navigation.set_course`."""
+        self.executive.set_course(x, y, heading)
+
+    def follow(self, manoeuvres: List[Manoeuvre]) -> None:
+        """Sends the standing base along manoeuvres."""
+        self.executive.follow(manoeuvres)
+
+    # -- what forbids driving ------------------------------------------------------------------
+
+    @property
+    def can_drive(self) -> bool:
+        """Motors on, localized and not blocked."""
+        return self.motors is Motors.ENABLED and not self.lost and not self.blocked_by
 
     def block(self, kind: str, name: str) -> None:
         """Something forbids driving from now on; what runs is cancelled."""
         self.unblock(kind, name)
         self.blocked_by.append((kind, name))
         self._note_state()
-        if self.activity is not None:
-            self.stop()
+
+        def end() -> None:
+            if self.activity is not None:
+                self.stop()
+
+        self.executive.outside(end)
 
     def unblock(self, kind: str, name: str) -> bool:
         """It no longer does; False when it did not."""
@@ -247,9 +235,7 @@ class Robot:
     def cut_motors(self, motors: Motors) -> None:
         """Motors off: whatever runs has ended, nothing goes on by itself."""
         self._drop_activity()
-        self._then = None
-        self.base.brake(self.base.limits.emergency_deceleration)
-        self._keep_stepping()
+        self.executive.brake(self.base.limits.emergency_deceleration)
         self._set_motors(motors)
 
     def release_estop(self) -> None:
@@ -260,7 +246,7 @@ class Robot:
     def _set_motors(self, motors: Motors) -> None:
         self.motors = motors
         self._note_state()
-        self.status = self.extended = motors.value
+        self._at_rest()
         self.announce(motors.value)
 
     def enable_motors(self) -> bool:
@@ -274,47 +260,15 @@ class Robot:
             self.announce_stopping()
         return True
 
-    # -- moving ------------------------------------------------------------------------------
-
-    def set_course(self, x: float, y: float, heading: Optional[float]) -> None:
-        """Sends the base to a place, as `Navigation.set_course`."""
-        self.navigation.set_course(x, y, heading)
-        self._keep_stepping()
-
-    def follow(self, manoeuvres: List[Manoeuvre]) -> None:
-        """Sends the standing base along manoeuvres."""
-        self.base.follow(manoeuvres)
-        self._keep_stepping()
-
-    def _keep_stepping(self) -> None:
-        if self._step_timer is None or not self._step_timer.waiting:
-            self._step_timer = self.clock.after(STEP, self._step)
-
-    def _step(self) -> None:
-        self.docking.update()
-        self.base.step(STEP)
-        self._steps += 1
-        if self._steps % LOOK_EVERY == 0 and self.navigation.blocked_ahead():
-            self.base.brake()
-        if not self.base.still:
-            self._keep_stepping()
-            return
-        then, self._then = self._then, None
-        if then is not None:
-            then()
-        if self._waits_for_base:
-            self._waits_for_base = False
-            self._resume()
-
     # -- localization ------------------------------------------------------------------------
 
     def localize(self, pose: Pose, spread: Tuple[float, float] = FOUND_WITHIN) -> None:
         """Looks for itself around `pose`; lost when it is not there."""
         self.localization.search(pose, self.base.pose, spread)
         if self.lost:
-            self._end_as_lost()
+            self.executive.outside(self._end_as_lost)
         elif self.status == 'Robot lost':
-            self.status = self.extended = 'Stopped'
+            self._at_rest()
 
     def lose(self, error: Pose) -> None:
         """Believes from now on in a pose that is off by `error`; what runs ends."""
@@ -324,7 +278,6 @@ class Robot:
     def _end_as_lost(self) -> None:
         if self.activity is not None:
             self._drop_activity()
-            self.base.brake()
-            self._keep_stepping()
+            self.executive.brake()
             self.announce('Error: Robot lost')
-        self.status = self.extended = 'Robot lost'
+        self._at_rest()

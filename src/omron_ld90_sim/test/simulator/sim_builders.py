@@ -52,14 +52,28 @@ def room() -> MapDocument:
     return MapDocument.from_bytes(ROOM.encode(), name='room.map')
 
 
+def corridor(width: float) -> MapDocument:
+    """A corridor along x, 24 m long and `width` mm wide, with a room of 4 x 6 m at each end."""
+    side = width / 2
+    walls = [(-12000, y, 12000, y) for y in (-side, side)]
+    for x, end in ((-12000, -16000), (12000, 16000)):
+        walls += [(x, side, x, 3000), (x, -side, x, -3000), (x, 3000, end, 3000),
+                  (x, -3000, end, -3000), (end, -3000, end, 3000)]
+    lines = '\n'.join(' '.join(f'{value:.0f}' for value in wall) for wall in walls)
+    return MapDocument.from_bytes(
+        f'2D-Map\nLineMinPos: -16000 -3000\nLineMaxPos: 16000 3000\nNumLines: {len(walls)}\n'
+        f'LINES\n{lines}\n'.encode(), name='corridor.map')
+
+
 class Rig:
-    """A robot and its ARCL server on a clock of their own, without sockets."""
+    """A robot and its ARCL server without sockets, on a clock of their own unless one is given."""
 
     def __init__(self, document: Optional[MapDocument] = None,
                  start: Optional[Tuple[float, float, float]] = (-3000.0, 0.0, 0.0),
                  seed: int = 0, battery: float = 100.0,
-                 arrival_error: Tuple[float, float] = (0.0, 0.0)) -> None:
-        self.clock = Clock()
+                 arrival_error: Tuple[float, float] = (0.0, 0.0),
+                 clock: Optional[Clock] = None) -> None:
+        self.clock = clock or Clock()
         document = document or room()
         self.robot = Robot(self.clock, document, Floor.from_map(document),
                            Pose(*start) if start else None, seed, battery,
@@ -72,6 +86,38 @@ class Rig:
         client.send('adept')
         client.lines()
         return client
+
+
+def fleet(document: MapDocument, *starts: Tuple[float, float, float], seed: int = 0) -> List[Rig]:
+    """Robots that see each other, on one clock."""
+    clock = Clock()
+    rigs = [Rig(document, start, seed + number, clock=clock)
+            for number, start in enumerate(starts)]
+    for rig in rigs:
+        rig.robot.navigation.neighbours = [other.robot.navigation for other in rigs
+                                           if other is not rig]
+    return rigs
+
+
+def gap(a: Pose, b: Pose) -> float:
+    """Between the bodies of two robots (mm); 0 when they touch."""
+    def one_way(a: Pose, b: Pose) -> float:
+        corners = LD90_BODY.corners(b)
+        outline = np.concatenate([np.linspace(start, end, 40) for start, end in
+                                  zip(corners, np.roll(corners, -1, axis=0))])
+        return float(outside(a, outline).min())
+
+    return min(one_way(a, b), one_way(b, a))
+
+
+def outside(pose: Pose, points: np.ndarray) -> np.ndarray:
+    """From the body at `pose` to each point (N, 2), in mm; 0 inside."""
+    angle = math.radians(pose.theta)
+    delta = points - [pose.x, pose.y]
+    ahead = np.abs(delta[:, 0] * math.cos(angle) + delta[:, 1] * math.sin(angle))
+    aside = np.abs(-delta[:, 0] * math.sin(angle) + delta[:, 1] * math.cos(angle))
+    return np.hypot(np.maximum(ahead - LD90_BODY.half_length, 0.0),
+                    np.maximum(aside - LD90_BODY.half_width, 0.0))
 
 
 class Client:
@@ -137,16 +183,7 @@ class Obstacles:
     def distance(self, pose: Pose) -> float:
         """From the body's outline to the nearest wall, point or border of an area (mm)."""
         near = self._tree.query_ball_point((pose.x, pose.y), 700.0)
-        centre = np.array([[pose.x, pose.y]])
-        if not near:
-            return 270.0
-        angle = math.radians(pose.theta)
-        delta = self._points[near] - centre
-        ahead = np.abs(delta[:, 0] * math.cos(angle) + delta[:, 1] * math.sin(angle))
-        aside = np.abs(-delta[:, 0] * math.sin(angle) + delta[:, 1] * math.cos(angle))
-        out = np.hypot(np.maximum(ahead - LD90_BODY.half_length, 0.0),
-                       np.maximum(aside - LD90_BODY.half_width, 0.0))
-        return float(out.min())
+        return float(outside(pose, self._points[near]).min()) if near else 270.0
 
     def clearances(self, places: np.ndarray) -> np.ndarray:
         """From each place (N, 2) of the turning centre to the nearest obstacle (mm)."""

@@ -7,7 +7,7 @@ from typing import Optional, Tuple
 
 import numpy as np
 import pytest
-from sim_builders import LAB, REAL_MAPS, Obstacles, Rig, room
+from sim_builders import LAB, REAL_MAPS, Obstacles, Rig, corridor, fleet, gap, room
 from skimage.measure import label
 
 from omron_ld90.maps import MapDocument
@@ -265,19 +265,60 @@ def test_the_robot_comes_to_rest_within_its_arrival_error() -> None:
     assert rig.robot.odometer.trip[0] == driven, 'near enough already'
 
 
-def test_two_robots_give_way_or_stop_but_never_touch() -> None:
-    left = Rig(start=(-3000.0, 2200.0, 0.0))
-    right = Rig(start=(5000.0, 2200.0, 180.0))
-    left.robot.navigation.neighbours = [right.robot.navigation]
-    right.robot.navigation.neighbours = [left.robot.navigation]
+@pytest.mark.parametrize('width', [900.0, 1400.0, 2000.0, 2600.0])
+def test_two_robots_head_on_in_a_corridor_pass_or_give_up_but_never_touch(width: float) -> None:
+    left, right = fleet(corridor(width), (-10000.0, 0.0, 0.0), (10000.0, 0.0, 180.0))
     one, two = left.client(), right.client()
-    one.send('gotoPoint 5000 1000')
-    two.send('gotoPoint -3000 1000')
+    one.send('gotoPoint 14000 0')
+    two.send('gotoPoint -14000 0')
     nearest = math.inf
-    for _ in range(2400):
-        for rig in (left, right):
-            rig.clock.advance(rig.clock.now + STEP)
-        other = right.robot.true_pose
-        nearest = min(nearest, left.robot.true_pose.distance_to(other.x, other.y))
-    assert nearest > LD90_BODY.width, f'they came as near as {nearest:.0f} mm'
-    assert 'Arrived at point' in one.lines() + two.lines()
+    while left.robot.activity or right.robot.activity:
+        left.clock.advance(left.clock.now + STEP)
+        nearest = min(nearest, gap(left.robot.true_pose, right.robot.true_pose))
+        assert left.clock.now < 120.0, 'they wait for each other for ever'
+    assert nearest > 100.0, f'they came as near as {nearest:.0f} mm'
+    end = 'Arrived at point' if width > 2200.0 else 'Error: Failed going to goal'
+    assert one.lines() == two.lines() == ['Going to point', end]
+
+
+def test_robots_in_a_crowd_never_touch() -> None:
+    document = room()
+    rigs = fleet(document, (-3000.0, 0.0, 0.0), (-3000.0, 1500.0, 0.0), (4500.0, -2000.0, 90.0))
+    clients, random = [rig.client() for rig in rigs], np.random.RandomState(2)
+    words = ['goto West', 'goto 12', 'goto "East side"', 'dock', 'stop']
+    inspectors = [Inspector(Obstacles(document), rig.robot.base) for rig in rigs]
+    nearest = math.inf
+    for _ in range(60):
+        for client in clients:
+            if random.rand() < 0.4:
+                client.send(words[random.choice(5, p=[0.25, 0.25, 0.25, 0.15, 0.1])])
+        end = rigs[0].clock.now + 5.0
+        while rigs[0].clock.now < end:
+            rigs[0].clock.advance(rigs[0].clock.now + STEP)
+            poses = [rig.robot.true_pose for rig in rigs]
+            nearest = min(nearest, *(gap(poses[i], poses[j]) for i, j in ((0, 1), (0, 2), (1, 2))))
+    assert nearest > 20.0, f'they came as near as {nearest:.0f} mm'
+    for inspector in inspectors:
+        inspector.check()
+    lines = [line for client in clients for line in client.lines()]
+    assert sum(line.startswith(('Arrived', 'DockingState: Docked')) for line in lines) > 20
+
+
+def test_an_emergency_stop_brakes_hard_but_turns_no_harder_than_ever() -> None:
+    rig = Rig(start=(-3000.0, 2200.0, 0.0))
+    client = rig.client()
+    client.send('goto 12')      # round the end of the wall
+    while abs(rig.robot.base.rotation) < 30.0 or rig.robot.base.speed < 300.0:
+        rig.clock.advance(rig.clock.now + STEP)
+    start = rig.robot.base.speed
+    rig.robot.press_estop()
+    client.send('stop')         # must not weaken it
+    steps = []
+    while not rig.robot.base.still:
+        before = rig.robot.base.speed, rig.robot.base.rotation
+        rig.clock.advance(rig.clock.now + STEP)
+        steps.append((before[0] - rig.robot.base.speed, before[1] - rig.robot.base.rotation))
+    braked, spun = np.abs(steps).max(axis=0) / STEP
+    assert spun <= LD90_LIMITS.rotation_acceleration + 1e-6
+    assert braked <= LD90_LIMITS.emergency_deceleration + 1e-6
+    assert len(steps) * STEP < start / LD90_LIMITS.deceleration, 'no faster than any stop'
