@@ -5,6 +5,7 @@ says what is wrong once, shows it as ERROR in /diagnostics, and waits for a rest
 """
 from __future__ import annotations
 
+import logging
 import math
 import os
 import signal
@@ -78,6 +79,7 @@ def run(name: str, start: Callable[[], Any],
         raise
     ending = threading.Event()
     rospy.on_shutdown(ending.set)
+    _end_quietly(ending)
     try:
         node = start()
     except ConfigurationError as error:
@@ -106,6 +108,12 @@ def _end_on_signals() -> None:
 
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, end)
+
+
+def _end_quietly(ending: threading.Event) -> None:
+    """A callback that publishes while rospy ends is no error; rospy closes topics before it says so."""
+    logging.getLogger('rosout').addFilter(
+        lambda record: not (ending.is_set() and 'to a closed topic' in record.getMessage()))
 
 
 def _wait_for_end(ending: threading.Event) -> None:
