@@ -82,6 +82,11 @@ class ReplaySession:
         self._shift = server.clock.now - (script[0].time if script else 0.0)
         self._go_on()
 
+    @property
+    def finished(self) -> bool:
+        """Whether it is closed and everything has been sent."""
+        return self.closed and not self.output
+
     def receive(self, data: bytes) -> None:
         """Takes bytes from the client; its lines call up what the robot answered to them."""
         *lines, self._input = (self._input + data.replace(b'\r', b'\n')).split(b'\n')

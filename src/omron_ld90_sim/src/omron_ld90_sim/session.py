@@ -67,8 +67,13 @@ class Session:
 
     @property
     def closed(self) -> bool:
-        """Whether the connection ends once `output` has been sent."""
+        """Whether nothing more is taken or said; what is queued still goes out."""
         return self.phase is Phase.CLOSED
+
+    @property
+    def finished(self) -> bool:
+        """Whether it is closed and everything has been sent."""
+        return self.closed and not self.output and not self._held
 
     def send(self, line: str) -> None:
         """Queues one line."""
@@ -103,6 +108,7 @@ class Session:
         self.aborted = abort
         if abort:
             self.output.clear()
+            self._held.clear()
         self.phase = Phase.CLOSED
         self.server.forget(self)
 

@@ -127,7 +127,7 @@ class Connection:
             return
         if self.session.aborted:
             self.sock.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _RESET)
-        if len(output) > MAX_OUTPUT or (self.session.closed and not output):
+        if len(output) > MAX_OUTPUT or self.session.finished:
             self.close()
             return
         mask = selectors.EVENT_READ | (selectors.EVENT_WRITE if output else 0)

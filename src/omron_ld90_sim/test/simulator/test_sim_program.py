@@ -161,6 +161,13 @@ def test_a_client_that_never_reads_holds_nobody_up_and_is_dropped(
         assert other.until('Arrived')[-1] == 'Arrived at 12'
 
 
+def test_a_delayed_farewell_comes_before_the_end(map_file: Path) -> None:
+    with Simulator(map_file) as robot, closing(Talk(robot.port)) as client:
+        robot.inject('delay 0.2')
+        client.send('quit')
+        assert client.until('Closing') == ['Closing connection'] and client.ended()
+
+
 def test_many_clients_at_once_each_get_their_own_answers(map_file: Path) -> None:
     with Simulator(map_file) as robot, ExitStack() as stack:
         clients = [stack.enter_context(closing(Talk(robot.port))) for _ in range(20)]
