@@ -10,7 +10,16 @@ import threading
 import time
 from typing import Any, Callable, List, Tuple
 
-from omron_ld90.arcl import Closed, Command, Event, Execution, Received, Session, parse_line
+from omron_ld90.arcl import (
+    Closed,
+    Command,
+    Event,
+    Execution,
+    Outcome,
+    Received,
+    Session,
+    parse_line,
+)
 from omron_ld90.arcl.dispatcher import Dispatcher
 
 PASSWORD = b'adept'
@@ -147,6 +156,12 @@ class Conversation:
         """Calls the callbacks that are due."""
         for tell in self.dispatcher.take_news():
             tell()
+
+
+def outcome(execution: Execution) -> Outcome:
+    """How a command ended, which it must have."""
+    assert execution.result is not None, f'"{execution.command.text}" is still under way'
+    return execution.result.outcome
 
 
 class ScriptedRobot:

@@ -11,48 +11,34 @@ from typing import Callable, Dict, Optional, Type
 from omron_ld90.arcl.command_queue import CommandQueue
 from omron_ld90.arcl.execution import Execution, Outcome
 from omron_ld90.arcl.parser import parse_line
-from omron_ld90.arcl.replies.configuration import ConfigurationChanged
-from omron_ld90.arcl.replies.driving import (
-    ArrivedAt,
-    ArrivedAtPoint,
-    DockingState,
-    DockingStatus,
-    FailedGoingTo,
-    GoingTo,
-    GoingToPoint,
-    Interrupted,
-    Parking,
-    Patrolling,
-    RobotError,
-    Stopped,
-    Stopping,
-)
-from omron_ld90.arcl.replies.equipment import ExternalIOUpdate, RangeReading
-from omron_ld90.arcl.replies.general import Notice
-from omron_ld90.arcl.replies.refusals import (
-    CommandError,
-    CommandErrorDescription,
-    SetUpError,
-    UnknownCommand,
+from omron_ld90.arcl.replies import (
+    configuration,
+    driving,
+    equipment,
+    general,
+    refusals,
+    safety,
+    site,
+    status,
+    tasks,
 )
 from omron_ld90.arcl.replies.reply import Reply, UnknownLine
-from omron_ld90.arcl.replies.safety import EStop, Motors
-from omron_ld90.arcl.replies.site import MapChanged
-from omron_ld90.arcl.replies.status import OneLineStatus, StatusText
-from omron_ld90.arcl.replies.tasks import DoingTask, ExecutingMacro, WaitState
 from omron_ld90.arcl.secret import blank_configured
 
 _CUT_NAME = 16  # characters to which the robot cuts an unknown command's name
 
 # Said to everybody: these never answer a command whose answer is not known.
-_BROADCAST = (DockingStatus, GoingTo, GoingToPoint, ArrivedAt, ArrivedAtPoint, Parking, Stopping,
-              Stopped, Interrupted, RobotError, EStop, Motors, MapChanged, ConfigurationChanged,
-              WaitState, Notice, OneLineStatus, StatusText, RangeReading, ExternalIOUpdate,
-              CommandError, CommandErrorDescription, UnknownCommand)
+_BROADCAST = (
+    driving.DockingStatus, driving.GoingTo, driving.GoingToPoint, driving.ArrivedAt,
+    driving.ArrivedAtPoint, driving.Parking, driving.Stopping, driving.Stopped,
+    driving.Interrupted, driving.RobotError, safety.EStop, safety.Motors, tasks.WaitState,
+    status.OneLineStatus, status.StatusText, equipment.RangeReading, equipment.ExternalIOUpdate,
+    site.MapChanged, configuration.ConfigurationChanged, general.Notice, refusals.CommandError,
+    refusals.CommandErrorDescription, refusals.UnknownCommand)
 
 # The robot begins something new; unless a command of ours asked for it, another client did.
-_SETTING_OUT = (GoingTo, GoingToPoint, Patrolling, ExecutingMacro, DoingTask)
-_TO_OR_FROM_THE_DOCK = (DockingState.DOCKING, DockingState.UNDOCKING)
+_SETTING_OUT = (driving.GoingTo, driving.GoingToPoint, driving.Patrolling, tasks.ExecutingMacro,
+                tasks.DoingTask)
 
 
 class Attribution:
@@ -60,7 +46,7 @@ class Attribution:
 
     def __init__(self, commands: CommandQueue) -> None:
         self._commands = commands
-        self._docking: Optional[DockingState] = None
+        self._docking: Optional[driving.DockingState] = None
 
     def on_reply(self, reply: Reply, text: str, now: float) -> None:
         """A line came: what it means, and as it was said."""
@@ -70,17 +56,23 @@ class Attribution:
         handle = _SPECIAL.get(type(reply))
         if handle:
             handle(self, reply, text, now)
-        claimed = self._offer_to_drivers(reply, text, now)
+        claimed = self._offer_to_drivers(reply, text, now, sets_out)
         if sets_out and not claimed:
             self._taken_over(text)
         self._offer_to_others(reply, text, now, claimed)
 
     # --- whose line it is -------------------------------------------------------------------------
 
-    def _offer_to_drivers(self, reply: Reply, text: str, now: float) -> bool:
-        """Whether a driving command claims the line."""
+    def _offer_to_drivers(self, reply: Reply, text: str, now: float, sets_out: bool) -> bool:
+        """Whether a driving command claims the line.
+
+        One that was stopped sets out no more, though the robot may not have said that it is over.
+        """
         drivers = self._commands.drivers
         begun = [e for e in reversed(drivers) if e.begun]
+        if sets_out:
+            stops = [e.order for e in self._commands.sent if e.begun and e.command.name == 'stop']
+            begun = [e for e in begun if e.order > max(stops, default=0)]
         fresh = [e for e in drivers if not e.begun]
         for execution in begun + fresh:
             spec, command = execution.command.spec, execution.command
@@ -137,10 +129,10 @@ class Attribution:
 
     def _sets_out(self, reply: Reply) -> bool:
         """Whether the robot begins something new; the docking state tells by its change only."""
-        if isinstance(reply, DockingStatus):
+        if isinstance(reply, driving.DockingStatus):
             before, self._docking = self._docking, reply.docking
-            return (before not in (None, reply.docking)
-                    and reply.docking in _TO_OR_FROM_THE_DOCK)
+            return (reply.docking is driving.DockingState.DOCKING
+                    and before not in (None, reply.docking))
         return isinstance(reply, _SETTING_OUT)
 
     def _taken_over(self, text: str) -> None:
@@ -160,7 +152,7 @@ class Attribution:
 
     # --- what ends commands badly -----------------------------------------------------------------
 
-    def _on_command_error(self, reply: CommandError, text: str, now: float) -> None:
+    def _on_command_error(self, reply: refusals.CommandError, text: str, now: float) -> None:
         """The robot repeats the line; the description follows, perhaps after other lines.
 
         Passwords are blanked in what comes from the robot, so in what was sent they are too.
@@ -173,7 +165,8 @@ class Attribution:
                 self._commands.add_line(execution, text, now)
                 return
 
-    def _on_description(self, reply: CommandErrorDescription, text: str, now: float) -> None:
+    def _on_description(self, reply: refusals.CommandErrorDescription, text: str,
+                        now: float) -> None:
         for execution in self._commands.sent:
             if execution.rejected:
                 no_goal = reply.text.lower().startswith('no goal')
@@ -181,7 +174,7 @@ class Attribution:
                           reply.text)
                 return
 
-    def _on_unknown_command(self, reply: UnknownCommand, text: str, now: float) -> None:
+    def _on_unknown_command(self, reply: refusals.UnknownCommand, text: str, now: float) -> None:
         said = reply.name.strip().lower()
         for execution in self._commands.sent:
             given = execution.command.text.split(' ', 1)[0].lower()
@@ -189,14 +182,14 @@ class Attribution:
                 self._end(execution, Outcome.UNKNOWN_COMMAND, text, now)
                 return
 
-    def _on_setup_error(self, reply: SetUpError, text: str, now: float) -> None:
+    def _on_setup_error(self, reply: refusals.SetUpError, text: str, now: float) -> None:
         """It names no command: the oldest that can still be refused is meant."""
         for execution in self._commands.sent:
             if not execution.begun:
                 self._end(execution, Outcome.REJECTED, text, now, reply.text)
                 return
 
-    def _on_interrupted(self, reply: Interrupted, text: str, now: float) -> None:
+    def _on_interrupted(self, reply: driving.Interrupted, text: str, now: float) -> None:
         ran = parse_line(reply.text)
         begun = [e for e in self._commands.drivers if e.begun]
         for execution in begun:
@@ -209,24 +202,24 @@ class Attribution:
             execution = begun[-1]
         self._end(execution, Outcome.INTERRUPTED, text, now)
 
-    def _on_error(self, reply: RobotError, text: str, now: float) -> None:
+    def _on_error(self, reply: driving.RobotError, text: str, now: float) -> None:
         """It names no command: what drives, or else what was to drive first, has failed."""
         drivers = self._commands.drivers
         if drivers:
             begun = [e for e in drivers if e.begun]
             self._end(begun[-1] if begun else drivers[0], Outcome.FAILED, text, now, reply.text)
 
-    def _on_failed_going(self, reply: FailedGoingTo, text: str, now: float) -> None:
+    def _on_failed_going(self, reply: driving.FailedGoingTo, text: str, now: float) -> None:
         for execution in self._commands.drivers:
             if execution.command.is_for(reply.goal):
                 self._end(execution, Outcome.FAILED, text, now)
                 return
 
-    def _on_estop(self, reply: EStop, text: str, now: float) -> None:
+    def _on_estop(self, reply: safety.EStop, text: str, now: float) -> None:
         if reply.pressed:
             self._end_powerless(Outcome.EMERGENCY_STOPPED, text, now)
 
-    def _on_motors(self, reply: Motors, text: str, now: float) -> None:
+    def _on_motors(self, reply: safety.Motors, text: str, now: float) -> None:
         if not reply.enabled:
             self._end_powerless(Outcome.FAILED, text, now)
 
@@ -238,24 +231,24 @@ class Attribution:
 
     def _on_status(self, reply: Reply, text: str, now: float) -> None:
         """A status that tells of the drive is a sign of life from it, though no line of its own."""
-        doing = parse_line(reply.status if isinstance(reply, OneLineStatus) else reply.text)
+        doing = parse_line(reply.status if isinstance(reply, status.OneLineStatus) else reply.text)
         for execution in self._commands.drivers:
             if execution.begun and execution.command.spec.begins(execution.command, doing):
                 execution.heard = now
 
 
 _SPECIAL: Dict[Type[Reply], Callable[[Attribution, Reply, str, float], None]] = {
-    CommandError: Attribution._on_command_error,
-    CommandErrorDescription: Attribution._on_description,
-    UnknownCommand: Attribution._on_unknown_command,
-    SetUpError: Attribution._on_setup_error,
-    Interrupted: Attribution._on_interrupted,
-    RobotError: Attribution._on_error,
-    FailedGoingTo: Attribution._on_failed_going,
-    EStop: Attribution._on_estop,
-    Motors: Attribution._on_motors,
-    OneLineStatus: Attribution._on_status,
-    StatusText: Attribution._on_status,
+    refusals.CommandError: Attribution._on_command_error,
+    refusals.CommandErrorDescription: Attribution._on_description,
+    refusals.UnknownCommand: Attribution._on_unknown_command,
+    refusals.SetUpError: Attribution._on_setup_error,
+    driving.Interrupted: Attribution._on_interrupted,
+    driving.RobotError: Attribution._on_error,
+    driving.FailedGoingTo: Attribution._on_failed_going,
+    safety.EStop: Attribution._on_estop,
+    safety.Motors: Attribution._on_motors,
+    status.OneLineStatus: Attribution._on_status,
+    status.StatusText: Attribution._on_status,
 }
 
 
