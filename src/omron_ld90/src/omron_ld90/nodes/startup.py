@@ -111,7 +111,7 @@ def _end_on_signals() -> None:
 
 
 def _end_quietly(ending: threading.Event) -> None:
-    """A callback that publishes while rospy ends is no error; rospy closes topics before it says so."""
+    """A callback that publishes while rospy ends is no error: topics close before is_shutdown()."""
     logging.getLogger('rosout').addFilter(
         lambda record: not (ending.is_set() and 'to a closed topic' in record.getMessage()))
 
