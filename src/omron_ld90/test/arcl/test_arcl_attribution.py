@@ -221,3 +221,12 @@ def test_the_update_of_another_set_of_inputs_and_outputs_ends_nothing(talk):
     update = talk.give('extIOInputUpdate example 1')
     talk.robot('extIOInputUpdate: input other updated with 0x1 from 1')
     assert update.result is None
+
+
+@pytest.mark.parametrize('text', ['goto 12', 'modeLock 1'])
+def test_a_command_that_lacks_arguments_is_rejected_by_its_syntax(talk, text):
+    execution, other = talk.give(text), talk.give('odometer')
+    talk.robot(f'usage: {text.split()[0].lower()} <more> [and more]')
+    assert outcome(execution) is Outcome.REJECTED
+    assert '<more>' in execution.result.words
+    assert other.result is None

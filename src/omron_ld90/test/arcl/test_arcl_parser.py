@@ -75,6 +75,7 @@ from omron_ld90.arcl import (
     Temperature,
     UnknownCommand,
     UnknownLine,
+    Usage,
     WaitState,
     WillDoTask,
     parse_line,
@@ -137,6 +138,7 @@ CASES = [
     ('Unknown command', UnknownCommand('')),
     ('SetUpError: The file given did not exist', SetUpError('The file given did not exist')),
     ('SetupError: You need a list', SetUpError('You need a list')),
+    ('usage: echo <on/off>', Usage('echo <on/off>')),
     # tasks, macros, lists
     ('Will do task move 100', WillDoTask('move 100')),
     ('Doing task move 100', DoingTask('move 100')),

@@ -62,6 +62,7 @@ from omron_ld90.arcl.replies.refusals import (
     CommandErrorDescription,
     SetUpError,
     UnknownCommand,
+    Usage,
 )
 from omron_ld90.arcl.replies.reply import Reply, UnknownLine, same_name
 from omron_ld90.arcl.replies.safety import EStop, Fault, Motors
@@ -119,6 +120,6 @@ __all__ = [
     'PauseState', 'PayloadSlot', 'PeerSilent', 'RangeDevice', 'RangeReading', 'Received',
     'Reply', 'Result', 'RobotError', 'Route', 'ServerClosing', 'Session', 'SessionLog',
     'SetUpError', 'State', 'StateOfCharge', 'StatusAssembler', 'StatusText', 'Stopped',
-    'Stopping', 'Temperature', 'UnknownCommand', 'UnknownLine', 'WaitState', 'WillDoTask',
-    'WrongPassword', 'parse_line', 'printable', 'quote', 'same_name',
+    'Stopping', 'Temperature', 'UnknownCommand', 'UnknownLine', 'Usage', 'WaitState',
+    'WillDoTask', 'WrongPassword', 'parse_line', 'printable', 'quote', 'same_name',
 ]

@@ -27,14 +27,15 @@ from omron_ld90.arcl.secret import blank_configured
 
 _CUT_NAME = 16  # characters to which the robot cuts an unknown command's name
 
-# Said to everybody: these never answer a command whose answer is not known.
-_BROADCAST = (
+# Said to everybody, or refusals: these never answer a command whose answer is not known.
+_NO_ANSWER = (
     driving.DockingStatus, driving.GoingTo, driving.GoingToPoint, driving.ArrivedAt,
     driving.ArrivedAtPoint, driving.Parking, driving.Stopping, driving.Stopped,
     driving.Interrupted, driving.RobotError, safety.EStop, safety.Motors, tasks.WaitState,
     status.OneLineStatus, status.StatusText, equipment.RangeReading, equipment.ExternalIOUpdate,
     site.MapChanged, configuration.ConfigurationChanged, general.Notice, refusals.CommandError,
-    refusals.CommandErrorDescription, refusals.UnknownCommand)
+    refusals.CommandErrorDescription, refusals.UnknownCommand, refusals.SetUpError,
+    refusals.Usage)
 
 # The robot begins something new; unless a command of ours asked for it, another client did.
 _SETTING_OUT = (driving.GoingTo, driving.GoingToPoint, driving.Patrolling, tasks.ExecutingMacro,
@@ -109,7 +110,7 @@ class Attribution:
                 if stopped:
                     return  # the stops behind it are still to come
             elif spec.ends is None:
-                if not (claimed or isinstance(reply, _BROADCAST)):
+                if not (claimed or isinstance(reply, _NO_ANSWER)):
                     execution.begun = True
                     self._commands.add_line(execution, text, now)
                     return
@@ -189,6 +190,13 @@ class Attribution:
                 self._end(execution, Outcome.REJECTED, text, now, reply.text)
                 return
 
+    def _on_usage(self, reply: refusals.Usage, text: str, now: float) -> None:
+        name = reply.syntax.split(' ', 1)[0].lower()
+        for execution in self._commands.sent:
+            if execution.command.name.lower() == name and not execution.begun:
+                self._end(execution, Outcome.REJECTED, text, now)
+                return
+
     def _on_interrupted(self, reply: driving.Interrupted, text: str, now: float) -> None:
         ran = parse_line(reply.text)
         begun = [e for e in self._commands.drivers if e.begun]
@@ -242,6 +250,7 @@ _SPECIAL: Dict[Type[Reply], Callable[[Attribution, Reply, str, float], None]] = 
     refusals.CommandErrorDescription: Attribution._on_description,
     refusals.UnknownCommand: Attribution._on_unknown_command,
     refusals.SetUpError: Attribution._on_setup_error,
+    refusals.Usage: Attribution._on_usage,
     driving.Interrupted: Attribution._on_interrupted,
     driving.RobotError: Attribution._on_error,
     driving.FailedGoingTo: Attribution._on_failed_going,

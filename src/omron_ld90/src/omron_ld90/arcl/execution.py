@@ -45,7 +45,7 @@ class Execution:
         self.result: Optional[Result] = None
         self.on_line = on_line
         self.on_end = on_end
-        # Kept by the dispatcher:
+        # Kept by the dispatcher, its queue and its attribution:
         self.silence = silence
         self.heard: Optional[float] = None  # when it was sent, or its last line came
         self.order = 0  # of sending

@@ -99,6 +99,7 @@ _TABLE: Tuple[Row, ...] = (
     ('CommandErrorDescription:', refusals.CommandErrorDescription),
     ('Unknown command', refusals.UnknownCommand),
     ('SetUpError:', refusals.SetUpError),
+    ('usage:', read.named(refusals.Usage)),
     # tasks, macros, lists
     ('Will do task', read.named(tasks.WillDoTask)),
     ('Doing task', read.named(tasks.DoingTask)),

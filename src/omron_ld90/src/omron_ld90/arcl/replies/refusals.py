@@ -32,3 +32,10 @@ class SetUpError(Reply):
     """A command came in the wrong order, or what it needs is not set up or not there."""
 
     text: str
+
+
+@dataclass(frozen=True)
+class Usage(Reply):
+    """A command lacked arguments; `syntax` is the robot's, the command's name first."""
+
+    syntax: str
