@@ -25,6 +25,12 @@ def test_end_vertices_are_touched_by_one_edge():
     assert graph.edges_at(2) == (1, 4, 2)
 
 
+def test_the_edges_from_a_vertex_lead_away_from_it():
+    graph = dissertation_graph()
+    assert graph.edges_from(2) == (-1, 4, 2)
+    assert {graph.start_vertex(edge).id for edge in graph.edges_from(2)} == {2}
+
+
 def test_unknown_ids_are_errors_that_carry_them():
     graph = dissertation_graph()
     with pytest.raises(UnknownEdge, match='no edge -99'):

@@ -137,10 +137,9 @@ class GraphRobot:
             if at in seen:
                 continue
             seen.add(at)
-            for id in self.graph.edges_at(at):
-                signed = id if self.graph.edge(id).origin == at else -id
-                heapq.heappush(queue, (cost + self.graph.curve(id).length,
-                                       self.graph.end_vertex(signed).id, way))
+            for edge in self.graph.edges_from(at):
+                heapq.heappush(queue, (cost + self.graph.curve(edge).length,
+                                       self.graph.end_vertex(edge).id, way))
         raise AssertionError(f'no way to vertex {vertex}')
 
 

@@ -190,9 +190,8 @@ def shortest_route(graph: Graph, vertices: Sequence[int]) -> Tuple[int, ...]:
             if at in seen:
                 continue
             seen.add(at)
-            for id in graph.edges_at(at):
-                edge = id if graph.edge(id).origin == at else -id
-                heapq.heappush(queue, (length + graph.curve(id).length,
+            for edge in graph.edges_from(at):
+                heapq.heappush(queue, (length + graph.curve(edge).length,
                                        graph.end_vertex(edge).id, (*edges, edge)))
         route += queue[0][2]
     return route

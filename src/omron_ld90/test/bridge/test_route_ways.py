@@ -87,8 +87,7 @@ def grids(draw):
     graph = graph_of(places, dict(enumerate(pairs, 1)))
     at, route, seen = 1, [], {1}
     for _ in range(draw(st.integers(1, 5))):
-        ahead = [edge if graph.edge(edge).origin == at else -edge for edge in graph.edges_at(at)]
-        ahead = [edge for edge in ahead if graph.end_vertex(edge).id not in seen]
+        ahead = [edge for edge in graph.edges_from(at) if graph.end_vertex(edge).id not in seen]
         if not ahead:
             break
         route.append(draw(st.sampled_from(ahead)))
@@ -105,11 +104,10 @@ def simple_ways(graph: Graph, start: int, end: int) -> dict:
         if at == end:
             ways[edges] = length
             continue
-        for id in graph.edges_at(at):
-            edge = id if graph.edge(id).origin == at else -id
+        for edge in graph.edges_from(at):
             other = graph.end_vertex(edge).id
             if other not in seen:
-                stack.append((other, (*edges, edge), length + graph.curve(id).length,
+                stack.append((other, (*edges, edge), length + graph.curve(edge).length,
                               seen | {other}))
     return ways
 

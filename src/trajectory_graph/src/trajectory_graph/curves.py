@@ -49,13 +49,14 @@ class Curve:
 
     def heading_at(self, s: float) -> float:
         """Driving direction (rad, -pi..pi) at arc length `s`, held to 0..length."""
-        index = int(np.clip(np.searchsorted(self._arc, s, side='right') - 1,
-                            0, len(self._steps) - 1))
-        dx, dy = self._steps[index]
+        index = int(np.searchsorted(self._arc, s, side='right')) - 1
+        dx, dy = self._steps[min(max(index, 0), len(self._steps) - 1)]
         return math.atan2(dy, dx)
 
     def turned(self, s: np.ndarray) -> np.ndarray:
         """How far (rad) a robot has turned up to arc lengths `s` (N,), to either side alike."""
+        if len(self._steps) < 2:
+            return np.zeros_like(s)
         headings = np.arctan2(self._steps[:, 1], self._steps[:, 0])
         turns = np.abs((np.diff(headings) + math.pi) % (2.0 * math.pi) - math.pi)
         middles = self._arc[:-1] + self._lengths / 2.0

@@ -70,14 +70,14 @@ class Graph:
     def __init__(self, vertices: Iterable[Vertex], edges: Iterable[Edge]) -> None:
         self.vertices: Mapping[int, Vertex] = MappingProxyType(_by_id('vertex', vertices))
         self.edges: Mapping[int, Edge] = MappingProxyType(_by_id('edge', edges))
-        self._edges_at: Dict[int, List[int]] = {id: [] for id in self.vertices}
+        self._edges_from: Dict[int, List[int]] = {id: [] for id in self.vertices}
         self._curves: Dict[int, Curve] = {}
         self._segments: Optional[_Segments] = None
         self._check_vertices()
         for edge in self.edges.values():
             self._check_edge(edge)
-            self._edges_at[edge.origin].append(edge.id)
-            self._edges_at[edge.destination].append(edge.id)
+            self._edges_from[edge.origin].append(edge.id)
+            self._edges_from[edge.destination].append(-edge.id)
         self._check_connected()
 
     def vertex(self, id: int) -> Vertex:
@@ -105,8 +105,12 @@ class Graph:
 
     def edges_at(self, vertex_id: int) -> Tuple[int, ...]:
         """Ids of the edges that touch the vertex."""
+        return tuple(map(abs, self.edges_from(vertex_id)))
+
+    def edges_from(self, vertex_id: int) -> Tuple[int, ...]:
+        """Signed ids of the edges that touch the vertex, each driven away from it."""
         self.vertex(vertex_id)
-        return tuple(self._edges_at[vertex_id])
+        return tuple(self._edges_from[vertex_id])
 
     def is_end_vertex(self, vertex_id: int) -> bool:
         """Is the vertex touched by exactly one edge?"""
@@ -172,9 +176,8 @@ class Graph:
         queue = deque(reached)
         while queue:
             vertex = queue.popleft()
-            for edge_id in self._edges_at[vertex]:
-                edge = self.edges[edge_id]
-                other = edge.destination if edge.origin == vertex else edge.origin
+            for edge in self._edges_from[vertex]:
+                other = self.end_vertex(edge).id
                 if other not in reached:
                     reached.add(other)
                     queue.append(other)

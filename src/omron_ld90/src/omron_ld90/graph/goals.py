@@ -39,9 +39,8 @@ def heading_out(graph: Graph, vertex: Vertex) -> float:
     That is Theta where the vertex is its edge's origin, so the way out of it, and Theta + 180
     degrees where it is the destination.
     """
-    edge_id, = graph.edges_at(vertex.id)
-    turn = 0.0 if graph.edge(edge_id).origin == vertex.id else 180.0
-    return math.degrees(vertex.theta) + turn
+    edge, = graph.edges_from(vertex.id)
+    return math.degrees(vertex.theta) + (0.0 if edge > 0 else 180.0)
 
 
 def goal(graph: Graph, vertex: Vertex) -> MapObject:

@@ -69,10 +69,9 @@ class PlaceOnGraph:
 
     def symbolic_pose(self) -> SymbolicPose:
         """The nearest edge, driven forwards; edge 0 when this place is in no corridor."""
-        if self.is_docked:
-            for edge in self.graph.edges_at(self.dock_vertex):
-                at_end = self.graph.end_vertex(edge).id == self.dock_vertex
-                return SymbolicPose(edge, 100.0 if at_end else 0.0)
+        if self.is_docked and self.graph.edges:
+            way_out = self.graph.edges_from(self.dock_vertex)[0]
+            return SymbolicPose(abs(way_out), 0.0 if way_out > 0 else 100.0)
         nearest = self.graph.nearest_edge(*self.position)
         if nearest is None or nearest[1].distance > self.corridor_width / 2.0:
             return SymbolicPose()

@@ -96,9 +96,8 @@ def distances(graph: Graph, source: int, limit: float,
         if vertex in found or distance > limit:
             continue
         found[vertex] = distance
-        for id in graph.edges_at(vertex):
-            if id not in without:
-                edge = graph.edge(id)
-                other = edge.destination if edge.origin == vertex else edge.origin
-                heapq.heappush(queue, (distance + graph.curve(id).length, other))
+        for edge in graph.edges_from(vertex):
+            if abs(edge) not in without:
+                heapq.heappush(queue, (distance + graph.curve(edge).length,
+                                       graph.end_vertex(edge).id))
     return found
