@@ -1,24 +1,22 @@
 """The floor that a robot needs to drive on a graph: what no fence may touch. All in mm, map frame.
 
 A corridor follows every edge's curve. A disc in which the robot can turn is free where it has to
-turn: at end vertices, at bends, and at the dock, from where a strip leads to the station. A bend is
-where edges meet at more than 45 degrees, or where a curve turns by more than that within the
-robot's half diagonal, so almost on the spot. Where edges meet their corridors are one, so junctions
-are open.
+turn: at end vertices, where its way bends within its half diagonal, and at the dock, from where a
+strip leads to the station. Where edges meet their corridors are one, so junctions are open.
 """
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import List, Mapping, Optional, Tuple
+from typing import List, Mapping, Optional
 
-import numpy as np
 from shapely.geometry import LineString, Point
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
+from omron_ld90.graph.bends import bends_of
 from omron_ld90.graph.goals import Pose, millimetres
-from trajectory_graph import Curve, Graph
+from trajectory_graph import Graph
 
 ROBOT_HALF_WIDTH = 250.0
 ROBOT_HALF_DIAGONAL = 430.0
@@ -27,8 +25,6 @@ ROUNDING = 2.5  # mm that outlines are drawn wider, so that polygons of circles 
 CURVE_TOLERANCE = 0.5  # mm, between a curve and the polyline that stands for it
 SLIT = 17.0  # mm: floor on both sides of what is less than twice as wide is one floor
 MITRE = 2  # Shapely's join style that keeps corners sharp
-BEND = 45.0  # degrees
-BEND_PITCH = 20.0  # between places at which a curve is looked at for bends
 
 
 @dataclass(frozen=True)
@@ -83,33 +79,10 @@ def _around(shape: BaseGeometry, distance: float) -> BaseGeometry:
 
 
 def _turning_places(graph: Graph, rules: CorridorRules) -> List[BaseGeometry]:
-    places = [millimetres(vertex.position) for vertex in graph.vertices.values()
-              if graph.is_end_vertex(vertex.id) or _bends(graph, vertex.id)]
-    for id in graph.edges:
-        places += _bends_on(graph.curve(id))
-    return [_around(Point(place), rules.turning_radius) for place in places]
-
-
-def _bends(graph: Graph, vertex_id: int) -> bool:
-    """Does a robot that passes the vertex, without going back, turn by more than BEND?"""
-    ways_out = [graph.curve(id if graph.edge(id).origin == vertex_id else -id).heading_at(0.0)
-                for id in graph.edges_at(vertex_id)]
-    for index, way_out in enumerate(ways_out):
-        for other in ways_out[:index]:
-            between = abs(math.degrees(math.remainder(way_out - other, 2.0 * math.pi)))
-            if 180.0 - between > BEND:
-                return True
-    return False
-
-
-def _bends_on(curve: Curve) -> List[Tuple[int, int]]:
-    """Places (BEND_PITCH apart) about which the curve turns by more than BEND."""
-    if len(curve.points) == 2:
-        return []  # straight
-    around = ROBOT_HALF_DIAGONAL / 2000.0
-    s = np.arange(0.0, curve.length, BEND_PITCH / 1000.0)
-    turns = np.degrees(curve.turned(s + around) - curve.turned(s - around))
-    return [millimetres(curve.point_at(at)) for at in s[turns > BEND]]
+    places = bends_of(graph, ROBOT_HALF_DIAGONAL / 1000.0)
+    places += [vertex.position for vertex in graph.vertices.values()
+               if graph.is_end_vertex(vertex.id)]
+    return [_around(Point(millimetres(place)), rules.turning_radius) for place in places]
 
 
 def _docking_place(dock: Optional[Pose], rules: CorridorRules) -> List[BaseGeometry]:
