@@ -1,35 +1,35 @@
 """What is odd about a map but does not stop it from being used."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Callable, Dict, Iterator, List, Tuple
+from typing import Dict, Iterator, List, Sequence, Tuple
 
 import numpy as np
 
 from omron_ld90.maps.errors import FieldError, MapWarning
 from omron_ld90.maps.objects import printable
-from omron_ld90.maps.reader import BOM
+from omron_ld90.maps.reader import BOM, Record
 from omron_ld90.maps.references import find_references
-from omron_ld90.maps.sections import bounds
+from omron_ld90.maps.scans import Scan
+from omron_ld90.maps.sections import Section, bounds
 from omron_ld90.maps.tokens import tokenise
 
-if TYPE_CHECKING:
-    from omron_ld90.maps.document import MapDocument, Scan
+
+def check(records: Sequence[Record], sections: Sequence[Section],
+          scans: Sequence[Scan]) -> List[MapWarning]:
+    """Everything odd about a map; `records` are its metadata lines, from line 1 on."""
+    return [*_encoding(records, sections), *_header(scans), *_names(records), *_tails(records),
+            *_declarations(records), *_dangling(records)]
 
 
-def check(document: MapDocument) -> List[MapWarning]:
-    """Everything odd about `document`, in the order of the tests below."""
-    return [warning for test in _TESTS for warning in test(document)]
-
-
-def _encoding(document: MapDocument) -> Iterator[MapWarning]:
-    if document.records[0].raw.startswith(BOM):
+def _encoding(records: Sequence[Record], sections: Sequence[Section]) -> Iterator[MapWarning]:
+    if records[0].raw.startswith(BOM):
         yield MapWarning("the file begins with a byte order mark: the vendor's tools refuse it", 1)
-    if not document.sections[-1].raw.endswith(b'\n'):
+    if not sections[-1].raw.endswith(b'\n'):
         yield MapWarning("the last row has no line end: the vendor's tools lose it")
 
 
-def _header(document: MapDocument) -> Iterator[MapWarning]:
-    for scan in document.scans:
+def _header(scans: Sequence[Scan]) -> Iterator[MapWarning]:
+    for scan in scans:
         for keys, rows in ((('NumPoints', 'MinPos', 'MaxPos', 'PointsAreSorted'), scan.points),
                            (('NumLines', 'LineMinPos', 'LineMaxPos', 'LinesAreSorted'),
                             scan.lines)):
@@ -66,9 +66,9 @@ def _is_sorted(rows: np.ndarray) -> bool:
     return True
 
 
-def _names(document: MapDocument) -> Iterator[MapWarning]:
+def _names(records: Sequence[Record]) -> Iterator[MapWarning]:
     first = {}
-    for number, record in enumerate(document.records, 1):
+    for number, record in enumerate(records, 1):
         if record.object is None or not record.object.name:
             continue
         name = record.object.name.lower()
@@ -78,8 +78,8 @@ def _names(document: MapDocument) -> Iterator[MapWarning]:
         first.setdefault(name, number)
 
 
-def _tails(document: MapDocument) -> Iterator[MapWarning]:
-    for number, record in enumerate(document.records, 1):
+def _tails(records: Sequence[Record]) -> Iterator[MapWarning]:
+    for number, record in enumerate(records, 1):
         obj = record.object
         if obj is None or not obj.tail:
             continue
@@ -91,10 +91,10 @@ def _tails(document: MapDocument) -> Iterator[MapWarning]:
                              'its rectangle is drawn', number)
 
 
-def _declarations(document: MapDocument) -> Iterator[MapWarning]:
+def _declarations(records: Sequence[Record]) -> Iterator[MapWarning]:
     """Once a file declares a goal or dock type, only the declared ones exist."""
     declared = {'goaltype': set(), 'docktype': set()}
-    for record in document.records:
+    for record in records:
         if record.keyword == 'mapinfo:':
             try:
                 words = [word.text for word in tokenise(record.text)]
@@ -103,7 +103,7 @@ def _declarations(document: MapDocument) -> Iterator[MapWarning]:
             if len(words) > 1 and words[1].lower() in declared:
                 declared[words[1].lower()].update(
                     word[len('Name='):] for word in words if word.startswith('Name='))
-    for number, record in enumerate(document.records, 1):
+    for number, record in enumerate(records, 1):
         obj = record.object
         if obj is None or not (obj.is_goal or obj.is_dock):
             continue
@@ -114,9 +114,9 @@ def _declarations(document: MapDocument) -> Iterator[MapWarning]:
                              f'Name={obj.base_kind})', number)
 
 
-def _dangling(document: MapDocument) -> Iterator[MapWarning]:
+def _dangling(records: Sequence[Record]) -> Iterator[MapWarning]:
     present = set()
-    for record in document.records:
+    for record in records:
         if record.object is not None:
             present.add(record.object.name.lower())
         elif record.keyword in ('_cairn:', 'childcairn:'):
@@ -124,13 +124,9 @@ def _dangling(document: MapDocument) -> Iterator[MapWarning]:
                 present.update(word.text.lower() for word in tokenise(record.text)[7:8])
             except FieldError:
                 continue
-    for number, record in enumerate(document.records, 1):
+    for number, record in enumerate(records, 1):
         for reference in find_references(record.keyword, record.text):
             if reference.token.text.lower() not in present:
                 yield MapWarning(f'{record.text.split(None, 1)[0]} names '
                                  f'{printable(reference.token.text)!r}, which is not in the map',
                                  number)
-
-
-_TESTS: Tuple[Callable[[MapDocument], Iterator[MapWarning]], ...] = (
-    _encoding, _header, _names, _tails, _declarations, _dangling)

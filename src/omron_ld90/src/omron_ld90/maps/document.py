@@ -14,36 +14,11 @@ import numpy as np
 from omron_ld90.maps import editing, scan_editing
 from omron_ld90.maps.checks import check
 from omron_ld90.maps.errors import FieldError, MapError, MapWarning
-from omron_ld90.maps.header import ScanHeader
 from omron_ld90.maps.objects import MapObject
 from omron_ld90.maps.reader import Content, Record, read_content, read_headers
 from omron_ld90.maps.saving import write_file
-from omron_ld90.maps.sections import COLUMNS, Section
-
-
-class Scan:
-    """One scan source: its `points` (N, 2) and `lines` (M, 4), int32, in mm."""
-
-    def __init__(self, header: ScanHeader, sections: List[Section], first: bool) -> None:
-        self.name = header.source
-        self.header = header
-        names = ('', self.name.lower()) if first else (self.name.lower(),)
-        own = [section for section in sections if section.source.lower() in names]
-        self.points = _join(own, 'DATA')
-        self.lines = _join(own, 'LINES')
-
-    @property
-    def resolution(self) -> Optional[int]:
-        """Grid pitch of the points in mm, or None when the file gives none."""
-        pitch = self.header.values.get('Resolution', 0)
-        return pitch if pitch > 0 else None
-
-
-def _join(sections: List[Section], kind: str) -> np.ndarray:
-    blocks = [section.rows for section in sections if section.kind == kind]
-    if len(blocks) == 1:
-        return blocks[0]
-    return np.concatenate([np.empty((0, len(COLUMNS[kind])), np.int32)] + blocks)
+from omron_ld90.maps.scans import scans_of
+from omron_ld90.maps.sections import Section
 
 
 class MapDocument:
@@ -57,7 +32,7 @@ class MapDocument:
         self.name = name
         self._records = content.records
         self._sections = content.sections
-        self.scans = _scans(content.headers, content.sections)
+        self.scans = scans_of(content.headers, content.sections)
         self._notes: List[editing.Note] = []
 
     @classmethod
@@ -157,7 +132,7 @@ class MapDocument:
         lines = {id(record): number for number, record in enumerate(self._records, 1)}
         notes = [MapWarning(text, lines[id(record)]) for record, text in self._notes
                  if id(record) in lines]
-        return tuple(check(self) + notes)
+        return tuple(check(self._records, self._sections, self.scans) + notes)
 
     def find(self, name: str) -> Optional[MapObject]:
         """The first object called `name`, upper or lower case, or None."""
@@ -219,17 +194,13 @@ class MapDocument:
         except FieldError as error:  # its line, if any, is one of the rows and not of the file
             raise MapError(self.name, error.problem, None, error.field, error.expected) from None
         scan_editing.update_header(self._records, kind, rows, end)
-        self.scans = _scans(read_headers(self._records, self.name), self._sections)
+        self.scans = scans_of(read_headers(self._records, self.name), self._sections)
         self._end_last_row()
 
     def _end_last_row(self) -> None:
         """In an edited file the last row has a line end: the vendor's library loses it else."""
         if not self._sections[-1].raw.endswith(b'\n'):
             self._sections[-1] = self._sections[-1].with_final(editing.line_end(self._records))
-
-
-def _scans(headers: List[ScanHeader], sections: List[Section]) -> Tuple[Scan, ...]:
-    return tuple(Scan(header, sections, index == 0) for index, header in enumerate(headers))
 
 
 def _all(blocks: List[np.ndarray]) -> np.ndarray:

@@ -8,16 +8,14 @@ upper right of the strictest reading. Bounds are inclusive and come from the row
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Optional, Tuple
+from typing import Optional, Tuple
 
 import numpy as np
 
+from omron_ld90.maps.document import MapDocument
 from omron_ld90.maps.errors import MapError
 from omron_ld90.maps.objects import MapObject
 from omron_ld90.maps.sections import bounds
-
-if TYPE_CHECKING:
-    from omron_ld90.maps.document import MapDocument
 
 UNKNOWN, FREE, OCCUPIED = -1, 0, 100
 MAX_CELLS = 100_000_000
