@@ -8,6 +8,8 @@ from __future__ import annotations
 import heapq
 from typing import Callable, List, Optional, Tuple
 
+ROUNDING = 1e-6         # of a period
+
 
 class Timer:
     """A callback waiting on a `Clock`; `cancel()` it or let it run once."""
@@ -70,16 +72,19 @@ class Clock:
 
 
 class Ticker:
-    """Calls back every `period` seconds, at start + n * period: it does not drift."""
+    """Calls back at every whole multiple of `period` seconds: it does not drift.
+
+    The multiples are the clock's own, so that it does not matter when exactly somebody connects.
+    """
 
     def __init__(self, clock: Clock, period: float, callback: Callable[[], None]) -> None:
         self._clock, self._period, self._callback = clock, period, callback
-        self._start, self._count = clock.now, 0
+        self._count = int(clock.now / period + ROUNDING)
         self._timer = self._arm()
 
     def _arm(self) -> Timer:
         self._count += 1
-        return self._clock.at(self._start + self._count * self._period, self._tick)
+        return self._clock.at(self._count * self._period, self._tick)
 
     def _tick(self) -> None:
         self._timer = self._arm()

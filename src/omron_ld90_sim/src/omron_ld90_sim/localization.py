@@ -1,10 +1,11 @@
 """Where the robot believes to be, and how sure it is."""
 from __future__ import annotations
 
-import random
 from typing import Tuple
 
+from omron_ld90_sim.clock import Clock
 from omron_ld90_sim.kinematics import Pose, normalise
+from omron_ld90_sim.noise import noise
 
 FOUND_WITHIN = (1000.0, 30.0)   # mm, deg: how far off a search may start and still find the robot
 SCORE_FOUND, SCORE_LOST = 0.87, 0.06
@@ -16,9 +17,9 @@ _NO_ERROR = Pose(0.0, 0.0, 0.0)
 class Localization:
     """The belief of one robot: its true pose, or one that is off by `error` while it is lost."""
 
-    def __init__(self, seed: int) -> None:
+    def __init__(self, clock: Clock, seed: int) -> None:
         self.error = _NO_ERROR
-        self._random = random.Random(seed)      # its own: who asks often must not change the rest
+        self._clock, self._seed = clock, seed
 
     @property
     def lost(self) -> bool:
@@ -43,4 +44,5 @@ class Localization:
     def score(self) -> float:
         """How well the laser fits the map at the believed pose, 0 to 1; noisy."""
         fit = SCORE_LOST if self.lost else SCORE_FOUND
-        return min(max(fit + self._random.gauss(0.0, SCORE_NOISE), 0.0), 1.0)
+        error = noise(self._seed, self._clock.now, SCORE_NOISE, 1)[0]
+        return float(min(max(fit + error, 0.0), 1.0))

@@ -1,6 +1,6 @@
 """The robot's outgoing connection: what it sends by itself, and when.
 
-Times count from the connection, so that nothing drifts.
+Times are multiples of each interval on the robot's clock, so that nothing drifts.
 """
 from __future__ import annotations
 

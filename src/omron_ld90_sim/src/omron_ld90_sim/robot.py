@@ -52,7 +52,7 @@ class Robot:
         self.pausing = False                    # whether a pause task runs
         self.patrol_places: Dict[str, int] = {}     # route in lower case -> index it is at
         self.equipment = Equipment()
-        self.localization = Localization(seed)
+        self.localization = Localization(clock, seed)
         self.document = document
         self.base = Base(start or start_places(document, floor, [None])[0])
         self.docking = Docking(clock, self.base, battery, self._docking_changed)

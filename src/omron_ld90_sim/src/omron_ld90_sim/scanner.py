@@ -10,6 +10,7 @@ from omron_ld90_sim import laser
 from omron_ld90_sim.clock import Clock
 from omron_ld90_sim.floor import Floor
 from omron_ld90_sim.kinematics import Pose
+from omron_ld90_sim.noise import noise
 
 NOISE = 6.0             # mm, standard deviation along the ray
 KEPT_FOR = 30.0         # s, mm and number of the cumulative points
@@ -21,15 +22,15 @@ class Scanner:
     """One `Laser_1`."""
 
     def __init__(self, clock: Clock, seed: int) -> None:
-        self._clock = clock
-        self._random = np.random.RandomState(seed)
+        self._clock, self._seed = clock, seed
         self._kept: Deque[Tuple[float, np.ndarray]] = deque()
 
     def scan(self, floor: Floor, true: Pose, believed: Pose,
              others: Sequence[np.ndarray]) -> np.ndarray:
         """Hits (N, 2) in mm of one scan from `true`, in the frame the robot believes in."""
         ranges = laser.scan(floor, true, others)
-        hits = laser.points(believed, ranges + self._random.normal(0.0, NOISE, len(ranges)))
+        ranges = ranges + noise(self._seed, self._clock.now, NOISE, len(ranges))
+        hits = laser.points(believed, ranges)
         self._kept.append((self._clock.now, hits))
         while self._kept[0][0] < self._clock.now - KEPT_FOR:
             self._kept.popleft()

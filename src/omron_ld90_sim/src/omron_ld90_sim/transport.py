@@ -1,12 +1,15 @@
 """TCP sockets for the sans-I/O server: one thread, one selector, one simulated clock.
 
 The loop sleeps until a socket is ready or the clock's next callback is due; wall time times the
-speed factor is simulated time.
+speed factor is simulated time. What a client sends counts from the robot's next cycle on, and the
+clock goes there at once: nobody waits, and a client that answers within a cycle finds the same
+times in every run.
 """
 from __future__ import annotations
 
 import contextlib
 import errno
+import math
 import selectors
 import socket
 import struct
@@ -21,6 +24,7 @@ from omron_ld90_sim.server import ArclServer
 from omron_ld90_sim.session import Session
 
 RECONNECT = 1.0         # s between two attempts of the outgoing connection
+CYCLE = 0.1             # s of the robot's clock in which what comes in counts as simultaneous
 LONGEST_SLEEP = 3600.0  # s, more than a selector may be asked for is an error
 _RESET = struct.pack('ii', 1, 0)    # SO_LINGER of no time: close() sends RST
 MAX_OUTPUT = 8_000_000  # bytes a client may leave unread before it is dropped
@@ -57,7 +61,8 @@ class Loop:
                 timeout = (due - self._simulated_now()) / self.speed
                 timeout = min(max(timeout, 0.0), LONGEST_SLEEP)
             ready = self.selector.select(timeout)
-            self.clock.advance(self._simulated_now())
+            now = self._simulated_now()
+            self.clock.advance(math.ceil(now / CYCLE) * CYCLE if ready else now)
             for key, mask in ready:
                 key.data(mask)
             for callback in self.after_step:

@@ -1,0 +1,11 @@
+"""Noise of sensors, as a function of seed and time: who asks how often changes nothing."""
+from __future__ import annotations
+
+import numpy as np
+
+
+def noise(seed: int, time: float, deviation: float, count: int) -> np.ndarray:
+    """Normally distributed errors (count,) of a measurement at `time` (s)."""
+    milliseconds = int(round(time * 1000.0))
+    return np.random.RandomState([seed % 2 ** 32, milliseconds % 2 ** 32]).normal(
+        0.0, deviation, count)
