@@ -1,13 +1,13 @@
 """One line for the robot: read, checked, quoted."""
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from typing import Callable, Optional, Tuple
 
 from omron_ld90.arcl.command_spec import CommandSpec
 from omron_ld90.arcl.command_table import spec_of
 from omron_ld90.arcl.errors import InvalidCommand
+from omron_ld90.arcl.readers import split_words
 from omron_ld90.arcl.replies.reply import same_name
 from omron_ld90.arcl.secret import blank_configured
 
@@ -38,7 +38,7 @@ class Command:
         name, _, rest = text.partition(' ')
         name = full_name(name) or name
         spec = spec_of(name)
-        arguments = tuple(quoted or bare for quoted, bare in _WORDS.findall(rest))
+        arguments = tuple(split_words(rest))
         if len(arguments) < spec.required:
             raise InvalidCommand(printable(text), f'its syntax is "{spec.syntax}"')
         return cls(text, spec.name, arguments, spec)
@@ -64,9 +64,6 @@ class Command:
     def is_for(self, name: str) -> bool:
         """Whether a reply that names a goal, route or macro means this command's."""
         return any(same_name(name, goal) for goal in self.goals)
-
-
-_WORDS = re.compile(r'"([^"]*)"|(\S+)')
 
 
 def _unsendable(text: str) -> str:

@@ -9,14 +9,7 @@ import re
 from functools import partial
 from typing import Callable, Dict, List, Tuple
 
-from omron_ld90.arcl.replies import (
-    driving,
-    general,
-    safety,
-    site,
-    status,
-    tasks,
-)
+from omron_ld90.arcl.replies import driving, general, safety, site, status, tasks
 from omron_ld90.arcl.replies.reply import Reply
 
 Reader = Callable[[str], Reply]
@@ -109,7 +102,7 @@ def docking(text: str) -> driving.DockingStatus:
     if state is None or not set(fields) <= {'forcedstate:', 'chargestate:'}:
         raise ValueError
     return driving.DockingStatus(state, fields.get('forcedstate:', '').lower() == 'forced',
-                           fields.get('chargestate:', ''))
+                                 fields.get('chargestate:', ''))
 
 
 def estop(text: str) -> safety.EStop:
@@ -155,9 +148,8 @@ _TRUTH = {'true': True, 'false': False, '1': True, '0': False}
 def fault(text: str, cleared: bool = False) -> safety.Fault:
     """`<kind> <name> "<short>" "<long>" <driving> <critical> <application>`."""
     kind, name, short, long, *flags = split_words(text)
-    driving, critical, application = (_TRUTH.get(flag.lower(), False)
-                                      for flag in (flags + ['', '', ''])[:3])
-    return safety.Fault(kind, name, short, long, driving, critical, application, cleared)
+    truths = [_TRUTH.get(flag.lower(), False) for flag in (flags + ['', '', ''])[:3]]
+    return safety.Fault(kind, name, short, long, *truths, cleared=cleared)
 
 
 def odometer(text: str) -> status.Odometer:

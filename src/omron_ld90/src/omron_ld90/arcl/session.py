@@ -187,8 +187,9 @@ class Session:
     def _received(self, raw: bytes) -> Received:
         reply = parse_line(raw.decode('utf-8', 'replace'))
         if type(reply) in _MAY_HOLD_PASSWORD:
-            raw = blank_configured(raw)
-            reply = parse_line(raw.decode('utf-8', 'replace'))
+            blanked = blank_configured(raw)
+            if blanked != raw:
+                raw, reply = blanked, parse_line(blanked.decode('utf-8', 'replace'))
         elif type(reply) is ServerClosing:
             self._last_words = reply.text
         if self._trace:
