@@ -11,7 +11,7 @@ The rules, of which `command_queue` keeps the order and `attribution` the meanin
 """
 from __future__ import annotations
 
-from typing import Callable, Optional
+from typing import Callable, List, Optional
 
 from omron_ld90.arcl.attribution import Attribution
 from omron_ld90.arcl.command_queue import CommandQueue
@@ -34,7 +34,6 @@ class Dispatcher:
     def __init__(self) -> None:
         self._commands = CommandQueue()
         self._attribution = Attribution(self._commands)
-        self.take_news = self._commands.take_news
 
     def start(self, command: Command, timeout: Optional[float] = None,
               on_line: Optional[Callable[[str], None]] = None,
@@ -91,6 +90,10 @@ class Dispatcher:
         for execution in self._commands.sent + self._commands.waiting:
             never = '' if execution.sent else 'never sent: '
             self._commands.end(execution, Outcome.LOST, never + reason)
+
+    def take_news(self) -> List[Callable[[], None]]:
+        """What is to be told, in order."""
+        return self._commands.take_news()
 
     def _stop_if_cancelled(self) -> None:
         """Stops the robot when what it does, or is about to do, is no longer wanted.
