@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 import unittest
 
-import rospkg
 import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
@@ -25,8 +24,7 @@ class Faults(unittest.TestCase):
     @classmethod
     def setUpClass(cls) -> None:
         rospy.init_node('route_faults_test')
-        maps = f'{rospkg.RosPack().get_path("omron_ld90")}/../../maps'
-        cls.lab = RouteRobot(maps, speed=4.0, start=(-12000.0, 0.0, 0.0), status_period=0.2)
+        cls.lab = RouteRobot(speed=4.0, status_period=0.2)
         cls.diagnostics = Recorder('/diagnostics', DiagnosticArray)
         cls.others = connected_publisher('/omron_ld90/send_command', String, subscribers=3)
 

@@ -1,10 +1,11 @@
-"""A simulated robot in the test's own process, the bridge, and the fleet manager's two topics."""
+"""What the system tests of routes share: the fleet manager, and a simulated robot to bring down."""
 from __future__ import annotations
 
 import os
-from typing import List, Sequence, Tuple
+from typing import List, Sequence
 
 import rosnode
+import rospkg
 import rospy
 from std_msgs.msg import String
 
@@ -15,20 +16,14 @@ from system_support import Recorder, connected_publisher, wait_until
 from trajectory_graph import load_graph
 
 BRIDGE = '/omron_ld90/omron_edges_to_vertices'
+MAPS = f'{rospkg.RosPack().get_path("omron_ld90")}/../../maps'
+VERTEX_8 = (-12000.0, 0.0, 0.0)  # mm and degrees
 
 
-class RouteRobot:
-    """What the system tests of routes share."""
+class FleetManager:
+    """Sends routes to the robot, and hears of it what anybody can hear."""
 
-    def __init__(self, maps: str, speed: float, start: Tuple[float, float, float],
-                 status_period: float) -> None:
-        """`maps` holds lab.map and lab_graph.yaml; start in mm and degrees; period in robot's s."""
-        self.graph = load_graph(f'{maps}/lab_graph.yaml')
-        self.robot = Simulator(
-            f'{maps}/lab.map', port=int(os.environ['LD90_ARCL_PORT']), start=start, speed=speed,
-            outgoing=('127.0.0.1', int(os.environ['LD90_OUTGOING_PORT'])),
-            lists=((status_period, 'Status'),))
-        self.robot.start()
+    def __init__(self) -> None:
         self.states = Recorder('/omron_ld90/execution_route_states', ExecutionRouteStates)
         self.status = Recorder('/omron_ld90/robot_status', RobotStatus)
         self.commands = Recorder('/omron_ld90/send_command', String)
@@ -48,6 +43,42 @@ class RouteRobot:
         last = {link.link: link.state for link in self.links.messages}
         return last == {'commands': LinkState.CONNECTED, 'outgoing': LinkState.CONNECTED}
 
+    def order(self, edges: Sequence[int]) -> int:
+        """Publishes a route with a new id."""
+        self._route_id += 1
+        self.routes.publish(TargetRoute(route_id=self._route_id, edges=list(edges)))
+        return self._route_id
+
+    def end_of(self, route_id: int, timeout: float = 120.0) -> ExecutionRouteStates:
+        """The first report in which no edge of the route is under way any more."""
+        return self.states.wait_for(
+            lambda states: states.route_id == route_id and states.edge_states
+            and EdgeState.PROCESSING not in state_list(states),
+            timeout, f'end of route {route_id}')
+
+    def under_way(self, edges: Sequence[int], done: int) -> int:
+        """Orders a route and waits until so many of its edges are complete."""
+        route_id = self.order(edges)
+        self.states.wait_for(
+            lambda states: states.route_id == route_id
+            and state_list(states).count(EdgeState.COMPLETE) == done,
+            60, f'{done} edges of route {route_id} complete')
+        return route_id
+
+
+class RouteRobot(FleetManager):
+    """The fleet manager of a robot that is simulated in the test's own process, from vertex 8 on."""
+
+    def __init__(self, speed: float, status_period: float) -> None:
+        """`status_period` is in seconds of the robot."""
+        self.graph = load_graph(f'{MAPS}/lab_graph.yaml')
+        self.robot = Simulator(
+            f'{MAPS}/lab.map', port=int(os.environ['LD90_ARCL_PORT']), start=VERTEX_8, speed=speed,
+            outgoing=('127.0.0.1', int(os.environ['LD90_OUTGOING_PORT'])),
+            lists=((status_period, 'Status'),))
+        self.robot.start()
+        super().__init__()
+
     def restart_bridge(self, **parameters: object) -> None:
         """Ends the bridge's process, and waits until roslaunch has brought it back."""
         before = rosnode.get_api_uri(rospy.get_master(), BRIDGE, skip_cache=True)
@@ -60,27 +91,6 @@ class RouteRobot:
         wait_until(lambda: self.routes.get_num_connections() == 1, 30, 'the bridge listens')
         self.states.wait_for(lambda states: states.symbolic_pose.edge_id != 0, 30,
                              'report of the bridge that is back', after=heard)
-
-    def order(self, edges: Sequence[int]) -> int:
-        """Publishes a route with a new id."""
-        self._route_id += 1
-        self.routes.publish(TargetRoute(route_id=self._route_id, edges=list(edges)))
-        return self._route_id
-
-    def end_of(self, route_id: int, timeout: float = 120.0) -> ExecutionRouteStates:
-        """The first report in which no edge of the route is under way any more."""
-        return self.states.wait_for(
-            lambda states: states.route_id == route_id and states.edge_states and all(
-                edge.state != EdgeState.PROCESSING for edge in states.edge_states),
-            timeout, f'end of route {route_id}')
-
-    def under_way(self, edges: Sequence[int], done: int) -> int:
-        """Orders a route and waits until so many of its edges are complete."""
-        route_id = self.order(edges)
-        self.states.wait_for(lambda states: states.route_id == route_id and sum(
-            edge.state == EdgeState.COMPLETE for edge in states.edge_states) == done,
-            60, f'{done} edges of route {route_id} complete')
-        return route_id
 
     def distance_from(self, edges: Sequence[int], since: int) -> float:
         """Greatest distance (m) of the robot's locations from the curves of the edges."""

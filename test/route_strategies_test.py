@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 import unittest
 
-import rospkg
 import rospy
 import rostest
 from route_robot import RouteRobot, state_list
@@ -22,8 +21,7 @@ class Strategies(unittest.TestCase):
     @classmethod
     def setUpClass(cls) -> None:
         rospy.init_node('route_strategies_test')
-        maps = f'{rospkg.RosPack().get_path("omron_ld90")}/../../maps'
-        cls.lab = RouteRobot(maps, speed=5.0, start=(-12000.0, 0.0, 0.0), status_period=0.1)
+        cls.lab = RouteRobot(speed=5.0, status_period=0.1)
 
     @classmethod
     def tearDownClass(cls) -> None:

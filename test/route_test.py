@@ -7,11 +7,10 @@ import unittest
 
 import rospy
 import rostest
-from std_msgs.msg import String
+from route_robot import FleetManager, state_list
 
-from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, TargetRoute
-from omron_ld90_msgs.msg import LinkState, RobotStatus
-from system_support import Recorder, connected_publisher, wait_until
+from itrci_nav_msgs.msg import EdgeState
+from system_support import wait_until
 
 OUT = [-13, -7, 1, 2]  # dock - 1 - 8 - 10 - 12, in maps/lab_graph.yaml
 HOME = [-2, -1, 7, 13]
@@ -22,52 +21,34 @@ class Routes(unittest.TestCase):
     @classmethod
     def setUpClass(cls) -> None:
         rospy.init_node('route_test')
-        cls.states = Recorder('/omron_ld90/execution_route_states', ExecutionRouteStates)
-        cls.status = Recorder('/omron_ld90/robot_status', RobotStatus)
-        cls.commands = Recorder('/omron_ld90/send_command', String)
-        cls.links = Recorder('/omron_ld90/link_state', LinkState)
-        cls.routes = connected_publisher('/omron_ld90/target_route', TargetRoute)
-        wait_until(lambda: {link.link for link in cls.links.messages
-                            if link.state == LinkState.CONNECTED} == {'commands', 'outgoing'},
-                   30, 'both links to the robot')
-        cls.states.wait_for(lambda states: states.symbolic_pose.edge_id != 0, 30,
-                            'report of the robot on the graph')
-
-    def drive(self, route_id: int, edges) -> ExecutionRouteStates:
-        """Orders a route and returns the report in which no edge is under way any more."""
-        self.routes.publish(TargetRoute(route_id=route_id, edges=edges))
-        return self.states.wait_for(
-            lambda states: states.route_id == route_id and states.edge_states and all(
-                edge.state != EdgeState.PROCESSING for edge in states.edge_states),
-            90, f'end of route {route_id}')
+        cls.fleet = FleetManager()
 
     def test_1_a_route_from_the_dock_and_home_again(self) -> None:
-        begin = len(self.states.messages)
-        done = self.drive(1, OUT)
+        begin = len(self.fleet.states.messages)
+        route_id = self.fleet.order(OUT)
+        done = self.fleet.end_of(route_id)
         self.assertEqual([edge.edge_id for edge in done.edge_states], OUT)
-        self.assertEqual([edge.state for edge in done.edge_states], [EdgeState.COMPLETE] * 4,
-                         done.reason)
+        self.assertEqual(state_list(done), [EdgeState.COMPLETE] * 4, done.reason)
         self.assertEqual((done.symbolic_pose.edge_id, done.symbolic_pose.percentage), (2, 100.0))
-        self.assertEqual([command.data for command in self.commands.messages],
+        self.assertEqual([command.data for command in self.fleet.commands.messages],
                          ['goto 1', 'goto 8', 'goto 10', 'goto 12'])
-        self.check_reports([message for message in self.states.messages[begin:]
-                            if message.route_id == 1], OUT)
+        self.check_reports([message for message in self.fleet.states.messages[begin:]
+                            if message.route_id == route_id], OUT)
 
-        done = self.drive(2, HOME)
-        self.assertEqual([edge.state for edge in done.edge_states], [EdgeState.COMPLETE] * 4,
-                         done.reason)
+        done = self.fleet.end_of(self.fleet.order(HOME))
+        self.assertEqual(state_list(done), [EdgeState.COMPLETE] * 4, done.reason)
         self.assertEqual((done.symbolic_pose.edge_id, done.symbolic_pose.percentage), (13, 100.0))
-        self.assertEqual(self.commands.messages[-1].data, 'dock')
-        wait_until(lambda: self.status.messages[-1].docking_state == 'Docked', 10,
+        self.assertEqual(self.fleet.commands.messages[-1].data, 'dock')
+        wait_until(lambda: self.fleet.status.messages[-1].docking_state == 'Docked', 10,
                    'a status of the docked robot')
 
     def check_reports(self, reports, edges) -> None:
         """Percentages grow within an edge, edges complete in order, stamps are the locations'."""
-        stamps = {status.header.stamp for status in self.status.messages}
+        stamps = {status.header.stamp for status in self.fleet.status.messages}
         done, percentage = 0, 0.0
         for report in reports:
             self.assertIn(report.header.stamp, stamps)
-            complete = sum(edge.state == EdgeState.COMPLETE for edge in report.edge_states)
+            complete = state_list(report).count(EdgeState.COMPLETE)
             self.assertGreaterEqual(complete, done)
             if complete > done:
                 done, percentage = complete, 0.0
@@ -78,8 +59,8 @@ class Routes(unittest.TestCase):
             percentage = report.symbolic_pose.percentage
 
     def test_2_a_route_that_starts_elsewhere_is_refused(self) -> None:
-        refused = self.drive(3, [29])
-        self.assertEqual([edge.state for edge in refused.edge_states], [EdgeState.FAILED])
+        refused = self.fleet.end_of(self.fleet.order([29]))
+        self.assertEqual(state_list(refused), [EdgeState.FAILED])
         self.assertIn('docked at vertex 16', refused.reason)
 
 
