@@ -9,15 +9,16 @@ from bridge_builders import dissertation_graph, graph_of, yard
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from omron_ld90.graph.route_ways import (
-    corner_cut,
-    distances,
-    has_detour,
-    is_the_free_way,
-)
+from omron_ld90.graph.route_ways import corner_cut, distances, follows_on, has_detour
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 
 MARGIN = 0.9
+
+
+def is_the_free_way(graph, edges, arc, corridor_width, tolerance):
+    """Would the robot drive all the edges?"""
+    return all(follows_on(graph, edges[:count], arc, corridor_width, tolerance)
+               for count in range(1, len(edges) + 1))
 
 
 def is_the_only_short_way(graph, edges, arc, margin=MARGIN):

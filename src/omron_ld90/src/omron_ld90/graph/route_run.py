@@ -5,13 +5,14 @@ import math
 from enum import Enum
 from typing import List, Optional, Tuple
 
+from omron_ld90.graph.goals import goal_name
 from omron_ld90.graph.robot_errand import DOCK, RobotErrand
 from omron_ld90.graph.robot_place import RobotPlace
 from omron_ld90.graph.route_place import PlaceOnGraph
 from omron_ld90.graph.route_progress import RouteProgress
 from omron_ld90.graph.route_protocol import EdgeState, RouteOrder, RouteRecord
 from omron_ld90.graph.route_settings import Settings
-from omron_ld90.graph.route_strategies import Outlook, native
+from omron_ld90.graph.route_strategies import Outlook
 
 PROGRESS = 0.05         # m along the route that count as progress
 ARRIVAL_PATIENCE = 2.0  # s for a location to show what the robot said
@@ -196,15 +197,15 @@ class RouteRun:
 
     def _send_to(self, index: int) -> None:
         self._target = index
-        vertex = self.progress.end(index).id
-        goal = DOCK if vertex == self._settings.dock_vertex else str(vertex)
+        vertex = self.progress.end(index)
+        goal = DOCK if vertex.id == self._settings.dock_vertex else goal_name(vertex)
         if goal == self._errand.goal and not self._errand.reached:
             return  # it is on its way there: no motion command is repeated
         via: List[str] = []
         if goal == DOCK:
             command = DOCK
-        elif self._settings.strategy is native and self._settings.native_command:
-            via = [str(self.progress.end(i).id) for i in range(self.progress.current, index)]
+        elif self._settings.native_command:
+            via = [goal_name(self.progress.end(i)) for i in range(self.progress.current, index)]
             command = self._settings.native_command.format(
                 goals=' '.join([*via, goal]), last=goal)
         else:

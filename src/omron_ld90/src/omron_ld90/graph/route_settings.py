@@ -13,7 +13,7 @@ class Settings:
 
     dock_vertex: Optional[int] = None
     strategy: Strategy = rolling
-    native_command: str = ''  # of strategy native, with {goals} and {last}
+    native_command: str = ''  # in place of `goto`, with {goals} and {last}
     vertex_tolerance: float = 0.3
     corridor_width: float = 0.9
     stall_timeout: float = 30.0

@@ -1,8 +1,8 @@
 """When to send the robot where, so that it drives the edges of a route in order.
 
 A strategy looks at the progress and at the vertex that the robot was last sent to, and answers with
-the index of the edge to whose end the robot should be heading. Three of them differ in how far
-ahead they look and in what they wait for:
+the index of the edge to whose end the robot should be heading. They differ in how far ahead they
+look and in what they wait for:
 
 | strategy           | looks ahead                                      | goes on                 |
 |--------------------|--------------------------------------------------|-------------------------|
@@ -50,18 +50,18 @@ class Outlook:
         return index
 
 
-Strategy = Callable[[Outlook], Optional[int]]
+Strategy = Callable[[Outlook], int]
 """Answers with the index of the target edge; the same as before means: send nothing."""
 
 
-def vertex_by_vertex(outlook: Outlook) -> Optional[int]:
+def vertex_by_vertex(outlook: Outlook) -> int:
     """A goto per vertex; the robot stops at each."""
     if outlook.target is None or (outlook.target_is_behind and outlook.arrived):
         return outlook.progress.current
     return outlook.target
 
 
-def direct(outlook: Outlook) -> Optional[int]:
+def direct(outlook: Outlook) -> int:
     """As few goals as possible: one for each piece of the route that the robot drives freely."""
     if outlook.target is None or (outlook.target_is_behind and outlook.arrived):
         return outlook.farthest_free(
@@ -70,7 +70,7 @@ def direct(outlook: Outlook) -> Optional[int]:
     return outlook.target
 
 
-def rolling(outlook: Outlook) -> Optional[int]:
+def rolling(outlook: Outlook) -> int:
     """The next goal before the robot brakes for this one, where it will still pass this one."""
     progress = outlook.progress
     first = progress.current if outlook.target_is_behind else outlook.target
@@ -78,7 +78,7 @@ def rolling(outlook: Outlook) -> Optional[int]:
         first, lambda index: progress.distance_to_end(index) <= outlook.horizon)
 
 
-def native(outlook: Outlook) -> Optional[int]:
+def native(outlook: Outlook) -> int:
     """The last vertex; the command names those on the way."""
     return outlook.progress.next_stop
 

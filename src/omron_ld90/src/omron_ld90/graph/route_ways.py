@@ -22,19 +22,13 @@ STEP = 0.02              # m between points looked at along a curve
 FARTHEST_CUT = 3.0       # m before a vertex from which a corner can be cut
 
 
-def is_the_free_way(graph: Graph, edges: Sequence[int], arc: float, corridor_width: float,
-                    tolerance: float) -> bool:
-    """Does the free way from `arc` m along `edges[0]` to the end of `edges[-1]` follow them all?
-
-    It has to come within `tolerance` (m) of every vertex on the way.
-    """
-    return all(follows_on(graph, edges[:count], arc, corridor_width, tolerance)
-               for count in range(1, len(edges) + 1))
-
-
 def follows_on(graph: Graph, edges: Sequence[int], arc: float, corridor_width: float,
                tolerance: float) -> bool:
-    """The same, when it is known for all but the last edge already."""
+    """Does the free way from `arc` m along `edges[0]` lead along the last edge to its end, too?
+
+    It is known to lead along the edges before that. It has to come within `tolerance` (m) of the
+    vertex between.
+    """
     slack = max(corridor_width / 2.0 - ROBOT_HALF_WIDTH, 0.0) + PLANNING_ERROR
     return (len(edges) == 1 or corner_cut(graph, *edges[-2:], slack) <= tolerance
             ) and not has_detour(graph, edges, arc, corridor_width)

@@ -207,7 +207,7 @@ def _read_settings(graph: Optional[Graph]) -> Settings:
     return Settings(
         dock_vertex=dock or None,
         strategy=STRATEGIES[strategy],
-        native_command=native_command,
+        native_command=native_command if strategy == 'native' else '',
         vertex_tolerance=startup.number('~vertex_tolerance', 0.3, 0.05, 2.0),
         corridor_width=startup.number('~corridor_width', 0.9, 0.3, 10.0),
         stall_timeout=startup.number('~stall_timeout', 30.0, 1.0, 3600.0),
