@@ -1,19 +1,20 @@
 """What the robot can do, as scripts for `Robot.start`."""
 from __future__ import annotations
 
-from typing import Optional, Sequence, Tuple
+from typing import Callable, Optional, Sequence, Tuple
 
 from omron_ld90.maps import MapObject
 from omron_ld90_sim.battery import ChargeState
 from omron_ld90_sim.kinematics import Pose, normalise
 from omron_ld90_sim.places import docked_pose
-from omron_ld90_sim.planner import NoWay
+from omron_ld90_sim.planner import Blocked, NoWay
 from omron_ld90_sim.robot import Robot
 from omron_ld90_sim.states import STANDING, Activity, DockingState, Failure, Script
 from omron_ld90_sim.track import straight_track
 
 BLOCKED_PATIENCE = 30.0     # s of waiting for a blocked way before giving up
 RETRY = 2.0                 # s between two attempts to find a way
+THERE = 1.0                 # mm from a place that count as there
 SETTLE = 0.5                # s between two docking states
 _WAVERING_ON_GOTO = (ChargeState.NOT, ChargeState.OVERCHARGE, ChargeState.BULK)
 _WAVERING_ON_UNDOCK = (ChargeState.NOT, ChargeState.OVERCHARGE, ChargeState.NOT, ChargeState.BULK,
@@ -61,7 +62,7 @@ def _reach(robot: Robot, name: str, x: float, y: float, heading: Optional[float]
     if name.lower() in robot.failing_goals:
         yield 1.0
         raise Failure('Failed going to goal', failed)
-    yield from drive(robot, *_near(robot, x, y, heading), 'Failed going to goal', failed)
+    yield from drive(robot, *_near(robot, x, y, heading), failed)
 
 
 def _near(robot: Robot, x: float, y: float, heading: Optional[float]
@@ -78,27 +79,43 @@ def _near(robot: Robot, x: float, y: float, heading: Optional[float]
     return place.x, place.y, heading if heading is None else normalise(heading + turned)
 
 
-def drive(robot: Robot, x: float, y: float, heading: Optional[float], error: str,
-          failed: str) -> Script:
-    """Drives to a place around what is in the way; waits a while where there is no way around."""
+def drive(robot: Robot, x: float, y: float, heading: Optional[float], failed: str) -> Script:
+    """Drives to a place around what is in the way."""
+    yield from _until_there(robot, x, y, lambda: robot.set_course(x, y, heading), failed)
+
+
+def _until_there(robot: Robot, x: float, y: float, set_off: Callable[[], None],
+                 failed: str) -> Script:
+    """Sets off for a place until the robot is there; waits a while for what is in the way."""
     waited = 0.0
-    if not robot.navigation.can_set_course:
-        yield from come_to_rest(robot)
     while True:
+        if not robot.navigation.can_set_course:
+            yield from come_to_rest(robot)
         try:
-            robot.set_course(x, y, heading)
+            set_off()
+        except Blocked:
+            pass
         except NoWay as reason:
-            if not robot.navigation.obstacles() or waited >= BLOCKED_PATIENCE:
-                raise Failure(error, failed) from reason
+            raise Failure('Failed going to goal', failed) from reason
         else:
             yield STANDING
-            if robot.true_pose.distance_to(x, y) < 1.0:
+            if robot.true_pose.distance_to(x, y) < THERE:
                 return
-            if waited >= BLOCKED_PATIENCE:
-                raise Failure(error, failed)
+        if waited >= BLOCKED_PATIENCE:
+            raise Failure('Failed going to goal', failed)
         pause = robot.random.uniform(0.5, 1.5) * RETRY      # two robots must not wait in step
         yield pause
         waited += pause
+
+
+def _straight_to(robot: Robot, x: float, y: float) -> None:
+    """Sets off slowly for a place straight ahead or behind."""
+    here, limits = robot.true_pose, robot.base.limits
+    distance = here.distance_to(x, y)
+    if here.ahead(distance).distance_to(x, y) > distance:
+        distance = -distance
+    if abs(distance) >= THERE:
+        robot.follow([straight_track(here, distance, limits, limits.docking_speed)])
 
 
 def come_to_rest(robot: Robot) -> Script:
@@ -118,14 +135,14 @@ def leave_dock(robot: Robot, wavering: Sequence[ChargeState] = _WAVERING_ON_GOTO
     robot.extended = 'Undocking'
     dock = nearest_dock(robot)
     if dock is not None:
-        back = robot.true_pose.distance_to(dock.x, dock.y)
-        if back > 1.0:
-            robot.follow([straight_track(robot.true_pose, -back, robot.base.limits,
-                                         robot.base.limits.docking_speed)])
+        _straight_to(robot, dock.x, dock.y)
     for charge in wavering:
         yield SETTLE
         robot.docking.enter(DockingState.UNDOCKING, charge)
     yield STANDING
+    if dock is not None:
+        yield from _until_there(robot, dock.x, dock.y, lambda: _straight_to(robot, dock.x, dock.y),
+                                'Failed to undock')
     robot.docking.enter(DockingState.UNDOCKED, ChargeState.NOT)
 
 
@@ -134,15 +151,12 @@ def dock(robot: Robot, station: MapObject) -> Activity:
     def script() -> Script:
         robot.docking.enter(DockingState.UNDOCKED, ChargeState.NOT)
         robot.docking.enter(DockingState.DOCKING, ChargeState.NOT)
-        yield from drive(robot, station.x, station.y, station.theta, 'Failed going to goal',
-                         f'Failed going to dock at {station.name}')
+        failed = f'Failed going to dock at {station.name}'
+        yield from drive(robot, station.x, station.y, station.theta, failed)
         robot.extended = 'Driving into dock'
         inside = docked_pose(robot.floor, station)
-        distance = robot.true_pose.distance_to(inside.x, inside.y)
-        if distance > 1.0:
-            robot.follow([straight_track(robot.true_pose, distance, robot.base.limits,
-                                         robot.base.limits.docking_speed)])
-            yield STANDING
+        yield from _until_there(robot, inside.x, inside.y,
+                                lambda: _straight_to(robot, inside.x, inside.y), failed)
         robot.docking.enter(DockingState.DOCKING, ChargeState.BULK)
         yield SETTLE
         robot.docking.update()

@@ -1,7 +1,7 @@
 """What the robot does unasked: battery warnings, auto-docking, standing still without its link.
 
-All of it is off by default but the warnings; sections `Docking` and `Outgoing ARCL connection
-setup` of the configuration switch it on.
+All of it is off by default but what concerns the battery; sections `Docking` and `Outgoing ARCL
+connection setup` of the configuration switch it on.
 """
 from __future__ import annotations
 
@@ -15,6 +15,9 @@ from omron_ld90_sim.states import DockingState
 PERIOD = 1.0                # s between two looks
 WARN_BELOW = 25.0           # percent
 WARN_EVERY = 60.0           # s
+# ARCL manual I617-E-02 p. 185 and 256; the robot shuts down shortly afterwards
+EMPTY = ('Fault: Fault_Critical UnderVoltage "Robot battery critically low" '
+         '"The robot battery is critically low and will shut down shortly" false true false')
 NO_LINK = ('link', 'OutgoingARCLConnLost')
 
 
@@ -30,11 +33,15 @@ class Autonomy:
 
     def _look(self) -> None:
         robot = self._robot
+        if not self._server.online:
+            return
         if robot.activity is not None or not robot.base.still:
             self._idle_since = self._server.clock.now
         self._need_link()
         if robot.docking.state is DockingState.DOCKED:
             self._leave_when_full()
+        elif robot.docking.percent <= 0.0:
+            self._give_out()
         else:
             self._warn()
             self._dock_when_due()
@@ -44,6 +51,12 @@ class Autonomy:
         if self._robot.docking.percent < WARN_BELOW and now >= self._warn_from:
             self._warn_from = now + WARN_EVERY
             self._server.broadcast('TextRequestChargeVoltage')
+
+    def _give_out(self) -> None:
+        """The battery is empty: everything goes off, until somebody charges and starts it."""
+        self._server.broadcast(EMPTY)
+        self._robot.halt()
+        self._server.shut_down()
 
     def _dock_when_due(self) -> None:
         settings, robot = self._server.configuration, self._robot

@@ -127,7 +127,7 @@ class Faults:
     def battery(self, percent: str) -> None:
         """battery PERCENT
 
-        The state of charge from now on.
+        The state of charge from now on; at 0 the robot goes off until it has some and a reboot.
         """
         self._robot.docking.update()
         self._robot.docking.battery.percent = min(max(float(percent), 0.0), 100.0)

@@ -9,7 +9,7 @@ import numpy as np
 from omron_ld90_sim.floor import Floor
 from omron_ld90_sim.kinematics import Pose
 from omron_ld90_sim.motion import Base
-from omron_ld90_sim.planner import Disc, planner_for
+from omron_ld90_sim.planner import Blocked, Disc, NoWay, Way, planner_for
 from omron_ld90_sim.track import Track, manoeuvres
 
 LOOK_AHEAD = 600.0          # mm beyond the stopping distance that must be free of obstacles
@@ -71,19 +71,31 @@ class Navigation:
                   for disc in self.blocks.values())]
 
     def set_course(self, x: float, y: float, heading: Optional[float]) -> None:
-        """Sends the base to a place, out of standing or of driving forwards; raises `NoWay`."""
-        obstacles = self.obstacles()
+        """Sends the base to a place, out of standing or of driving forwards.
+
+        Raises `NoWay`; `Blocked` where it would be worth to wait.
+        """
         base, limits, track = self.base, self.base.limits, self.base.track
         if self.speed_limit is not None:
             limits = replace(limits, speed=min(limits.speed, self.speed_limit))
         if track is None or base.speed == 0.0:
-            way = self.planner.plan(base.pose, x, y, heading, obstacles)
+            way = self._plan(base.pose, x, y, heading)
             base.follow(manoeuvres(way, self.planner, limits))
         else:
             join = self._join(track)
-            way = self.planner.plan(track.pose_at(join), x, y, heading, obstacles)
+            way = self._plan(track.pose_at(join), x, y, heading)
             lead_in = track.cut(base.place, join)
             base.follow(manoeuvres(way, self.planner, limits, lead_in, base.speed))
+
+    def _plan(self, start: Pose, x: float, y: float, heading: Optional[float]) -> Way:
+        obstacles = self.obstacles()
+        try:
+            return self.planner.plan(start, x, y, heading, obstacles)
+        except NoWay as reason:
+            if not obstacles:
+                raise
+            self.planner.plan(start, x, y, heading)     # no way either: then waiting is no use
+            raise Blocked(str(reason)) from reason
 
     @property
     def can_set_course(self) -> bool:

@@ -32,6 +32,10 @@ class NoWay(Exception):
     """There is no way for the body from the start to the goal."""
 
 
+class Blocked(NoWay):
+    """There would be a way without the obstacles that are not on the map."""
+
+
 @dataclass(frozen=True)
 class Disc:
     """A moving or temporary obstacle (mm)."""

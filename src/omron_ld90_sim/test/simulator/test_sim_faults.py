@@ -124,6 +124,23 @@ def test_a_low_battery_warns_once_a_minute_and_sends_the_robot_to_its_dock() -> 
     rig.me.until('DockingState: Docked')
 
 
+def test_an_empty_robot_says_so_and_goes_off_until_it_is_charged_and_started() -> None:
+    rig = Faulty()
+    Autonomy(rig.server)
+    me = rig.on_the_way()
+    rig.faults.inject('battery 0')
+    rig.clock.advance(rig.clock.now + 1.0)
+    fault, farewell = me.lines()
+    assert fault.startswith('Fault: Fault_Critical UnderVoltage "') and me.session.closed
+    assert farewell == 'Shutting down server' and not rig.server.online
+    rig.faults.inject('battery 60')
+    rig.faults.inject('reboot 3')
+    rig.clock.advance(rig.clock.now + 4.0)
+    me = rig.client()
+    me.send('goto 12')
+    me.until('Arrived at 12')
+
+
 def test_an_idle_robot_docks_by_itself_and_leaves_when_it_is_full() -> None:
     rig = Faulty(battery=99.0)
     Autonomy(rig.server)
@@ -194,6 +211,55 @@ def test_a_reboot_takes_the_robot_away_for_a_while() -> None:
     assert not rig.server.online
     rig.clock.advance(rig.clock.now + 3.0)
     assert rig.server.online and rig.robot.base.still and rig.robot.activity is None
+
+
+def test_nothing_runs_during_a_reboot_and_the_button_stays_pressed() -> None:
+    rig = Faulty()
+    Autonomy(rig.server)
+    rig.faults.inject('estop press')
+    rig.faults.inject('reboot 10')
+    for fault in ('estop release', 'other enableMotors', 'battery 10', 'autodock on'):
+        rig.faults.inject(fault)
+    rig.clock.advance(9.0)
+    assert rig.robot.activity is None
+    rig.faults.inject('estop press')
+    rig.clock.advance(11.0)
+    assert rig.client().ask('status')[1] == 'Status: EStop pressed'
+
+
+def test_a_robot_restarted_in_its_dock_is_docked() -> None:
+    rig = Faulty(start=None)
+    rig.faults.inject('reboot 3')
+    rig.clock.advance(4.0)
+    assert rig.client().ask('status')[1].startswith('Status: DockingState: Docked')
+
+
+def test_a_goal_in_a_wall_fails_at_once_whatever_stands_around() -> None:
+    rig = Faulty()
+    rig.faults.inject('block 4500 -2000 300')
+    assert rig.me.ask('gotoPoint 1000 0') == ['Going to point', 'Error: Failed going to goal']
+
+
+def test_a_robot_kept_out_of_its_dock_never_says_docked() -> None:
+    rig = Faulty(start=(-2000.0, -2000.0, 180.0))
+    rig.me.send('dock')
+    while rig.robot.extended != 'Driving into dock':
+        rig.clock.advance(rig.clock.now + 0.1)
+    rig.faults.inject('block -3250 -2000 250')
+    lines = rig.me.until('Error')
+    assert lines[-1] == 'Error: Failed going to goal'
+    assert not [line for line in lines if line.startswith('DockingState: Docked')]
+    assert 'Status: Failed going to dock at Dock 1' in rig.me.ask('status')
+
+
+def test_a_robot_that_cannot_leave_its_dock_waits_and_goes_on() -> None:
+    rig = Faulty(start=None)
+    rig.faults.inject('block -1900 -2000 300')
+    rig.me.send('goto 12')
+    rig.clock.advance(20.0)
+    assert 'Going to 12' not in rig.me.lines()
+    rig.faults.inject('unblock')
+    rig.me.until('Arrived at 12')
 
 
 def test_a_script_brings_faults_at_their_times() -> None:
