@@ -9,12 +9,15 @@ import yaml
 
 from omron_ld90.maps import MapDocument
 from omron_ld90.nodes.rviz_view import (
+    FULL,
     HEIGHT,
     WIDTH,
+    Size,
     View,
-    check_display,
     configuration_for,
     rendering_arguments,
+    screen_size,
+    view_size,
 )
 
 REPOSITORY = Path(__file__).resolve().parents[4]
@@ -51,6 +54,28 @@ def test_only_the_view_is_changed():
     assert changed == shipped
 
 
+@pytest.mark.parametrize('screen', [Size(1280, 900), Size(1920, 1080)])
+def test_a_screen_that_holds_the_window_changes_nothing(screen):
+    assert view_size(screen) == FULL
+
+
+@pytest.mark.parametrize('screen', [Size(1366, 768), Size(1024, 740), Size(1200, 1600)])
+def test_on_a_smaller_screen_the_window_fits_and_shows_the_whole_map(screen):
+    laboratory = MapDocument.load(str(REPOSITORY / 'maps/lab.map'))
+    size = view_size(screen)
+    text = configuration_for(laboratory, SHIPPED, size)
+    assert View.in_configuration(text).shows(-15, -9, 15, 10, size)
+    window = yaml.safe_load(text)['Window Geometry']
+    assert window['Width'] <= screen.width and window['Height'] <= screen.height
+    assert size.width <= window['Width'] and size.height <= window['Height']
+
+
+def test_a_view_that_is_not_from_above_is_left_alone():
+    orbit = SHIPPED.replace('Class: rviz/TopDownOrtho', 'Class: rviz/Orbit').replace(
+        '      Scale: 40\n', '      Distance: 40\n')
+    assert configuration_for(room(0, 0, 90000, 90000), orbit) is None
+
+
 def test_a_map_without_points_and_lines_leaves_the_view_alone():
     assert configuration_for(MapDocument.from_bytes(b'2D-Map\nDATA\n'), SHIPPED) is None
 
@@ -70,4 +95,4 @@ def test_a_graphics_card_draws_as_well_as_it_can(monkeypatch, device):
 def test_without_a_display_a_sentence_says_so(monkeypatch):
     monkeypatch.setenv('DISPLAY', ':12345')
     with pytest.raises(SystemExit, match='there is no X display ":12345"'):
-        check_display()
+        screen_size()

@@ -13,7 +13,7 @@ from trajectory_graph import Curve, Graph
 
 STEP = 0.1  # m between the points of a drawn curve
 GRAPH_Z, ROUTE_Z = 0.02, 0.03
-EDGE_WIDTH, ROUTE_WIDTH = 0.03, 0.09
+EDGE_WIDTH, ROUTE_WIDTH = 0.05, 0.09  # m; thinner ones vanish on a small screen
 RING, END_RING, DOCK_RING = 0.22, 0.29, 0.36  # m, radii around vertices
 NAMED_WITHIN = 0.3  # m from a vertex: what stands there names it
 GRAPH = drawing.colour(0.74, 0.68, 1.0)

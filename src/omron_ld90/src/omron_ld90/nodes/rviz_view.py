@@ -1,11 +1,11 @@
-"""Opens RViz with the whole map in view, whatever the map: a configuration's view fits one only.
+"""Opens RViz with the whole map in view, whatever the map and the screen.
 
     rviz_view MAP_FILE CONFIGURATION [more arguments of rviz]
 
-Where the map fits the view of the configuration, RViz gets that file as it is; else a copy in which
-the view's scale and middle are changed. Where a program draws instead of a graphics card, RViz is
-told to leave out anti-aliasing, which then costs more than all the rest. No ROS node: it becomes
-RViz.
+Where the map fits the view of the configuration, and its window the screen, RViz gets that file as
+it is; else a copy in which the view's scale and middle, and the window's size, are changed. A view
+that is not from above is left alone. Where a program draws instead of a graphics card, RViz is told
+to leave out anti-aliasing, which then costs more than all the rest. No ROS node: it becomes RViz.
 """
 from __future__ import annotations
 
@@ -23,8 +23,20 @@ from omron_ld90.maps import MapDocument, MapError
 from omron_ld90.nodes.units import MM_PER_M
 
 WIDTH, HEIGHT = 1248, 808  # pixels of the 3D view in the configuration's window
+FRAME = (32, 92)  # pixels of the window around the view: bars and tools
+DESKTOP = 60  # pixels that a title and the desktop's bars take of a screen that is smaller
 WORDS_ABOVE = 1.2  # m above the map for the robot's words
 BORDER = 0.5  # m around it all
+
+
+class Size(NamedTuple):
+    """Width and height in pixels."""
+
+    width: int
+    height: int
+
+
+FULL = Size(WIDTH, HEIGHT)
 
 
 class View(NamedTuple):
@@ -40,14 +52,15 @@ class View(NamedTuple):
         return cls(*(float(_line(name).search(_current(text))[1]) for name in ('Scale', 'X', 'Y')))
 
     @classmethod
-    def on(cls, west: float, south: float, east: float, north: float) -> View:
+    def on(cls, west: float, south: float, east: float, north: float, size: Size = FULL) -> View:
         """The view that shows this rectangle (m) as large as it can be."""
-        scale = min(WIDTH / (east - west), HEIGHT / (north - south))
+        scale = min(size.width / (east - west), size.height / (north - south))
         return cls(scale, (west + east) / 2, (south + north) / 2)
 
-    def shows(self, west: float, south: float, east: float, north: float) -> bool:
+    def shows(self, west: float, south: float, east: float, north: float,
+              size: Size = FULL) -> bool:
         """Is the whole rectangle (m) in view?"""
-        half_width, half_height = WIDTH / self.scale / 2, HEIGHT / self.scale / 2
+        half_width, half_height = size.width / self.scale / 2, size.height / self.scale / 2
         return (west >= self.x - half_width and east <= self.x + half_width
                 and south >= self.y - half_height and north <= self.y + half_height)
 
@@ -60,16 +73,28 @@ class View(NamedTuple):
         return text.replace(view, changed)
 
 
-def configuration_for(document: MapDocument, text: str) -> Optional[str]:
-    """The RViz configuration `text` with a view that shows all of the map; None if it does so."""
+def view_size(screen: Size) -> Size:
+    """The size of the 3D view where the configuration's window is made to fit the screen."""
+    rest = Size(screen.width, screen.height - DESKTOP)
+    return Size(*(size if size + frame <= whole else max(left - frame, 1)
+                  for size, frame, whole, left in zip(FULL, FRAME, screen, rest)))
+
+
+def configuration_for(document: MapDocument, text: str, size: Size = FULL) -> Optional[str]:
+    """The RViz configuration `text` with a view of that size that shows all of the map.
+
+    None if it does so, or if its view is not from above.
+    """
     places = np.concatenate([document.points, document.lines.reshape(-1, 2)]) / MM_PER_M
-    if not len(places):
+    if not len(places) or 'Class: rviz/TopDownOrtho\n' not in _current(text):
         return None
     (west, south), (east, north) = places.min(axis=0), places.max(axis=0)
     north += WORDS_ABOVE
-    if View.in_configuration(text).shows(west, south, east, north):
-        return None
-    return View.on(west - BORDER, south - BORDER, east + BORDER, north + BORDER).put_into(text)
+    fitted = _with_window_around(size, text)
+    if not View.in_configuration(text).shows(west, south, east, north, size):
+        view = View.on(west - BORDER, south - BORDER, east + BORDER, north + BORDER, size)
+        fitted = view.put_into(fitted)
+    return None if fitted == text else fitted
 
 
 def rendering_arguments() -> List[str]:
@@ -79,21 +104,28 @@ def rendering_arguments() -> List[str]:
     return ['--disable-anti-aliasing'] if software else []
 
 
-def check_display() -> None:
-    """Ends the program with a sentence where no window can be opened: Qt speaks in riddles."""
-    if not ctypes.CDLL('libX11.so.6').XOpenDisplay(None):
+def screen_size() -> Size:
+    """The screen's; ends the program with a sentence where there is none: Qt speaks in riddles."""
+    library = ctypes.CDLL('libX11.so.6')
+    library.XOpenDisplay.restype = ctypes.c_void_p
+    screen = library.XOpenDisplay(None)
+    if not screen:
         display = os.environ.get('DISPLAY', '')
         sys.exit(f'RViz is not opened: there is no X display "{display}". Set DISPLAY, or open '
                  'RViz on another computer; everything else runs without it.')
+    screen = ctypes.c_void_p(screen)
+    size = Size(library.XDisplayWidth(screen, 0), library.XDisplayHeight(screen, 0))
+    library.XCloseDisplay(screen)
+    return size
 
 
 def main() -> None:
     """Become RViz."""
-    check_display()
+    size = view_size(screen_size())
     map_file, path, *arguments = sys.argv[1:]
     try:
         with open(path, encoding='utf-8') as file:
-            fitted = configuration_for(MapDocument.load(map_file), file.read())
+            fitted = configuration_for(MapDocument.load(map_file), file.read(), size)
     except MapError as error:
         print(f'RViz opens with the view of {path}: {error}', file=sys.stderr)
         fitted = None
@@ -102,6 +134,15 @@ def main() -> None:
         with open(path, 'w', encoding='utf-8') as file:
             file.write(fitted)
     os.execvp('rviz', ['rviz', '-d', path, *rendering_arguments(), *arguments])
+
+
+def _with_window_around(size: Size, text: str) -> str:
+    """`text` with a window that is no larger than a view of that size needs."""
+    head, title, window = text.rpartition('Window Geometry:\n')
+    for name, pixels, full, frame in zip(('Width', 'Height'), size, FULL, FRAME):
+        if pixels < full:
+            window = re.sub(rf'(?m)^  {name}: \d+$', f'  {name}: {pixels + frame}', window)
+    return head + title + window
 
 
 def _current(text: str) -> str:
