@@ -67,7 +67,7 @@ class FleetManager:
 
 
 class RouteRobot(FleetManager):
-    """The fleet manager of a robot that is simulated in the test's own process, from vertex 8 on."""
+    """The fleet manager of a robot that the test itself simulates, from vertex 8 on."""
 
     def __init__(self, speed: float, status_period: float) -> None:
         """`status_period` is in seconds of the robot."""

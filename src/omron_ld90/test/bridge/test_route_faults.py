@@ -187,6 +187,21 @@ def test_a_corner_cut_so_far_that_a_vertex_is_missed_is_made_good():
     assert bench.commands == ['goto 5', 'goto 2', 'goto 5']
 
 
+def test_a_robot_sent_back_to_a_vertex_still_goes_there_when_the_route_gets_longer():
+    bench = Bench(yard(), 1, 'direct')
+    bench.order(7, 1, 5)
+    bench.run(lambda bench: bench.robot.position[0] > 2.0)
+    for x, y in ((3.5, 0.4), (5.0, 0.4)):
+        bench.now += 1.0
+        bench.robot.position = (x, y)
+        bench.tell(bench.robot.located(bench.now))
+    assert bench.commands[-1] == 'goto 2'
+    bench.order(7, 1, 5, 6)
+    bench.run()
+    assert bench.states() == [2, 2, 2]
+    assert bench.commands == ['goto 5', 'goto 2', 'goto 6']
+
+
 def test_a_failed_route_says_nothing_more_to_the_robot():
     bench = under_way()
     bench.tell(p.RobotFailed('Cannot find path'))

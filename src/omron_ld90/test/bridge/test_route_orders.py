@@ -268,6 +268,26 @@ def test_a_new_graph_with_the_same_edges_lets_the_route_go_on():
     assert bench.states() == [2, 2, 2]
 
 
+def test_a_complete_route_gets_longer_over_edges_that_only_the_new_graph_has():
+    bench = Bench(graph_of({1: (0, 0), 2: (4, 0)}, {1: (1, 2)}), 1)
+    bench.order(7, 1)
+    bench.run()
+    bench.follower.use_graph(dissertation_graph(), bench.now)
+    bench.robot.graph = dissertation_graph()
+    bench.order(7, 1, 4)
+    bench.run()
+    assert bench.states() == [2, 2]
+
+
+def test_a_complete_route_whose_edges_are_others_now_gets_no_longer():
+    bench = Bench(graph_of({1: (0, 1), 2: (4, 0)}, {1: (1, 2)}), 1)
+    bench.order(7, 1)
+    bench.run()
+    bench.follower.use_graph(dissertation_graph(), bench.now)
+    bench.order(7, 1, 4)
+    assert 'the graph was replaced' in refusals(bench, 7)[-1].reason
+
+
 def test_a_new_graph_with_other_edges_ends_the_route():
     bench = under_way()
     moved = graph_of({1: (0, 0), 2: (4, 0), 7: (9, 0), 6: (12, 2)},

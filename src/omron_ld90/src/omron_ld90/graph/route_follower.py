@@ -17,7 +17,7 @@ from omron_ld90.graph.route_orders import (
     check_fit,
     first_index,
     is_change,
-    is_same_edge,
+    is_same_in,
 )
 from omron_ld90.graph.route_place import PlaceOnGraph
 from omron_ld90.graph.route_progress import RouteProgress
@@ -178,7 +178,7 @@ class RouteFollower:
         if unable:
             raise RouteRefused(unable)
         if is_change(self.route, order):
-            check_change(self.route, order)
+            check_change(self.graph, self.route, order)
             self.route.replace(order, now)
         else:
             record = restored[0] if restored and now < restored[1] else None
@@ -219,12 +219,13 @@ class RouteFollower:
         self._consider_waiting(now)
 
     def _use_graph(self, graph: Graph, now: float) -> None:
-        before, self.graph = self.graph, graph
-        if self.running:
-            if not all(is_same_edge(before, graph, edge) for edge in self.route.edges):
+        self.graph = graph
+        if self.route and self.route.progress:
+            if is_same_in(graph, self.route):
+                self.route.progress.graph = graph
+            elif self.running:
                 raise RouteFailed(
                     'the graph was replaced, and edges of the route are not what they were')
-            self.route.progress.graph = graph
         self._consider_waiting(now)
 
     def _check_clock(self, now: float) -> None:

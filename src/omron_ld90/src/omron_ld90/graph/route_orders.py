@@ -31,10 +31,13 @@ def is_change(route: Optional[RouteRun], order: RouteOrder) -> bool:
             and route.phase is not Phase.STOPPED)
 
 
-def check_change(route: RouteRun, order: RouteOrder) -> None:
+def check_change(graph: Graph, route: RouteRun, order: RouteOrder) -> None:
     """Raises RouteRefused where the route cannot become what the order of the same id says."""
     if route.phase is Phase.FAILED:
         raise RouteRefused(f'route {order.route_id} has failed: another one needs another id')
+    if route.progress.graph is not graph:
+        raise RouteRefused(f'the graph was replaced, and edges of route {order.route_id} are not '
+                           'what they were: another one needs another id')
     kept = route.edges[:route.progress.current + 1]
     if order.edges[:len(kept)] != kept:
         raise RouteRefused(f'route {order.route_id} must go on with the edges done and the '
@@ -74,8 +77,9 @@ def resumed_at(order: RouteOrder, record: RouteRecord, here: PlaceOnGraph) -> Op
     return None if found is None else record.completed + found
 
 
-def is_same_edge(one: Graph, other: Graph, edge: int) -> bool:
-    """Is an edge the same in both graphs, its vertices included?"""
-    return (abs(edge) in other.edges and one.edge(edge) == other.edge(edge)
-            and one.start_vertex(edge) == other.start_vertex(edge)
-            and one.end_vertex(edge) == other.end_vertex(edge))
+def is_same_in(graph: Graph, route: RouteRun) -> bool:
+    """Are the route's edges, their vertices included, in another graph what they were?"""
+    known = route.progress.graph
+    return all(abs(edge) in graph.edges and graph.edge(edge) == known.edge(edge)
+               and graph.start_vertex(edge) == known.start_vertex(edge)
+               and graph.end_vertex(edge) == known.end_vertex(edge) for edge in route.edges)

@@ -141,12 +141,17 @@ class RouteRun:
             self.drive()
 
     def drive(self) -> None:
-        """Sends the robot where the strategy wants it, unless it is on its way there."""
-        if self.progress.done or self.progress.current in self._sent_back:
+        """Sends the robot where the strategy wants it, unless it is on its way there.
+
+        To a vertex that it missed it goes first, whatever the strategy.
+        """
+        if self.progress.done:
             return
-        target = self._settings.strategy(Outlook(
-            self.progress, self._target, self._errand.reached, self._horizon(),
-            self._settings.corridor_width))
+        target = self.progress.current
+        if target not in self._sent_back:
+            target = self._settings.strategy(Outlook(
+                self.progress, self._target, self._errand.reached, self._horizon(),
+                self._settings.corridor_width))
         if target != self._target:
             self._send_to(target)
 
