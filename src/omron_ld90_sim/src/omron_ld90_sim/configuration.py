@@ -14,6 +14,7 @@ SERVER = 'ARCL server setup'
 OUTGOING = 'Outgoing ARCL connection setup'
 OUTGOING_COMMANDS = 'Outgoing ARCL commands'
 DOCKING = 'Docking'
+FLEET = 'Enterprise Manager Connection'
 LISTS = range(1, 6)
 ADDED = 'CENTRAL_SECTION'       # flags of a section that a client has added (I617-E-02 p. 148)
 TEXT, WHOLE, REAL, FLAG, SEPARATOR = 'String', 'Int', 'Double', 'Bool', 'Separator'
@@ -108,6 +109,9 @@ def _sections() -> Dict[str, Section]:
             Parameter('AutoDock', FLAG, 'false', 'Whether the robot docks by itself'),
             Parameter('AutoDockCharge', REAL, '25', 'Percent below which it docks', 0, 100),
             Parameter('AutoDockIdleMins', REAL, '15', 'Idle minutes after which it docks', 0)]),
+        FLEET: Section('The fleet manager, which this robot has none of', [
+            Parameter('Identifier', TEXT, 'robot', 'What the robot is called'),
+            Parameter('ConnectToEnterpriseManager', FLAG, 'false', 'Always false')]),
     }
 
 

@@ -91,10 +91,12 @@ def _localize_at_goal(robot: Robot, task: Task) -> None:
     localize(robot, Pose(goal.x, goal.y, heading), task.number(1, -1.0), task.number(2, -1.0))
 
 
-def _limit_speed(robot: Robot, task: Task) -> None:
-    """`<importance> <forward mm/s>...`: lasts as long as what runs; 0 is the robot's own."""
+def _limit_speed(robot: Robot, task: Task, lasting: bool) -> None:
+    """`<importance> <forward mm/s>...` for what runs, or from now on; 0 is the robot's own."""
     speed = task.number(1)
     robot.navigation.speed_limit = speed if speed > 0 else None
+    if lasting:
+        robot.speed_limit = robot.navigation.speed_limit
 
 
 def _enable_motors(robot: Robot, task: Task) -> None:
@@ -108,7 +110,8 @@ def _cancel_wait(robot: Robot, task: Task) -> None:
 INSTANT: Dict[str, InstantTask] = {
     'sayinstant': _without_a_word, 'playinstant': _without_a_word, 'popupsimple': _without_a_word,
     'pathplanningsettingstemp': _without_a_word,
-    'movementparameterstemp': _limit_speed,
+    'movementparameterstemp': partial(_limit_speed, lasting=False),
+    'movementparameters': partial(_limit_speed, lasting=True),
     'arclsendtext': _send_text,
     'applicationfaultset': _set_fault, 'applicationfaultclear': _clear_fault,
     'applicationblockdrivingset': _block, 'applicationblockdrivingclear': _unblock,

@@ -24,7 +24,7 @@ class Base:
         self.driven = 0.0           # mm since the start, forwards or backwards
         self.turned = 0.0           # deg since the start, either way
         self._queue: Deque[Manoeuvre] = deque()
-        self._place = 0.0           # mm on the first manoeuvre, when it is a track
+        self._place = 0.0           # how far on the first manoeuvre: mm, or deg of a turn
         self._braking: Optional[float] = None
 
     @property
@@ -90,7 +90,8 @@ class Base:
             self._halt()
 
     def _turn(self, turn: Turn, dt: float) -> bool:
-        left = normalise(turn.heading - self.pose.theta)
+        left = (normalise(turn.heading - self.pose.theta) if turn.angle is None
+                else turn.angle - self._place)
         sign = math.copysign(1.0, left)
         change = self.limits.rotation_acceleration * dt
         now = abs(self.rotation)
@@ -107,6 +108,7 @@ class Base:
         rate = min(max(wanted, now - change), now + change)
         moved = min((now + rate) / 2 * dt, abs(left))
         self.rotation = sign * rate
+        self._place += sign * moved
         self.pose = Pose(self.pose.x, self.pose.y, normalise(self.pose.theta + sign * moved))
         return False
 

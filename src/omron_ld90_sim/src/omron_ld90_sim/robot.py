@@ -47,6 +47,7 @@ class Robot:
         self.status = self.extended = 'Stopped'
         self.blocked_by: List[Tuple[str, str]] = []     # what forbids driving: kind and name
         self.failing_goals: Set[str] = set()    # names in lower case
+        self.speed_limit: Optional[float] = None    # mm/s, of every drive
         self.last_goal = ''
         self.waiting = ''                       # what a running wait task says
         self.pausing = False                    # whether a pause task runs
@@ -137,7 +138,7 @@ class Robot:
     def start(self, activity: Activity) -> None:
         """Replaces what runs. The base brakes, unless the new activity sets a course at once."""
         self._interrupt()
-        self.navigation.speed_limit = None
+        self.navigation.speed_limit = self.speed_limit
         self.status, self.extended = activity.status, activity.extended
         self.executive.run(activity)
 
@@ -182,7 +183,7 @@ class Robot:
         self.announce('Stopping')
 
         def stopped() -> None:
-            self.status = self.extended = 'Stopped'
+            self._at_rest()
             self.announce('Stopped')
 
         self.executive.brake(then=stopped)

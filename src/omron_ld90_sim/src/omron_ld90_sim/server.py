@@ -13,7 +13,7 @@ from typing import Callable, Dict, List, Optional
 from omron_ld90.maps import MapDocument, MapError
 from omron_ld90_sim.clock import Clock, Ticker
 from omron_ld90_sim.commands import TABLE, Call, CommandFailed, SetUpError
-from omron_ld90_sim.configuration import FILES, SERVER, Configuration
+from omron_ld90_sim.configuration import FILES, FLEET, SERVER, Configuration
 from omron_ld90_sim.data_store import DataStore
 from omron_ld90_sim.floor import Floor
 from omron_ld90_sim.robot import Robot
@@ -28,10 +28,9 @@ class ArclServer:
 
     def __init__(self, clock: Clock, robot: Robot, password: str,
                  configuration: Optional[Configuration] = None,
-                 map_folder: Optional[Path] = None, robot_name: str = 'robot') -> None:
+                 map_folder: Optional[Path] = None) -> None:
         """`map_folder` is where the maps lie that `configAdd Map` may name."""
         self.clock, self.robot, self.password = clock, robot, password
-        self.robot_name = robot_name
         self.configuration = configuration or Configuration()
         self.map_folder = map_folder
         self.sessions: List[Session] = []
@@ -45,6 +44,11 @@ class ArclServer:
         self._count = 0
         robot.announce = self.broadcast
         Ticker(clock, LEAST_TIMEOUT / 4, self._drop_silent)
+
+    @property
+    def robot_name(self) -> str:
+        """What the robot calls itself."""
+        return self.configuration.text(FLEET, 'Identifier')
 
     def connect(self) -> Session:
         """A client has connected."""

@@ -11,7 +11,13 @@ from typing import Callable, Dict, List, Optional, Sequence, TextIO, Tuple, Unio
 from omron_ld90.maps import MapDocument
 from omron_ld90_sim.autonomy import Autonomy
 from omron_ld90_sim.clock import Clock
-from omron_ld90_sim.configuration import FILES, OUTGOING, OUTGOING_COMMANDS, Configuration
+from omron_ld90_sim.configuration import (
+    FILES,
+    FLEET,
+    OUTGOING,
+    OUTGOING_COMMANDS,
+    Configuration,
+)
 from omron_ld90_sim.control import ControlServer
 from omron_ld90_sim.faults import Faults, UnknownFault
 from omron_ld90_sim.fleet import RobotSpec
@@ -38,7 +44,7 @@ class Unit:
         self.name = spec.name
         self.robot = Robot(loop.clock, document, floor, place, seed, spec.battery,
                            arrival_error=arrival_error)
-        self.server = ArclServer(loop.clock, self.robot, password, settings, folder, spec.name)
+        self.server = ArclServer(loop.clock, self.robot, password, settings, folder)
         self.faults = Faults(self.server)
         self.autonomy = Autonomy(self.server)
         self.tcp = TcpServer(loop, self.server, host, spec.port)
@@ -87,7 +93,8 @@ class Simulator:
         try:
             places = start_places(document, floor, [spec.start for spec in specs], seed)
             for number, (spec, place) in enumerate(zip(specs, places)):
-                configuration = settings_for(path.name, spec.outgoing, lists, settings)
+                configuration = settings_for(path.name, spec.outgoing, lists,
+                                             [(FLEET, 'Identifier', spec.name), *settings])
                 self.units.append(Unit(self.loop, document, floor, spec, place, configuration,
                                        password, seed + number, host, path.parent,
                                        arrival_error))

@@ -4,6 +4,7 @@ A task is a script, as in `activities`; an instant task is over at once.
 """
 from __future__ import annotations
 
+import math
 from typing import Callable, Dict, List, NamedTuple
 
 from omron_ld90_sim import activities
@@ -14,8 +15,10 @@ from omron_ld90_sim.states import STANDING, Activity, Failure, Script
 from omron_ld90_sim.task import BadTask, Task, find_goal
 from omron_ld90_sim.track import Turn, straight_track
 
-LONGEST_MOVE = 100_000.0    # mm
+LONGEST_LEG = 100_000.0     # mm that a move looks ahead
 SLOWEST_MOVE = 10.0         # mm/s
+SLOWEST_TURN = 1.0          # deg/s
+LOOK_AGAIN = 1.0            # s between two looks whether the way of a move is free now
 SPEECH = 12.0               # characters a second
 SOUND = 2.0                 # s, how long every sound file is
 
@@ -28,11 +31,12 @@ class Arguments(NamedTuple):
 
 
 ARGUMENTS: Dict[str, Arguments] = {     # of the tasks that need any, checked before they begin
-    'move': Arguments(0, range(5)), 'deltaheading': Arguments(1, range(1)),
+    'move': Arguments(0, range(5)), 'deltaheading': Arguments(1, range(2)),
     'setheading': Arguments(1, range(1)), 'gotopoint': Arguments(2, range(3)),
     'goto': Arguments(1), 'wait': Arguments(1, range(1)), 'say': Arguments(1),
     'play': Arguments(1), 'sayinstant': Arguments(1), 'playinstant': Arguments(1),
-    'movementparameterstemp': Arguments(2, range(1, 5)), 'arclsendtext': Arguments(1),
+    'movementparameterstemp': Arguments(2, range(1, 5)),
+    'movementparameters': Arguments(2, range(1, 5)), 'arclsendtext': Arguments(1),
     'applicationfaultset': Arguments(3), 'applicationfaultclear': Arguments(1),
     'applicationblockdrivingset': Arguments(1), 'applicationblockdrivingclear': Arguments(1),
     'customoutputon': Arguments(1), 'customoutputoff': Arguments(1),
@@ -66,35 +70,66 @@ def script(robot: Robot, task: Task) -> Script:
 # -- the tasks -------------------------------------------------------------------------------
 
 def _move(robot: Robot, task: Task) -> Script:
-    distance, speed = task.number(0, 1000.0), task.number(1, 400.0)
+    """`<mm> <mm/s> <front clearance> <side clearance> <s without progress before it fails>`."""
+    left, speed = task.number(0, 1000.0), max(abs(task.number(1, 400.0)), SLOWEST_MOVE)
+    clearance, patience = task.number(2, 200.0), task.number(4, 30.0)
     yield from activities.come_to_rest(robot)
     yield from activities.leave_dock(robot)
-    if abs(distance) < 1.0:
-        return
-    if abs(distance) > LONGEST_MOVE or not robot.planner.straight_is_free(
-            robot.true_pose, distance, robot.navigation.obstacles()):
-        raise Failure('Failed to move', 'Failed to move')
-    robot.follow([straight_track(robot.true_pose, distance, robot.base.limits,
-                                 max(abs(speed), SLOWEST_MOVE))])
-    yield STANDING
+    waited = 0.0
+    while abs(left) >= 1.0:
+        here = robot.true_pose
+        leg = _free_leg(robot, left, clearance)
+        if leg:
+            robot.follow([straight_track(here, leg, robot.base.limits, speed)])
+            yield STANDING
+        driven = here.distance_to(robot.true_pose.x, robot.true_pose.y)
+        if driven >= 1.0:
+            left, waited = left - math.copysign(driven, left), 0.0
+        elif waited >= patience:
+            raise Failure('Failed to move', 'Failed to move')
+        else:
+            yield LOOK_AGAIN
+            waited += LOOK_AGAIN
 
 
-def _turn_to(robot: Robot, heading: float) -> Script:
+def _free_leg(robot: Robot, distance: float, clearance: float) -> float:
+    """How much of `distance` (mm, back when negative) can be driven straight on: all of it, or as
+    far as `clearance` before what is in the way."""
+    here, obstacles = robot.true_pose, robot.navigation.obstacles()
+    wanted = math.copysign(min(abs(distance), LONGEST_LEG), distance)
+
+    def is_free(leg: float) -> bool:
+        return robot.planner.straight_is_free(here, math.copysign(leg, wanted), obstacles)
+
+    if is_free(abs(wanted)):
+        return wanted
+    free, blocked = 0.0, abs(wanted)
+    while blocked - free > 10.0:
+        middle = (free + blocked) / 2
+        free, blocked = (middle, blocked) if is_free(middle) else (free, middle)
+    return math.copysign(max(free - max(clearance, 0.0), 0.0), wanted)
+
+
+def _turn(robot: Robot, turn: Callable[[], Turn]) -> Script:
     yield from activities.come_to_rest(robot)
     yield from activities.leave_dock(robot)
     if not robot.planner.can_turn(robot.true_pose, robot.navigation.obstacles()):
         raise Failure('Failed to turn', 'Failed to turn')
-    robot.follow([Turn(normalise(heading), robot.base.limits.goal_rotation)])
+    robot.follow([turn()])
     yield STANDING
 
 
 def _delta_heading(robot: Robot, task: Task) -> Script:
-    yield from activities.come_to_rest(robot)
-    yield from _turn_to(robot, robot.true_pose.theta + task.number(0))
+    """`<deg, left positive> <deg/s>`: more than a whole turn, too."""
+    limits, angle = robot.base.limits, task.number(0)
+    rate = min(max(abs(task.number(1, limits.goal_rotation)), SLOWEST_TURN), limits.path_rotation)
+    yield from _turn(robot, lambda: Turn(normalise(robot.true_pose.theta + angle), rate, angle))
 
 
 def _set_heading(robot: Robot, task: Task) -> Script:
-    yield from _turn_to(robot, task.number(0))
+    """`<deg>`, the shorter way round."""
+    yield from _turn(robot, lambda: Turn(normalise(task.number(0)),
+                                         robot.base.limits.goal_rotation))
 
 
 def _go_to_point(robot: Robot, task: Task) -> Script:
@@ -172,8 +207,11 @@ def macro(robot: Robot, name: str, tasks: List[Task]) -> Activity:
     """`executeMacro`."""
     def run() -> Script:
         robot.announce(f'Executing macro {name}')
-        for task in tasks:
-            yield from script(robot, task)
+        try:
+            for task in tasks:
+                yield from script(robot, task)
+        except Failure as failure:      # what is left of a failed macro is the event's line
+            raise Failure(str(failure), f'Error: {failure}') from failure
         robot.status = robot.extended = f'Completed macro {name}'
         robot.announce(robot.status)
 

@@ -26,10 +26,14 @@ NEGLIGIBLE = 0.5                                        # deg, mm
 
 @dataclass(frozen=True)
 class Turn:
-    """Turn on the spot to a heading (deg) at up to `rate` deg/s."""
+    """Turn on the spot to a heading (deg) at up to `rate` deg/s, the shorter way round.
+
+    With `angle` (deg, left positive) it turns by so much instead, as often as it takes.
+    """
 
     heading: float
     rate: float
+    angle: Optional[float] = None
 
 
 class Track:

@@ -220,8 +220,8 @@ def test_a_map_on_the_robot_is_switched_to(map_file: Path) -> None:
         for line in ('configStart', 'configAdd Section Files', 'configAdd Map other.map',
                      'configParse'):
             client.send(line)
-        assert client.until('Config ')[-3:] == ['Will parse config', 'Map changed',
-                                                'Config parsed fine']
+        assert client.until('Config ')[-4:] == ['Will parse config', 'Map changed',
+                                                'Configuration changed', 'Config parsed fine']
         client.send('getGoals')
         assert 'Goal: Occident' in client.until('End of goals')
         for line in ('configStart', 'configAdd Section Files', 'configAdd Map ../room.map',

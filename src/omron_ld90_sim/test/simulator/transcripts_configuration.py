@@ -6,7 +6,7 @@ IMMEDIATE = {
         'GetConfigSectionList: ARCL server setup',
         'GetConfigSectionList: Outgoing ARCL connection setup',
         'GetConfigSectionList: Outgoing ARCL commands', 'GetConfigSectionList: Files',
-        'GetConfigSectionList: Docking',
+        'GetConfigSectionList: Docking', 'GetConfigSectionList: Enterprise Manager Connection',
         'EndOfGetConfigSectionList']],
     'getConfigSectionValues': [['getConfigSectionValues Docking', 'getConfigSectionValues Files',
                                 'getConfigSectionValues docking'],

@@ -125,16 +125,15 @@ def _when_idle(robot: Robot, action: Callable[[], None]) -> None:
 
 
 def _change(call: Call, changes: List[Change]) -> None:
-    others = [change for change in changes if change[:2] != MAP]
     try:
         for _, _, value in (change for change in changes if change[:2] == MAP):
             call.server.switch_map(value)       # may fail, before anything else has changed
     except ValueError as error:
         call.reply(f'Config had errors parsing: {error}')
         return
-    for change in others:
+    for change in changes:
         call.server.configuration.set(*change)
-    if others:
+    if changes:         # a map, too: public clients wait for this line behind `Map changed`
         call.server.broadcast('Configuration changed')
     call.reply('Config parsed fine')
 
