@@ -1,0 +1,110 @@
+"""Whatever comes in whatever order: the follower stands, takes nothing back, makes nothing up."""
+from __future__ import annotations
+
+from typing import Sequence, Tuple
+
+from bridge_builders import DOCK_VERTEX, Bench, GraphRobot, graph_of, yard
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from omron_ld90.graph import route_protocol as p
+from omron_ld90.graph.route_protocol import EdgeState
+from omron_ld90.graph.route_strategies import STRATEGIES
+from trajectory_graph import Graph
+
+PART_OF_THE_YARD = graph_of({1: (0, 0), 2: (4, 0), 5: (8, 0), DOCK_VERTEX: (0, -4)},
+                            {1: (1, 2), 5: (2, 5), 9: (1, DOCK_VERTEX)})
+GOALS = st.sampled_from(['1', '2', '5', 'dock', 'Charger', ''])
+COMMANDS = st.sampled_from(['goto 2', 'goto 5', 'dock', 'goto', 'stop'])
+TURNS = st.lists(st.integers(0, 3), min_size=1, max_size=4)  # which edge to take, vertex by vertex
+
+DISTURBANCES = st.one_of(
+    st.sampled_from(list(p.Docking)),
+    st.builds(p.GoalStarted, GOALS), st.builds(p.GoalReached, GOALS),
+    st.builds(p.GoalShown, GOALS), st.builds(p.MotionInterrupted, COMMANDS),
+    st.builds(p.RobotFailed, st.just('Failed going to goal')),
+    st.builds(p.CommandRejected, COMMANDS, st.just('no')),
+    st.builds(p.EmergencyStop, st.booleans()),
+    st.builds(p.ForeignCommand, COMMANDS, st.just('/somebody')),
+    st.builds(p.CommandRefused, COMMANDS, st.just('no')),
+    st.builds(p.LinkChanged, st.sampled_from(['commands', 'outgoing']), st.booleans()))
+HAPPENINGS = st.one_of(
+    st.tuples(st.just('drive'), st.integers(1, 80)),
+    st.tuples(st.just('drive'), st.integers(1, 80)),
+    st.tuples(st.just('order'), st.integers(1, 3), TURNS),
+    st.tuples(st.just('extend'), TURNS),
+    st.tuples(st.just('push'), st.floats(-0.6, 0.6)),
+    st.tuples(st.just('tell'), DISTURBANCES),
+    st.tuples(st.just('stop')),
+    st.tuples(st.just('silence'), st.sampled_from([1.0, 40.0])),
+    st.tuples(st.just('graph'), st.sampled_from([yard(), PART_OF_THE_YARD])))
+
+
+class WildBench(Bench):
+    """A robot and its follower, to which things happen."""
+
+    def drive(self, steps: int) -> None:
+        for _ in range(steps):
+            self.now += GraphRobot.STEP
+            self.tell(*self.robot.step(self.now))
+            self._act(self.follower.tick(self.now))
+
+    def push(self, aside: float) -> None:
+        x, y = self.robot.position
+        self.robot.position = (x, y + aside)
+
+    def silence(self, seconds: float) -> None:
+        self.wait(seconds)
+
+    def order(self, route_id: int, turns: Sequence[int]) -> None:
+        edge, projection = yard().nearest_edge(*self.robot.position)
+        first = edge if projection.fraction < 0.5 or turns[0] % 2 else -edge
+        self._order(route_id, (first,), turns)
+
+    def extend(self, turns: Sequence[int]) -> None:
+        report = self.follower.report()
+        if report.edges:
+            self._order(report.route_id, report.edges, turns)
+
+    def stop(self) -> None:
+        super().order(9)
+
+    def graph(self, graph: Graph) -> None:
+        self._act(self.follower.use_graph(graph, self.now))
+
+    def _order(self, route_id: int, begin: Tuple[int, ...], turns: Sequence[int]) -> None:
+        edges = list(begin)
+        for turn in turns:
+            ways_on = yard().edges_from(yard().end_vertex(edges[-1]).id)
+            edges.append(ways_on[turn % len(ways_on)])
+        super().order(route_id, *edges)
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.sampled_from(sorted(STRATEGIES)), st.lists(HAPPENINGS, max_size=25))
+def test_no_happenings_confuse_the_follower(strategy, happenings):
+    bench = WildBench(yard(), 1, strategy)
+    before = bench.follower.report()
+    for what, *how in happenings:
+        getattr(bench, what)(*how)
+        after = bench.follower.report()
+        check_change(before, after)
+        before = after
+    for report in [*bench.reports, before]:
+        check_states(report)
+
+
+def check_states(report: p.RouteReport) -> None:
+    """States come in the order of the edges, and a failure has a reason."""
+    done = report.states.count(EdgeState.COMPLETE)
+    assert set(report.states[:done]) <= {EdgeState.COMPLETE}
+    assert len(set(report.states[done:])) <= 1
+    assert bool(report.reason) == (EdgeState.FAILED in report.states)
+    assert 0.0 <= report.pose.percentage <= 100.0
+
+
+def check_change(before: p.RouteReport, after: p.RouteReport) -> None:
+    """Of one route, what is complete stays so, and so does what has failed."""
+    if after.route_id == before.route_id and after.edges == before.edges:
+        assert after.states.count(EdgeState.COMPLETE) >= before.states.count(EdgeState.COMPLETE)
+        assert not before.reason or (after.reason, after.states) == (before.reason, before.states)
