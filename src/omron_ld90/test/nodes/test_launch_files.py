@@ -116,6 +116,12 @@ def test_a_base_map_brings_the_converter_and_makes_the_others_wait():
     assert simulator[after:after + 2] == ['/site/base.map', '/site/graph.yaml']
 
 
+def test_a_graph_without_dock_is_said_by_zero():
+    name = '/omron_ld90/omron_ros_map/dock_vertex'
+    assert expand('map_converter.launch')[1][name] == 16
+    assert name not in expand('map_converter.launch', 'dock_vertex:=0')[1]
+
+
 def test_a_file_name_may_hold_blanks():
     nodes, _ = expand('full_stack.launch', 'map_file:=/my maps/out.map',
                       'base_map:=/my maps/base.map', 'graph_file:=/my maps/graph.yaml',
