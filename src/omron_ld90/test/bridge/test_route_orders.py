@@ -76,6 +76,18 @@ def test_a_complete_route_can_be_extended():
     assert bench.states() == [2, 2, 2]
 
 
+def test_a_complete_route_cannot_be_extended_from_elsewhere():
+    bench = under_way(edges=(1, 4))
+    bench.run()
+    bench.robot.position = (1.0, 0.0)  # somebody drove it back
+    bench.tell(bench.robot.located(bench.now + 1.0))
+    commands = len(bench.commands)
+    bench.order(7, 1, 4, 5)
+    assert refusals(bench, 7)[-1].reason == (
+        'route 7 ended at vertex 7, where the robot no longer is')
+    assert len(bench.commands) == commands
+
+
 def test_a_shorter_list_ends_the_route_earlier():
     bench = under_way(strategy='direct')
     assert bench.commands == ['goto 6']

@@ -178,7 +178,7 @@ class RouteFollower:
         if unable:
             raise RouteRefused(unable)
         if is_change(self.route, order):
-            check_change(self.graph, self.route, order)
+            check_change(self.route, order, self._here)
             self.route.replace(order, now)
         else:
             record = restored[0] if restored and now < restored[1] else None

@@ -31,13 +31,16 @@ def is_change(route: Optional[RouteRun], order: RouteOrder) -> bool:
             and route.phase is not Phase.STOPPED)
 
 
-def check_change(graph: Graph, route: RouteRun, order: RouteOrder) -> None:
+def check_change(route: RouteRun, order: RouteOrder, here: PlaceOnGraph) -> None:
     """Raises RouteRefused where the route cannot become what the order of the same id says."""
     if route.phase is Phase.FAILED:
         raise RouteRefused(f'route {order.route_id} has failed: another one needs another id')
-    if route.progress.graph is not graph:
+    if route.progress.graph is not here.graph:
         raise RouteRefused(f'the graph was replaced, and edges of route {order.route_id} are not '
                            'what they were: another one needs another id')
+    if not route.decides_pose(here):
+        raise RouteRefused(f'route {order.route_id} ended at vertex {route.progress.end(-1).id}, '
+                           'where the robot no longer is')
     kept = route.edges[:route.progress.current + 1]
     if order.edges[:len(kept)] != kept:
         raise RouteRefused(f'route {order.route_id} must go on with the edges done and the '
