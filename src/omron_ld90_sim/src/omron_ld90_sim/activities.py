@@ -14,6 +14,7 @@ from omron_ld90_sim.track import straight_track
 
 BLOCKED_PATIENCE = 30.0     # s of waiting for a blocked way before giving up
 RETRY = 2.0                 # s between two attempts to find a way
+PROGRESS = 1000.0           # mm nearer, and it is patient again
 THERE = 1.0                 # mm from a place that count as there
 SETTLE = 0.5                # s between two docking states
 _WAVERING_ON_GOTO = (ChargeState.NOT, ChargeState.OVERCHARGE, ChargeState.BULK)
@@ -87,7 +88,7 @@ def drive(robot: Robot, x: float, y: float, heading: Optional[float], failed: st
 def _until_there(robot: Robot, x: float, y: float, set_off: Callable[[], None],
                  failed: str) -> Script:
     """Sets off for a place until the robot is there; waits a while for what is in the way."""
-    waited = 0.0
+    waited, nearest = 0.0, robot.true_pose.distance_to(x, y)
     while True:
         if not robot.navigation.can_set_course:
             yield from come_to_rest(robot)
@@ -99,8 +100,11 @@ def _until_there(robot: Robot, x: float, y: float, set_off: Callable[[], None],
             raise Failure('Failed going to goal', failed) from reason
         else:
             yield STANDING
-            if robot.true_pose.distance_to(x, y) < THERE:
+            left = robot.true_pose.distance_to(x, y)
+            if left < THERE:
                 return
+            if left < nearest - PROGRESS:
+                waited, nearest = 0.0, left
         if waited >= BLOCKED_PATIENCE:
             raise Failure('Failed going to goal', failed)
         pause = robot.random.uniform(0.5, 1.5) * RETRY      # two robots must not wait in step
