@@ -109,8 +109,10 @@ _build() {
 
 # What makes a new build necessary: Python modules are used from their sources and do not.
 _newer_than() {
-  find "$root/src" -not -path '*/.git*' \( -name CMakeLists.txt -o -name package.xml -o -name setup.py \
-    -o -name '*.msg' -o -name '*.srv' -o -name '*.action' -o \( -type d -name nodes \) \) -newer "$1"
+  # src/CMakeLists.txt is the build's own; __pycache__ changes other folders called nodes.
+  find "$root/src" -mindepth 2 -not -path '*/.git*' \( -name CMakeLists.txt -o -name package.xml -o -name setup.py \
+    -o -name '*.msg' -o -name '*.srv' -o -name '*.action' \) -newer "$1"
+  find "$root"/src/*/nodes -maxdepth 0 -newer "$1"
   find "$root"/{launch,rviz,maps,test} -maxdepth 0 -newer "$1"
 }
 

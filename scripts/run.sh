@@ -15,7 +15,7 @@ if [ "${1:-}" = -h ] || [ "${1:-}" = --help ]; then
   exit 0
 fi
 
-declare -A given=([sim]=true [arcl_port]=7171 [outgoing_port]=7179)
+declare -A given=([robot_name]=omron_ld90 [sim]=true [arcl_port]=7171 [outgoing_port]=7179)
 args=()
 for arg in "$@"; do
   case "$arg" in
@@ -32,15 +32,27 @@ for arg in "$@"; do
   given[$name]="$value"
   args+=("$name:=$value")
 done
+for name in map_file base_map graph_file password_file; do
+  [ "$name" = map_file ] && [ -n "${given[base_map]:-}" ] && continue  # made from base_map
+  [ -z "${given[$name]:-}" ] || [ -r "${given[$name]}" ] ||
+    die "$name:=${given[$name]} cannot be read; is there such a file?"
+done
+for name in arcl_port outgoing_port; do
+  [[ "${given[$name]}" =~ ^[1-9][0-9]{0,4}$ ]] && [ "${given[$name]}" -le 65535 ] ||
+    die "$name:=${given[$name]} is not a TCP port, a number from 1 to 65535"
+done
 
 prepare "${run_packages[@]}"
 
+if timeout 5 rosnode ping -c 1 "/${given[robot_name]}/omron_controller" 2>/dev/null | grep -q 'xmlrpc reply'; then
+  die "a robot named ${given[robot_name]} runs under this ROS master already, and would lose its nodes to this one: end that run, or give this one a master and ports of its own (docs/troubleshooting.md)."
+fi
 case "${given[sim],,}" in
   true | 1)
     export ROS_IP="${ROS_IP:-127.0.0.1}"
     for name in arcl_port outgoing_port; do
       port_is_free "${given[$name]}" ||
-        die "TCP port ${given[$name]} is in use, so the simulated robot cannot have it: end the program that holds it (another run.sh?), or choose another with $name:=PORT."
+        die "TCP port ${given[$name]} is in use, so the simulated robot cannot have it: end the program that holds it, or choose another with $name:=PORT."
     done ;;
 esac
 # A display that is named but cannot be opened is rviz_view's matter: it says so, and all else runs.

@@ -47,10 +47,36 @@ def test_an_argument_that_no_launch_file_knows_is_refused(tmp_path):
 def test_files_are_found_from_any_folder_and_in_the_home_folder(tmp_path, monkeypatch):
     monkeypatch.setenv('HOME', str(tmp_path))
     monkeypatch.setenv('ROS_MASTER_URI', 'nowhere')  # so that roslaunch gives up at once
+    for name in ('site.map', 'secret'):
+        (tmp_path / name).touch()
     result = run('sim:=false', 'map_file:=site.map', 'password_file:=~/secret', folder=tmp_path)
     assert result.returncode != 0
     assert f'map_file:={tmp_path}/site.map' in result.stdout
     assert f'password_file:={tmp_path}/secret' in result.stdout
+
+
+@pytest.mark.parametrize('argument', ['map_file', 'base_map', 'graph_file', 'password_file'])
+def test_a_file_that_is_not_there_is_named(argument, tmp_path):
+    result = run(f'{argument}:=site', folder=tmp_path)
+    assert result.returncode == 1
+    assert f'{argument}:={tmp_path}/site cannot be read' in result.stdout
+
+
+def test_a_map_that_is_to_be_made_need_not_be_there(tmp_path, monkeypatch):
+    monkeypatch.setenv('ROS_MASTER_URI', 'nowhere')  # so that roslaunch gives up at once
+    for name in ('base.map', 'graph.yaml'):
+        (tmp_path / name).touch()
+    result = run('sim:=false', 'map_file:=new.map', 'base_map:=base.map', 'graph_file:=graph.yaml',
+                 folder=tmp_path)
+    assert f'map_file:={tmp_path}/new.map' in result.stdout
+    assert 'cannot be read' not in result.stdout
+
+
+@pytest.mark.parametrize('port', ['abc', '0', '70000', '-1', ''])
+def test_a_port_that_is_none_is_refused(port, tmp_path):
+    result = run(f'arcl_port:={port}', folder=tmp_path)
+    assert result.returncode == 1
+    assert f'arcl_port:={port} is not a TCP port' in result.stdout
 
 
 def test_help_lists_the_arguments():
