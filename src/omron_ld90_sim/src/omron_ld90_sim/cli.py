@@ -84,7 +84,8 @@ class _FaultHelp(argparse.Action):
 def parser() -> argparse.ArgumentParser:
     """The command line."""
     result = argparse.ArgumentParser(
-        prog='ld90_sim', description='A simulated OMRON LD-90 that speaks ARCL.')
+        prog='ld90_sim', usage='%(prog)s --map FILE [options]',
+        description='A simulated OMRON LD-90 that speaks ARCL.')
     add = result.add_argument
     add('--map', metavar='FILE', help='.map file to drive on')
     add('--made-from', nargs='*', default=[], metavar='FILE',

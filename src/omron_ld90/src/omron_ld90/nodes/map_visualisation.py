@@ -180,8 +180,7 @@ class MapVisualisation:
         for build, publisher in self._markers.items():
             publisher.publish(build(document, always))
         self._file.publish(self._shown['file'])
-        rospy.loginfo('Showing %(file)s: %(points)d points, %(lines)d lines, %(goals)d goals, '
-                      '%(docks)d docks, %(forbidden areas)d forbidden areas.', self._shown)
+        rospy.loginfo('Showing %s.', ', '.join(f'{what}: {n}' for what, n in self._shown.items()))
         warnings = document.warnings
         for warning in warnings[:MOST_WARNINGS]:
             rospy.logwarn('%s, %s', path, warning)
