@@ -92,6 +92,6 @@ def distances(graph: Graph, source: int, limit: float,
         found[vertex] = distance
         for edge in graph.edges_from(vertex):
             if abs(edge) not in without:
-                heapq.heappush(queue, (distance + graph.curve(edge).length,
+                heapq.heappush(queue, (distance + graph.curve(abs(edge)).length,
                                        graph.end_vertex(edge).id))
     return found
