@@ -21,6 +21,7 @@ from omron_ld90.graph.route_strategies import STRATEGIES
 from omron_ld90.maps import MapDocument
 from omron_ld90.nodes.bridge_words import RobotWords, shown_events
 from omron_ld90_sim.clock import Clock, Ticker
+from omron_ld90_sim.commands import execute
 from omron_ld90_sim.faults import Faults
 from omron_ld90_sim.floor import Floor
 from omron_ld90_sim.kinematics import Pose
@@ -53,7 +54,7 @@ class SimulatedDrive:
             x, y = self.graph.vertex(vertex).position
             start = Pose(1000.0 * x, 1000.0 * y, heading)
         self.robot = Robot(self.clock, document, Floor.from_map(document), start, 0)
-        self.server = ArclServer(self.clock, self.robot, 'adept')
+        self.server = ArclServer(self.clock, self.robot, 'adept', execute)
         self._faults = Faults(self.server)
         self.follower = RouteFollower(Settings(
             dock_vertex=DOCK_VERTEX, strategy=STRATEGIES[strategy], **settings), self.graph)
@@ -191,7 +192,7 @@ def shortest_route(graph: Graph, vertices: Sequence[int]) -> Tuple[int, ...]:
                 continue
             seen.add(at)
             for edge in graph.edges_from(at):
-                heapq.heappush(queue, (length + graph.curve(edge).length,
+                heapq.heappush(queue, (length + graph.curve(abs(edge)).length,
                                        graph.end_vertex(edge).id, (*edges, edge)))
         route += queue[0][2]
     return route

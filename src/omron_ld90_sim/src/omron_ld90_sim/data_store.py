@@ -11,14 +11,12 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Callable, Dict, List, Optional, Tuple
+from typing import Callable, Dict, List, Optional, Tuple
 
 from omron_ld90_sim.battery import ChargeState
 from omron_ld90_sim.kinematics import Pose, normalise
+from omron_ld90_sim.robot import Robot
 from omron_ld90_sim.state_times import StateTimes, Sum, WorkState
-
-if TYPE_CHECKING:
-    from omron_ld90_sim.robot import Robot
 
 DATE = '%a %b %d %H:%M:%S %Y'
 DOUBLE, LONG, TEXT = 'Double', 'Long long', 'String'

@@ -1,18 +1,16 @@
-"""The ARCL server without I/O: who is connected, who hears what, and what a command line does.
+"""The ARCL server without I/O: who is connected, and who hears what.
 
 Replies go to the session that asked; `broadcast` goes to every logged-in one, the outgoing link
-included.
+included. What a command line does is the interpreter's business (`commands`).
 """
 from __future__ import annotations
 
-import re
 import time
 from pathlib import Path
-from typing import Callable, Dict, List, Optional
+from typing import Callable, List, Optional
 
 from omron_ld90.maps import MapDocument, MapError
 from omron_ld90_sim.clock import Clock, Ticker
-from omron_ld90_sim.commands import TABLE, Call, CommandFailed, SetUpError
 from omron_ld90_sim.configuration import FILES, FLEET, SERVER, Configuration
 from omron_ld90_sim.data_store import DataStore
 from omron_ld90_sim.floor import Floor
@@ -20,17 +18,20 @@ from omron_ld90_sim.robot import Robot
 from omron_ld90_sim.session import Impairment, Phase, Session
 
 LEAST_TIMEOUT = 60.0        # s, SessionTimeoutMins never means less
-_VARIABLE = re.compile(r'\$([gymdHMSTXY])')
 
 
 class ArclServer:
     """The interface of one robot."""
 
-    def __init__(self, clock: Clock, robot: Robot, password: str,
+    def __init__(self, clock: Clock, robot: Robot, password: str, interpreter: Interpreter,
                  configuration: Optional[Configuration] = None,
                  map_folder: Optional[Path] = None) -> None:
-        """`map_folder` is where the maps lie that `configAdd Map` may name."""
+        """`interpreter` carries out command lines: `commands.execute`.
+
+        `map_folder` is where the maps lie that `configAdd Map` may name.
+        """
         self.clock, self.robot, self.password = clock, robot, password
+        self._interpreter = interpreter
         self.configuration = configuration or Configuration()
         self.map_folder = map_folder
         self.sessions: List[Session] = []
@@ -111,33 +112,7 @@ class ArclServer:
 
     def execute(self, session: Session, line: str) -> None:
         """Carries out one command line for `session`."""
-        line = _VARIABLE.sub(self._variable, line)
-        name, rest = [*line.split(None, 1), '', ''][:2]
-        row = TABLE.get(name.lower())
-        if row is None:
-            session.send(f'Unknown command {name}')
-            return
-        call = Call(self, session, line, rest)
-        if len(call.arguments) < row.least:
-            session.send(f'usage: {row.usage}')
-            return
-        try:
-            row.handler(call)
-        except CommandFailed as failure:
-            session.send(f'CommandError: {line}')
-            session.send(f'CommandErrorDescription: {failure}')
-        except SetUpError as failure:
-            session.send(f'SetUpError: {failure}')
-
-    def _variable(self, match: re.Match) -> str:
-        pose, now = self.robot.pose, self.wall_time()
-        x, y, theta = (int(round(value)) for value in (pose.x, pose.y, pose.theta))
-        values: Dict[str, str] = {
-            'g': self.robot.last_goal, 'y': f'{now.tm_year}', 'm': f'{now.tm_mon:02d}',
-            'd': f'{now.tm_mday:02d}', 'H': f'{now.tm_hour:02d}', 'M': f'{now.tm_min:02d}',
-            'S': f'{now.tm_sec:02d}', 'T': f'{theta}', 'X': f'{x}',
-            'Y': f'{y}'}
-        return values[match.group(1)]
+        self._interpreter(self, session, line)
 
     def switch_map(self, name: str) -> None:
         """Loads another map from the map folder; ValueError with a sentence when it cannot."""
@@ -151,3 +126,6 @@ class ArclServer:
         self.robot.load_map(document, Floor.from_map(document))
         self.configuration.set(FILES, 'Map', name)
         self.broadcast('Map changed')
+
+
+Interpreter = Callable[[ArclServer, Session, str], None]

@@ -10,12 +10,9 @@ import re
 from collections import deque
 from dataclasses import dataclass
 from enum import Enum
-from typing import TYPE_CHECKING, Deque, Optional, Tuple
+from typing import Callable, Deque, Optional, Protocol, Tuple
 
-from omron_ld90_sim.commands import help_lines
-
-if TYPE_CHECKING:
-    from omron_ld90_sim.server import ArclServer
+from omron_ld90_sim.clock import Clock
 
 MAX_COMMAND = 5000
 CYCLE = 0.1                 # s between two looks of the server at what its clients have sent
@@ -48,10 +45,25 @@ class Impairment:
     prompt: str = PROMPT
 
 
+class Host(Protocol):
+    """What a session needs of its server."""
+
+    clock: Clock
+    password: str
+    impairment: Impairment
+    log: Callable[[int, str, str], None]
+
+    def execute(self, session: Session, line: str) -> None:
+        """Carries out a command line."""
+
+    def forget(self, session: Session) -> None:
+        """The connection is gone."""
+
+
 class Session:
     """One connection of a client, or the robot's own outgoing one."""
 
-    def __init__(self, server: ArclServer, number: int, outgoing: bool = False) -> None:
+    def __init__(self, server: Host, number: int, outgoing: bool = False) -> None:
         self.server, self.number, self.outgoing = server, number, outgoing
         self.output = bytearray()
         self.echo: Optional[bool] = None        # None until it is set: see _echo_typed
@@ -160,5 +172,4 @@ class Session:
         self.phase = Phase.OPEN
         self.send('Welcome to the server.')
         self.send("You can type 'help' at any time for the following help list.")
-        for line in help_lines():
-            self.send(line)
+        self.server.execute(self, 'help')

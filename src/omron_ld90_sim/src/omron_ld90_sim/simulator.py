@@ -11,6 +11,7 @@ from typing import Callable, Dict, List, Optional, Sequence, TextIO, Tuple, Unio
 from omron_ld90.maps import MapDocument
 from omron_ld90_sim.autonomy import Autonomy
 from omron_ld90_sim.clock import Clock
+from omron_ld90_sim.commands import execute
 from omron_ld90_sim.configuration import (
     FILES,
     FLEET,
@@ -44,7 +45,7 @@ class Unit:
         self.name = spec.name
         self.robot = Robot(loop.clock, document, floor, place, seed, spec.battery,
                            arrival_error=arrival_error)
-        self.server = ArclServer(loop.clock, self.robot, password, settings, folder)
+        self.server = ArclServer(loop.clock, self.robot, password, execute, settings, folder)
         self.faults = Faults(self.server)
         self.autonomy = Autonomy(self.server)
         self.tcp = TcpServer(loop, self.server, host, spec.port)

@@ -10,6 +10,7 @@ from scipy.spatial import cKDTree
 
 from omron_ld90.maps import MapDocument, MapObject, RotatedRectangle
 from omron_ld90_sim.clock import Clock
+from omron_ld90_sim.commands import execute
 from omron_ld90_sim.floor import Floor
 from omron_ld90_sim.kinematics import LD90_BODY, Pose
 from omron_ld90_sim.robot import Robot
@@ -78,7 +79,7 @@ class Rig:
         self.robot = Robot(self.clock, document, Floor.from_map(document),
                            Pose(*start) if start else None, seed, battery,
                            arrival_error=arrival_error)
-        self.server = ArclServer(self.clock, self.robot, 'adept')
+        self.server = ArclServer(self.clock, self.robot, 'adept', execute)
 
     def client(self) -> Client:
         """A client that has logged in."""

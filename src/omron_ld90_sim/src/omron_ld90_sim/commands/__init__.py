@@ -1,4 +1,6 @@
-"""The ARCL commands, one module per group; importing this package fills `TABLE`.
+"""The ARCL commands, one module per group; `execute` carries out a line of them.
+
+Importing this package fills `TABLE`.
 
 What the facts call unknown is not here: the server answers `Unknown command`.
 """
@@ -15,8 +17,8 @@ from omron_ld90_sim.commands import (
     state,
     tasks,
 )
-from omron_ld90_sim.commands.table import TABLE, Call, CommandFailed, SetUpError, help_lines
+from omron_ld90_sim.commands.interpreter import execute
+from omron_ld90_sim.commands.table import TABLE
 
-__all__ = ['TABLE', 'Call', 'CommandFailed', 'SetUpError', 'application_faults', 'configuration',
-           'data_store', 'driving', 'external_io', 'help_lines', 'inputs_outputs', 'map_objects',
-           'payload', 'session', 'state', 'tasks']
+__all__ = ['TABLE', 'application_faults', 'configuration', 'data_store', 'driving', 'execute',
+           'external_io', 'inputs_outputs', 'map_objects', 'payload', 'session', 'state', 'tasks']

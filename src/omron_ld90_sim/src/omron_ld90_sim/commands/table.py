@@ -3,12 +3,11 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Callable, Dict, List, Optional
+from typing import Callable, Dict, List, Optional
 
-if TYPE_CHECKING:
-    from omron_ld90_sim.robot import Robot
-    from omron_ld90_sim.server import ArclServer
-    from omron_ld90_sim.session import Session
+from omron_ld90_sim.robot import Robot
+from omron_ld90_sim.server import ArclServer
+from omron_ld90_sim.session import Session
 
 _ARGUMENT = re.compile(r'"([^"]*)"?|(\S+)')
 
