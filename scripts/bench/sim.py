@@ -28,9 +28,9 @@ from omron_ld90_sim import laser
 from omron_ld90_sim.clock import Clock
 from omron_ld90_sim.floor import Floor
 from omron_ld90_sim.kinematics import Pose
+from omron_ld90_sim.manoeuvres import manoeuvres
 from omron_ld90_sim.planner import NoWay, Planner
 from omron_ld90_sim.robot import Robot
-from omron_ld90_sim.track import manoeuvres
 
 ROOT = Path(__file__).resolve().parents[2]
 REAL = ROOT.parent / 'shared' / 'maps' / 'omron-ld-site-a.map'

@@ -11,9 +11,9 @@ from typing import Callable, Dict, Iterable, Tuple
 
 from omron_ld90_sim.configuration import DOCKING
 from omron_ld90_sim.kinematics import Pose
-from omron_ld90_sim.planner import Disc
 from omron_ld90_sim.server import ArclServer
 from omron_ld90_sim.session import PROMPT, Session
+from omron_ld90_sim.space import Disc
 from omron_ld90_sim.states import Motors
 
 BLOCK_AHEAD = 1500.0        # mm in front of the robot where `block` puts its obstacle

@@ -8,9 +8,11 @@ import numpy as np
 
 from omron_ld90_sim.floor import Floor
 from omron_ld90_sim.kinematics import Pose
+from omron_ld90_sim.manoeuvres import manoeuvres
 from omron_ld90_sim.motion import Base
-from omron_ld90_sim.planner import Blocked, Disc, NoWay, Way, planner_for
-from omron_ld90_sim.track import Track, manoeuvres
+from omron_ld90_sim.planner import Blocked, NoWay, Way, planner_for
+from omron_ld90_sim.space import Disc
+from omron_ld90_sim.track import Track
 
 LOOK_AHEAD = 600.0          # mm beyond the stopping distance that must be free of obstacles
 FARTHEST_STOP = 3000.0      # mm that another robot comes nearer while it stops, and its size

@@ -10,18 +10,20 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import List, Optional, Sequence, Tuple
+from typing import Optional, Sequence, Tuple
 
 import numpy as np
 from skimage.graph import MCP_Geometric
 
 from omron_ld90_sim.floor import Floor
 from omron_ld90_sim.kinematics import Pose
+from omron_ld90_sim.space import Disc, Space
 
 DRIVE_MARGIN = 15.0     # mm kept on top of the half width
 TURN_MARGIN = 5.0       # mm kept on top of the half diagonal
 COMFORT = 700.0         # mm of clearance beyond which more is not worth a detour
 NARROW_COST = 8.0       # a metre where the robot cannot turn counts as this many
+CLOSED = -1.0           # cost of a cell that no way leads through
 ESCAPE = 3000.0         # mm straight ahead or back to look for room to turn
 ATTEMPTS = 6
 SEARCH_AROUND = 4000.0  # mm around robot and goal where a way is looked for first
@@ -34,15 +36,6 @@ class NoWay(Exception):
 
 class Blocked(NoWay):
     """There would be a way without the obstacles that are not on the map."""
-
-
-@dataclass(frozen=True)
-class Disc:
-    """A moving or temporary obstacle (mm)."""
-
-    x: float
-    y: float
-    radius: float
 
 
 @dataclass(frozen=True)
@@ -72,7 +65,7 @@ class Planner:
         clearance = floor.planning_clearance
         cost = 1.0 + 2.0 * np.clip((COMFORT - clearance) / COMFORT, 0.0, 1.0)
         cost[clearance < self.turn_clearance] = NARROW_COST
-        cost[clearance < self.drive_clearance] = -1.0
+        cost[clearance < self.drive_clearance] = CLOSED
         self._cost = cost
 
     def plan(self, start: Pose, goal_x: float, goal_y: float, heading: Optional[float] = None,
@@ -83,13 +76,13 @@ class Planner:
         first = start.ahead(escape)
         goal = np.array([goal_x, goal_y])
         approach = self._approach(space, goal, heading)
-        cost = space.with_obstacles(self._cost, self.drive_clearance, self.turn_clearance)
+        cost = self._cost_among(space.obstacles)
         for _ in range(ATTEMPTS):
             raw = self._search(cost, (first.x, first.y), approach)
             vertices, stuck = self._straighten(space, raw)
             if stuck is None:
                 break
-            cost[stuck[:, 0], stuck[:, 1]] = -1.0
+            cost[stuck[:, 0], stuck[:, 1]] = CLOSED
         else:
             raise NoWay('no way with room to turn')
         if not np.array_equal(approach, goal):
@@ -97,7 +90,7 @@ class Planner:
         elif len(vertices) > 1 and heading is None:
             last = vertices[-1] - vertices[-2]
             arrival = Pose(goal_x, goal_y, math.degrees(math.atan2(last[1], last[0])))
-            if not space.body_fits(arrival):
+            if not space.body_fits(arrival, DRIVE_MARGIN):
                 raise NoWay('the body does not fit at the goal')
         return Way(start, escape, vertices, heading, space)
 
@@ -110,7 +103,22 @@ class Planner:
         """Whether the body can drive straight on by `distance` mm (back when negative)."""
         space, end = Space(self.floor, obstacles), start.ahead(distance)
         return (space.straight_is_free(np.array([start.x, start.y]), np.array([end.x, end.y]),
-                                       self.drive_clearance) and space.body_fits(end))
+                                       self.drive_clearance) and space.body_fits(end, DRIVE_MARGIN))
+
+    def _cost_among(self, obstacles: Sequence[Disc]) -> np.ndarray:
+        """A copy of the costs with obstacles among them."""
+        cost, pitch = self._cost.copy(), self.floor.planning_pitch
+        for disc in obstacles:
+            row, column = self.floor.planning_cell(disc.x, disc.y)
+            n = int((disc.radius + self.turn_clearance) / pitch) + 1
+            top, left = max(row - n, 0), max(column - n, 0)
+            window = cost[top:row + n + 1, left:column + n + 1]
+            rows = self.floor.origin[1] + (top + np.arange(window.shape[0])) * pitch
+            columns = self.floor.origin[0] + (left + np.arange(window.shape[1])) * pitch
+            away = np.hypot(columns[None, :] - disc.x, rows[:, None] - disc.y) - disc.radius
+            window[(away < self.turn_clearance) & (window > 0)] = NARROW_COST
+            window[away < self.drive_clearance] = CLOSED
+        return cost
 
     def _escape(self, space: Space, start: Pose) -> float:
         """How far to drive straight before there is room to turn."""
@@ -141,7 +149,7 @@ class Planner:
         if heading is None:
             return goal
         pose = Pose(goal[0], goal[1], heading)
-        if not space.body_fits(pose):
+        if not space.body_fits(pose, DRIVE_MARGIN):
             raise NoWay('the body does not fit at the goal')
         for back in np.arange(20.0, ESCAPE, 20.0):
             behind = pose.ahead(-back)
@@ -231,53 +239,3 @@ def _cheapest(cost: np.ndarray, first: Tuple[int, int], last: Tuple[int, int]
 def planner_for(floor: Floor) -> Planner:
     """The planner of a floor; robots on one floor share it."""
     return Planner(floor)
-
-
-class Space:
-    """A floor with temporary obstacles on it."""
-
-    def __init__(self, floor: Floor, obstacles: Sequence[Disc]) -> None:
-        self.floor = floor
-        self.obstacles: List[Disc] = list(obstacles)
-
-    def clearance_at(self, points: np.ndarray) -> np.ndarray:
-        """Distance (mm) from each point (N, 2) to the nearest obstacle."""
-        points = np.asarray(points, float).reshape(-1, 2)
-        clear = self.floor.clearance_at(points)
-        for disc in self.obstacles:
-            away = np.hypot(points[:, 0] - disc.x, points[:, 1] - disc.y) - disc.radius
-            clear = np.minimum(clear, np.maximum(away, 0.0))
-        return clear
-
-    def clearance_of(self, x: float, y: float) -> float:
-        """The same for one point."""
-        return float(self.clearance_at(np.array([[x, y]]))[0])
-
-    def straight_is_free(self, a: np.ndarray, b: np.ndarray, clearance: float) -> bool:
-        """Whether `clearance` is kept all along the straight from a to b."""
-        count = int(np.hypot(*(b - a)) / 20.0) + 2
-        points = a + np.linspace(0.0, 1.0, count)[:, None] * (b - a)
-        return bool(self.clearance_at(points).min() >= clearance)
-
-    def body_fits(self, pose: Pose) -> bool:
-        """Whether the whole body is free at `pose`."""
-        corners = self.floor.body.corners(pose)
-        outline = np.concatenate([np.linspace(a, b, 15) for a, b in
-                                  zip(corners, np.roll(corners, -1, axis=0))])
-        return bool(self.clearance_at(outline).min() >= DRIVE_MARGIN)
-
-    def with_obstacles(self, cost: np.ndarray, drive: float, turn: float) -> np.ndarray:
-        """A copy of the planner's costs with the obstacles in it, for two clearances (mm)."""
-        cost = cost.copy()
-        pitch = self.floor.planning_pitch
-        for disc in self.obstacles:
-            row, column = self.floor.planning_cell(disc.x, disc.y)
-            n = int((disc.radius + turn) / pitch) + 1
-            top, left = max(row - n, 0), max(column - n, 0)
-            window = cost[top:row + n + 1, left:column + n + 1]
-            rows = self.floor.origin[1] + (top + np.arange(window.shape[0])) * pitch
-            columns = self.floor.origin[0] + (left + np.arange(window.shape[1])) * pitch
-            away = np.hypot(columns[None, :] - disc.x, rows[:, None] - disc.y) - disc.radius
-            window[(away < turn) & (window > 0)] = NARROW_COST
-            window[away < drive] = -1.0
-        return cost

@@ -5,7 +5,7 @@ import pytest
 from sim_builders import Rig
 
 from omron_ld90_sim import tasks
-from omron_ld90_sim.planner import Disc
+from omron_ld90_sim.space import Disc
 
 JAM = 'Fault_Driving_Application jam "Jam" "Too sweet" true false true'
 

@@ -13,9 +13,11 @@ from skimage.measure import label
 from omron_ld90.maps import MapDocument
 from omron_ld90_sim.floor import Floor
 from omron_ld90_sim.kinematics import LD90_BODY, LD90_LIMITS, Pose, normalise
+from omron_ld90_sim.manoeuvres import manoeuvres
 from omron_ld90_sim.motion import STEP, Base
-from omron_ld90_sim.planner import Disc, NoWay, Planner
-from omron_ld90_sim.track import Turn, manoeuvres
+from omron_ld90_sim.planner import NoWay, Planner
+from omron_ld90_sim.space import Disc
+from omron_ld90_sim.track import Turn
 
 PAIRS = 200
 MAPS = [LAB, REAL_MAPS / 'omron-ld-site-a.map', REAL_MAPS / 'omron-ld-site-b.map']
