@@ -37,9 +37,7 @@ class Faults:
     def inject(self, words: str) -> None:
         """Brings about one fault; `UnknownFault` when the words mean none."""
         name, *arguments = words.split() or ['']
-        method = _methods().get(name.lower())
-        if method is None:
-            raise UnknownFault(f"no fault '{name}': --help-faults lists them")
+        method = _method(name)
         try:
             method(self, *arguments)
         except (TypeError, ValueError, KeyError) as error:
@@ -54,9 +52,7 @@ class Faults:
         except ValueError:
             self.inject(line)
             return
-        name = rest.split()[0].lower() if rest.split() else ''
-        if name not in _methods():
-            raise UnknownFault(f"no fault '{name}': --help-faults lists them")
+        _method(*rest.split()[:1])
 
         def later() -> None:
             try:
@@ -100,8 +96,7 @@ class Faults:
             track = self._robot.base.track
             place = (track.pose_at(min(self._robot.base.place + BLOCK_AHEAD, track.length))
                      if track else self._robot.true_pose.ahead(BLOCK_AHEAD))
-        number = len(self._robot.navigation.blocks)
-        self._robot.navigation.blocks[f'block {number}'] = Disc(place.x, place.y, float(radius))
+        self._robot.navigation.blocks.append(Disc(place.x, place.y, float(radius)))
 
     def unblock(self) -> None:
         """unblock
@@ -240,6 +235,13 @@ def _methods() -> Dict[str, Callable[..., None]]:
     others = ('inject', 'schedule')
     return {name: method for name, method in vars(Faults).items()
             if not name.startswith('_') and name not in others and inspect.isfunction(method)}
+
+
+def _method(name: str = '') -> Callable[..., None]:
+    method = _methods().get(name.lower())
+    if method is None:
+        raise UnknownFault(f"no fault '{name}': --help-faults lists them")
+    return method
 
 
 def help_text() -> str:

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Dict, List, Optional, Sequence
+from typing import List, Optional, Sequence
 
 import numpy as np
 
@@ -28,7 +28,7 @@ class Navigation:
 
     def __init__(self, base: Base, floor: Floor) -> None:
         self.base = base
-        self.blocks: Dict[str, Disc] = {}           # by name
+        self.blocks: List[Disc] = []                # obstacles that are no robots
         self.neighbours: Sequence[Navigation] = ()  # the other robots
         self.speed_limit: Optional[float] = None    # mm/s
         self.change_floor(floor)
@@ -43,7 +43,7 @@ class Navigation:
         A moving neighbour counts where it is, where it could come to rest, and between.
         """
         radius = self.floor.body.half_diagonal
-        return [*self.blocks.values(),
+        return [*self.blocks,
                 *(Disc(place.x, place.y, radius) for place in self._stops(within))]
 
     def _stops(self, within: float) -> List[Pose]:
@@ -70,7 +70,7 @@ class Navigation:
         ring = np.column_stack([np.cos(circle), np.sin(circle)])
         return [*(other.floor.body.corners(other.base.pose) for other in self._near(within)),
                 *(np.array([disc.x, disc.y]) + disc.radius * ring
-                  for disc in self.blocks.values())]
+                  for disc in self.blocks)]
 
     def set_course(self, x: float, y: float, heading: Optional[float]) -> None:
         """Sends the base to a place, out of standing or of driving forwards.
@@ -149,5 +149,5 @@ class Navigation:
         within = body.half_diagonal
         stops = self._stops(FARTHEST_STOP)
         return (any(here.distance_to(disc.x, disc.y) < disc.radius + within
-                    for disc in self.blocks.values())
+                    for disc in self.blocks)
                 or bool(stops) and body.distances(stops, [(here.x, here.y)]).min() < within)

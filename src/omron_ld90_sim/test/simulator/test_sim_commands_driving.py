@@ -41,7 +41,7 @@ def test_a_moving_task_leaves_the_dock_first(task: str) -> None:
 
 def test_a_dock_that_cannot_be_reached_leaves_the_robot_undocked() -> None:
     rig = Rig()
-    rig.robot.navigation.blocks['crate'] = Disc(-2500.0, -2000.0, 300.0)
+    rig.robot.navigation.blocks.append(Disc(-2500.0, -2000.0, 300.0))
     client = rig.client()
     client.send('dock')
     assert client.until('Error')[-2:] == [UNDOCKED, 'Error: Failed going to goal']

@@ -135,11 +135,11 @@ def test_a_move_ends_before_what_is_in_the_way_and_fails_there_after_a_while() -
 def test_a_move_goes_on_when_the_way_is_free_again() -> None:
     rig = Rig()
     client = rig.client()
-    rig.robot.navigation.blocks['crate'] = Disc(-1500.0, 0.0, 300.0)
+    rig.robot.navigation.blocks.append(Disc(-1500.0, 0.0, 300.0))
     client.send('doTask move 2500')
     rig.clock.advance(10.0)
     assert rig.robot.base.still and rig.robot.pose.x < -2000.0
-    del rig.robot.navigation.blocks['crate']
+    rig.robot.navigation.blocks.clear()
     assert client.until('Completed')[-1] == 'Completed doing task move 2500'
     assert rig.robot.pose.x == pytest.approx(-500.0, abs=1.5)
 
