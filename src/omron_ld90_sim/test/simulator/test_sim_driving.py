@@ -11,6 +11,7 @@ from sim_builders import LAB, REAL_MAPS, Obstacles, Rig, corridor, fleet, gap, r
 from skimage.measure import label
 
 from omron_ld90.maps import MapDocument
+from omron_ld90_sim.faults import Faults
 from omron_ld90_sim.floor import Floor
 from omron_ld90_sim.kinematics import LD90_BODY, LD90_LIMITS, Pose, normalise
 from omron_ld90_sim.manoeuvres import manoeuvres
@@ -68,7 +69,7 @@ class Inspector:
             assert self.steps * STEP < seconds, 'the robot does not arrive'
         self.check()
 
-    def check(self) -> None:
+    def check(self, hardest_braking: float = LD90_LIMITS.deceleration) -> None:
         """Checks all steps so far."""
         limits, rows = LD90_LIMITS, np.array(self._rows)
         places, speed, turning = rows[1:, :2], rows[:, 3], rows[1:, 5] > 0
@@ -78,7 +79,7 @@ class Inspector:
         moved = np.hypot(*np.diff(rows[:, :2], axis=0).T) / STEP
         clear = self.obstacles.clearances(places)
         self._hold(speed[1:] <= limits.speed + 1e-6, 'too fast')
-        self._hold(gained >= -limits.deceleration - 1e-6, 'braked too hard')
+        self._hold(gained >= -hardest_braking - 1e-6, 'braked too hard')
         self._hold(gained <= limits.acceleration + 1e-6, 'accelerated too hard')
         self._hold(spun <= limits.rotation_acceleration + 1e-6, 'began to turn too hard')
         self._hold(turned <= limits.path_rotation + 1e-6, 'turned too fast')
@@ -248,6 +249,35 @@ def test_goals_that_change_on_the_way_never_break_a_limit(path: Optional[Path]) 
     assert not [line for line in lines if line.startswith(('Error', 'CommandError'))]
     inspector.check()
     assert inspector.steps > 5000 and sum(line.startswith('Going') for line in lines) > 100
+
+
+@pytest.mark.parametrize('path', [None, *MAPS], ids=lambda path: path.stem if path else 'room')
+def test_no_fault_and_no_task_makes_the_robot_break_a_limit(path: Optional[Path]) -> None:
+    if path and not path.exists():
+        pytest.skip(f'{path.name} is not here')
+    document = MapDocument.load(str(path)) if path else room()
+    first, goals = document.goals[0], document.goals
+    rig = Rig(document, start=(first.x, first.y, 0.0), seed=6)
+    inspector = Inspector(Obstacles(document), rig.robot.base)
+    faults, random = Faults(rig.server), np.random.RandomState(6)
+    for _ in range(120):
+        goal = goals[random.randint(len(goals))]
+        if random.rand() < 0.2:
+            faults.inject(random.choice(['estop press', 'lost', 'motors off', 'block', 'unblock',
+                                         'reboot 1']))
+        else:       # on its feet again, with a new client if need be
+            faults.inject('estop release')
+            client, true = rig.client(), rig.robot.true_pose
+            client.send('enableMotors', f'localizeToPoint {true.x} {true.y} {true.theta}')
+            rig.clock.advance(rig.clock.now + 1.1)
+            client.send(random.choice([
+                f'goto "{goal.name}"', f'gotoPoint {goal.x} {goal.y} {random.randint(360)}',
+                'dock', 'undock', 'stop', f'doTask move {random.randint(-800, 800)}',
+                f'doTask setHeading {random.randint(360)}'],
+                p=[0.35, 0.3, 0.05, 0.05, 0.1, 0.1, 0.05]))
+        rig.clock.advance(rig.clock.now + random.uniform(0.1, 8.0))
+    inspector.check(LD90_LIMITS.emergency_deceleration)
+    assert inspector.steps > 2000
 
 
 def test_the_robot_comes_to_rest_within_its_arrival_error() -> None:
