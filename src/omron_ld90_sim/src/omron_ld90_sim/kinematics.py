@@ -64,12 +64,16 @@ class Body:
 
     def corners(self, pose: Pose) -> np.ndarray:
         """The four corners (4, 2) at `pose`, counter-clockwise from the front left."""
-        angle = math.radians(pose.theta)
-        ahead = np.array([math.cos(angle), math.sin(angle)])
-        left = np.array([-ahead[1], ahead[0]])
-        centre = np.array([pose.x, pose.y])
-        return np.array([centre + forward * self.half_length * ahead + side * self.half_width * left
-                         for forward, side in ((1, 1), (-1, 1), (-1, -1), (1, -1))])
+        return self.outlines([pose])[0]
+
+    def outlines(self, poses: Sequence[Pose]) -> np.ndarray:
+        """The same at each of K poses (K, 4, 2)."""
+        x, y, angle = np.array([(pose.x, pose.y, math.radians(pose.theta))
+                                for pose in poses]).T[:, :, None]
+        ahead = self.half_length * np.array([1, -1, -1, 1])
+        left = self.half_width * np.array([1, 1, -1, -1])
+        return np.stack([x + ahead * np.cos(angle) - left * np.sin(angle),
+                         y + ahead * np.sin(angle) + left * np.cos(angle)], axis=-1)
 
     def distances(self, poses: Sequence[Pose], points: Points) -> np.ndarray:
         """From the body at each of M poses to each of N points (mm), 0 inside: (M, N)."""

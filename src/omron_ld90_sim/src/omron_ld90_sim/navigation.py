@@ -21,6 +21,8 @@ JOIN_AHEAD = 300.0          # mm beyond the stopping distance where a new course
 PLAN_AROUND = 8000.0        # mm within which other robots are planned around
 LOOK_STEP = 200.0           # mm between the places that are looked at
 STOP_STEP = 600.0           # mm; discs of the half diagonal so far apart hold the body between them
+_ANGLES = np.radians(np.arange(0, 360, 30))
+RING = np.column_stack([np.cos(_ANGLES), np.sin(_ANGLES)])      # a circle as the laser sees it
 
 
 class Navigation:
@@ -65,12 +67,12 @@ class Navigation:
                 if abs(other.base.pose.x - x) < within and abs(other.base.pose.y - y) < within]
 
     def outlines(self, within: float) -> List[np.ndarray]:
-        """The same as a laser sees it: corners (N, 2) of each obstacle."""
-        circle = np.radians(np.arange(0, 360, 30))
-        ring = np.column_stack([np.cos(circle), np.sin(circle)])
-        return [*(other.floor.body.corners(other.base.pose) for other in self._near(within)),
-                *(np.array([disc.x, disc.y]) + disc.radius * ring
-                  for disc in self.blocks)]
+        """The same as a laser sees it: corners (K, N, 2) of the robots, and of the rest."""
+        robots, rest = [other.base.pose for other in self._near(within)], self.blocks
+        outlines = [self.floor.body.outlines(robots)] if robots else []
+        if rest:
+            outlines.append(np.array([[[disc.x, disc.y]] + disc.radius * RING for disc in rest]))
+        return outlines
 
     def set_course(self, x: float, y: float, heading: Optional[float]) -> None:
         """Sends the base to a place, out of standing or of driving forwards.
