@@ -12,12 +12,12 @@ from typing import Any, Callable, List, Tuple
 
 from omron_ld90.arcl import (
     Closed,
-    Command,
     Event,
     Execution,
     Outcome,
     Received,
     Session,
+    parse_command,
     parse_line,
 )
 from omron_ld90.arcl.dispatcher import Dispatcher
@@ -125,7 +125,7 @@ class Conversation:
 
     def give(self, text: str, **options: Any) -> Execution:
         """Gives a command and sends what may be sent."""
-        execution = self.dispatcher.start(Command.parse(text), **options)
+        execution = self.dispatcher.start(parse_command(text), **options)
         self.send()
         return execution
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 import pytest
 from arcl_builders import DOCK, UNDOCKED, Conversation, Noted, outcome
 
-from omron_ld90.arcl import Busy, Command, Outcome
+from omron_ld90.arcl import Busy, Outcome, parse_command
 from omron_ld90.arcl.command_queue import MOST_WAITING
 
 
@@ -161,9 +161,9 @@ def test_a_stop_overtakes_what_is_unsent_and_drops_the_drives(talk):
     dispatcher = talk.dispatcher
     goto = talk.give('goto A')
 
-    unsent = dispatcher.start(Command.parse('goto B'))
-    query = dispatcher.start(Command.parse('odometer'))
-    dispatcher.start(Command.parse('stop'))
+    unsent = dispatcher.start(parse_command('goto B'))
+    query = dispatcher.start(parse_command('odometer'))
+    dispatcher.start(parse_command('stop'))
     talk.send()
     assert talk.sent == ['goto A', 'stop', 'odometer']
     assert outcome(unsent) is Outcome.CANCELLED
@@ -370,7 +370,7 @@ def test_a_charger_that_changes_its_mind_overtakes_no_stop(talk):
 def test_cancelling_a_drive_does_not_drop_the_one_that_waits_to_replace_it(talk):
     first = talk.give('goto A')
     talk.robot('Going to A')
-    second = talk.dispatcher.start(Command.parse('goto B'))
+    second = talk.dispatcher.start(parse_command('goto B'))
     talk.dispatcher.cancel(first)
     talk.send()
     assert talk.sent == ['goto A', 'goto B']
@@ -382,7 +382,7 @@ def test_cancelling_a_drive_does_not_drop_the_one_that_waits_to_replace_it(talk)
 def test_a_cancelled_drive_is_stopped_when_the_one_that_waits_is_cancelled_too(talk):
     first = talk.give('goto A')
     talk.robot('Going to A')
-    second = talk.dispatcher.start(Command.parse('goto B'))
+    second = talk.dispatcher.start(parse_command('goto B'))
     talk.dispatcher.cancel(first)
     talk.dispatcher.cancel(second)
     talk.send()
@@ -447,10 +447,10 @@ def test_a_lost_link_ends_everything_and_nothing_is_sent_again(talk):
 def test_no_more_commands_wait_than_is_sound_but_a_stop_always_does(talk):
 
     for _ in range(MOST_WAITING):
-        talk.dispatcher.start(Command.parse('odometer'))
+        talk.dispatcher.start(parse_command('odometer'))
     with pytest.raises(Busy):
-        talk.dispatcher.start(Command.parse('odometer'))
-    talk.dispatcher.start(Command.parse('stop'))
+        talk.dispatcher.start(parse_command('odometer'))
+    talk.dispatcher.start(parse_command('stop'))
     assert talk.dispatcher.next_to_send(0.0) == 'stop'
 
 

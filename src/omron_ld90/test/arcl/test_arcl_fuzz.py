@@ -17,7 +17,6 @@ from hypothesis import strategies as st
 from omron_ld90.arcl import (
     COMMANDS,
     Closed,
-    Command,
     InvalidCommand,
     Listener,
     Outcome,
@@ -25,9 +24,10 @@ from omron_ld90.arcl import (
     Session,
     State,
     StatusAssembler,
+    parse_command,
     parse_line,
 )
-from omron_ld90.arcl.commands import LONGEST_COMMAND
+from omron_ld90.arcl.command_line import LONGEST_COMMAND
 from omron_ld90.arcl.framing import LineBuffer
 from omron_ld90.arcl.parser import _TABLE
 
@@ -216,7 +216,7 @@ def test_a_status_never_holds_more_than_was_said(blob):
 @given(st.text(max_size=60))
 def test_a_command_is_one_line_or_refused(text):
     try:
-        sent = Command.parse(text).text
+        sent = parse_command(text).text
     except InvalidCommand as refused:
         assert str(refused).isprintable()
         return

@@ -2,9 +2,9 @@
 from __future__ import annotations
 
 from omron_ld90.arcl.client import Client
-from omron_ld90.arcl.command_spec import Category, CommandSpec
+from omron_ld90.arcl.command_line import parse_command, printable, quote
 from omron_ld90.arcl.command_table import COMMANDS
-from omron_ld90.arcl.commands import Command, printable, quote
+from omron_ld90.arcl.commands import Category, Command, CommandSpec
 from omron_ld90.arcl.errors import (
     ArclError,
     Busy,
@@ -121,5 +121,6 @@ __all__ = [
     'Reply', 'Result', 'RobotError', 'Route', 'ServerClosing', 'Session', 'SessionLog',
     'SetUpError', 'State', 'StateOfCharge', 'StatusAssembler', 'StatusText', 'Stopped',
     'Stopping', 'Temperature', 'UnknownCommand', 'UnknownLine', 'Usage', 'WaitState',
-    'WillDoTask', 'WrongPassword', 'parse_line', 'printable', 'quote', 'same_name',
+    'WillDoTask', 'WrongPassword', 'parse_command', 'parse_line', 'printable', 'quote',
+    'same_name',
 ]

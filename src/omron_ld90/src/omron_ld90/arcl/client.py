@@ -11,7 +11,7 @@ import threading
 import time
 from typing import Callable, Optional
 
-from omron_ld90.arcl.commands import Command
+from omron_ld90.arcl.command_line import parse_command
 from omron_ld90.arcl.connection import TICK, Connection, Transport, reason_of
 from omron_ld90.arcl.dispatcher import Dispatcher
 from omron_ld90.arcl.errors import (
@@ -97,7 +97,7 @@ class Client(Transport):
         with self._lock:
             if not self.link.connected:
                 raise NotConnected(self.link.reason or self.link.phase.value)
-            command = Command.parse(text, self.help.full_name)
+            command = parse_command(text, self.help.full_name)
             execution = self._dispatcher.start(command, timeout, on_line, on_end)
         self._waker.wake()
         return execution

@@ -1,47 +1,75 @@
-"""One line for the robot: read, checked, quoted."""
+"""A command, and what there is to know of its kind: syntax, category, how its answer ends.
+
+ARCL has no request ids, so the only link between a command and the robot's lines is what the lines
+say. A specification therefore holds tests of replies: which one acknowledges the command, which
+belong to it, which one ends it well. What ends it badly is the same for all and is in
+`attribution`.
+"""
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum
 from typing import Callable, Optional, Tuple
 
-from omron_ld90.arcl.command_spec import CommandSpec
-from omron_ld90.arcl.command_table import spec_of
-from omron_ld90.arcl.errors import InvalidCommand
-from omron_ld90.arcl.readers import split_words
-from omron_ld90.arcl.replies.reply import same_name
-from omron_ld90.arcl.secret import blank_configured
+from omron_ld90.arcl.replies.reply import Reply, same_name
 
-LONGEST_COMMAND = 5000  # characters; the server drops a client that sends more
+PATIENCE = 60.0  # s until a driving command must have begun: leaving the dock comes first
+
+
+class Category(Enum):
+    """What a command does to the robot; the controller allows or refuses by it."""
+
+    QUERY = 'query'  # asks, changes nothing
+    MOTION = 'motion'  # drives, stops, docks, localises, or enables driving
+    DEVICE = 'device'  # speaks, plays, switches outputs, raises faults
+    CONFIGURATION = 'configuration'  # changes the robot's settings or its map
+    DANGEROUS = 'dangerous'  # powers off, restarts, frees the wheels, or cuts the link
+    UNKNOWN = 'unknown'  # not in the table of commands
+
+
+Test = Callable[['Command', Reply], bool]  # is this line what the command awaits?
+
+
+@dataclass(frozen=True)
+class CommandSpec:
+    """A row of the table of commands.
+
+    `begins`: the reply that shows that the robot obeys, None where none is promised. `belongs`: the
+    lines that are its own. `ends`: the last of them. `undone`: once begun, the reply that shows
+    that it was broken off. `silence`: seconds without a line of its own until it counts as timed
+    out, None for ever; before it began it is `PATIENCE` at most. `drives`: it takes over the
+    wheels, and so replaces the one before it.
+    """
+
+    syntax: str
+    category: Category
+    ends: Optional[Test]
+    begins: Optional[Test] = None
+    belongs: Optional[Test] = None
+    undone: Optional[Test] = None
+    silence: Optional[float] = 5.0
+    drives: bool = False
+    goal_at: Optional[int] = None
+
+    @property
+    def name(self) -> str:
+        """The command's name as the manual spells it."""
+        return self.syntax.split(' ', 1)[0]
+
+    @property
+    def required(self) -> int:
+        """How many arguments it needs."""
+        return self.syntax.count('<')
 
 
 @dataclass(frozen=True)
 class Command:
-    """One line for the robot, checked; `spec` is the table's row for it."""
+    """One line for the robot, as `parse_command` reads it; `spec` is the table's row for it."""
 
     text: str
     name: str
     arguments: Tuple[str, ...]
     spec: CommandSpec
-
-    @classmethod
-    def parse(cls, text: str, full_name: Callable[[str], Optional[str]] = lambda name: name
-              ) -> Command:
-        """Reads a command line; raises InvalidCommand.
-
-        `full_name` resolves shortcuts, e.g. `HelpList.full_name`; a name that it does not know
-        stays as it is.
-        """
-        text = text.strip(' ')
-        reason = _unsendable(text)
-        if reason:
-            raise InvalidCommand(printable(text), reason)
-        name, _, rest = text.partition(' ')
-        name = full_name(name) or name
-        spec = spec_of(name)
-        arguments = tuple(split_words(rest))
-        if len(arguments) < spec.required:
-            raise InvalidCommand(printable(text), f'its syntax is "{spec.syntax}"')
-        return cls(text, spec.name, arguments, spec)
 
     @property
     def rest(self) -> str:
@@ -64,31 +92,3 @@ class Command:
     def is_for(self, name: str) -> bool:
         """Whether a reply that names a goal, route or macro means this command's."""
         return any(same_name(name, goal) for goal in self.goals)
-
-
-def _unsendable(text: str) -> str:
-    """Why `text` is not one command line; empty if it is."""
-    if not text:
-        return 'it is empty'
-    if len(text) > LONGEST_COMMAND:
-        return f'it has {len(text)} characters, the robot takes {LONGEST_COMMAND}'
-    if not all(' ' <= character <= '~' for character in text):
-        return 'it holds a line end, another control character, or one that is not ASCII'
-    return ''
-
-
-def printable(text: str, longest: int = 200) -> str:
-    """`text` fit for a log: control characters escaped, shortened, without passwords."""
-    shown = blank_configured(text.encode('unicode_escape', 'replace')).decode('ascii')
-    return shown if len(shown) <= longest else shown[:longest - 3] + '...'
-
-
-def quote(name: str) -> str:
-    """`name` of a goal, route, ... as an argument: in double quotes where it holds a blank.
-
-    Raises InvalidCommand for a name that ARCL cannot express.
-    """
-    reason = _unsendable(name) or ('it holds a double quote' if '"' in name else '')
-    if reason:
-        raise InvalidCommand(printable(name), f'no goal can have such a name, {reason}')
-    return f'"{name}"' if ' ' in name else name

@@ -14,9 +14,9 @@ from __future__ import annotations
 from typing import Callable, List, Optional
 
 from omron_ld90.arcl.attribution import Attribution
+from omron_ld90.arcl.command_line import parse_command
 from omron_ld90.arcl.command_queue import CommandQueue
-from omron_ld90.arcl.command_spec import PATIENCE
-from omron_ld90.arcl.commands import Command
+from omron_ld90.arcl.commands import PATIENCE, Command
 from omron_ld90.arcl.execution import Execution, Outcome, Result
 from omron_ld90.arcl.replies.reply import Reply
 
@@ -104,4 +104,4 @@ class Dispatcher:
         if (drivers and drivers[-1].cancel_requested and not drivers[-1].stopping
                 and not any(e.command.spec.drives for e in self._commands.waiting)):
             drivers[-1].stopping = True
-            self.start(Command.parse('stop'))
+            self.start(parse_command('stop'))

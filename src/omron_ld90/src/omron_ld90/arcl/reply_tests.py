@@ -1,14 +1,9 @@
 """Ways to tell that a line of the robot is what a command awaits, for the table of commands."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from omron_ld90.arcl.command_spec import Test
-from omron_ld90.arcl.replies import driving, general
+from omron_ld90.arcl.commands import Command, Test
+from omron_ld90.arcl.replies import driving, equipment, general
 from omron_ld90.arcl.replies.reply import Reply
-
-if TYPE_CHECKING:
-    from omron_ld90.arcl.commands import Command
 
 
 def is_one_of(*kinds: type) -> Test:
@@ -26,6 +21,12 @@ def docking_is(*states: driving.DockingState) -> Test:
     """The docking state has come to be one of these."""
     return lambda command, reply: (isinstance(reply, driving.DockingStatus)
                                    and reply.docking in states)
+
+
+def is_scan(cumulative: bool) -> Test:
+    """A reading of a range device: what it sees now, or what it has gathered."""
+    return lambda command, reply: (isinstance(reply, equipment.RangeReading)
+                                   and reply.cumulative is cumulative)
 
 
 def says(phrase: str) -> Test:

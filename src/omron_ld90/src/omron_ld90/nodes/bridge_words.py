@@ -84,7 +84,7 @@ def shown_events(text: str) -> List[p.RobotEvent]:
 def is_motion(command: str) -> bool:
     """Does an ARCL command make the robot drive, or stop?"""
     try:
-        spec = arcl.Command.parse(command).spec
+        spec = arcl.parse_command(command).spec
     except arcl.InvalidCommand:
         return False
     return spec.drives or spec.name == 'stop'

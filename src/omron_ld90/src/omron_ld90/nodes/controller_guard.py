@@ -3,7 +3,15 @@ from __future__ import annotations
 
 from typing import FrozenSet, Iterable, Optional
 
-from omron_ld90.arcl import COMMANDS, Category, Command, HelpList, InvalidCommand, printable
+from omron_ld90.arcl import (
+    COMMANDS,
+    Category,
+    Command,
+    HelpList,
+    InvalidCommand,
+    parse_command,
+    printable,
+)
 
 _DRIVES_TO_A_GOAL = ('goto', 'gotoRouteGoal')
 
@@ -29,7 +37,7 @@ class Guard:
 
     def check(self, text: str) -> Command:
         """The command that `text` is; raises InvalidCommand with a reason for people."""
-        command = Command.parse(text, self.help.full_name)
+        command = parse_command(text, self.help.full_name)
         reason = self._not_allowed(command) or self._not_there(command)
         if reason:
             raise InvalidCommand(printable(text), reason)
