@@ -28,18 +28,18 @@ from omron_ld90.arcl.secret import blank_configured
 _CUT_NAME = 16  # characters to which the robot cuts an unknown command's name
 
 # Said to everybody, or refusals: these never answer a command whose answer is not known.
-_NO_ANSWER = (
+_NO_ANSWER = frozenset((
     driving.DockingStatus, driving.GoingTo, driving.GoingToPoint, driving.ArrivedAt,
     driving.ArrivedAtPoint, driving.Parking, driving.Stopping, driving.Stopped,
     driving.Interrupted, driving.RobotError, safety.EStop, safety.Motors, tasks.WaitState,
     status.OneLineStatus, status.StatusText, equipment.RangeReading, equipment.ExternalIOUpdate,
     site.MapChanged, configuration.ConfigurationChanged, general.Notice, refusals.CommandError,
     refusals.CommandErrorDescription, refusals.UnknownCommand, refusals.SetUpError,
-    refusals.Usage)
+    refusals.Usage))
 
 # The robot begins something new; unless a command of ours asked for it, another client did.
-_SETTING_OUT = (driving.GoingTo, driving.GoingToPoint, driving.Patrolling, tasks.ExecutingMacro,
-                tasks.DoingTask)
+_SETTING_OUT = frozenset((driving.GoingTo, driving.GoingToPoint, driving.Patrolling,
+                          tasks.ExecutingMacro, tasks.DoingTask))
 
 
 class Attribution:
@@ -110,7 +110,7 @@ class Attribution:
                 if stopped:
                     return  # the stops behind it are still to come
             elif spec.ends is None:
-                if not (claimed or isinstance(reply, _NO_ANSWER)):
+                if not (claimed or type(reply) in _NO_ANSWER):
                     execution.begun = True
                     self._commands.add_line(execution, text, now)
                     return
@@ -130,11 +130,12 @@ class Attribution:
 
     def _sets_out(self, reply: Reply) -> bool:
         """Whether the robot begins something new; the docking state tells by its change only."""
-        if isinstance(reply, driving.DockingStatus):
+        kind = type(reply)
+        if kind is driving.DockingStatus:
             before, self._docking = self._docking, reply.docking
             return (reply.docking is driving.DockingState.DOCKING
                     and before not in (None, reply.docking))
-        return isinstance(reply, _SETTING_OUT)
+        return kind in _SETTING_OUT
 
     def _taken_over(self, text: str) -> None:
         """The robot obeys somebody else: whatever of ours it had begun to obey is over.
@@ -239,9 +240,12 @@ class Attribution:
 
     def _on_status(self, reply: Reply, text: str, now: float) -> None:
         """A status that tells of the drive is a sign of life from it, though no line of its own."""
-        doing = parse_line(reply.status if isinstance(reply, status.OneLineStatus) else reply.text)
-        for execution in self._commands.drivers:
-            if execution.begun and execution.command.spec.begins(execution.command, doing):
+        begun = [execution for execution in self._commands.drivers if execution.begun]
+        if begun:
+            doing = parse_line(
+                reply.status if isinstance(reply, status.OneLineStatus) else reply.text)
+        for execution in begun:
+            if execution.command.spec.begins(execution.command, doing):
                 execution.heard = now
 
 

@@ -21,13 +21,9 @@ class CommandQueue:
     def __init__(self) -> None:
         self.waiting: List[Execution] = []
         self.sent: List[Execution] = []
+        self.drivers: List[Execution] = []  # of `sent`: what drives, or is about to, oldest first
         self._news: List[Callable[[], None]] = []
         self._count = 0  # of commands sent
-
-    @property
-    def drivers(self) -> List[Execution]:
-        """What was sent and drives, or is about to, oldest first."""
-        return [execution for execution in self.sent if execution.command.spec.drives]
 
     @property
     def movers(self) -> List[Execution]:
@@ -52,6 +48,8 @@ class CommandQueue:
             if not self._must_wait(execution):
                 self.waiting.remove(execution)
                 self.sent.append(execution)
+                if execution.command.spec.drives:
+                    self.drivers.append(execution)
                 execution.heard = now
                 self._count += 1
                 execution.order = self._count
@@ -82,7 +80,7 @@ class CommandQueue:
         if execution.end(outcome, words):
             self._news.append(execution.announce)
         if not keep:
-            for executions in (self.waiting, self.sent):
+            for executions in (self.waiting, self.sent, self.drivers):
                 if execution in executions:
                     executions.remove(execution)
         if execution.command.name == 'stop' and outcome in _UNHEEDED:
@@ -96,7 +94,7 @@ class CommandQueue:
 
     def _give_up_cancelled(self, stop: Execution, outcome: Outcome, words: str) -> None:
         """The stop came to nothing: whoever waits for its effect must not for ever."""
-        for driver in self.drivers:
+        for driver in list(self.drivers):
             if driver.cancel_requested and driver.order < stop.order:
                 self.end(driver, outcome, f'stop: {words}')
 
