@@ -15,7 +15,7 @@ from omron_ld90_sim.track import straight_track
 BLOCKED_PATIENCE = 30.0     # s of waiting for a blocked way before giving up
 RETRY = 2.0                 # s between two attempts to find a way
 PROGRESS = 1000.0           # mm nearer, and it is patient again
-THERE = 1.0                 # mm from a place that count as there
+THERE = 1.0                 # mm from a place, and deg from a heading, that count as there
 SETTLE = 0.5                # s between two docking states
 _WAVERING_ON_GOTO = (ChargeState.NOT, ChargeState.OVERCHARGE, ChargeState.BULK)
 _WAVERING_ON_UNDOCK = (ChargeState.NOT, ChargeState.OVERCHARGE, ChargeState.NOT, ChargeState.BULK,
@@ -82,11 +82,11 @@ def _near(robot: Robot, x: float, y: float, heading: Optional[float]
 
 def drive(robot: Robot, x: float, y: float, heading: Optional[float], failed: str) -> Script:
     """Drives to a place around what is in the way."""
-    yield from _until_there(robot, x, y, lambda: robot.set_course(x, y, heading), failed)
+    yield from _until_there(robot, x, y, heading, lambda: robot.set_course(x, y, heading), failed)
 
 
-def _until_there(robot: Robot, x: float, y: float, set_off: Callable[[], None],
-                 failed: str) -> Script:
+def _until_there(robot: Robot, x: float, y: float, heading: Optional[float],
+                 set_off: Callable[[], None], failed: str) -> Script:
     """Sets off for a place until the robot is there; waits a while for what is in the way."""
     waited, nearest = 0.0, robot.true_pose.distance_to(x, y)
     while True:
@@ -101,7 +101,8 @@ def _until_there(robot: Robot, x: float, y: float, set_off: Callable[[], None],
         else:
             yield STANDING
             left = robot.true_pose.distance_to(x, y)
-            if left < THERE:
+            turned = heading is None or abs(normalise(robot.true_pose.theta - heading)) < THERE
+            if left < THERE and turned:
                 return
             if left < nearest - PROGRESS:
                 waited, nearest = 0.0, left
@@ -145,8 +146,8 @@ def leave_dock(robot: Robot, wavering: Sequence[ChargeState] = _WAVERING_ON_GOTO
         robot.docking.enter(DockingState.UNDOCKING, charge)
     yield STANDING
     if dock is not None:
-        yield from _until_there(robot, dock.x, dock.y, lambda: _straight_to(robot, dock.x, dock.y),
-                                'Failed to undock')
+        yield from _until_there(robot, dock.x, dock.y, None,
+                                lambda: _straight_to(robot, dock.x, dock.y), 'Failed to undock')
     robot.docking.enter(DockingState.UNDOCKED, ChargeState.NOT)
 
 
@@ -159,7 +160,7 @@ def dock(robot: Robot, station: MapObject) -> Activity:
         yield from drive(robot, station.x, station.y, station.theta, failed)
         robot.extended = 'Driving into dock'
         inside = docked_pose(robot.floor, station)
-        yield from _until_there(robot, inside.x, inside.y,
+        yield from _until_there(robot, inside.x, inside.y, None,
                                 lambda: _straight_to(robot, inside.x, inside.y), failed)
         robot.docking.enter(DockingState.DOCKING, ChargeState.BULK)
         yield SETTLE

@@ -336,6 +336,21 @@ def test_robots_in_a_crowd_never_touch() -> None:
     assert sum(line.startswith(('Arrived', 'DockingState: Docked')) for line in lines) > 20
 
 
+def test_a_robot_kept_from_its_last_turn_has_not_arrived() -> None:
+    rig = Rig(start=(-3000.0, 2200.0, 0.0))
+    client = rig.client()
+    client.send('gotoPoint 0 2000 180')
+    while not (isinstance(rig.robot.base.manoeuvre, Turn)
+               and rig.robot.true_pose.distance_to(0.0, 2000.0) < 1.0):
+        rig.clock.advance(rig.clock.now + STEP)
+    rig.robot.navigation.blocks.append(Disc(650.0, 2000.0, 250.0))
+    rig.clock.advance(rig.clock.now + 10.0)
+    assert client.lines() == ['Going to point'] and rig.robot.base.still
+    rig.robot.navigation.blocks.clear()
+    assert client.until('Arrived') == ['Arrived at point']
+    assert abs(normalise(rig.robot.true_pose.theta - 180.0)) < 0.1
+
+
 def test_an_emergency_stop_brakes_hard_but_turns_no_harder_than_ever() -> None:
     rig = Rig(start=(-3000.0, 2200.0, 0.0))
     client = rig.client()
