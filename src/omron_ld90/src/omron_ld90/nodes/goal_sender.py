@@ -40,7 +40,7 @@ from std_msgs.msg import String
 
 from itrci_nav_msgs.msg import ExecutionRouteStates
 from omron_ld90.maps import MapDocument, MapError
-from omron_ld90.nodes import startup
+from omron_ld90.nodes import shared_parameters, startup
 from omron_ld90.nodes.arcl_news import NewsReader, Tone
 from omron_ld90.nodes.goal_clicks import (
     Target,
@@ -62,10 +62,7 @@ class GoalSender:
     """The node: see the module's text."""
 
     def __init__(self) -> None:
-        namespace = rospy.get_namespace().strip('/')
-        default_base = f'{namespace}/base_link' if namespace else 'base_link'
         self._map_frame = startup.parameter('~map_frame', 'map')
-        base_frame = startup.parameter('~base_frame', default_base)
         self._tolerance = startup.number('~click_tolerance', 0.5, 0.01, 10.0)
         self._allow_takeover = startup.parameter('~allow_takeover', False, bool)
 
@@ -77,8 +74,8 @@ class GoalSender:
 
         self._feedback = UserFeedback(self._map_frame)
         self._handles = InteractiveGoals(
-            self._map_frame, base_frame, startup.number('~handle_size', 0.7, 0.3, 3.0),
-            self._on_handle)
+            self._map_frame, shared_parameters.base_frame(),
+            startup.number('~handle_size', 0.7, 0.3, 3.0), self._on_handle)
         self._buffer = tf2_ros.Buffer()
         self._listener = tf2_ros.TransformListener(self._buffer)
         self._commands = rospy.Publisher('send_command', String, queue_size=10, tcp_nodelay=True)
@@ -205,7 +202,8 @@ class GoalSender:
                 self._feedback.say(news.tone, news.text, self._place_of(news.goal))
 
     def _on_refused(self, message: CommandRefused) -> None:
-        self._feedback.say(Tone.BAD, f'{message.command} refused: {message.reason}')
+        """The controller refused a command, of whomever; it has logged that already."""
+        self._feedback.show(Tone.BAD, f'{message.command} refused: {message.reason}')
 
     def _place_of(self, goal: Optional[str]) -> Optional[Tuple[float, float]]:
         if goal is None:

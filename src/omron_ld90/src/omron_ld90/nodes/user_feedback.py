@@ -46,8 +46,12 @@ class UserFeedback:
         self._west, self._east = west, east
 
     def say(self, tone: Tone, text: str, place: Optional[Tuple[float, float]] = None) -> None:
-        """Tell `text` at `place` (m, in the map), or where the robot was last."""
+        """Show `text`, and log it."""
         (rospy.logwarn if tone is Tone.BAD else rospy.loginfo)('%s', text)
+        self.show(tone, text, place)
+
+    def show(self, tone: Tone, text: str, place: Optional[Tuple[float, float]] = None) -> None:
+        """Tell `text` at `place` (m, in the map), or where the robot was last."""
         self._text.publish(text)
         markers = self._draw(tone, text, place)
         for marker in markers:
