@@ -106,10 +106,10 @@ def test_a_map_that_is_being_made_is_waited_for(lab_goals):
         waited.append((path, made_from))
         if len(waited) == 1:
             raise MapError(path, 'not there yet')
-    goals = GoalComparison(str(LAB), 'base.map', 'graph.yaml', wait)
+    goals = GoalComparison(str(LAB), ('base.map', 'graph.yaml'), wait)
     goals.robot_goals(lab_goals)
     assert 'not there yet' in compared(goals).message
-    assert waited == [(str(LAB), ['base.map', 'graph.yaml'])]
+    assert waited == [(str(LAB), ('base.map', 'graph.yaml'))]
     goals.close()
 
 

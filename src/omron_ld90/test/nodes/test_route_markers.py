@@ -6,11 +6,12 @@ import math
 import pytest
 from visualization_msgs.msg import Marker
 
+from omron_ld90.graph.route_protocol import EdgeState
 from omron_ld90.nodes.route_markers import COMING, CURRENT, ENDED, graph_markers, route_markers
-from omron_ld90.nodes.route_watch import COMPLETE, FAILED, EdgeProgress
+from omron_ld90.nodes.route_watch import EdgeProgress
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 
-PROCESSING = 1
+PROCESSING, COMPLETE, FAILED = EdgeState.PROCESSING, EdgeState.COMPLETE, EdgeState.FAILED
 
 
 @pytest.fixture

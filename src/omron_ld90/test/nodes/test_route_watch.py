@@ -3,9 +3,8 @@ from __future__ import annotations
 
 import pytest
 
+from omron_ld90.graph.route_protocol import EdgeState
 from omron_ld90.nodes.route_watch import (
-    COMPLETE,
-    FAILED,
     SHOWN_AFTER_THE_END,
     SILENCE,
     EdgeProgress,
@@ -13,7 +12,7 @@ from omron_ld90.nodes.route_watch import (
     RouteWatch,
 )
 
-DONE, DRIVING = COMPLETE, 1
+DONE, DRIVING, FAILED = EdgeState.COMPLETE, EdgeState.PROCESSING, EdgeState.FAILED
 
 
 def test_a_route_with_an_edge_to_go_is_running():

@@ -26,7 +26,6 @@ import re
 import socket
 from typing import Callable, Dict, Optional
 
-import diagnostic_updater
 import rospy
 from sensor_msgs.msg import BatteryState, PointCloud2
 
@@ -49,6 +48,7 @@ from omron_ld90.arcl import (
     Temperature,
     parse_line,
 )
+from omron_ld90.nodes.diagnostics import publish_diagnostics
 from omron_ld90.nodes.link_line import LineMessage
 from omron_ld90.nodes.link_reports import LinkReporter, misconfigured, session_log
 from omron_ld90.nodes.receiver_messages import battery_state, point_cloud, robot_status
@@ -92,16 +92,12 @@ class ConnectionReceiver:
         self._batteries = _publisher('battery_state', BatteryState)
         self._listener: Listener = make_listener(on_line=self._on_line, on_link=self._on_link,
                                                  on_refused=_on_refused)
-        self._diagnostics = diagnostic_updater.Updater()
-        self._diagnostics.setHardwareID(self._listener.link.peer)
-        self._diagnostics.add('link from the robot', self._reporter.diagnose)
-        self._diagnostics.add('robot', self._health.diagnose)
-        self._timer = rospy.Timer(rospy.Duration(1.0), lambda _: self._diagnostics.force_update())
+        publish_diagnostics(self._listener.link.peer, {
+            'link from the robot': self._reporter.diagnose, 'robot': self._health.diagnose})
         self._listener.start()
 
     def close(self) -> None:
         """Closes the connection."""
-        self._timer.shutdown()
         self._listener.close()
         if self._log:
             self._log.close()

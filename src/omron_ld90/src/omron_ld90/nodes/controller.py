@@ -34,7 +34,6 @@ from __future__ import annotations
 import os
 from typing import Callable, List, Optional
 
-import diagnostic_updater
 import rospy
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from std_msgs.msg import String
@@ -64,9 +63,11 @@ from omron_ld90.nodes.controller_actions import (
 )
 from omron_ld90.nodes.controller_goals import GoalComparison
 from omron_ld90.nodes.controller_guard import Guard
+from omron_ld90.nodes.diagnostics import publish_diagnostics
 from omron_ld90.nodes.link_line import LineMessage
 from omron_ld90.nodes.link_reports import LinkReporter, misconfigured, session_log
 from omron_ld90.nodes.robot_health import RobotHealth
+from omron_ld90.nodes.shared_parameters import map_sources
 from omron_ld90.nodes.startup import ConfigurationError, number, parameter, run
 from omron_ld90.nodes.units import pose_from_robot
 from omron_ld90_msgs.msg import CommandRefused, LinkState
@@ -98,17 +99,13 @@ class Controller:
         rospy.Subscriber('move_base_simple/goal', PoseStamped, self._on_goal_pose, queue_size=1)
         rospy.Subscriber('initialpose', PoseWithCovarianceStamped, self._on_initial_pose,
                          queue_size=1)
-        self._diagnostics = diagnostic_updater.Updater()
-        self._diagnostics.setHardwareID(self._client.peer)
-        self._diagnostics.add('link to the robot', self._reporter.diagnose)
-        self._diagnostics.add('robot', self._health.diagnose)
-        self._diagnostics.add('goals', goals.diagnose)
-        self._timer = rospy.Timer(rospy.Duration(1.0), lambda _: self._diagnostics.force_update())
+        publish_diagnostics(self._client.peer, {'link to the robot': self._reporter.diagnose,
+                                                'robot': self._health.diagnose,
+                                                'goals': goals.diagnose})
         self._client.start()
 
     def close(self) -> None:
         """Ends the connection."""
-        self._timer.shutdown()
         self._client.close()
         self._goals.close()
         if self._log:
@@ -250,8 +247,7 @@ def start() -> Controller:
         rospy.logwarn('~allowed_commands holds names that are not in the table of commands: %s.',
                       ', '.join(sorted(guard.unknown_words())))
     log = session_log()
-    goals = GoalComparison(parameter('~map_file', ''), parameter('~base_map', ''),
-                           parameter('~graph_file', ''))
+    goals = GoalComparison(parameter('~map_file', ''), map_sources())
 
     def make_client(**callbacks) -> Client:
         return Client(host, port, password, backoff=backoff, heartbeat=heartbeat, silence=silence,

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import threading
-from typing import Callable, FrozenSet, List, Optional
+from typing import Callable, FrozenSet, List, Optional, Tuple
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -16,10 +16,10 @@ _MOST_NAMES = 20  # told in one message
 class GoalComparison:
     """Reads the map file in a thread of its own, whenever the robot's goals are known anew."""
 
-    def __init__(self, map_file: str, base_map: str = '', graph_file: str = '',
+    def __init__(self, map_file: str, made_from: Tuple[str, ...] = (),
                  wait: Callable[..., None] = wait_for_map) -> None:
         self._map_file = map_file
-        self._made_from = [base_map, graph_file] if base_map else None
+        self._made_from = made_from
         self._wait = wait
         self._due = threading.Event()
         self._closing = False
@@ -66,7 +66,7 @@ class GoalComparison:
             if self._made_from:
                 self._wait(self._map_file, self._made_from, say=rospy.loginfo,
                            given_up=lambda: self._closing)
-                self._made_from = None
+                self._made_from = ()
             file = {goal.name for goal in MapDocument.load(self._map_file).goals}
         except MapError as error:
             self._level, self._message = DiagnosticStatus.WARN, f'not compared: {error}'

@@ -38,7 +38,7 @@ from typing import Iterable, Optional
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
-from diagnostic_updater import DiagnosticStatusWrapper, Updater
+from diagnostic_updater import DiagnosticStatusWrapper
 from std_msgs.msg import String
 
 from itrci_nav_msgs.msg import ExecutionRouteStates, TargetRoute
@@ -48,23 +48,22 @@ from omron_ld90.graph.report_schedule import TICK, ReportSchedule
 from omron_ld90.graph.route_follower import RouteFollower
 from omron_ld90.graph.route_settings import Settings
 from omron_ld90.graph.route_strategies import STRATEGIES
-from omron_ld90.nodes import fleet_messages, startup
+from omron_ld90.nodes import fleet_messages, shared_parameters, startup
 from omron_ld90.nodes.bridge_memory import RouteMemory
 from omron_ld90.nodes.bridge_words import RobotWords, is_motion, status_events
+from omron_ld90.nodes.diagnostics import publish_diagnostics
+from omron_ld90.nodes.link_reports import words_of
 from omron_ld90_msgs.msg import CommandRefused, LinkState, RobotStatus
-from trajectory_graph import Graph, GraphError, load_graph
+from trajectory_graph import Graph, GraphError
 
 RESTART = 20.0  # s after a restart in which the route that ran can be gone on with
-LINK_STATES = {LinkState.DISCONNECTED: 'disconnected', LinkState.CONNECTING: 'connecting',
-               LinkState.LOGGING_IN: 'logging in', LinkState.WRONG_PASSWORD: 'wrong password',
-               LinkState.MISCONFIGURED: 'misconfigured'}
 
 
 class EdgesToVertices:
     """The node: see the module's text."""
 
     def __init__(self) -> None:
-        graph = _read_graph()
+        graph = shared_parameters.trajectory_graph()
         self._lock = threading.RLock()
         self._follower = RouteFollower(
             _read_settings(graph), graph, links=(LinkState.COMMANDS, LinkState.OUTGOING))
@@ -78,9 +77,6 @@ class EdgesToVertices:
         self._command = rospy.Publisher('send_command', String, queue_size=10, tcp_nodelay=True)
         self._states = rospy.Publisher('execution_route_states', ExecutionRouteStates,
                                        queue_size=10, latch=True, tcp_nodelay=True)
-        self._updater = Updater()
-        self._updater.setHardwareID('none')
-        self._updater.add('route', self._diagnose)
         for topic, kind, callback in (
                 ('link_state', LinkState, self._on_link),
                 ('robot_status', RobotStatus, self._on_status),
@@ -91,6 +87,7 @@ class EdgesToVertices:
                 ('target_route', TargetRoute, self._on_route)):
             rospy.Subscriber(topic, kind, callback, queue_size=100, tcp_nodelay=True)
         self._timer = rospy.Timer(rospy.Duration(TICK), self._tick)
+        publish_diagnostics('none', {'route': self._diagnose})
         if graph is None:
             rospy.logwarn('%s idles: ~graph_file is empty, and no /graph has come yet.',
                           rospy.get_name())
@@ -113,7 +110,7 @@ class EdgesToVertices:
 
     def _on_link(self, message: LinkState) -> None:
         up = message.state == LinkState.CONNECTED
-        reason = message.reason or LINK_STATES.get(message.state, f'state {message.state}')
+        reason = message.reason or words_of(message.state)
         self._handle([p.LinkChanged(message.link, up, '' if up else reason)])
 
     def _on_refused(self, message: CommandRefused) -> None:
@@ -144,7 +141,6 @@ class EdgesToVertices:
             self._act(self._follower.tick(now))
             if self._schedule.is_due(self._follower.running, now):
                 self._states.publish(fleet_messages.states_of(self._follower.report()))
-        self._updater.update()
 
     # --- actions ---------------------------------------------------------------------------------
 
@@ -182,16 +178,6 @@ class EdgesToVertices:
         status.add('percentage', f'{report.pose.percentage:.1f}')
         status.add('going to', str(follower.robot.errand.goal))
         return status
-
-
-def _read_graph() -> Optional[Graph]:
-    file = startup.parameter('~graph_file', '')
-    if not file:
-        return None
-    try:
-        return load_graph(file)
-    except GraphError as error:
-        raise startup.ConfigurationError(f'~graph_file: {error}') from None
 
 
 def _read_settings(graph: Optional[Graph]) -> Settings:

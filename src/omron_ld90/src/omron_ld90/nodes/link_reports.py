@@ -23,7 +23,14 @@ _STATES: Dict[LinkPhase, int] = {
     LinkPhase.CONNECTED: LinkState.CONNECTED,
     LinkPhase.WRONG_PASSWORD: LinkState.WRONG_PASSWORD,
 }
+_WORDS = {**{state: phase.value for phase, state in _STATES.items()},
+          LinkState.MISCONFIGURED: 'misconfigured'}
 _LASTING = (LinkPhase.DISCONNECTED, LinkPhase.WRONG_PASSWORD, LinkPhase.CONNECTED)
+
+
+def words_of(state: int) -> str:
+    """A LinkState's `state`, for people."""
+    return _WORDS.get(state, f'state {state}')
 
 
 def session_log() -> Optional[SessionLog]:

@@ -38,7 +38,7 @@ from urllib.parse import unquote, urlparse
 import rospkg
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
-from diagnostic_updater import DiagnosticStatusWrapper, Updater
+from diagnostic_updater import DiagnosticStatusWrapper
 from nav_msgs.msg import MapMetaData, OccupancyGrid
 from nav_msgs.srv import GetMap, LoadMap, LoadMapRequest, LoadMapResponse
 from std_msgs.msg import Header, String
@@ -58,7 +58,9 @@ from omron_ld90.maps import (
     OccupancyGrid as Grid,
 )
 from omron_ld90.nodes import markers
+from omron_ld90.nodes.diagnostics import publish_diagnostics
 from omron_ld90.nodes.fast_messages import GetGridResponse, GridMessage, LoadGridResponse
+from omron_ld90.nodes.shared_parameters import map_sources
 from omron_ld90.nodes.startup import choice, number, parameter, run
 from omron_ld90.nodes.units import metres, millimetres, pose_from_robot
 
@@ -113,10 +115,7 @@ class MapVisualisation:
         rospy.Subscriber('laser_points', String, self._draw_laser, queue_size=5, tcp_nodelay=True)
         rospy.Service('static_map', GetMap, self._static_map)
         rospy.Service('change_map', LoadMap, self._change_map)
-        self._diagnostics = Updater()
-        self._diagnostics.setHardwareID('none')
-        self._diagnostics.add('map', self._diagnose)
-        rospy.Timer(rospy.Duration(1.0), lambda event: self._diagnostics.force_update())
+        publish_diagnostics('none', {'map': self._diagnose})
 
     def _follow_file(self, path: str, made_from: Tuple[str, ...]) -> None:
         """Show the first map, then each new one; a map that cannot be shown is waited for."""
@@ -251,9 +250,7 @@ def _start() -> MapVisualisation:
         areas_in_grid=parameter('~areas_in_grid', False, bool),
         default_resolution=number('~default_resolution', 0.05, least=0.005, most=1.0),
         laser_lifetime=number('~laser_lifetime', 2.0, least=0.05, most=60.0))
-    base_map = parameter('~base_map', '')
-    made_from = (base_map, parameter('~graph_file', '')) if base_map else ()
-    return MapVisualisation(settings, parameter('~map_file'), made_from)
+    return MapVisualisation(settings, parameter('~map_file'), map_sources())
 
 
 def main() -> None:

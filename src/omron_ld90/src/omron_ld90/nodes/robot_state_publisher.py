@@ -29,10 +29,11 @@ from typing import Optional
 import rospy
 import tf2_ros
 from diagnostic_msgs.msg import DiagnosticStatus
-from diagnostic_updater import DiagnosticStatusWrapper, Updater
+from diagnostic_updater import DiagnosticStatusWrapper
 from geometry_msgs.msg import Pose, PoseStamped, TransformStamped
 
-from omron_ld90.nodes import planar, startup
+from omron_ld90.nodes import planar, shared_parameters, startup
+from omron_ld90.nodes.diagnostics import publish_diagnostics
 from omron_ld90_msgs.msg import RobotStatus
 
 SILENCE = 3.0  # s without a location before /diagnostics warns; the robot sends two a second
@@ -65,10 +66,8 @@ class RobotStatePublisher:
     """The node: see the module's text."""
 
     def __init__(self) -> None:
-        namespace = rospy.get_namespace().strip('/')
-        default_base = f'{namespace}/base_link' if namespace else 'base_link'
         self._map_frame = startup.parameter('~map_frame', 'map')
-        self._base_frame = startup.parameter('~base_frame', default_base)
+        self._base_frame = shared_parameters.base_frame()
         self._odom_frame = startup.parameter('~odom_frame', '')
         self._filter = LocationFilter(rospy.Duration(startup.number('~max_age', 1.0, 0.05, 60.0)))
         self._last: Optional[rospy.Time] = None
@@ -77,13 +76,10 @@ class RobotStatePublisher:
         self._transforms = tf2_ros.TransformBroadcaster()
         self._buffer = tf2_ros.Buffer() if self._odom_frame else None
         self._listener = tf2_ros.TransformListener(self._buffer) if self._buffer else None
-        self._diagnostics = Updater()
-        self._diagnostics.setHardwareID(namespace or 'none')
-        self._diagnostics.add('locations', self._diagnose)
-        self._diagnostics_timer = rospy.Timer(
-            rospy.Duration(1.0), lambda _event: self._diagnostics.force_update())
-        self._subscriber = rospy.Subscriber(
+        rospy.Subscriber(
             'robot_status', RobotStatus, self._on_status, queue_size=10, tcp_nodelay=True)
+        publish_diagnostics(rospy.get_namespace().strip('/') or 'none',
+                            {'locations': self._diagnose})
 
     def _on_status(self, status: RobotStatus) -> None:
         if not status.has_pose:

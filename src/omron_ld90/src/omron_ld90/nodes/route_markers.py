@@ -7,8 +7,9 @@ from typing import List, Mapping, Optional, Sequence
 from geometry_msgs.msg import Point
 from visualization_msgs.msg import Marker, MarkerArray
 
+from omron_ld90.graph.route_protocol import EdgeState
 from omron_ld90.nodes import drawing
-from omron_ld90.nodes.route_watch import COMPLETE, FAILED, EdgeProgress
+from omron_ld90.nodes.route_watch import EdgeProgress
 from trajectory_graph import Curve, Graph
 
 STEP = 0.1  # m between the points of a drawn curve
@@ -20,8 +21,8 @@ GRAPH = drawing.colour(0.74, 0.68, 1.0)
 CURRENT = drawing.colour(1.0, 0.85, 0.15)
 COMING = drawing.colour(0.30, 0.60, 1.0)
 ENDED = {
-    COMPLETE: drawing.colour(0.25, 0.75, 0.35),
-    FAILED: drawing.colour(1.0, 0.25, 0.2),
+    EdgeState.COMPLETE: drawing.colour(0.25, 0.75, 0.35),
+    EdgeState.FAILED: drawing.colour(1.0, 0.25, 0.2),
 }
 
 
@@ -68,7 +69,7 @@ def route_markers(graph: Optional[Graph], route: Sequence[EdgeProgress], frame: 
     if graph is None:
         return drawing.complete([])
     markers: List[Marker] = []
-    current = next((edge for edge in route if edge.state != COMPLETE), None)
+    current = next((edge for edge in route if edge.state != EdgeState.COMPLETE), None)
     for index, edge in enumerate(route):
         if abs(edge.edge) not in graph.edges:
             continue

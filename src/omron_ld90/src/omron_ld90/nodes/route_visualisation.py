@@ -41,14 +41,13 @@ from visualization_msgs.msg import Marker, MarkerArray
 from itrci_nav_msgs.msg import ExecutionRouteStates
 from omron_ld90 import arcl
 from omron_ld90.maps import MapDocument, MapError
-from omron_ld90.nodes import drawing, startup
+from omron_ld90.nodes import drawing, shared_parameters, startup
 from omron_ld90.nodes.body_markers import body_markers
 from omron_ld90.nodes.goal_clicks import TargetKind, targets_of
 from omron_ld90.nodes.route_markers import graph_markers, route_markers
 from omron_ld90.nodes.route_watch import EdgeProgress, RouteView
 from omron_ld90.nodes.status_markers import status_markers, status_words
 from omron_ld90_msgs.msg import LinkState, RobotStatus
-from trajectory_graph import Graph, TrajectoryGraphError, load_graph
 
 JUMP = 1.5  # m between two locations: further than the robot drives; it was relocalised
 ROW_HEIGHT = 0.8  # m
@@ -65,7 +64,7 @@ class RouteVisualisation:
         self._path_length = int(startup.number('~path_length', 400, 2, 10000))
         self._path_step = startup.number('~path_step', 0.1, 0.01, 10.0)
         self._row = startup.parameter('~status_row', 0, int)
-        self._graph = _graph_of(startup.parameter('~graph_file', ''))
+        self._graph = shared_parameters.trajectory_graph()
         self._body = _body_of(startup.parameter('robot_description', ''))
 
         self._lock = threading.Lock()
@@ -194,15 +193,6 @@ class RouteVisualisation:
             return self._point
         docking = arcl.DockingState.DOCKING.value
         return self._dock if self._status.docking_state == docking else None
-
-
-def _graph_of(path: str) -> Optional[Graph]:
-    if not path:
-        return None
-    try:
-        return load_graph(path)
-    except TrajectoryGraphError as error:
-        raise startup.ConfigurationError(f'~graph_file: {error}') from error
 
 
 def _body_of(urdf: str) -> List[Marker]:

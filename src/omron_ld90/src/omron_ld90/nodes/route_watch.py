@@ -7,13 +7,14 @@ from __future__ import annotations
 import math
 from typing import NamedTuple, Optional, Sequence, Tuple
 
-COMPLETE, FAILED = 2, 3  # itrci_nav_msgs/EdgeState
+from omron_ld90.graph.route_protocol import EdgeState
+
 SILENCE = 3.0  # s
 SHOWN_AFTER_THE_END = 15.0  # s
 
 
 class EdgeProgress(NamedTuple):
-    """An edge of a route, signed, and its state as in itrci_nav_msgs/EdgeState."""
+    """An edge of a route, signed, and its state, an EdgeState."""
 
     edge: int
     state: int
@@ -32,8 +33,8 @@ class RouteWatch:
 
     def update(self, route_id: int, states: Sequence[int], now: float) -> bool:
         """Take in the state of every edge of a route; False for the refusal of another route."""
-        failed = any(state == FAILED for state in states)
-        if not failed and any(state != COMPLETE for state in states):
+        failed = any(state == EdgeState.FAILED for state in states)
+        if not failed and any(state != EdgeState.COMPLETE for state in states):
             self._running, self._heard = route_id, now
         elif failed and self.running(now) not in (None, route_id):
             return False

@@ -13,7 +13,10 @@ import threading
 from typing import Any, Callable, Tuple, Type
 
 import rospy
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_updater import DiagnosticStatusWrapper
+
+from omron_ld90.nodes.diagnostics import Task, publish_diagnostics
 
 REQUIRED = object()
 END_WITHIN = 3.0  # s from SIGINT or SIGTERM to the end of the process, whatever rospy does
@@ -84,12 +87,20 @@ def run(name: str, start: Callable[[], Any],
         node = start()
     except ConfigurationError as error:
         rospy.logerr('%s cannot work: %s Mend it and restart the node.', rospy.get_name(), error)
+        publish_diagnostics('none', {'configuration': _wrong(str(error))})
         node = misconfigured(str(error))
-        _show_misconfigured(str(error), ending)
     else:
         if hasattr(node, 'close'):
             rospy.on_shutdown(node.close)
     _wait_for_end(ending)
+
+
+def _wrong(reason: str) -> Task:
+    """Says what is wrong for as long as the node waits to be restarted."""
+    def tell(status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
+        status.summary(DiagnosticStatus.ERROR, reason)
+        return status
+    return tell
 
 
 def _end_on_signals() -> None:
@@ -121,16 +132,3 @@ def _wait_for_end(ending: threading.Event) -> None:
     while not rospy.is_shutdown():
         if ending.wait(0.5):
             rospy.rostime.wallsleep(0.01)
-
-
-def _show_misconfigured(reason: str, ending: threading.Event) -> None:
-    """Keeps an ERROR in /diagnostics until the node ends."""
-    publisher = rospy.Publisher('/diagnostics', DiagnosticArray, queue_size=1)
-    status = DiagnosticStatus(
-        level=DiagnosticStatus.ERROR, name=f'{rospy.get_name().lstrip("/")}: configuration',
-        message=reason, hardware_id='none')
-    while not (ending.is_set() or rospy.is_shutdown()):
-        array = DiagnosticArray(status=[status])
-        array.header.stamp = rospy.Time.now()
-        publisher.publish(array)
-        ending.wait(1.0)

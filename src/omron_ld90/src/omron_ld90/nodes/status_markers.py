@@ -13,6 +13,7 @@ from geometry_msgs.msg import Pose
 from visualization_msgs.msg import Marker, MarkerArray
 
 from omron_ld90.nodes import drawing
+from omron_ld90.nodes.link_reports import words_of
 from omron_ld90_msgs.msg import LinkState, RobotStatus
 
 LIFETIME = 2.5  # s
@@ -24,14 +25,6 @@ CARE = drawing.colour(1.0, 0.80, 0.25)
 WRONG = drawing.colour(1.0, 0.38, 0.30)
 LOW_BATTERY = 0.2
 GHOST_SIZE = (0.70, 0.50, 0.40)  # m, the robot's
-LINK_WORDS = {
-    LinkState.DISCONNECTED: 'not connected',
-    LinkState.CONNECTING: 'connecting',
-    LinkState.LOGGING_IN: 'logging in',
-    LinkState.CONNECTED: 'connected',
-    LinkState.WRONG_PASSWORD: 'wrong password',
-    LinkState.MISCONFIGURED: 'misconfigured',
-}
 
 
 class Words(NamedTuple):
@@ -68,7 +61,7 @@ def status_words(robot: str, status: Optional[RobotStatus], silent_for: float,
         paint = CARE
     if broken:
         paint = WRONG
-        parts += [f'{link.link} link {LINK_WORDS.get(link.state, "unknown")}' for link in broken]
+        parts += [f'{link.link} link {words_of(link.state)}' for link in broken]
         reasons = [link.reason for link in broken if link.reason]
         if reasons:
             return Words(' | '.join(parts) + '\n' + reasons[0], paint)
