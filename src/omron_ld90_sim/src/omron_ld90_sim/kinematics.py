@@ -1,4 +1,4 @@
-"""The LD-90's body and what it can do, in figures (design.md, "The LD-90 in figures").
+"""The LD-90's body and what it can do, in figures: its data sheet, and real robots' configurations.
 
 Millimetres, degrees and seconds, as in ARCL and in the robot's own configuration.
 """

@@ -24,8 +24,8 @@ from omron_ld90_sim.server import ArclServer
 from omron_ld90_sim.session import Session
 
 RECONNECT = 1.0         # s between two attempts of the outgoing connection
-CYCLE = 0.02            # s of wall time in which what comes in counts as simultaneous, at most
-LONGEST_CYCLE = 0.1     # so many s of the robot's clock
+INPUT_CYCLE = 0.02      # s of wall time in which what comes in counts as simultaneous, at most
+LONGEST_INPUT_CYCLE = 0.1   # so many s of the robot's clock
 LONGEST_SLEEP = 3600.0  # s, more than a selector may be asked for is an error
 _RESET = struct.pack('ii', 1, 0)    # SO_LINGER of no time: close() sends RST
 MAX_OUTPUT = 8_000_000  # bytes a client may leave unread before it is dropped
@@ -40,7 +40,7 @@ class Loop:
 
     def __init__(self, clock: Clock, speed: float) -> None:
         self.clock, self.speed = clock, speed
-        self._cycle = min(CYCLE * speed, LONGEST_CYCLE)
+        self._cycle = min(INPUT_CYCLE * speed, LONGEST_INPUT_CYCLE)
         self.selector = selectors.DefaultSelector()
         self._wake_read, self._wake_write = socket.socketpair()
         self._wake_read.setblocking(False)
