@@ -1,7 +1,7 @@
 """The robot's configuration as ARCL shows it: sections of named parameters.
 
-Only parameters that change what the simulator does are here, each with the section and name of the
-facts. `configAdd` lines are collected and parsed at `configParse`, as on the robot.
+Only parameters that change what the simulator does are here, each with the section and name that
+a robot has (docs/sources.md). `configAdd` lines are collected and parsed at `configParse`, as on the robot.
 """
 from __future__ import annotations
 

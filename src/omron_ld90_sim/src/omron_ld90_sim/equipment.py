@@ -56,8 +56,7 @@ def _switches(name: str) -> Dict[str, bool]:
 
 @dataclass
 class Equipment:
-    """Four digital inputs and outputs, one analog input; a robot's own names are not in the facts.
-    """
+    """Four digital inputs and outputs, one analog input; a robot's own names are not known."""
 
     inputs: Dict[str, bool] = field(default_factory=lambda: _switches('Input'))
     outputs: Dict[str, bool] = field(default_factory=lambda: _switches('Output'))

@@ -13,7 +13,7 @@ from omron_ld90_sim.server import ArclServer
 from omron_ld90_sim.session import Session
 
 FASTEST_STATUS = 0.1        # s, SendStatusInterval is never faster
-FASTEST_LIST = 0.01         # s, not in the facts; keeps the simulator from doing nothing else
+FASTEST_LIST = 0.01         # s, not in the sources; keeps the simulator from doing nothing else
 LEAST_TIMEOUT = 5.0         # s, OutgoingSocketTimeoutInMins never means less
 
 

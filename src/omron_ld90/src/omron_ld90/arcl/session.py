@@ -37,14 +37,14 @@ class State(Enum):
     CLOSED = 'closed'
 
 
-# The login: which line takes a state to the next. Facts: transcript 1 of a real LD-90.
+# The login: which line takes a state to the next. Source: the login of a real LD-90.
 _LOGIN: Dict[State, Tuple[bytes, State]] = {
     State.AWAITING_PROMPT: (b'enter password:', State.LOGGING_IN),
     State.LOGGING_IN: (b'welcome to the server.', State.DRAINING_HELP_LIST),
     State.DRAINING_HELP_LIST: (b'end of commands', State.READY),
 }
 
-# What it means when the peer closes the connection. Facts: on a wrong password without a word.
+# What it means when the peer closes the connection: after a wrong password it does so at once.
 _CLOSED_WHILE: Dict[State, Tuple[Type[LinkError], str]] = {
     State.AWAITING_PROMPT: (ConnectionFailed, 'the robot closed the connection before the login'),
     State.LOGGING_IN: (WrongPassword, 'the robot refused the password'),

@@ -2,7 +2,7 @@
 
 Importing this package fills `TABLE`.
 
-What the facts call unknown is not here: the server answers `Unknown command`.
+What no source tells (docs/sources.md) is not here: the server answers `Unknown command`.
 """
 from omron_ld90_sim.commands import (
     application_faults,

@@ -141,7 +141,7 @@ def distance_between(call: Call) -> None:
 @command('applicationBlockDrivingSet', 'Sets an application blockDriving',
          '<name> <shortDesc> <longDesc>', 3, 'abds')
 def block_driving(call: Call) -> None:
-    """Forbids driving and cancels what drives; the facts know of no answer."""
+    """Forbids driving and cancels what drives; no source tells an answer."""
     call.robot.block('application', call.arguments[0])
 
 
