@@ -27,11 +27,16 @@ def transform(x: float, y: float, yaw: float) -> Transform:
     return result
 
 
+def seen_from_map(odom: Pose, x: float, y: float) -> tuple[float, float]:
+    """The point (x, y) of the odometry frame, whose pose in the map is `odom`."""
+    yaw = yaw_from_quaternion(odom.orientation)
+    return (odom.position.x + x * math.cos(yaw) - y * math.sin(yaw),
+            odom.position.y + x * math.sin(yaw) + y * math.cos(yaw))
+
+
 @given(coordinates, coordinates, angles, coordinates, coordinates, angles)
 def test_odometry_hung_below_the_map_puts_the_robot_where_it_says_it_is(x, y, yaw, ox, oy, oyaw):
     odom = planar.map_to_odom(pose(x, y, yaw), transform(ox, oy, oyaw))
-    there = planar.transformed(
-        transform(odom.position.x, odom.position.y, yaw_from_quaternion(odom.orientation)), ox, oy)
-    assert there == pytest.approx((x, y), abs=1e-9)
+    assert seen_from_map(odom, ox, oy) == pytest.approx((x, y), abs=1e-9)
     turned = yaw_from_quaternion(odom.orientation) + oyaw - yaw
     assert math.cos(turned) == pytest.approx(1.0)

@@ -17,7 +17,7 @@ Parameters:
       else every address
   ~map_frame (map), ~laser_device (Laser_1)
   ~laser_height (0.203 m): of the laser above the floor
-  ~silence (4.0 s): without a line after which the link counts as dead
+  ~silence (4.0 s): without a byte after which the link counts as dead
   ~session_log (''): file for all that the robot sends; an older one is kept as <file>.old
 """
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What a click on the map means: which goal or dock it hits. Metres, in the map frame; no ROS."""
+"""What a click on the map means: which goal or dock it hits. Metres, in the map frame."""
 from __future__ import annotations
 
 import enum

@@ -57,7 +57,7 @@ from omron_ld90.maps import (
 from omron_ld90.maps import (
     OccupancyGrid as Grid,
 )
-from omron_ld90.nodes import markers
+from omron_ld90.nodes import map_markers
 from omron_ld90.nodes.diagnostics import publish_diagnostics
 from omron_ld90.nodes.fast_messages import GetGridResponse, GridMessage, LoadGridResponse
 from omron_ld90.nodes.shared_parameters import map_sources
@@ -68,16 +68,16 @@ POLL_PERIOD = 0.5  # s, between two looks at the file
 MOST_WARNINGS = 10  # in the log, about one file
 BACKGROUNDS = {'unknown': UNKNOWN, 'free': FREE}
 MARKERS = {
-    'map_markers/points': markers.points,
-    'map_markers/lines': markers.lines,
-    'map_markers/goals': markers.goals,
-    'map_markers/docks': markers.docks,
+    'map_markers/points': map_markers.points,
+    'map_markers/lines': map_markers.lines,
+    'map_markers/goals': map_markers.goals,
+    'map_markers/docks': map_markers.docks,
 }
 MARKER_ARRAYS = {
-    'map_markers/goal_names': markers.goal_names,
-    'map_markers/goal_headings': markers.goal_headings,
-    'map_markers/forbidden_areas': markers.forbidden_areas,
-    'map_markers/sectors': markers.sectors,
+    'map_markers/goal_names': map_markers.goal_names,
+    'map_markers/goal_headings': map_markers.goal_headings,
+    'map_markers/forbidden_areas': map_markers.forbidden_areas,
+    'map_markers/sectors': map_markers.sectors,
 }
 
 
@@ -85,11 +85,11 @@ MARKER_ARRAYS = {
 class Settings:
     """How the map is shown; lengths in metres, times in seconds."""
 
-    frame_id: str = 'map'
-    background: int = UNKNOWN
-    areas_in_grid: bool = False
-    default_resolution: float = 0.05
-    laser_lifetime: float = 2.0
+    frame_id: str
+    background: int
+    areas_in_grid: bool
+    default_resolution: float
+    laser_lifetime: float
 
 
 class MapVisualisation:
@@ -175,9 +175,8 @@ class MapVisualisation:
         self._problem = ''
         self._map.publish(self._grid)
         self._metadata.publish(info)
-        always = Header(frame_id=frame_id)  # stamp 0: RViz need not find an old transform
         for build, publisher in self._markers.items():
-            publisher.publish(build(document, always))
+            publisher.publish(build(document, frame_id))
         self._file.publish(self._shown['file'])
         rospy.loginfo('Showing %s.', ', '.join(f'{what}: {n}' for what, n in self._shown.items()))
         warnings = document.warnings
@@ -215,7 +214,7 @@ class MapVisualisation:
         if isinstance(reading, RangeReading):
             header = Header(stamp=rospy.Time.now(), frame_id=self._settings.frame_id)
             self._laser.publish(
-                markers.laser(reading, header, self._settings.laser_lifetime))
+                map_markers.laser(reading, header, self._settings.laser_lifetime))
 
     def _diagnose(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
         shown, problem = self._shown, self._problem

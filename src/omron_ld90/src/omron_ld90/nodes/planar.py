@@ -1,4 +1,4 @@
-"""Poses of a robot that stays on the floor: x, y and yaw out of ROS's poses and transforms."""
+"""Frames of a robot that stays on the floor: x, y and yaw out of ROS's poses and transforms."""
 from __future__ import annotations
 
 import math
@@ -6,13 +6,6 @@ import math
 from geometry_msgs.msg import Pose, Transform
 
 from omron_ld90.nodes.units import quaternion_from_yaw, yaw_from_quaternion
-
-
-def transformed(transform: Transform, x: float, y: float) -> tuple[float, float]:
-    """The point (x, y) on the floor, taken through `transform`."""
-    yaw = yaw_from_quaternion(transform.rotation)
-    return (transform.translation.x + x * math.cos(yaw) - y * math.sin(yaw),
-            transform.translation.y + x * math.sin(yaw) + y * math.cos(yaw))
 
 
 def map_to_odom(base_in_map: Pose, base_in_odom: Transform) -> Pose:

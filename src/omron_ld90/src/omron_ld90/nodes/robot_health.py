@@ -39,11 +39,6 @@ class RobotHealth:
         self._motors: Optional[bool] = None
         self._faults: Dict[str, Fault] = {}
 
-    @property
-    def emergency_stop(self) -> bool:
-        """Whether the robot told of a pressed emergency stop, and not yet of its end."""
-        return self._emergency_stop
-
     def forget(self) -> None:
         """The link broke: what was known is history."""
         self.__init__()

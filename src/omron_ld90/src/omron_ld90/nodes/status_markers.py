@@ -14,6 +14,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from omron_ld90.nodes import drawing
 from omron_ld90.nodes.link_reports import words_of
+from omron_ld90.nodes.robot_health import LOW_CHARGE
 from omron_ld90_msgs.msg import LinkState, RobotStatus
 
 LIFETIME = 2.5  # s
@@ -23,7 +24,6 @@ GHOST = drawing.colour(0.6, 0.6, 0.65, 0.6)
 WELL = drawing.colour(0.92, 0.94, 0.97)
 CARE = drawing.colour(1.0, 0.80, 0.25)
 WRONG = drawing.colour(1.0, 0.38, 0.30)
-LOW_BATTERY = 0.2
 GHOST_SIZE = (0.70, 0.50, 0.40)  # m, the robot's
 
 
@@ -45,7 +45,7 @@ def status_words(robot: str, status: Optional[RobotStatus], silent_for: float,
     if status is not None and silent_for <= silence_limit:
         if not math.isnan(status.state_of_charge):
             parts.append(f'battery {100 * status.state_of_charge:.0f} %')
-            if status.state_of_charge < LOW_BATTERY:
+            if 100 * status.state_of_charge < LOW_CHARGE:
                 paint = CARE
         doing = _doing(status)
         if doing:
