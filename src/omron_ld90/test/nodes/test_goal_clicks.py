@@ -13,6 +13,7 @@ from omron_ld90.nodes.goal_clicks import (
     TargetKind,
     explain_miss,
     resolve_click,
+    target_named,
     targets_of,
 )
 
@@ -84,3 +85,12 @@ def test_no_target_is_nearer_than_the_one_that_is_meant(places, x, y):
     click = resolve_click(targets, x, y, TOLERANCE)
     assert all(click.distance <= math.hypot(px - x, py - y) for px, py in places)
     assert click.hit == (click.distance <= TOLERANCE)
+
+
+@pytest.mark.parametrize(('name', 'place'), [('12', (1.0, 2.0)), ('MEETING room', (-1.5, 0.0))])
+def test_a_target_is_found_by_its_name_whatever_its_case(name, place):
+    assert target_named(name, targets_of(MapDocument.from_bytes(MAP))).place == place
+
+
+def test_a_name_that_the_map_does_not_have_is_no_target():
+    assert target_named('13', targets_of(MapDocument.from_bytes(MAP))) is None

@@ -8,7 +8,7 @@ from typing import Iterable, List, Optional, Tuple
 
 import numpy as np
 
-from omron_ld90.arcl import quote
+from omron_ld90.arcl import quote, same_name
 from omron_ld90.maps import MapDocument
 from omron_ld90.nodes.units import metres
 
@@ -35,6 +35,11 @@ class Target:
         """The ARCL command that brings the robot here; a dock is reached with `dock` only."""
         return 'dock' if self.kind is TargetKind.DOCK else f'goto {quote(self.name)}'
 
+    @property
+    def place(self) -> Tuple[float, float]:
+        """x and y."""
+        return self.x, self.y
+
     def __str__(self) -> str:
         return f'{self.kind.value} {self.name}' if self.name else self.kind.value
 
@@ -45,6 +50,11 @@ def targets_of(document: MapDocument) -> List[Target]:
         Target(TargetKind.DOCK if item.is_dock else TargetKind.GOAL, item.name,
                metres(item.x), metres(item.y), item.theta if item.has_heading else None)
         for item in document.objects if item.is_goal or item.is_dock]
+
+
+def target_named(name: str, targets: Iterable[Target]) -> Optional[Target]:
+    """The target that the robot calls `name`, or None."""
+    return next((target for target in targets if same_name(target.name, name)), None)
 
 
 def extent_in_x(document: MapDocument) -> Tuple[float, float]:

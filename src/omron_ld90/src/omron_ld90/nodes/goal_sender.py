@@ -47,6 +47,7 @@ from omron_ld90.nodes.goal_clicks import (
     explain_miss,
     extent_in_x,
     resolve_click,
+    target_named,
     targets_of,
 )
 from omron_ld90.nodes.interactive_goals import Action, InteractiveGoals
@@ -168,7 +169,7 @@ class GoalSender:
         if heading is None:
             self._feedback.say(
                 Tone.BAD, f'Which way does the robot face at {target}? Use 2D Pose Estimate.',
-                (target.x, target.y))
+                target.place)
             return
         self._drive(f'localizeToPoint {millimetres(target.x)} {millimetres(target.y)} '
                     f'{round(heading)}', target)
@@ -199,21 +200,16 @@ class GoalSender:
         with self._lock:
             news = self._news.read(message.data)
             if news is not None:
-                self._feedback.say(news.tone, news.text, self._place_of(news.goal))
+                target = target_named(news.goal, self._targets or ()) if news.goal else None
+                self._feedback.say(news.tone, news.text, _place(target))
 
     def _on_refused(self, message: CommandRefused) -> None:
         """The controller refused a command, of whomever; it has logged that already."""
         self._feedback.show(Tone.BAD, f'{message.command} refused: {message.reason}')
 
-    def _place_of(self, goal: Optional[str]) -> Optional[Tuple[float, float]]:
-        if goal is None:
-            return None
-        return next((_place(target) for target in self._targets or ()
-                     if target.name.lower() == goal.lower()), None)
-
 
 def _place(target: Optional[Target]) -> Optional[Tuple[float, float]]:
-    return None if target is None else (target.x, target.y)
+    return target.place if target else None
 
 
 def main() -> None:

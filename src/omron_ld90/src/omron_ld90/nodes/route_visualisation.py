@@ -43,13 +43,13 @@ from omron_ld90 import arcl
 from omron_ld90.maps import MapDocument, MapError
 from omron_ld90.nodes import drawing, shared_parameters, startup
 from omron_ld90.nodes.body_markers import body_markers
-from omron_ld90.nodes.goal_clicks import TargetKind, targets_of
+from omron_ld90.nodes.driven_path import DrivenPath
+from omron_ld90.nodes.goal_clicks import Target, TargetKind, target_named, targets_of
 from omron_ld90.nodes.route_markers import graph_markers, route_markers
 from omron_ld90.nodes.route_watch import EdgeProgress, RouteView
 from omron_ld90.nodes.status_markers import status_markers, status_words
 from omron_ld90_msgs.msg import LinkState, RobotStatus
 
-JUMP = 1.5  # m between two locations: further than the robot drives; it was relocalised
 ROW_HEIGHT = 0.8  # m
 
 
@@ -61,8 +61,8 @@ class RouteVisualisation:
         self._frame = startup.parameter('~map_frame', 'map')
         self._dock_vertex = startup.parameter('~dock_vertex', 16, int)
         self._silence = startup.number('~silence', 3.0, 0.5, 60.0)
-        self._path_length = int(startup.number('~path_length', 400, 2, 10000))
-        self._path_step = startup.number('~path_step', 0.1, 0.01, 10.0)
+        self._path = DrivenPath(self._frame, int(startup.number('~path_length', 400, 2, 10000)),
+                                startup.number('~path_step', 0.1, 0.01, 10.0))
         self._row = startup.parameter('~status_row', 0, int)
         self._graph = shared_parameters.trajectory_graph()
         self._body = _body_of(startup.parameter('robot_description', ''))
@@ -72,13 +72,10 @@ class RouteVisualisation:
         self._heard = -math.inf
         self._links: Dict[str, LinkState] = {}
         self._map_file = ''
-        self._goals: Dict[str, drawing.XY] = {}
-        self._dock: Optional[drawing.XY] = None
+        self._targets: List[Target] = []
         self._point: Optional[drawing.XY] = None
         self._banner_at = (0.0, 0.0)
         self._route = RouteView()
-        self._path = Path()
-        self._path.header.frame_id = self._frame
 
         self._publish_status = rospy.Publisher(
             'status_markers', MarkerArray, queue_size=2, tcp_nodelay=True)
@@ -87,7 +84,7 @@ class RouteVisualisation:
         self._publish_path = rospy.Publisher('driven_path', Path, queue_size=2, latch=True)
         self._publish_graph = rospy.Publisher(
             'graph_markers', MarkerArray, queue_size=1, latch=True)
-        self._show_graph({})
+        self._show_graph()
         self._publish_route.publish(route_markers(self._graph, (), self._frame))
         for topic, message, callback in (
                 ('map_file', String, self._on_map),
@@ -101,26 +98,22 @@ class RouteVisualisation:
         self._timer = rospy.Timer(rospy.Duration(1.0), self._on_timer)
 
     def _on_map(self, message: String) -> None:
-        goals, dock, named = {}, None, {}
+        targets = []
         if message.data:
             try:
-                for target in targets_of(MapDocument.load(message.data)):
-                    named[target.name] = (target.x, target.y)
-                    if target.kind is TargetKind.DOCK:
-                        dock = dock or (target.x, target.y)
-                    else:
-                        goals[target.name.lower()] = (target.x, target.y)
+                targets = targets_of(MapDocument.load(message.data))
             except MapError as error:
                 rospy.logerr('Destinations are not shown: %s', error)
         with self._lock:
-            self._show_graph(named)
-            self._goals, self._dock = goals, dock
+            self._targets = targets
+            self._show_graph()
             if message.data != self._map_file:  # another map: the path was not driven on it
                 self._map_file = message.data
-                self._path.poses = []
-                self._publish_path.publish(self._path)
+                self._path.clear()
+                self._publish_path.publish(self._path.message)
 
-    def _show_graph(self, named: Dict[str, drawing.XY]) -> None:
+    def _show_graph(self) -> None:
+        named = {target.name: target.place for target in self._targets}
         self._publish_graph.publish(
             graph_markers(self._graph, self._dock_vertex, self._frame, named))
 
@@ -155,16 +148,8 @@ class RouteVisualisation:
 
     def _on_pose(self, message: PoseStamped) -> None:
         with self._lock:
-            if self._path.poses:
-                last, here = self._path.poses[-1].pose.position, message.pose.position
-                moved = math.hypot(here.x - last.x, here.y - last.y)
-                if moved < self._path_step:
-                    return
-                if moved > JUMP:
-                    self._path.poses = []
-            self._path.header.stamp = message.header.stamp
-            self._path.poses = [*self._path.poses[-self._path_length + 1:], message]
-            self._publish_path.publish(self._path)
+            if self._path.add(message):
+                self._publish_path.publish(self._path.message)
 
     def _on_timer(self, _event: rospy.timer.TimerEvent) -> None:
         with self._lock:
@@ -187,12 +172,14 @@ class RouteVisualisation:
         if self._status is None:
             return None
         doing = arcl.parse_line(self._status.status)
-        if isinstance(doing, arcl.GoingTo):
-            return self._goals.get(doing.goal.lower())
         if isinstance(doing, arcl.GoingToPoint):
             return self._point
-        docking = arcl.DockingState.DOCKING.value
-        return self._dock if self._status.docking_state == docking else None
+        target = None
+        if isinstance(doing, arcl.GoingTo):
+            target = target_named(doing.goal, self._targets)
+        elif self._status.docking_state == arcl.DockingState.DOCKING.value:
+            target = next((t for t in self._targets if t.kind is TargetKind.DOCK), None)
+        return target.place if target else None
 
 
 def _body_of(urdf: str) -> List[Marker]:
