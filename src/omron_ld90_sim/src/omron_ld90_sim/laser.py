@@ -2,8 +2,8 @@
 
 Rays march over the floor's distance field in steps as long as the nearest wall allows (sphere
 tracing), all rays at once. The data sheet gives 240 degrees and 15 m; 455 rays is what a public
-driver reserves for one scan. The place of the laser on the robot is not known: it is taken to be the
-turning centre.
+driver reserves for one scan. The place of the laser on the robot is not known: it is taken to be
+the turning centre.
 """
 from __future__ import annotations
 
