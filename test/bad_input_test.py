@@ -11,6 +11,7 @@ from pathlib import Path
 
 import rospy
 import rostest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
 
 from omron_ld90_msgs.msg import LinkState
@@ -43,11 +44,18 @@ class BadInput(unittest.TestCase):
     def assert_pose_comes(self, robot: str) -> None:
         Recorder(f'/{robot}/pose', PoseStamped).wait_for(lambda m: True, 60, 'pose of the robot')
 
+    def assert_error_shown(self, name: str, words: str) -> None:
+        Recorder('/diagnostics', DiagnosticArray).wait_for(
+            lambda array: any(status.name.endswith(name) and words in status.message
+                              and status.level == DiagnosticStatus.ERROR
+                              for status in array.status), 10, f'ERROR of {name} in /diagnostics')
+
     def test_an_unreadable_graph_idles_the_bridge_and_the_rest_drives_on(self) -> None:
         graph = self.files / 'broken.yaml'
         graph.write_text('Vertices:\n- {Id: 1, X: here}\n')
         with self.stack('unreadable_graph', graph_file=graph) as stack:
             stack.wait_for_line('/omron_edges_to_vertices cannot work', f'{graph}, line 2')
+            self.assert_error_shown('omron_edges_to_vertices: configuration', f'{graph}, line 2')
             drive_to('unreadable_graph', '20')
 
     def test_a_missing_map_is_named_and_the_robot_is_still_followed(self) -> None:

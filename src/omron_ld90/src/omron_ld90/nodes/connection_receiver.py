@@ -71,7 +71,7 @@ _MOST_DEVICES = 16
 
 
 class ConnectionReceiver:
-    """The node."""
+    """The node; `make_listener` makes its listener from the callbacks that it is given."""
 
     def __init__(self, make_listener: Callable[..., Listener], map_frame: str,
                  laser_device: str, laser_height: float, log: Optional[SessionLog]) -> None:

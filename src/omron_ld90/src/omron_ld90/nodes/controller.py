@@ -76,7 +76,7 @@ PASSWORD_VARIABLE = 'OMRON_LD90_PASSWORD'
 
 
 class Controller:
-    """The node; `client` is made by the caller, for the callbacks need each other."""
+    """The node; `make_client` makes its client from the callbacks that it is given."""
 
     def __init__(self, make_client: Callable[..., Client], guard: Guard, goals: GoalComparison,
                  map_frame: str, log: Optional[SessionLog]) -> None:
