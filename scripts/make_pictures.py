@@ -23,7 +23,8 @@ from std_msgs.msg import String
 
 from itrci_nav_msgs.msg import ExecutionRouteStates, TargetRoute
 from omron_ld90.maps import MapDocument
-from system_support import Recorder, connected_publisher, free_port, wait_until
+from ports import free_port
+from system_support import Recorder, connected_publisher, wait_until
 
 ROOT = Path(__file__).resolve().parents[1]
 IMAGES = ROOT / 'docs/images'

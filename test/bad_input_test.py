@@ -15,7 +15,8 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
 
 from omron_ld90_msgs.msg import LinkState
-from system_support import Launched, Recorder, drive_to, free_port
+from ports import free_port
+from system_support import Launched, Recorder, drive_to
 
 ROOT = Path(__file__).resolve().parents[1]
 SIMULATOR_PASSWORD = ROOT / 'src' / 'omron_ld90_sim' / 'config' / 'simulator_password'
@@ -90,14 +91,16 @@ class BadInput(unittest.TestCase):
                 lambda m: m.link == LinkState.COMMANDS and m.reason, 30, 'reason')
             self.assertNotEqual(link.state, LinkState.CONNECTED)
 
-    def test_a_taken_outgoing_port_is_named_and_commands_still_work(self) -> None:
+    def test_a_taken_outgoing_port_is_named_and_taken_over_when_it_is_free(self) -> None:
         with socket.socket() as holder:
             holder.bind(('127.0.0.1', 0))
             holder.listen()
             port = holder.getsockname()[1]
             with self.stack('taken_port', outgoing_port=port) as stack:
-                stack.wait_for_line('/omron_connection_receiver cannot work', str(port))
+                stack.wait_for_line('Link "outgoing"', f'another program has port {port}')
                 drive_to('taken_port', '20')
+                holder.close()
+                self.assert_pose_comes('taken_port')
 
     def test_no_password_file_for_a_real_robot_says_how_to_give_one(self) -> None:
         with self.stack('no_password', sim='false') as stack:

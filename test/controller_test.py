@@ -29,7 +29,8 @@ from omron_ld90_msgs.msg import (
     ExecuteCommandResult,
     LinkState,
 )
-from system_support import Recorder, connected_publisher, free_port, wait_until
+from ports import free_port
+from system_support import Recorder, connected_publisher, wait_until
 
 SOON = 10.0  # s
 DRIVE = 60.0  # s; the simulated robot's clock runs eight times as fast

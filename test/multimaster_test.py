@@ -19,7 +19,8 @@ import rospy
 import rostest
 
 from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, TargetRoute
-from system_support import Recorder, connected_publisher, free_port, skip, wait_until
+from ports import free_port
+from system_support import Recorder, connected_publisher, skip, wait_until
 
 ROBOT, FLEET = '127.0.0.2', '127.0.0.3'
 HERE = Path(__file__).resolve().parent

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import socket
 import unittest
 
 import rospkg
@@ -14,6 +13,7 @@ from rviz_support import RvizWindow, Screen, missing_programs, report_failure
 from std_msgs.msg import String
 
 from omron_ld90.maps import MapDocument
+from ports import free_port
 from system_support import Recorder, skip, wait_until
 
 LAB = rospkg.RosPack().get_path('omron_ld90') + '/../../maps/lab.map'
@@ -23,16 +23,6 @@ TOOLS = range(200, 480, 40)  # where on the toolbar the two Publish Point tools 
 APART = 8  # pixels between the clicks that find them
 ROBOTS = ('robot_a', 'robot_b')
 OUTER_RING = 0.45  # m from a goal: inside robot_b's handle, outside robot_a's
-
-
-def free_ports(count: int) -> list:
-    sockets = [socket.socket() for _ in range(count)]
-    for one in sockets:
-        one.bind(('127.0.0.1', 0))
-    ports = [one.getsockname()[1] for one in sockets]
-    for one in sockets:
-        one.close()
-    return ports
 
 
 class TwoRobotsTest(unittest.TestCase):
@@ -54,7 +44,7 @@ class TwoRobotsTest(unittest.TestCase):
         cls.clicks = {robot: Recorder(f'/{robot}/clicked_point', PointStamped) for robot in ROBOTS}
         cls.screen = Screen()
         ports = zip(('arcl_port_a', 'outgoing_port_a', 'arcl_port_b', 'outgoing_port_b'),
-                    free_ports(4))
+                    [free_port() for _ in range(4)])
         cls.window = RvizWindow(
             cls.screen, os.environ.get('SYSTEM_TEST_ARTEFACTS', '/tmp'), SCALE,
             'omron_ld90', 'two_robots.launch', 'rviz:=true', 'sim_speed:=4.0',

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import os
 import signal
-import socket
 import subprocess
 import tempfile
 import threading
@@ -153,8 +152,3 @@ def skip(test: unittest.TestCase, reason: str) -> None:
     test.skipTest(reason)
 
 
-def free_port(address: str = '127.0.0.1') -> int:
-    """A TCP port of `address` that nothing uses now."""
-    with socket.socket() as probe:
-        probe.bind((address, 0))
-        return probe.getsockname()[1]

@@ -20,7 +20,7 @@ from typing import Callable, Dict, List, NamedTuple, Tuple
 import numpy as np
 
 from omron_ld90.arcl import Session
-from system_support import free_port
+from ports import free_port
 
 ROOT = Path(__file__).resolve().parents[2]
 NODES = ROOT / 'src/omron_ld90/nodes'

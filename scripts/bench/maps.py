@@ -26,7 +26,7 @@ from visualization_msgs.msg import Marker
 from omron_ld90.maps import MapDocument, OccupancyGrid
 from omron_ld90.nodes.fast_messages import GridMessage, PointsMarker
 from omron_ld90.nodes.map_visualisation import MARKER_ARRAYS, MARKERS
-from system_support import free_port
+from ports import free_port
 
 ROOT = Path(__file__).resolve().parents[2]
 REAL = ROOT.parent / 'shared' / 'maps' / 'omron-ld-site-a.map'

@@ -20,7 +20,7 @@ from rviz_support import Screen, missing_programs
 from stack import cpu_seconds, descendants
 
 from omron_ld90.nodes.rviz_view import rendering_arguments
-from system_support import free_port
+from ports import free_port
 
 ROOT = Path(__file__).resolve().parents[2]
 SHIPPED = (ROOT / 'rviz/omron_ld90.rviz').read_text()

@@ -16,7 +16,7 @@ import time
 from pathlib import Path
 from typing import Callable, Dict, List, Tuple
 
-from system_support import free_port
+from ports import free_port
 
 ROOT = Path(__file__).resolve().parents[2]
 RUNS = 5

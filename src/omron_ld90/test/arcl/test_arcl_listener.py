@@ -112,9 +112,21 @@ def test_a_line_beyond_all_measure_drops_the_connection(links):
         links.wait(lambda link: 'more than' in link.reason, 'the reason')
 
 
-def test_a_port_in_use_is_an_error():
-    with socket.create_server(('127.0.0.1', 0)) as taken, pytest.raises(OSError):
-        Listener('127.0.0.1', taken.getsockname()[1], '127.0.0.1')
+def test_a_port_of_another_program_is_named_and_taken_when_it_is_free(received, links):
+    holder = socket.create_server(('127.0.0.1', 0))
+    port = holder.getsockname()[1]
+    with Listener('127.0.0.1', port, '127.0.0.1', on_line=received, on_link=links) as listener:
+        links.wait(lambda link: f'another program has port {port}' in link.reason, 'the reason')
+        holder.close()
+        links.wait(lambda link: 'is free now' in link.reason, 'the news that it listens')
+        with dial(listener) as robot:
+            robot.sendall(lines(*STATUS))
+            received.wait(lambda line: line.text.startswith('Status:'), 'a line of the robot')
+
+
+def test_an_address_of_another_computer_is_an_error():
+    with pytest.raises(OSError):
+        Listener('192.0.2.1', 0, '127.0.0.1')
 
 
 def test_closing_frees_the_port():

@@ -240,7 +240,8 @@ class TcpServer:
         if sock is None:
             return
         self.loop.selector.unregister(sock)
-        if sock.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR) or self._target() is None:
+        if (sock.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR) or self._target() is None
+                or sock.getsockname() == sock.getpeername()):   # TCP can connect to itself
             sock.close()
             return
         session = self.server.connect_outgoing()

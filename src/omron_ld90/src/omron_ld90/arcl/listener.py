@@ -1,6 +1,8 @@
 """The connection that the robot opens to us: take it, keep it alive, hand on its lines."""
 from __future__ import annotations
 
+import contextlib
+import errno
 import logging
 import selectors
 import socket
@@ -14,6 +16,7 @@ from omron_ld90.arcl.session import Closed, Received, Session
 from omron_ld90.arcl.session_log import SessionLog
 
 KEEP_ALIVE = 2.0  # s; the robot drops a listener that is silent for 6 s by default
+RETRY = 1.0  # s between two tries to listen on a port that another program has
 _MOST_UNSENT = 64  # bytes of keep-alive to a robot that does not read
 _log = logging.getLogger(__name__)
 
@@ -24,7 +27,8 @@ class Listener(Transport):
     robot: name or address of the only host that may connect. on_line(Received): a line came.
     on_link(Link): the link changed. on_refused(str): somebody else, with this address, was turned
     away. silence: seconds without a byte after which the connection counts as dead.
-    Raises OSError where it cannot listen at (bind, port).
+    A port that another program has is tried again until it is free, and the link says so meanwhile.
+    Raises OSError where it can never listen at (bind, port).
     """
 
     def __init__(self, bind: str, port: int, robot: str, *,
@@ -40,29 +44,57 @@ class Listener(Transport):
         self._on_refused = on_refused
         self._trace = log.outgoing() if log else None
         self._silence = silence
-        self._socket = socket.create_server((bind, port), backlog=4)
-        self._socket.setblocking(False)
-        self.port: int = self._socket.getsockname()[1]
+        self._bind = bind
+        self.port = port
+        self._socket: Optional[socket.socket] = None
+        self._tried = time.monotonic()
         self.link = Link(LinkPhase.DISCONNECTED, robot, 'the robot has not connected yet')
         self._connection: Optional[Connection] = None
         self._session = Session(None)
         self._heard = self._spoken = 0.0
+        try:
+            self._listen()
+        except OSError as error:
+            if error.errno != errno.EADDRINUSE:
+                raise
+            self.link = Link(LinkPhase.DISCONNECTED, robot, f'another program has port {port}: '
+                             'end it or choose another port; it is tried again every second')
+
+    def _listen(self) -> None:
+        self._socket = socket.create_server((self._bind, self.port), backlog=4)
+        self._socket.setblocking(False)
+        self.port = self._socket.getsockname()[1]
 
     # --- the listener's thread -------------------------------------------------------------------
 
     def _run(self) -> None:
         self._call(self._on_link, self.link)
-        with self._socket, selectors.DefaultSelector() as selector:
+        with selectors.DefaultSelector() as selector:
             self._selector = selector
-            selector.register(self._socket, selectors.EVENT_READ)
             selector.register(self._waker.reader, selectors.EVENT_READ)
+            if self._socket:
+                selector.register(self._socket, selectors.EVENT_READ)
             while not self._closing.is_set():
                 ready = [key.fileobj for key, _ in selector.select(TICK)]
-                if self._socket in ready:
+                if not self._socket:
+                    self._retry(time.monotonic())
+                elif self._socket in ready:
                     self._accept()
                 if self._connection:
                     self._serve(time.monotonic())
             self._drop(ConnectionLost('closed by us'))
+        if self._socket:
+            self._socket.close()
+
+    def _retry(self, now: float) -> None:
+        if now - self._tried < RETRY:
+            return
+        self._tried = now
+        with contextlib.suppress(OSError):  # why has been said
+            self._listen()
+            self._selector.register(self._socket, selectors.EVENT_READ)
+            self._set_link(Link(LinkPhase.DISCONNECTED, self._robot, f'port {self.port} is free '
+                                'now, the robot has not connected yet'))
 
     def _accept(self) -> None:
         try:

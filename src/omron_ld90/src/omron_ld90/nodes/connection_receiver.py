@@ -179,8 +179,8 @@ def start() -> ConnectionReceiver:
             return Listener(bind, port, robot, silence=silence, log=log, **callbacks)
         except OSError as error:
             raise ConfigurationError(f'Cannot listen on {bind or "every address"}, port {port}: '
-                                     f'{error.strerror}. Choose another ~port, or end the '
-                                     'program that has it.') from None
+                                     f'{error.strerror}. Choose another ~port or '
+                                     '~bind_address.') from None
 
     return ConnectionReceiver(make_listener, parameter('~map_frame', 'map'),
                               parameter('~laser_device', 'Laser_1'),
