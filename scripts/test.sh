@@ -62,11 +62,18 @@ lint() {
   fi
 }
 
-unit_tests() {
+unit_tests() {  # under both Pythons at once, for the sake of time
+  local log38="$results/unit38.log"
+  unit_tests_of_python38 >"$log38" 2>&1 &
+  local other=$!
   say "Unit tests, $(/usr/bin/python3 --version)"
   /usr/bin/python3 -m pytest -q --junitxml="$results/unit.xml" src || true
   [ -f "$results/unit.xml" ] || record failed unit-tests "pytest did not finish"
+  wait "$other"
+  cat "$log38"
+}
 
+unit_tests_of_python38() {
   if [ "$(/usr/bin/python3 -c 'import sys; print(sys.version_info[:2])')" = '(3, 8)' ]; then return; fi
   local python38; python38="$(find_python38)"
   if [ -z "$python38" ]; then
@@ -75,7 +82,7 @@ unit_tests() {
     record skipped python3.8 "its packages could not be installed from PyPI (offline?): see $results/pip.log"
   else
     say "Unit tests without ROS, Python 3.8 and the library versions of Ubuntu 20.04"
-    # -E: nothing of this system's ROS may be found
+    # nothing of this system's ROS may be found
     env -u LD90_LONG_TESTS PYTHONPATH=src/omron_ld90/src:src/omron_ld90_sim/src:src/trajectory_graph/src \
       build/python3.8/bin/python -m pytest -q --junitxml="$results/unit38.xml" \
       --ignore-glob='*/test/nodes/*' src || true

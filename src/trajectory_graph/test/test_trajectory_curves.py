@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 from graph_builders import spline_graph
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from trajectory_graph.curves import cubic_bezier, line, spline
@@ -76,7 +76,6 @@ def test_where_a_curve_crosses_itself_the_range_decides():
     assert crossing.arc_length < loop.length / 2 < later.arc_length
 
 
-@settings(deadline=None)
 @given(splines)
 def test_a_curve_reversed_is_as_long_and_swaps_its_ends(curve):
     back = curve.reversed()
@@ -84,21 +83,18 @@ def test_a_curve_reversed_is_as_long_and_swaps_its_ends(curve):
     assert back.point_at(0.0) == pytest.approx(curve.point_at(curve.length))
 
 
-@settings(deadline=None)
 @given(splines, st.floats(0.0, 1.0))
 def test_a_point_of_the_curve_projects_onto_itself(curve, fraction):
     point = curve.point_at(fraction * curve.length)
     assert curve.project(*point).distance == pytest.approx(0.0, abs=1e-6)
 
 
-@settings(deadline=None)
 @given(splines, coordinate, coordinate)
 def test_no_sampled_point_is_nearer_than_the_projection(curve, x, y):
     sampled = np.hypot(*(curve.sample(0.2) - (x, y)).T).min()
     assert curve.project(x, y).distance <= sampled + 1e-9
 
 
-@settings(deadline=None)
 @given(splines, st.floats(0.01, 2.0))
 def test_samples_include_both_ends_and_keep_the_step(curve, step):
     points = curve.sample(step)

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import pytest
 from graph_builders import dissertation_graph
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from trajectory_graph import DiscontinuousRoute, UnknownEdge, check_route, route_vertices
@@ -44,7 +44,6 @@ def walks(draw):
     return route
 
 
-@settings(deadline=None)
 @given(walks())
 def test_the_rule_as_the_contract_words_it(route):
     graph = dissertation_graph()

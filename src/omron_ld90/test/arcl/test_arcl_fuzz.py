@@ -43,7 +43,7 @@ def batch(request) -> int:
 def share(percent: int):
     """A property that gets so many per cent of all examples."""
     def decorate(test):
-        few = settings(max_examples=EXAMPLES * percent // 100, deadline=None, database=None,
+        few = settings(max_examples=EXAMPLES * percent // 100, database=None,
                        suppress_health_check=list(HealthCheck))
         return pytest.mark.usefixtures('batch')(few(test))
     return decorate

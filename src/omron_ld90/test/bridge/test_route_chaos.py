@@ -80,7 +80,7 @@ class WildBench(Bench):
         super().order(route_id, *edges)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(st.sampled_from(sorted(STRATEGIES)), st.lists(HAPPENINGS, max_size=25))
 def test_no_happenings_confuse_the_follower(strategy, happenings):
     bench = WildBench(yard(), 1, strategy)

@@ -5,7 +5,7 @@ import math
 
 import pytest
 from bridge_builders import dissertation_graph, graph_of
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from omron_ld90.graph.route_progress import RouteProgress
@@ -99,7 +99,6 @@ def test_the_distance_to_the_end_follows_the_route():
     assert progress.distance_to_end(2) == pytest.approx(7.0 + math.hypot(4.0, 2.0))
 
 
-@settings(deadline=None)
 @given(st.lists(st.tuples(st.floats(-2.0, 10.0), st.floats(-2.0, 6.0)), max_size=30))
 def test_whatever_is_seen_progress_only_goes_forward(places):
     progress = progress_on(dissertation_graph(), (1, 4, 5), (0.0, 0.0))

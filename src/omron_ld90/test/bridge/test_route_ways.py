@@ -6,7 +6,7 @@ import math
 
 import pytest
 from bridge_builders import dissertation_graph, graph_of, yard
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from omron_ld90.graph.route_ways import corner_cut, distances, follows_on, has_detour
@@ -113,7 +113,6 @@ def simple_ways(graph: Graph, start: int, end: int) -> dict:
     return ways
 
 
-@settings(deadline=None)
 @given(grids())
 def test_what_is_called_the_free_way_is_shorter_than_every_other_by_the_margin(case):
     graph, route = case

@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 from converter_builders import LAB, graph_of, lab_generator, map_with, real_maps
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from omron_ld90.graph.converter import (
@@ -214,7 +214,6 @@ def test_a_width_for_an_edge_that_is_not_there_is_refused():
         convert(GRAPH, map_with(), Options(corridors=CorridorRules(edge_widths={77: 900.0})))
 
 
-@settings(deadline=None)
 @given(st.lists(st.tuples(st.integers(1, 6), st.integers(-9999, 9999), st.integers(-9999, 9999)),
                 max_size=6, unique_by=lambda goal: goal[0]),
        st.sampled_from(list(ExistingGoals)))

@@ -4,7 +4,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from map_builders import CELL, GROUPS, OBJECTS, cell, changed_lines, map_bytes, room, room_bytes
 from map_fixtures import GOAL, ODD
@@ -87,7 +87,6 @@ class TestAdding:
             document.add(MapObject.goal('6"', 0, 0))
         assert document.to_bytes() == room_bytes()
 
-    @settings(deadline=None)
     @given(NEW_OBJECTS, st.sampled_from([OBJECTS, JUMBLED, '']))
     def test_many_at_once_give_the_same_file_as_one_by_one(self, objects, present):
         at_once, one_by_one = (MapDocument.from_bytes(room_bytes(present)) for _ in range(2))
@@ -248,7 +247,6 @@ class TestRemoving:
         document.remove(document.goals[0])
         assert document.objects == () and document.to_bytes() == CELL.replace(GOAL, b'')
 
-    @settings(deadline=None)
     @given(st.permutations(range(10)), st.integers(0, 10))
     def test_many_at_once_give_the_same_file_as_one_by_one(self, order, count):
         at_once, one_by_one = room(), room()

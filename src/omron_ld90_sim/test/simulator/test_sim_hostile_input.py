@@ -21,7 +21,7 @@ LINES = st.builds(lambda name, words: ' '.join([name, *words]), st.sampled_from(
 RIG = Rig()     # one robot for all examples: what they leave behind is part of the test
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(st.lists(LINES, min_size=1, max_size=6))
 def test_no_command_line_breaks_the_robot(lines: List[str]) -> None:
     client = RIG.client()
@@ -45,7 +45,7 @@ def test_extreme_tasks_come_to_an_end(task: str) -> None:
     assert rig.robot.activity is None and rig.robot.base.still
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(st.lists(st.binary(max_size=40), max_size=10))
 def test_no_bytes_break_the_server(chunks: List[bytes]) -> None:
     session = RIG.server.connect()
