@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass
-from typing import Callable, Dict, List, Optional, Tuple
+from typing import Callable, Dict, List, Tuple
 
 from omron_ld90_sim.battery import ChargeState
 from omron_ld90_sim.kinematics import Pose, normalise
@@ -79,24 +79,11 @@ class DataStore:
         """What the robot has spent in each state."""
         return self.robot.state_times
 
-    @property
-    def fields(self) -> List[Field]:
-        """All fields, group by group."""
-        return [field for group in GROUPS for field in group.fields]
-
-    def find_group(self, name: str) -> Optional[Group]:
-        """The group with that name, in any case."""
-        return next((group for group in GROUPS if group.name.lower() == name.lower()), None)
-
-    def find_field(self, name: str) -> Optional[Field]:
-        """The field with that name, in any case."""
-        return next((field for field in self.fields if field.name.lower() == name.lower()), None)
-
     def reset_trip(self) -> List[Field]:
         """Counts the trip's fields anew and returns them; its dates are no counters."""
         self.times.reset_trip()
         self.trip_start = self.wall_time()
-        return [field for group in GROUPS for field in group.fields
+        return [field for group in GROUPS.values() for field in group.fields
                 if group.trip and field.name.startswith('Trip')]
 
     @property
@@ -157,7 +144,7 @@ def _encoder_pose(store: DataStore) -> Pose:
     return store.encoder_pose
 
 
-GROUPS: Tuple[Group, ...] = (
+_GROUPS = (
     Group('BatteryStateOfCharge', 'State of charge of the battery', 'Robot', (
         Field('BatteryStateOfCharge', DOUBLE, 'State of charge (percent)',
               lambda store: store.robot.docking.percent),)),
@@ -211,3 +198,6 @@ GROUPS: Tuple[Group, ...] = (
     Group('Versions', 'What the robot runs', 'Robot', tuple(
         Field(name, TEXT, 'Version', lambda _: 'ld90_sim') for name in ('SNG', 'ARAM', 'MARC'))),
 )
+
+GROUPS: Dict[str, Group] = {group.name: group for group in _GROUPS}
+FIELDS: Dict[str, Field] = {field.name: field for group in _GROUPS for field in group.fields}

@@ -2,11 +2,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Dict, Optional, Tuple
+from typing import Dict, Iterable, Optional, Tuple
 
 from omron_ld90_sim.external_io import IoSet
 
 SLOTS = 4       # payload slots of a robot that is not configured otherwise (I617-E-02 p. 48)
+
+
+def find_name(names: Iterable[str], wanted: str) -> Optional[str]:
+    """The one of `names` that `wanted` is in any case."""
+    return next((name for name in names if name.lower() == wanted.lower()), None)
 
 
 @dataclass(frozen=True)
@@ -64,7 +69,7 @@ class Equipment:
         default_factory=lambda: {'Analog_1': AnalogInput(voltage=2.5)})
     faults: Dict[str, ApplicationFault] = field(default_factory=dict)
     infos: Dict[str, Tuple[int, str]] = field(default_factory=dict)  # name -> longest value, value
-    io_sets: Dict[str, IoSet] = field(default_factory=dict)     # external I/O, name in lower case
+    io_sets: Dict[str, IoSet] = field(default_factory=dict)     # external I/O
     slots: Dict[int, Optional[Load]] = field(
         default_factory=lambda: dict.fromkeys(range(1, SLOTS + 1)))
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Callable, Dict
 
-from omron_ld90_sim.equipment import ApplicationFault
+from omron_ld90_sim.equipment import ApplicationFault, find_name
 from omron_ld90_sim.kinematics import Pose
 from omron_ld90_sim.localization import FOUND_WITHIN
 from omron_ld90_sim.robot import Robot
@@ -76,11 +76,10 @@ def _unblock(robot: Robot, task: Task) -> None:
 
 
 def _output(robot: Robot, task: Task, on: bool) -> None:
-    for name in robot.equipment.outputs:
-        if name.lower() == task.words[0].lower():
-            robot.equipment.outputs[name] = on
-            return
-    raise Failure(f"No output '{task.words[0]}'", f'Failed {task}')
+    name = find_name(robot.equipment.outputs, task.words[0])
+    if name is None:
+        raise Failure(f"No output '{task.words[0]}'", f'Failed {task}')
+    robot.equipment.outputs[name] = on
 
 
 def _localize_at_goal(robot: Robot, task: Task) -> None:

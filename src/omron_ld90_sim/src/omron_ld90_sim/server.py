@@ -51,6 +51,11 @@ class ArclServer:
         """What the robot calls itself."""
         return self.configuration.text(FLEET, 'Identifier')
 
+    @property
+    def date_time(self) -> str:
+        """The wall clock as ARCL prints it."""
+        return time.strftime('%m/%d/%Y %H:%M:%S', self.wall_time())
+
     def connect(self) -> Session:
         """A client has connected."""
         self._count += 1

@@ -131,7 +131,7 @@ def _change(call: Call, changes: List[Change]) -> None:
     except ValueError as error:
         call.reply(f'Config had errors parsing: {error}')
         return
-    for change in changes:
+    for change in (change for change in changes if change[:2] != MAP):
         call.server.configuration.set(*change)
     if changes:         # a map, too: public clients wait for this line behind `Map changed`
         call.server.broadcast('Configuration changed')

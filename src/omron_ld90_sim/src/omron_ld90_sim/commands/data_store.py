@@ -1,37 +1,23 @@
 """Commands that read the data store and begin a new trip."""
 from __future__ import annotations
 
-from omron_ld90_sim.commands.table import Call, CommandFailed, command
-from omron_ld90_sim.data_store import GROUPS, Field, Group
-
-
-def _field(call: Call) -> Field:
-    field = call.server.data_store.find_field(call.arguments[0])
-    if field is None:
-        raise CommandFailed(f"No field '{call.arguments[0]}'")
-    return field
-
-
-def _group(call: Call) -> Group:
-    group = call.server.data_store.find_group(call.arguments[0])
-    if group is None:
-        raise CommandFailed(f"No group '{call.arguments[0]}'")
-    return group
+from omron_ld90_sim.commands.table import Call, command
+from omron_ld90_sim.data_store import FIELDS, GROUPS
 
 
 @command('getDataStoreFieldInfo', 'Gets the info on a field in the DataStore', '<field>', 1,
          'dsfi')
 def field_info(call: Call) -> None:
     """Describes one field."""
-    call.reply(f'GetDataStoreFieldInfo: {_field(call).info}')
+    call.reply(f'GetDataStoreFieldInfo: {FIELDS[call.named(FIELDS, "field")].info}')
     call.reply('EndOfGetDataStoreFieldInfo')
 
 
 @command('getDataStoreFieldList', 'Gets the list of field names in the DataStore', shortcut='dsfl')
 def field_list(call: Call) -> None:
     """Lists all fields of all groups."""
-    for field in call.server.data_store.fields:
-        call.reply(f'GetDataStoreFieldList: {field.name}')
+    for name in FIELDS:
+        call.reply(f'GetDataStoreFieldList: {name}')
     call.reply('EndOfGetDataStoreFieldList')
 
 
@@ -39,7 +25,7 @@ def field_list(call: Call) -> None:
          'dsfv')
 def field_values(call: Call) -> None:
     """Answers one field's value."""
-    field = _field(call)
+    field = FIELDS[call.named(FIELDS, 'field')]
     call.reply(f'GetDataStoreFieldValues: {field.name} {field.text(call.server.data_store)}')
     call.reply('EndOfGetDataStoreFieldValues')
 
@@ -48,7 +34,7 @@ def field_values(call: Call) -> None:
          'dsgi')
 def group_info(call: Call) -> None:
     """Describes one group and its fields."""
-    group = _group(call)
+    group = GROUPS[call.named(GROUPS, 'group')]
     call.reply(f'GetDataStoreGroupInfo: "{group.description}" "{group.category}"')
     for field in group.fields:
         call.reply(f'GetDataStoreGroupInfo: {field.info}')
@@ -58,8 +44,8 @@ def group_info(call: Call) -> None:
 @command('getDataStoreGroupList', 'Gets the list of groups in the DataStore', shortcut='dsgl')
 def group_list(call: Call) -> None:
     """Lists the groups."""
-    for group in GROUPS:
-        call.reply(f'GetDataStoreGroupList: {group.name}')
+    for name in GROUPS:
+        call.reply(f'GetDataStoreGroupList: {name}')
     call.reply('EndOfGetDataStoreGroupList')
 
 
@@ -67,7 +53,7 @@ def group_list(call: Call) -> None:
          'dsgv')
 def group_values(call: Call) -> None:
     """Answers the values of one group's fields."""
-    for field in _group(call).fields:
+    for field in GROUPS[call.named(GROUPS, 'group')].fields:
         call.reply(f'GetDataStoreGroupValues: {field.name} {field.text(call.server.data_store)}')
     call.reply('EndOfGetDataStoreGroupValues')
 
@@ -76,7 +62,7 @@ def group_values(call: Call) -> None:
          shortcut='dstgl')
 def trip_group_list(call: Call) -> None:
     """Lists the groups that a trip reset concerns."""
-    for group in GROUPS:
+    for group in GROUPS.values():
         if group.trip:
             call.reply(f'GetDataStoreTripGroupList: {group.name}')
     call.reply('EndOfGetDataStoreTripGroupList')

@@ -1,9 +1,7 @@
 """Digital inputs and outputs, analog inputs, sound and other small things."""
 from __future__ import annotations
 
-from typing import Dict
-
-from omron_ld90_sim.commands.table import Call, CommandFailed, SetUpError, command
+from omron_ld90_sim.commands.table import Call, SetUpError, command
 
 _ON_OFF = {True: 'on', False: 'off'}
 ANALOG_HELP = (     # ARCL manual I617-E-02 p. 54
@@ -17,14 +15,6 @@ SOUNDS = ('.wav', '.mp3', '.ogg')       # what real robots' maps say of the task
 NO_SOUND = 'There was nothing given to replay.'
 
 
-def _named(call: Call, table: Dict, what: str) -> str:
-    wanted = call.arguments[0]
-    for name in table:
-        if name.lower() == wanted.lower():
-            return name
-    raise CommandFailed(f"No {what} '{wanted}'")
-
-
 @command('inputList', 'Lists the named inputs')
 def input_list(call: Call) -> None:
     """Lists the digital inputs."""
@@ -36,7 +26,7 @@ def input_list(call: Call) -> None:
 @command('inputQuery', 'Queries the state of a named input', '<name>', 1)
 def input_query(call: Call) -> None:
     """Answers one digital input."""
-    name = _named(call, call.robot.equipment.inputs, 'input')
+    name = call.named(call.robot.equipment.inputs, 'input')
     call.reply(f'Input: {name} {_ON_OFF[call.robot.equipment.inputs[name]]}')
 
 
@@ -51,21 +41,21 @@ def output_list(call: Call) -> None:
 @command('outputQuery', 'Queries the state of a named output', '<name>', 1)
 def output_query(call: Call) -> None:
     """Answers one digital output."""
-    name = _named(call, call.robot.equipment.outputs, 'output')
+    name = call.named(call.robot.equipment.outputs, 'output')
     call.reply(f'Output: {name} {_ON_OFF[call.robot.equipment.outputs[name]]}')
 
 
 @command('outputOn', 'Turns on a named output', '<name>', 1)
 def output_on(call: Call) -> None:
     """Switches one digital output on."""
-    call.robot.equipment.outputs[_named(call, call.robot.equipment.outputs, 'output')] = True
+    call.robot.equipment.outputs[call.named(call.robot.equipment.outputs, 'output')] = True
     output_query(call)
 
 
 @command('outputOff', 'Turns off a named output', '<name>', 1)
 def output_off(call: Call) -> None:
     """Switches one digital output off."""
-    call.robot.equipment.outputs[_named(call, call.robot.equipment.outputs, 'output')] = False
+    call.robot.equipment.outputs[call.named(call.robot.equipment.outputs, 'output')] = False
     output_query(call)
 
 
@@ -82,14 +72,14 @@ def analog_input_list(call: Call) -> None:
 @command('analogInputQueryRaw', 'Queries the state of an analog input by raw', '<name>', 1)
 def analog_input_query_raw(call: Call) -> None:
     """Answers one analog input in counts."""
-    name = _named(call, call.robot.equipment.analog_inputs, 'analog input')
+    name = call.named(call.robot.equipment.analog_inputs, 'analog input')
     call.reply(f'AnalogInputRaw: {name} {call.robot.equipment.analog_inputs[name].raw}')
 
 
 @command('analogInputQueryVoltage', 'Queries the state of an analog input by voltage', '<name>', 1)
 def analog_input_query_voltage(call: Call) -> None:
     """Answers one analog input in volts."""
-    name = _named(call, call.robot.equipment.analog_inputs, 'analog input')
+    name = call.named(call.robot.equipment.analog_inputs, 'analog input')
     call.reply(f'AnalogInputVoltage: {name} {call.robot.equipment.analog_inputs[name].voltage:g}')
 
 

@@ -1,7 +1,6 @@
 """The payload: what a client says lies in each of the robot's slots."""
 from __future__ import annotations
 
-import time
 from typing import List
 
 from omron_ld90_sim.commands.table import Call, CommandFailed, command
@@ -36,8 +35,7 @@ def set_slot(call: Call) -> None:
     """Says what lies in a slot."""
     slot, text, robot = _slot(call), ' '.join(call.arguments[1:]), call.server.robot_name
     call.reply(f'payloadset attempting to set payload {slot} "{text}"')
-    since = time.strftime('%m/%d/%Y %H:%M:%S', call.server.wall_time())
-    call.robot.equipment.load(slot, text, since)
+    call.robot.equipment.load(slot, text, call.server.date_time)
     call.reply(f'payloadset on "{robot}" of slot number {slot} with string "{text}" '
                f'successfully set')
     call.server.broadcast(f'PayloadUpdate: "{robot}" {slot} "{text}"')

@@ -1,7 +1,6 @@
 """Commands that ask what the robot is doing, where, and what its laser sees."""
 from __future__ import annotations
 
-import time
 from typing import Callable, Dict, List
 
 from omron_ld90_sim.commands.table import Call, CommandFailed, command
@@ -113,7 +112,7 @@ def range_device_get_list(call: Call) -> None:
 @command('getDateTime', 'gets the date and time')
 def get_date_time(call: Call) -> None:
     """Answers the wall clock."""
-    call.reply(f'DateTime: {time.strftime("%m/%d/%Y %H:%M:%S", call.server.wall_time())}')
+    call.reply(f'DateTime: {call.server.date_time}')
 
 
 @command('getInfoList', 'Gets the list of information')

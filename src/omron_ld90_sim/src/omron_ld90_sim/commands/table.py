@@ -3,8 +3,9 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import Callable, Dict, List, Optional
+from typing import Callable, Dict, Iterable, List, Optional
 
+from omron_ld90_sim.equipment import find_name
 from omron_ld90_sim.robot import Robot
 from omron_ld90_sim.server import ArclServer
 from omron_ld90_sim.session import Session
@@ -51,6 +52,13 @@ class Call:
     def reply(self, line: str) -> None:
         """Answers the asker, and nobody else."""
         self.session.send(line)
+
+    def named(self, names: Iterable[str], what: str) -> str:
+        """The one of `names` that the first argument is in any case; `what` it is a name of."""
+        name = find_name(names, self.arguments[0])
+        if name is None:
+            raise CommandFailed(f"No {what} '{self.arguments[0]}'")
+        return name
 
     def number(self, index: int, default: Optional[float] = None) -> float:
         """The argument at `index` as a number."""
