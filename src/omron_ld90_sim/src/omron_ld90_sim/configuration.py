@@ -1,8 +1,8 @@
 """The robot's configuration as ARCL shows it: sections of named parameters.
 
-Only parameters that change what the simulator does are here, each with the section and name that
-a robot has (docs/sources.md). `configAdd` lines are collected and parsed at `configParse`, as on
-the robot.
+Only parameters that change what the simulator does are here, or that clients ask every robot for,
+each with the section and name that a robot has (docs/sources.md). `configAdd` lines are collected
+and parsed at `configParse`, as on the robot.
 """
 from __future__ import annotations
 
