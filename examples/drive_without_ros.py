@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Logs in at a robot, lists its goals, and drives to one of them. No ROS needed.
 
-    PYTHONPATH=src/omron_ld90/src examples/drive_without_ros.py 127.0.0.1 12 < password_file
+    PYTHONPATH=src/omron_arcl/src examples/drive_without_ros.py 127.0.0.1 12 < password_file
 
 Try it with a simulated robot: rosrun omron_ld90_sim ld90_sim --map maps/lab.map --password adept
 Ctrl-C stops the robot.
@@ -11,7 +11,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from omron_ld90.arcl import Client, Goal, Outcome, parse_line, quote
+from omron_arcl import Client, Goal, Outcome, parse_line, quote
 
 
 def main() -> int:

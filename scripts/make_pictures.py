@@ -22,7 +22,7 @@ from rviz_support import RvizWindow, Screen, missing_programs
 from std_msgs.msg import String
 
 from itrci_nav_msgs.msg import ExecutionRouteStates, TargetRoute
-from omron_ld90.maps import MapDocument
+from omron_map import MapDocument
 from ports import free_port
 from system_support import Recorder, connected_publisher, wait_until
 

@@ -54,7 +54,7 @@ find_python38() {
 
 lint() {
   say "Lint"
-  check catkin_lint catkin_lint --strict -W1 src/itrci_nav_msgs src/omron_ld90 src/omron_ld90_msgs src/omron_ld90_sim src/trajectory_graph
+  check catkin_lint catkin_lint --strict -W1 $(for package in src/*/package.xml; do dirname "$package"; done)
   if virtual_environment ruff /usr/bin/python3 ruff==0.14.5; then
     check ruff build/ruff/bin/ruff check .
   else
@@ -83,7 +83,7 @@ unit_tests_of_python38() {
   else
     say "Unit tests without ROS, Python 3.8 and the library versions of Ubuntu 20.04"
     # nothing of this system's ROS may be found
-    env -u LD90_LONG_TESTS PYTHONPATH=src/omron_ld90/src:src/omron_ld90_sim/src:src/trajectory_graph/src \
+    env -u LD90_LONG_TESTS PYTHONPATH="$(printf '%s:' src/*/src)" \
       build/python3.8/bin/python -m pytest -q --junitxml="$results/unit38.xml" \
       --ignore-glob='*/test/nodes/*' src || true
     [ -f "$results/unit38.xml" ] || record failed unit-tests-python3.8 "pytest did not finish"

@@ -14,8 +14,8 @@ from std_msgs.msg import String
 from visualization_msgs.msg import InteractiveMarkerFeedback, InteractiveMarkerInit
 
 from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates
-from omron_ld90.maps import MapDocument
 from omron_ld90_msgs.msg import CommandRefused
+from omron_map import MapDocument
 from system_support import Recorder, connected_publisher, wait_until
 
 LAB = rospkg.RosPack().get_path('omron_ld90') + '/../../maps/lab.map'

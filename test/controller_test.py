@@ -21,7 +21,7 @@ from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from std_msgs.msg import String
 
-from omron_ld90.arcl import GoingToPoint, Location, OneLineStatus, parse_line
+from omron_arcl import GoingToPoint, Location, OneLineStatus, parse_line
 from omron_ld90_msgs.msg import (
     CommandRefused,
     ExecuteCommandAction,

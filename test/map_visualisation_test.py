@@ -15,7 +15,7 @@ from nav_msgs.srv import GetMap, LoadMap, LoadMapResponse
 from std_msgs.msg import String
 from visualization_msgs.msg import Marker, MarkerArray
 
-from omron_ld90.maps import MapDocument, MapObject, RotatedRectangle
+from omron_map import MapDocument, MapObject, RotatedRectangle
 from system_support import Recorder, connected_publisher
 
 ROBOT = '/omron_ld90'

@@ -19,7 +19,7 @@ from visualization_msgs.msg import MarkerArray
 
 from system_support import Launched, Recorder, drive_to, skip
 
-MAPS = Path(__file__).resolve().parents[2] / 'shared' / 'maps'
+MAPS = Path(os.environ.get('LD90_REAL_MAPS') or '/nowhere')  # LD90_REAL_MAPS names none
 
 
 class RealMaps(unittest.TestCase):

@@ -15,11 +15,11 @@ from std_msgs.msg import String
 from visualization_msgs.msg import MarkerArray
 
 from itrci_nav_msgs.msg import TargetRoute
-from omron_ld90.maps import MapDocument
-from omron_ld90.nodes.goal_clicks import TargetKind
-from omron_ld90.nodes.interactive_goals import MENUS, ROBOT_MENU, Action
+from omron_ld90.nodes.rviz.interactive_goals import MENUS, ROBOT_MENU, Action
+from omron_ld90.operator.goal_clicks import TargetKind
 from omron_ld90_msgs.msg import RobotStatus
 from omron_ld90_sim import Simulator
+from omron_map import MapDocument
 from system_support import Recorder, connected_publisher, skip, wait_until
 from trajectory_graph import load_graph
 

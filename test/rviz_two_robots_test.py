@@ -12,7 +12,7 @@ from geometry_msgs.msg import PointStamped
 from rviz_support import RvizWindow, Screen, missing_programs, report_failure
 from std_msgs.msg import String
 
-from omron_ld90.maps import MapDocument
+from omron_map import MapDocument
 from ports import free_port
 from system_support import Recorder, skip, wait_until
 

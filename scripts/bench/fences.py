@@ -6,6 +6,7 @@ base map to those of the new one, check included.
 """
 from __future__ import annotations
 
+import os
 import statistics
 import sys
 import time
@@ -18,16 +19,16 @@ sys.path.insert(0, str(ROOT / 'src' / 'omron_ld90' / 'test' / 'converter'))
 from converter_builders import map_with  # noqa: E402
 from fence_builders import grid, real_site_graph  # noqa: E402
 
-from omron_ld90.graph.converter import Options, convert  # noqa: E402
-from omron_ld90.graph.corridors import CorridorRules, corridors_of  # noqa: E402
-from omron_ld90.graph.fence_check import check_fences  # noqa: E402
-from omron_ld90.graph.fences import Fences, fence_objects, is_fence  # noqa: E402
-from omron_ld90.graph.goals import dock_pose  # noqa: E402
-from omron_ld90.graph.obstacles import obstacle_points  # noqa: E402
-from omron_ld90.maps import MapDocument  # noqa: E402
+from omron_ld90.converter.converter import Options, convert  # noqa: E402
+from omron_ld90.converter.corridors import CorridorRules, corridors_of  # noqa: E402
+from omron_ld90.converter.fence_check import check_fences  # noqa: E402
+from omron_ld90.converter.fences import Fences, fence_objects, is_fence  # noqa: E402
+from omron_ld90.converter.goals import dock_pose  # noqa: E402
+from omron_ld90.converter.obstacles import obstacle_points  # noqa: E402
+from omron_map import MapDocument  # noqa: E402
 from trajectory_graph import Graph, load_graph  # noqa: E402
 
-REAL = ROOT.parent / 'shared' / 'maps' / 'omron-ld-site-a.map'
+REAL = Path(os.environ.get('LD90_REAL_MAPS') or '/nowhere') / 'omron-ld-site-a.map'
 HEADINGS = ('graph', 'edges', 'objects', 'objects per edge', 'aim', 'leaks', 'floor lost, m2',
             'seconds', 'union alone, s', 'check, s', 'conversion, s')
 

@@ -23,13 +23,13 @@ from nav_msgs.msg import MapMetaData
 from std_msgs.msg import Header
 from visualization_msgs.msg import Marker
 
-from omron_ld90.maps import MapDocument, OccupancyGrid
-from omron_ld90.nodes.fast_messages import GridMessage, PointsMarker
 from omron_ld90.nodes.map_visualisation import MARKER_ARRAYS, MARKERS
+from omron_ld90.nodes.rviz.fast_messages import GridMessage, PointsMarker
+from omron_map import MapDocument, OccupancyGrid
 from ports import free_port
 
 ROOT = Path(__file__).resolve().parents[2]
-REAL = ROOT.parent / 'shared' / 'maps' / 'omron-ld-site-a.map'
+REAL = Path(os.environ.get('LD90_REAL_MAPS') or '/nowhere') / 'omron-ld-site-a.map'
 RUNS = 7
 TOPICS = ['map', 'map_metadata', 'map_file', *MARKERS, *MARKER_ARRAYS]
 BARE_NODE = '''
@@ -42,7 +42,7 @@ rospy.spin()
 '''
 MEMORY = '''
 import gc, sys
-from omron_ld90.maps import MapDocument
+from omron_map import MapDocument
 def resident():
     gc.collect()
     lines = open('/proc/self/status').readlines()

@@ -23,19 +23,19 @@ from typing import Callable, Dict, List, NamedTuple, Tuple
 import numpy as np
 from skimage.graph import MCP_Geometric
 
-from omron_ld90.maps import MapDocument
-from omron_ld90_sim import laser
+from omron_ld90_sim.behaviour.robot import Robot
 from omron_ld90_sim.clock import Clock
-from omron_ld90_sim.floor import Floor
-from omron_ld90_sim.kinematics import Pose
-from omron_ld90_sim.manoeuvres import manoeuvres
-from omron_ld90_sim.planner import NoWay, Planner
-from omron_ld90_sim.robot import Robot
+from omron_ld90_sim.devices import laser
+from omron_ld90_sim.motion.floor import Floor
+from omron_ld90_sim.motion.kinematics import Pose
+from omron_ld90_sim.motion.manoeuvres import manoeuvres
+from omron_ld90_sim.motion.planner import NoWay, Planner
+from omron_map import MapDocument
 
 ROOT = Path(__file__).resolve().parents[2]
-REAL = ROOT.parent / 'shared' / 'maps' / 'omron-ld-site-a.map'
+REAL = Path(os.environ.get('LD90_REAL_MAPS') or '/nowhere') / 'omron-ld-site-a.map'
 PROGRAM = [sys.executable, '-c',
-           'import sys; from omron_ld90_sim.cli import main; sys.exit(main())']
+           'import sys; from omron_ld90_sim.interface.cli import main; sys.exit(main())']
 FLOOR_PROGRAM = [sys.executable, '-c',
                  'import time\nwhile True: time.sleep(0.5)']
 LIBRARIES = [sys.executable, '-c',

@@ -1,1 +1,1 @@
-"""Driver of the OMRON LD-90: `arcl` (protocol), `maps` (.map files), `graph`, `nodes` (ROS)."""
+"""ROS driver of the OMRON LD-90: routes (`bridge`), maps from graphs (`converter`), nodes."""

@@ -5,10 +5,10 @@ import heapq
 import math
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
-from omron_ld90.graph import route_protocol as p
-from omron_ld90.graph.route_follower import RouteFollower
-from omron_ld90.graph.route_settings import Settings
-from omron_ld90.graph.route_strategies import STRATEGIES
+from omron_ld90.bridge import route_protocol as p
+from omron_ld90.bridge.route_follower import RouteFollower
+from omron_ld90.bridge.route_settings import Settings
+from omron_ld90.bridge.route_strategies import STRATEGIES
 from trajectory_graph import Edge, Graph, Vertex
 
 DOCK_VERTEX = 90

@@ -13,21 +13,21 @@ from typing import Callable, List, Optional, Sequence, Tuple
 import numpy as np
 from scipy.spatial import cKDTree
 
-from omron_ld90 import arcl
-from omron_ld90.graph import route_protocol as p
-from omron_ld90.graph.route_follower import RouteFollower
-from omron_ld90.graph.route_settings import Settings
-from omron_ld90.graph.route_strategies import STRATEGIES
-from omron_ld90.maps import MapDocument
-from omron_ld90.nodes.bridge_words import RobotWords, shown_events
+import omron_arcl as arcl
+from omron_ld90.bridge import route_protocol as p
+from omron_ld90.bridge.bridge_words import RobotWords, shown_events
+from omron_ld90.bridge.route_follower import RouteFollower
+from omron_ld90.bridge.route_settings import Settings
+from omron_ld90.bridge.route_strategies import STRATEGIES
+from omron_ld90_sim.behaviour.robot import Robot
 from omron_ld90_sim.clock import Clock, Ticker
-from omron_ld90_sim.commands import execute
-from omron_ld90_sim.faults import Faults
-from omron_ld90_sim.floor import Floor
-from omron_ld90_sim.kinematics import Pose
-from omron_ld90_sim.robot import Robot
-from omron_ld90_sim.server import ArclServer
-from omron_ld90_sim.session import Session
+from omron_ld90_sim.interface.commands import execute
+from omron_ld90_sim.interface.faults import Faults
+from omron_ld90_sim.interface.server import ArclServer
+from omron_ld90_sim.interface.session import Session
+from omron_ld90_sim.motion.floor import Floor
+from omron_ld90_sim.motion.kinematics import Pose
+from omron_map import MapDocument
 from trajectory_graph import Graph, load_graph
 
 MAPS = Path(__file__).resolve().parents[4] / 'maps'

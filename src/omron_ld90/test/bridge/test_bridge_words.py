@@ -3,8 +3,8 @@ from __future__ import annotations
 
 import pytest
 
-from omron_ld90.graph import route_protocol as p
-from omron_ld90.nodes.bridge_words import RobotWords, is_motion, shown_events
+from omron_ld90.bridge import route_protocol as p
+from omron_ld90.bridge.bridge_words import RobotWords, is_motion, shown_events
 
 
 @pytest.mark.parametrize('line, event', [

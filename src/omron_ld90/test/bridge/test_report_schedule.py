@@ -5,7 +5,7 @@ import random
 
 from bridge_builders import Bench, dissertation_graph
 
-from omron_ld90.graph.report_schedule import TICK, ReportSchedule
+from omron_ld90.bridge.report_schedule import TICK, ReportSchedule
 
 
 def reports(running: bool, seconds: int) -> int:

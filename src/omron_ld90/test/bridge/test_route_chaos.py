@@ -7,9 +7,9 @@ from bridge_builders import DOCK_VERTEX, Bench, GraphRobot, graph_of, yard
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from omron_ld90.graph import route_protocol as p
-from omron_ld90.graph.route_protocol import EdgeState
-from omron_ld90.graph.route_strategies import STRATEGIES
+from omron_ld90.bridge import route_protocol as p
+from omron_ld90.bridge.route_protocol import EdgeState
+from omron_ld90.bridge.route_strategies import STRATEGIES
 from trajectory_graph import Graph
 
 PART_OF_THE_YARD = graph_of({1: (0, 0), 2: (4, 0), 5: (8, 0), DOCK_VERTEX: (0, -4)},

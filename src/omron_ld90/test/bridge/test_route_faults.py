@@ -4,8 +4,8 @@ from __future__ import annotations
 import pytest
 from bridge_builders import Bench, GraphRobot, dissertation_graph, yard
 
-from omron_ld90.graph import route_protocol as p
-from omron_ld90.graph.route_protocol import EdgeState
+from omron_ld90.bridge import route_protocol as p
+from omron_ld90.bridge.route_protocol import EdgeState
 
 
 def under_way(strategy: str = 'vertex_by_vertex', **settings) -> Bench:

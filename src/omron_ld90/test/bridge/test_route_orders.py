@@ -4,8 +4,8 @@ from __future__ import annotations
 import pytest
 from bridge_builders import Bench, GraphRobot, dissertation_graph, graph_of, yard
 
-from omron_ld90.graph.route_follower import RouteFollower
-from omron_ld90.graph.route_protocol import (
+from omron_ld90.bridge.route_follower import RouteFollower
+from omron_ld90.bridge.route_protocol import (
     EdgeState,
     EmergencyStop,
     LinkChanged,
@@ -14,7 +14,7 @@ from omron_ld90.graph.route_protocol import (
     RouteReport,
     SymbolicPose,
 )
-from omron_ld90.graph.route_settings import Settings
+from omron_ld90.bridge.route_settings import Settings
 
 
 def under_way(edges=(1, 4, 5), strategy='vertex_by_vertex') -> Bench:

@@ -8,8 +8,8 @@ from bridge_builders import dissertation_graph, graph_of
 from hypothesis import given
 from hypothesis import strategies as st
 
-from omron_ld90.graph.route_progress import RouteProgress
-from omron_ld90.graph.route_protocol import SymbolicPose
+from omron_ld90.bridge.route_progress import RouteProgress
+from omron_ld90.bridge.route_protocol import SymbolicPose
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 
 

@@ -3,17 +3,18 @@ from __future__ import annotations
 
 import importlib.util
 import math
+import os
 from pathlib import Path
 from typing import Iterable, Tuple
 
 import pytest
 
-from omron_ld90.maps import MapDocument
+from omron_map import MapDocument
 from trajectory_graph import Edge, Graph, Vertex
 
 REPOSITORY = Path(__file__).resolve().parents[4]
 LAB = REPOSITORY / 'maps'
-REAL_MAPS = REPOSITORY.parent / 'shared' / 'maps'
+REAL_MAPS = Path(os.environ.get('LD90_REAL_MAPS') or '/nowhere')  # LD90_REAL_MAPS names none
 
 EMPTY_MAP = b'''2D-Map
 MapInfo: GoalType Name=Goal

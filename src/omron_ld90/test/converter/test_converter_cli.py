@@ -3,10 +3,10 @@ import pytest
 from converter_builders import LAB, map_with
 from PIL import Image
 
-from omron_ld90.graph import drawing
-from omron_ld90.graph.converter_cli import main
-from omron_ld90.graph.fences import is_fence
-from omron_ld90.maps import MapDocument
+from omron_ld90.converter import drawing
+from omron_ld90.converter.converter_cli import main
+from omron_ld90.converter.fences import is_fence
+from omron_map import MapDocument
 
 
 def arguments(output, *more, graph=LAB / 'lab_graph.yaml', base_map=LAB / 'lab_base.map'):

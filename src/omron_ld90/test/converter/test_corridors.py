@@ -5,8 +5,8 @@ from converter_builders import graph_of
 from fence_builders import quarter_turn
 from shapely.geometry import Point
 
-from omron_ld90.graph.corridors import CorridorRules, corridors_of
-from omron_ld90.graph.goals import Pose
+from omron_ld90.converter.corridors import CorridorRules, corridors_of
+from omron_ld90.converter.goals import Pose
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 
 RULES = CorridorRules()

@@ -10,11 +10,11 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 from geometry_msgs.msg import PoseStamped
 
-from omron_ld90.maps import MapDocument, MapError
 from omron_ld90.nodes.controller import PASSWORD_VARIABLE, read_password
 from omron_ld90.nodes.controller_actions import Refused, robot_pose
 from omron_ld90.nodes.controller_goals import GoalComparison
-from omron_ld90.nodes.startup import ConfigurationError
+from omron_ld90.nodes.support.startup import ConfigurationError
+from omron_map import MapDocument, MapError
 
 LAB = Path(__file__).resolve().parents[4] / 'maps' / 'lab.map'
 

@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 import yaml
 
-from omron_ld90.maps import MapDocument
 from omron_ld90.nodes.rviz_view import (
     FULL,
     HEIGHT,
@@ -19,6 +18,7 @@ from omron_ld90.nodes.rviz_view import (
     screen_size,
     view_size,
 )
+from omron_map import MapDocument
 
 REPOSITORY = Path(__file__).resolve().parents[4]
 SHIPPED = (REPOSITORY / 'rviz/omron_ld90.rviz').read_text()

@@ -5,6 +5,6 @@ world; `robot`, `executive` and `activities` are what it does; `server`, `sessio
 are its ARCL interface, without I/O; `transport` puts that on TCP sockets, `simulator` runs it in a
 thread (for tests) and `cli` as a program. Everything runs on one simulated `Clock`.
 """
-from omron_ld90_sim.simulator import Simulator
+from omron_ld90_sim.interface.simulator import Simulator
 
 __all__ = ['Simulator']

@@ -2,24 +2,25 @@
 from __future__ import annotations
 
 import math
+import os
 from pathlib import Path
 from typing import List, Optional, Tuple
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from omron_ld90.maps import MapDocument, MapObject, RotatedRectangle
+from omron_ld90_sim.behaviour.robot import Robot
 from omron_ld90_sim.clock import Clock
-from omron_ld90_sim.commands import execute
-from omron_ld90_sim.floor import Floor
-from omron_ld90_sim.kinematics import LD90_BODY, Pose
-from omron_ld90_sim.robot import Robot
-from omron_ld90_sim.server import ArclServer
-from omron_ld90_sim.session import Session
+from omron_ld90_sim.interface.commands import execute
+from omron_ld90_sim.interface.server import ArclServer
+from omron_ld90_sim.interface.session import Session
+from omron_ld90_sim.motion.floor import Floor
+from omron_ld90_sim.motion.kinematics import LD90_BODY, Pose
+from omron_map import MapDocument, MapObject, RotatedRectangle
 
 ROOT = Path(__file__).resolve().parents[4]
 LAB = ROOT / 'maps' / 'lab.map'
-REAL_MAPS = ROOT.parent / 'shared' / 'maps'
+REAL_MAPS = Path(os.environ.get('LD90_REAL_MAPS') or '/nowhere')  # LD90_REAL_MAPS names none
 
 ROOM = """2D-Map
 LineMinPos: -4000 -3000

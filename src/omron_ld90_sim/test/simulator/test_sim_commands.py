@@ -11,7 +11,7 @@ from sim_builders import Rig
 from sim_transcripts import check
 from test_sim_equipment import TRANSCRIPTS as EQUIPMENT
 
-from omron_ld90_sim.commands import TABLE
+from omron_ld90_sim.interface.commands import TABLE
 
 IMMEDIATE = {
     name: transcript

@@ -5,7 +5,7 @@ import pytest
 from sim_builders import Rig
 from transcripts_driving import UNDOCKED
 
-from omron_ld90_sim.space import Disc
+from omron_ld90_sim.motion.space import Disc
 
 
 def test_from_the_dock_goto_backs_out_first() -> None:

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from sim_builders import ROOM, Rig
 
-from omron_ld90.maps import MapDocument
+from omron_map import MapDocument
 
 SECTORS = """
 MapInfo: SectorType Name=DriveOnRightSector "Label=PreferredDirectionRightSingle" \

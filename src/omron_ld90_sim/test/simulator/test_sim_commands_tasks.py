@@ -4,8 +4,8 @@ from __future__ import annotations
 import pytest
 from sim_builders import Rig
 
-from omron_ld90_sim import tasks
-from omron_ld90_sim.space import Disc
+from omron_ld90_sim.behaviour import tasks
+from omron_ld90_sim.motion.space import Disc
 
 JAM = 'Fault_Driving_Application jam "Jam" "Too sweet" true false true'
 

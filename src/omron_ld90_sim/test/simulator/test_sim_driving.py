@@ -10,15 +10,15 @@ import pytest
 from sim_builders import LAB, REAL_MAPS, Obstacles, Rig, corridor, fleet, gap, room
 from skimage.measure import label
 
-from omron_ld90.maps import MapDocument
-from omron_ld90_sim.faults import Faults
-from omron_ld90_sim.floor import Floor
-from omron_ld90_sim.kinematics import LD90_BODY, LD90_LIMITS, Pose, normalise
-from omron_ld90_sim.manoeuvres import manoeuvres
-from omron_ld90_sim.motion import STEP, Base
-from omron_ld90_sim.planner import NoWay, Planner
-from omron_ld90_sim.space import Disc
-from omron_ld90_sim.track import Turn
+from omron_ld90_sim.interface.faults import Faults
+from omron_ld90_sim.motion.base import STEP, Base
+from omron_ld90_sim.motion.floor import Floor
+from omron_ld90_sim.motion.kinematics import LD90_BODY, LD90_LIMITS, Pose, normalise
+from omron_ld90_sim.motion.manoeuvres import manoeuvres
+from omron_ld90_sim.motion.planner import NoWay, Planner
+from omron_ld90_sim.motion.space import Disc
+from omron_ld90_sim.motion.track import Turn
+from omron_map import MapDocument
 
 PAIRS = 200
 MAPS = [LAB, REAL_MAPS / 'omron-ld-site-a.map', REAL_MAPS / 'omron-ld-site-b.map']

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from sim_builders import Rig
 from sim_transcripts import check
 
-from omron_ld90_sim.commands import TABLE
-from omron_ld90_sim.external_io import Bank
+from omron_ld90_sim.devices.external_io import Bank
+from omron_ld90_sim.interface.commands import TABLE
 
 DATE = r'[A-Z][a-z]{2} [A-Z][a-z]{2} \d\d \d\d:\d\d:\d\d \d{4}'
 TRIP_STATES = ['DropOffDrivingTime', 'DropOffDrivingDistance', 'PickupDrivingTime',

@@ -6,8 +6,8 @@ from typing import List
 import pytest
 from sim_builders import Rig
 
-from omron_ld90_sim import tasks
-from omron_ld90_sim.states import STANDING, Activity, Script
+from omron_ld90_sim.behaviour import tasks
+from omron_ld90_sim.behaviour.states import STANDING, Activity, Script
 
 
 def test_a_script_waits_for_seconds_and_for_the_base() -> None:

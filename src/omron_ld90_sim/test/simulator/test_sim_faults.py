@@ -4,8 +4,8 @@ from __future__ import annotations
 import pytest
 from sim_builders import Client, Rig
 
-from omron_ld90_sim.autonomy import Autonomy
-from omron_ld90_sim.faults import Faults, UnknownFault, help_text, run_script
+from omron_ld90_sim.interface.autonomy import Autonomy
+from omron_ld90_sim.interface.faults import Faults, UnknownFault, help_text, run_script
 
 
 class Faulty(Rig):

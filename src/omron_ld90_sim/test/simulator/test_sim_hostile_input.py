@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sim_builders import Rig
 
-from omron_ld90_sim.commands import TABLE
+from omron_ld90_sim.interface.commands import TABLE
 
 WORDS = ['12', 'West', '"East side"', '-1', '0', '1e400', 'nan', '-inf', '99999999999', '"', '""',
          '"open', '$X', '$g$', 'Round', 'Greeting', 'Laser_1', 'move', 'wait', 'goto', 'gotoPoint',

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from sim_builders import LAB, Rig, fleet, room
 
-from omron_ld90.maps import MapDocument
-from omron_ld90_sim import laser
-from omron_ld90_sim.floor import Floor
-from omron_ld90_sim.kinematics import LD90_BODY, Pose
+from omron_ld90_sim.devices import laser
+from omron_ld90_sim.motion.floor import Floor
+from omron_ld90_sim.motion.kinematics import LD90_BODY, Pose
+from omron_map import MapDocument
 
 ANGLES = np.radians(np.linspace(-120.0, 120.0, laser.RAYS))
 

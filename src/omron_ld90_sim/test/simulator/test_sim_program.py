@@ -15,12 +15,12 @@ import pytest
 from sim_builders import ROOM
 
 from omron_ld90_sim import Simulator
-from omron_ld90_sim.cli import main
-from omron_ld90_sim.faults import UnknownFault
-from omron_ld90_sim.fleet import FleetError, RobotSpec, read_fleet
+from omron_ld90_sim.interface.cli import main
+from omron_ld90_sim.interface.faults import UnknownFault
+from omron_ld90_sim.interface.fleet import FleetError, RobotSpec, read_fleet
 
 PROGRAM = [sys.executable, '-c',
-           'import sys; from omron_ld90_sim.cli import main; sys.exit(main())']
+           'import sys; from omron_ld90_sim.interface.cli import main; sys.exit(main())']
 
 
 @pytest.fixture
@@ -146,7 +146,7 @@ def test_a_client_that_ends_its_sending_half_still_gets_its_answers(map_file: Pa
 
 def test_a_client_that_never_reads_holds_nobody_up_and_is_dropped(
         map_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr('omron_ld90_sim.transport.MAX_OUTPUT', 100_000)
+    monkeypatch.setattr('omron_ld90_sim.interface.transport.MAX_OUTPUT', 100_000)
     with Simulator(map_file, speed=20.0) as robot, closing(Talk(robot.port)) as other:
         deaf = socket.socket()
         deaf.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)

@@ -8,7 +8,7 @@ import pytest
 from sim_builders import Rig
 
 from omron_ld90_sim.clock import Clock
-from omron_ld90_sim.recording import (
+from omron_ld90_sim.interface.recording import (
     LogError,
     ReplayServer,
     ReplaySession,

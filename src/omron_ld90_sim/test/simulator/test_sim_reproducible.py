@@ -9,10 +9,10 @@ from typing import List
 
 from sim_builders import ROOM, Rig
 
-from omron_ld90_sim.recording import Transfer, read_log
+from omron_ld90_sim.interface.recording import Transfer, read_log
 
 PROGRAM = [sys.executable, '-c',
-           'import sys; from omron_ld90_sim.cli import main; sys.exit(main())']
+           'import sys; from omron_ld90_sim.interface.cli import main; sys.exit(main())']
 BEGIN = 10.0        # s on the robot's clock, when the connection stands on any machine
 
 

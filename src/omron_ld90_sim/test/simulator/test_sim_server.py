@@ -3,8 +3,8 @@ from __future__ import annotations
 
 from sim_builders import Client, Rig
 
-from omron_ld90_sim.autonomy import Autonomy
-from omron_ld90_sim.outgoing import OutgoingLink
+from omron_ld90_sim.interface.autonomy import Autonomy
+from omron_ld90_sim.interface.outgoing import OutgoingLink
 
 
 def test_a_reply_goes_to_the_asker_only() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 import pytest
 from sim_builders import Rig
 
-from omron_ld90_sim.commands import TABLE
+from omron_ld90_sim.interface.commands import TABLE
 
 
 def test_the_prompt_is_a_whole_line() -> None:

@@ -7,7 +7,7 @@ from typing import Any, Dict, Optional
 
 import rospy
 
-from omron_ld90.graph.route_protocol import RouteRecord
+from omron_ld90.bridge.route_protocol import RouteRecord
 
 PARAMETER = '~route_record'
 REFRESHED = 5.0     # s between two writings of the same record

@@ -29,7 +29,7 @@ from typing import Callable, Dict, Optional
 import rospy
 from sensor_msgs.msg import BatteryState, PointCloud2
 
-from omron_ld90.arcl import (
+from omron_arcl import (
     BatteryVoltage,
     DockingStatus,
     ExtendedStatus,
@@ -48,12 +48,12 @@ from omron_ld90.arcl import (
     Temperature,
     parse_line,
 )
-from omron_ld90.nodes.diagnostics import publish_diagnostics
-from omron_ld90.nodes.link_line import LineMessage
-from omron_ld90.nodes.link_reports import LinkReporter, misconfigured, session_log
 from omron_ld90.nodes.receiver_messages import battery_state, point_cloud, robot_status
-from omron_ld90.nodes.robot_health import RobotHealth
-from omron_ld90.nodes.startup import ConfigurationError, number, parameter, run
+from omron_ld90.nodes.support.diagnostics import publish_diagnostics
+from omron_ld90.nodes.support.link_line import LineMessage
+from omron_ld90.nodes.support.link_reports import LinkReporter, misconfigured, session_log
+from omron_ld90.nodes.support.robot_health import RobotHealth
+from omron_ld90.nodes.support.startup import ConfigurationError, number, parameter, run
 from omron_ld90_msgs.msg import LinkState, RobotStatus
 
 _LINE_TOPICS = {

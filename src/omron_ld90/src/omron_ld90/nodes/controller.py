@@ -38,7 +38,7 @@ import rospy
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from std_msgs.msg import String
 
-from omron_ld90.arcl import (
+from omron_arcl import (
     ArclError,
     Backoff,
     Client,
@@ -55,6 +55,7 @@ from omron_ld90.arcl import (
     parse_line,
     printable,
 )
+from omron_arcl.guard import Guard
 from omron_ld90.nodes.controller_actions import (
     ExecuteCommandServer,
     MoveBaseServer,
@@ -62,14 +63,13 @@ from omron_ld90.nodes.controller_actions import (
     robot_pose,
 )
 from omron_ld90.nodes.controller_goals import GoalComparison
-from omron_ld90.nodes.controller_guard import Guard
-from omron_ld90.nodes.diagnostics import publish_diagnostics
-from omron_ld90.nodes.link_line import LineMessage
-from omron_ld90.nodes.link_reports import LinkReporter, misconfigured, session_log
-from omron_ld90.nodes.robot_health import RobotHealth
-from omron_ld90.nodes.shared_parameters import map_sources
-from omron_ld90.nodes.startup import ConfigurationError, number, parameter, run
-from omron_ld90.nodes.units import pose_from_robot
+from omron_ld90.nodes.support.diagnostics import publish_diagnostics
+from omron_ld90.nodes.support.link_line import LineMessage
+from omron_ld90.nodes.support.link_reports import LinkReporter, misconfigured, session_log
+from omron_ld90.nodes.support.poses import pose_from_robot
+from omron_ld90.nodes.support.robot_health import RobotHealth
+from omron_ld90.nodes.support.shared_parameters import map_sources
+from omron_ld90.nodes.support.startup import ConfigurationError, number, parameter, run
 from omron_ld90_msgs.msg import CommandRefused, LinkState
 
 PASSWORD_VARIABLE = 'OMRON_LD90_PASSWORD'

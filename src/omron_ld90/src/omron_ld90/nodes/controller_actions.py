@@ -15,8 +15,8 @@ import rospy
 from geometry_msgs.msg import PoseStamped
 from move_base_msgs.msg import MoveBaseAction, MoveBaseFeedback, MoveBaseResult
 
-from omron_ld90.arcl import ArclError, Execution, Outcome, Result
-from omron_ld90.nodes.units import pose_to_robot
+from omron_arcl import ArclError, Execution, Outcome, Result
+from omron_ld90.nodes.support.poses import pose_to_robot
 from omron_ld90_msgs.msg import (
     ExecuteCommandAction,
     ExecuteCommandFeedback,

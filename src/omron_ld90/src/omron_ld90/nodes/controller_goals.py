@@ -8,7 +8,7 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
-from omron_ld90.maps import MapDocument, MapError, wait_for_map
+from omron_map import MapDocument, MapError, wait_for_map
 
 _MOST_NAMES = 20  # told in one message
 

@@ -1,7 +1,7 @@
 """The bridge between the fleet manager, which thinks in edges, and the LD-90, which knows goals.
 
 Takes routes of edges, sends the robot over their vertices, and tells how far it is, as
-docs/interface/route_protocol.md says. What it thinks is in `omron_ld90.graph.route_follower`.
+docs/interface/route_protocol.md says. What it thinks is in `omron_ld90.bridge.route_follower`.
 
 Subscribes
     target_route (itrci_nav_msgs/TargetRoute): the route to drive
@@ -43,16 +43,16 @@ from std_msgs.msg import String
 
 from itrci_nav_msgs.msg import ExecutionRouteStates, TargetRoute
 from itrci_nav_msgs.msg import Graph as GraphMessage
-from omron_ld90.graph import route_protocol as p
-from omron_ld90.graph.report_schedule import TICK, ReportSchedule
-from omron_ld90.graph.route_follower import RouteFollower
-from omron_ld90.graph.route_settings import Settings
-from omron_ld90.graph.route_strategies import STRATEGIES
-from omron_ld90.nodes import fleet_messages, shared_parameters, startup
+from omron_ld90.bridge import route_protocol as p
+from omron_ld90.bridge.bridge_words import RobotWords, is_motion, status_events
+from omron_ld90.bridge.report_schedule import TICK, ReportSchedule
+from omron_ld90.bridge.route_follower import RouteFollower
+from omron_ld90.bridge.route_settings import Settings
+from omron_ld90.bridge.route_strategies import STRATEGIES
 from omron_ld90.nodes.bridge_memory import RouteMemory
-from omron_ld90.nodes.bridge_words import RobotWords, is_motion, status_events
-from omron_ld90.nodes.diagnostics import publish_diagnostics
-from omron_ld90.nodes.link_reports import words_of
+from omron_ld90.nodes.support import fleet_messages, shared_parameters, startup
+from omron_ld90.nodes.support.diagnostics import publish_diagnostics
+from omron_ld90.nodes.support.link_reports import words_of
 from omron_ld90_msgs.msg import CommandRefused, LinkState, RobotStatus
 from trajectory_graph import Graph, GraphError
 

@@ -39,10 +39,13 @@ from geometry_msgs.msg import PointStamped, PoseStamped
 from std_msgs.msg import String
 
 from itrci_nav_msgs.msg import ExecutionRouteStates
-from omron_ld90.maps import MapDocument, MapError
-from omron_ld90.nodes import shared_parameters, startup
-from omron_ld90.nodes.arcl_news import NewsReader, Tone
-from omron_ld90.nodes.goal_clicks import (
+from omron_ld90.bridge.route_watch import RouteWatch
+from omron_ld90.nodes.rviz.interactive_goals import Action, InteractiveGoals
+from omron_ld90.nodes.rviz.user_feedback import UserFeedback
+from omron_ld90.nodes.support import shared_parameters, startup
+from omron_ld90.nodes.support.poses import yaw_from_quaternion
+from omron_ld90.operator.arcl_news import NewsReader, Tone
+from omron_ld90.operator.goal_clicks import (
     Target,
     explain_miss,
     extent_in_x,
@@ -50,11 +53,9 @@ from omron_ld90.nodes.goal_clicks import (
     target_named,
     targets_of,
 )
-from omron_ld90.nodes.interactive_goals import Action, InteractiveGoals
-from omron_ld90.nodes.route_watch import RouteWatch
-from omron_ld90.nodes.units import millimetres, yaw_from_quaternion
-from omron_ld90.nodes.user_feedback import UserFeedback
+from omron_ld90.units import millimetres
 from omron_ld90_msgs.msg import CommandRefused, LinkState
+from omron_map import MapDocument, MapError
 
 TRANSFORM_PATIENCE = rospy.Duration(0.3)
 

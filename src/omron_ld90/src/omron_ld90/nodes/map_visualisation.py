@@ -44,8 +44,15 @@ from nav_msgs.srv import GetMap, LoadMap, LoadMapRequest, LoadMapResponse
 from std_msgs.msg import Header, String
 from visualization_msgs.msg import Marker, MarkerArray
 
-from omron_ld90.arcl import RangeReading, parse_line
-from omron_ld90.maps import (
+from omron_arcl import RangeReading, parse_line
+from omron_ld90.nodes.rviz import map_markers
+from omron_ld90.nodes.rviz.fast_messages import GetGridResponse, GridMessage, LoadGridResponse
+from omron_ld90.nodes.support.diagnostics import publish_diagnostics
+from omron_ld90.nodes.support.poses import pose_from_robot
+from omron_ld90.nodes.support.shared_parameters import map_sources
+from omron_ld90.nodes.support.startup import choice, number, parameter, run
+from omron_ld90.units import metres, millimetres
+from omron_map import (
     FREE,
     UNKNOWN,
     MapDocument,
@@ -54,15 +61,9 @@ from omron_ld90.maps import (
     fitting_resolution,
     wait_for_map,
 )
-from omron_ld90.maps import (
+from omron_map import (
     OccupancyGrid as Grid,
 )
-from omron_ld90.nodes import map_markers
-from omron_ld90.nodes.diagnostics import publish_diagnostics
-from omron_ld90.nodes.fast_messages import GetGridResponse, GridMessage, LoadGridResponse
-from omron_ld90.nodes.shared_parameters import map_sources
-from omron_ld90.nodes.startup import choice, number, parameter, run
-from omron_ld90.nodes.units import metres, millimetres, pose_from_robot
 
 POLL_PERIOD = 0.5  # s, between two looks at the file
 MOST_WARNINGS = 10  # in the log, about one file

@@ -8,8 +8,9 @@ import numpy as np
 import rospy
 from sensor_msgs.msg import BatteryState, PointCloud2, PointField
 
-from omron_ld90.arcl import DockingStatus, EStop, OneLineStatus, RangeReading, parse_line
-from omron_ld90.nodes.units import MM_PER_M, pose_from_robot
+from omron_arcl import DockingStatus, EStop, OneLineStatus, RangeReading, parse_line
+from omron_ld90.nodes.support.poses import pose_from_robot
+from omron_ld90.units import MM_PER_M
 from omron_ld90_msgs.msg import RobotStatus
 
 _FIELDS = [PointField(name, offset, PointField.FLOAT32, 1)

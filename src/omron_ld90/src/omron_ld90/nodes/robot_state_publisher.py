@@ -32,8 +32,8 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 from geometry_msgs.msg import Pose, PoseStamped, TransformStamped
 
-from omron_ld90.nodes import planar, shared_parameters, startup
-from omron_ld90.nodes.diagnostics import publish_diagnostics
+from omron_ld90.nodes.support import poses, shared_parameters, startup
+from omron_ld90.nodes.support.diagnostics import publish_diagnostics
 from omron_ld90_msgs.msg import RobotStatus
 
 SILENCE = 3.0  # s without a location before /diagnostics warns; the robot sends two a second
@@ -110,7 +110,7 @@ class RobotStatePublisher:
                     self._odom_frame, error, self._odom_frame, self._base_frame)
                 return
             transform.child_frame_id = self._odom_frame
-            pose = planar.map_to_odom(pose, odometry.transform)
+            pose = poses.map_to_odom(pose, odometry.transform)
         transform.transform.translation.x = pose.position.x
         transform.transform.translation.y = pose.position.y
         transform.transform.rotation = pose.orientation

@@ -22,9 +22,9 @@ from __future__ import annotations
 import sys
 from typing import List, Optional
 
-from omron_ld90.graph import converter_cli
-from omron_ld90.graph.converter import ExistingGoals, Options
-from omron_ld90.graph.fences import Fences
+from omron_ld90.converter import converter_cli
+from omron_ld90.converter.converter import ExistingGoals, Options
+from omron_ld90.converter.fences import Fences
 
 
 def main(arguments: Optional[List[str]] = None) -> None:
@@ -38,7 +38,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
 def _run_node() -> int:
     import rospy
 
-    from omron_ld90.nodes.startup import ConfigurationError, choice, parameter
+    from omron_ld90.nodes.support.startup import ConfigurationError, choice, parameter
 
     rospy.init_node('omron_ros_map')
     try:

@@ -38,17 +38,18 @@ from nav_msgs.msg import MapMetaData, Path
 from std_msgs.msg import String
 from visualization_msgs.msg import Marker, MarkerArray
 
+import omron_arcl as arcl
 from itrci_nav_msgs.msg import ExecutionRouteStates
-from omron_ld90 import arcl
-from omron_ld90.maps import MapDocument, MapError
-from omron_ld90.nodes import drawing, shared_parameters, startup
-from omron_ld90.nodes.body_markers import body_markers
+from omron_ld90.bridge.route_watch import EdgeProgress, RouteView
 from omron_ld90.nodes.driven_path import DrivenPath
-from omron_ld90.nodes.goal_clicks import Target, TargetKind, target_named, targets_of
-from omron_ld90.nodes.route_markers import graph_markers, route_markers
-from omron_ld90.nodes.route_watch import EdgeProgress, RouteView
-from omron_ld90.nodes.status_markers import status_markers, status_words
+from omron_ld90.nodes.rviz import drawing
+from omron_ld90.nodes.rviz.body_markers import body_markers
+from omron_ld90.nodes.rviz.route_markers import graph_markers, route_markers
+from omron_ld90.nodes.rviz.status_markers import status_markers, status_words
+from omron_ld90.nodes.support import shared_parameters, startup
+from omron_ld90.operator.goal_clicks import Target, TargetKind, target_named, targets_of
 from omron_ld90_msgs.msg import LinkState, RobotStatus
+from omron_map import MapDocument, MapError
 
 ROW_HEIGHT = 0.8  # m
 

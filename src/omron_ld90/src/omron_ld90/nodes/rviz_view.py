@@ -19,8 +19,8 @@ from typing import List, NamedTuple, Optional
 
 import numpy as np
 
-from omron_ld90.maps import MapDocument, MapError
-from omron_ld90.nodes.units import MM_PER_M
+from omron_ld90.units import MM_PER_M
+from omron_map import MapDocument, MapError
 
 WIDTH, HEIGHT = 1248, 808  # pixels of the 3D view in the configuration's window
 FRAME = (32, 92)  # pixels of the window around the view: bars and tools

@@ -1,0 +1,241 @@
+"""Every command that is known, and how it ends: one table.
+
+Syntax and answers are those of OMRON's ARCL references (I617-E-01, and the newer I617-E-02), or of
+real robots where they differ. Commands that only a fleet manager has are not in it.
+"""
+from __future__ import annotations
+
+from typing import Dict, Iterable, Optional, Tuple
+
+from omron_arcl.commands import Category, CommandSpec, Test
+from omron_arcl.replies import (
+    configuration,
+    driving,
+    equipment,
+    general,
+    safety,
+    site,
+    status,
+    tasks,
+)
+from omron_arcl.replies.driving import DockingState
+from omron_arcl.replies.reply import UnknownLine
+from omron_arcl.reply_tests import (
+    any_of,
+    at_the_point,
+    docking_is,
+    end_of,
+    is_one_of,
+    is_scan,
+    items,
+    names,
+    same_task,
+    says,
+)
+
+
+def spec_of(name: str) -> CommandSpec:
+    """The row for a command's name; an unknown one ends when the robot has been quiet."""
+    return COMMANDS.get(name.lower()) or CommandSpec(name, Category.UNKNOWN, ends=None)
+
+
+def _drive(syntax: str, begins: Test, ends: Test, belongs: Optional[Test] = None,
+           silence: Optional[float] = None, goal_at: Optional[int] = None,
+           undone: Optional[Test] = None) -> CommandSpec:
+    """It takes the wheels over."""
+    belongs = belongs or is_one_of(driving.DockingStatus)  # while it leaves the dock
+    return CommandSpec(syntax, Category.MOTION, ends, begins, belongs, undone, silence,
+                       drives=True, goal_at=goal_at)
+
+
+def _answer(syntax: str, *kinds: type, category: Category = Category.QUERY) -> CommandSpec:
+    """One reply of one of `kinds` is all."""
+    return CommandSpec(syntax, category, is_one_of(*kinds))
+
+
+def _listing(syntax: str, end: str, belongs: Test,
+             category: Category = Category.QUERY) -> CommandSpec:
+    """Items up to an end line."""
+    return CommandSpec(syntax, category, end_of(end), belongs=belongs)
+
+
+def _done(syntax: str, category: Category, phrase: str,
+          belongs: Optional[Test] = None) -> CommandSpec:
+    """A confirmation is all."""
+    return CommandSpec(syntax, category, says(phrase), belongs=belongs)
+
+
+def _quiet(syntaxes: Iterable[str], category: Category) -> Iterable[CommandSpec]:
+    """Commands whose answer is undocumented: they end when the robot has been quiet."""
+    return (CommandSpec(syntax, category, ends=None) for syntax in syntaxes)
+
+
+_TO_A_GOAL = (driving.GoingTo, driving.ArrivedAt, driving.DockingStatus)
+_ON_THE_WAY = (*_TO_A_GOAL, driving.GoingToPoint, driving.ArrivedAtPoint)
+_OF_TASKS = (tasks.WillDoTask, tasks.DoingTask, tasks.CompletedTask, tasks.CompletedInstantTask,
+             tasks.WaitState)
+
+_ROWS: Tuple[CommandSpec, ...] = (
+    # driving
+    _drive('goto <goal> [heading]', names(driving.GoingTo), names(driving.ArrivedAt), goal_at=0),
+    _drive('gotoPoint <x> <y> [heading]',
+           any_of(is_one_of(driving.GoingToPoint), at_the_point(driving.GoingTo)),
+           any_of(is_one_of(driving.ArrivedAtPoint), at_the_point(driving.ArrivedAt))),
+    _drive('gotoRouteGoal <route> <goal>', names(driving.GoingTo), names(driving.ArrivedAt),
+           goal_at=1),
+    _drive('dock', docking_is(DockingState.DOCKING), docking_is(DockingState.DOCKED),
+           belongs=is_one_of(*_TO_A_GOAL), silence=180.0,
+           undone=docking_is(DockingState.UNDOCKED)),
+    _drive('undock', docking_is(DockingState.UNDOCKING), docking_is(DockingState.UNDOCKED),
+           silence=60.0, undone=docking_is(DockingState.DOCKING, DockingState.DOCKED)),
+    _drive('patrol <route>', names(driving.Patrolling, 'route'), lambda command, reply: False,
+           belongs=is_one_of(*_TO_A_GOAL, driving.LapCompleted), goal_at=0),
+    *(_drive(syntax, names(driving.Patrolling, 'route'),
+             names(driving.FinishedPatrolling, 'route'),
+             belongs=is_one_of(*_TO_A_GOAL), goal_at=0)
+      for syntax in ('patrolOnce <route> [index]', 'patrolResume <route>')),
+    _drive('doTask <task> [arguments]', same_task(tasks.WillDoTask, tasks.DoingTask),
+           same_task(tasks.CompletedTask),
+           belongs=any_of(same_task(tasks.WillDoTask, tasks.DoingTask),
+                          is_one_of(tasks.WaitState, *_ON_THE_WAY))),
+    _drive('executeMacro <macro>', names(tasks.ExecutingMacro, 'macro'),
+           names(tasks.CompletedMacro, 'macro'),
+           belongs=is_one_of(*_OF_TASKS, *_ON_THE_WAY), goal_at=0),
+    _drive('listExecute', is_one_of(tasks.ExecutingList), is_one_of(tasks.FinishedList),
+           belongs=is_one_of(*_OF_TASKS)),
+    _drive('queueDropoff <goal> [priority] [jobId]',
+           names(driving.GoingTo), names(driving.ArrivedAt), goal_at=0,
+           belongs=any_of(says('queueDropoff'),
+                          is_one_of(general.Notice, driving.DockingStatus))),
+    # what else moves the robot, or lets it be moved
+    CommandSpec('stop', Category.MOTION, is_one_of(driving.Stopped),
+                begins=is_one_of(driving.Stopping), belongs=is_one_of(driving.Interrupted),
+                silence=15.0),
+    CommandSpec('enableMotors', Category.MOTION,
+                lambda command, reply: isinstance(reply, safety.Motors) and reply.enabled),
+    *(CommandSpec(syntax, Category.MOTION,
+                  lambda command, reply: isinstance(reply, driving.Localizing) and reply.done,
+                  belongs=is_one_of(driving.Localizing), silence=30.0)
+      for syntax in ('localizeToPoint <x> <y> <heading> [xySpread] [angleSpread]',
+                     'localizeAtGoal <goal>')),
+    _answer('doTaskInstant <task> [arguments]', tasks.CompletedInstantTask,
+            category=Category.MOTION),
+    _answer('waitTaskCancel', tasks.WaitState, category=Category.MOTION),
+    _done('listStart [name]', Category.MOTION, 'Making new list',
+          belongs=says('List being cleared')),
+    _done('listAdd <task> [arguments]', Category.MOTION, 'Added task'),
+    _done('queueCancelLocal <type> <value> [echo] [reason]', Category.MOTION,
+          'queueCancel cancelling', belongs=says('queueCancel attempting')),
+    CommandSpec('queueModifyLocal <id> <type> <value>', Category.MOTION,
+                any_of(says('queueModify modifying'), says('queueModifyLocal modifying'))),
+    *_quiet(('go', 'stay', 'follow', 'pauseTaskCancel', 'applicationBlockDrivingClear <name>',
+             'applicationBlockDrivingSet <name> <short> <long>'), Category.MOTION),
+    # status and state
+    CommandSpec('status', Category.QUERY, is_one_of(status.Temperature),
+                belongs=is_one_of(
+                    status.ExtendedStatus, status.StatusText, status.StateOfCharge,
+                    status.BatteryVoltage, status.Location, status.LocalizationScore)),
+    _answer('oneLineStatus', status.OneLineStatus),
+    _answer('queryDockStatus', driving.DockingStatus),
+    _answer('queryMotors', safety.Motors, safety.EStop),
+    _answer('odometer', status.Odometer),
+    _done('odometerReset', Category.DEVICE, 'Reset odometer'),
+    _answer('getDateTime', status.DateTime),
+    _answer('pauseTaskState', tasks.PauseState),
+    _answer('waitTaskState', tasks.WaitState),
+    _answer('distanceBetween <goal> <goal>', site.DistanceBetween),
+    _listing('queueQueryLocal <type> <value> [echo]', 'QueueQuery', items('QueueQuery')),
+    _listing('queueShowRobotLocal [echo]', 'QueueShowRobot', items('QueueRobot')),
+    *_quiet(('goalDistanceRemaining', 'etaRequest', 'distanceFromHere', 'arclStat',
+             'centralServer', 'trackSectors'), Category.QUERY),
+    # what the robot counts and keeps
+    _listing('getInfoList', 'info list', items('InfoList')),
+    CommandSpec('getInfo <name>', Category.QUERY, items('Info')),
+    _done('createInfo <name> <length> <value>', Category.DEVICE, 'Created info for'),
+    _done('updateInfo <name> <value>', Category.DEVICE, 'Updated info for'),
+    *(_listing(f'getDataStore{syntax}', f'GetDataStore{syntax.split()[0]}',
+               any_of(items(f'GetDataStore{syntax.split()[0]}'), is_one_of(status.DataStoreValue)))
+      for syntax in ('GroupList', 'GroupValues <group>', 'GroupInfo <group>', 'TripGroupList',
+                     'FieldList', 'FieldValues <field>', 'FieldInfo <field>')),
+    _listing('tripReset', 'TripReset', is_one_of(status.DataStoreValue), Category.DEVICE),
+    # goals, routes, macros, map objects
+    _listing('getGoals', 'goals', is_one_of(site.Goal)),
+    _listing('getRoutes', 'routes', any_of(is_one_of(site.Route), items('Routes'))),
+    _listing('getMacros', 'macros', is_one_of(site.Macro, UnknownLine)),
+    _listing('mapObjectTypeList', 'MapObjectTypeList', items('MapObjectTypeList')),
+    _listing('mapObjectTypeInfo <type>', 'MapObjectTypeInfo',
+             items('MapObjectTypeList', 'MapObjectTypeInfoArgument')),
+    _listing('mapObjectList <type>', 'MapObjectList', is_one_of(site.MapObjectName)),
+    _listing('mapObjectInfo <name>', 'MapObjectInfo',
+             any_of(items('MapObjectInfo', 'MapObjectInfoParams'), is_one_of(site.MapObjectCoord))),
+    # range devices
+    *(_listing(name, 'RangeDeviceList',
+               any_of(is_one_of(equipment.RangeDevice), items('RangeDeviceCurrentDrawingData',
+                                                    'RangeDeviceCumulativeDrawingData')))
+      for name in ('rangeDeviceGetList', 'rangeDeviceList')),
+    CommandSpec('rangeDeviceGetCurrent <device>', Category.QUERY, is_scan(cumulative=False)),
+    CommandSpec('rangeDeviceGetCumulative <device>', Category.QUERY, is_scan(cumulative=True)),
+    # configuration: reading is a query
+    _listing('getConfigSectionList', 'GetConfigSectionList', items('GetConfigSectionList')),
+    _listing('getConfigSectionValues <section>', 'GetConfigSectionValues',
+             is_one_of(configuration.ConfigValue)),
+    _listing('getConfigSectionInfo <section>', 'GetConfigSectionInfo',
+             items('GetConfigSectionInfo', 'GetConfigSectionParamInfo')),
+    _done('configStart', Category.CONFIGURATION, 'New config starting'),
+    _done('configAdd <line>', Category.CONFIGURATION, 'Added'),
+    CommandSpec('configParse', Category.CONFIGURATION,
+                any_of(says('Config parsed fine'), is_one_of(configuration.ConfigErrors)),
+                silence=60.0,
+                belongs=any_of(says('Will parse config'),
+                               is_one_of(site.MapChanged, configuration.ConfigurationChanged))),
+    _done('newConfigParam <section> <name> <description> <priority> <type> <default> '
+          '<min> <max> <hint>', Category.CONFIGURATION, 'Will add new param'),
+    _done('newConfigSectionComment <section> <text>', Category.CONFIGURATION,
+          'Will add config comment'),
+    # faults, inputs and outputs, payload, sound
+    _done('applicationFaultSet <name> <short> <long> <driving> <critical>', Category.DEVICE,
+          'ApplicationFaultSet set'),
+    _done('applicationFaultClear <name>', Category.DEVICE, 'ApplicationFaultClear cleared'),
+    _listing('applicationFaultQuery', 'ApplicationFaultQuery', is_one_of(safety.Fault)),
+    _listing('faultsGet', 'FaultList', is_one_of(safety.Fault)),
+    _listing('inputList', 'InputList', any_of(items('InputList'), is_one_of(equipment.Input))),
+    _listing('outputList', 'OutputList', any_of(items('OutputList'), is_one_of(equipment.Input))),
+    _listing('analogInputList', 'AnalogInputList',
+             items('AnalogInputList', 'AnalogInputListHelper')),
+    _answer('inputQuery <name>', equipment.Input),
+    _answer('outputQuery <name>', equipment.Input),
+    _answer('outputOn <name>', equipment.Input, category=Category.DEVICE),
+    _answer('outputOff <name>', equipment.Input, category=Category.DEVICE),
+    CommandSpec('analogInputQueryRaw <name>', Category.QUERY, items('AnalogInputRaw')),
+    CommandSpec('analogInputQueryVoltage <name>', Category.QUERY, items('AnalogInputVoltage')),
+    *(_listing(name, name, is_one_of(equipment.ExternalIO))
+      for name in ('extIODump', 'extIODumpLocal')),
+    *(CommandSpec(f'extIO{side}{syntax}', Category.DEVICE,
+                  names(equipment.ExternalIOUpdate, 'name'), goal_at=0)
+      for side in ('Input', 'Output')
+      for syntax in ('Update <name> <value>', 'UpdateBit <name> <bit> <0|1>',
+                     'UpdateByte <name> <byte> <value>')),
+    _done('extIOAdd <name> <inputs> <outputs>', Category.CONFIGURATION, 'extIOAdd:'),
+    _listing('payloadQueryLocal [slot] [echo]', 'PayloadQuery', is_one_of(equipment.PayloadSlot)),
+    _listing('payloadSlotCountLocal', 'PayloadSlotCount', items('PayloadSlotCount')),
+    _done('payloadSet <slot> <content>', Category.DEVICE, 'payloadSet on',
+          belongs=says('payloadSet attempting')),
+    _done('payloadRemove <slot>', Category.DEVICE, 'payloadRemove on',
+          belongs=says('payloadRemove attempting')),
+    _done('say <text>', Category.DEVICE, 'Saying'),
+    _done('play <file>', Category.DEVICE, 'Playing'),
+    _done('log <message> [level]', Category.DEVICE, 'Logging'),
+    _done('popupSimple <title> <message> <button> <seconds>', Category.DEVICE,
+          'Creating simple popup'),
+    *_quiet(('arclSendText <text>', 'modeLock', 'modeUnlock', 'clearAllObstacles'),
+            Category.DEVICE),
+    # the connection itself, and the robot's life
+    _listing('help', 'commands', any_of(is_one_of(general.HelpEntry), items('Commands'))),
+    _answer('echo [on|off]', general.Echo),
+    _done('connectOutgoing <host> <port>', Category.DANGEROUS, 'Outgoing connected'),
+    _done('extIORemove <name>', Category.DANGEROUS, 'extIORemove:'),  # restarts the robot's ARAM
+    *_quiet(('quit', 'shutDown', 'shutDownServer', 'disableMotors', 'freeMotors'),
+            Category.DANGEROUS),
+)
+
+COMMANDS: Dict[str, CommandSpec] = {spec.name.lower(): spec for spec in _ROWS}

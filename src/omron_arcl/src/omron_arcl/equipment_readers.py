@@ -1,0 +1,92 @@
+"""Readers of what the robot carries: inputs and outputs, payload, range devices; see `readers`."""
+from __future__ import annotations
+
+import re
+from functools import partial
+
+import numpy as np
+
+from omron_arcl.readers import named, split_words
+from omron_arcl.replies import equipment
+
+_COORDINATE_LIMIT = 2 ** 31  # ARCL's integers are signed 32 bit
+_STATES = ('on', 'off', 'broken')
+
+
+def digital_input(text: str, output: bool) -> equipment.Input:
+    """`<name> on`, or the name alone (in the lists of some robots, by the manual)."""
+    name, _, state = text.rpartition(' ')
+    if state.lower() not in _STATES:
+        name, state = text, ''
+    return named(partial(equipment.Input, state=state.lower(), output=output))(name.strip('"'))
+
+
+_EXTERNAL_IO = re.compile(r'(.+) with (\d+) input\(s\), value = (\w+)'
+                          r' and (\d+) output\(s\), value = (\w+)$')
+
+
+def external_io(text: str) -> equipment.ExternalIO:
+    """`<name> with 69 input(s), value = 0x1f and 37 output(s), value = 0x2f`."""
+    match = _EXTERNAL_IO.match(text)
+    if not match:
+        raise ValueError
+    name, inputs, input_bits, outputs, output_bits = match.groups()
+    return equipment.ExternalIO(name, int(inputs), int(input_bits, 16),
+                                int(outputs), int(output_bits, 16))
+
+
+def external_io_update(text: str) -> equipment.ExternalIOUpdate:
+    """`input <name> updated with 0x20 from 32`, `output <name> updated with 1 at bit 32 to 0x80`.
+
+    The value of the whole set comes first in the one, last in the other.
+    """
+    what, _, change = text.partition(' updated with ')
+    side, _, name = what.partition(' ')
+    value, how, *_, last = change.split()
+    if side.lower() not in ('input', 'output') or not name or how not in ('from', 'at'):
+        raise ValueError
+    return equipment.ExternalIOUpdate(name, side.lower() == 'output',
+                                      int(value if how == 'from' else last, 16))
+
+
+def payload_slot(text: str) -> equipment.PayloadSlot:
+    """`1 "<content>" <date> <time> <echo>`; a fleet manager names the robot before it, quoted."""
+    fields = split_words(text)
+    robot = fields.pop(0) if text.startswith('"') else ''
+    slot, content, *_ = fields
+    return equipment.PayloadSlot(int(slot), content, robot)
+
+
+def range_device(text: str) -> equipment.RangeDevice:
+    """`<name> <kind>`."""
+    name, _, kind = text.partition(' ')
+    return equipment.RangeDevice(name, kind)
+
+
+def range_reading(text: str, cumulative: bool) -> equipment.RangeReading:
+    """`<device> x y x y ...`: whole mm in the map frame; a dangling last number is dropped."""
+    device, _, numbers = text.partition(' ')
+    if not device:
+        raise ValueError
+    flat = _integers(numbers)
+    points = flat[:flat.size // 2 * 2].reshape(-1, 2)
+    points.setflags(write=False)
+    return equipment.RangeReading(device, points, cumulative)
+
+
+def _integers(text: str) -> np.ndarray:
+    """Blank-separated integers, read at once by numpy.
+
+    numpy stops silently at the first word that is no integer, so the text is checked before: only
+    digits, blanks and signs, each sign after a blank and before a digit.
+    """
+    padded = f' {text} '.encode('ascii')
+    if (padded.translate(None, b'0123456789 -') or b'- ' in padded
+            or padded.count(b'-') != padded.count(b' -')):
+        raise ValueError
+    if not padded.strip():
+        return np.empty(0, np.int64)
+    numbers = np.fromstring(text, dtype=np.int64, sep=' ')
+    if numbers.max() >= _COORDINATE_LIMIT or numbers.min() < -_COORDINATE_LIMIT:
+        raise ValueError
+    return numbers

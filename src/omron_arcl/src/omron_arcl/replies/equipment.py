@@ -1,0 +1,76 @@
+"""What the robot carries: range devices, inputs and outputs, payload."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from omron_arcl.replies.reply import Reply
+
+
+@dataclass(frozen=True)
+class RangeDevice(Reply):
+    """A range device of the robot, e.g. `Laser_1`, and what kind it is."""
+
+    name: str
+    kind: str
+
+
+@dataclass(frozen=True, eq=False)
+class RangeReading(Reply):
+    """Points that a range device sees: (N, 2) int64, mm, in the map frame; read only.
+
+    `cumulative` points are remembered for some time, others belong to one scan.
+    """
+
+    device: str
+    points: np.ndarray
+    cumulative: bool = False
+
+    def __eq__(self, other: object) -> bool:
+        return (isinstance(other, RangeReading) and self.device == other.device
+                and self.cumulative == other.cumulative
+                and np.array_equal(self.points, other.points))
+
+    __hash__ = None
+
+
+@dataclass(frozen=True)
+class Input(Reply):
+    """A digital input or output (`output`); `state` is on, off or broken, or '' in a mere list."""
+
+    name: str
+    state: str
+    output: bool = False
+
+
+@dataclass(frozen=True)
+class ExternalIO(Reply):
+    """A set of external inputs and outputs: how many, and their values as bits."""
+
+    name: str
+    inputs: int
+    input_bits: int
+    outputs: int
+    output_bits: int
+
+
+@dataclass(frozen=True)
+class ExternalIOUpdate(Reply):
+    """The inputs (or, `output`, the outputs) of an external set now have the values `bits`."""
+
+    name: str
+    output: bool
+    bits: int
+
+
+@dataclass(frozen=True)
+class PayloadSlot(Reply):
+    """What a slot of the robot carries: `Empty` is the robot's word for nothing.
+
+    `robot` is named by a fleet manager only.
+    """
+
+    slot: int
+    content: str
+    robot: str = ''

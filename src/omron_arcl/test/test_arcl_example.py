@@ -1,0 +1,40 @@
+"""The example that drives without ROS, run as its first lines say."""
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import omron_arcl as arcl
+from omron_ld90_sim import Simulator
+
+ROOT = Path(__file__).parents[3]
+
+
+def run(*arguments: str, password: str = 'adept') -> subprocess.CompletedProcess:
+    library = str(Path(arcl.__file__).parents[1])
+    return subprocess.run(
+        [sys.executable, str(ROOT / 'examples/drive_without_ros.py'), *arguments],
+        input=password + '\n', env={**os.environ, 'PYTHONPATH': library}, text=True,
+        capture_output=True, timeout=60, check=False)
+
+
+def test_it_lists_goals_and_drives_to_one():
+    with Simulator(ROOT / 'maps/lab.map', speed=10.0) as robot:
+        listed = run('127.0.0.1', '--port', str(robot.port))
+        assert '8' in listed.stdout.split(), listed
+        driven = run('127.0.0.1', '8', '--port', str(robot.port))
+        assert driven.stdout.endswith('succeeded: Arrived at 8\n'), driven
+        assert driven.returncode == 0
+        refused = run('127.0.0.1', 'nowhere', '--port', str(robot.port))
+        assert 'no such goal' in refused.stdout
+        assert refused.returncode == 1
+
+
+def test_it_says_why_it_cannot_connect():
+    with Simulator(ROOT / 'maps/lab.map') as robot:
+        refused = run('127.0.0.1', '--port', str(robot.port), password='wrong')
+    assert 'refused the password' in refused.stderr
+    assert 'wrong' not in refused.stderr.replace('wrong password', '')
+    assert refused.returncode == 1

@@ -1,0 +1,73 @@
+"""A thousand connections leave nothing behind: no thread, no descriptor, no memory."""
+from __future__ import annotations
+
+import gc
+import os
+import socket
+import threading
+import tracemalloc
+
+from arcl_builders import PASSWORD, STATUS, Noted, ScriptedRobot, lines, wait_for
+
+from omron_arcl import Backoff, Client, Listener, Outcome
+
+RECONNECTS = 1000
+WARM = 100  # of them, until memory counts
+KEPT = 200_000  # bytes that may stay: caches of the interpreter
+
+
+def resources() -> tuple:
+    gc.collect()
+    return threading.active_count(), len(os.listdir('/proc/self/fd'))
+
+
+def memory() -> int:
+    gc.collect()
+    return tracemalloc.get_traced_memory()[0]
+
+
+class NoBackoff(Backoff):
+    """For tests that reconnect a thousand times."""
+
+    def after(self, cause: Exception) -> float:
+        return 0.0
+
+
+def test_a_client_that_reconnects_a_thousand_times_leaks_nothing():
+    with ScriptedRobot() as robot:
+        robot.hangs_up_on = b'goto 12'
+        before = resources()
+        lost = Noted()
+        client = Client('127.0.0.1', robot.port, PASSWORD, backoff=NoBackoff(),
+                        on_login=lambda _: client.execute('goto 12', on_end=lost))
+        with client:
+            wait_for(lambda: len(lost.all) >= WARM, 'the first connections', 30.0)
+            tracemalloc.start()
+            start = memory()
+            wait_for(lambda: len(lost.all) >= RECONNECTS, 'the end of every command', 60.0)
+        assert {result.outcome for result in lost.all} == {Outcome.LOST}
+        assert robot.heard.count(b'goto 12') in (len(lost.all), len(lost.all) - 1)
+        lost.all.clear()
+        robot.heard.clear()
+        wait_for(lambda: all(c.fileno() < 0 for c in robot.connections), 'the robot to close all')
+        robot.forget_closed()
+        wait_for(lambda: resources() == before, f'threads and descriptors; before {before}')
+        assert memory() - start < KEPT
+        tracemalloc.stop()
+
+
+def test_a_listener_to_which_the_robot_connects_a_thousand_times_leaks_nothing():
+    heard = threading.Semaphore(0)
+    before = resources()
+    tracemalloc.start()
+    start = memory()
+    with Listener('127.0.0.1', 0, '127.0.0.1', on_line=lambda _: heard.release()) as listener:
+        for number in range(RECONNECTS):
+            with socket.create_connection(('127.0.0.1', listener.port)) as robot:
+                robot.sendall(lines(*STATUS))
+                for _ in STATUS:
+                    assert heard.acquire(timeout=10.0), f'no status of connection {number}'
+        assert resources()[0] == before[0] + 1
+    assert resources() == before
+    assert memory() - start < KEPT
+    tracemalloc.stop()

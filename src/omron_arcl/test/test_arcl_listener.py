@@ -1,0 +1,137 @@
+"""The listener takes the robot's connection, nobody else's, and survives what comes over it."""
+from __future__ import annotations
+
+import socket
+
+import pytest
+from arcl_builders import STATUS, Noted, lines, wait_for
+
+from omron_arcl import LinkPhase, Listener
+
+
+@pytest.fixture
+def received() -> Noted:
+    return Noted()
+
+
+@pytest.fixture
+def links() -> Noted:
+    return Noted()
+
+
+def dial(listener: Listener, source: str = '127.0.0.1') -> socket.socket:
+    return socket.create_connection(('127.0.0.1', listener.port), timeout=5.0,
+                                    source_address=(source, 0))
+
+
+def is_closed(connection: socket.socket) -> bool:
+    try:
+        while connection.recv(1000):
+            pass
+    except ConnectionResetError:
+        pass
+    return True
+
+
+def test_lines_come_through_without_a_login(received, links):
+    with Listener('127.0.0.1', 0, '127.0.0.1', on_line=received, on_link=links) as listener, \
+            dial(listener) as robot:
+        robot.sendall(lines(*STATUS))
+        received.wait(lambda line: line.raw == STATUS[-1], 'the last line')
+        assert [line.raw for line in received.all] == list(STATUS)
+        assert listener.link.peer == '{}:{}'.format(*robot.getsockname())
+    assert [link.phase for link in links.all] == [
+        LinkPhase.DISCONNECTED, LinkPhase.CONNECTED, LinkPhase.DISCONNECTED]
+
+
+def test_only_the_robots_address_may_connect(received):
+    refused = Noted()
+    with Listener('127.0.0.1', 0, '127.0.0.1', on_line=received, on_refused=refused) as listener, \
+            dial(listener) as robot, dial(listener, source='127.0.0.2') as stranger:
+        assert is_closed(stranger)
+        assert refused.wait(lambda address: address == '127.0.0.2', 'the refusal')
+        robot.sendall(lines(b'Stopped'))
+        received.wait(lambda line: line.raw == b'Stopped', 'a line of the robot')
+
+
+def test_the_robot_may_be_given_by_name(received):
+    with Listener('127.0.0.1', 0, 'localhost', on_line=received) as listener, \
+            dial(listener) as robot:
+        robot.sendall(lines(b'Stopped'))
+        received.wait(lambda line: line.raw == b'Stopped', 'a line')
+
+
+def test_a_new_connection_replaces_the_old_one(received, links):
+    with Listener('127.0.0.1', 0, '127.0.0.1', on_line=received, on_link=links) as listener, \
+            dial(listener) as old, dial(listener) as new:
+        assert is_closed(old)
+        new.sendall(lines(b'Stopped'))
+        received.wait(lambda line: line.raw == b'Stopped', 'a line')
+        links.wait(lambda link: 'anew' in link.reason, 'the reason')
+
+
+def test_half_a_line_of_the_old_connection_does_not_run_into_the_new_one(received):
+    with Listener('127.0.0.1', 0, '127.0.0.1', on_line=received) as listener, \
+            dial(listener) as old:
+        old.sendall(b'Arrived at 1')
+        with dial(listener) as new:
+            assert is_closed(old)
+            new.sendall(lines(b'2', b'Stopped'))
+            received.wait(lambda line: line.raw == b'Stopped', 'a line')
+    assert [line.raw for line in received.all] == [b'2', b'Stopped']
+
+
+def test_the_listener_keeps_the_connection_alive(monkeypatch):
+    monkeypatch.setattr('omron_arcl.listener.KEEP_ALIVE', 0.05)
+    with Listener('127.0.0.1', 0, '127.0.0.1') as listener, dial(listener) as robot:
+        heard = b''
+        while len(heard) < 3:
+            heard += robot.recv(100)
+    assert set(heard) == {ord('\n')}
+
+
+def test_a_silent_robot_is_reported_and_may_come_back(received, links):
+    with Listener('127.0.0.1', 0, '127.0.0.1', on_line=received, on_link=links,
+                  silence=0.2) as listener:
+        with dial(listener) as robot:
+            links.wait(lambda link: 'nothing was received' in link.reason, 'silence')
+            assert is_closed(robot)
+        with dial(listener) as robot:
+            robot.sendall(lines(b'Stopped'))
+            received.wait(lambda line: line.raw == b'Stopped', 'a line')
+
+
+def test_a_line_beyond_all_measure_drops_the_connection(links):
+    with Listener('127.0.0.1', 0, '127.0.0.1', on_link=links) as listener, \
+            dial(listener) as robot:
+        try:
+            for _ in range(400):
+                robot.sendall(b'x' * 65536)
+        except OSError:
+            pass  # dropped, as it should be
+        links.wait(lambda link: 'more than' in link.reason, 'the reason')
+
+
+def test_a_port_of_another_program_is_named_and_taken_when_it_is_free(received, links):
+    holder = socket.create_server(('127.0.0.1', 0))
+    port = holder.getsockname()[1]
+    with Listener('127.0.0.1', port, '127.0.0.1', on_line=received, on_link=links) as listener:
+        links.wait(lambda link: f'another program has port {port}' in link.reason, 'the reason')
+        holder.close()
+        links.wait(lambda link: 'is free now' in link.reason, 'the news that it listens')
+        with dial(listener) as robot:
+            robot.sendall(lines(*STATUS))
+            received.wait(lambda line: line.text.startswith('Status:'), 'a line of the robot')
+
+
+def test_an_address_of_another_computer_is_an_error():
+    with pytest.raises(OSError):
+        Listener('192.0.2.1', 0, '127.0.0.1')
+
+
+def test_closing_frees_the_port():
+    with Listener('127.0.0.1', 0, '127.0.0.1') as listener:
+        port = listener.port
+    wait_for(lambda: not listener._thread.is_alive(), 'the end of the thread')
+    with Listener('127.0.0.1', port, '127.0.0.1') as again:
+        assert again.port == port

@@ -1,0 +1,71 @@
+"""A status is put together from its lines, whatever their order and number."""
+from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+
+import pytest
+from arcl_builders import STATUS
+
+from omron_arcl import (
+    BatteryVoltage,
+    LocalizationScore,
+    Location,
+    OneLineStatus,
+    StateOfCharge,
+    StatusAssembler,
+    Temperature,
+    parse_line,
+)
+
+REPLIES = [parse_line(line.decode()) for line in STATUS]
+WHOLE = OneLineStatus('Going to 12', 'Going to 12', StateOfCharge(79.4), None,
+                      Location(3120, -540, -87), LocalizationScore(0.870543), Temperature(36))
+
+
+def test_a_status_is_whole_with_its_last_line():
+    assembler = StatusAssembler()
+    assert [assembler.add(reply) for reply in REPLIES] == [None] * 5 + [WHOLE]
+
+
+@pytest.mark.parametrize('order', itertools.islice(itertools.permutations(REPLIES), 0, 720, 7))
+def test_in_any_order_of_fields_each_location_comes_out_once(order):
+    assembler = StatusAssembler()
+    statuses = [assembler.add(Location(cycle, 0, 0) if isinstance(reply, Location) else reply)
+                for cycle in range(6) for reply in order]
+    whole = [status for status in statuses if status]
+    assert [status.location.x for status in whole if status.location] == list(range(6))
+    # In an odd order the first may come out in two parts; from then on the fields are known.
+    assert all(replace(status, location=WHOLE.location) == WHOLE for status in whole[2:])
+
+
+def test_it_tells_when_the_location_of_a_status_came():
+    assembler = StatusAssembler()
+    for now, reply in enumerate(REPLIES):
+        assembler.add(reply, now)
+    assert assembler.located == REPLIES.index(WHOLE.location)
+    location_first = [WHOLE.location, *(r for r in REPLIES if r != WHOLE.location)]
+    for now, reply in enumerate([*location_first, WHOLE.location], start=100):
+        assembler.add(reply, now)
+    assert assembler.located == 100
+
+
+def test_an_older_robot_without_some_fields_is_understood():
+    lines = ('Status: Stopped', 'BatteryVoltage: 26.1', 'Location: 1 2 3')
+    assembler = StatusAssembler()
+    statuses = [assembler.add(parse_line(line)) for _ in range(3) for line in lines]
+    stopped = OneLineStatus('Stopped', battery_voltage=BatteryVoltage(26.1),
+                            location=Location(1, 2, 3))
+    assert [status for status in statuses if status] == [stopped] * 3
+
+
+def test_a_status_on_one_line_is_whole_by_itself():
+    status = parse_line('Status: Stopped Location: 1 2 3')
+    assert StatusAssembler().add(status) == status
+
+
+def test_other_lines_in_between_do_not_matter():
+    assembler = StatusAssembler()
+    statuses = [assembler.add(reply) for status in REPLIES
+                for reply in (status, parse_line('Going to 12'))]
+    assert [status for status in statuses if status] == [WHOLE]

@@ -1,0 +1,158 @@
+"""How far a robot is along a route, from where it is seen.
+
+Metres, map frame. Knows neither commands nor time: only geometry, and the order of the edges.
+"""
+from __future__ import annotations
+
+import math
+from typing import Optional, Sequence, Tuple
+
+from omron_ld90.bridge.route_protocol import SymbolicPose
+from trajectory_graph import Curve, Graph, Vertex
+
+Point = Tuple[float, float]
+
+SLACK = 0.5  # m, beyond twice the way it was seen to go, that a robot may be farther on a curve
+MOST = 99.9  # per cent, of an edge that is not complete
+
+
+class RouteProgress:
+    """The current edge of a route and the place on it; both only ever go forward."""
+
+    def __init__(self, graph: Graph, edges: Sequence[int], tolerance: float, by_word: Sequence[int],
+                 place: Point, current: int = 0) -> None:
+        """Begins on `edges[current]`, at its point nearest to `place`.
+
+        tolerance -- m, how near the robot must come to a vertex to pass it
+        by_word   -- vertices that are only passed by `complete_current` (the dock)
+        """
+        self.graph = graph
+        self.edges = tuple(edges)
+        self.tolerance = tolerance
+        self.current = current
+        """Index of the edge being driven; len(edges) when the route is done."""
+        self._by_word = frozenset(by_word)
+        self._place = place
+        self._arc = 0.0 if self.done else self._curve().project(*place).arc_length
+
+    @property
+    def done(self) -> bool:
+        """Whether every edge is complete."""
+        return self.current >= len(self.edges)
+
+    @property
+    def arc(self) -> float:
+        """Arc length in m reached on the current edge."""
+        return self._arc
+
+    @property
+    def pose(self) -> SymbolicPose:
+        """The place on the route; 100 % on the last edge when, and only when, it is complete."""
+        if self.done:
+            return SymbolicPose(self.edges[-1], 100.0)
+        fraction = self._arc / self._curve().length
+        return SymbolicPose(self.edges[self.current], min(100.0 * fraction, MOST))
+
+    @property
+    def travelled(self) -> float:
+        """Length of the route driven, m."""
+        return self._lengths(0, self.current) + (0.0 if self.done else self._arc)
+
+    @property
+    def next_stop(self) -> int:
+        """Index of the edge at whose end the robot must stop: the next dock, or the last one."""
+        for index in range(self.current, len(self.edges)):
+            if self.end(index).id in self._by_word:
+                return index
+        return len(self.edges) - 1
+
+    def end(self, index: int) -> Vertex:
+        """The vertex at the end of the edge with this index."""
+        return self.graph.end_vertex(self.edges[index])
+
+    def distance_to_end(self, index: int) -> float:
+        """Length of the route from the robot to the end of the edge with this index, m."""
+        return self._lengths(self.current, index + 1) - self._arc
+
+    def move_to(self, x: float, y: float) -> None:
+        """The robot was seen at x, y: passes vertices in order, then moves along the current edge.
+
+        A vertex is passed when the segment from the last place to this one comes within the
+        tolerance of it, no sooner than the one before, and not before the edge that leads to it has
+        been driven. An edge shorter than two tolerances counts a tolerance of half its length, so
+        that being near two vertices at once skips no edge. The last vertex is never passed: only
+        the robot can say that it has arrived (`complete_current`).
+        """
+        before, self._place = self._place, (x, y)
+        from_t = 0.0
+        while self.current < len(self.edges) - 1 and self.end(self.current).id not in self._by_word:
+            t = self._entry(before, from_t)
+            if t is None:
+                break
+            self.complete_current()
+            from_t = t
+        if not self.done:
+            begin = _between(before, self._place, from_t)
+            self._arc = self._arc_at(self._place, math.dist(begin, self._place))
+
+    def complete_current(self) -> None:
+        """The end of the current edge is reached."""
+        self.current += 1
+        self._arc = 0.0
+
+    def replace_edges(self, edges: Sequence[int]) -> None:
+        """Goes on with other edges, which must begin with those driven and the current one."""
+        self.edges = tuple(edges)
+
+    def has_overshot(self) -> bool:
+        """Whether the robot left the current edge for the next one without passing the vertex."""
+        if self.current + 1 >= len(self.edges) or self.end(self.current).id in self._by_word:
+            return False
+        vertex = self.end(self.current)
+        following = self.graph.curve(self.edges[self.current + 1]).project(*self._place)
+        return (following.distance < self._curve().project(*self._place).distance
+                and following.arc_length > 2.0 * self.tolerance
+                and math.dist(self._place, vertex.position) > 2.0 * self.tolerance)
+
+    def _entry(self, before: Point, from_t: float) -> Optional[float]:
+        """Where (0..1) on the segment from `before` the vertex ahead is passed, None if nowhere."""
+        length = self._curve().length
+        tolerance = min(self.tolerance, length / 2.0)
+        vertex = self.end(self.current).position
+        t = _first_within(before, self._place, vertex, tolerance, from_t)
+        if t is None:
+            return None
+        moved = (t - from_t) * math.dist(before, self._place)
+        arc = self._arc_at(_between(before, self._place, t), moved)
+        return t if length - arc <= 2.0 * tolerance else None
+
+    def _arc_at(self, place: Point, moved: float) -> float:
+        """Arc length of `place` on the current edge, reached by moving `moved` m."""
+        return self._curve().project(
+            *place, start=self._arc, end=self._arc + 2.0 * moved + SLACK).arc_length
+
+    def _curve(self) -> Curve:
+        return self.graph.curve(self.edges[self.current])
+
+    def _lengths(self, first: int, end: int) -> float:
+        return sum(self.graph.curve(edge).length for edge in self.edges[first:end])
+
+
+def _between(a: Point, b: Point, t: float) -> Point:
+    return a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])
+
+
+def _first_within(a: Point, b: Point, centre: Point, radius: float,
+                  from_t: float) -> Optional[float]:
+    """Least t in from_t..1 at which the segment a-b is within `radius` of `centre`, or None."""
+    if math.dist(_between(a, b, from_t), centre) <= radius:
+        return from_t
+    dx, dy = b[0] - a[0], b[1] - a[1]
+    ox, oy = a[0] - centre[0], a[1] - centre[1]
+    square = dx * dx + dy * dy
+    half = ox * dx + oy * dy
+    root = half * half - square * (ox * ox + oy * oy - radius * radius)
+    if square == 0.0 or root < 0.0:
+        return None
+    t = (-half - math.sqrt(root)) / square
+    return t if from_t <= t <= 1.0 else None

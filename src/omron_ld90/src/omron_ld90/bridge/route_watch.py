@@ -1,0 +1,76 @@
+"""Which route the fleet is driving, and which one is to be seen, out of the messages about all.
+
+No ROS here; times in seconds of a steady clock.
+"""
+from __future__ import annotations
+
+import math
+from typing import NamedTuple, Optional, Sequence, Tuple
+
+from omron_ld90.bridge.route_protocol import EdgeState
+
+SILENCE = 3.0  # s
+SHOWN_AFTER_THE_END = 15.0  # s
+
+
+class EdgeProgress(NamedTuple):
+    """An edge of a route, signed, and its state, an EdgeState."""
+
+    edge: int
+    state: int
+
+
+class RouteWatch:
+    """Tells whether the fleet is driving the robot.
+
+    A running route is reported ten times a second, so one that was not heard of for `SILENCE`
+    is over: the bridge is gone, or its link to this computer is.
+    """
+
+    def __init__(self) -> None:
+        self._running: Optional[int] = None
+        self._heard = -math.inf
+
+    def update(self, route_id: int, states: Sequence[int], now: float) -> bool:
+        """Take in the state of every edge of a route; False for the refusal of another route."""
+        failed = any(state == EdgeState.FAILED for state in states)
+        if not failed and any(state != EdgeState.COMPLETE for state in states):
+            self._running, self._heard = route_id, now
+        elif failed and self.running(now) not in (None, route_id):
+            return False
+        else:
+            self._running = None
+        return True
+
+    def running(self, now: float) -> Optional[int]:
+        """The id of the route being driven at `now`, or None."""
+        return self._running if now - self._heard <= SILENCE else None
+
+
+class RouteView:
+    """The route on display: the one being driven, and for a while the one that just ended."""
+
+    def __init__(self) -> None:
+        self.shown: Tuple[EdgeProgress, ...] = ()
+        self._watch = RouteWatch()
+        self._last: Tuple[Optional[int], Tuple[EdgeProgress, ...]] = (None, ())
+        self._changed = -math.inf
+
+    def update(self, route_id: int, edges: Sequence[EdgeProgress], now: float) -> bool:
+        """Take in one message; True when there is something else to see."""
+        route = (route_id, tuple(edges))
+        if not self._watch.update(route_id, [edge.state for edge in edges], now):
+            return False
+        if route == self._last:
+            return False
+        self._last, self._changed = route, now
+        self.shown = route[1]
+        return True
+
+    def expire(self, now: float) -> bool:
+        """Take the route away that ended a while ago; True when it just went."""
+        ended = self._watch.running(now) is None
+        if not (self.shown and ended and now - self._changed >= SHOWN_AFTER_THE_END):
+            return False
+        self.shown = ()
+        return True

@@ -1,0 +1,213 @@
+"""Graph + base map -> map: every vertex a goal or the dock, fences along the edges, no more.
+
+`convert` edits a document in memory; `convert_file` also writes it, reads it back and checks that
+it says what it should. Positions in mm, headings in degrees.
+"""
+from __future__ import annotations
+
+import math
+import os
+from collections import Counter
+from dataclasses import dataclass
+from enum import Enum
+from typing import Dict, List, Optional, Set, Tuple
+
+from omron_ld90.converter.corridors import CorridorRules, Corridors, corridors_of
+from omron_ld90.converter.fences import (
+    Fences,
+    fence_objects,
+    is_fence,
+    notes_on_fences,
+    notes_on_places,
+    notes_on_walls,
+)
+from omron_ld90.converter.goals import dock_pose, places_of
+from omron_ld90.converter.obstacles import obstacle_points
+from omron_map import MapDocument, MapObject
+from trajectory_graph import Graph, UnknownVertex
+
+
+class ConversionError(Exception):
+    """A graph and a map that do not go together; the text says why and what to do."""
+
+
+class ExistingGoals(Enum):
+    """What becomes of the goals and docks that the base map has already."""
+
+    REPLACE = 'replace'
+    """Those named like a vertex move to the vertex; the others stay."""
+    KEEP = 'keep'
+    """All stay where they are; only vertices without one get a goal."""
+    DROP = 'drop'
+    """All goals and docks go."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """How a graph becomes part of a map."""
+
+    dock_vertex: Optional[int] = None
+    """None: the graph has no dock."""
+    dock_heading: Optional[float] = None
+    """Degrees, facing the station; None: by the rule of `goals.dock_pose`."""
+    existing_goals: ExistingGoals = ExistingGoals.REPLACE
+    fences: Fences = Fences.AREAS
+    corridors: CorridorRules = CorridorRules()
+
+
+@dataclass(frozen=True)
+class Conversion:
+    """What was done."""
+
+    places: Tuple[MapObject, ...]
+    """The map's object for each vertex."""
+    fences: Tuple[MapObject, ...]
+    added: Tuple[MapObject, ...]
+    removed: Tuple[MapObject, ...]
+    notes: Tuple[str, ...]
+    """What a person should know about the result, a sentence each."""
+    corridors: Corridors
+    """The floor that the fences leave free."""
+
+
+def convert(graph: Graph, document: MapDocument, options: Options) -> Conversion:
+    """Put the graph into the document; raises ConversionError or MapError."""
+    wanted = _wanted_places(graph, options)
+    corridors = _corridors(graph, options)
+    known = {warning.text for warning in document.warnings}
+    walls = obstacle_points(document, ignored=is_fence)
+    fences = fence_objects(corridors.floor, walls, options.fences)
+
+    removed = _clear(document, wanted, options.existing_goals)
+    places, added = _add_missing(document, wanted)
+    notes = _new_warnings(document, known, removed) + _other_docks(document, wanted)
+    old, new = Counter(filter(is_fence, document.objects)), Counter(fences)
+    outdated, missing = list((old - new).elements()), list((new - old).elements())
+    document.remove_all(outdated)
+    document.add_all(missing)
+    removed += outdated
+    added += missing
+
+    notes += notes_on_walls(graph, walls)
+    if options.fences is not Fences.NONE:
+        notes += notes_on_fences(graph, corridors, fences, walls)
+        notes += notes_on_places(corridors, document.goals + document.docks)
+    return Conversion(tuple(places), tuple(fences), tuple(added), tuple(removed), tuple(notes),
+                      corridors)
+
+
+def convert_file(graph: Graph, base_map: str, output: str, options: Options) -> Conversion:
+    """Make the map `output` from the file `base_map`, which may be the same.
+
+    The output is written even when nothing changes, so that it is newer than what it is made from.
+    Raises ConversionError or MapError; `output` is replaced only by a complete map.
+    """
+    base = MapDocument.load(base_map)
+    made = MapDocument.from_bytes(base.to_bytes(), os.fspath(output))
+    conversion = convert(graph, made, options)
+    made.save(output)
+    check_output(base, conversion, output)
+    return conversion
+
+
+def check_output(base: MapDocument, conversion: Conversion, output: str) -> None:
+    """Read the map `output` and compare it with what it was made of; raises ConversionError.
+
+    The objects must be those of `base` without the removed and with the added ones. All other
+    lines must be those of `base`; only with removed objects, lines about them may be missing.
+    """
+    made = MapDocument.load(output)
+    expected = Counter(map(_written, base.objects))
+    expected.subtract(map(_written, conversion.removed))
+    expected.update(map(_written, conversion.added))
+    if Counter(map(_written, made.objects)) != +expected:
+        raise ConversionError(f'{output}: the objects read back are not those that were written; '
+                              'write it to another disk and compare.')
+    left, right = _other_bytes(base), _other_bytes(made)
+    rest = iter(left)
+    only_fewer = all(line in rest for line in right)
+    if not only_fewer or (len(left) != len(right) and not conversion.removed):
+        raise ConversionError(f'{output}: lines of {base.name} that have nothing to do with the '
+                              'graph have changed; please report this.')
+
+
+def _wanted_places(graph: Graph, options: Options) -> List[MapObject]:
+    heading = options.dock_heading
+    if heading is not None and not math.isfinite(heading):
+        raise ConversionError(f'dock_heading is {heading}, but must be a number of degrees.')
+    try:
+        return places_of(graph, options.dock_vertex, options.dock_heading)
+    except UnknownVertex as error:
+        raise ConversionError(f'The graph has no vertex {error.id}, which dock_vertex names; '
+                              'name the vertex of the dock, or none.') from error
+    except ValueError as error:
+        raise ConversionError(f'{error}.') from error
+
+
+def _corridors(graph: Graph, options: Options) -> Corridors:
+    for id in options.corridors.edge_widths:
+        if id not in graph.edges:
+            raise ConversionError(f'The graph has no edge {id}, to which edge_width gives a '
+                                  'width; name an edge of the graph.')
+    dock = None
+    if options.dock_vertex is not None:
+        dock = dock_pose(graph, options.dock_vertex, options.dock_heading)
+    return corridors_of(graph, options.corridors, dock)
+
+
+def _clear(document: MapDocument, wanted: List[MapObject],
+           existing: ExistingGoals) -> List[MapObject]:
+    """Take out the goals and docks that are not to stay as they are, and tell which."""
+    if existing is ExistingGoals.KEEP:
+        return []
+    by_name = {place.name.lower(): _written(place) for place in wanted}
+    removed = []
+    for obj in document.goals + document.docks:
+        replacement = by_name.get(obj.name.lower())
+        if replacement == _written(obj):
+            continue
+        if replacement is not None or existing is ExistingGoals.DROP:
+            removed.append(obj)
+    document.remove_all(removed)
+    return removed
+
+
+def _add_missing(document: MapDocument,
+                 wanted: List[MapObject]) -> Tuple[List[MapObject], List[MapObject]]:
+    """Add the places whose names the map has not; the map's object for each, and the new ones."""
+    named: Dict[str, MapObject] = {}
+    for obj in document.objects:
+        named.setdefault(obj.name.lower(), obj)
+    present = {name: obj for name, obj in named.items() if obj.is_goal or obj.is_dock}
+    added = [place for place in wanted if place.name.lower() not in present]
+    document.add_all(added)
+    return [present.get(place.name.lower(), place) for place in wanted], added
+
+
+def _new_warnings(document: MapDocument, known: Set[str], removed: List[MapObject]) -> List[str]:
+    """The warnings that the base map did not have; not those about objects that came back."""
+    present = {obj.name.lower() for obj in document.objects}
+    back = [f'{obj.label!r}, which was removed' for obj in removed if obj.name.lower() in present]
+    return [f'{warning.text[0].upper()}{warning.text[1:]}.' for warning in document.warnings
+            if warning.text not in known and not any(text in warning.text for text in back)]
+
+
+def _other_docks(document: MapDocument, wanted: List[MapObject]) -> List[str]:
+    if not any(place.is_dock for place in wanted):
+        return []
+    names = {place.name.lower() for place in wanted}
+    return [f'The map has another dock, {obj.label!r}: the robot may choose it when told to dock.'
+            for obj in document.docks if obj.name.lower() not in names]
+
+
+def _written(obj: MapObject) -> Tuple:
+    """What a map file tells of an object: kind, whole mm, degrees to six digits, texts."""
+    theta = round(obj.theta, 6) + 0.0
+    return (obj.kind, round(obj.x), round(obj.y), theta, obj.description, obj.name, obj.extent,
+            obj.tail)
+
+
+def _other_bytes(document: MapDocument) -> List[bytes]:
+    """All lines but those of active objects, and the sections."""
+    return ([record.raw for record in document.records if record.object is None]
+            + [section.raw.rstrip(b'\r\n') for section in document.sections])

@@ -1,0 +1,96 @@
+"""The floor that a robot needs to drive on a graph: what no fence may touch. All in mm, map frame.
+
+A corridor follows every edge's curve. A disc in which the robot can turn is free where it has to
+turn: at end vertices, where its way bends within its half diagonal, and at the dock, from where a
+strip leads to the station. Where edges meet their corridors are one, so junctions are open.
+"""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import List, Mapping, Optional
+
+from shapely.geometry import LineString, Point
+from shapely.geometry.base import BaseGeometry
+from shapely.ops import unary_union
+
+from omron_ld90.converter.bends import bends_of
+from omron_ld90.converter.goals import Pose, millimetres
+from trajectory_graph import Graph
+
+ROBOT_HALF_WIDTH = 250.0
+ROBOT_HALF_DIAGONAL = 430.0
+ARC = 8  # segments of a quarter circle: a circle of 0.5 m is true to 2.4 mm
+ROUNDING = 2.5  # mm that outlines are drawn wider, so that polygons of circles are no smaller
+CURVE_TOLERANCE = 0.5  # mm, between a curve and the polyline that stands for it
+SLIT = 17.0  # mm: floor on both sides of what is less than twice as wide is one floor
+MITRE = 2  # Shapely's join style that keeps corners sharp
+
+
+@dataclass(frozen=True)
+class CorridorRules:
+    """How much floor the robot gets; mm."""
+
+    width: float = 900.0
+    edge_widths: Mapping[int, float] = field(default_factory=dict)
+    """Widths of single edges, by edge id; the others have `width`."""
+    turning_radius: float = ROBOT_HALF_DIAGONAL + 50.0
+    station_distance: float = 1500.0
+    """From the dock pose to the station that it faces."""
+
+    def width_of(self, edge_id: int) -> float:
+        """The width of an edge's corridor."""
+        return self.edge_widths.get(edge_id, self.width)
+
+
+@dataclass(frozen=True)
+class Corridors:
+    """The floor of a graph and what it is made of."""
+
+    curves: Mapping[int, LineString]
+    """By edge id."""
+    rules: CorridorRules
+    floor: BaseGeometry
+    """Half a corridor's width to either side of every curve, discs to turn in, and the strip to
+    the station, without slits: what must stay free."""
+
+    def lanes_widened(self, by: float) -> BaseGeometry:
+        """The corridors alone, every one wider by `by` on either side."""
+        return unary_union(_lanes(self.curves, self.rules, by))
+
+
+def corridors_of(graph: Graph, rules: CorridorRules, dock: Optional[Pose] = None) -> Corridors:
+    """The floor of `graph`; `dock` is the pose from which the robot docks."""
+    curves = {id: LineString(graph.curve(id).points * 1000.0).simplify(CURVE_TOLERANCE)
+              for id in graph.edges}
+    floor = unary_union(_lanes(curves, rules) + _turning_places(graph, rules)
+                        + _docking_place(dock, rules))
+    without_slits = floor.buffer(SLIT, join_style=MITRE).buffer(-SLIT, join_style=MITRE)
+    return Corridors(curves, rules, without_slits)
+
+
+def _lanes(curves: Mapping[int, LineString], rules: CorridorRules,
+           wider: float = 0.0) -> List[BaseGeometry]:
+    return [_around(curve, rules.width_of(id) / 2.0 + wider) for id, curve in curves.items()]
+
+
+def _around(shape: BaseGeometry, distance: float) -> BaseGeometry:
+    return shape.buffer(distance + ROUNDING, ARC)
+
+
+def _turning_places(graph: Graph, rules: CorridorRules) -> List[BaseGeometry]:
+    places = bends_of(graph, ROBOT_HALF_DIAGONAL / 1000.0)
+    places += [vertex.position for vertex in graph.vertices.values()
+               if graph.is_end_vertex(vertex.id)]
+    return [_around(Point(millimetres(place)), rules.turning_radius) for place in places]
+
+
+def _docking_place(dock: Optional[Pose], rules: CorridorRules) -> List[BaseGeometry]:
+    if dock is None:
+        return []
+    ahead = math.radians(dock.heading)
+    station = (dock.x + rules.station_distance * math.cos(ahead),
+               dock.y + rules.station_distance * math.sin(ahead))
+    flat = 2
+    return [_around(Point(dock.x, dock.y), rules.turning_radius),
+            LineString([(dock.x, dock.y), station]).buffer(rules.width / 2.0, cap_style=flat)]

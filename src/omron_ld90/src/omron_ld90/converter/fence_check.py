@@ -1,0 +1,98 @@
+"""Do fences do what they are for, and nothing else? An independent look. All in mm, map frame.
+
+A *leak* is a place where the centre of a disc as wide as the robot gets farther than half a
+corridor and ALLOWANCE from every curve, outside the zones for turning and docking, on its way from
+any vertex. Nothing here uses how the fences were found: only shapes, widened and cut.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Iterable, List, Tuple
+
+import numpy as np
+from shapely.geometry import LineString, MultiPoint, Point, Polygon
+from shapely.geometry.base import BaseGeometry
+from shapely.ops import unary_union
+from shapely.prepared import prep
+
+from omron_ld90.converter.corridors import ROBOT_HALF_WIDTH, ROUNDING, Corridors
+from omron_ld90.converter.goals import millimetres
+from omron_map import MapObject
+from trajectory_graph import Graph
+
+ALLOWANCE = 50.0
+INTRUSION = 5.0  # what a fence may stand in a corridor
+POINT_PITCH = 60.0  # obstacle points nearer to each other count as one
+ARC = 16  # segments of a quarter circle; circles drawn with them are smaller than true ones
+SHORTEST_GATE = 1.0  # a shorter one comes of rounding
+TOUCHING = 0.1  # pieces of a gate nearer than twice this are one
+
+
+@dataclass(frozen=True)
+class FenceCheck:
+    """What is wrong with a map's fences."""
+
+    leaks: Tuple[Tuple[float, float], ...]
+    """Where the robot gets out: x, y of the middle of each gap."""
+    lost_area: float
+    """Floor (mm2) that fences take, deeper than INTRUSION inside its edge."""
+
+    @property
+    def passed(self) -> bool:
+        """Nothing is wrong."""
+        return not self.leaks and self.lost_area < 1.0
+
+
+def check_fences(graph: Graph, corridors: Corridors, fences: Iterable[MapObject],
+                 walls: np.ndarray) -> FenceCheck:
+    """Look for leaks between `fences` (as written into the map) and `walls` (N,2)."""
+    shapes = [shape_of(fence) for fence in fences]
+    return FenceCheck(tuple(_leaks(graph, corridors, shapes, walls)),
+                      lost_area(corridors.floor, shapes))
+
+
+def shape_of(fence: MapObject) -> BaseGeometry:
+    """The polygon of a forbidden area, the line of a forbidden line."""
+    if fence.is_area:
+        return Polygon(fence.rectangle.corners)
+    extent = fence.extent
+    return LineString([(extent.from_x, extent.from_y), (extent.to_x, extent.to_y)])
+
+
+def lost_area(floor: BaseGeometry, shapes: Iterable[BaseGeometry]) -> float:
+    """Area that `shapes` cover of the floor, not counting INTRUSION along its edge.
+
+    A line counts as 1 mm wide.
+    """
+    inner = floor.buffer(-INTRUSION)
+    near = prep(inner)
+    touching = [shape.buffer(0.5) for shape in shapes if near.intersects(shape)]
+    return inner.intersection(unary_union(touching)).area if touching else 0.0
+
+
+def _leaks(graph: Graph, corridors: Corridors, shapes: List[BaseGeometry],
+           walls: np.ndarray) -> List[Tuple[float, float]]:
+    allowed = unary_union([corridors.lanes_widened(ALLOWANCE - ROUNDING), corridors.floor])
+    in_reach = prep(allowed.boundary.buffer(ROBOT_HALF_WIDTH))
+    obstacles = [shape for shape in shapes if in_reach.intersects(shape)]
+    obstacles += [point for point in map(Point, _thinned(walls)) if in_reach.contains(point)]
+    blocked = unary_union([shape.buffer(ROBOT_HALF_WIDTH, ARC) for shape in obstacles])
+    vertices = MultiPoint([millimetres(vertex.position) for vertex in graph.vertices.values()])
+    reached = [part for part in _parts(allowed.difference(blocked))
+               if prep(part).intersects(vertices)]
+    gates = unary_union(reached).boundary.intersection(allowed.boundary)
+    whole_gates = unary_union([gate.buffer(TOUCHING) for gate in _parts(gates)])
+    return [gate.centroid.coords[0] for gate in _parts(whole_gates)
+            if gate.length > 2.0 * SHORTEST_GATE]
+
+
+def _thinned(points: np.ndarray) -> np.ndarray:
+    """One of the points in each square of POINT_PITCH."""
+    if not len(points):
+        return points
+    _, first = np.unique(np.floor(points / POINT_PITCH).astype(int), axis=0, return_index=True)
+    return points[first]
+
+
+def _parts(shape: BaseGeometry) -> List[BaseGeometry]:
+    return [] if shape.is_empty else list(getattr(shape, 'geoms', [shape]))

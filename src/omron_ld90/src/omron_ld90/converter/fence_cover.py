@@ -1,0 +1,200 @@
+"""Fences that keep a robot in the corridors of its graph: few rectangles or lines. mm, map frame.
+
+Nothing leaves the floor when every point of the guard line around it has a wall or a fence within
+the robot's half width: so the guard line is what is covered, as a set cover. We walk along it; at
+the first point that nothing covers yet, rectangles of several directions and distances are grown
+from there until they would touch the floor, and the one that covers most of what is still open
+stays. Grown to the other side of a block between corridors, one covers the block's whole outline.
+"""
+from __future__ import annotations
+
+from typing import Iterator, List, Optional, Sequence, Tuple
+
+import numpy as np
+from scipy.spatial import cKDTree
+from shapely.geometry.base import BaseGeometry
+
+from omron_ld90.converter.fence_shapes import (
+    LONGEST,
+    REACH,
+    SHORTEST,
+    THICKNESS,
+    Fence,
+    Frame,
+    first_beyond,
+    free_span,
+)
+from omron_ld90.converter.guard_line import (
+    CLEARANCE,
+    GUARD,
+    LONGEST_EDGE,
+    SAME_DIRECTION,
+    STEP,
+    Yard,
+    sides,
+    yards,
+)
+
+NARROW = 40.0  # depth of a fence that ends in a sharp corner
+OFFSETS = (CLEARANCE - GUARD, 20.0, 60.0, 100.0, 140.0, 180.0)
+"""Distances from the guard line, away from the floor, at which a fence may begin."""
+LOOK_AHEAD = (250.0, 500.0, 750.0, 1000.0, 1500.0, 2000.0, 2600.0, 3200.0)
+"""Arc lengths along the guard line to whose chords a fence may be parallel, where it is curved."""
+STRAIGHT = 500.0  # of the guard line in one direction that a fence follows
+STAND_OFF = 0.02  # points that a fence must cover more for every mm it stands off the floor
+WORTH = 1.5  # times the points that a fence across a whole block must cover to be worth its area
+INSET = 1.0  # by which the sides of a fence may be touched
+MANY = 2000  # guard points, from which on only the near ones are looked at
+NEARBY = 1.5 * LONGEST + LONGEST_EDGE
+
+
+def fence_areas(floor: BaseGeometry, walls: np.ndarray) -> List[Fence]:
+    """Rectangles around `floor`, which must stay free, where `walls` (N,2) leave it open."""
+    return _fences(floor, walls, THICKNESS)
+
+
+def fence_lines(floor: BaseGeometry, walls: np.ndarray) -> List[Fence]:
+    """The same as `fence_areas`, but to be used as lines: nothing is deeper than that."""
+    return _fences(floor, walls, 0.0)
+
+
+def _fences(floor: BaseGeometry, walls: np.ndarray, thickness: float) -> List[Fence]:
+    nearest_wall = cKDTree(walls) if len(walls) else None
+    return [fence for yard in yards(floor)
+            for fence in _Cover(yard, nearest_wall, thickness).fences()]
+
+
+class _Cover:
+    """Covers the guard line of one yard."""
+
+    def __init__(self, yard: Yard, nearest_wall: Optional[cKDTree], thickness: float) -> None:
+        self._yard = yard
+        self._thickness = thickness
+        self._open = np.ones(len(yard.points), bool)
+        if nearest_wall is not None:
+            distances, _ = nearest_wall.query(yard.points, distance_upper_bound=REACH)
+            self._open = np.isinf(distances)
+        self._trees = None
+        if len(yard.points) > MANY:
+            self._trees = cKDTree(yard.points), cKDTree(yard.edges.mean(axis=1))
+
+    def fences(self) -> List[Fence]:
+        """Fences that cover all of the guard line that is open."""
+        found: List[Fence] = []
+        covered: List[np.ndarray] = []
+        for ring, position in self._walk():
+            index = ring[position]
+            if self._open[index]:
+                points, edges = self._around(self._yard.points[index])
+                fence = self._best(ring, position, points[self._open[points]], edges)
+                found.append(fence)
+                covered.append(points[fence.covers(fence.frame.of(self._yard.points[points]))])
+                self._open[covered[-1]] = False
+        return _needed(found, covered)
+
+    def _walk(self) -> Iterator[Tuple[np.ndarray, int]]:
+        """Where fences are grown: first from the middle of long straight sides, then all around.
+
+        Pairs of a ring and a position on it.
+        """
+        straight = [(len(side), number, side) for number, ring in enumerate(self._yard.rings)
+                    for side in sides(self._yard.directions[ring]) if len(side) * STEP >= STRAIGHT]
+        for length, number, side in sorted(straight, key=lambda item: -item[0]):
+            for at in sorted(range(length), key=lambda at: abs(2 * at - length)):
+                yield self._yard.rings[number], side[at]
+        for ring in self._yard.rings:
+            for position in range(len(ring)):
+                yield ring, position
+
+    def _around(self, point: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+        """Indices of guard points, and edges (M,2,2), that a fence over `point` could reach."""
+        if self._trees is None:
+            return np.arange(len(self._yard.points)), self._yard.edges
+        points, edges = (tree.query_ball_point(point, NEARBY) for tree in self._trees)
+        return np.sort(points), self._yard.edges[edges]
+
+    def _best(self, ring: np.ndarray, position: int, open_points: np.ndarray,
+              edges: np.ndarray) -> Fence:
+        """The fence over a point of a ring that covers the most open points."""
+        origin = self._yard.points[ring[position]]
+        directions, straight = self._directions_ahead(ring, position)
+        offers = [_Offers(Frame(origin, direction), self._yard.points[open_points], edges)
+                  for direction in directions]
+        for depth in (self._thickness, min(self._thickness, NARROW)):
+            found = [(offer.worth(fence), index, fence) for index, offer in enumerate(offers)
+                     for fence in offer.along_the_floor(depth)]
+            if found:
+                _, index, best = max(found, key=lambda item: item[0])
+                return offers[index].deepened(best) if straight and depth else best
+        return _post(Frame(origin, directions[0]))
+
+    def _directions_ahead(self, ring: np.ndarray, position: int) -> Tuple[np.ndarray, bool]:
+        """The directions that a fence may take, and whether the guard line is straight here."""
+        here = self._yard.directions[ring[position]]
+        soon = self._yard.directions[ring[(position + int(STRAIGHT / STEP)) % len(ring)]]
+        if here @ soon > SAME_DIRECTION:
+            return here[None], True
+        ahead = [(position + int(arc / STEP)) % len(ring) for arc in LOOK_AHEAD]
+        chords = self._yard.points[ring[ahead]] - self._yard.points[ring[position]]
+        lengths = np.hypot(*chords.T)
+        chords = chords[lengths > STEP] / lengths[lengths > STEP, None]
+        return np.concatenate((here[None], chords)), False
+
+
+class _Offers:
+    """The fences that one frame has to offer."""
+
+    def __init__(self, frame: Frame, open_points: np.ndarray, edges: np.ndarray) -> None:
+        self._frame = frame
+        self._points = frame.of(open_points)
+        self._edges = frame.of(edges)
+
+    def along_the_floor(self, depth: float) -> Iterator[Fence]:
+        """The longest fences over the frame's origin at several distances from the floor."""
+        ahead = first_beyond(self._edges, 0.0, 0.0, 0.0)
+        for near in OFFSETS:
+            span = free_span(self._edges, near, near + depth) if near + depth < ahead else None
+            if span is not None:
+                yield Fence(self._frame, *span, near, near + depth).trimmed(self._points)
+
+    def worth(self, fence: Fence) -> float:
+        """How many points it covers; less for a fence that stands off the floor."""
+        return fence.covers(self._points).sum() - STAND_OFF * fence.near
+
+    def deepened(self, fence: Fence) -> Fence:
+        """The fence, or one that reaches to the floor's other side where that is worth it."""
+        best, most = fence, fence.covers(self._points).sum() * WORTH
+        left, right = free_span(self._edges, fence.near, fence.far)
+        for base in (fence, fence._replace(left=left, right=right)):
+            far = first_beyond(self._edges, base.left + INSET, base.right - INSET, base.far)
+            deep = base._replace(far=min(far, base.near + LONGEST)).trimmed(self._points)
+            covered = deep.covers(self._points).sum()
+            if covered > most:
+                best, most = self._drawn_near(deep), covered
+        return best
+
+    def _drawn_near(self, fence: Fence) -> Fence:
+        """The fence, reaching to the floor in front of it where that is free all along."""
+        span = free_span(self._edges, OFFSETS[0], fence.far)
+        if span is None or span[0] > fence.left or span[1] < fence.right:
+            return fence
+        return fence._replace(near=OFFSETS[0])
+
+
+def _post(frame: Frame) -> Fence:
+    """What fits where nothing else does: no corner is as far as GUARD from the frame's origin."""
+    half = SHORTEST / 2.0
+    return Fence(frame, -half, half, -half, half)
+
+
+def _needed(fences: Sequence[Fence], covered: Sequence[np.ndarray]) -> List[Fence]:
+    """The fences without those whose points others cover as well; the smallest go first."""
+    if not fences:
+        return []
+    times = np.bincount(np.concatenate(covered))
+    kept = set(range(len(fences)))
+    for index in sorted(kept, key=lambda index: len(covered[index])):
+        if np.all(times[covered[index]] > 1):
+            times[covered[index]] -= 1
+            kept.discard(index)
+    return [fences[index] for index in sorted(kept)]

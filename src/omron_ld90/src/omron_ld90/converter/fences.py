@@ -1,0 +1,69 @@
+"""Fences as objects of a map: made, recognised again, and judged together with what is there."""
+from __future__ import annotations
+
+from enum import Enum
+from typing import Iterable, List
+
+import numpy as np
+from shapely.geometry import Point
+from shapely.geometry.base import BaseGeometry
+from shapely.prepared import prep
+
+from omron_ld90.converter.corridors import ROBOT_HALF_WIDTH, Corridors
+from omron_ld90.converter.fence_check import check_fences
+from omron_ld90.converter.fence_cover import fence_areas, fence_lines
+from omron_ld90.converter.obstacles import obstructions
+from omron_map import MapObject
+from trajectory_graph import Graph
+
+FENCE = 'omron_ros_map fence'
+"""Description of the objects that keep the robot in the corridors: a later run replaces them."""
+
+
+class Fences(Enum):
+    """What keeps the robot in the graph's corridors."""
+
+    AREAS = 'areas'
+    LINES = 'lines'
+    NONE = 'none'
+
+
+def is_fence(obj: MapObject) -> bool:
+    """Was the object made by a converter to keep the robot in its corridors?"""
+    return obj.description == FENCE
+
+
+def fence_objects(floor: BaseGeometry, walls: np.ndarray, kind: Fences) -> List[MapObject]:
+    """Fences around `floor` (mm) where `walls` (N,2) leave it open, as a map holds them."""
+    if kind is Fences.AREAS:
+        return [MapObject.forbidden_area(fence.rectangle, description=FENCE)
+                for fence in fence_areas(floor, walls)]
+    if kind is Fences.LINES:
+        return [MapObject.forbidden_line(*fence.line, description=FENCE)
+                for fence in fence_lines(floor, walls)]
+    return []
+
+
+def notes_on_fences(graph: Graph, corridors: Corridors, fences: Iterable[MapObject],
+                    walls: np.ndarray) -> List[str]:
+    """What is wrong with the fences: sentences for people, none when all is well."""
+    check = check_fences(graph, corridors, fences, walls)
+    notes = [f'The fences leave a gap at {x:.0f} {y:.0f} mm: close it by hand in MobilePlanner.'
+             for x, y in check.leaks]
+    if check.lost_area >= 1.0:
+        notes.append(f'The fences take {check.lost_area / 1e6:.3f} m2 of the corridors.')
+    return notes
+
+
+def notes_on_places(corridors: Corridors, places: Iterable[MapObject]) -> List[str]:
+    """The places that the fences cut off."""
+    floor = prep(corridors.floor)
+    return [f'{place.kind} {place.label!r} is outside the corridors: the robot cannot drive to it '
+            'any more.' for place in places if not floor.contains(Point(place.x, place.y))]
+
+
+def notes_on_walls(graph: Graph, walls: np.ndarray) -> List[str]:
+    """The edges that the robot cannot follow, because something stands there on the map."""
+    return [f'Edge {found.edge_id} leads past an obstacle at a distance of {found.distance:.0f} mm '
+            f'near {found.x:.0f} {found.y:.0f} mm, but the robot is {2 * ROBOT_HALF_WIDTH:.0f} mm '
+            'wide.' for found in obstructions(graph, walls, ROBOT_HALF_WIDTH)]

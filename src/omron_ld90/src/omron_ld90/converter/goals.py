@@ -1,0 +1,82 @@
+"""The vertices of a trajectory graph as goals and dock of a map.
+
+The graph is in metres and radians, a map in millimetres and degrees: this module changes the one
+into the other for whatever is written into a map.
+
+A robot waits at an *end vertex* (touched by exactly one edge) facing its way out, so that it can
+leave without turning on the spot. A dock is reached the other way round: facing the station.
+"""
+from __future__ import annotations
+
+import math
+from typing import List, NamedTuple, Optional, Tuple
+
+from omron_map import MapObject
+from trajectory_graph import Graph, Vertex
+
+
+class Pose(NamedTuple):
+    """A place in the map: mm and degrees."""
+
+    x: float
+    y: float
+    heading: float
+
+
+def millimetres(position: Tuple[float, float]) -> Tuple[int, int]:
+    """A position of the graph (m) as a map stores it (whole mm)."""
+    return round(position[0] * 1000.0), round(position[1] * 1000.0)
+
+
+def goal_name(vertex: Vertex) -> str:
+    """The name under which ARCL's `goto` knows the vertex."""
+    return str(vertex.id)
+
+
+def heading_out(graph: Graph, vertex: Vertex) -> float:
+    """The heading (degrees) in which the only edge of an end vertex leads away from it.
+
+    That is Theta where the vertex is its edge's origin, so the way out of it, and Theta + 180
+    degrees where it is the destination.
+    """
+    edge, = graph.edges_from(vertex.id)
+    return math.degrees(vertex.theta) + (0.0 if edge > 0 else 180.0)
+
+
+def goal(graph: Graph, vertex: Vertex) -> MapObject:
+    """The vertex as a goal; an end vertex as one with the heading to wait in."""
+    heading = heading_out(graph, vertex) if graph.is_end_vertex(vertex.id) else None
+    return MapObject.goal(goal_name(vertex), *millimetres(vertex.position), heading=heading)
+
+
+def dock_pose(graph: Graph, vertex_id: int, heading: Optional[float] = None) -> Pose:
+    """Where the robot stands before it docks, facing the station; `heading` (degrees) overrides.
+
+    Raises UnknownVertex, and ValueError where the vertex has several edges and so no heading of
+    its own.
+    """
+    vertex = graph.vertex(vertex_id)
+    if heading is None:
+        if not graph.is_end_vertex(vertex_id):
+            raise ValueError(f'the dock vertex {vertex_id} has several edges: give the heading '
+                             'that faces the station as dock_heading')
+        heading = heading_out(graph, vertex) + 180.0
+    return Pose(*millimetres(vertex.position), heading)
+
+
+def dock(graph: Graph, vertex_id: int, heading: Optional[float] = None) -> MapObject:
+    """The dock vertex as the robot's dock; arguments and errors as for `dock_pose`."""
+    return MapObject.dock(goal_name(graph.vertex(vertex_id)),
+                          *dock_pose(graph, vertex_id, heading))
+
+
+def places_of(graph: Graph, dock_vertex: Optional[int],
+              dock_heading: Optional[float] = None) -> List[MapObject]:
+    """All vertices as map objects, by id: goals, and a dock for `dock_vertex` (None: no dock).
+
+    Raises as `dock_pose` does.
+    """
+    if dock_vertex is not None:
+        graph.vertex(dock_vertex)
+    return [dock(graph, id, dock_heading) if id == dock_vertex else goal(graph, graph.vertex(id))
+            for id in sorted(graph.vertices)]

@@ -1,1 +1,0 @@
-"""What is the LD-90's in the trajectory graph: goals, fences, routes, progress."""

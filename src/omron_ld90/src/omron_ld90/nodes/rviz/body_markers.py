@@ -1,0 +1,60 @@
+"""The robot's body as markers, out of its URDF: RViz's RobotModel keeps a body whose robot is gone.
+
+RobotModel goes by the last transform it knows, however old. Markers with a lifetime go away.
+"""
+from __future__ import annotations
+
+import xml.etree.ElementTree as ElementTree
+from typing import Dict, List, Optional, Tuple
+
+from geometry_msgs.msg import Point
+from std_msgs.msg import ColorRGBA
+from visualization_msgs.msg import Marker
+
+from omron_ld90.nodes.rviz import drawing
+
+PLAIN = drawing.colour(0.6, 0.6, 0.6)  # what names no material
+
+
+def body_markers(urdf: str) -> List[Marker]:
+    """A marker for each visual, in the frame of its link, so that it follows the robot's TF.
+
+    Boxes and cylinders are drawn, as long as they are not turned in their link. Raises ParseError,
+    KeyError or ValueError where `urdf` is no XML, or lacks a measure.
+    """
+    robot = ElementTree.fromstring(urdf)
+    paints = {material.get('name', ''): ColorRGBA(*_numbers(colour.attrib['rgba']))
+              for material in robot.findall('material') for colour in material.findall('color')}
+    markers = []
+    for link in robot.findall('link'):
+        for visual in link.findall('visual'):
+            marker = _marker(link.get('name', ''), visual, paints, len(markers))
+            if marker is not None:
+                markers.append(marker)
+    return markers
+
+
+def _marker(frame: str, visual: ElementTree.Element, paints: Dict[str, ColorRGBA],
+            number: int) -> Optional[Marker]:
+    origin, box, cylinder = (visual.find(path) for path in
+                             ('origin', 'geometry/box', 'geometry/cylinder'))
+    if origin is not None and any(_numbers(origin.get('rpy', '0 0 0'))):
+        return None
+    if box is not None:
+        kind, size = Marker.CUBE, _numbers(box.attrib['size'])
+    elif cylinder is not None:
+        width = 2.0 * float(cylinder.attrib['radius'])
+        kind, size = Marker.CYLINDER, (width, width, float(cylinder.attrib['length']))
+    else:
+        return None
+    material = visual.find('material')
+    paint = PLAIN if material is None else paints.get(material.get('name', ''), PLAIN)
+    marker = drawing.shape(kind, frame, 'body', paint, size, number)
+    if origin is not None:
+        marker.pose.position = Point(*_numbers(origin.get('xyz', '0 0 0')))
+    marker.frame_locked = True
+    return marker
+
+
+def _numbers(text: str) -> Tuple[float, ...]:
+    return tuple(float(word) for word in text.split())

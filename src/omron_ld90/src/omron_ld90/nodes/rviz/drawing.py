@@ -1,0 +1,76 @@
+"""Markers for RViz in a few words: a shape, where, how big, which colour."""
+from __future__ import annotations
+
+import math
+from typing import Iterable, Tuple
+
+from geometry_msgs.msg import Point, Pose
+from std_msgs.msg import ColorRGBA
+from visualization_msgs.msg import Marker, MarkerArray
+
+from omron_ld90.nodes.support.poses import quaternion_from_yaw
+
+XY = Tuple[float, float]
+
+
+def colour(red: float, green: float, blue: float, alpha: float = 1.0) -> ColorRGBA:
+    """A colour of parts in 0..1."""
+    return ColorRGBA(red, green, blue, alpha)
+
+
+def shape(kind: int, frame: str, namespace: str, paint: ColorRGBA,
+          size: Tuple[float, float, float], number: int = 0) -> Marker:
+    """A marker at the frame's origin; `size` is what `kind` takes `scale` for, in m."""
+    marker = Marker(type=kind, ns=namespace, id=number, color=paint)
+    marker.header.frame_id = frame
+    marker.scale.x, marker.scale.y, marker.scale.z = size
+    marker.pose.orientation.w = 1.0
+    return marker
+
+
+def text(frame: str, namespace: str, words: str, place: XY, height: float, paint: ColorRGBA,
+         number: int = 0, z: float = 1.5) -> Marker:
+    """`words` that face the viewer, their middle at `place`; `height` of a capital letter in m."""
+    marker = shape(Marker.TEXT_VIEW_FACING, frame, namespace, paint, (0.0, 0.0, height), number)
+    marker.text = words
+    marker.pose.position.x, marker.pose.position.y, marker.pose.position.z = place[0], place[1], z
+    return marker
+
+
+def pose_at(place: XY, yaw: float = 0.0, z: float = 0.0) -> Pose:
+    """A pose from a place on the floor, a direction and a height."""
+    return Pose(position=Point(place[0], place[1], z), orientation=quaternion_from_yaw(yaw))
+
+
+def points(places: Iterable[XY], z: float) -> list[Point]:
+    """Points at height `z`."""
+    return [Point(float(x), float(y), z) for x, y in places]
+
+
+def segments(places: list[XY], z: float) -> list[Point]:
+    """The pairs of points that draw a polyline as LINE_LIST."""
+    line = points(places, z)
+    return [end for pair in zip(line, line[1:]) for end in pair]
+
+
+def circle(centre: XY, radius: float, corners: int = 24) -> list[XY]:
+    """A closed polyline around `centre`."""
+    return [(centre[0] + radius * math.cos(2 * math.pi * i / corners),
+             centre[1] + radius * math.sin(2 * math.pi * i / corners))
+            for i in range(corners + 1)]
+
+
+def arrowhead(tip: XY, yaw: float, length: float, z: float) -> list[Point]:
+    """The triangle (for TRIANGLE_LIST) of an arrow that points along `yaw` and ends at `tip`.
+
+    Counter-clockwise seen from above: RViz leaves the other side in the dark.
+    """
+    back = [(tip[0] - length * math.cos(yaw) + side * 0.5 * length * math.sin(yaw),
+             tip[1] - length * math.sin(yaw) - side * 0.5 * length * math.cos(yaw))
+            for side in (-1.0, 1.0)]
+    return points([tip, *back], z)
+
+
+def complete(markers: Iterable[Marker]) -> MarkerArray:
+    """All there is to see: whatever the display showed before is taken away first."""
+    return MarkerArray(markers=[Marker(action=Marker.DELETEALL), *markers])

@@ -1,0 +1,159 @@
+"""RViz markers of a map and of the live laser: what they look like, and nothing else.
+
+Each marker keeps its namespace and id, so that a newer one replaces it. An array begins with
+DELETEALL, because a late joiner gets only the last message. What belongs to the map has no stamp,
+so that RViz need not find an old transform. Points and lines are drawn flat on the floor, in layers
+a few millimetres apart.
+"""
+from __future__ import annotations
+
+from typing import List, Sequence, Tuple
+
+import numpy as np
+import rospy
+from geometry_msgs.msg import Vector3
+from std_msgs.msg import ColorRGBA, Header
+from visualization_msgs.msg import Marker, MarkerArray
+
+from omron_arcl import RangeReading
+from omron_ld90.nodes.rviz import drawing
+from omron_ld90.nodes.rviz.fast_messages import PointsMarker
+from omron_ld90.nodes.support.poses import pose_from_robot
+from omron_ld90.units import MM_PER_M, metres
+from omron_map import MapDocument, MapObject
+from omron_map.objects import printable
+
+BLACK = drawing.colour(0.0, 0.0, 0.0)
+RED = drawing.colour(0.85, 0.05, 0.05)
+GREEN = drawing.colour(0.0, 0.7, 0.15)
+WHITE = drawing.colour(1.0, 1.0, 1.0)
+ORANGE = drawing.colour(1.0, 0.55, 0.0, 0.4)
+ORANGE_EDGE = drawing.colour(1.0, 0.45, 0.0)
+VIOLET = drawing.colour(0.55, 0.3, 0.8)
+LIGHT_BLUE = drawing.colour(0.35, 0.75, 1.0)
+
+POINT_SIZE = 0.02  # m, for maps that have no pitch of their own
+LINE_WIDTH = 0.05
+SQUARE = (0.3, 0.3, 0.02)
+ARROW = (0.5, 0.07, 0.07)
+TEXT_HEIGHT = 0.3
+TEXT_GAP = 0.1
+CHARACTER_WIDTH = 0.6  # of the text height, at most on average
+AREA_HEIGHT = 0.01
+FENCE_WIDTH = 0.06
+LASER_SIZE = 0.04
+
+# Heights of the layers, m.
+AREA_Z, POINT_Z, LINE_Z, LASER_Z, SQUARE_Z, ARROW_Z, TEXT_Z = (
+    0.005, 0.02, 0.025, 0.03, 0.04, 0.08, 0.12)
+
+
+def points(document: MapDocument, frame: str) -> Marker:
+    """The scan points, black."""
+    size = metres(document.resolution) if document.resolution else POINT_SIZE
+    return _many(frame, 'points', Marker.POINTS, BLACK, (size, size, 0.0),
+                 document.points, POINT_Z)
+
+
+def lines(document: MapDocument, frame: str) -> Marker:
+    """The wall lines, red."""
+    return _many(frame, 'lines', Marker.LINE_LIST, RED, (LINE_WIDTH, 0.0, 0.0),
+                 document.lines.reshape(-1, 2), LINE_Z)
+
+
+def goals(document: MapDocument, frame: str) -> Marker:
+    """The goals, green squares."""
+    return _many(frame, 'goals', Marker.CUBE_LIST, GREEN, SQUARE, _positions(document.goals),
+                 SQUARE_Z)
+
+
+def docks(document: MapDocument, frame: str) -> Marker:
+    """The docks, green squares."""
+    return _many(frame, 'docks', Marker.CUBE_LIST, GREEN, SQUARE, _positions(document.docks),
+                 SQUARE_Z)
+
+
+def goal_names(document: MapDocument, frame: str) -> MarkerArray:
+    """The names of goals and docks, white, each ending left of its square, or of its arrow."""
+    names = []
+    for obj in document.goals + document.docks:
+        if not obj.label:
+            continue
+        half_width = len(obj.label) * CHARACTER_WIDTH * TEXT_HEIGHT / 2.0
+        reach = ARROW[0] if obj.heads_left else SQUARE[0] / 2.0
+        place = (metres(obj.x) - reach - TEXT_GAP - half_width, metres(obj.y))
+        names.append(drawing.text(frame, 'goal_names', obj.label, place, TEXT_HEIGHT, WHITE,
+                                  len(names), z=TEXT_Z))
+    return drawing.complete(names)
+
+
+def goal_headings(document: MapDocument, frame: str) -> MarkerArray:
+    """Which way the robot faces at goals with heading and at docks: black arrows."""
+    arrows = []
+    for obj in document.goals + document.docks:
+        if obj.has_heading:
+            marker = drawing.shape(Marker.ARROW, frame, 'goal_headings', BLACK, ARROW, len(arrows))
+            marker.pose = pose_from_robot(obj.x, obj.y, obj.theta)
+            marker.pose.position.z = ARROW_Z
+            arrows.append(marker)
+    return drawing.complete(arrows)
+
+
+def forbidden_areas(document: MapDocument, frame: str) -> MarkerArray:
+    """Forbidden areas as flat orange boxes, forbidden lines as orange lines."""
+    markers: List[Marker] = []
+    for number, area in enumerate(document.forbidden_areas):
+        box = area.rectangle
+        marker = drawing.shape(Marker.CUBE, frame, 'forbidden_areas', ORANGE,
+                               (metres(box.width), metres(box.height), AREA_HEIGHT), number)
+        marker.pose = pose_from_robot(box.centre_x, box.centre_y, box.yaw)
+        marker.pose.position.z = AREA_Z
+        markers.append(marker)
+    ends = [((line.extent.from_x, line.extent.from_y), (line.extent.to_x, line.extent.to_y))
+            for line in document.forbidden_lines]
+    if ends:
+        fence = _many(frame, 'forbidden_lines', Marker.LINE_LIST, ORANGE_EDGE,
+                      (FENCE_WIDTH, 0.0, 0.0), np.reshape(ends, (-1, 2)), AREA_Z)
+        markers.append(fence.to_plain())
+    return drawing.complete(markers)
+
+
+def sectors(document: MapDocument, frame: str) -> MarkerArray:
+    """Sectors (areas that change how the robot drives) as violet outlines with their names."""
+    markers: List[Marker] = []
+    for number, sector in enumerate(document.sectors):
+        outline = sector.outline
+        edge = _many(frame, 'sectors', Marker.LINE_STRIP, VIOLET, (LINE_WIDTH, 0.0, 0.0),
+                     np.concatenate((outline, outline[:1])), AREA_Z, number)
+        markers.append(edge.to_plain())
+        if sector.label:
+            x, y = outline.mean(axis=0)
+            markers.append(drawing.text(frame, 'sector_names', sector.label,
+                                        (metres(x), metres(y)), TEXT_HEIGHT * 0.7, VIOLET, number,
+                                        z=TEXT_Z))
+    return drawing.complete(markers)
+
+
+def laser(reading: RangeReading, header: Header, lifetime: float) -> Marker:
+    """What a range device sees, light blue; RViz drops it after `lifetime` seconds."""
+    marker = _many(header.frame_id, printable(reading.device), Marker.POINTS, LIGHT_BLUE,
+                   (LASER_SIZE, LASER_SIZE, 0.0), reading.points, LASER_Z)
+    marker.header = header
+    marker.lifetime = rospy.Duration.from_sec(lifetime)
+    return marker
+
+
+def _many(frame: str, namespace: str, kind: int, paint: ColorRGBA,
+          size: Tuple[float, float, float], positions: np.ndarray, z: float,
+          number: int = 0) -> PointsMarker:
+    """A marker of many `positions` (N, 2) in mm; without any it takes an older one away."""
+    array = np.full((len(positions), 3), z)
+    array[:, :2] = np.asarray(positions).reshape(-1, 2) / MM_PER_M
+    return PointsMarker(
+        array, header=Header(frame_id=frame), ns=namespace, id=number, type=kind, color=paint,
+        scale=Vector3(*size), action=Marker.ADD if len(array) else Marker.DELETE,
+        pose=drawing.pose_at((0.0, 0.0)))
+
+
+def _positions(objects: Sequence[MapObject]) -> np.ndarray:
+    return np.array([(obj.x, obj.y) for obj in objects]).reshape(-1, 2)

@@ -1,0 +1,72 @@
+"""Sentences for the person at the screen: on a topic, in the log, and as text in RViz.
+
+The text stands where the person looks, at the goal that was clicked or at the robot, on a dark
+panel that keeps it readable, and within the map.
+"""
+from __future__ import annotations
+
+import math
+import textwrap
+from typing import Optional, Tuple
+
+import rospy
+from std_msgs.msg import String
+from visualization_msgs.msg import Marker, MarkerArray
+
+from omron_ld90.nodes.rviz import drawing
+from omron_ld90.operator.arcl_news import Tone
+
+TEXT_HEIGHT = 0.38  # m
+LINE_PITCH, CHARACTER_PITCH = 1.2, 0.48  # of the text's height
+COLUMNS = 36  # characters in a line
+GAP = 0.5  # m between the place and the panel above it
+Z = 2.0  # m, above all else
+SHOWN_FOR = rospy.Duration(8.0)
+PANEL = drawing.colour(0.08, 0.09, 0.11, 0.85)
+COLOURS = {
+    Tone.NEWS: drawing.colour(1.0, 0.95, 0.6),
+    Tone.GOOD: drawing.colour(0.4, 1.0, 0.45),
+    Tone.BAD: drawing.colour(1.0, 0.5, 0.35),
+}
+
+
+class UserFeedback:
+    """Publishes sentences on `user_feedback` and shows the last one on `feedback_markers`."""
+
+    def __init__(self, map_frame: str) -> None:
+        self.robot = (0.0, 0.0)  # m, in the map
+        self._frame = map_frame
+        self._west, self._east = -math.inf, math.inf
+        self._text = rospy.Publisher('user_feedback', String, queue_size=10, tcp_nodelay=True)
+        self._markers = rospy.Publisher(
+            'feedback_markers', MarkerArray, queue_size=10, tcp_nodelay=True)
+
+    def stay_within(self, west: float, east: float) -> None:
+        """Keep the text between these x coordinates (m), as far as it fits."""
+        self._west, self._east = west, east
+
+    def say(self, tone: Tone, text: str, place: Optional[Tuple[float, float]] = None) -> None:
+        """Show `text`, and log it."""
+        (rospy.logwarn if tone is Tone.BAD else rospy.loginfo)('%s', text)
+        self.show(tone, text, place)
+
+    def show(self, tone: Tone, text: str, place: Optional[Tuple[float, float]] = None) -> None:
+        """Tell `text` at `place` (m, in the map), or where the robot was last."""
+        self._text.publish(text)
+        markers = self._draw(tone, text, place)
+        for marker in markers:
+            marker.lifetime = SHOWN_FOR
+        self._markers.publish(MarkerArray(markers=markers))
+
+    def _draw(self, tone: Tone, text: str, place: Optional[Tuple[float, float]]) -> list[Marker]:
+        lines = textwrap.wrap(text, COLUMNS)
+        width = (max(map(len, lines)) + 2) * CHARACTER_PITCH * TEXT_HEIGHT
+        height = (len(lines) * LINE_PITCH + 0.5) * TEXT_HEIGHT
+        x, y = place or self.robot
+        x = max(self._west + width / 2, min(self._east - width / 2, x))
+        middle = (x, y + GAP + height / 2)
+        panel = drawing.shape(Marker.CUBE, self._frame, 'feedback_panel', PANEL,
+                              (width, height, 0.01))
+        panel.pose = drawing.pose_at(middle, z=Z - 0.2)
+        return [panel, drawing.text(self._frame, 'feedback', '\n'.join(lines), middle,
+                                    TEXT_HEIGHT, COLOURS[tone], z=Z)]

@@ -1,0 +1,1 @@
+"""What the nodes share: start, parameters, diagnostics, units, messages."""

@@ -1,0 +1,48 @@
+"""The one place where the fleet manager's messages (itrci_nav_msgs) become ours and back.
+
+The original definitions of INESC TEC are not public; adapting to another one is this file.
+"""
+from __future__ import annotations
+
+import genpy
+
+from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, SymbolicPose, TargetRoute
+from itrci_nav_msgs.msg import Graph as GraphMessage
+from omron_ld90.bridge.route_protocol import RouteOrder, RouteReport
+from trajectory_graph import CurveType, Edge, Graph, GraphError, Vertex
+
+
+def order_of(message: TargetRoute) -> RouteOrder:
+    """What a target route orders."""
+    return RouteOrder(message.route_id, tuple(message.edges), message.header.stamp.to_nsec())
+
+
+def states_of(report: RouteReport) -> ExecutionRouteStates:
+    """A report as the fleet manager reads it."""
+    message = ExecutionRouteStates()
+    message.header.stamp = genpy.Time(0, report.stamp)
+    message.header.stamp.canon()
+    message.header.frame_id = 'map'
+    message.route_id = report.route_id
+    message.edge_states = [EdgeState(edge, int(state))
+                           for edge, state in zip(report.edges, report.states)]
+    message.symbolic_pose = SymbolicPose(report.pose.edge, report.pose.percentage)
+    message.reason = report.reason
+    return message
+
+
+def graph_of(message: GraphMessage) -> Graph:
+    """The graph in a message; raises GraphError when it is not valid."""
+    vertices = [Vertex(v.id, v.x, v.y, v.theta, v.theta_holonomic, v.label, v.frame_id)
+                for v in message.vertices]
+    return Graph(vertices, [
+        Edge(e.id, e.origin_id, e.destination_id, _curve_type(e), e.param_f, e.param_b,
+             e.velocity_forward, e.velocity_backwards) for e in message.edges])
+
+
+def _curve_type(edge) -> CurveType:
+    try:
+        return CurveType(edge.curve_type)
+    except ValueError:
+        raise GraphError(f'curve_type is {edge.curve_type!r}, but must be spline or line',
+                         'edge', edge.id) from None

@@ -1,0 +1,121 @@
+"""Tells what a link does: latched on `link_state`, in /diagnostics, and in the log when it changes.
+
+Topics out:
+  link_state (omron_ld90_msgs/LinkState, latched): one message per link
+"""
+from __future__ import annotations
+
+import time
+from typing import Callable, Dict, Optional
+
+import rospy
+from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_updater import DiagnosticStatusWrapper
+
+from omron_arcl import Link, LinkPhase, SessionLog
+from omron_ld90.nodes.support.startup import ConfigurationError, parameter
+from omron_ld90_msgs.msg import LinkState
+
+_STATES: Dict[LinkPhase, int] = {
+    LinkPhase.DISCONNECTED: LinkState.DISCONNECTED,
+    LinkPhase.CONNECTING: LinkState.CONNECTING,
+    LinkPhase.LOGGING_IN: LinkState.LOGGING_IN,
+    LinkPhase.CONNECTED: LinkState.CONNECTED,
+    LinkPhase.WRONG_PASSWORD: LinkState.WRONG_PASSWORD,
+}
+_WORDS = {**{state: phase.value for phase, state in _STATES.items()},
+          LinkState.MISCONFIGURED: 'misconfigured'}
+_LASTING = (LinkPhase.DISCONNECTED, LinkPhase.WRONG_PASSWORD, LinkPhase.CONNECTED)
+
+
+def words_of(state: int) -> str:
+    """A LinkState's `state`, for people."""
+    return _WORDS.get(state, f'state {state}')
+
+
+def session_log() -> Optional[SessionLog]:
+    """The file that `~session_log` names; None for ''. Raises ConfigurationError."""
+    path = parameter('~session_log', '')
+    try:
+        return SessionLog(path) if path else None
+    except OSError as error:
+        raise ConfigurationError(f'Parameter {rospy.resolve_name("~session_log")}: {path} cannot '
+                                 f'be written: {error.strerror}.') from None
+
+
+def misconfigured(link: str) -> Callable[[str], rospy.Publisher]:
+    """For `startup.run`: publishes once on `link_state` why `link` will not come about."""
+    def tell(reason: str) -> rospy.Publisher:
+        publisher = _publisher()
+        message = LinkState(link=link, state=LinkState.MISCONFIGURED, reason=reason)
+        message.header.stamp = rospy.Time.now()
+        publisher.publish(message)
+        return publisher
+    return tell
+
+
+def _publisher() -> rospy.Publisher:
+    return rospy.Publisher('link_state', LinkState, queue_size=5, latch=True, tcp_nodelay=True)
+
+
+class LinkReporter:
+    """Give `report` as on_link, and call `line` for every line received."""
+
+    def __init__(self, name: str, log: Optional[SessionLog] = None) -> None:
+        self._name = name
+        self._log = log
+        self._publisher = _publisher()
+        self._link: Optional[Link] = None
+        self._said: Optional[Link] = None
+        self._since = rospy.Time.now()
+        self._connections = 0
+        self._last_line: Optional[float] = None
+        self._lines = 0
+        self._counted = (time.monotonic(), 0)
+
+    def line(self) -> None:
+        """A line came."""
+        self._last_line = time.monotonic()
+        self._lines += 1
+
+    def report(self, link: Link) -> None:
+        """The link changed."""
+        if self._link is None or link.phase is not self._link.phase:
+            self._since = rospy.Time.now()
+        self._link = link
+        message = LinkState(link=self._name, state=_STATES[link.phase], address=link.peer,
+                            reason=link.reason)
+        message.header.stamp = self._since
+        self._publisher.publish(message)
+        if link.connected:
+            self._connections += 1
+        if link.phase in _LASTING and link != self._said:
+            self._said = link
+            if link.connected:
+                rospy.loginfo('Link "%s" to %s stands.', self._name, link.peer)
+            else:
+                rospy.logwarn('Link "%s" to %s is down: %s.', self._name, link.peer, link.reason)
+
+    def diagnose(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
+        """Task for diagnostic_updater."""
+        link = self._link
+        if link is None:
+            status.summary(DiagnosticStatus.WARN, 'starting')
+            return status
+        if link.connected:
+            status.summary(DiagnosticStatus.OK, 'connected')
+        else:
+            status.summary(DiagnosticStatus.ERROR, f'{link.phase.value}: {link.reason}')
+        now = time.monotonic()
+        then, count = self._counted
+        self._counted = (now, self._lines)
+        status.add('peer', link.peer)
+        status.add('state', link.phase.value)
+        status.add('since', f'{self._since.to_sec():.3f}')
+        status.add('connections made', str(self._connections))
+        status.add('lines per second', f'{(self._lines - count) / max(now - then, 1e-3):.1f}')
+        status.add('age of last line [s]',
+                   'none yet' if self._last_line is None else f'{now - self._last_line:.2f}')
+        if self._log:
+            status.add('session log', self._log.failure or self._log.path)
+        return status

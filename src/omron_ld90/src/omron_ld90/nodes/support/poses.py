@@ -1,0 +1,45 @@
+"""Poses between the robot's units (mm, degrees) and those of ROS (m, rad; REP 103)."""
+from __future__ import annotations
+
+import math
+from typing import Tuple
+
+from geometry_msgs.msg import Pose, Quaternion, Transform
+
+from omron_ld90.units import metres, millimetres
+
+
+def quaternion_from_yaw(yaw: float) -> Quaternion:
+    """Rotation about z by `yaw` radians."""
+    return Quaternion(0.0, 0.0, math.sin(yaw / 2.0), math.cos(yaw / 2.0))
+
+
+def yaw_from_quaternion(q: Quaternion) -> float:
+    """Yaw in radians, in (-pi, pi], of any rotation."""
+    return math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
+
+
+def pose_from_robot(x_mm: float, y_mm: float, heading_deg: float) -> Pose:
+    """A pose in the map frame from the robot's x, y (mm) and heading (degrees)."""
+    pose = Pose()
+    pose.position.x = metres(x_mm)
+    pose.position.y = metres(y_mm)
+    pose.orientation = quaternion_from_yaw(math.radians(heading_deg))
+    return pose
+
+
+def pose_to_robot(pose: Pose) -> Tuple[int, int, int]:
+    """x, y (mm) and heading (degrees, -180..180) as ARCL takes them, of a pose in `map`."""
+    heading = math.degrees(yaw_from_quaternion(pose.orientation))
+    return millimetres(pose.position.x), millimetres(pose.position.y), int(round(heading))
+
+
+def map_to_odom(base_in_map: Pose, base_in_odom: Transform) -> Pose:
+    """The pose of the odometry frame in the map that puts the robot's base at `base_in_map`."""
+    yaw = yaw_from_quaternion(base_in_map.orientation) - yaw_from_quaternion(base_in_odom.rotation)
+    odom = Pose()
+    odom.orientation = quaternion_from_yaw(yaw)
+    x, y = base_in_odom.translation.x, base_in_odom.translation.y
+    odom.position.x = base_in_map.position.x - x * math.cos(yaw) + y * math.sin(yaw)
+    odom.position.y = base_in_map.position.y - x * math.sin(yaw) - y * math.cos(yaw)
+    return odom

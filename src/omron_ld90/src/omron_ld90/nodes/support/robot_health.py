@@ -1,0 +1,116 @@
+"""The robot's own condition for /diagnostics: battery, localization, emergency stop, motors."""
+from __future__ import annotations
+
+import time
+from typing import Dict, Optional
+
+from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_updater import DiagnosticStatusWrapper
+
+from omron_arcl import (
+    DockingStatus,
+    EStop,
+    Fault,
+    LocalizationScore,
+    Motors,
+    OneLineStatus,
+    Reply,
+    StateOfCharge,
+    StatusText,
+    parse_line,
+)
+
+LOW_CHARGE = 25.0  # %, where the robot's auto-dock begins by default
+EMPTY_CHARGE = 10.0  # %, where the robot itself warns
+LOW_SCORE = 0.2
+OLD = 10.0  # s
+
+
+class RobotHealth:
+    """Keeps the last word on each matter; `observe` every reply."""
+
+    def __init__(self) -> None:
+        self._observed: Optional[float] = None
+        self._status = ''
+        self._charge: Optional[float] = None
+        self._score: Optional[float] = None
+        self._docking = ''
+        self._emergency_stop = False
+        self._motors: Optional[bool] = None
+        self._faults: Dict[str, Fault] = {}
+
+    def forget(self) -> None:
+        """The link broke: what was known is history."""
+        self.__init__()
+
+    def observe(self, reply: Reply) -> None:
+        """Takes what a line tells of the robot's condition."""
+        if isinstance(reply, OneLineStatus):
+            self._observe_status(reply.status)
+            for part in (reply.state_of_charge, reply.localization_score):
+                if part is not None:
+                    self.observe(part)
+        elif isinstance(reply, StatusText):
+            self._observe_status(reply.text)
+        elif isinstance(reply, StateOfCharge):
+            self._charge = reply.percent
+        elif isinstance(reply, LocalizationScore):
+            self._score = reply.score
+        elif isinstance(reply, DockingStatus):
+            self._docking = f'{reply.docking.value}, charge {reply.charge}'
+        elif isinstance(reply, EStop):
+            self._emergency_stop = reply.pressed or self._emergency_stop
+            self._motors = False
+        elif isinstance(reply, Motors):
+            self._motors = reply.enabled
+            self._emergency_stop = self._emergency_stop and not reply.enabled
+        elif isinstance(reply, Fault):
+            if reply.cleared:
+                self._faults.pop(reply.name, None)
+            elif len(self._faults) < 50:
+                self._faults[reply.name] = reply
+        else:
+            return
+        self._observed = time.monotonic()
+
+    def _observe_status(self, text: str) -> None:
+        self._status = text
+        doing = parse_line(text)
+        self._emergency_stop = isinstance(doing, EStop)
+        if isinstance(doing, (EStop, Motors, DockingStatus)):
+            self.observe(doing)
+
+    def diagnose(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
+        """Task for diagnostic_updater: the worst of all."""
+        status.summary(DiagnosticStatus.OK, self._status or 'well')
+        if self._observed is None or time.monotonic() - self._observed > OLD:
+            status.summary(DiagnosticStatus.STALE, 'nothing heard of the robot')
+            return status
+        for bad, level, message in (
+                (self._emergency_stop, DiagnosticStatus.ERROR, 'emergency stop'),
+                (self._motors is False and not self._emergency_stop, DiagnosticStatus.WARN,
+                 'motors disabled'),
+                (self._status.lower().startswith('robot lost'), DiagnosticStatus.ERROR,
+                 'the robot does not know where it is'),
+                (bool(self._faults), DiagnosticStatus.ERROR,
+                 'faults: ' + ', '.join(self._faults)),
+                (_below(self._score, LOW_SCORE), DiagnosticStatus.WARN, 'poorly localized'),
+                (_below(self._charge, EMPTY_CHARGE), DiagnosticStatus.ERROR, 'battery empty'),
+                (_below(self._charge, LOW_CHARGE), DiagnosticStatus.WARN, 'battery low')):
+            if bad:
+                status.mergeSummary(level, message)
+        status.add('status', self._status)
+        status.add('docking', self._docking or 'unknown')
+        status.add('emergency stop', str(self._emergency_stop))
+        status.add('motors', {None: 'unknown', True: 'enabled', False: 'disabled'}[self._motors])
+        status.add('state of charge [%]', _shown(self._charge))
+        status.add('localization score', _shown(self._score))
+        return status
+
+
+def _below(value: Optional[float], limit: float) -> bool:
+    return value is not None and value < limit
+
+
+def _shown(value: Optional[float]) -> str:
+    return 'unknown' if value is None else str(value)

@@ -1,0 +1,30 @@
+"""Parameters that mean the same in several nodes."""
+from __future__ import annotations
+
+from typing import Optional, Tuple
+
+import rospy
+
+from omron_ld90.nodes.support.startup import ConfigurationError, parameter
+from trajectory_graph import Graph, GraphError, load_graph
+
+
+def base_frame() -> str:
+    """`~base_frame`: the robot's frame, by default `<namespace>/base_link`."""
+    namespace = rospy.get_namespace().strip('/')
+    return parameter('~base_frame', f'{namespace}/base_link' if namespace else 'base_link')
+
+
+def trajectory_graph() -> Optional[Graph]:
+    """The graph in `~graph_file`, None where that is empty; raises ConfigurationError."""
+    file = parameter('~graph_file', '')
+    try:
+        return load_graph(file) if file else None
+    except GraphError as error:
+        raise ConfigurationError(f'~graph_file: {error}') from None
+
+
+def map_sources() -> Tuple[str, ...]:
+    """The files that `~map_file` is made from and waited for; none where `~base_map` is empty."""
+    base_map = parameter('~base_map', '')
+    return (base_map, parameter('~graph_file', '')) if base_map else ()

@@ -1,0 +1,14 @@
+"""The border between the robot's millimetres (ARCL, `.map`) and the metres of ROS and graphs."""
+from __future__ import annotations
+
+MM_PER_M = 1000.0
+
+
+def metres(millimetres: float) -> float:
+    """Length in metres."""
+    return millimetres / MM_PER_M
+
+
+def millimetres(length: float) -> int:
+    """Length in metres as the whole millimetres that ARCL and `.map` files hold."""
+    return int(round(length * MM_PER_M))

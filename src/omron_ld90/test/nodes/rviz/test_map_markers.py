@@ -1,0 +1,107 @@
+"""What each marker of the map looks like, and where it stands."""
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from genpy import Time
+from std_msgs.msg import Header
+from visualization_msgs.msg import Marker
+
+from omron_arcl import RangeReading
+from omron_ld90.nodes.rviz import map_markers
+from omron_map import MapDocument, MapObject, RotatedRectangle
+
+HEADER = Header(stamp=Time(1), frame_id='map')
+SECTORS = b"""2D-Map
+Cairn: MotionLimitsSector 0 0 0.000000 "" ICON "Poly" 0 0 60 40 5 0 0 60 0 60 40 30 60 0 40
+Cairn: OneWaySector 0 0 90.000000 "" ICON "" 1000 -3000 4000 -1000
+Cairn: FeedbackHandler 0 0 0.000000 "" ICON "Replies" 0 0 0 0
+DATA
+0 0
+"""
+
+
+def document(*objects: MapObject, data: bytes = b'2D-Map\nDATA\n0 0\n40 20\n') -> MapDocument:
+    result = MapDocument.from_bytes(data)
+    for obj in objects:
+        result.add(obj)
+    return result
+
+
+def drawn(array) -> list:
+    assert array.markers[0].action == Marker.DELETEALL
+    return array.markers[1:]
+
+
+def colour(marker: Marker) -> tuple:
+    return marker.color.r, marker.color.g, marker.color.b
+
+
+@pytest.mark.parametrize('build', [map_markers.lines, map_markers.goals, map_markers.docks])
+def test_a_marker_of_nothing_takes_the_older_one_away(build):
+    marker = build(document(), 'map')
+    assert marker.action == Marker.DELETE and len(marker.array) == 0
+
+
+def test_points_and_lines_are_in_metres():
+    shown = document(data=b'2D-Map\nResolution: 40\nLINES\n0 0 60 -41\nDATA\n-20 0\n')
+    points, lines = map_markers.points(shown, 'map'), map_markers.lines(shown, 'map')
+    assert points.array[:, :2].tolist() == [[-0.02, 0.0]]
+    assert points.scale.x == 0.04, 'a point is as large as its cell'
+    assert lines.array[:, :2].tolist() == [[0.0, 0.0], [0.06, -0.041]]
+
+
+@pytest.mark.parametrize('heading', [None, 0, 90, 180, -120])
+@pytest.mark.parametrize('name', ['A', 'A rather long name'])
+def test_a_name_ends_left_of_its_square_and_clear_of_its_arrow(name, heading):
+    text, = drawn(map_markers.goal_names(document(MapObject.goal(name, 1000, 500, heading)), 'map'))
+    right = text.pose.position.x + len(name) * map_markers.CHARACTER_WIDTH * text.scale.z / 2
+    tip = 0.0 if heading is None else math.cos(math.radians(heading)) * map_markers.ARROW[0]
+    assert right < 1.0 - map_markers.SQUARE[0] / 2
+    if heading not in (90, -120):
+        assert right < 1.0 + tip
+    assert text.pose.position.y == 0.5 and colour(text) == (1.0, 1.0, 1.0)
+
+
+def test_only_what_has_a_heading_gets_an_arrow():
+    shown = document(MapObject.goal('A', 0, 0), MapObject.goal('B', 100, 0, heading=-90),
+                     MapObject.dock('D', 200, 0, 180))
+    arrows = drawn(map_markers.goal_headings(shown, 'map'))
+    yaws = [2 * math.atan2(a.pose.orientation.z, a.pose.orientation.w) for a in arrows]
+    assert yaws == pytest.approx([-math.pi / 2, math.pi])
+    assert [arrow.id for arrow in arrows] == [0, 1] and colour(arrows[0]) == (0.0, 0.0, 0.0)
+
+
+def test_an_area_is_a_box_turned_like_the_stored_corners():
+    rectangle = RotatedRectangle(3000, 3000, 2000, 1000, 30)
+    box, = drawn(map_markers.forbidden_areas(document(MapObject.forbidden_area(rectangle)), 'map'))
+    yaw = 2 * math.atan2(box.pose.orientation.z, box.pose.orientation.w)
+    corner = np.array((box.pose.position.x, box.pose.position.y)) + (
+        math.cos(yaw) * box.scale.x / 2 - math.sin(yaw) * box.scale.y / 2,
+        math.sin(yaw) * box.scale.x / 2 + math.cos(yaw) * box.scale.y / 2)
+    assert corner * 1000 == pytest.approx(rectangle.corners[2], abs=1.5)
+    assert box.color.r > box.color.g > box.color.b == 0.0, 'orange'
+
+
+def test_sectors_are_outlined_and_configuration_is_not_drawn():
+    polygon, name, rectangle = drawn(map_markers.sectors(document(data=SECTORS), 'map'))
+    assert len(polygon.points) == 6 and polygon.points[0] == polygon.points[-1]
+    assert name.text == 'Poly'
+    assert [(round(p.x, 9), round(p.y, 9)) for p in rectangle.points] == [
+        (3.0, 1.0), (3.0, 4.0), (1.0, 4.0), (1.0, 1.0), (3.0, 1.0)]
+
+
+def test_a_name_that_is_not_utf8_can_be_sent():
+    shown = document(data=b'2D-Map\nCairn: Goal 0 0 0 "" ICON "K\xfcche"\nDATA\n')
+    text, = drawn(map_markers.goal_names(shown, 'map'))
+    assert text.text.encode('utf-8') == 'K\ufffdche'.encode()
+
+
+def test_a_laser_reading_lives_for_its_limit_and_an_empty_one_clears_the_last():
+    marker = map_markers.laser(RangeReading('Laser_1', np.array([[1500, -250]])), HEADER, 0.5)
+    assert marker.array[:, :2].tolist() == [[1.5, -0.25]]
+    assert (marker.ns, marker.lifetime.to_sec()) == ('Laser_1', 0.5)
+    empty = map_markers.laser(RangeReading('Laser_1', np.empty((0, 2))), HEADER, 0.5)
+    assert empty.action == Marker.DELETE

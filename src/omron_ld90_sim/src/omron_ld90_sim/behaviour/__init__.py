@@ -1,0 +1,1 @@
+"""What the robot does: drives, docks, works off tasks."""

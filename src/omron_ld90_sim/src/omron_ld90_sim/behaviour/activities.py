@@ -1,0 +1,191 @@
+"""What the robot can do, as scripts for `Robot.start`."""
+from __future__ import annotations
+
+from typing import Callable, Optional, Sequence, Tuple
+
+from omron_ld90_sim.behaviour.robot import Robot
+from omron_ld90_sim.behaviour.states import STANDING, Activity, DockingState, Failure, Script
+from omron_ld90_sim.devices.battery import ChargeState
+from omron_ld90_sim.motion.kinematics import Pose, normalise
+from omron_ld90_sim.motion.places import docked_pose
+from omron_ld90_sim.motion.planner import Blocked, NoWay
+from omron_ld90_sim.motion.track import straight_track
+from omron_map import MapObject
+
+BLOCKED_PATIENCE = 30.0     # s of waiting for a blocked way before giving up
+RETRY = 2.0                 # s between two attempts to find a way
+PROGRESS = 1000.0           # mm nearer, and it is patient again
+THERE = 1.0                 # mm from a place, and deg from a heading, that count as there
+SETTLE = 0.5                # s between two docking states
+_WAVERING_ON_GOTO = (ChargeState.NOT, ChargeState.OVERCHARGE, ChargeState.BULK)
+_WAVERING_ON_UNDOCK = (ChargeState.NOT, ChargeState.OVERCHARGE, ChargeState.NOT, ChargeState.BULK,
+                       ChargeState.NOT)
+
+
+def go_to_goal(robot: Robot, goal: MapObject, heading: Optional[float] = None) -> Activity:
+    """`goto`: leaves the dock first, drives to the goal, turns where the goal has a heading."""
+    return _go(robot, goal.name, *_place(goal, heading))
+
+
+def go_to_point(robot: Robot, x: float, y: float, heading: Optional[float]) -> Activity:
+    """`gotoPoint`."""
+    return _go(robot, 'point', x, y, heading)
+
+
+def _go(robot: Robot, name: str, x: float, y: float, heading: Optional[float]) -> Activity:
+    def script() -> Script:
+        yield from leave_dock(robot)
+        robot.status = robot.extended = f'Going to {name}'
+        robot.announce(f'Going to {name}')
+        yield from _reach(robot, name, x, y, heading)
+        robot.status = robot.extended = f'Arrived at {name}'
+        robot.announce(f'Arrived at {name}')
+
+    return Activity(f'Going to {name}', f'Going to {name}', script())
+
+
+def pass_goal(robot: Robot, goal: MapObject) -> Script:
+    """Drives to a goal on the way; nothing of it is told but to humans."""
+    robot.extended = f'Going to {goal.name}'
+    yield from _reach(robot, goal.name, *_place(goal))
+
+
+def _place(goal: MapObject, heading: Optional[float] = None
+           ) -> Tuple[float, float, Optional[float]]:
+    if heading is None and goal.has_heading:
+        heading = goal.theta
+    return goal.x, goal.y, heading
+
+
+def _reach(robot: Robot, name: str, x: float, y: float, heading: Optional[float]) -> Script:
+    failed = f'Failed going to {name}'
+    robot.last_goal = name
+    if name.lower() in robot.failing_goals:
+        yield 1.0
+        raise Failure('Failed going to goal', failed)
+    yield from drive(robot, *_near(robot, x, y, heading), failed)
+
+
+def _near(robot: Robot, x: float, y: float, heading: Optional[float]
+          ) -> Tuple[float, float, Optional[float]]:
+    """Where the robot comes to rest for a goal: off by its arrival error where there is room."""
+    distance, angle = robot.arrival_error
+    place = Pose(x, y, robot.random.uniform(-180.0, 180.0)).ahead(
+        robot.random.uniform(0.0, distance))
+    turned = robot.random.uniform(-angle, angle)
+    if robot.base.still and robot.true_pose.distance_to(x, y) <= distance:
+        place = robot.true_pose     # near enough already
+    if robot.floor.clearance_of(place.x, place.y) < robot.planner.turn_clearance:
+        return x, y, heading
+    return place.x, place.y, heading if heading is None else normalise(heading + turned)
+
+
+def drive(robot: Robot, x: float, y: float, heading: Optional[float], failed: str) -> Script:
+    """Drives to a place around what is in the way."""
+    yield from _until_there(robot, x, y, heading, lambda: robot.set_course(x, y, heading), failed)
+
+
+def _until_there(robot: Robot, x: float, y: float, heading: Optional[float],
+                 set_off: Callable[[], None], failed: str) -> Script:
+    """Sets off for a place until the robot is there; waits a while for what is in the way."""
+    waited, nearest = 0.0, robot.true_pose.distance_to(x, y)
+    while True:
+        if not robot.navigation.can_set_course:
+            yield from come_to_rest(robot)
+        try:
+            set_off()
+        except Blocked:
+            pass
+        except NoWay as reason:
+            raise Failure('Failed going to goal', failed) from reason
+        else:
+            yield STANDING
+            left = robot.true_pose.distance_to(x, y)
+            turned = heading is None or abs(normalise(robot.true_pose.theta - heading)) < THERE
+            if left < THERE and turned:
+                return
+            if left < nearest - PROGRESS:
+                waited, nearest = 0.0, left
+        if waited >= BLOCKED_PATIENCE:
+            raise Failure('Failed going to goal', failed)
+        pause = robot.random.uniform(0.5, 1.5) * RETRY      # two robots must not wait in step
+        yield pause
+        waited += pause
+
+
+def _straight_to(robot: Robot, x: float, y: float) -> None:
+    """Sets off slowly for a place straight ahead or behind."""
+    here, limits = robot.true_pose, robot.base.limits
+    distance = here.distance_to(x, y)
+    if here.ahead(distance).distance_to(x, y) > distance:
+        distance = -distance
+    if abs(distance) >= THERE:
+        robot.follow([straight_track(here, distance, limits, limits.docking_speed)])
+
+
+def come_to_rest(robot: Robot) -> Script:
+    """Brakes and waits until the robot stands."""
+    if not robot.base.still:
+        robot.base.brake()
+        yield STANDING
+
+
+def leave_dock(robot: Robot, wavering: Sequence[ChargeState] = _WAVERING_ON_GOTO) -> Script:
+    """Backs out of the dock if the robot is in it, with the charge states of the transcripts."""
+    if robot.docking.state is DockingState.UNDOCKED:
+        return
+    yield from come_to_rest(robot)
+    robot.docking.update()
+    robot.docking.enter(DockingState.UNDOCKING, robot.docking.charge)
+    robot.extended = 'Undocking'
+    dock = nearest_dock(robot)
+    if dock is not None:
+        _straight_to(robot, dock.x, dock.y)
+    for charge in wavering:
+        yield SETTLE
+        robot.docking.enter(DockingState.UNDOCKING, charge)
+    yield STANDING
+    if dock is not None:
+        yield from _until_there(robot, dock.x, dock.y, None,
+                                lambda: _straight_to(robot, dock.x, dock.y), 'Failed to undock')
+    robot.docking.enter(DockingState.UNDOCKED, ChargeState.NOT)
+
+
+def dock(robot: Robot, station: MapObject) -> Activity:
+    """`dock`: drives to the dock's pose, then into the station, and charges."""
+    def script() -> Script:
+        robot.docking.enter(DockingState.UNDOCKED, ChargeState.NOT)
+        robot.docking.enter(DockingState.DOCKING, ChargeState.NOT)
+        failed = f'Failed going to dock at {station.name}'
+        yield from drive(robot, station.x, station.y, station.theta, failed)
+        robot.extended = 'Driving into dock'
+        inside = docked_pose(robot.floor, station)
+        yield from _until_there(robot, inside.x, inside.y, None,
+                                lambda: _straight_to(robot, inside.x, inside.y), failed)
+        robot.docking.enter(DockingState.DOCKING, ChargeState.BULK)
+        yield SETTLE
+        robot.docking.update()
+        robot.docking.battery.docked()
+        robot.docking.enter(DockingState.DOCKED, ChargeState.BULK)
+        robot.extended = 'Docked'
+
+    return Activity(f'Going to dock at {station.name}', f'Going to dock at {station.name}',
+                    script())
+
+
+def undock(robot: Robot) -> Activity:
+    """`undock`: backs out; an undocked robot only says the last three lines."""
+    def script() -> Script:
+        if robot.docking.state is DockingState.UNDOCKED:
+            robot.announce(robot.docking.line)
+        else:
+            yield from leave_dock(robot, _WAVERING_ON_UNDOCK)
+        robot.announce_stopping()
+
+    return Activity('Undocking', 'Undocking', script())
+
+
+def nearest_dock(robot: Robot) -> Optional[MapObject]:
+    """The dock nearest to the robot, None when the map has none."""
+    pose = robot.true_pose
+    return min(robot.document.docks, key=lambda d: pose.distance_to(d.x, d.y), default=None)

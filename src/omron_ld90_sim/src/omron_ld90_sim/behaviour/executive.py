@@ -1,0 +1,118 @@
+"""The executive: carries out one activity at a time, and steps the base while it moves.
+
+An activity's script is a generator (`states.Activity`): it yields a number of seconds to wait, or
+`STANDING` to wait until the base stands.
+"""
+from __future__ import annotations
+
+from typing import Callable, List, Optional
+
+from omron_ld90_sim.behaviour.states import STANDING, Activity, Failure
+from omron_ld90_sim.clock import Clock, Timer
+from omron_ld90_sim.motion.base import STEP
+from omron_ld90_sim.motion.navigation import Navigation
+from omron_ld90_sim.motion.track import Manoeuvre
+
+
+class Executive:
+    """Runs the activity of one robot on the clock."""
+
+    def __init__(self, clock: Clock, navigation: Navigation, stepping: Callable[[], None],
+                 failed: Callable[[Failure], None]) -> None:
+        """`stepping` is called before every step of the base, `failed` when a script fails."""
+        self.activity: Optional[Activity] = None
+        self._clock, self._navigation, self._base = clock, navigation, navigation.base
+        self._stepping, self._failed = stepping, failed
+        self._step_timer: Optional[Timer] = None
+        self._wait_timer: Optional[Timer] = None
+        self._when_still: Optional[Callable[[], None]] = None
+        self._in_script = False
+        self._afterwards: List[Callable[[], None]] = []
+
+    # -- activities --------------------------------------------------------------------------
+
+    def run(self, activity: Activity) -> None:
+        """Begins an activity. The base brakes, unless the script sets a course at once."""
+        self.brake()
+        self.activity = activity
+        self._resume()
+
+    def drop(self) -> None:
+        """Ends the activity without a word; the base goes on. Not for scripts: see `outside`."""
+        if self._wait_timer is not None:
+            self._wait_timer.cancel()
+        self._when_still = None
+        activity, self.activity = self.activity, None
+        if activity is not None:
+            activity.script.close()
+
+    def outside(self, action: Callable[[], None]) -> None:
+        """Does something that may end the activity: at once, or at the next pause of the script
+        that asks for it."""
+        if self._in_script:
+            self._afterwards.append(action)
+        else:
+            action()
+
+    def _resume(self) -> None:
+        activity = self.activity
+        if activity is None:
+            return
+        self._in_script = True
+        try:
+            request = next(activity.script)
+        except StopIteration:
+            self.activity = None
+        except Failure as failure:
+            self.activity = None
+            self.brake()
+            self._failed(failure)
+        else:
+            if request is STANDING:
+                self._when_still = self._resume
+                self._keep_stepping()
+            else:
+                self._wait_timer = self._clock.after(float(request), self._resume)
+        finally:
+            self._in_script = False
+        actions, self._afterwards = self._afterwards, []
+        for action in actions:
+            action()
+
+    # -- the base ----------------------------------------------------------------------------
+
+    def brake(self, deceleration: Optional[float] = None,
+              then: Optional[Callable[[], None]] = None) -> None:
+        """Brings the base to rest, as `Base.brake`, and calls `then` when it stands."""
+        self._base.brake(deceleration)
+        if self._base.still and then is not None:
+            then()
+            return
+        self._when_still = then
+        self._keep_stepping()
+
+    def set_course(self, x: float, y: float, heading: Optional[float]) -> None:
+        """Sends the base to a place, as `Navigation.set_course`."""
+        self._navigation.set_course(x, y, heading)
+        self._keep_stepping()
+
+    def follow(self, manoeuvres: List[Manoeuvre]) -> None:
+        """Sends the standing base along manoeuvres."""
+        self._base.follow(manoeuvres)
+        self._keep_stepping()
+
+    def _keep_stepping(self) -> None:
+        if self._step_timer is None or not self._step_timer.waiting:
+            self._step_timer = self._clock.after(STEP, self._step)
+
+    def _step(self) -> None:
+        self._stepping()
+        self._base.step(STEP)
+        if self._navigation.blocked_ahead():
+            self._base.brake()
+        if not self._base.still:
+            self._keep_stepping()
+            return
+        then, self._when_still = self._when_still, None
+        if then is not None:
+            then()

@@ -1,0 +1,121 @@
+"""Instant tasks: over at once, whatever the robot is doing (`doTaskInstant`, routes, macros).
+
+Which tasks are instant, and their arguments, is what real robots' maps declare (`TaskInfo:`).
+"""
+from __future__ import annotations
+
+from functools import partial
+from typing import Callable, Dict
+
+from omron_ld90_sim.behaviour.robot import Robot
+from omron_ld90_sim.behaviour.states import DockingState, Failure
+from omron_ld90_sim.behaviour.task import Task, find_goal
+from omron_ld90_sim.devices.equipment import ApplicationFault, find_name
+from omron_ld90_sim.devices.localization import FOUND_WITHIN
+from omron_ld90_sim.motion.kinematics import Pose
+
+InstantTask = Callable[[Robot, Task], None]
+
+
+# -- shared with the commands of the same names ----------------------------------------------
+
+def set_fault(robot: Robot, fault: ApplicationFault) -> None:
+    """An application raises a fault; a driving fault stops the robot and keeps it from driving."""
+    robot.equipment.faults[fault.name] = fault
+    robot.announce(f'Fault: {fault}')
+    if fault.driving:
+        robot.block('fault', fault.name)
+
+
+def clear_fault(robot: Robot, name: str) -> bool:
+    """It takes it back, and a robot that may drive again says a lone `Stopping` (ARCL manual
+    I617-E-02 p. 57); False when there is none of that name."""
+    fault = robot.equipment.faults.pop(name, None)
+    if fault is None:
+        return False
+    freed = robot.unblock('fault', name) and robot.can_drive
+    robot.announce(f'FaultCleared: {fault}')
+    if freed and robot.docking.state is DockingState.UNDOCKED:
+        robot.announce('Stopping')
+    return True
+
+
+def localize(robot: Robot, pose: Pose, xy_spread: float, angle_spread: float) -> None:
+    """Looks for the robot around `pose`, as far as the spreads (mm, degrees; -1: the default)."""
+    found_xy, found_angle = FOUND_WITHIN
+    robot.localize(pose, (xy_spread if xy_spread > 0 else found_xy,
+                          angle_spread if angle_spread > 0 else found_angle))
+
+
+# -- the tasks -------------------------------------------------------------------------------
+
+def _without_a_word(robot: Robot, task: Task) -> None:
+    """What is heard, seen or felt on the robot only (I617-E-02 p. 32, 74)."""
+
+
+def _send_text(robot: Robot, task: Task) -> None:
+    robot.announce(task.words[0])
+
+
+def _set_fault(robot: Robot, task: Task) -> None:
+    name, short, long, *flags = task.words
+    driving, critical = [*(flag.lower() in ('true', '1') for flag in flags), False, False][:2]
+    set_fault(robot, ApplicationFault(name, short, long, driving, critical))
+
+
+def _clear_fault(robot: Robot, task: Task) -> None:
+    clear_fault(robot, task.words[0])
+
+
+def _block(robot: Robot, task: Task) -> None:
+    robot.block('application', task.words[0])
+
+
+def _unblock(robot: Robot, task: Task) -> None:
+    robot.unblock('application', task.words[0])
+
+
+def _output(robot: Robot, task: Task, on: bool) -> None:
+    name = find_name(robot.equipment.outputs, task.words[0])
+    if name is None:
+        raise Failure(f"No output '{task.words[0]}'", f'Failed {task}')
+    robot.equipment.outputs[name] = on
+
+
+def _localize_at_goal(robot: Robot, task: Task) -> None:
+    goal = find_goal(robot.document, task.words[0])
+    if goal is None:
+        raise Failure(f"No goal '{task.words[0]}'", f'Failed {task}')
+    heading = goal.theta if goal.has_heading else robot.true_pose.theta
+    localize(robot, Pose(goal.x, goal.y, heading), task.number(1, -1.0), task.number(2, -1.0))
+
+
+def _limit_speed(robot: Robot, task: Task, lasting: bool) -> None:
+    """`<importance> <forward mm/s>...` for what runs, or from now on; 0 is the robot's own."""
+    speed = task.number(1)
+    robot.navigation.speed_limit = speed if speed > 0 else None
+    if lasting:
+        robot.speed_limit = robot.navigation.speed_limit
+
+
+def _enable_motors(robot: Robot, task: Task) -> None:
+    robot.enable_motors()
+
+
+def _cancel_wait(robot: Robot, task: Task) -> None:
+    robot.waiting = ''
+
+
+INSTANT: Dict[str, InstantTask] = {
+    'sayinstant': _without_a_word, 'playinstant': _without_a_word, 'popupsimple': _without_a_word,
+    'pathplanningsettingstemp': _without_a_word,
+    'movementparameterstemp': partial(_limit_speed, lasting=False),
+    'movementparameters': partial(_limit_speed, lasting=True),
+    'arclsendtext': _send_text,
+    'applicationfaultset': _set_fault, 'applicationfaultclear': _clear_fault,
+    'applicationblockdrivingset': _block, 'applicationblockdrivingclear': _unblock,
+    'customoutputon': partial(_output, on=True), 'customoutputoff': partial(_output, on=False),
+    'localizeatgoal': _localize_at_goal,
+    'enablemotorsinstant': _enable_motors,
+    'waitcancel': _cancel_wait,
+}

@@ -1,0 +1,57 @@
+"""A task as it is written: a name and arguments, of `doTask`, `listAdd`, routes and macros."""
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from typing import List, Optional
+
+from omron_map import MapDocument, MapObject
+
+_WORD = re.compile(r'"([^"]*)"|(\S+)')
+
+
+def split_words(text: str) -> List[str]:
+    """The words of a text, those in double quotes as one and without them."""
+    return [m.group(1) if m.group(2) is None else m.group(2) for m in _WORD.finditer(text)]
+
+
+class BadTask(ValueError):
+    """No such task, or its arguments are wrong."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """A task with its arguments, as typed."""
+
+    name: str
+    rest: str
+
+    def __str__(self) -> str:
+        return f'{self.name} {self.rest}'.strip()
+
+    @property
+    def words(self) -> List[str]:
+        """The arguments without quotes."""
+        return split_words(self.rest)
+
+    def number(self, index: int, default: Optional[float] = None) -> float:
+        """The argument at `index`."""
+        if index >= len(self.words) and default is not None:
+            return default
+        try:
+            value = float(self.words[index])
+        except (IndexError, ValueError):
+            raise self.bad_arguments() from None
+        if not math.isfinite(value):
+            raise self.bad_arguments()
+        return value
+
+    def bad_arguments(self) -> BadTask:
+        """The error to raise when they are not what the task takes."""
+        return BadTask(f"Bad arguments for task '{self}'")
+
+
+def find_goal(document: MapDocument, name: str) -> Optional[MapObject]:
+    """The goal with that name, in any case."""
+    return next((goal for goal in document.goals if goal.name.lower() == name.lower()), None)

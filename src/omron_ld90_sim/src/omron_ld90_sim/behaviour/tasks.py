@@ -1,0 +1,230 @@
+"""Tasks, and what is made of them: `doTask`, `executeMacro` and `listExecute`.
+
+A task is a script, as in `activities`; an instant task is over at once.
+"""
+from __future__ import annotations
+
+import math
+from typing import Callable, Dict, List, NamedTuple
+
+from omron_ld90_sim.behaviour import activities
+from omron_ld90_sim.behaviour.instant_tasks import INSTANT
+from omron_ld90_sim.behaviour.robot import Robot
+from omron_ld90_sim.behaviour.states import STANDING, Activity, Failure, Script
+from omron_ld90_sim.behaviour.task import BadTask, Task, find_goal
+from omron_ld90_sim.motion.kinematics import normalise
+from omron_ld90_sim.motion.track import Turn, straight_track
+
+LONGEST_LEG = 100_000.0     # mm that a move looks ahead
+SLOWEST_MOVE = 10.0         # mm/s
+SLOWEST_TURN = 1.0          # deg/s
+LOOK_AGAIN = 1.0            # s between two looks whether the way of a move is free now
+SPEECH = 12.0               # characters a second
+SOUND = 2.0                 # s, how long every sound file is
+
+
+class Arguments(NamedTuple):
+    """How many words a task needs, and at which places there are numbers."""
+
+    least: int
+    numbers: range = range(0)
+
+
+ARGUMENTS: Dict[str, Arguments] = {     # of the tasks that need any, checked before they begin
+    'move': Arguments(0, range(5)), 'deltaheading': Arguments(1, range(2)),
+    'setheading': Arguments(1, range(1)), 'gotopoint': Arguments(2, range(3)),
+    'goto': Arguments(1), 'wait': Arguments(1, range(1)), 'say': Arguments(1),
+    'play': Arguments(1), 'sayinstant': Arguments(1), 'playinstant': Arguments(1),
+    'movementparameterstemp': Arguments(2, range(1, 5)),
+    'movementparameters': Arguments(2, range(1, 5)), 'arclsendtext': Arguments(1),
+    'applicationfaultset': Arguments(3), 'applicationfaultclear': Arguments(1),
+    'applicationblockdrivingset': Arguments(1), 'applicationblockdrivingclear': Arguments(1),
+    'customoutputon': Arguments(1), 'customoutputoff': Arguments(1),
+    'localizeatgoal': Arguments(1, range(1, 3)),
+}
+
+
+def parse(text: str) -> Task:
+    """The task in `<task> <arguments>`; BadTask when there is none of that name."""
+    name, _, rest = text.strip().partition(' ')
+    task = Task(name, rest.strip())
+    if name.lower() not in SCRIPTS and name.lower() not in INSTANT:
+        raise BadTask(f"No task '{name}'")
+    wanted = ARGUMENTS.get(name.lower(), Arguments(0))
+    if len(task.words) < wanted.least:
+        raise task.bad_arguments()
+    for index in wanted.numbers:
+        if index < len(task.words):
+            task.number(index)
+    return task
+
+
+def script(robot: Robot, task: Task) -> Script:
+    """Carries out one task, instant or not."""
+    if task.name.lower() in INSTANT:
+        INSTANT[task.name.lower()](robot, task)
+        return
+    yield from SCRIPTS[task.name.lower()](robot, task)
+
+
+# -- the tasks -------------------------------------------------------------------------------
+
+def _move(robot: Robot, task: Task) -> Script:
+    """`<mm> <mm/s> <front clearance> <side clearance> <s without progress before it fails>`."""
+    left, speed = task.number(0, 1000.0), max(abs(task.number(1, 400.0)), SLOWEST_MOVE)
+    clearance, patience = task.number(2, 200.0), task.number(4, 30.0)
+    yield from activities.come_to_rest(robot)
+    yield from activities.leave_dock(robot)
+    waited = 0.0
+    while abs(left) >= 1.0:
+        here = robot.true_pose
+        leg = _free_leg(robot, left, clearance)
+        if leg:
+            robot.follow([straight_track(here, leg, robot.base.limits, speed)])
+            yield STANDING
+        driven = here.distance_to(robot.true_pose.x, robot.true_pose.y)
+        if driven >= 1.0:
+            left, waited = left - math.copysign(driven, left), 0.0
+        elif waited >= patience:
+            raise Failure('Failed to move', 'Failed to move')
+        else:
+            yield LOOK_AGAIN
+            waited += LOOK_AGAIN
+
+
+def _free_leg(robot: Robot, distance: float, clearance: float) -> float:
+    """How much of `distance` (mm, back when negative) can be driven straight on: all of it, or as
+    far as `clearance` before what is in the way."""
+    here, obstacles = robot.true_pose, robot.navigation.obstacles()
+    wanted = math.copysign(min(abs(distance), LONGEST_LEG), distance)
+
+    def is_free(leg: float) -> bool:
+        return robot.planner.straight_is_free(here, math.copysign(leg, wanted), obstacles)
+
+    if is_free(abs(wanted)):
+        return wanted
+    free, blocked = 0.0, abs(wanted)
+    while blocked - free > 10.0:
+        middle = (free + blocked) / 2
+        free, blocked = (middle, blocked) if is_free(middle) else (free, middle)
+    return math.copysign(max(free - max(clearance, 0.0), 0.0), wanted)
+
+
+def _turn(robot: Robot, turn: Callable[[], Turn]) -> Script:
+    yield from activities.come_to_rest(robot)
+    yield from activities.leave_dock(robot)
+    if not robot.planner.can_turn(robot.true_pose, robot.navigation.obstacles()):
+        raise Failure('Failed to turn', 'Failed to turn')
+    robot.follow([turn()])
+    yield STANDING
+
+
+def _delta_heading(robot: Robot, task: Task) -> Script:
+    """`<deg, left positive> <deg/s>`: more than a whole turn, too."""
+    limits, angle = robot.base.limits, task.number(0)
+    rate = min(max(abs(task.number(1, limits.goal_rotation)), SLOWEST_TURN), limits.path_rotation)
+    yield from _turn(robot, lambda: Turn(normalise(robot.true_pose.theta + angle), rate, angle))
+
+
+def _set_heading(robot: Robot, task: Task) -> Script:
+    """`<deg>`, the shorter way round."""
+    yield from _turn(robot, lambda: Turn(normalise(task.number(0)),
+                                         robot.base.limits.goal_rotation))
+
+
+def _go_to_point(robot: Robot, task: Task) -> Script:
+    heading = normalise(task.number(2)) if len(task.words) > 2 else None
+    yield from activities.go_to_point(robot, task.number(0), task.number(1), heading).script
+
+
+def _go_to_goal(robot: Robot, task: Task) -> Script:
+    goal = find_goal(robot.document, task.words[0])
+    if goal is None:
+        raise Failure('Failed going to goal', f'Failed going to {task.rest}')
+    yield from activities.go_to_goal(robot, goal).script
+
+
+def _wait(robot: Robot, task: Task) -> Script:
+    seconds = max(task.number(0), 0.0)
+    robot.waiting = ''.join(task.words[1:2]) or 'Waiting'
+    robot.announce(f'WaitState: Waiting {seconds:g} seconds with status "{robot.waiting}"')
+    try:
+        end = robot.clock.now + seconds
+        while robot.clock.now < end and robot.waiting:
+            yield max(min(end - robot.clock.now, 0.1), 0.001)
+        robot.announce('WaitState: Waiting completed' if robot.waiting
+                       else 'WaitState: Waiting cancelled')
+    except GeneratorExit:
+        robot.announce('WaitState: Waiting interrupted')
+        raise
+    finally:
+        robot.waiting = ''
+
+
+def _pause(robot: Robot, task: Task) -> Script:
+    robot.pausing = True
+    robot.announce('PauseTask: pausing')
+    try:
+        while robot.pausing:
+            yield 0.1
+        robot.announce('PauseTask: cancelled')
+    except GeneratorExit:
+        robot.announce('PauseTask: interrupted')
+        raise
+    finally:
+        robot.pausing = False
+
+
+def _say(robot: Robot, task: Task) -> Script:
+    yield len(task.rest) / SPEECH
+
+
+def _play(robot: Robot, task: Task) -> Script:
+    yield SOUND
+
+
+SCRIPTS: Dict[str, Callable[[Robot, Task], Script]] = {
+    'move': _move, 'deltaheading': _delta_heading, 'setheading': _set_heading,
+    'gotopoint': _go_to_point, 'goto': _go_to_goal, 'wait': _wait, 'pause': _pause,
+    'say': _say, 'play': _play,
+}
+
+
+# -- activities made of tasks ----------------------------------------------------------------
+
+def single(robot: Robot, task: Task) -> Activity:
+    """`doTask`."""
+    def run() -> Script:
+        robot.announce(f'Doing task {task}')
+        yield from script(robot, task)
+        robot.status = robot.extended = f'Completed doing task {task}'
+        robot.announce(robot.status)
+
+    return Activity(f'Doing task {task}', f'Doing task {task}', run())
+
+
+def macro(robot: Robot, name: str, tasks: List[Task]) -> Activity:
+    """`executeMacro`."""
+    def run() -> Script:
+        robot.announce(f'Executing macro {name}')
+        try:
+            for task in tasks:
+                yield from script(robot, task)
+        except Failure as failure:      # what is left of a failed macro is the event's line
+            raise Failure(str(failure), f'Error: {failure}') from failure
+        robot.status = robot.extended = f'Completed macro {name}'
+        robot.announce(robot.status)
+
+    return Activity(f'Executing macro {name}', f'Executing macro {name}', run())
+
+
+def task_list(robot: Robot, tasks: List[Task]) -> Activity:
+    """`listExecute`."""
+    def run() -> Script:
+        robot.announce('Executing list')
+        for task in tasks:
+            yield from script(robot, task)
+        robot.status = robot.extended = 'Successfully finished task list'
+        robot.announce(robot.status)
+
+    return Activity('Executing list', 'Executing list', run())

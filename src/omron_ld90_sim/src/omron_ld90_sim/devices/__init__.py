@@ -1,0 +1,1 @@
+"""What the robot carries: battery, laser, localization, inputs and outputs."""

@@ -1,0 +1,48 @@
+"""Where the robot believes to be, and how sure it is."""
+from __future__ import annotations
+
+from typing import Tuple
+
+from omron_ld90_sim.clock import Clock
+from omron_ld90_sim.motion.kinematics import Pose, normalise
+from omron_ld90_sim.motion.noise import noise
+
+FOUND_WITHIN = (1000.0, 30.0)   # mm, deg: how far off a search may start and still find the robot
+SCORE_FOUND, SCORE_LOST = 0.87, 0.06
+SCORE_NOISE = 0.012             # standard deviation
+
+_NO_ERROR = Pose(0.0, 0.0, 0.0)
+
+
+class Localization:
+    """The belief of one robot: its true pose, or one that is off by `error` while it is lost."""
+
+    def __init__(self, clock: Clock, seed: int) -> None:
+        self.error = _NO_ERROR
+        self._clock, self._seed = clock, seed
+
+    @property
+    def lost(self) -> bool:
+        """Whether the robot's belief of its place is wrong."""
+        return self.error != _NO_ERROR
+
+    def believed(self, true: Pose) -> Pose:
+        """Where a robot that stands at `true` believes to be."""
+        return Pose(true.x + self.error.x, true.y + self.error.y,
+                    normalise(true.theta + self.error.theta))
+
+    def search(self, around: Pose, true: Pose, spread: Tuple[float, float]) -> None:
+        """Looks within `spread` (mm, deg) of a pose; lost when the robot is not there."""
+        off = true.distance_to(around.x, around.y)
+        turned = normalise(around.theta - true.theta)
+        if off <= spread[0] and abs(turned) <= spread[1]:
+            self.error = _NO_ERROR
+        else:
+            self.error = Pose(around.x - true.x, around.y - true.y, turned)
+
+    @property
+    def score(self) -> float:
+        """How well the laser fits the map at the believed pose, 0 to 1; noisy."""
+        fit = SCORE_LOST if self.lost else SCORE_FOUND
+        error = noise(self._seed, self._clock.now, SCORE_NOISE, 1)[0]
+        return float(min(max(fit + error, 0.0), 1.0))

@@ -1,0 +1,43 @@
+"""The laser as a device: noisy scans, and the points kept of the last ones."""
+from __future__ import annotations
+
+from collections import deque
+from typing import Deque, Sequence, Tuple
+
+import numpy as np
+
+from omron_ld90_sim.clock import Clock
+from omron_ld90_sim.devices import laser
+from omron_ld90_sim.motion.floor import Floor
+from omron_ld90_sim.motion.kinematics import Pose
+from omron_ld90_sim.motion.noise import noise
+
+NOISE = 6.0             # mm, standard deviation along the ray
+KEPT_FOR = 30.0         # s, mm and number of the cumulative points
+KEPT_WITHIN = 4000.0
+KEPT_POINTS = 200
+
+
+class Scanner:
+    """One `Laser_1`."""
+
+    def __init__(self, clock: Clock, seed: int) -> None:
+        self._clock, self._seed = clock, seed
+        self._kept: Deque[Tuple[float, np.ndarray]] = deque()
+
+    def scan(self, floor: Floor, true: Pose, believed: Pose,
+             others: Sequence[np.ndarray]) -> np.ndarray:
+        """Hits (N, 2) in mm of one scan from `true`, in the frame the robot believes in."""
+        ranges = laser.scan(floor, true, others)
+        ranges = ranges + noise(self._seed, self._clock.now, NOISE, len(ranges))
+        hits = laser.points(believed, ranges)
+        self._kept.append((self._clock.now, hits))
+        while self._kept[0][0] < self._clock.now - KEPT_FOR:
+            self._kept.popleft()
+        return hits
+
+    def cumulative(self, around: Pose) -> np.ndarray:
+        """The points (N, 2) seen lately near by."""
+        seen = np.concatenate([hits for _, hits in self._kept])
+        near = np.hypot(*(seen - [around.x, around.y]).T) <= KEPT_WITHIN
+        return seen[near][-KEPT_POINTS:]

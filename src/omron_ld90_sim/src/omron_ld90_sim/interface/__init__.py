@@ -1,0 +1,1 @@
+"""How the robot is talked to and run: ARCL sessions, configuration, faults, sockets, program."""

@@ -1,0 +1,24 @@
+"""The ARCL commands, one module per group; `execute` carries out a line of them.
+
+Importing this package fills `TABLE`.
+
+What no source tells (docs/sources.md) is not here: the server answers `Unknown command`.
+"""
+from omron_ld90_sim.interface.commands import (
+    application_faults,
+    configuration,
+    data_store,
+    driving,
+    external_io,
+    inputs_outputs,
+    map_objects,
+    payload,
+    session,
+    state,
+    tasks,
+)
+from omron_ld90_sim.interface.commands.interpreter import execute
+from omron_ld90_sim.interface.commands.table import TABLE
+
+__all__ = ['TABLE', 'application_faults', 'configuration', 'data_store', 'driving', 'execute',
+           'external_io', 'inputs_outputs', 'map_objects', 'payload', 'session', 'state', 'tasks']

@@ -1,0 +1,175 @@
+"""Commands that read and change the robot's configuration; every one needs `ArclConfig`."""
+from __future__ import annotations
+
+from functools import wraps
+from typing import Callable, List
+
+from omron_ld90_sim.behaviour.robot import Robot
+from omron_ld90_sim.interface.commands.table import (
+    Call,
+    CommandFailed,
+    Handler,
+    SetUpError,
+    command,
+)
+from omron_ld90_sim.interface.configuration import (
+    ADDED,
+    FILES,
+    FLAG,
+    REAL,
+    SEPARATOR,
+    SERVER,
+    TEXT,
+    WHOLE,
+    Change,
+    Parameter,
+    Section,
+)
+
+NOT_STARTED = 'You need to start a config before you can {} it.'
+MAP = (FILES, 'Map')
+LOOK_EVERY = 0.1        # s between looks whether the robot is idle
+TYPES = {'integer': WHOLE, 'int': WHOLE, 'double': REAL, 'string': TEXT, 'boolean': FLAG,
+         'bool': FLAG, 'separator': SEPARATOR}      # the words of newConfigParam
+
+
+def _gated(handler: Handler) -> Handler:
+    """Refuses the command unless `ArclConfig` is on."""
+    @wraps(handler)
+    def run(call: Call) -> None:
+        if not call.server.configuration.flag(SERVER, 'ArclConfig'):
+            raise CommandFailed('ArclConfig is off')
+        handler(call)
+
+    return run
+
+
+def _section(call: Call) -> Section:
+    """The section that the command names; case matters, and quotes are not taken off."""
+    name = call.rest.strip()
+    section = call.server.configuration.sections.get(name)
+    if section is None:
+        raise CommandFailed(f'No section of name {name}')
+    return section
+
+
+def _own_section(call: Call, name: str) -> Section:
+    """The section called `name`, added if there is none."""
+    return call.server.configuration.sections.setdefault(name, Section('', flags=ADDED))
+
+
+@command('getConfigSectionList', 'Gets the list of sections in the config')
+@_gated
+def section_list(call: Call) -> None:
+    """Lists the sections."""
+    for name in call.server.configuration.sections:
+        call.reply(f'GetConfigSectionList: {name}')
+    call.reply('EndOfGetConfigSectionList')
+
+
+@command('getConfigSectionValues', 'Gets the values in a section of the config', '<section>', 1)
+@_gated
+def section_values(call: Call) -> None:
+    """Lists the values of one section; an empty one keeps its blank, clients split there."""
+    for parameter in _section(call).parameters:
+        call.reply(f'GetConfigSectionValue: {parameter.name} {parameter.value}')
+    call.reply('EndOfGetConfigSectionValues')
+
+
+@command('getConfigSectionInfo', 'Gets the info about a section of the config', '<section>', 1)
+@_gated
+def section_info(call: Call) -> None:
+    """Describes one section and its parameters."""
+    section = _section(call)
+    call.reply(f'GetConfigSectionInfo: "{section.comment}" "{section.flags}"')
+    for parameter in section.parameters:
+        call.reply(f'GetConfigSectionParamInfo: {parameter.info}')
+    call.reply('EndOfGetConfigSectionInfo')
+
+
+@command('configStart', 'Starts importing config values. Use with configAdd and configParse.')
+@_gated
+def config_start(call: Call) -> None:
+    """Begins an import."""
+    call.server.configuration.start_import()
+    call.reply('New config starting')
+
+
+@command('configAdd', 'Adds a config file line to the config values being imported.',
+         '<configuration> <value>', 1)
+@_gated
+def config_add(call: Call) -> None:
+    """Adds `Section <name>` or `<parameter> <value>`."""
+    key, _, value = call.rest.strip().partition(' ')
+    if not call.server.configuration.add_to_import(key, value.strip()):
+        raise SetUpError(NOT_STARTED.format('add to'))
+    call.reply(f"Added '{call.rest.strip()}' to the config")
+
+
+@command('configParse',
+         'Parses the imported config values and terminates the configStart command.')
+@_gated
+def config_parse(call: Call) -> None:
+    """Makes the changes, all of them or none, as soon as the robot is idle."""
+    result = call.server.configuration.finish_import()
+    if result is None:
+        raise SetUpError(NOT_STARTED.format('parse'))
+    changes, errors = result
+    call.reply('Will parse config')
+    if errors:
+        call.reply(f'Config had errors parsing: {"; ".join(errors)}')
+    else:
+        _when_idle(call.robot, lambda: _change(call, changes))
+
+
+def _when_idle(robot: Robot, action: Callable[[], None]) -> None:
+    """Changes wait until the robot does nothing and stands (ARCL manual I617-E-02 p. 46)."""
+    if robot.activity is None and robot.base.still:
+        action()
+    else:
+        robot.clock.after(LOOK_EVERY, lambda: _when_idle(robot, action))
+
+
+def _change(call: Call, changes: List[Change]) -> None:
+    try:
+        for _, _, value in (change for change in changes if change[:2] == MAP):
+            call.server.switch_map(value)       # may fail, before anything else has changed
+    except ValueError as error:
+        call.reply(f'Config had errors parsing: {error}')
+        return
+    for change in (change for change in changes if change[:2] != MAP):
+        call.server.configuration.set(*change)
+    if changes:         # a map, too: public clients wait for this line behind `Map changed`
+        call.server.broadcast('Configuration changed')
+    call.reply('Config parsed fine')
+
+
+@command('newConfigParam', 'Adds a new param to the config',
+         '<section> <name> <description> <priority_level> <type> <default_value> <min> <max> '
+         '<DisplayHint>', 9)
+@_gated
+def new_config_parameter(call: Call) -> None:
+    """Adds a parameter; the robot keeps its value, not its definition, over a restart."""
+    section, name, description, priority, kind, default, low, high, hint = call.arguments[:9]
+    if kind.lower() not in TYPES:
+        raise CommandFailed(f"Bad type '{kind}'")
+    try:
+        least, most = (None if bound.lower() == 'none' else float(bound) for bound in (low, high))
+        parameter = Parameter(name, TYPES[kind.lower()], default, description, least, most,
+                              priority, '' if hint.lower() == 'none' else hint)
+        parameter.check(default)
+    except ValueError as error:
+        raise CommandFailed(str(error)) from error
+    target = _own_section(call, section)
+    if target.find(name) is None:
+        target.parameters.append(parameter)
+    call.reply(f"Will add new param '{name}' to section '{section}'")
+
+
+@command('newConfigSectionComment', 'Adds a comment to a config section', '<section> <comment>', 2)
+@_gated
+def new_section_comment(call: Call) -> None:
+    """Gives a section its comment."""
+    section, text = call.arguments[0], ' '.join(call.arguments[1:])
+    _own_section(call, section).comment = text
+    call.reply(f"Will add config comment '{text}' to section '{section}'")

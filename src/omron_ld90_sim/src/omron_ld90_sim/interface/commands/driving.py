@@ -1,0 +1,152 @@
+"""Commands that move the robot, stop it or tell it where it is."""
+from __future__ import annotations
+
+from omron_ld90_sim.behaviour import activities, instant_tasks, task
+from omron_ld90_sim.behaviour.states import DockingState, Motors
+from omron_ld90_sim.interface.commands.table import Call, CommandFailed, command
+from omron_ld90_sim.motion.kinematics import Pose, normalise
+from omron_ld90_sim.motion.planner import NoWay
+from omron_map import MapObject
+
+LOCALIZING = 1.0    # s between the two lines of localizeToPoint
+
+
+def check_drivable(call: Call) -> None:
+    """Refuses a driving command while the motors are off or driving is blocked."""
+    robot = call.robot
+    if robot.motors is not Motors.ENABLED:
+        raise CommandFailed(robot.motors.value)
+    if robot.lost:
+        raise CommandFailed('Robot lost')
+    if robot.blocked_by:
+        _, name = robot.blocked_by[0]
+        raise CommandFailed(f'Driving blocked by {name}')
+
+
+def find_goal(call: Call, name: str) -> MapObject:
+    """The goal with that name, in any case."""
+    goal = task.find_goal(call.robot.document, name)
+    if goal is None:
+        raise CommandFailed(f"No goal '{name}'")
+    return goal
+
+
+@command('goto', 'Goes to a goal', '<goal> [heading]', 1)
+def goto(call: Call) -> None:
+    """Drives to a goal, out of the dock if need be."""
+    arguments = call.arguments
+    goal = find_goal(call, arguments[0])
+    heading = normalise(call.number(1)) if len(arguments) > 1 else None
+    check_drivable(call)
+    call.robot.start(activities.go_to_goal(call.robot, goal, heading))
+
+
+@command('gotoPoint', 'Goes to a point', '<X> <Y> [heading]', 2)
+def goto_point(call: Call) -> None:
+    """Drives to a pose in mm and degrees."""
+    x, y = call.number(0), call.number(1)
+    heading = normalise(call.number(2)) if len(call.arguments) > 2 else None
+    check_drivable(call)
+    call.robot.start(activities.go_to_point(call.robot, x, y, heading))
+
+
+@command('stop', 'Stops the robot')
+def stop(call: Call) -> None:
+    """Ends whatever runs."""
+    call.robot.stop()
+
+
+@command('dock', 'Sends the robot to the dock')
+def dock(call: Call) -> None:
+    """Drives to the nearest dock and into it; a docked robot stays."""
+    robot = call.robot
+    station = activities.nearest_dock(robot)
+    if station is None:
+        raise CommandFailed('No dock')
+    check_drivable(call)
+    if robot.docking.state is DockingState.DOCKED:
+        call.reply(robot.docking.line)
+    else:
+        robot.start(activities.dock(robot, station))
+
+
+@command('undock', 'Undocks the robot')
+def undock(call: Call) -> None:
+    """Backs out of the dock."""
+    check_drivable(call)
+    call.robot.start(activities.undock(call.robot))
+
+
+@command('queryDockStatus', 'Gets the docking/charging status')
+def query_dock_status(call: Call) -> None:
+    """Answers the docking state."""
+    call.robot.docking.update()
+    call.reply(call.robot.docking.line)
+
+
+@command('enableMotors', 'Enables the motors so the robot can drive again')
+def enable_motors(call: Call) -> None:
+    """Switches the motors on again."""
+    if call.robot.motors is Motors.ENABLED:
+        call.reply('Motors are enabled')
+    elif not call.robot.enable_motors():
+        call.reply('Estop pressed, cannot enable motors')
+
+
+@command('queryMotors', 'Queries the state of the motors')
+def query_motors(call: Call) -> None:
+    """Answers the motors' state."""
+    call.reply(call.robot.motors.value)
+
+
+@command('localizeToPoint', 'Localizes to a point', '<X> <Y> <T> [xySpread angleSpread]', 3)
+def localize_to_point(call: Call) -> None:
+    """Looks for the robot around a pose."""
+    pose = Pose(call.number(0), call.number(1), normalise(call.number(2)))
+    _localize(call, pose, call.number(3, -1.0), call.number(4, -1.0), 'point')
+
+
+@command('localizeAtGoal', 'Localizes at a goal', '<goal> [xySpread angleSpread]', 1)
+def localize_at_goal(call: Call) -> None:
+    """Looks for the robot around a goal, in its heading or in the present one."""
+    goal = find_goal(call, call.arguments[0])
+    heading = goal.theta if goal.has_heading else call.robot.true_pose.theta
+    _localize(call, Pose(goal.x, goal.y, heading), call.number(1, -1.0), call.number(2, -1.0),
+              f'goal {goal.name}')
+
+
+def _localize(call: Call, pose: Pose, xy_spread: float, angle_spread: float, what: str) -> None:
+    robot, session = call.robot, call.session
+    session.send(f'Localizing at {what}')
+
+    def localized() -> None:
+        instant_tasks.localize(robot, pose, xy_spread, angle_spread)
+        session.send(f'Localized to {what}')
+
+    robot.clock.after(LOCALIZING, localized)
+
+
+@command('distanceBetween', 'Gets the distance between two goals', '<goal> <goal>', 2)
+def distance_between(call: Call) -> None:
+    """Answers the length of the way from one goal to another."""
+    first, second = (find_goal(call, name) for name in call.arguments[:2])
+    start = Pose(first.x, first.y, first.theta)
+    try:
+        way = call.robot.planner.plan(start, second.x, second.y)
+    except NoWay as error:
+        raise CommandFailed('Cannot find path') from error
+    call.reply(f'DistanceBetween: {way.length:.0f} "{first.name}" "{second.name}"')
+
+
+@command('applicationBlockDrivingSet', 'Sets an application blockDriving',
+         '<name> <shortDesc> <longDesc>', 3, 'abds')
+def block_driving(call: Call) -> None:
+    """Forbids driving and cancels what drives; no source tells an answer."""
+    call.robot.block('application', call.arguments[0])
+
+
+@command('applicationBlockDrivingClear', 'Clears an application blockDriving', '<name>', 1, 'abdc')
+def unblock_driving(call: Call) -> None:
+    """Allows driving again."""
+    if not call.robot.unblock('application', call.arguments[0]):
+        raise CommandFailed(f"No block '{call.arguments[0]}'")

@@ -1,0 +1,42 @@
+"""What a command line does: its variables, its handler, and the answers to what is wrong."""
+from __future__ import annotations
+
+import re
+from typing import Dict
+
+from omron_ld90_sim.interface.commands.table import TABLE, Call, CommandFailed, SetUpError
+from omron_ld90_sim.interface.server import ArclServer
+from omron_ld90_sim.interface.session import Session
+
+_VARIABLE = re.compile(r'\$([gymdHMSTXY])')
+
+
+def execute(server: ArclServer, session: Session, line: str) -> None:
+    """Carries out one command line for `session`."""
+    variables = _variables(server)
+    line = _VARIABLE.sub(lambda match: variables[match.group(1)], line)
+    name, rest = [*line.split(None, 1), '', ''][:2]
+    row = TABLE.get(name.lower())
+    if row is None:
+        session.send(f'Unknown command {name}')
+        return
+    call = Call(server, session, line, rest)
+    if len(call.arguments) < row.least:
+        session.send(f'usage: {row.usage}')
+        return
+    try:
+        row.handler(call)
+    except CommandFailed as failure:
+        session.send(f'CommandError: {line}')
+        session.send(f'CommandErrorDescription: {failure}')
+    except SetUpError as failure:
+        session.send(f'SetUpError: {failure}')
+
+
+def _variables(server: ArclServer) -> Dict[str, str]:
+    """What `$g`, `$y` and so on in a command line stand for (ARCL manual I617-E-01 p. 51)."""
+    robot, now = server.robot, server.wall_time()
+    x, y, theta = (int(round(value)) for value in (robot.pose.x, robot.pose.y, robot.pose.theta))
+    return {'g': robot.last_goal, 'y': f'{now.tm_year}', 'm': f'{now.tm_mon:02d}',
+            'd': f'{now.tm_mday:02d}', 'H': f'{now.tm_hour:02d}', 'M': f'{now.tm_min:02d}',
+            'S': f'{now.tm_sec:02d}', 'T': f'{theta}', 'X': f'{x}', 'Y': f'{y}'}

@@ -1,0 +1,61 @@
+"""Commands about the connection itself."""
+from __future__ import annotations
+
+from omron_ld90_sim.interface.commands.table import Call, CommandFailed, command, help_lines
+from omron_ld90_sim.interface.configuration import OUTGOING
+
+
+@command('help', 'gives the listing of available commands')
+def show_help(call: Call) -> None:
+    """Prints the command list again."""
+    for line in help_lines():
+        call.reply(line)
+
+
+@command('echo', 'with no args gets echo, with args sets echo', '[state]')
+def echo(call: Call) -> None:
+    """Gets or sets whether typed characters come back."""
+    wanted = call.text.lower()
+    if wanted in ('on', 'off'):
+        call.session.echo = wanted == 'on'
+        call.reply(f'Echo turned {wanted}.')
+    elif wanted:
+        call.reply('usage: echo <on/off>')
+    else:
+        call.reply('Echo is on.' if call.session.echo else 'Echo is off.')
+
+
+@command('quit', 'closes this connection to the server')
+def end_session(call: Call) -> None:
+    """Says good-bye and closes."""
+    call.reply('Closing connection')
+    call.session.close()
+
+
+@command('arclSendText', 'Sends the given message to all ARCL clients', '<string>', 1)
+def send_text(call: Call) -> None:
+    """Sends a text, as it is, to everybody."""
+    call.server.broadcast(call.text)
+
+
+@command('connectOutgoing', '(re)connects a socket to the given outside server',
+         '<hostname> <port>', 2)
+def connect_outgoing(call: Call) -> None:
+    """Moves the outgoing connection to another address."""
+    host, port = call.arguments[0], call.arguments[1]
+    if not port.isdigit() or not 0 < int(port) < 65536:
+        raise CommandFailed(f"Bad port '{port}'")
+    settings = call.server.configuration
+    settings.set(OUTGOING, 'OutgoingHostname', host)
+    settings.set(OUTGOING, 'OutgoingPort', port)
+    call.reply(f'Outgoing connected to {host} {port}')
+    for session in list(call.server.sessions):
+        if session.outgoing:
+            session.close()
+
+
+@command('shutDown', 'Shuts down the robot')
+def shut_down(call: Call) -> None:
+    """Switches the robot off; the program goes on without answering until it is ended."""
+    call.robot.halt()
+    call.server.shut_down()

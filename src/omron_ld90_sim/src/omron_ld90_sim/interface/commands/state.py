@@ -1,0 +1,158 @@
+"""Commands that ask what the robot is doing, where, and what its laser sees."""
+from __future__ import annotations
+
+from typing import Callable, Dict, List
+
+from omron_ld90_sim.behaviour.robot import Robot
+from omron_ld90_sim.interface.commands.table import Call, CommandFailed, command
+
+LASER = 'Laser_1'
+TEMPERATURE = 36        # deg C
+
+# A robot's own infos, of those in I617-E-02 p. 126 the ones whose form is known (p. 124 and the
+# manual of a public client). Not here: laser, fault flags, packets and load of the processor.
+INFOS: Dict[str, Callable[[Robot], object]] = {
+    'Odometer(KM)': lambda robot: int(robot.base.driven / 1e6),
+    'Flags': lambda robot: 400,
+    'SBC Uptime': lambda robot: int(robot.clock.now),
+    'ARAM Uptime': lambda robot: int(robot.clock.now),
+    'Queue ID': lambda robot: '',
+    'Queue Job ID': lambda robot: '',
+    'DebugLogState': lambda robot: 'Not',
+    'DebugLogSeconds': lambda robot: -1,
+}
+
+
+def location(robot: Robot) -> str:
+    """The Location line: whole mm, mm, degrees."""
+    x, y, theta = (int(round(value)) for value in (robot.pose.x, robot.pose.y, robot.pose.theta))
+    return f'Location: {x} {y} {theta}'
+
+
+def status_lines(robot: Robot) -> List[str]:
+    """The lines of `status`, in an LD robot's order; `Temperature:` is the last."""
+    charge = robot.docking.percent
+    return [f'ExtendedStatusForHumans: {robot.extended}', f'Status: {robot.status}',
+            f'StateOfCharge: {charge:.1f}', location(robot),
+            f'LocalizationScore: {robot.localization.score:.6f}', f'Temperature: {TEMPERATURE}']
+
+
+def one_line_status(robot: Robot) -> str:
+    """The line of `oneLineStatus`."""
+    charge = robot.docking.percent
+    return (f'Status: {robot.status} StateOfCharge: {charge:.1f} {location(robot)} '
+            f'Temperature: {TEMPERATURE}')
+
+
+@command('status', "Gives the operational state of the robot")
+def status(call: Call) -> None:
+    """Answers the six status lines."""
+    for line in status_lines(call.robot):
+        call.reply(line)
+
+
+@command('oneLineStatus', 'Gives the operational state of the robot in one line')
+def answer_one_line_status(call: Call) -> None:
+    """Answers the status in one line."""
+    call.reply(one_line_status(call.robot))
+
+
+@command('odometer', 'Shows the robot trip odometer')
+def odometer(call: Call) -> None:
+    """Answers distance, rotation and time since the last reset."""
+    driven, turned, seconds = call.robot.odometer.trip
+    call.reply(f'Odometer: {driven:.0f} mm {turned:.0f} deg {seconds:.0f} sec')
+
+
+@command('odometerReset', 'Resets the robot trip odometer')
+def odometer_reset(call: Call) -> None:
+    """Starts the trip from zero."""
+    call.robot.odometer.reset()
+    call.reply('Reset odometer')
+
+
+@command('getGoals', 'gets a list of goals in the map (for use with goto)')
+def get_goals(call: Call) -> None:
+    """Lists the goals in map order; docks are not goals."""
+    for goal in call.robot.document.goals:
+        call.reply(f'Goal: {goal.name}')
+    call.reply('End of goals')
+
+
+@command('rangeDeviceGetCurrent', 'Gets the current readings of a range device', '<name>', 1)
+def range_device_get_current(call: Call) -> None:
+    """Answers one scan as integer x y pairs in the map frame."""
+    if call.arguments[0].lower() != LASER.lower():
+        raise CommandFailed(f"No range device '{call.arguments[0]}'")
+    hits = call.robot.scan().round().astype(int).ravel().tolist()
+    call.reply(' '.join([f'RangeDeviceGetCurrent: {LASER}', *map(str, hits)]))
+
+
+@command('rangeDeviceGetCumulative', 'Gets the cumulative readings of a range device', '<name>', 1)
+def range_device_get_cumulative(call: Call) -> None:
+    """Answers the points kept of the last 30 s within 4 m, 200 at most."""
+    if call.arguments[0].lower() != LASER.lower():
+        raise CommandFailed(f"No range device '{call.arguments[0]}'")
+    call.robot.scan()
+    kept = call.robot.scanner.cumulative(call.robot.pose).round().astype(int).ravel().tolist()
+    call.reply(' '.join([f'RangeDeviceGetCumulative: {LASER}', *map(str, kept)]))
+
+
+@command('rangeDeviceGetList', 'Gets the list of range devices')
+@command('rangeDeviceList', 'Gets the list of range devices')
+def range_device_get_list(call: Call) -> None:
+    """Lists the laser and how it is drawn."""
+    call.reply(f'RangeDevice: {LASER} LASER')
+    call.reply(f'RangeDeviceCurrentDrawingData: {LASER} polyDots 0x0000ff 0x000000 80 75 DefaultOn')
+    call.reply(f'RangeDeviceCumulativeDrawingData: {LASER} polyDots 0x0000ff 0x000000 80 75 '
+               f'DefaultOn')
+    call.reply('EndOfRangeDeviceList')
+
+
+@command('getDateTime', 'gets the date and time')
+def get_date_time(call: Call) -> None:
+    """Answers the wall clock."""
+    call.reply(f'DateTime: {call.server.date_time}')
+
+
+@command('getInfoList', 'Gets the list of information')
+def get_info_list(call: Call) -> None:
+    """Lists the robot's own infos and those that clients have created."""
+    for name in (*INFOS, *call.robot.equipment.infos):
+        call.reply(f'InfoList: {name}')
+    call.reply('End of info list')
+
+
+@command('getInfo', 'Gets a piece of information', '<infoName>', 1)
+def get_info(call: Call) -> None:
+    """Answers one info; a robot's own may have blanks in its name, which goes unquoted."""
+    name, own = call.text, call.robot.equipment.infos
+    if name in INFOS:
+        value = INFOS[name](call.robot)
+    elif call.arguments[0] in own:
+        name = call.arguments[0]
+        value = own[name][1]
+    else:
+        raise CommandFailed(f"No info '{name}'")
+    call.reply(f'Info: {name} {value}'.rstrip())
+
+
+@command('createInfo', 'creates a piece of information', '<infoName> <maxLen> <infoValue>', 3)
+def create_info(call: Call) -> None:
+    """Creates an info; a value with blanks gets cut."""
+    name, length = call.arguments[0], int(call.number(1))
+    if name in INFOS:
+        raise CommandFailed(f"Info '{name}' is the robot's own")
+    call.robot.equipment.infos[name] = (length, call.arguments[2][:max(length, 0)])
+    call.reply(f'Created info for {name}')
+
+
+@command('updateInfo', 'updates a piece of information', '<infoName> <infoValue>', 2)
+def update_info(call: Call) -> None:
+    """Changes an info that a client has created."""
+    name = call.arguments[0]
+    if name not in call.robot.equipment.infos:
+        raise CommandFailed(f"No info '{name}'")
+    length = call.robot.equipment.infos[name][0]
+    call.robot.equipment.infos[name] = (length, call.arguments[1][:max(length, 0)])
+    call.reply(f'Updated info for {name}')

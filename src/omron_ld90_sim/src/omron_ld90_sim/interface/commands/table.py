@@ -1,0 +1,118 @@
+"""The command table: every ARCL command with its help text, arguments and handler."""
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Callable, Dict, Iterable, List, Optional
+
+from omron_ld90_sim.behaviour.robot import Robot
+from omron_ld90_sim.devices.equipment import find_name
+from omron_ld90_sim.interface.server import ArclServer
+from omron_ld90_sim.interface.session import Session
+
+_ARGUMENT = re.compile(r'"([^"]*)"?|(\S+)')
+
+
+class CommandFailed(Exception):
+    """A bad argument: answered with CommandError and CommandErrorDescription."""
+
+
+class SetUpError(Exception):
+    """Wrong order, missing file or a feature that is not set up."""
+
+
+@dataclass(frozen=True)
+class Call:
+    """One command line being answered."""
+
+    server: ArclServer
+    session: Session
+    line: str           # as typed, variables expanded
+    rest: str           # behind the command's name, as typed
+
+    @property
+    def robot(self) -> Robot:
+        """The robot that is asked."""
+        return self.server.robot
+
+    @property
+    def arguments(self) -> List[str]:
+        """The arguments, without their quotes."""
+        return [m.group(1) if m.group(2) is None else m.group(2)
+                for m in _ARGUMENT.finditer(self.rest)]
+
+    @property
+    def text(self) -> str:
+        """Everything behind the name as one string, without quotes around it."""
+        text = self.rest.strip()
+        if len(text) >= 2 and text[0] == text[-1] == '"':
+            return text[1:-1]
+        return text
+
+    def reply(self, line: str) -> None:
+        """Answers the asker, and nobody else."""
+        self.session.send(line)
+
+    def named(self, names: Iterable[str], what: str) -> str:
+        """The one of `names` that the first argument is in any case; `what` it is a name of."""
+        name = find_name(names, self.arguments[0])
+        if name is None:
+            raise CommandFailed(f"No {what} '{self.arguments[0]}'")
+        return name
+
+    def number(self, index: int, default: Optional[float] = None) -> float:
+        """The argument at `index` as a number."""
+        arguments = self.arguments
+        if index >= len(arguments) and default is not None:
+            return default
+        try:
+            value = float(arguments[index])
+        except (IndexError, ValueError):
+            given = arguments[index] if index < len(arguments) else ''
+            raise CommandFailed(f"Bad number '{given}'") from None
+        if not -2147483648 <= value <= 2147483647:
+            raise CommandFailed(f"Bad number '{arguments[index]}'")
+        return value
+
+
+Handler = Callable[[Call], None]
+
+
+@dataclass(frozen=True)
+class Command:
+    """One row of the table."""
+
+    name: str
+    description: str
+    usage: str
+    least: int          # arguments without which the usage is answered
+    shortcut: str
+    handler: Handler
+
+    @property
+    def help_line(self) -> str:
+        """The row in the help list: name right-aligned in 15, 10 blanks, description."""
+        shortcut = f' [{self.shortcut}]' if self.shortcut else ''
+        return f'{self.name:>15s}{"":10s}{self.description}{shortcut}'
+
+
+TABLE: Dict[str, Command] = {}
+
+
+def command(name: str, description: str, usage: str = '', least: int = 0,
+            shortcut: str = '') -> Callable[[Handler], Handler]:
+    """Enters a handler into the table under its name and shortcut, both case-insensitive."""
+    def enter(handler: Handler) -> Handler:
+        row = Command(name, description, f'{name} {usage}'.strip(), least, shortcut, handler)
+        for key in filter(None, (name.lower(), shortcut.lower())):
+            assert key not in TABLE, f'two commands named {key}'
+            TABLE[key] = row
+        return handler
+
+    return enter
+
+
+def help_lines() -> List[str]:
+    """The command list as the server prints it."""
+    rows = sorted(set(TABLE.values()), key=lambda row: row.name.lower())
+    return ['Commands:', *(row.help_line for row in rows), 'End of commands']

@@ -1,0 +1,253 @@
+"""Faults on demand: one line of words each, the same on every way in.
+
+They come from `--fault`, from a script file (`[SECONDS] FAULT` per line, `#` comments), from the
+control socket and from `Simulator.inject`. Nothing here happens unless it is asked for.
+"""
+from __future__ import annotations
+
+import inspect
+import sys
+from typing import Callable, Dict, Iterable, Tuple
+
+from omron_ld90_sim.behaviour.states import Motors
+from omron_ld90_sim.interface.configuration import DOCKING
+from omron_ld90_sim.interface.server import ArclServer
+from omron_ld90_sim.interface.session import PROMPT, Session
+from omron_ld90_sim.motion.kinematics import Pose
+from omron_ld90_sim.motion.space import Disc
+
+BLOCK_AHEAD = 1500.0        # mm in front of the robot where `block` puts its obstacle
+BLOCK_RADIUS = 300.0
+
+
+class UnknownFault(ValueError):
+    """The words name no fault, or the numbers in them are none."""
+
+
+class Faults:
+    """Brings faults upon one robot; each public method is the fault of its name.
+
+    The first line of a method's docstring is its usage, the rest its meaning (`--help-faults`).
+    """
+
+    def __init__(self, server: ArclServer) -> None:
+        self._server, self._robot = server, server.robot
+        self._other = Session(server, -1, outgoing=True)
+
+    def inject(self, words: str) -> None:
+        """Brings about one fault; `UnknownFault` when the words mean none."""
+        name, *arguments = words.split() or ['']
+        method = _method(name)
+        try:
+            method(self, *arguments)
+        except (TypeError, ValueError, KeyError) as error:
+            usage = inspect.getdoc(method).splitlines()[0]
+            raise UnknownFault(f"'{words}' is no fault, expected: {usage}") from error
+
+    def schedule(self, line: str) -> None:
+        """Brings about `[SECONDS] FAULT`, at that time of the simulated clock or at once."""
+        first, _, rest = line.strip().partition(' ')
+        try:
+            seconds = float(first)
+        except ValueError:
+            self.inject(line)
+            return
+        _method(*rest.split()[:1])
+
+        def later() -> None:
+            try:
+                self.inject(rest)
+            except UnknownFault as error:   # nobody waits for an answer any more
+                print(f'ld90_sim: {error}', file=sys.stderr)
+
+        self._server.clock.at(seconds, later)
+
+    # -- the robot -----------------------------------------------------------------------------
+
+    def estop(self, action: str) -> None:
+        """estop press|release
+
+        The emergency stop button; after its release the motors stay off until enableMotors.
+        """
+        {'press': self._robot.press_estop, 'release': self._robot.release_estop}[action]()
+
+    def motors(self, action: str) -> None:
+        """motors off
+
+        Motors off without the emergency stop; enableMotors switches them on.
+        """
+        {'off': lambda: self._robot.cut_motors(Motors.DISABLED)}[action]()
+
+    def lost(self, dx: str = '3000', dy: str = '0', turn: str = '90') -> None:
+        """lost [DX_MM DY_MM TURN_DEG]
+
+        The robot believes to be somewhere else, until localizeToPoint tells it the truth.
+        """
+        self._robot.lose(Pose(float(dx), float(dy), float(turn)))
+
+    def block(self, x: str = '', y: str = '', radius: str = str(BLOCK_RADIUS)) -> None:
+        """block [X_MM Y_MM [RADIUS_MM]]
+
+        A round obstacle that is not on the map; without arguments 1.5 m ahead on the robot's way.
+        """
+        if x:
+            place = Pose(float(x), float(y), 0.0)
+        else:
+            track = self._robot.base.track
+            place = (track.pose_at(min(self._robot.base.place + BLOCK_AHEAD, track.length))
+                     if track else self._robot.true_pose.ahead(BLOCK_AHEAD))
+        self._robot.navigation.blocks.append(Disc(place.x, place.y, float(radius)))
+
+    def unblock(self) -> None:
+        """unblock
+
+        Takes all such obstacles away.
+        """
+        self._robot.navigation.blocks.clear()
+
+    def fail(self, *goal: str) -> None:
+        """fail GOAL
+
+        The next drives to that goal end in `Error: Failed going to goal`; see mend.
+        """
+        self._robot.failing_goals.add(_name(goal))
+
+    def mend(self, *goal: str) -> None:
+        """mend GOAL
+
+        The goal can be reached again.
+        """
+        self._robot.failing_goals.discard(_name(goal))
+
+    def battery(self, percent: str) -> None:
+        """battery PERCENT
+
+        The state of charge from now on; at 0 the robot goes off until it has some and a reboot.
+        """
+        self._robot.docking.update()
+        self._robot.docking.battery.percent = min(max(float(percent), 0.0), 100.0)
+
+    def other(self, *command: str) -> None:
+        """other COMMAND
+
+        Another client, unseen, sends this ARCL command, e.g. `other goto 12`.
+        """
+        if not command:
+            raise ValueError('no command')
+        self._server.execute(self._other, ' '.join(command))
+        self._other.output.clear()
+
+    def autodock(self, action: str) -> None:
+        """autodock on|off
+
+        The robot docks by itself when its battery is low or it has been idle for long.
+        """
+        value = {'on': 'true', 'off': 'false'}[action]
+        self._server.configuration.set(DOCKING, 'AutoDock', value)
+
+    # -- the network ---------------------------------------------------------------------------
+
+    def refuse(self, action: str) -> None:
+        """refuse on|off
+
+        New connections are refused; those that stand go on.
+        """
+        self._server.accepting = {'on': False, 'off': True}[action]
+
+    def drop(self) -> None:
+        """drop
+
+        Closes every connection.
+        """
+        self._server.drop_all()
+
+    def reset(self) -> None:
+        """reset
+
+        Ends every connection with RST.
+        """
+        self._server.drop_all(abort=True)
+
+    def prompt(self, *text: str) -> None:
+        """prompt [TEXT]
+
+        What new clients are greeted with; without a text the right prompt again.
+        """
+        self._server.impairment.prompt = ' '.join(text) or PROMPT
+
+    def silence(self, seconds: str) -> None:
+        """silence SECONDS
+
+        Nothing is sent for so long; then everything comes at once.
+        """
+        self._server.impairment.silent_until = self._server.clock.now + float(seconds)
+
+    def delay(self, seconds: str) -> None:
+        """delay SECONDS
+
+        Every line comes so much later; 0 ends it.
+        """
+        self._server.impairment.delay = float(seconds)
+
+    def halfline(self, seconds: str = '1') -> None:
+        """halfline [SECONDS]
+
+        The next line is cut in two; its second half comes so much later.
+        """
+        self._server.impairment.half_line = float(seconds)
+
+    def reboot(self, seconds: str = '5') -> None:
+        """reboot [SECONDS]
+
+        The robot's computer is gone for so long: no port, no connection, nothing runs.
+        """
+        self._server.restart(float(seconds), abort=True)
+
+    def outgoing(self, action: str) -> None:
+        """outgoing on|off
+
+        Cuts the outgoing connection and keeps it away, or lets it come back.
+        """
+        self._server.outgoing_wanted = {'on': True, 'off': False}[action]
+        for session in list(self._server.sessions):
+            if session.outgoing and not self._server.outgoing_wanted:
+                session.close()
+
+
+def run_script(lines: Iterable[str], schedule: Callable[[str], None]) -> None:
+    """Schedules every line of a script; `UnknownFault` names the line that means none."""
+    for number, line in enumerate(lines, 1):
+        line = line.partition('#')[0].strip()
+        if line:
+            try:
+                schedule(line)
+            except UnknownFault as error:
+                raise UnknownFault(f'line {number}: {error}') from error
+
+
+def _name(words: Tuple[str, ...]) -> str:
+    if not words:
+        raise ValueError('no goal')
+    return ' '.join(words).strip('"').lower()
+
+
+def _methods() -> Dict[str, Callable[..., None]]:
+    others = ('inject', 'schedule')
+    return {name: method for name, method in vars(Faults).items()
+            if not name.startswith('_') and name not in others and inspect.isfunction(method)}
+
+
+def _method(name: str = '') -> Callable[..., None]:
+    method = _methods().get(name.lower())
+    if method is None:
+        raise UnknownFault(f"no fault '{name}': --help-faults lists them")
+    return method
+
+
+def help_text() -> str:
+    """The faults, one paragraph each."""
+    paragraphs = []
+    for _, method in sorted(_methods().items()):
+        usage, *meaning = inspect.getdoc(method).splitlines()
+        paragraphs.append('  '.join([f'{usage:<34}', ' '.join(meaning).strip()]))
+    return '\n'.join(paragraphs)

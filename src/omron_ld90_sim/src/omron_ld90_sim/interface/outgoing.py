@@ -1,0 +1,65 @@
+"""The robot's outgoing connection: what it sends by itself, and when.
+
+Times are multiples of each interval on the robot's clock, so that nothing drifts.
+"""
+from __future__ import annotations
+
+from typing import List
+
+from omron_ld90_sim.clock import Ticker
+from omron_ld90_sim.interface.commands.state import one_line_status
+from omron_ld90_sim.interface.configuration import LISTS, OUTGOING, OUTGOING_COMMANDS
+from omron_ld90_sim.interface.server import ArclServer
+from omron_ld90_sim.interface.session import Session
+
+FASTEST_STATUS = 0.1        # s, SendStatusInterval is never faster
+FASTEST_LIST = 0.01         # s, not in the sources; keeps the simulator from doing nothing else
+LEAST_TIMEOUT = 5.0         # s, OutgoingSocketTimeoutInMins never means less
+
+
+class OutgoingLink:
+    """The command lists, the status lines and the time-out of one outgoing session."""
+
+    def __init__(self, server: ArclServer, session: Session) -> None:
+        self._server, self._session = server, session
+        self._tickers: List[Ticker] = []
+        settings, clock = server.configuration, server.clock
+        for n in LISTS:
+            seconds = settings.number(OUTGOING_COMMANDS, f'OutgoingCommands{n}Seconds')
+            commands = [part.strip() for part in
+                        settings.text(OUTGOING_COMMANDS, f'OutgoingCommands{n}').split('|')]
+            if seconds > 0 and any(commands):
+                self._every(max(seconds, FASTEST_LIST),
+                            lambda commands=commands: self._run(commands))
+        interval = settings.number(OUTGOING, 'SendStatusInterval') / 1000.0
+        if interval > 0:
+            self._every(max(interval, FASTEST_STATUS),
+                        lambda: session.send(one_line_status(server.robot)))
+        minutes = settings.number(OUTGOING, 'OutgoingSocketTimeoutInMins')
+        if minutes >= 0:
+            self._limit = max(minutes * 60.0, LEAST_TIMEOUT)
+            session.last_received = clock.now
+            self._every(1.0, self._drop_when_silent)
+
+    def _every(self, seconds: float, action) -> None:
+        def run() -> None:
+            if self._session.closed:
+                self.stop()
+            else:
+                action()
+
+        self._tickers.append(Ticker(self._server.clock, seconds, run))
+
+    def _run(self, commands: List[str]) -> None:
+        for command in commands:
+            if command and not self._session.closed:
+                self._server.execute(self._session, command)
+
+    def _drop_when_silent(self) -> None:
+        if self._server.clock.now - self._session.last_received >= self._limit:
+            self._session.close()
+
+    def stop(self) -> None:
+        """Sends nothing more."""
+        for ticker in self._tickers:
+            ticker.stop()

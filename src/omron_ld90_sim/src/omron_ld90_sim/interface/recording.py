@@ -1,0 +1,168 @@
+"""Session logs: written by `--log`, served again by `--replay`.
+
+One line per transferred line of text, UTF-8:
+
+    <seconds since start> C> <text>      the client sent it
+    <seconds since start> S> <text>      the robot sent it
+
+Seconds have three decimals. A log of several connections numbers them, `C2>` and `S2>` for the
+second one; without a number it is the first, and 0 is the robot's outgoing connection. The password
+is written as `********`. The controller's `~session_log` writes the same format.
+"""
+from __future__ import annotations
+
+import re
+from collections import deque
+from dataclasses import dataclass
+from typing import Deque, Dict, List, Optional, TextIO
+
+from omron_ld90_sim.clock import Clock
+from omron_ld90_sim.interface.configuration import Configuration
+from omron_ld90_sim.interface.session import HIDDEN, text_of
+
+_LINE = re.compile(r'^(\d+(?:\.\d+)?) ([CS])(\d*)> ?(.*)$')
+
+
+class LogError(ValueError):
+    """A line of a session log is none."""
+
+
+@dataclass(frozen=True)
+class Transfer:
+    """One line that was sent."""
+
+    time: float
+    direction: str      # 'C' from the client, 'S' from the robot
+    connection: int     # 1, 2, ... in order of connecting; 0 the outgoing one
+    text: str
+
+    def __str__(self) -> str:
+        number = '' if self.connection == 1 else str(self.connection)
+        return f'{self.time:.3f} {self.direction}{number}> {self.text}'
+
+
+def read_log(lines: List[str]) -> List[Transfer]:
+    """The transfers of a log; LogError names the line that is none."""
+    transfers = []
+    for number, line in enumerate(lines, 1):
+        if not line.strip():
+            continue
+        match = _LINE.match(line.rstrip('\r\n'))
+        if match is None:
+            raise LogError(f'line {number} is no transfer, expected "<seconds> C> <text>" or '
+                           f'"<seconds> S> <text>"')
+        time, direction, connection, text = match.groups()
+        transfers.append(Transfer(float(time), direction, int(connection or 1), text))
+    return transfers
+
+
+class SessionLog:
+    """Writes every transfer of one robot to a file, as it happens."""
+
+    def __init__(self, clock: Clock, file: TextIO) -> None:
+        self._clock, self._file = clock, file
+
+    def __call__(self, connection: int, direction: str, text: str) -> None:
+        """Writes one line; connections below 0 are not real ones."""
+        if connection >= 0:
+            self._file.write(f'{Transfer(self._clock.now, direction, connection, text)}\n')
+            self._file.flush()
+
+
+class ReplaySession:
+    """One connection that is served from a recording."""
+
+    def __init__(self, server: ReplayServer, number: int, script: List[Transfer]) -> None:
+        self.server, self.number, self.outgoing = server, number, number == 0
+        self.output = bytearray()
+        self.closed = self.aborted = False
+        self._script: Deque[Transfer] = deque(script)
+        self._asked: Deque[str] = deque()
+        self._input = b''
+        self._shift = server.clock.now - (script[0].time if script else 0.0)
+        self._go_on()
+
+    @property
+    def finished(self) -> bool:
+        """Whether it is closed and everything has been sent."""
+        return self.closed and not self.output
+
+    def receive(self, data: bytes) -> None:
+        """Takes bytes from the client; its lines call up what the robot answered to them."""
+        *lines, self._input = (self._input + data.replace(b'\r', b'\n')).split(b'\n')
+        self._asked.extend(filter(None, map(text_of, lines)))
+        self._go_on()
+
+    def _go_on(self) -> None:
+        """Sends what is due up to the next line that only the client can call up."""
+        clock = self.server.clock
+        while self._script and not self.closed:
+            head = self._script[0]
+            due = head.time + self._shift
+            if head.direction == 'S':
+                if due > clock.now:
+                    clock.at(due, self._go_on)
+                    return
+                self.output += head.text.encode('ascii', 'replace') + b'\r\n'
+                self._script.popleft()
+            elif self._asked:
+                self._answer(self._asked.popleft())
+            else:
+                return
+
+    def _answer(self, line: str) -> None:
+        """Goes on behind the recorded `line`; a line that was not recorded is unknown."""
+        for skipped, transfer in enumerate(self._script):
+            said = transfer.text
+            if transfer.direction == 'C' and said.lower() in (line.lower(), HIDDEN):
+                self._shift = self.server.clock.now - transfer.time
+                for _ in range(skipped + 1):
+                    self._script.popleft()
+                return
+        self.output += f'Unknown command {line.split()[0]}\r\n'.encode('ascii', 'replace')
+
+    def close(self, abort: bool = False) -> None:
+        """Ends the session."""
+        self.aborted, self.closed = abort, True
+        self.server.forget(self)
+
+
+class ReplayServer:
+    """Serves a recording in place of a robot; later connections get the first one's script."""
+
+    def __init__(self, clock: Clock, transfers: List[Transfer],
+                 configuration: Optional[Configuration] = None) -> None:
+        self.clock, self.configuration = clock, configuration or Configuration()
+        self.online = self.accepting = self.outgoing_wanted = True
+        self.sessions: List[ReplaySession] = []
+        self._scripts: Dict[int, List[Transfer]] = {}
+        for transfer in transfers:
+            self._scripts.setdefault(transfer.connection, []).append(transfer)
+        self._count = 0
+
+    def connect(self) -> ReplaySession:
+        """A client has connected: the next recorded connection begins."""
+        self._count += 1
+        number = self._count if self._count in self._scripts else 1
+        return self._begin(number)
+
+    def connect_outgoing(self) -> ReplaySession:
+        """The outgoing connection stands."""
+        return self._begin(0)
+
+    def _begin(self, number: int) -> ReplaySession:
+        session = ReplaySession(self, number, self._scripts.get(number, []))
+        self.sessions.append(session)
+        return session
+
+    def forget(self, session: ReplaySession) -> None:
+        """The connection is gone."""
+        session.closed = True
+        if session in self.sessions:
+            self.sessions.remove(session)
+
+    def shut_down(self) -> None:
+        """Ends everything."""
+        self.online = False
+        for session in list(self.sessions):
+            session.close()

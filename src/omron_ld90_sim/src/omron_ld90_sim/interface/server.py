@@ -1,0 +1,136 @@
+"""The ARCL server without I/O: who is connected, and who hears what.
+
+Replies go to the session that asked; `broadcast` goes to every logged-in one, the outgoing link
+included. What a command line does is the interpreter's business (`commands`).
+"""
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Callable, List, Optional
+
+from omron_ld90_sim.behaviour.robot import Robot
+from omron_ld90_sim.clock import Clock, Ticker
+from omron_ld90_sim.interface.configuration import FILES, FLEET, SERVER, Configuration
+from omron_ld90_sim.interface.data_store import DataStore
+from omron_ld90_sim.interface.session import Impairment, Phase, Session
+from omron_ld90_sim.motion.floor import Floor
+from omron_map import MapDocument, MapError
+
+LEAST_TIMEOUT = 60.0        # s, SessionTimeoutMins never means less
+
+
+class ArclServer:
+    """The interface of one robot."""
+
+    def __init__(self, clock: Clock, robot: Robot, password: str, interpreter: Interpreter,
+                 configuration: Optional[Configuration] = None,
+                 map_folder: Optional[Path] = None) -> None:
+        """`interpreter` carries out command lines: `commands.execute`.
+
+        `map_folder` is where the maps lie that `configAdd Map` may name.
+        """
+        self.clock, self.robot, self.password = clock, robot, password
+        self._interpreter = interpreter
+        self.configuration = configuration or Configuration()
+        self.map_folder = map_folder
+        self.sessions: List[Session] = []
+        self.impairment = Impairment()
+        self.online = True              # off: no listener and no outgoing connection
+        self.accepting = True           # off: new connections are refused
+        self.outgoing_wanted = True     # off: the outgoing connection stays away
+        self.log: Callable[[int, str, str], None] = lambda number, direction, text: None
+        self.wall_time = time.localtime
+        self.data_store = DataStore(robot, lambda: self.wall_time())
+        self._count = 0
+        robot.announce = self.broadcast
+        Ticker(clock, LEAST_TIMEOUT / 4, self._drop_silent)
+
+    @property
+    def robot_name(self) -> str:
+        """What the robot calls itself."""
+        return self.configuration.text(FLEET, 'Identifier')
+
+    @property
+    def date_time(self) -> str:
+        """The wall clock as ARCL prints it."""
+        return time.strftime('%m/%d/%Y %H:%M:%S', self.wall_time())
+
+    def connect(self) -> Session:
+        """A client has connected."""
+        self._count += 1
+        session = Session(self, self._count)
+        self.sessions.append(session)
+        return session
+
+    def connect_outgoing(self) -> Session:
+        """The robot's outgoing connection stands: no login, and every broadcast goes there too."""
+        session = Session(self, 0, outgoing=True)
+        self.sessions.append(session)
+        return session
+
+    def forget(self, session: Session) -> None:
+        """The connection is gone."""
+        session.phase = Phase.CLOSED
+        if session in self.sessions:
+            self.sessions.remove(session)
+
+    def drop_all(self, abort: bool = False) -> None:
+        """Ends every connection, the outgoing one included."""
+        for session in list(self.sessions):
+            session.close(abort)
+
+    def shut_down(self) -> None:
+        """Ends the server: farewell, then no port and no connection."""
+        for session in list(self.sessions):
+            session.send('Shutting down server')
+        self.online = False
+        self.drop_all()
+
+    def restart(self, seconds: float, abort: bool = False) -> None:
+        """The robot's software is gone for so long, with a farewell or without (`abort`)."""
+        if abort:
+            self.online = False
+            self.drop_all(abort)
+        else:
+            self.shut_down()
+        self.robot.halt()
+
+        def up() -> None:
+            self.online = True
+
+        self.clock.after(seconds, up)
+
+    def _drop_silent(self) -> None:
+        minutes = self.configuration.number(SERVER, 'SessionTimeoutMins')
+        if minutes >= 0:
+            limit = max(minutes * 60.0, LEAST_TIMEOUT)
+            for session in list(self.sessions):
+                if not session.outgoing and self.clock.now - session.last_received >= limit:
+                    session.close()
+
+    def broadcast(self, line: str) -> None:
+        """Sends a line to everybody who is logged in."""
+        for session in list(self.sessions):
+            if session.phase is Phase.OPEN:
+                session.send(line)
+
+    def execute(self, session: Session, line: str) -> None:
+        """Carries out one command line for `session`."""
+        self._interpreter(self, session, line)
+
+    def switch_map(self, name: str) -> None:
+        """Loads another map from the map folder; ValueError with a sentence when it cannot."""
+        if self.map_folder is None or Path(name).name != name:
+            raise ValueError(f"The file given did not exist: '{name}'")
+        try:
+            document = MapDocument.load(str(self.map_folder / name))
+        except MapError as error:
+            raise ValueError(str(error)) from error
+        self.robot.halt()
+        self.robot.load_map(document, Floor.from_map(document))
+        self.configuration.set(FILES, 'Map', name)
+        self.broadcast('Map changed')
+
+
+Interpreter = Callable[[ArclServer, Session, str], None]

@@ -1,0 +1,277 @@
+"""TCP sockets for the sans-I/O server: one thread, one selector, one simulated clock.
+
+The loop sleeps until a socket is ready or the clock's next callback is due; wall time times the
+speed factor is simulated time. What a client sends counts from the robot's next cycle on, and the
+clock goes there at once: nobody waits, and a client that answers within a cycle finds the same
+times in every run.
+"""
+from __future__ import annotations
+
+import contextlib
+import errno
+import math
+import selectors
+import socket
+import struct
+import time
+from collections import deque
+from typing import Callable, Deque, List, Optional, Tuple
+
+from omron_ld90_sim.clock import Clock
+from omron_ld90_sim.interface.configuration import OUTGOING
+from omron_ld90_sim.interface.outgoing import OutgoingLink
+from omron_ld90_sim.interface.server import ArclServer
+from omron_ld90_sim.interface.session import Session
+
+RECONNECT = 1.0         # s between two attempts of the outgoing connection
+INPUT_CYCLE = 0.02      # s of wall time in which what comes in counts as simultaneous, at most
+LONGEST_INPUT_CYCLE = 0.1   # so many s of the robot's clock
+LONGEST_SLEEP = 3600.0  # s, more than a selector may be asked for is an error
+_RESET = struct.pack('ii', 1, 0)    # SO_LINGER of no time: close() sends RST
+MAX_OUTPUT = 8_000_000  # bytes a client may leave unread before it is dropped
+
+
+class PortTaken(Exception):
+    """The ARCL port cannot be listened on."""
+
+
+class Loop:
+    """Runs sockets and the clock."""
+
+    def __init__(self, clock: Clock, speed: float) -> None:
+        self.clock, self.speed = clock, speed
+        self._cycle = min(INPUT_CYCLE * speed, LONGEST_INPUT_CYCLE)
+        self.selector = selectors.DefaultSelector()
+        self._wake_read, self._wake_write = socket.socketpair()
+        self._wake_read.setblocking(False)
+        self.selector.register(self._wake_read, selectors.EVENT_READ, self._woken)
+        self._calls: Deque[Callable[[], None]] = deque()
+        self._stopped = False
+        self._start = time.monotonic()
+        self.after_step: List[Callable[[], None]] = []
+
+    def _simulated_now(self) -> float:
+        return (time.monotonic() - self._start) * self.speed
+
+    def run(self) -> None:
+        """Runs until `stop`."""
+        self._start = time.monotonic() - self.clock.now / self.speed
+        while not self._stopped:
+            due = self.clock.next_time
+            timeout = None
+            if due is not None:
+                timeout = (due - self._simulated_now()) / self.speed
+                timeout = min(max(timeout, 0.0), LONGEST_SLEEP)
+            ready = self.selector.select(timeout)
+            now = self._simulated_now()
+            self.clock.advance(math.ceil(now / self._cycle) * self._cycle if ready else now)
+            for key, mask in ready:
+                key.data(mask)
+            for callback in self.after_step:
+                callback()
+
+    def call(self, function: Callable[[], None]) -> None:
+        """Has the loop's thread call `function` soon; safe from any thread."""
+        self._calls.append(function)
+        self._wake_write.send(b'.')
+
+    def _woken(self, mask: int) -> None:
+        self._wake_read.recv(4096)
+        for _ in range(len(self._calls)):   # what these ask for waits for the next round
+            self._calls.popleft()()
+
+    def stop(self) -> None:
+        """Ends `run`; safe from any thread, from a signal handler, early and twice."""
+        self._stopped = True
+        with contextlib.suppress(OSError):      # the loop may have ended and closed already
+            self._wake_write.send(b'.')
+
+    def close(self) -> None:
+        """Frees the loop's own sockets and what is still registered."""
+        for key in list(self.selector.get_map().values()):
+            if isinstance(key.fileobj, socket.socket):
+                key.fileobj.close()
+        self.selector.close()
+        self._wake_read.close()
+        self._wake_write.close()
+
+
+class Connection:
+    """One TCP connection and its session."""
+
+    def __init__(self, loop: Loop, sock: socket.socket, session: Session,
+                 gone: Callable[[Connection], None]) -> None:
+        self.loop, self.sock, self.session, self._gone = loop, sock, session, gone
+        self._mask = selectors.EVENT_READ
+        loop.selector.register(sock, self._mask, self._ready)
+
+    def _ready(self, mask: int) -> None:
+        if mask & selectors.EVENT_READ:
+            try:
+                data = self.sock.recv(65536)
+            except BlockingIOError:
+                return
+            except OSError:
+                data = b''
+            if not data:
+                self.close()
+                return
+            self.session.receive(data)
+        self.flush()
+
+    def flush(self) -> None:
+        """Sends what can be sent now and waits for room for the rest."""
+        if self.sock.fileno() < 0:
+            return
+        output = self.session.output
+        try:
+            while output:
+                del output[:self.sock.send(output)]
+        except BlockingIOError:
+            pass
+        except OSError:
+            self.close()
+            return
+        if self.session.aborted:
+            self.sock.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _RESET)
+        if len(output) > MAX_OUTPUT or self.session.finished:
+            self.close()
+            return
+        mask = selectors.EVENT_READ | (selectors.EVENT_WRITE if output else 0)
+        if mask != self._mask:
+            self._mask = mask
+            self.loop.selector.modify(self.sock, mask, self._ready)
+
+    def close(self) -> None:
+        """Ends the connection."""
+        if self.sock.fileno() >= 0:
+            self.loop.selector.unregister(self.sock)
+            self.sock.close()
+            self.session.server.forget(self.session)
+            self._gone(self)
+
+
+class TcpServer:
+    """One robot's listening port and outgoing connection, as its server wants them."""
+
+    def __init__(self, loop: Loop, server: ArclServer, host: str, port: int) -> None:
+        self.loop, self.server = loop, server
+        self._host = host
+        self._connections: List[Connection] = []
+        self._listener: Optional[socket.socket] = self._listen(port)
+        self.port: int = self._listener.getsockname()[1]
+        self._dialling: Optional[socket.socket] = None
+        self._next_dial = 0.0
+        self._closing = False
+        loop.after_step.append(self._maintain)
+        loop.clock.after(0.0, self._maintain)
+
+    # -- the port ------------------------------------------------------------------------------
+
+    def _listen(self, port: int) -> socket.socket:
+        listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            listener.bind((self._host, port))
+            listener.listen(64)
+        except OSError as error:
+            listener.close()
+            reason = ('is taken by another program' if error.errno == errno.EADDRINUSE
+                      else f'cannot be listened on ({error.strerror})')
+            raise PortTaken(f'port {port} of {self._host} {reason}: end what uses it or choose '
+                            f'another port with --port') from error
+        listener.setblocking(False)
+        self.loop.selector.register(listener, selectors.EVENT_READ, self._accept)
+        return listener
+
+    def _close_listener(self) -> None:
+        if self._listener is not None:
+            self.loop.selector.unregister(self._listener)
+            self._listener.close()
+            self._listener = None
+
+    def _accept(self, mask: int) -> None:
+        if self._listener is None:
+            return
+        try:
+            sock, _ = self._listener.accept()
+        except OSError:
+            return
+        self._add(sock, self.server.connect())
+
+    def _add(self, sock: socket.socket, session: Session) -> None:
+        sock.setblocking(False)
+        sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        connection = Connection(self.loop, sock, session, self._connections.remove)
+        self._connections.append(connection)
+        connection.flush()
+
+    # -- the outgoing connection -----------------------------------------------------------------
+
+    def _target(self) -> Optional[Tuple[str, int]]:
+        settings = self.server.configuration
+        host = settings.text(OUTGOING, 'OutgoingHostname')
+        port = int(settings.number(OUTGOING, 'OutgoingPort'))
+        wanted = self.server.online and self.server.outgoing_wanted and not self._closing
+        return (host, port) if host and port and wanted else None
+
+    def _dial(self) -> None:
+        """Tries the outgoing connection; again in a while when nobody listens."""
+        target, now = self._target(), self.loop.clock.now
+        standing = any(c.session.outgoing for c in self._connections)
+        if target is None or standing or self._dialling is not None or now < self._next_dial:
+            return
+        self._next_dial = now + RECONNECT
+        self.loop.clock.at(self._next_dial, self._maintain)
+        sock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+        sock.setblocking(False)
+        try:
+            error = sock.connect_ex(target)
+        except OSError:         # a host name that does not resolve
+            error = errno.EHOSTUNREACH
+        if error not in (0, errno.EINPROGRESS):
+            sock.close()
+            return
+        self._dialling = sock
+        self.loop.selector.register(sock, selectors.EVENT_WRITE, self._dialled)
+
+    def _dialled(self, mask: int) -> None:
+        sock, self._dialling = self._dialling, None
+        if sock is None:
+            return
+        self.loop.selector.unregister(sock)
+        if (sock.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR) or self._target() is None
+                or sock.getsockname() == sock.getpeername()):   # TCP can connect to itself
+            sock.close()
+            return
+        session = self.server.connect_outgoing()
+        OutgoingLink(self.server, session)
+        self._add(sock, session)
+
+    # -- upkeep --------------------------------------------------------------------------------
+
+    def _maintain(self) -> None:
+        """Does what the server wants: port open or not, outgoing connection, queued bytes."""
+        open_port = self.server.online and self.server.accepting and not self._closing
+        if open_port and self._listener is None:
+            try:
+                self._listener = self._listen(self.port)
+            except PortTaken:       # by somebody else meanwhile: try again
+                self.loop.clock.after(RECONNECT, self._maintain)
+        elif not open_port:
+            self._close_listener()
+        for connection in list(self._connections):
+            if connection.session.output or connection.session.closed:
+                connection.flush()
+        self._dial()
+
+    def close(self) -> None:
+        """Says good-bye to everybody and closes."""
+        self._closing = True
+        self.server.shut_down()
+        self._maintain()
+        if self._dialling is not None:
+            self.loop.selector.unregister(self._dialling)
+            self._dialling.close()
+        for connection in list(self._connections):
+            connection.close()

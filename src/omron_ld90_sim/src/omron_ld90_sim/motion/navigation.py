@@ -1,0 +1,155 @@
+"""How the base gets its courses: from standing or out of its motion, around what is in the way."""
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import List, Optional, Sequence
+
+import numpy as np
+
+from omron_ld90_sim.motion.base import Base
+from omron_ld90_sim.motion.floor import Floor
+from omron_ld90_sim.motion.kinematics import Pose
+from omron_ld90_sim.motion.manoeuvres import manoeuvres
+from omron_ld90_sim.motion.planner import Blocked, NoWay, Way, planner_for
+from omron_ld90_sim.motion.space import Disc
+from omron_ld90_sim.motion.track import Track
+
+LOOK_AHEAD = 600.0          # mm beyond the stopping distance that must be free of obstacles
+FARTHEST_STOP = 3000.0      # mm that another robot comes nearer while it stops, and its size
+SHORTEST_LEAD = 5.0         # mm left on a track that a new course can still begin on
+JOIN_AHEAD = 300.0          # mm beyond the stopping distance where a new course begins
+PLAN_AROUND = 8000.0        # mm within which other robots are planned around
+LOOK_STEP = 200.0           # mm between the places that are looked at
+STOP_STEP = 600.0           # mm; discs of the half diagonal so far apart hold the body between them
+_ANGLES = np.radians(np.arange(0, 360, 30))
+RING = np.column_stack([np.cos(_ANGLES), np.sin(_ANGLES)])      # a circle as the laser sees it
+
+
+class Navigation:
+    """Plans for one base on one floor, with the obstacles that are not on the map."""
+
+    def __init__(self, base: Base, floor: Floor) -> None:
+        self.base = base
+        self.blocks: List[Disc] = []                # obstacles that are no robots
+        self.neighbours: Sequence[Navigation] = ()  # the other robots
+        self.speed_limit: Optional[float] = None    # mm/s
+        self.change_floor(floor)
+
+    def change_floor(self, floor: Floor) -> None:
+        """Plans on another floor from now on."""
+        self.floor, self.planner = floor, planner_for(floor)
+
+    def obstacles(self, within: float = PLAN_AROUND) -> List[Disc]:
+        """Everything in the way that is not on the map, other robots within so many mm.
+
+        A moving neighbour counts where it is, where it could come to rest, and between.
+        """
+        radius = self.floor.body.half_diagonal
+        return [*self.blocks,
+                *(Disc(place.x, place.y, radius) for place in self._stops(within))]
+
+    def _stops(self, within: float) -> List[Pose]:
+        """Where the robots within so many mm are, could come to rest, and between."""
+        stops = []
+        for other in self._near(within):
+            base, track = other.base, other.base.track
+            stops.append(base.pose)
+            if track is not None and base.speed > 0.0:
+                rest = base.stopping_distance()
+                parts = int(rest / STOP_STEP) + 1
+                stops += [track.pose_at(base.place + rest * part / parts)
+                          for part in range(1, parts + 1)]
+        return stops
+
+    def _near(self, within: float) -> List[Navigation]:
+        x, y = self.base.pose.x, self.base.pose.y
+        return [other for other in self.neighbours
+                if abs(other.base.pose.x - x) < within and abs(other.base.pose.y - y) < within]
+
+    def outlines(self, within: float) -> List[np.ndarray]:
+        """The same as a laser sees it: corners (K, N, 2) of the robots, and of the rest."""
+        robots, rest = [other.base.pose for other in self._near(within)], self.blocks
+        outlines = [self.floor.body.outlines(robots)] if robots else []
+        if rest:
+            outlines.append(np.array([[[disc.x, disc.y]] + disc.radius * RING for disc in rest]))
+        return outlines
+
+    def set_course(self, x: float, y: float, heading: Optional[float]) -> None:
+        """Sends the base to a place, out of standing or of driving forwards.
+
+        Raises `NoWay`; `Blocked` where it would be worth to wait.
+        """
+        base, limits, track = self.base, self.base.limits, self.base.track
+        if self.speed_limit is not None:
+            limits = replace(limits, speed=min(limits.speed, self.speed_limit))
+        if track is None or base.speed == 0.0:
+            way = self._plan(base.pose, x, y, heading)
+            base.follow(manoeuvres(way, self.planner, limits))
+        else:
+            join = self._join(track)
+            way = self._plan(track.pose_at(join), x, y, heading)
+            lead_in = track.cut(base.place, join)
+            base.follow(manoeuvres(way, self.planner, limits, lead_in, base.speed))
+
+    def _plan(self, start: Pose, x: float, y: float, heading: Optional[float]) -> Way:
+        obstacles = self.obstacles()
+        try:
+            return self.planner.plan(start, x, y, heading, obstacles)
+        except NoWay as reason:
+            if not obstacles:
+                raise
+            self.planner.plan(start, x, y, heading)     # no way either: then waiting is no use
+            raise Blocked(str(reason)) from reason
+
+    @property
+    def can_set_course(self) -> bool:
+        """Standing or driving forwards: not turning on the spot, backing up or just arriving."""
+        base, track = self.base, self.base.track
+        return base.still or (track is not None and not track.reverse
+                              and track.length - base.place > SHORTEST_LEAD)
+
+    def _join(self, track: Track) -> float:
+        """Where on the present track a new one can begin: room to turn, and far enough to brake."""
+        first = self.base.place + self.base.stopping_distance() + JOIN_AHEAD
+        for s in np.arange(first, track.length, LOOK_STEP):
+            pose = track.pose_at(s)
+            if (track.curvature_at(s) == 0.0 and self.floor.clearance_of(pose.x, pose.y)
+                    >= self.planner.turn_clearance):
+                return float(s)
+        return track.length
+
+    def blocked_ahead(self) -> bool:
+        """Whether the body would come too near to an obstacle if the base went on for a while.
+
+        Robots that stop as soon as this is true for one of them never touch each other: each
+        leaves the other the room to turn, wherever it comes to rest.
+        """
+        base, track = self.base, self.base.track
+        if base.still or base.braking or not (self.blocks or self.neighbours):
+            return False
+        reach = base.stopping_distance() + LOOK_AHEAD
+        obstacles = self.obstacles(within=reach + FARTHEST_STOP)
+        if not obstacles:
+            return False
+        if track is None:       # turning: the others may stand near, but not in its circle
+            return self._circle_taken()
+        end = min(base.place + reach, track.length)
+        count = int((end - base.place) / LOOK_STEP) + 2
+        gaps = self._gaps([track.pose_at(s) for s in np.linspace(base.place, end, count)],
+                          obstacles)
+        # what it is too near to already it may leave, but not come nearer to
+        return bool(gaps[1:].min() < min(gaps[0], 0.0) - 1.0)
+
+    def _gaps(self, poses: Sequence[Pose], obstacles: Sequence[Disc]) -> np.ndarray:
+        """From the body at each pose to the nearest obstacle (mm); negative inside of one."""
+        discs = np.array([(disc.x, disc.y, disc.radius) for disc in obstacles])
+        return (self.floor.body.distances(poses, discs[:, :2]) - discs[:, 2]).min(axis=1)
+
+    def _circle_taken(self) -> bool:
+        """Whether something is, or could come to rest, where the body turns."""
+        here, body = self.base.pose, self.floor.body
+        within = body.half_diagonal
+        stops = self._stops(FARTHEST_STOP)
+        return (any(here.distance_to(disc.x, disc.y) < disc.radius + within
+                    for disc in self.blocks)
+                or bool(stops) and body.distances(stops, [(here.x, here.y)]).min() < within)

@@ -1,0 +1,241 @@
+"""Ways across the floor: straight segments between points where the robot can turn.
+
+The body is 699 x 500 mm, so a place can be wide enough to drive through (half width free) and too
+narrow to turn in (half diagonal free). A way is therefore a chain of straight segments with half
+the width free all along, whose inner vertices have half the diagonal free: whatever the heading,
+the body touches nothing. `manoeuvres` rounds the vertices off.
+"""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Optional, Sequence, Tuple
+
+import numpy as np
+from skimage.graph import MCP_Geometric
+
+from omron_ld90_sim.motion.floor import Floor
+from omron_ld90_sim.motion.kinematics import Pose
+from omron_ld90_sim.motion.space import Disc, Space
+
+DRIVE_MARGIN = 15.0     # mm kept on top of the half width
+TURN_MARGIN = 5.0       # mm kept on top of the half diagonal
+COMFORT = 700.0         # mm of clearance beyond which more is not worth a detour
+NARROW_COST = 8.0       # a metre where the robot cannot turn counts as this many
+CLOSED = -1.0           # cost of a cell that no way leads through
+ESCAPE = 3000.0         # mm straight ahead or back to look for room to turn
+ATTEMPTS = 6
+SEARCH_AROUND = 4000.0  # mm around robot and goal where a way is looked for first
+DETOUR = 2.5            # a way from there may cost so many times the straight line in the open
+
+
+class NoWay(Exception):
+    """There is no way for the body from the start to the goal."""
+
+
+class Blocked(NoWay):
+    """There would be a way without the obstacles that are not on the map."""
+
+
+@dataclass(frozen=True)
+class Way:
+    """What to drive: optionally straight out of a narrow place, then along `vertices`."""
+
+    start: Pose
+    escape: float               # mm straight ahead first; negative: backwards; 0: turn on the spot
+    vertices: np.ndarray        # (N, 2), first one where the escape ends
+    final_heading: Optional[float]
+    space: Space                # in which it was planned
+
+    @property
+    def length(self) -> float:
+        """Millimetres along the straight segments."""
+        return abs(self.escape) + float(np.hypot(*np.diff(self.vertices, axis=0).T).sum())
+
+
+class Planner:
+    """Plans on one `Floor`."""
+
+    def __init__(self, floor: Floor) -> None:
+        self.floor = floor
+        body = floor.body
+        self.drive_clearance = body.half_width + DRIVE_MARGIN
+        self.turn_clearance = body.half_diagonal + TURN_MARGIN
+        clearance = floor.planning_clearance
+        cost = 1.0 + 2.0 * np.clip((COMFORT - clearance) / COMFORT, 0.0, 1.0)
+        cost[clearance < self.turn_clearance] = NARROW_COST
+        cost[clearance < self.drive_clearance] = CLOSED
+        self._cost = cost
+
+    def plan(self, start: Pose, goal_x: float, goal_y: float, heading: Optional[float] = None,
+             obstacles: Sequence[Disc] = ()) -> Way:
+        """The way from `start` to a point, turned to `heading` (deg) at its end; or `NoWay`."""
+        space = Space(self.floor, obstacles)
+        escape = self._escape(space, start)
+        first = start.ahead(escape)
+        goal = np.array([goal_x, goal_y])
+        approach = self._approach(space, goal, heading)
+        cost = self._cost_among(space.obstacles)
+        for _ in range(ATTEMPTS):
+            raw = self._search(cost, (first.x, first.y), approach)
+            vertices, stuck = self._straighten(space, raw)
+            if stuck is None:
+                break
+            cost[stuck[:, 0], stuck[:, 1]] = CLOSED
+        else:
+            raise NoWay('no way with room to turn')
+        if not np.array_equal(approach, goal):
+            vertices = np.vstack([vertices, goal])
+        elif len(vertices) > 1 and heading is None:
+            last = vertices[-1] - vertices[-2]
+            arrival = Pose(goal_x, goal_y, math.degrees(math.atan2(last[1], last[0])))
+            if not space.body_fits(arrival, DRIVE_MARGIN):
+                raise NoWay('the body does not fit at the goal')
+        return Way(start, escape, vertices, heading, space)
+
+    def can_turn(self, pose: Pose, obstacles: Sequence[Disc] = ()) -> bool:
+        """Whether there is room to turn on the spot."""
+        return Space(self.floor, obstacles).clearance_of(pose.x, pose.y) >= self.turn_clearance
+
+    def straight_is_free(self, start: Pose, distance: float,
+                         obstacles: Sequence[Disc] = ()) -> bool:
+        """Whether the body can drive straight on by `distance` mm (back when negative)."""
+        space, end = Space(self.floor, obstacles), start.ahead(distance)
+        return (space.straight_is_free(np.array([start.x, start.y]), np.array([end.x, end.y]),
+                                       self.drive_clearance) and space.body_fits(end, DRIVE_MARGIN))
+
+    def _cost_among(self, obstacles: Sequence[Disc]) -> np.ndarray:
+        """A copy of the costs with obstacles among them."""
+        cost, pitch = self._cost.copy(), self.floor.planning_pitch
+        for disc in obstacles:
+            row, column = self.floor.planning_cell(disc.x, disc.y)
+            n = int((disc.radius + self.turn_clearance) / pitch) + 1
+            top, left = max(row - n, 0), max(column - n, 0)
+            window = cost[top:row + n + 1, left:column + n + 1]
+            rows = self.floor.origin[1] + (top + np.arange(window.shape[0])) * pitch
+            columns = self.floor.origin[0] + (left + np.arange(window.shape[1])) * pitch
+            away = np.hypot(columns[None, :] - disc.x, rows[:, None] - disc.y) - disc.radius
+            window[(away < self.turn_clearance) & (window > 0)] = NARROW_COST
+            window[away < self.drive_clearance] = CLOSED
+        return cost
+
+    def _escape(self, space: Space, start: Pose) -> float:
+        """How far to drive straight before there is room to turn."""
+        here = space.clearance_of(start.x, start.y)
+        if here >= self.turn_clearance:
+            return 0.0
+        steps = np.arange(20.0, ESCAPE, 20.0)
+        found = []
+        for sign in (1.0, -1.0):
+            end = start.ahead(sign)
+            direction = np.array([end.x - start.x, end.y - start.y])
+            clear = space.clearance_at(np.array([start.x, start.y]) + steps[:, None] * direction)
+            room = np.flatnonzero(clear >= self.turn_clearance)
+            if len(room) and clear[:room[0]].min(initial=np.inf) >= min(here,
+                                                                        self.drive_clearance) - 1.0:
+                found.append(sign * steps[room[0]])
+        if not found:
+            raise NoWay('no room to turn, ahead or behind')
+        return float(min(found, key=abs))
+
+    def _approach(self, space: Space, goal: np.ndarray, heading: Optional[float]) -> np.ndarray:
+        """Where to turn for the last straight: the goal itself where there is room."""
+        here = space.clearance_of(*goal)
+        if here >= self.turn_clearance:
+            return goal
+        if here < self.drive_clearance:
+            raise NoWay('no room at the goal')
+        if heading is None:
+            return goal
+        pose = Pose(goal[0], goal[1], heading)
+        if not space.body_fits(pose, DRIVE_MARGIN):
+            raise NoWay('the body does not fit at the goal')
+        for back in np.arange(20.0, ESCAPE, 20.0):
+            behind = pose.ahead(-back)
+            clear = space.clearance_of(behind.x, behind.y)
+            if clear >= self.turn_clearance:
+                return np.array([behind.x, behind.y])
+            if clear < self.drive_clearance:
+                break
+        raise NoWay('no room to turn before the goal')
+
+    def _search(self, cost: np.ndarray, start: Tuple[float, float], goal: np.ndarray) -> np.ndarray:
+        """The cheapest chain of points over the planner's grid, ends exact."""
+        first = self.floor.planning_cell(*start)
+        last = self.floor.planning_cell(*goal)
+        saved = {cell: cost[cell] for cell in (first, last)}
+        for cell in saved:
+            cost[cell] = max(cost[cell], 1.0)
+        cells = self._search_near(cost, np.array(first), np.array(last))
+        if cells is None:
+            cells, _ = _cheapest(cost, first, last)
+        for cell, value in saved.items():
+            cost[cell] = value
+        if cells is None:
+            raise NoWay('goal and robot are not connected')
+        points = self.floor.planning_points(cells)
+        inner = points[1:-1] if len(points) > 2 else points[:0]
+        return np.vstack([start, inner, goal])
+
+    def _search_near(self, cost: np.ndarray, first: np.ndarray, last: np.ndarray
+                     ) -> Optional[np.ndarray]:
+        """The same around both ends only, which is quicker; None for what might be a detour."""
+        margin = int(SEARCH_AROUND / self.floor.planning_pitch)
+        low = np.maximum(np.minimum(first, last) - margin, 0)
+        high = np.maximum(first, last) + margin + 1
+        window = cost[low[0]:high[0], low[1]:high[1]]
+        if window.size > cost.size / 2:
+            return None
+        cells, total = _cheapest(window, tuple(first - low), tuple(last - low))
+        straight = float(np.hypot(*(last - first)))
+        return cells + low if cells is not None and total <= DETOUR * straight else None
+
+    def _straighten(self, space: Space, raw: np.ndarray
+                    ) -> Tuple[np.ndarray, Optional[np.ndarray]]:
+        """Long straights between turnable points of `raw`; or the cells where that got stuck."""
+        clear = space.clearance_at(raw)
+        last = len(raw) - 1
+        turnable = clear >= self.turn_clearance
+        turnable[-1] = True
+        chosen = [0]
+        while chosen[-1] < last:
+            i = chosen[-1]
+            candidates = i + 1 + np.flatnonzero(turnable[i + 1:])
+            j = self._farthest(space, raw, clear, i, candidates)
+            if j is None:
+                stop = candidates[0] if len(candidates) else last
+                between = raw[i + 1:max(stop, i + 2)]
+                cells = np.array([self.floor.planning_cell(x, y) for x, y in between])
+                return raw[chosen], cells
+            chosen.append(j)
+        return raw[chosen], None
+
+    def _farthest(self, space: Space, raw: np.ndarray, clear: np.ndarray, i: int,
+                  candidates: np.ndarray) -> Optional[int]:
+        reach = len(candidates)
+        while reach > 0:
+            j = int(candidates[reach - 1])
+            keep = min(COMFORT, float(clear[i:j + 1].min())) - 20.0
+            if space.straight_is_free(raw[i], raw[j], max(self.drive_clearance, keep)):
+                return j
+            reach = reach * 3 // 4 if reach > 8 else reach - 1
+        if len(candidates) and space.straight_is_free(raw[i], raw[int(candidates[0])],
+                                                      self.drive_clearance):
+            return int(candidates[0])
+        return None
+
+
+def _cheapest(cost: np.ndarray, first: Tuple[int, int], last: Tuple[int, int]
+              ) -> Tuple[Optional[np.ndarray], float]:
+    """Cells (N, 2) of the cheapest chain over a grid, None where there is none; and its cost."""
+    search = MCP_Geometric(cost)
+    totals, _ = search.find_costs([first], [last])
+    total = float(totals[last])
+    return (np.array(search.traceback(last)) if math.isfinite(total) else None), total
+
+
+@lru_cache(maxsize=4)
+def planner_for(floor: Floor) -> Planner:
+    """The planner of a floor; robots on one floor share it."""
+    return Planner(floor)

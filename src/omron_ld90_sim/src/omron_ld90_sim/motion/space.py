@@ -1,0 +1,55 @@
+"""The space around a robot: a floor, and what stands on it that is not on the map."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Sequence
+
+import numpy as np
+
+from omron_ld90_sim.motion.floor import Floor
+from omron_ld90_sim.motion.kinematics import Pose
+
+LOOK_STEP = 20.0        # mm between the points of a straight that are looked at
+
+
+@dataclass(frozen=True)
+class Disc:
+    """A moving or temporary obstacle (mm)."""
+
+    x: float
+    y: float
+    radius: float
+
+
+class Space:
+    """A floor with temporary obstacles on it."""
+
+    def __init__(self, floor: Floor, obstacles: Sequence[Disc]) -> None:
+        self.floor = floor
+        self.obstacles = list(obstacles)
+
+    def clearance_at(self, points: np.ndarray) -> np.ndarray:
+        """Distance (mm) from each point (N, 2) to the nearest obstacle."""
+        points = np.asarray(points, float).reshape(-1, 2)
+        clear = self.floor.clearance_at(points)
+        for disc in self.obstacles:
+            away = np.hypot(points[:, 0] - disc.x, points[:, 1] - disc.y) - disc.radius
+            clear = np.minimum(clear, np.maximum(away, 0.0))
+        return clear
+
+    def clearance_of(self, x: float, y: float) -> float:
+        """The same for one point."""
+        return float(self.clearance_at(np.array([[x, y]]))[0])
+
+    def straight_is_free(self, a: np.ndarray, b: np.ndarray, clearance: float) -> bool:
+        """Whether `clearance` is kept all along the straight from a to b."""
+        count = int(np.hypot(*(b - a)) / LOOK_STEP) + 2
+        points = a + np.linspace(0.0, 1.0, count)[:, None] * (b - a)
+        return bool(self.clearance_at(points).min() >= clearance)
+
+    def body_fits(self, pose: Pose, margin: float) -> bool:
+        """Whether the whole body, and `margin` mm around it, is free at `pose`."""
+        corners = self.floor.body.corners(pose)
+        outline = np.concatenate([np.linspace(a, b, 15) for a, b in
+                                  zip(corners, np.roll(corners, -1, axis=0))])
+        return bool(self.clearance_at(outline).min() >= margin)

@@ -1,0 +1,132 @@
+"""What is odd about a map but does not stop it from being used."""
+from __future__ import annotations
+
+from typing import Dict, Iterator, List, Sequence, Tuple
+
+import numpy as np
+
+from omron_map.errors import FieldError, MapWarning
+from omron_map.objects import printable
+from omron_map.reader import BOM, Record
+from omron_map.references import find_references
+from omron_map.scans import Scan
+from omron_map.sections import Section, bounds
+from omron_map.tokens import tokenise
+
+
+def check(records: Sequence[Record], sections: Sequence[Section],
+          scans: Sequence[Scan]) -> List[MapWarning]:
+    """Everything odd about a map; `records` are its metadata lines, from line 1 on."""
+    return [*_encoding(records, sections), *_header(scans), *_names(records), *_tails(records),
+            *_declarations(records), *_dangling(records)]
+
+
+def _encoding(records: Sequence[Record], sections: Sequence[Section]) -> Iterator[MapWarning]:
+    if records[0].raw.startswith(BOM):
+        yield MapWarning("the file begins with a byte order mark: the vendor's tools refuse it", 1)
+    if not sections[-1].raw.endswith(b'\n'):
+        yield MapWarning("the last row has no line end: the vendor's tools lose it")
+
+
+def _header(scans: Sequence[Scan]) -> Iterator[MapWarning]:
+    for scan in scans:
+        for keys, rows in ((('NumPoints', 'MinPos', 'MaxPos', 'PointsAreSorted'), scan.points),
+                           (('NumLines', 'LineMinPos', 'LineMaxPos', 'LinesAreSorted'),
+                            scan.lines)):
+            yield from _claims(scan, keys, rows)
+
+
+def _claims(scan: Scan, keys: Tuple[str, ...], rows: np.ndarray) -> Iterator[MapWarning]:
+    """Compares what the header says about `rows` with the rows, which are what counts."""
+    count, low, high, ordered = keys
+    found: Dict[str, object] = {count: len(rows)}
+    if len(rows):
+        found[low], found[high] = bounds(rows)
+    for key, value in found.items():
+        claim = scan.header.values.get(key)
+        if claim is not None and claim != value:
+            yield MapWarning(f'{scan.name}{key} says {_show(claim)}, the rows say {_show(value)}',
+                             scan.header.lines[key])
+    if scan.header.values.get(ordered) and not _is_sorted(rows):
+        yield MapWarning(f'{scan.name}{ordered} says true, but the rows are not in order',
+                         scan.header.lines[ordered])
+
+
+def _show(value: object) -> str:
+    return ' '.join(map(str, value)) if isinstance(value, tuple) else str(value)
+
+
+def _is_sorted(rows: np.ndarray) -> bool:
+    """Whether rows ascend by their first column, then by the next."""
+    undecided = np.ones(max(len(rows) - 1, 0), bool)
+    for column in rows.T:
+        if np.any(undecided & (column[1:] < column[:-1])):
+            return False
+        undecided &= column[1:] == column[:-1]
+    return True
+
+
+def _names(records: Sequence[Record]) -> Iterator[MapWarning]:
+    first = {}
+    for number, record in enumerate(records, 1):
+        if record.object is None or not record.object.name:
+            continue
+        name = record.object.name.lower()
+        if name in first:
+            yield MapWarning(f'{record.object.kind} {record.object.label!r} has the name of the '
+                             f'object in line {first[name]}: only that one is found', number)
+        first.setdefault(name, number)
+
+
+def _tails(records: Sequence[Record]) -> Iterator[MapWarning]:
+    for number, record in enumerate(records, 1):
+        obj = record.object
+        if obj is None or not obj.tail:
+            continue
+        if obj.polygon is None:
+            yield MapWarning(f'{obj.kind} {obj.label!r} ends in words of unknown meaning: '
+                             'they are kept', number)
+        elif obj.theta != 0.0:
+            yield MapWarning(f'{obj.kind} {obj.label!r} is a turned polygon: '
+                             'its rectangle is drawn', number)
+
+
+def _declarations(records: Sequence[Record]) -> Iterator[MapWarning]:
+    """Once a file declares a goal or dock type, only the declared ones exist."""
+    declared = {'goaltype': set(), 'docktype': set()}
+    for record in records:
+        if record.keyword == 'mapinfo:':
+            try:
+                words = [word.text for word in tokenise(record.text)]
+            except FieldError:
+                continue
+            if len(words) > 1 and words[1].lower() in declared:
+                declared[words[1].lower()].update(
+                    word[len('Name='):] for word in words if word.startswith('Name='))
+    for number, record in enumerate(records, 1):
+        obj = record.object
+        if obj is None or not (obj.is_goal or obj.is_dock):
+            continue
+        declaration = 'docktype' if obj.is_dock else 'goaltype'
+        if declared[declaration] and obj.base_kind not in declared[declaration]:
+            yield MapWarning(f'{obj.kind} {obj.label!r}: the map declares other types, but not '
+                             f'this one (MapInfo: {"DockType" if obj.is_dock else "GoalType"} '
+                             f'Name={obj.base_kind})', number)
+
+
+def _dangling(records: Sequence[Record]) -> Iterator[MapWarning]:
+    present = set()
+    for record in records:
+        if record.object is not None:
+            present.add(record.object.name.lower())
+        elif record.keyword in ('_cairn:', 'childcairn:'):
+            try:
+                present.update(word.text.lower() for word in tokenise(record.text)[7:8])
+            except FieldError:
+                continue
+    for number, record in enumerate(records, 1):
+        for reference in find_references(record.keyword, record.text):
+            if reference.token.text.lower() not in present:
+                yield MapWarning(f'{record.text.split(None, 1)[0]} names '
+                                 f'{printable(reference.token.text)!r}, which is not in the map',
+                                 number)

@@ -1,0 +1,207 @@
+"""A `.map` file: every byte as it was, and what it means.
+
+The file is held as raw lines beside what was read from them. An untouched line is written back from
+its own bytes, so reading and saving without an edit gives the same file (a map's identity is a
+checksum of all its bytes). All lengths are mm, all angles degrees, in the map frame.
+"""
+from __future__ import annotations
+
+import os
+from typing import Iterable, List, Optional, Tuple
+
+import numpy as np
+
+from omron_map import editing, scan_editing
+from omron_map.checks import check
+from omron_map.errors import FieldError, MapError, MapWarning
+from omron_map.objects import MapObject
+from omron_map.reader import Content, Record, read_content, read_headers
+from omron_map.saving import write_file
+from omron_map.scans import scans_of
+from omron_map.sections import Section
+
+
+class MapDocument:
+    """A map that can be looked at, edited and saved.
+
+    Edits change the document in place and touch only the lines they must; they raise MapError and
+    change nothing when they cannot be done. `name` is what errors call the file.
+    """
+
+    def __init__(self, content: Content, name: str) -> None:
+        self.name = name
+        self._records = content.records
+        self._sections = content.sections
+        self.scans = scans_of(content.headers, content.sections)
+        self._notes: List[editing.Note] = []
+
+    @classmethod
+    def load(cls, path: str) -> MapDocument:
+        """The map in the file `path`; raises MapError, also when it cannot be opened."""
+        try:
+            with open(path, 'rb') as file:
+                data = file.read()
+        except OSError as error:
+            raise MapError(str(path), f'it cannot be read ({error.strerror})') from error
+        return cls.from_bytes(data, str(path))
+
+    @classmethod
+    def from_bytes(cls, data: bytes, name: str = 'map') -> MapDocument:
+        """The map whose file holds `data`; raises MapError."""
+        return cls(read_content(data, name), name)
+
+    def to_bytes(self) -> bytes:
+        """The file's bytes: the same as were read as long as nothing was edited."""
+        return b''.join([record.raw for record in self._records]
+                        + [section.raw for section in self._sections])
+
+    def save(self, path: str, backup: bool = False) -> None:
+        """Write the file `path` at once and completely; `backup` keeps the old as `<path>.bak`."""
+        write_file(os.fspath(path), self.to_bytes(), backup)
+
+    @property
+    def category(self) -> str:
+        """The first line, e.g. `2D-Map`; it says nothing about what the map holds."""
+        return next(r.raw for r in self._records if r.keyword).decode('utf-8-sig').strip()
+
+    @property
+    def records(self) -> Tuple[Record, ...]:
+        """All metadata lines in file order; the first is line 1."""
+        return tuple(self._records)
+
+    @property
+    def sections(self) -> Tuple[Section, ...]:
+        """The LINES and DATA sections in file order."""
+        return tuple(self._sections)
+
+    @property
+    def objects(self) -> Tuple[MapObject, ...]:
+        """The active objects in file order."""
+        return tuple(record.object for record in self._records if record.object is not None)
+
+    @property
+    def goals(self) -> Tuple[MapObject, ...]:
+        """Goals of every kind, with and without heading."""
+        return tuple(obj for obj in self.objects if obj.is_goal)
+
+    @property
+    def docks(self) -> Tuple[MapObject, ...]:
+        """Docks of every make."""
+        return tuple(obj for obj in self.objects if obj.is_dock)
+
+    @property
+    def homes(self) -> Tuple[MapObject, ...]:
+        """RobotHome points and rectangles."""
+        return tuple(obj for obj in self.objects if obj.is_home)
+
+    @property
+    def forbidden_areas(self) -> Tuple[MapObject, ...]:
+        """Rectangles that the robot must stay out of."""
+        return tuple(obj for obj in self.objects if obj.kind == 'ForbiddenArea')
+
+    @property
+    def forbidden_lines(self) -> Tuple[MapObject, ...]:
+        """Lines that the robot must not cross."""
+        return tuple(obj for obj in self.objects if obj.kind == 'ForbiddenLine')
+
+    @property
+    def sectors(self) -> Tuple[MapObject, ...]:
+        """Areas that change how the robot drives: all but forbidden areas and homes."""
+        return tuple(obj for obj in self.objects
+                     if obj.is_area and obj.kind != 'ForbiddenArea' and not obj.is_home)
+
+    @property
+    def points(self) -> np.ndarray:
+        """(N, 2) int32 scan points in mm, of all scans in file order."""
+        return _all([scan.points for scan in self.scans])
+
+    @property
+    def lines(self) -> np.ndarray:
+        """(M, 4) int32 wall lines x1, y1, x2, y2 in mm, of all scans in file order."""
+        return _all([scan.lines for scan in self.scans])
+
+    @property
+    def resolution(self) -> Optional[int]:
+        """Grid pitch of the points in mm; None when there is none, or the scans differ."""
+        pitches = {scan.resolution for scan in self.scans}
+        return pitches.pop() if len(pitches) == 1 else None
+
+    @property
+    def warnings(self) -> Tuple[MapWarning, ...]:
+        """What is odd about the map as it is now, and what edits could not follow."""
+        lines = {id(record): number for number, record in enumerate(self._records, 1)}
+        notes = [MapWarning(text, lines[id(record)]) for record, text in self._notes
+                 if id(record) in lines]
+        return tuple(check(self._records, self._sections, self.scans) + notes)
+
+    def find(self, name: str) -> Optional[MapObject]:
+        """The first object called `name`, upper or lower case, or None."""
+        return editing.find(self._records, name)
+
+    def add(self, obj: MapObject) -> None:
+        """Put `obj` where the vendor's tools would; raises DuplicateName or MapError."""
+        self.add_all([obj])
+
+    def add_all(self, objects: Iterable[MapObject]) -> None:
+        """The same for many at once, which takes hardly longer than for one; all or none."""
+        editing.add(self.name, self._records, objects)
+        self._end_last_row()
+
+    def remove(self, obj: MapObject) -> None:
+        """Take `obj` out, and its parameter lines; other lines that name it become warnings."""
+        self.remove_all([obj])
+
+    def remove_all(self, objects: Iterable[MapObject]) -> None:
+        """The same for many at once, all or none."""
+        self._notes += editing.remove(self.name, self._records, objects)
+        self._end_last_row()
+
+    def move(self, obj: MapObject, x: float, y: float, theta: Optional[float] = None) -> None:
+        """Place `obj` at x, y (mm) and theta (degrees; None keeps it).
+
+        Of an area the centre moves; of a line the from point, and the line is never turned. Goals
+        without heading have no theta.
+        """
+        editing.move(self.name, self._records, obj, x, y, theta)
+        self._end_last_row()
+
+    def rename(self, obj: MapObject, new_name: str) -> None:
+        """Give `obj` another name, also where routes and parameters name it.
+
+        Lines that may or may not mean the object are left alone and become warnings.
+        """
+        self._notes += editing.rename(self.name, self._records, obj, new_name)
+        self._end_last_row()
+
+    def replace_points(self, points: np.ndarray) -> None:
+        """Put `points` (N, 2), whole mm, in the place of the scan's, and tell so in the header."""
+        self._replace_rows('DATA', points)
+
+    def replace_lines(self, lines: np.ndarray) -> None:
+        """Put `lines` (M, 4), whole mm, in the place of the wall lines; points stay."""
+        self._replace_rows('LINES', lines)
+
+    def _replace_rows(self, kind: str, rows: np.ndarray) -> None:
+        if [scan.name for scan in self.scans] != ['']:
+            raise MapError(self.name, 'only a map of one scan without a name can have its rows '
+                           'replaced', field='Sources')
+        end = editing.line_end(self._records)
+        try:
+            rows = scan_editing.checked_rows(rows, kind)
+            if np.array_equal(rows, self.points if kind == 'DATA' else self.lines):
+                return
+            self._sections = scan_editing.with_rows(self._sections, kind, rows, end)
+        except FieldError as error:  # its line, if any, is one of the rows and not of the file
+            raise MapError(self.name, error.problem, None, error.field, error.expected) from None
+        scan_editing.update_header(self._records, kind, rows, end)
+        self.scans = scans_of(read_headers(self._records, self.name), self._sections)
+        self._end_last_row()
+
+    def _end_last_row(self) -> None:
+        """In an edited file the last row has a line end: the vendor's library loses it else."""
+        if not self._sections[-1].raw.endswith(b'\n'):
+            self._sections[-1] = self._sections[-1].with_final(editing.line_end(self._records))
+
+
+def _all(blocks: List[np.ndarray]) -> np.ndarray:
+    return blocks[0] if len(blocks) == 1 else np.concatenate(blocks)

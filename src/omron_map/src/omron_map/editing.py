@@ -1,0 +1,201 @@
+"""Edits of a map's objects: which lines change, and where new ones go.
+
+An edit changes the object's `Cairn:` line and, where its name changes, the lines that name it. The
+order is the vendor's: by stored position, then kind, then name. `file` is what errors call the map.
+"""
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Dict, Iterable, List, Mapping, Optional, Tuple
+
+from omron_map.errors import DuplicateName, FieldError, MapError
+from omron_map.geometry import Extent, normalise_degrees
+from omron_map.header import is_header
+from omron_map.objects import MapObject, format_object
+from omron_map.reader import Record
+from omron_map.references import find_references, may_name_objects
+
+#: A line that an edit left alone, and what is to be said about it.
+Note = Tuple[Record, str]
+
+
+def add(file: str, records: List[Record], objects: Iterable[MapObject]) -> None:
+    """Insert `objects` in the vendor's order: all, or none where one cannot be."""
+    known = _by_name(records)
+    added = []
+    for obj in objects:
+        _refuse_duplicate(file, known, obj.name)
+        added.append(_record(file, records, obj))
+        known.setdefault(obj.name.lower(), obj)
+    _insert(records, added)
+
+
+def remove(file: str, records: List[Record], objects: Iterable[MapObject]) -> List[Note]:
+    """Take out `objects` and their parameters, all or none; tell which lines still name them."""
+    gone = {index: records[index].object for index in _indices(file, records, objects)}
+    records[:] = [record for index, record in enumerate(records) if index not in gone]
+    left = _by_name(records)
+    lost = {obj.name.lower(): obj for obj in gone.values() if obj.name}
+    naming = [record for record in records if may_name_objects(record.keyword)]
+    kept, notes = naming, []
+    for obj in (obj for name, obj in lost.items() if name not in left):
+        kept = [record for record in kept if not any(
+            ref.owned for ref in find_references(record.keyword, record.text, obj.name))]
+        notes += _mentions(kept, obj.name, f'still names {obj.label!r}, which was removed')
+    owned = {id(record) for record in naming} - {id(record) for record in kept}
+    records[:] = [record for record in records if id(record) not in owned]
+    return notes
+
+
+def move(file: str, records: List[Record], obj: MapObject, x: float, y: float,
+         theta: Optional[float]) -> None:
+    """Place `obj` elsewhere."""
+    index, = _indices(file, records, [obj])
+    if obj.tail:
+        raise MapError(file, f'{obj.kind} {obj.label!r} has more than corners and cannot '
+                       'be moved; remove it and add a new one', index + 1)
+    if not all(math.isfinite(value) for value in (x, y, theta or 0.0)):
+        raise MapError(file, f'{obj.kind} {obj.label!r} cannot be moved to {x}, {y}, '
+                       f'{theta}', index + 1, expected='finite numbers')
+    moved = _moved(obj, x, y, obj.theta if theta is None else normalise_degrees(theta))
+    _replace(records, index, _record(file, records, moved))
+
+
+def _replace(records: List[Record], index: int, record: Record) -> None:
+    """Put `record` in the place of another: where it belongs, if the objects are in order."""
+    if _sorted(records):
+        del records[index]
+        _insert(records, [record])
+    else:
+        records[index] = record
+
+
+def _moved(obj: MapObject, x: float, y: float, theta: float) -> MapObject:
+    if obj.is_area:
+        rectangle = dataclasses.replace(obj.rectangle, centre_x=x, centre_y=y, yaw=theta)
+        return dataclasses.replace(obj, theta=theta, extent=rectangle.to_extent())
+    if obj.extent is not None:
+        old = obj.extent
+        right, up = round(x) - old.from_x, round(y) - old.from_y
+        extent = Extent(old.from_x + right, old.from_y + up, old.to_x + right, old.to_y + up)
+        return dataclasses.replace(obj, x=extent.from_x, y=extent.from_y, extent=extent)
+    return dataclasses.replace(obj, x=x, y=y, theta=theta if obj.has_heading else 0.0)
+
+
+def rename(file: str, records: List[Record], obj: MapObject,
+           new_name: str) -> List[Note]:
+    """Change the name of `obj` and of the references that surely mean it."""
+    index, = _indices(file, records, [obj])
+    if not new_name:
+        raise MapError(file, f'{obj.kind} {obj.label!r} cannot lose its name', index + 1)
+    if new_name.lower() != obj.name.lower():
+        _refuse_duplicate(file, _by_name(records), new_name)
+    renamed = dataclasses.replace(obj, name=new_name)
+    _replace(records, index, _record(file, records, renamed))
+    if not obj.name or find(records, obj.name) not in (None, renamed):
+        return []  # another object has the old name too, and keeps what names it
+    for position, record in enumerate(records):
+        records[position] = _with_new_reference(record, obj.name, new_name)
+    if new_name.lower() == obj.name.lower():
+        return []
+    return _mentions(records, obj.name, f'still names {obj.label!r}, now {new_name!r}')
+
+
+def _with_new_reference(record: Record, name: str, new_name: str) -> Record:
+    """`record` with only the bytes of the sure references changed."""
+    text = record.raw.decode('utf-8', 'surrogateescape')
+    for ref in reversed(find_references(record.keyword, record.text, name)):
+        if ref.certain:
+            text = f'{text[:ref.token.start]}"{new_name}"{text[ref.token.end:]}'
+    return record._replace(raw=text.encode('utf-8', 'surrogateescape'))
+
+
+def _mentions(records: List[Record], name: str, text: str) -> List[Note]:
+    """The lines that may or may not mean the object `name`."""
+    return [(record, f'{record.text.split(None, 1)[0]} {text}') for record in records
+            if any(not ref.certain for ref in find_references(record.keyword, record.text, name))]
+
+
+def find(records: List[Record], name: str) -> Optional[MapObject]:
+    """The first object called `name`, upper or lower case, or None."""
+    wanted = name.lower()
+    return next((record.object for record in records
+                 if record.object is not None and record.object.name.lower() == wanted), None)
+
+
+def _by_name(records: List[Record]) -> Dict[str, MapObject]:
+    """The first object of every name, by the name in lower case."""
+    found: Dict[str, MapObject] = {}
+    for record in records:
+        if record.object is not None:
+            found.setdefault(record.object.name.lower(), record.object)
+    return found
+
+
+def _indices(file: str, records: List[Record], objects: Iterable[MapObject]) -> List[int]:
+    """Where `objects` are: each itself, else the first that is equal to it; none is twice."""
+    places: Dict[MapObject, List[int]] = {}
+    for index, record in enumerate(records):
+        if record.object is not None:
+            places.setdefault(record.object, []).append(index)
+    found = []
+    for obj in objects:
+        equal = places.get(obj)
+        if not equal:
+            raise MapError(file, f'{obj.kind} {obj.label!r} is not in the map')
+        found.append(next((index for index in equal if records[index].object is obj), equal[0]))
+        equal.remove(found[-1])
+    return found
+
+
+def _refuse_duplicate(file: str, known: Mapping[str, MapObject], name: str) -> None:
+    other = known.get(name.lower()) if name else None
+    if other is not None:
+        raise DuplicateName(
+            file, f'there is a {other.kind} {other.label!r} already', field='name',
+            expected='a name of its own, upper and lower case being the same')
+
+
+def _record(file: str, records: List[Record], obj: MapObject) -> Record:
+    try:
+        text = format_object(obj)
+    except FieldError as error:
+        raise error.in_file(file) from None
+    return Record(text.encode('utf-8', 'surrogateescape') + line_end(records), 'cairn:', obj)
+
+
+def line_end(records: List[Record]) -> bytes:
+    """The file's own line end."""
+    return b'\r\n' if records[0].raw.endswith(b'\r\n') else b'\n'
+
+
+def _sorted(records: List[Record]) -> bool:
+    anchors = [record.object.anchor for record in records if record.object is not None]
+    return all(a <= b for a, b in zip(anchors, anchors[1:]))
+
+
+def _insert(records: List[Record], added: List[Record]) -> None:
+    """Put in the records of new objects where they belong."""
+    present = [index for index, record in enumerate(records) if record.object is not None]
+    if not _sorted(records):
+        end = present[-1] + 1
+        records[end:end] = added
+        return
+    end = present[-1] + 1 if present else _after_info(records)
+    waiting = sorted(added, key=lambda record: record.object.order)[::-1]
+    merged: List[Record] = []
+    for record in records[:end]:
+        if record.object is not None:
+            while waiting and waiting[-1].object.order < record.object.order:
+                merged.append(waiting.pop())
+        merged.append(record)
+    records[:end] = merged + waiting[::-1]
+
+
+def _after_info(records: List[Record]) -> int:
+    """Behind the header and the active info lines, ahead of all that may follow."""
+    places = [index + 1 for index, record in enumerate(records)
+              if is_header(record.keyword)
+              or (record.keyword.endswith('info:') and not record.keyword.startswith('_'))]
+    return places[-1]

@@ -1,0 +1,58 @@
+"""Occupancy grids as the pair of files that `map_server` and other robots load: image and YAML.
+
+The grey values are those of `map_saver`. In the image the top row is the one with the highest y.
+"""
+from __future__ import annotations
+
+import io
+import os
+from typing import Tuple
+
+import numpy as np
+import yaml
+from PIL import Image
+
+from omron_map.errors import MapError
+from omron_map.occupancy import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
+from omron_map.saving import write_file
+
+#: Grey value of each kind of cell. (255 - 205) / 255 lies just above the threshold of free.
+GREY = {FREE: 254, UNKNOWN: 205, OCCUPIED: 0}
+OCCUPIED_THRESHOLD, FREE_THRESHOLD = 0.65, 0.196
+FORMATS = {'.png': 'PNG', '.pgm': 'PPM'}  # Pillow's PPM writes a grey image as binary PGM
+
+
+def export_grid(grid: OccupancyGrid, path: str) -> Tuple[str, str]:
+    """Write `grid` to `path` (.png, .pgm, or the .yaml that goes with a .pgm).
+
+    Returns the paths of the image and of the YAML file beside it, which names the image relative
+    to itself. Both are replaced completely, the image first. Raises MapError.
+    """
+    stem, suffix = os.path.splitext(path)
+    if suffix in ('', '.yaml'):
+        suffix = '.pgm'
+    if suffix.lower() not in FORMATS:
+        raise MapError(path, f'an image of type {suffix!r} cannot be written',
+                       expected=' or '.join(FORMATS))
+    image_path, yaml_path = stem + suffix, stem + '.yaml'
+    shades = np.full(256, GREY[UNKNOWN], np.uint8)
+    for cell, grey in GREY.items():
+        shades[cell] = grey
+    image = Image.fromarray(shades[grid.cells[::-1].view(np.uint8)])
+    buffer = io.BytesIO()
+    image.save(buffer, FORMATS[suffix.lower()])
+    write_file(image_path, buffer.getvalue())
+    write_file(yaml_path, _description(grid, os.path.basename(image_path)))
+    return image_path, yaml_path
+
+
+def _description(grid: OccupancyGrid, image: str) -> bytes:
+    content = {
+        'image': image,
+        'resolution': grid.resolution / 1000.0,
+        'origin': [grid.origin[0] / 1000.0, grid.origin[1] / 1000.0, 0.0],
+        'negate': 0,
+        'occupied_thresh': OCCUPIED_THRESHOLD,
+        'free_thresh': FREE_THRESHOLD,
+    }
+    return yaml.safe_dump(content, sort_keys=False, allow_unicode=True).encode()

@@ -1,0 +1,257 @@
+"""Map objects: what a `Cairn:` line says.
+
+    Cairn: <kind> <x> <y> <theta> "<description>" <icon> "<name>" [<from x y> <to x y> [<more>]]
+"""
+from __future__ import annotations
+
+import dataclasses
+import math
+import re
+from dataclasses import dataclass
+from typing import List, Optional, Sequence, Tuple
+
+import numpy as np
+
+from omron_map.errors import FieldError
+from omron_map.geometry import Extent, RotatedRectangle, normalise_degrees
+from omron_map.tokens import Token, quoted
+
+LINE_KINDS = frozenset(
+    ('ForbiddenLine', 'Measure', 'PreferredLine', 'ResistedLine', 'DistanceAdjustment'))
+#: Written like areas at the origin, but only configuration: nothing to draw.
+CONFIGURATION_KINDS = frozenset(('FeedbackHandler', 'RobotArrivalHandler'))
+HEADING_SUFFIX = 'WithHeading'
+DEFAULT_ICON = 'ICON'
+MAX_LINE_BYTES = 10_000  # exclusive; buffers of the vendor's library
+MAX_LINE_WORDS = 512
+
+_FIELDS = ('kind', 'x', 'y', 'theta', 'description', 'icon', 'name')
+_EXTENT_FIELDS = ('from x', 'from y', 'to x', 'to y')
+_DECIMAL = re.compile(r'[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?', re.ASCII)
+_INTEGER = re.compile(r'[-+]?\d+', re.ASCII)
+_LARGEST = 2**31 - 1
+
+
+@dataclass(frozen=True)
+class MapObject:
+    """One object of a map: x, y in mm and theta in degrees, counter-clockwise, map frame.
+
+    `x`, `y` are the position of point kinds, 0 for areas (see `rectangle`) and the from point for
+    lines. `theta` means nothing for goals without heading. `extent` is there for areas and lines.
+    `tail` holds the words after it as written, e.g. a polygon.
+    """
+
+    kind: str
+    x: float
+    y: float
+    theta: float
+    description: str = ''
+    icon: str = DEFAULT_ICON
+    name: str = ''
+    extent: Optional[Extent] = None
+    tail: Tuple[str, ...] = ()
+
+    @classmethod
+    def goal(cls, name: str, x: float, y: float, heading: Optional[float] = None,
+             description: str = '') -> MapObject:
+        """A goal; with a `heading` (degrees) the robot turns to it on arrival."""
+        if heading is None:
+            return cls('Goal', x, y, 0.0, description, name=name)
+        return cls('Goal' + HEADING_SUFFIX, x, y, normalise_degrees(heading), description,
+                   name=name)
+
+    @classmethod
+    def dock(cls, name: str, x: float, y: float, heading: float,
+             kind: str = 'DockLynx') -> MapObject:
+        """A dock's approach pose, from which the robot drives on along `heading` (degrees)."""
+        return cls(kind, x, y, normalise_degrees(heading), name=name)
+
+    @classmethod
+    def forbidden_area(cls, rectangle: RotatedRectangle, name: str = '',
+                       description: str = '') -> MapObject:
+        """A rectangle that the robot must stay out of."""
+        return cls('ForbiddenArea', 0.0, 0.0, normalise_degrees(rectangle.yaw), description,
+                   name=name, extent=rectangle.to_extent())
+
+    @classmethod
+    def forbidden_line(cls, x1: float, y1: float, x2: float, y2: float, name: str = '',
+                       description: str = '') -> MapObject:
+        """A line that the robot must not cross."""
+        extent = Extent(round(x1), round(y1), round(x2), round(y2))
+        return cls('ForbiddenLine', extent.from_x, extent.from_y, 0.0, description, name=name,
+                   extent=extent)
+
+    @property
+    def base_kind(self) -> str:
+        """The kind without the suffix `WithHeading`."""
+        if self.kind.endswith(HEADING_SUFFIX):
+            return self.kind[:-len(HEADING_SUFFIX)]
+        return self.kind
+
+    @property
+    def is_goal(self) -> bool:
+        """A place for `goto`: Goal, StandbyGoal, DoorGoal, with or without heading."""
+        return self.base_kind.endswith('Goal')
+
+    @property
+    def is_dock(self) -> bool:
+        """A place for `dock`: Dock, DockLynx and the other makes."""
+        return self.kind.startswith('Dock')
+
+    @property
+    def is_home(self) -> bool:
+        """A place where the robot may look for itself after start-up."""
+        return self.kind == 'RobotHome'
+
+    @property
+    def is_line(self) -> bool:
+        """A line from the extent's from to its to point."""
+        return self.kind in LINE_KINDS
+
+    @property
+    def is_area(self) -> bool:
+        """A rotated rectangle, see `rectangle`."""
+        return (self.extent is not None and not self.is_line
+                and self.kind not in CONFIGURATION_KINDS)
+
+    @property
+    def has_heading(self) -> bool:
+        """True when `theta` says which way the robot must face here."""
+        return (self.kind.endswith(HEADING_SUFFIX) or self.is_dock
+                or (self.is_home and self.extent is None) or self.kind == 'LynxDockTarget')
+
+    @property
+    def heads_left(self) -> bool:
+        """True when an arrow along the heading points where a name at the left would stand."""
+        return self.has_heading and math.cos(math.radians(self.theta)) < -0.8
+
+    @property
+    def label(self) -> str:
+        """The name as text that any screen can show: bytes that are not UTF-8 become U+FFFD."""
+        return printable(self.name)
+
+    @property
+    def rectangle(self) -> RotatedRectangle:
+        """An area's place in the map; raises ValueError for points and lines."""
+        if not self.is_area:
+            raise ValueError(f'{self.kind} {self.label!r} is not an area')
+        return RotatedRectangle.from_extent(self.extent, self.theta)
+
+    @property
+    def polygon(self) -> Optional[np.ndarray]:
+        """(n, 2) vertices in mm of an area with a well-formed polygon tail, else None."""
+        if not self.is_area or not all(_INTEGER.fullmatch(word) for word in self.tail):
+            return None
+        numbers = [int(word) for word in self.tail]
+        if len(numbers) < 7 or len(numbers) != 1 + 2 * numbers[0]:
+            return None
+        return np.array(numbers[1:]).reshape(-1, 2)
+
+    @property
+    def outline(self) -> np.ndarray:
+        """(n, 2) corners in mm of an area as it is drawn.
+
+        A polygon only where theta is 0, because nothing tells whether its vertices turn with
+        theta; else the rectangle.
+        """
+        polygon = self.polygon
+        if polygon is not None and self.theta == 0.0:
+            return polygon.astype(float)
+        return self.rectangle.corners
+
+    @property
+    def anchor(self) -> Tuple[float, float, float]:
+        """x, y, theta that the vendor's tools sort by: areas and lines by their stored corner."""
+        if self.extent is not None:
+            return float(self.extent.from_x), float(self.extent.from_y), 0.0
+        return self.x, self.y, self.theta
+
+    @property
+    def order(self) -> Tuple:
+        """Sort key of the vendor's tools."""
+        return self.anchor + (self.is_area or self.is_line, self.kind, self.name)
+
+
+def printable(text: str) -> str:
+    """`text` with bytes that were not UTF-8 (kept as surrogates) replaced by U+FFFD."""
+    return text.encode('utf-8', 'surrogateescape').decode('utf-8', 'replace')
+
+
+def needs_extent(kind: str) -> bool:
+    """True for the kinds of which it is known that they are areas or lines."""
+    return kind in ('ForbiddenArea', 'Door') or kind in LINE_KINDS or kind.endswith('Sector')
+
+
+def parse_object(line: str, words: Sequence[Token]) -> MapObject:
+    """The object of the `Cairn:` line `line`, whose words are `words`; raises FieldError."""
+    words = words[1:]
+    if len(words) < len(_FIELDS):
+        raise FieldError(f'an object with {len(words)} fields', 'Cairn', ', '.join(_FIELDS))
+    texts = [word.text for word in words]
+    kind, name = texts[0], texts[6]
+    x, y, theta = (parse_decimal(texts[i], _FIELDS[i]) for i in (1, 2, 3))
+    extent, rest = _parse_extent(kind, texts[7:])
+    tail = tuple(line[word.start:word.end] for word in words[len(words) - rest:]) if rest else ()
+    return MapObject(kind, x, y, theta, texts[4], texts[5], name, extent, tail)
+
+
+def _parse_extent(kind: str, texts: List[str]) -> Tuple[Optional[Extent], int]:
+    """The extent, and how many of `texts` are left over for the tail."""
+    if len(texts) < 4:
+        if needs_extent(kind):
+            raise FieldError(f'{kind} with {len(texts)} corner coordinates', 'from, to',
+                             'four whole numbers in mm')
+        return None, len(texts)
+    try:
+        return Extent(*map(parse_integer, texts[:4], _EXTENT_FIELDS)), len(texts) - 4
+    except FieldError:
+        if needs_extent(kind):
+            raise
+        return None, len(texts)  # a kind that is not known: kept as it is
+
+
+def parse_decimal(text: str, field: str) -> float:
+    """A finite decimal number; raises FieldError."""
+    value = float(text) if _DECIMAL.fullmatch(text) else math.nan
+    if not abs(value) <= _LARGEST:
+        raise FieldError(f'{printable(text)!r} is wrong', field, 'a finite decimal number')
+    return value
+
+
+def parse_integer(text: str, field: str) -> int:
+    """A whole number of 32 bits; raises FieldError."""
+    if not _INTEGER.fullmatch(text) or len(text) > 11 or abs(int(text)) > _LARGEST:
+        raise FieldError(f'{printable(text)!r} is wrong', field, 'a whole number')
+    return int(text)
+
+
+def format_object(obj: MapObject) -> str:
+    """The `Cairn:` line of `obj` as the vendor's tools write it, without a line end.
+
+    Raises FieldError for what the format cannot hold.
+    """
+    for field in ('kind', 'icon'):
+        text = getattr(obj, field)
+        if not re.fullmatch(r'[^\s"]+', text):
+            raise FieldError(f'{text!r}', field, 'one word without quotes')
+    if not obj.name and (obj.is_goal or obj.is_dock):
+        raise FieldError('the name is empty', 'name', f'a name, because {obj.kind} is driven to')
+    for field in ('x', 'y', 'theta'):
+        if not abs(getattr(obj, field)) <= _LARGEST:
+            raise FieldError(f'{getattr(obj, field)!r}', field, 'a finite number')
+    words = ['Cairn:', obj.kind, str(round(obj.x)), str(round(obj.y)),
+             f'{round(obj.theta, 6) + 0.0:.6f}', quoted(obj.description, 'description'), obj.icon,
+             quoted(obj.name, 'name')]
+    if obj.extent is not None:
+        corners = dataclasses.astuple(obj.extent)
+        if max(map(abs, corners)) > _LARGEST:
+            raise FieldError(f'{corners} is too far away', 'from, to', 'coordinates of 32 bits')
+        words += map(str, corners)
+    words += obj.tail
+    line = ' '.join(words)
+    if len(line.encode('utf-8', 'surrogateescape')) + 2 >= MAX_LINE_BYTES:
+        raise FieldError(f'a line of {len(line)} characters', 'Cairn',
+                         f'less than {MAX_LINE_BYTES} bytes')
+    if len(words) > MAX_LINE_WORDS:
+        raise FieldError(f'a line of {len(words)} words', 'Cairn', f'at most {MAX_LINE_WORDS}')
+    return line

@@ -1,0 +1,136 @@
+"""Reading a `.map` file into raw records and what they mean; every error says where."""
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Container, List, NamedTuple, Optional, Tuple
+
+from omron_map.errors import FieldError, MapError
+from omron_map.header import CATEGORIES, SCAN_KEYS, ScanHeader, parse_sources, scan_keys
+from omron_map.objects import MapObject, parse_object, printable
+from omron_map.sections import Section, is_heading, split_sections
+from omron_map.tokens import BLANKS, Token, tokenise
+
+BOM = b'\xef\xbb\xbf'
+_FIRST_LINE = re.compile(rb'(?:\xef\xbb\xbf)?\s*([^\n]*)')  # that is not blank
+
+
+class Record(NamedTuple):
+    """One metadata line: its bytes with the line end, its first word in lower case, its object."""
+
+    raw: bytes
+    keyword: str
+    object: Optional[MapObject] = None
+
+    @property
+    def text(self) -> str:
+        """The line without its end; bytes that are not UTF-8 are kept as surrogates."""
+        return decode(self.raw)
+
+
+@dataclass(frozen=True)
+class Content:
+    """What a file holds: metadata records, a header for each scan source, and the sections."""
+
+    records: List[Record]
+    headers: List[ScanHeader]
+    sections: List[Section]
+
+
+def decode(raw: bytes) -> str:
+    """A line's text without its end, from which the same bytes can be made again."""
+    return raw.decode('utf-8', 'surrogateescape').rstrip('\r\n')
+
+
+def read_content(data: bytes, name: str) -> Content:
+    """The content of the file `name` whose bytes are `data`; raises MapError."""
+    binary = data.find(b'\0')
+    if binary >= 0:
+        raise MapError(name, 'a zero byte: this is no text', data.count(b'\n', 0, binary) + 1,
+                       expected='a text file')
+    _check_category(data, name)
+    records, offset = _read_records(data, name)
+    if offset == len(data):
+        raise MapError(name, 'there is neither a LINES nor a DATA section: the file is cut off',
+                       len(records), expected='at least one of them')
+    headers = read_headers(records, name)
+    try:
+        sections = split_sections(data[offset:], len(records) + 1)
+    except FieldError as error:
+        raise error.in_file(name) from None
+    _check_sources(sections, headers, name)
+    return Content(records, headers, sections)
+
+
+def _check_category(data: bytes, name: str) -> None:
+    first = _FIRST_LINE.match(data)
+    text = decode(first.group(1)).strip(BLANKS)
+    if not text:
+        raise MapError(name, 'there is no category line' if data else 'the file is empty',
+                       expected=f'a map that begins with a line like {CATEGORIES[0]}')
+    if text.lower() not in (category.lower() for category in CATEGORIES):
+        raise MapError(name, f'{printable(text[:40])!r} does not begin a map',
+                       data.count(b'\n', 0, first.start(1)) + 1, 'category', ', '.join(CATEGORIES))
+
+
+def _read_records(data: bytes, name: str) -> Tuple[List[Record], int]:
+    """The metadata, and where the first section begins."""
+    records: List[Record] = []
+    start = 0
+    while start < len(data):
+        end = data.find(b'\n', start) + 1 or len(data)
+        raw = data[start:end]
+        words = raw.split(None, 1)
+        keyword = words[0].lower().decode('utf-8', 'surrogateescape') if words else ''
+        if keyword.endswith(('data', 'lines')) and is_heading(raw):
+            break
+        if not records:
+            keyword = keyword.lstrip('\ufeff')
+        obj = _read_object(raw, name, len(records) + 1) if keyword == 'cairn:' else None
+        records.append(Record(raw, keyword, obj))
+        start = end
+    return records, start
+
+
+def _read_object(raw: bytes, name: str, number: int) -> MapObject:
+    text = decode(raw)
+    try:
+        return parse_object(text, tokenise(text))
+    except FieldError as error:
+        raise error.in_file(name, number) from None
+
+
+def read_headers(records: List[Record], name: str) -> List[ScanHeader]:
+    """What the file `name` says about each of its scans; raises MapError."""
+    number = 0
+    try:
+        sources = ['']
+        for number, record in _with_keyword(records, ('sources:',)):  # noqa: B007
+            sources = parse_sources(_values(record)) or ['']
+        headers = {source: ScanHeader(source) for source in sources}
+        meanings = scan_keys(sources)
+        for number, record in _with_keyword(records, meanings):
+            source, key = meanings[record.keyword]
+            headers[source].values[key] = SCAN_KEYS[key](_values(record), key)
+            headers[source].lines[key] = number
+    except FieldError as error:
+        raise error.in_file(name, number) from None
+    return list(headers.values())
+
+
+def _with_keyword(records: List[Record], keywords: Container[str]) -> List[Tuple[int, Record]]:
+    return [(number, record) for number, record in enumerate(records, 1)
+            if record.keyword in keywords]
+
+
+def _values(record: Record) -> List[Token]:
+    return tokenise(record.text)[1:]
+
+
+def _check_sources(sections: List[Section], headers: List[ScanHeader], name: str) -> None:
+    known = [header.source.lower() for header in headers]
+    for section in sections:
+        if section.source and section.source.lower() not in known:
+            heading = printable(decode(section.heading))
+            raise MapError(name, f'the section {heading} belongs to no scan',
+                           expected='its name in a Sources: line')

@@ -1,0 +1,48 @@
+"""The words of a metadata line.
+
+There is no escape character: a word that starts with `"` ends at the first `"` followed by white
+space or the end of the line, and any other `"` is text. The vendor's own lines can be ambiguous
+under this rule, so a line that is not changed is never put together again from its words.
+"""
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import List
+
+from omron_map.errors import FieldError
+
+BLANKS = ' \t\r\n\v\f'
+_WORD = re.compile(r'"(?P<quoted>.*?)"(?=[ \t\r\n\v\f]|$)|(?P<bare>[^ \t\r\n\v\f]+)', re.DOTALL)
+
+
+@dataclass(frozen=True)
+class Token:
+    """One word: its text without the quotes, and where it stands in the line."""
+
+    text: str
+    start: int
+    end: int
+    quoted: bool
+
+
+def tokenise(line: str) -> List[Token]:
+    """The words of `line`; raises FieldError when a quote is never closed."""
+    words = []
+    for match in _WORD.finditer(line):
+        bare = match.group('bare')
+        if bare is not None and bare.startswith('"'):
+            raise FieldError(
+                f'a quote opens at column {match.start() + 1} and is never closed',
+                expected='a closing quote followed by a blank or the end of the line')
+        text = match.group('quoted') if bare is None else bare
+        words.append(Token(text, match.start(), match.end(), bare is None))
+    return words
+
+
+def quoted(text: str, field: str) -> str:
+    """`text` in quotes; raises FieldError when no reader could get the same text back."""
+    if '"' in text or any(ord(character) < 32 or ord(character) == 127 for character in text):
+        raise FieldError(f'{text!r} cannot be written', field,
+                         'no double quote, control character or line break')
+    return f'"{text}"'
