@@ -9,7 +9,7 @@ from bridge_builders import dissertation_graph, graph_of, yard
 from hypothesis import given
 from hypothesis import strategies as st
 
-from omron_ld90.bridge.route_ways import corner_cut, distances, follows_on, has_detour
+from omron_ld90.bridge.shortest_paths import corner_cut, distances, follows_on, has_detour
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 
 MARGIN = 0.9

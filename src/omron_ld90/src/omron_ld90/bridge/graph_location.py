@@ -12,8 +12,8 @@ DOCK_ZONE = 2.0  # m around the dock vertex, in which the robot manoeuvres outsi
 
 
 @dataclass(frozen=True)
-class PlaceOnGraph:
-    """A place (m) on a graph, seen with the widths and tolerances of the bridge."""
+class GraphLocation:
+    """A location (m) on a graph, judged by the widths and tolerances of the bridge."""
 
     graph: Graph
     position: Tuple[float, float]
@@ -60,7 +60,7 @@ class PlaceOnGraph:
         return ''
 
     def nearest_of(self, edges: Sequence[int]) -> Optional[int]:
-        """Index of the nearest edge in whose corridor this place is; the first of equals."""
+        """Index of the nearest edge in whose corridor this location is; the first of equals."""
         distances = [self.graph.curve(edge).project(*self.position).distance for edge in edges]
         if not distances or min(distances) > self.corridor_width / 2.0:
             return None
@@ -68,7 +68,7 @@ class PlaceOnGraph:
                     if distance <= min(distances) + 0.01)
 
     def symbolic_pose(self) -> SymbolicPose:
-        """The nearest edge, driven forwards; edge 0 when this place is in no corridor."""
+        """The nearest edge, driven forwards; edge 0 when it is in no corridor."""
         if self.is_docked and self.graph.edges:
             way_out = self.graph.edges_from(self.dock_vertex)[0]
             return SymbolicPose(abs(way_out), 0.0 if way_out > 0 else 100.0)

@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import heapq
 import math
-from functools import lru_cache
 from itertools import accumulate
-from typing import AbstractSet, Dict, Sequence
+from typing import AbstractSet, Dict, MutableMapping, Sequence, Tuple
+from weakref import WeakKeyDictionary
 
 from trajectory_graph import Graph
 
@@ -34,7 +34,10 @@ def follows_on(graph: Graph, edges: Sequence[int], arc: float, corridor_width: f
             ) and not has_detour(graph, edges, arc, corridor_width)
 
 
-@lru_cache(maxsize=10_000)
+# What `corner_cut` found for a graph, as long as that graph is in use.
+_cuts: MutableMapping[Graph, Dict[Tuple[int, int, float], float]] = WeakKeyDictionary()
+
+
 def corner_cut(graph: Graph, first: int, second: int, slack: float) -> float:
     """How far (m) from the vertex between two edges the shortest way from one to the other passes.
 
@@ -42,6 +45,14 @@ def corner_cut(graph: Graph, first: int, second: int, slack: float) -> float:
     point farthest from the vertex among those that are so near to both curves: at a right angle
     1.4 times the slack, at a cusp, where the robot need not go to the vertex at all, very far.
     """
+    known = _cuts.setdefault(graph, {})
+    corner = (first, second, slack)
+    if corner not in known:
+        known[corner] = _corner_cut(graph, *corner)
+    return known[corner]
+
+
+def _corner_cut(graph: Graph, first: int, second: int, slack: float) -> float:
     before, after = graph.curve(first), graph.curve(second)
     vertex = graph.end_vertex(first)
     farthest = 0.0
