@@ -101,7 +101,7 @@ class ArclFaultsTest(unittest.TestCase):
         before = len(self.diagnostics.messages)
         self.robot.inject('estop press')
         result = self.ended(handle)
-        self.assertEqual(ExecuteCommandResult.FAILED, result.outcome)
+        self.assertEqual(ExecuteCommandResult.EMERGENCY_STOPPED, result.outcome)
         self.assertIn('estop', result.message.lower())
         self.statuses.wait_for(lambda status: status.emergency_stop, SOON, 'emergency stop')
         self.wait_for_diagnostic('robot', DiagnosticStatus.ERROR, 'emergency stop', before)

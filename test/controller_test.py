@@ -7,10 +7,11 @@ import os
 import shutil
 import subprocess
 import tempfile
+import threading
 import unittest
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Iterator
+from typing import Iterator, List
 
 import actionlib
 import rospy
@@ -123,7 +124,34 @@ class ControllerTest(unittest.TestCase):
         self.wait_for_line('Stopped', before)
         self.assertEqual(self.location(), self.location(), 'the robot still moves')
 
+    def test_a_storm_of_goals_and_cancels_leaves_nothing_hanging(self):
+        storm = [self.run_command(text) for _ in range(25)
+                 for text in ('goto 8', 'odometer', 'getGoals', 'goto 20')]
+        for handle in storm:
+            handle.cancel()
+        for handle in storm:
+            self.result_of(handle, SOON)
+        answer = self.result_of(self.run_command('odometer'), SOON)
+        self.assertEqual(ExecuteCommandResult.SUCCEEDED, answer.outcome, answer.message)
+        stop = self.result_of(self.run_command('stop'), SOON)
+        self.assertEqual(ExecuteCommandResult.SUCCEEDED, stop.outcome, stop.message)
+
+    def test_many_clients_that_ask_at_once_are_all_answered(self):
+        def ask(clients: actionlib.ActionClient) -> None:
+            for _ in range(20):
+                handle = clients.send_goal(ExecuteCommandGoal(command='odometer'))
+                outcomes.append(self.result_of(handle, SOON).outcome)
+
+        outcomes: List[int] = []
+        threads = [threading.Thread(target=ask, args=(self.execute,)) for _ in range(8)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join(DRIVE)
+        self.assertEqual([ExecuteCommandResult.SUCCEEDED] * 160, outcomes)
+
     def test_a_newer_drive_interrupts_the_older_one_and_arrives(self):
+        self.result_of(self.run_command('goto 8'))  # the robot may stand at 20 already
         older = self.run_command('goto 20')
         newer = self.run_command('goto 8')
         self.assertEqual(ExecuteCommandResult.INTERRUPTED, self.result_of(older).outcome)

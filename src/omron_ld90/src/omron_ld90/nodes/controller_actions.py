@@ -3,12 +3,16 @@
 Succeeded is SUCCEEDED; cancelled, and replaced by another command, is PREEMPTED; whatever else
 ended the command is ABORTED with a text that says what; what was never sent is REJECTED. Commands
 may run side by side: queries do, and a driving command replaces the one before it in the robot.
+
+Locks: actionlib calls `_on_goal` and `_on_cancel` with its own lock held, and takes that lock in
+every method of a goal handle. So no lock of ours is held while a handle is used, and the robot's
+thread uses none: it leaves that to a `CallQueue`.
 """
 from __future__ import annotations
 
 import math
 import threading
-from typing import Callable, Dict, Tuple
+from typing import Callable, Dict, List, Optional, Tuple
 
 import actionlib
 import rospy
@@ -16,6 +20,7 @@ from geometry_msgs.msg import PoseStamped
 from move_base_msgs.msg import MoveBaseAction, MoveBaseFeedback, MoveBaseResult
 
 from omron_arcl import ArclError, Execution, Outcome, Result
+from omron_ld90.nodes.support.call_queue import CallQueue
 from omron_ld90.nodes.support.poses import pose_to_robot
 from omron_ld90_msgs.msg import (
     ExecuteCommandAction,
@@ -32,7 +37,7 @@ _OUTCOMES: Dict[Outcome, int] = {
     Outcome.NO_GOAL: ExecuteCommandResult.FAILED,
     Outcome.UNKNOWN_COMMAND: ExecuteCommandResult.FAILED,
     Outcome.FAILED: ExecuteCommandResult.FAILED,
-    Outcome.EMERGENCY_STOPPED: ExecuteCommandResult.FAILED,
+    Outcome.EMERGENCY_STOPPED: ExecuteCommandResult.EMERGENCY_STOPPED,
     Outcome.INTERRUPTED: ExecuteCommandResult.INTERRUPTED,
     Outcome.CANCELLED: ExecuteCommandResult.CANCELLED,
     Outcome.TIMED_OUT: ExecuteCommandResult.TIMED_OUT,
@@ -60,6 +65,14 @@ def robot_pose(pose: PoseStamped, map_frame: str) -> Tuple[int, int, int]:
     return pose_to_robot(pose.pose)
 
 
+class _Goal:
+    """A goal of an action, and the command that it became."""
+
+    def __init__(self, handle: actionlib.ServerGoalHandle) -> None:
+        self.handle = handle
+        self.execution: Optional[Execution] = None
+
+
 class _Actions:
     """Goals of one action server and the commands that they are."""
 
@@ -67,28 +80,39 @@ class _Actions:
                  cancel: Callable[[Execution], None]) -> None:
         self._execute = execute
         self._cancel = cancel
-        self._running: Dict[str, Execution] = {}
-        self._lock = threading.Lock()
+        self._running: Dict[str, _Goal] = {}
+        self._lock = threading.Lock()  # guards _running
+        self._calls = CallQueue(f'action {name}')
         self._server = actionlib.ActionServer(name, kind, self._on_goal, self._on_cancel,
                                               auto_start=False)
         self._server.start()
 
     def _start(self, handle: actionlib.ServerGoalHandle, text: str, timeout: float) -> None:
-        """Accepts the goal once its command is given; raises ArclError, the goal still pending.
+        """Gives the command and accepts the goal; raises ArclError, the goal still pending.
 
-        Held by the lock, `_on_end` waits: it may come before the goal is accepted here.
+        The command may end before the goal is accepted here. Its result is set afterwards all the
+        same: actionlib holds its lock until this returns.
         """
         goal_id = handle.get_goal_id().id
+        goal = _Goal(handle)
         with self._lock:
-            self._running[goal_id] = self._execute(
+            self._running[goal_id] = goal
+        try:
+            goal.execution = self._execute(
                 text, timeout=timeout or None,
-                on_line=lambda line: self._on_line(handle, line),
-                on_end=lambda result: self._on_end(handle, result))
-            handle.set_accepted()
+                on_line=lambda line: self._calls.add(lambda: self._on_line(handle, line),
+                                                     optional=True),
+                on_end=lambda result: self._calls.add(lambda: self._on_end(handle, result)))
+        except ArclError:
+            with self._lock:
+                del self._running[goal_id]
+            raise
+        handle.set_accepted()
 
     def _on_end(self, handle: actionlib.ServerGoalHandle, result: Result) -> None:
+        goal_id = handle.get_goal_id().id
         with self._lock:
-            execution = self._running.pop(handle.get_goal_id().id)
+            execution = self._running.pop(goal_id).execution
         message = self._result(result)
         text = f'{result.outcome.value}: {result.words}'
         if result.outcome is Outcome.SUCCEEDED:
@@ -108,10 +132,16 @@ class _Actions:
             rospy.logerr('The robot could not be stopped after a time-out: %s', error)
 
     def _on_cancel(self, handle: actionlib.ServerGoalHandle) -> None:
+        goal_id = handle.get_goal_id().id
         with self._lock:
-            execution = self._running.get(handle.get_goal_id().id)
-        if execution:
-            self._cancel(execution)
+            goal = self._running.get(goal_id)
+        if goal:
+            self._cancel(goal.execution)
+
+    def _handles(self) -> List[actionlib.ServerGoalHandle]:
+        """Of the goals whose commands are under way."""
+        with self._lock:
+            return [goal.handle for goal in self._running.values()]
 
     def _on_goal(self, handle: actionlib.ServerGoalHandle) -> None:
         raise NotImplementedError
@@ -154,32 +184,23 @@ class MoveBaseServer(_Actions):
     def __init__(self, execute: Execute, cancel: Callable[[Execution], None],
                  map_frame: str) -> None:
         self._map_frame = map_frame
-        self._handles: Dict[str, actionlib.ServerGoalHandle] = {}
         super().__init__('move_base', MoveBaseAction, execute, cancel)
 
     def feedback(self, pose: PoseStamped) -> None:
         """The robot is at `pose`."""
-        with self._lock:
-            handles = [self._handles[goal_id] for goal_id in self._running]
-        for handle in handles:
-            handle.publish_feedback(MoveBaseFeedback(base_position=pose))
+        for handle in self._handles():
+            self._calls.add(lambda handle=handle: handle.publish_feedback(
+                MoveBaseFeedback(base_position=pose)), optional=True)
 
     def _on_goal(self, handle: actionlib.ServerGoalHandle) -> None:
-        goal_id = handle.get_goal_id().id
         try:
             target = robot_pose(handle.get_goal().target_pose, self._map_frame)
-            self._handles[goal_id] = handle
             self._start(handle, 'gotoPoint {} {} {}'.format(*target), 0.0)
         except (ArclError, Refused) as error:
-            self._handles.pop(goal_id, None)
             handle.set_rejected(MoveBaseResult(), str(error))
 
     def _on_line(self, handle: actionlib.ServerGoalHandle, line: str) -> None:
         """The robot's lines tell nothing that move_base's feedback could hold."""
-
-    def _on_end(self, handle: actionlib.ServerGoalHandle, result: Result) -> None:
-        super()._on_end(handle, result)
-        self._handles.pop(handle.get_goal_id().id, None)
 
     def _result(self, result: Result) -> MoveBaseResult:
         return MoveBaseResult()
