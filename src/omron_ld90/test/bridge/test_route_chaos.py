@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from typing import Sequence, Tuple
 
-from bridge_builders import DOCK_VERTEX, Bench, GraphRobot, graph_of, yard
+from bridge_builders import DOCK_VERTEX, Bench, graph_of, yard
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

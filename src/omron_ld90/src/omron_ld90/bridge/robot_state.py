@@ -112,7 +112,7 @@ class RobotLinks:
         for link, state in self._links.items():
             if state.heard is None:
                 return f'nothing is known of the link {link.value}'
-            if state.node_is_away(now):
+            if state.node_is_away(now) and state.up:
                 return _node_is_away(link, now - state.heard)
             if not state.up:
                 return f'lost link: {link.value}: {state.reason}'

@@ -6,15 +6,30 @@ from __future__ import annotations
 
 import genpy
 
-from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, SymbolicPose, TargetRoute
+from itrci_nav_msgs.msg import (
+    EdgeState,
+    ExecutionRouteStates,
+    RouteRefused,
+    SymbolicPose,
+    TargetRoute,
+)
 from itrci_nav_msgs.msg import Graph as GraphMessage
-from omron_ld90.bridge.route_protocol import RouteOrder, RouteReport
+from omron_ld90.bridge.route_protocol import RouteOrder, RouteRefusal, RouteReport
 from trajectory_graph import CurveType, Edge, Graph, GraphError, Vertex
 
 
-def order_of(message: TargetRoute) -> RouteOrder:
-    """What a target route orders."""
-    return RouteOrder(message.route_id, tuple(message.edges), message.header.stamp.to_nsec())
+def order_of(message: TargetRoute, received: genpy.Time) -> RouteOrder:
+    """What a target route orders that was `received` now."""
+    return RouteOrder(message.route_id, tuple(message.edges), message.header.stamp.to_nsec(),
+                      received.to_nsec())
+
+
+def refusal_of(refusal: RouteRefusal, now: genpy.Time) -> RouteRefused:
+    """An order that is not taken up, as the fleet manager reads it."""
+    message = RouteRefused(route_id=refusal.route_id, edges=list(refusal.edges),
+                           reason=refusal.reason)
+    message.header.stamp = now
+    return message
 
 
 def states_of(report: RouteReport) -> ExecutionRouteStates:

@@ -1,10 +1,12 @@
 """Tells what a link does: latched on `link_state`, in /diagnostics, and in the log when it changes.
 
 Topics out:
-  link_state (omron_ld90_msgs/LinkState, latched): one message per link
+  link_state (omron_ld90_msgs/LinkState, latched): one message per link, again every second, so
+      that others know that the node is alive
 """
 from __future__ import annotations
 
+import threading
 import time
 from typing import Callable, Dict, Optional
 
@@ -25,6 +27,7 @@ _STATES: Dict[LinkPhase, int] = {
 }
 _WORDS = {**{state: phase.value for phase, state in _STATES.items()},
           LinkState.MISCONFIGURED: 'misconfigured'}
+REPEATED = 1.0  # s between two messages about a link that has not changed
 _LASTING = (LinkPhase.DISCONNECTED, LinkPhase.WRONG_PASSWORD, LinkPhase.CONNECTED)
 
 
@@ -65,6 +68,8 @@ class LinkReporter:
         self._name = name
         self._log = log
         self._publisher = _publisher()
+        self._lock = threading.Lock()  # guards _message, so that no old one follows a newer one
+        self._message: Optional[LinkState] = None
         self._link: Optional[Link] = None
         self._said: Optional[Link] = None
         self._since = rospy.Time.now()
@@ -72,11 +77,18 @@ class LinkReporter:
         self._last_line: Optional[float] = None
         self._lines = 0
         self._counted = (time.monotonic(), 0)
+        timer = rospy.Timer(rospy.Duration(REPEATED), self._repeat)
+        rospy.on_shutdown(timer.shutdown)
 
     def line(self) -> None:
         """A line came."""
         self._last_line = time.monotonic()
         self._lines += 1
+
+    def _repeat(self, _event: rospy.timer.TimerEvent) -> None:
+        with self._lock:
+            if self._message is not None:
+                self._publisher.publish(self._message)
 
     def report(self, link: Link) -> None:
         """The link changed."""
@@ -86,7 +98,9 @@ class LinkReporter:
         message = LinkState(link=self._name, state=_STATES[link.phase], address=link.peer,
                             reason=link.reason)
         message.header.stamp = self._since
-        self._publisher.publish(message)
+        with self._lock:
+            self._message = message
+            self._publisher.publish(message)
         if link.connected:
             self._connections += 1
         if link.phase in _LASTING and link != self._said:
