@@ -15,7 +15,8 @@ from omron_map import editing, scan_editing
 from omron_map.checks import check
 from omron_map.errors import FieldError, MapError, MapWarning
 from omron_map.objects import MapObject
-from omron_map.reader import Content, Record, read_content, read_headers
+from omron_map.reader import Content, Record, check_category, read_content, read_headers
+from omron_map.regular_file import read_regular_file
 from omron_map.saving import write_file
 from omron_map.scans import scans_of
 from omron_map.sections import Section
@@ -37,13 +38,13 @@ class MapDocument:
 
     @classmethod
     def load(cls, path: str) -> MapDocument:
-        """The map in the file `path`; raises MapError, also when it cannot be opened."""
-        try:
-            with open(path, 'rb') as file:
-                data = file.read()
-        except OSError as error:
-            raise MapError(str(path), f'it cannot be read ({error.strerror})') from error
-        return cls.from_bytes(data, str(path))
+        """The map in the regular file `path`; raises MapError, also when it cannot be read.
+
+        Nothing of a file that is no map is read beyond its beginning, or told in the error.
+        """
+        name = os.fspath(path)
+        data = read_regular_file(name, accept=lambda head: check_category(head, name))
+        return cls.from_bytes(data, name)
 
     @classmethod
     def from_bytes(cls, data: bytes, name: str = 'map') -> MapDocument:

@@ -4,6 +4,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Optional
 
+LONGEST_PATH = 300  # characters of it that a message shows
+
 
 class MapError(Exception):
     """A map that cannot be read, edited or written; the text is one sentence for people.
@@ -21,13 +23,20 @@ class MapError(Exception):
         self.expected = expected
 
     def __str__(self) -> str:
-        where = self.file
+        where = printable_path(self.file)
         if self.line is not None:
             where += f', line {self.line}'
         if self.field is not None:
             where += f', {self.field}'
         end = f'; expected {self.expected}' if self.expected else ''
         return f'{where}: {self.problem}{end}.'
+
+
+def printable_path(path: str) -> str:
+    """`path` for people: of bounded length, and without what a terminal would take as an order."""
+    shown = ''.join(character if character.isprintable()
+                    else character.encode('unicode_escape').decode() for character in path)
+    return shown if len(shown) <= LONGEST_PATH else f'{shown[:LONGEST_PATH]}...'
 
 
 class DuplicateName(MapError):

@@ -13,6 +13,7 @@ from omron_map.tokens import BLANKS, Token, tokenise
 
 BOM = b'\xef\xbb\xbf'
 _FIRST_LINE = re.compile(rb'(?:\xef\xbb\xbf)?\s*([^\n]*)')  # that is not blank
+_LATER_CATEGORY = re.compile(r'2D-Map(-Ex[0-9]{0,3})?', re.IGNORECASE)
 
 
 class Record(NamedTuple):
@@ -48,7 +49,7 @@ def read_content(data: bytes, name: str) -> Content:
     if binary >= 0:
         raise MapError(name, 'a zero byte: this is no text', data.count(b'\n', 0, binary) + 1,
                        expected='a text file')
-    _check_category(data, name)
+    check_category(data, name)
     records, offset = _read_records(data, name)
     if offset == len(data):
         raise MapError(name, 'there is neither a LINES nor a DATA section: the file is cut off',
@@ -62,15 +63,20 @@ def read_content(data: bytes, name: str) -> Content:
     return Content(records, headers, sections)
 
 
-def _check_category(data: bytes, name: str) -> None:
+def check_category(data: bytes, name: str) -> None:
+    """Raise MapError unless `data`, the beginning of the file `name`, is that of a map.
+
+    The file may be anybody's secret, given by mistake or by malice: the error quotes none of it.
+    """
     first = _FIRST_LINE.match(data)
     text = decode(first.group(1)).strip(BLANKS)
     if not text:
         raise MapError(name, 'there is no category line' if data else 'the file is empty',
                        expected=f'a map that begins with a line like {CATEGORIES[0]}')
     if text.lower() not in (category.lower() for category in CATEGORIES):
-        raise MapError(name, f'{printable(text[:40])!r} does not begin a map',
-                       data.count(b'\n', 0, first.start(1)) + 1, 'category', ', '.join(CATEGORIES))
+        problem = f'{text} is not known' if _LATER_CATEGORY.fullmatch(text) else 'this is no map'
+        raise MapError(name, problem, data.count(b'\n', 0, first.start(1)) + 1, 'category',
+                       ', '.join(CATEGORIES))
 
 
 def _read_records(data: bytes, name: str) -> Tuple[List[Record], int]:

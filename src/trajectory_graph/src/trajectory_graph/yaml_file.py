@@ -13,7 +13,9 @@ that we do not know are left alone, because the editor may write more than we ne
 from __future__ import annotations
 
 import os
-from typing import Any, Callable, Dict, List, Tuple, Union
+import re
+import stat
+from typing import Any, Callable, Dict, List, Optional, Tuple, Union
 
 import yaml
 
@@ -59,13 +61,7 @@ def load_graph(path: Union[str, os.PathLike]) -> Graph:
 
 
 def _compose(file: str) -> yaml.Node:
-    try:
-        with open(file, 'rb') as stream:
-            data = stream.read(LARGEST_FILE + 1)
-    except OSError as error:
-        raise GraphError(f'the file cannot be read ({error.strerror})', file=file) from None
-    if len(data) > LARGEST_FILE:
-        raise GraphError(f'the file is larger than {LARGEST_FILE // 2 ** 20} MiB', file=file)
+    data = _read(file)
     try:
         if _nesting(data) > DEEPEST_NESTING:
             raise GraphError(f'collections are nested more than {DEEPEST_NESTING} deep', file=file)
@@ -73,13 +69,34 @@ def _compose(file: str) -> yaml.Node:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line = mark.line + 1 if mark else None
-        raise GraphError(f'this is not YAML ({error.problem or error.context})',
+        raise GraphError(f'this is not YAML ({_unquoted(error.problem or error.context)})',
                          file=file, line=line) from None
     except yaml.YAMLError as error:
         raise GraphError(f'this is not YAML ({str(error).splitlines()[0]})', file=file) from None
     if root is None:
         raise GraphError('the file is empty', file=file)
     return root
+
+
+def _read(file: str) -> bytes:
+    """All bytes of the file, without ever waiting: the path may lead to a pipe or a device."""
+    try:
+        if not stat.S_ISREG(os.stat(file).st_mode):
+            raise GraphError('this is no regular file', file=file)
+        with open(os.open(file, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), 'rb') as stream:
+            data = stream.read(LARGEST_FILE + 1)
+    except OSError as error:
+        raise GraphError(f'the file cannot be read ({error.strerror})', file=file) from None
+    except ValueError:  # a zero byte, or letters that the file system has not
+        raise GraphError('no file can have this name', file=ascii(file)) from None
+    if len(data) > LARGEST_FILE:
+        raise GraphError(f'the file is larger than {LARGEST_FILE // 2 ** 20} MiB', file=file)
+    return data
+
+
+def _unquoted(problem: Optional[str]) -> str:
+    """What YAML found, without the words of the file: it may be anybody's, given by mistake."""
+    return re.sub(r"""\s*(['"]).{2,}\1""", '', problem or 'no reason is known')
 
 
 def _nesting(data: bytes) -> int:
@@ -105,7 +122,8 @@ def _mapping(node: yaml.Node, name: str) -> Dict[str, yaml.Node]:
         if not isinstance(key, yaml.ScalarNode):
             raise _Wrong(f'{name} has a key that is not a name', key)
         if key.value in fields:
-            raise _Wrong(f'{key.value} stands there twice', key)
+            told = key.value if key.value in _KEYS else 'a key'  # nothing of another file
+            raise _Wrong(f'{told} stands there twice', key)
         fields[key.value] = value
     return fields
 
@@ -200,3 +218,4 @@ _EDGE_FIELDS: _Fields = (
     ('VelocityForward', 'velocity_forward', _real),
     ('VelocityBackwards', 'velocity_backwards', _real),
 )
+_KEYS = {'Edges', 'Vertices', 'Id', *(key for key, _, _ in _VERTEX_FIELDS + _EDGE_FIELDS)}

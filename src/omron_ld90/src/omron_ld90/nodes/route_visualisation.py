@@ -17,7 +17,7 @@ Publishes
 Parameters
     robot_description  (URDF of the body, in the robot's namespace; without it no body is shown)
     ~graph_file   string  (empty)  trajectory graph (YAML); empty: no graph and no route is shown
-    ~dock_vertex  int     16       id of the graph's dock vertex
+    ~dock_vertex  int     0        id of the graph's dock vertex; 0: none
     ~map_frame    string  map
     ~silence      float   3.0 s    without a status for so long, the robot counts as lost
     ~path_length  int     400      poses kept of the driven path, at least ~path_step apart
@@ -60,7 +60,7 @@ class RouteVisualisation:
     def __init__(self) -> None:
         self._robot = rospy.get_namespace().strip('/') or 'robot'
         self._frame = startup.parameter('~map_frame', 'map')
-        self._dock_vertex = startup.parameter('~dock_vertex', 16, int)
+        self._dock_vertex = startup.parameter('~dock_vertex', 0, int)
         self._silence = startup.number('~silence', 3.0, 0.5, 60.0)
         self._path = DrivenPath(self._frame, int(startup.number('~path_length', 400, 2, 10000)),
                                 startup.number('~path_step', 0.1, 0.01, 10.0))
