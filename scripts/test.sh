@@ -104,7 +104,7 @@ provide_multimaster() {
     say "Building fkie multimaster in build/multimaster"
     rm -rf "$workspace"
     mkdir -p "$workspace/src"
-    MULTIMASTER_MISSING="$(import_multimaster "$workspace/src/multimaster_fkie" 2>&1 | tail -1)"
+    MULTIMASTER_MISSING="$(import_multimaster "$workspace/src/multimaster_fkie" 2>&1 | tail -1)" || true
     export MULTIMASTER_MISSING
     [ -d "$workspace/src/multimaster_fkie" ] || return 0
     if ! catkin_make -C "$workspace" -DPYTHON_EXECUTABLE=/usr/bin/python3 >"$log" 2>&1; then
