@@ -21,14 +21,14 @@ answers() {
   launch=$!
   trap "kill $launch 2>/dev/null || true" EXIT
   _answer /master_discovery/list_masters "$ROS_MASTER_URI" && _answer /master_sync/get_sync_info || verdict=1
-  kill "$launch" && wait "$launch" || true
+  kill "$launch" 2>/dev/null && wait "$launch" || true
   trap - EXIT
   return "$verdict"
 }
 
-_answer() {  # SERVICE [WORD]: it is offered within 30 s, and its answer holds the word
+_answer() {  # SERVICE [WORD]: within 30 s it is offered, and its answer holds the word
   local deadline=$((SECONDS + 30)) answer
-  while [ "$SECONDS" -lt "$deadline" ]; do
+  while kill -0 "$launch" 2>/dev/null && [ "$SECONDS" -lt "$deadline" ]; do
     if answer="$(timeout 5 rosservice call "$1" 2>/dev/null)" && [[ "$answer" == *"${2:-}"* ]]; then return 0; fi
     sleep 0.2
   done
@@ -46,5 +46,5 @@ fi
 prepare "${packages[@]}"
 say "Starting discovery and synchronisation once"
 answers || die "discovery and synchronisation were built but do not answer: $(
-  grep -m1 -E 'Error|error' "$root/build/multimaster.log" || echo 'they say nothing') (whole log: $root/build/multimaster.log)"
+  sed 's/\x1b[^m]*m//g' "$root/build/multimaster.log" | grep -m1 -E 'Error|Exception' || echo 'they say nothing') (whole log: $root/build/multimaster.log)"
 say "fkie multimaster is ready; docs/multimaster.md says how two masters are joined"
