@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Brings fkie multimaster into this workspace: needed only where the fleet manager has its own ROS master. Installs what
-# it imports, builds it in src/multimaster_fkie, and starts it once to see that it answers.
+# it imports, builds it in src/multimaster_fkie, and joins two masters on this machine once to see that it works.
 #
 #   scripts/multimaster.sh                      sources from the address in catkin_ws.repos
 #   FKIE_ARCHIVE=FILE scripts/multimaster.sh    sources from an archive (.tar.gz), without a network
@@ -11,25 +11,38 @@ set -euo pipefail
 
 [ $# = 0 ] || { sed -n '2,8s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0; }
 
-# answers: discovery and synchronisation run under a ROS master of their own, on the loopback interface, and answer.
-answers() {
-  local log="$root/build/multimaster.log" master_port launch verdict=0
-  master_port="$(free_port)"
-  export ROS_IP=127.0.0.2 ROS_MASTER_URI="http://127.0.0.2:$master_port" ROS_HOME="$root/build/ros_home"
+# find_each_other: two ROS masters, on two addresses of the loopback interface, run the launch file that joins them;
+# discovery on either side lists the other, and synchronisation answers.
+find_each_other() {
+  local log="$root/build/multimaster.log" verdict=0 ports
+  export ROS_HOME="$root/build/ros_home"
   unset ROS_HOSTNAME
-  roslaunch -p "$master_port" omron_ld90 multimaster.launch peer:=127.0.0.3 rpc_port:="$(free_port)" >"$log" 2>&1 &
-  launch=$!
-  trap "kill $launch 2>/dev/null || true" EXIT
-  _answer /master_discovery/list_masters "$ROS_MASTER_URI" && _answer /master_sync/get_sync_info || verdict=1
-  kill "$launch" 2>/dev/null && wait "$launch" || true
+  ports=("$(free_port)" "$(free_port)")
+  _join 127.0.0.2 "${ports[0]}" 127.0.0.3 >"$log" 2>&1 &
+  launches=("$!")
+  _join 127.0.0.3 "${ports[1]}" 127.0.0.2 >>"$log" 2>&1 &
+  launches+=("$!")
+  trap 'kill "${launches[@]}" 2>/dev/null || true' EXIT
+  { _answers 127.0.0.2 "${ports[0]}" /master_discovery/list_masters "${ports[1]}" &&
+    _answers 127.0.0.3 "${ports[1]}" /master_discovery/list_masters "${ports[0]}" &&
+    _answers 127.0.0.2 "${ports[0]}" /master_sync/get_sync_info &&
+    _answers 127.0.0.3 "${ports[1]}" /master_sync/get_sync_info; } || verdict=1
+  kill "${launches[@]}" 2>/dev/null || true
+  wait "${launches[@]}" || true
   trap - EXIT
   return "$verdict"
 }
 
-_answer() {  # SERVICE [WORD]: within 30 s it is offered, and its answer holds the word
+_join() {  # ADDRESS MASTER_PORT PEER
+  ROS_IP="$1" ROS_MASTER_URI="http://$1:$2" exec \
+    roslaunch -p "$2" omron_ld90 multimaster.launch peer:="$3" rpc_port:="$(free_port)"
+}
+
+_answers() {  # ADDRESS MASTER_PORT SERVICE [WORD]: within 30 s it is offered, and its answer holds the word
   local deadline=$((SECONDS + 30)) answer
-  while kill -0 "$launch" 2>/dev/null && [ "$SECONDS" -lt "$deadline" ]; do
-    if answer="$(timeout 5 rosservice call "$1" 2>/dev/null)" && [[ "$answer" == *"${2:-}"* ]]; then return 0; fi
+  while kill -0 "${launches[@]}" 2>/dev/null && [ "$SECONDS" -lt "$deadline" ]; do
+    answer="$(ROS_IP="$1" ROS_MASTER_URI="http://$1:$2" timeout 5 rosservice call "$3" 2>/dev/null)" || answer=''
+    [ -z "$answer" ] || [[ "$answer" != *"${4:-}"* ]] || return 0
     sleep 0.2
   done
   return 1
@@ -44,7 +57,7 @@ if ! [ -d "$checkout" ]; then
   reason="$(import_multimaster "$checkout" 2>&1)" || die "$(tail -1 <<<"$reason")."
 fi
 prepare "${packages[@]}"
-say "Starting discovery and synchronisation once"
-answers || die "discovery and synchronisation were built but do not answer: $(
-  sed 's/\x1b[^m]*m//g' "$root/build/multimaster.log" | grep -m1 -E 'Error|Exception' || echo 'they say nothing') (whole log: $root/build/multimaster.log)"
+say "Joining two ROS masters on this machine once"
+find_each_other || die "fkie multimaster was built, but two masters do not find each other: $(
+  sed 's/\x1b[^m]*m//g' "$root/build/multimaster.log" | grep -m1 -E 'Error|Exception' || echo 'no error is reported') (whole log: $root/build/multimaster.log)"
 say "fkie multimaster is ready; docs/multimaster.md says how two masters are joined"
