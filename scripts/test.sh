@@ -4,20 +4,24 @@
 #   scripts/test.sh           everything, in minutes
 #   scripts/test.sh --long    the same with long fuzzing
 #   scripts/test.sh NAME...   only the system tests test/NAME.test
+#
+# Environment: LD90_REAL_MAPS, a folder with .map files of real robots; FKIE_ARCHIVE, sources of fkie multimaster (.tar.gz)
+# where GitHub cannot be reached. What lies there is tested, too.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 system_tests=()
 for arg in "$@"; do
   case "$arg" in
-    -h | --help) sed -n '2,6s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -h | --help) sed -n '2,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     --long) export LD90_LONG_TESTS=1 ;;
     *) [ -f "$root/test/$arg.test" ] || die "there is no system test '$arg'; there are: $(cd "$root/test" && ls ./*.test | sed 's/.*\///; s/\.test$//' | paste -sd' ')"
        system_tests+=("$arg") ;;
   esac
 done
 
-prepare "${run_packages[@]}" "${test_packages[@]}"
+if [ -n "${FKIE_ARCHIVE:-}" ]; then FKIE_ARCHIVE="$(realpath -m -- "$FKIE_ARCHIVE")"; fi
+prepare "${run_packages[@]}" "${test_packages[@]}" "${multimaster_packages[@]}"
 cd "$root"
 results="$root/build/test_results"
 rm -rf "$results"
@@ -90,6 +94,29 @@ unit_tests_of_python38() {
   fi
 }
 
+# provide_multimaster: fkie multimaster in this environment, in a workspace of its own (build/multimaster, kept between
+# runs) unless scripts/multimaster.sh has put it into this one. Where it cannot be had, the test says why.
+provide_multimaster() {
+  ! rospack find fkie_master_sync >/dev/null 2>&1 || return 0
+  local workspace="$root/build/multimaster" log="$results/multimaster_build.log" made_of
+  made_of="$root $(sha256sum <catkin_ws.repos)"  # a build says where it is, so it does not move with the folder
+  if [ "$(cat "$workspace/.made_of" 2>/dev/null)" != "$made_of" ]; then
+    say "Building fkie multimaster in build/multimaster"
+    rm -rf "$workspace"
+    mkdir -p "$workspace/src"
+    MULTIMASTER_MISSING="$(import_multimaster "$workspace/src/multimaster_fkie" 2>&1 | tail -1)" || true
+    export MULTIMASTER_MISSING
+    [ -d "$workspace/src/multimaster_fkie" ] || return 0
+    if ! catkin_make -C "$workspace" -DPYTHON_EXECUTABLE=/usr/bin/python3 >"$log" 2>&1; then
+      record failed build-of-multimaster "see $log"
+      MULTIMASTER_MISSING="it could not be built"
+      return 0
+    fi
+    echo "$made_of" >"$workspace/.made_of"
+  fi
+  _source "$workspace/devel/setup.bash"
+}
+
 system_test() {  # one rostest on free ports, under its own ROS master
   local name="$1" log="$results/$1.log" begun=$SECONDS
   export LD90_ARCL_PORT LD90_OUTGOING_PORT SYSTEM_TEST_SKIPS="$results/$name.skips"
@@ -104,12 +131,13 @@ system_test() {  # one rostest on free ports, under its own ROS master
 
 run_system_tests() {
   say "System tests (rostest)"
-  export PYTHONPATH="$root/test:$PYTHONPATH"
-  if [ ${#system_tests[@]} = 0 ]; then
+    if [ ${#system_tests[@]} = 0 ]; then
     local file
     for file in test/*.test; do system_tests+=("$(basename "$file" .test)"); done
   fi
+  case " ${system_tests[*]}" in *' multimaster'*) provide_multimaster ;; esac
   local name
+  export PYTHONPATH="$root/test:$PYTHONPATH"
   for name in "${system_tests[@]}"; do system_test "$name"; done
 }
 
