@@ -9,7 +9,14 @@ from graph_builders import spline_graph
 from hypothesis import given
 from hypothesis import strategies as st
 
-from trajectory_graph.curves import cubic_bezier, line, spline
+from trajectory_graph.curves import (
+    bezier_points,
+    bezier_section,
+    cubic_bezier,
+    line,
+    spline,
+    spline_control,
+)
 
 coordinate = st.floats(-50.0, 50.0)
 angle = st.floats(-math.pi, math.pi)
@@ -34,6 +41,20 @@ def test_a_quarter_circle_of_bezier_curve_has_its_length():
     curve = spline((1.0, 0.0), math.pi / 2, k, (0.0, 1.0), math.pi, k)
     assert curve.length == pytest.approx(math.pi / 2, rel=3e-4)
     assert np.hypot(*curve.sample(0.01).T) == pytest.approx(1.0, abs=1e-3)
+
+
+def test_the_length_of_a_spline_is_that_of_the_curve_not_of_its_polyline():
+    curve = spline((0.0, 0.0), 0.0, 2.0, (4.0, 2.0), 1.0, 2.0)
+    t = np.linspace(0.0, 1.0, 200001)
+    points = bezier_points(spline_control((0.0, 0.0), 0.0, 2.0, (4.0, 2.0), 1.0, 2.0), t)
+    assert curve.length == pytest.approx(np.hypot(*np.diff(points, axis=0).T).sum(), rel=1e-9)
+
+
+def test_a_section_of_a_spline_is_that_part_of_it():
+    control = spline_control((0.0, 0.0), 0.0, 2.0, (4.0, 2.0), 1.0, 2.0)
+    t = np.linspace(0.0, 1.0, 9)
+    part = bezier_points(bezier_section(control, 0.25, 0.75), t)
+    assert part == pytest.approx(bezier_points(control, 0.25 + t / 2.0), abs=1e-12)
 
 
 def test_a_spline_without_control_lengths_is_the_straight_line():

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import pytest
 
-from trajectory_graph import CurveType, GraphError, load_graph
+from trajectory_graph import CurveType, GraphError, load_graph, save_graph
 
 VERTICES = """\
 Vertices:
@@ -51,7 +51,28 @@ def test_fields_we_do_not_know_are_left_alone(tmp_path):
     assert len(load_graph(file).vertices) == 2
 
 
+def test_docks_and_parking_are_optional_and_the_label_dock_is_a_dock(tmp_path):
+    file = tmp_path / 'graph.yaml'
+    file.write_text(GOOD.replace('Id: 2, Label: pass', 'Id: 2, Label: dock, Parking: true'))
+    plain, dock = load_graph(file).vertex(1), load_graph(file).vertex(2)
+    assert (plain.dock, plain.parking, dock.dock, dock.parking) == (False, None, True, True)
+    file.write_text(GOOD.replace('Id: 2, Label: pass', 'Id: 2, Label: dock, Dock: false'))
+    assert not load_graph(file).vertex(2).dock
+
+
+def test_a_graph_that_is_saved_and_read_again_is_the_same(tmp_path):
+    file = tmp_path / 'graph.yaml'
+    file.write_text(GOOD.replace('Id: 2, Label: pass', 'Id: 2, Label: "a: b", Dock: true'))
+    graph = load_graph(file)
+    save_graph(graph, tmp_path / 'again.yaml', 'a comment')
+    again = load_graph(tmp_path / 'again.yaml')
+    assert dict(again.vertices) == dict(graph.vertices)
+    assert dict(again.edges) == dict(graph.edges)
+
+
 @pytest.mark.parametrize('old, new, sentence', [
+    ('Label: pass', 'Label: pass, Dock: maybe',
+     ", line 4: vertex 1: Dock is 'maybe', but must be true or false."),
     ('Id: 2,', 'Id: 1,', ', line 5: vertex 1: the id is used twice, first in line 4.'),
     ('Id: 3,', 'Id: 0,', ', line 2: edge 0: an id must be positive.'),
     ('Id: 3,', 'Id: 3.5,', ", line 2: Id is '3.5', but must be a whole number."),

@@ -1,4 +1,4 @@
-"""What is known of the goal that the robot was sent to, by outcomes and, without them, by status."""
+"""What is known of the last goal, by the outcome and, where that is lost, by the status."""
 from __future__ import annotations
 
 import math

@@ -12,10 +12,11 @@ from trajectory_graph.errors import (
 )
 from trajectory_graph.graph import CurveType, Edge, Graph, Vertex
 from trajectory_graph.routes import check_route, route_vertices
-from trajectory_graph.yaml_file import load_graph
+from trajectory_graph.splitting import split_edges
+from trajectory_graph.yaml_file import load_graph, save_graph
 
 __all__ = [
     'Curve', 'CurveType', 'DiscontinuousRoute', 'Edge', 'Graph', 'GraphError', 'Projection',
     'TrajectoryGraphError', 'UnknownEdge', 'UnknownVertex', 'Vertex', 'check_route', 'load_graph',
-    'route_vertices',
+    'route_vertices', 'save_graph', 'split_edges',
 ]

@@ -1,16 +1,17 @@
 """The curves that edges describe in the plane: length, points along them, projection onto them.
 
 Metres and radians. A curve is held as a polyline so fine (0.1 mm) that it may be taken for the
-curve itself; everything else follows from its points.
+curve itself; its arc length is that of the curve, not the slightly shorter one of the polyline.
 """
 from __future__ import annotations
 
 import math
-from typing import NamedTuple, Tuple
+from typing import NamedTuple, Optional, Tuple
 
 import numpy as np
 
 FLATNESS = 1e-4  # m, greatest distance between a spline and its polyline
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)  # Gauss-Legendre quadrature on -1..1
 
 
 class Projection(NamedTuple):
@@ -24,14 +25,20 @@ class Projection(NamedTuple):
 class Curve:
     """A curve in driving direction, parametrised by arc length s in 0..length (m)."""
 
-    def __init__(self, points: np.ndarray) -> None:
-        """`points` (N,2), N >= 2, m: the polyline; repeated points are dropped."""
+    def __init__(self, points: np.ndarray, arc: Optional[np.ndarray] = None) -> None:
+        """`points` (N,2), N >= 2, m: the polyline; repeated points are dropped.
+
+        `arc` (N,), m: the curve's own arc length at each point; None: the polyline's.
+        """
         steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-        self.points = points[np.concatenate(([True], steps > 1e-9))]
+        kept = np.concatenate(([True], steps > 1e-9))
+        self.points = points[kept]
         """(N,2) m, the polyline."""
         self._steps = np.diff(self.points, axis=0)
-        self._lengths = np.linalg.norm(self._steps, axis=1)
-        self._arc = np.concatenate(([0.0], np.cumsum(self._lengths)))
+        if arc is None:
+            arc = np.concatenate(([0.0], np.cumsum(steps)))
+        self._arc = arc[kept]
+        self._lengths = np.diff(self._arc)
 
     @property
     def length(self) -> float:
@@ -40,7 +47,7 @@ class Curve:
 
     def reversed(self) -> Curve:
         """The same curve, driven from its end to its start."""
-        return Curve(self.points[::-1])
+        return Curve(self.points[::-1], self.length - self._arc[::-1])
 
     def point_at(self, s: float) -> Tuple[float, float]:
         """x, y (m) at arc length `s`, held to 0..length."""
@@ -90,8 +97,9 @@ class Curve:
         """Arc length of the point nearest to x, y on each segment."""
         if not len(self._steps):
             return np.zeros(1)
-        ahead = ((np.array((x, y)) - self.points[:-1]) * self._steps).sum(axis=1) / self._lengths
-        return self._arc[:-1] + np.clip(ahead, 0.0, self._lengths)
+        ahead = ((np.array((x, y)) - self.points[:-1]) * self._steps).sum(axis=1)
+        fractions = np.clip(ahead / (self._steps ** 2).sum(axis=1), 0.0, 1.0)
+        return self._arc[:-1] + fractions * self._lengths
 
 
 def line(start: Tuple[float, float], end: Tuple[float, float]) -> Curve:
@@ -104,21 +112,66 @@ def cubic_bezier(control: np.ndarray) -> Curve:
     p0, p1, p2, p3 = control
     bend = 6.0 * max(np.linalg.norm(p0 - 2 * p1 + p2), np.linalg.norm(p1 - 2 * p2 + p3))
     segments = max(1, int(math.ceil(math.sqrt(bend / (8.0 * FLATNESS)))))
-    t = np.linspace(0.0, 1.0, segments + 1)[:, None]
+    t = np.linspace(0.0, 1.0, segments + 1)
+    return Curve(bezier_points(control, t), bezier_arc_lengths(control, t))
+
+
+def bezier_points(control: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """Points (..., N, 2) at parameters `t` (N,) of the curves with `control` points (..., 4, 2)."""
     u = 1.0 - t
-    return Curve(u ** 3 * p0 + 3 * u ** 2 * t * p1 + 3 * u * t ** 2 * p2 + t ** 3 * p3)
+    basis = np.stack((u ** 3, 3.0 * u ** 2 * t, 3.0 * u * t ** 2, t ** 3), axis=-1)
+    return basis @ control
 
 
-def spline(start: Tuple[float, float], start_theta: float, param_f: float,
-           end: Tuple[float, float], end_theta: float, param_b: float) -> Curve:
-    """The fleet's spline, as we read it.
+def bezier_arc_lengths(control: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """Arc lengths (..., N), m, from parameter t[0] to each of `t` (N,), which increases."""
+    half = np.diff(t) / 2.0
+    at = (t[:-1] + half)[:, None] + half[:, None] * _NODES
+    hodograph = 3.0 * np.diff(control, axis=-2)
+    u = 1.0 - at.ravel()
+    basis = np.stack((u ** 2, 2.0 * u * at.ravel(), at.ravel() ** 2), axis=-1)
+    velocity = basis @ hodograph
+    speed = np.hypot(velocity[..., 0], velocity[..., 1]).reshape(velocity.shape[:-2] + at.shape)
+    steps = (speed * _WEIGHTS).sum(axis=-1) * half
+    return np.concatenate((np.zeros_like(steps[..., :1]), np.cumsum(steps, axis=-1)), axis=-1)
+
+
+def bezier_section(control: np.ndarray, start: float, end: float) -> np.ndarray:
+    """Control points (4,2) of the part of a cubic Bezier curve from parameter `start` to `end`."""
+    back = _first_part(control, end)
+    return _first_part(back[::-1], 1.0 - start / end)[::-1] if start > 0.0 else back
+
+
+def _first_part(control: np.ndarray, t: float) -> np.ndarray:
+    """Control points of the part from 0 to `t` (de Casteljau's construction)."""
+    first, points = [control[0]], control
+    while len(points) > 1:
+        points = points[:-1] + t * np.diff(points, axis=0)
+        first.append(points[0])
+    return np.array(first)
+
+
+def spline_control(start: Tuple[float, float], start_theta: float, param_f: float,
+                   end: Tuple[float, float], end_theta: float, param_b: float) -> np.ndarray:
+    """Control points (4,2) of the fleet's spline, as we read it.
 
     A cubic Bezier curve that leaves `start` along `start_theta`, with a control point `param_f`
     metres ahead, and enters `end` along `end_theta`, with a control point `param_b` metres behind.
     This reading is an assumption: the editor's own definition is not public. It is made here only.
     """
-    p0 = np.array(start, dtype=float)
-    p3 = np.array(end, dtype=float)
-    p1 = p0 + param_f * np.array((math.cos(start_theta), math.sin(start_theta)))
-    p2 = p3 - param_b * np.array((math.cos(end_theta), math.sin(end_theta)))
-    return cubic_bezier(np.array((p0, p1, p2, p3)))
+    return np.array((
+        start,
+        (start[0] + param_f * math.cos(start_theta), start[1] + param_f * math.sin(start_theta)),
+        (end[0] - param_b * math.cos(end_theta), end[1] - param_b * math.sin(end_theta)),
+        end), dtype=float)
+
+
+def line_control(start: Tuple[float, float], end: Tuple[float, float]) -> np.ndarray:
+    """Control points (4,2) of the straight line, driven through evenly."""
+    return np.linspace(start, end, 4)
+
+
+def spline(start: Tuple[float, float], start_theta: float, param_f: float,
+           end: Tuple[float, float], end_theta: float, param_b: float) -> Curve:
+    """The fleet's spline; see `spline_control`."""
+    return cubic_bezier(spline_control(start, start_theta, param_f, end, end_theta, param_b))

@@ -31,7 +31,11 @@ class CurveType(Enum):
 
 @dataclass(frozen=True)
 class Vertex:
-    """A place where edges meet. x, y in m, angles in rad; `frame_id` is not a TF frame."""
+    """A place where edges meet. x, y in m, angles in rad; `frame_id` is not a TF frame.
+
+    dock    -- robots charge here
+    parking -- may a robot stand here for ever? None: the graph does not say
+    """
 
     id: int
     x: float
@@ -40,6 +44,8 @@ class Vertex:
     theta_holonomic: float = 0.0
     label: str = ''
     frame_id: str = ''
+    dock: bool = False
+    parking: Optional[bool] = None
 
     @property
     def position(self) -> Tuple[float, float]:
@@ -126,6 +132,15 @@ class Graph:
                 self._curves[signed_id] = self._curve_of(edge)
         return self._curves[signed_id]
 
+    def control_points(self, id: int) -> np.ndarray:
+        """Control points (4,2), m, of the edge's curve taken as a cubic Bezier curve."""
+        edge = self.edge(id)
+        origin, destination = self.vertices[edge.origin], self.vertices[edge.destination]
+        if edge.curve_type is CurveType.LINE:
+            return curves.line_control(origin.position, destination.position)
+        return curves.spline_control(origin.position, origin.theta, edge.param_f,
+                                     destination.position, destination.theta, edge.param_b)
+
     def nearest_edge(self, x: float, y: float) -> Optional[Tuple[int, Projection]]:
         """Id of the edge nearest to x, y and the projection onto it; None without edges."""
         if not self.edges:
@@ -136,11 +151,10 @@ class Graph:
         return id, self.curve(id).project(x, y)
 
     def _curve_of(self, edge: Edge) -> Curve:
-        origin, destination = self.vertices[edge.origin], self.vertices[edge.destination]
         if edge.curve_type is CurveType.LINE:
-            return curves.line(origin.position, destination.position)
-        return curves.spline(origin.position, origin.theta, edge.param_f,
-                             destination.position, destination.theta, edge.param_b)
+            return curves.line(self.vertices[edge.origin].position,
+                               self.vertices[edge.destination].position)
+        return curves.cubic_bezier(self.control_points(edge.id))
 
     def _check_vertices(self) -> None:
         if not self.vertices:

@@ -1,4 +1,4 @@
-"""Reads trajectory graphs from the YAML files that the fleet manager's editor writes.
+"""Trajectory graphs in the YAML files that the fleet manager's editor writes: read and written.
 
     Edges:
     - {CurveType: spline, Destination_ID: 2, Id: 3, Origin_ID: 1, ParamB: 0.25, ParamF: 0.25,
@@ -8,13 +8,15 @@
 
 Reading is strict: every field must be there once and hold what it should. YAML's own objects are
 never built: only the text of scalars is looked at, so no tag can make Python do anything. Fields
-that we do not know are left alone, because the editor may write more than we need.
+that we do not know are left alone, because the editor may write more than we need. A vertex may
+also say `Dock` and `Parking` (true or false); without `Dock`, the label `dock` makes it a dock.
 """
 from __future__ import annotations
 
 import os
 import re
 import stat
+import tempfile
 from typing import Any, Callable, Dict, List, Optional, Tuple, Union
 
 import yaml
@@ -48,7 +50,7 @@ def load_graph(path: Union[str, os.PathLike]) -> Graph:
     root = _compose(file)
     try:
         sections = _mapping(root, 'the file')
-        vertices = _elements(sections, root, 'Vertices', 'vertex', _VERTEX_FIELDS, Vertex, file)
+        vertices = _elements(sections, root, 'Vertices', 'vertex', _VERTEX_FIELDS, _vertex, file)
         edges = _elements(sections, root, 'Edges', 'edge', _EDGE_FIELDS, Edge, file)
     except _Wrong as wrong:
         raise GraphError(wrong.problem, file=file, line=wrong.line) from None
@@ -58,6 +60,48 @@ def load_graph(path: Union[str, os.PathLike]) -> Graph:
         return Graph([vertex for vertex, _ in vertices], [edge for edge, _ in edges])
     except GraphError as error:
         raise error.located(file, lines.get((error.kind, error.id))) from None
+
+
+def save_graph(graph: Graph, path: Union[str, os.PathLike], comment: str = '') -> None:
+    """Writes `graph` as a file that `load_graph` reads; `comment` becomes its first line.
+
+    An older file stays until the new one is complete. Raises OSError.
+    """
+    lines = [f'# {comment}'] if comment else []
+    lines.append('Edges:' if graph.edges else 'Edges: []')
+    lines += [_flow({
+        'CurveType': edge.curve_type.value, 'Destination_ID': edge.destination, 'Id': edge.id,
+        'Origin_ID': edge.origin, 'ParamB': edge.param_b, 'ParamF': edge.param_f,
+        'VelocityBackwards': edge.velocity_backwards, 'VelocityForward': edge.velocity_forward})
+        for edge in graph.edges.values()]
+    lines.append('Vertices:')
+    lines += [_flow({
+        'Dock': vertex.dock or None, 'FrameId': vertex.frame_id, 'Id': vertex.id,
+        'Label': vertex.label, 'Parking': vertex.parking, 'Theta': vertex.theta,
+        'ThetaHolomonic': vertex.theta_holonomic, 'X': vertex.x, 'Y': vertex.y})
+        for vertex in graph.vertices.values()]
+    folder, name = os.path.split(os.path.abspath(path))
+    descriptor, temporary = tempfile.mkstemp(prefix=f'.{name}.', dir=folder)
+    try:
+        with os.fdopen(descriptor, 'w', encoding='utf-8') as stream:
+            stream.write('\n'.join(lines) + '\n')
+        os.chmod(temporary, 0o644)
+        os.replace(temporary, path)
+    except OSError:
+        os.unlink(temporary)
+        raise
+
+
+def _flow(fields: Dict[str, Any]) -> str:
+    """A list entry in one line, without the fields that are None."""
+    known = {key: value for key, value in fields.items() if value is not None}
+    text = yaml.dump(known, default_flow_style=True, width=10 ** 6, allow_unicode=True,
+                     Dumper=getattr(yaml, 'CSafeDumper', yaml.SafeDumper))
+    return f'- {text.strip()}'
+
+
+def _vertex(dock: Optional[bool], label: str, **fields: Any) -> Vertex:
+    return Vertex(label=label, dock=label == 'dock' if dock is None else dock, **fields)
 
 
 def _compose(file: str) -> yaml.Node:
@@ -145,7 +189,8 @@ def _elements(sections: Dict[str, yaml.Node], root: yaml.Node, section: str, kin
             id = _whole(_field(fields, 'Id', item))
             if id in lines:
                 raise _Wrong(f'the id is used twice, first in line {lines[id]}', item)
-            values = {name: read(_field(fields, key, item)) for key, name, read in table}
+            values = {name: read(_field(fields, key, item)) if key in fields or key not in _OPTIONAL
+                      else None for key, name, read in table}
         except _Wrong as wrong:
             raise GraphError(wrong.problem, kind, id, file, wrong.line) from None
         lines[id] = item.start_mark.line + 1
@@ -190,6 +235,13 @@ def _text(field: Tuple[str, yaml.Node]) -> str:
     return _scalar(field, 'a text')
 
 
+def _truth(field: Tuple[str, yaml.Node]) -> bool:
+    text = _scalar(field, 'true or false')
+    if text.lower() not in ('true', 'false'):
+        raise _Wrong(f'{field[0]} is {text!r}, but must be true or false', field[1])
+    return text.lower() == 'true'
+
+
 def _curve_type(field: Tuple[str, yaml.Node]) -> CurveType:
     text = _scalar(field, 'a curve type')
     try:
@@ -202,6 +254,8 @@ def _curve_type(field: Tuple[str, yaml.Node]) -> CurveType:
 _Fields = Tuple[Tuple[str, str, Callable[[Tuple[str, yaml.Node]], Any]], ...]
 
 _VERTEX_FIELDS: _Fields = (
+    ('Dock', 'dock', _truth),
+    ('Parking', 'parking', _truth),
     ('FrameId', 'frame_id', _text),
     ('Label', 'label', _text),
     ('Theta', 'theta', _real),
@@ -209,6 +263,7 @@ _VERTEX_FIELDS: _Fields = (
     ('X', 'x', _real),
     ('Y', 'y', _real),
 )
+_OPTIONAL = ('Dock', 'Parking')
 _EDGE_FIELDS: _Fields = (
     ('CurveType', 'curve_type', _curve_type),
     ('Origin_ID', 'origin', _whole),

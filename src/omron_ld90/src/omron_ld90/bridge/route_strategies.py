@@ -16,6 +16,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Callable, Mapping, Optional
 
+from omron_ld90 import robot_model
 from omron_ld90.bridge.route_progress import RouteProgress
 from omron_ld90.bridge.shortest_paths import follows_on
 
@@ -104,6 +105,6 @@ class Settings:
     location_timeout: float = 5.0
     link_timeout: float = 2.0
     restart_timeout: float = 20.0
-    top_speed: float = 1.35
-    acceleration: float = 0.5
-    braking: float = 0.2      # m/s2, deceleration towards a goal
+    top_speed: float = robot_model.TOP_SPEED
+    acceleration: float = robot_model.ACCELERATION
+    braking: float = robot_model.BRAKING_TO_GOAL

@@ -14,9 +14,9 @@ from itertools import accumulate
 from typing import AbstractSet, Dict, MutableMapping, Sequence, Tuple
 from weakref import WeakKeyDictionary
 
+from omron_ld90.robot_model import HALF_WIDTH
 from trajectory_graph import Graph
 
-ROBOT_HALF_WIDTH = 0.25  # m
 PLANNING_ERROR = 0.05    # m that the robot's own planner and its localization may be off
 STEP = 0.02              # m between points looked at along a curve
 FARTHEST_CUT = 3.0       # m before a vertex from which a corner can be cut
@@ -29,7 +29,7 @@ def follows_on(graph: Graph, edges: Sequence[int], arc: float, corridor_width: f
     It is known to lead along the edges before that. It has to come within `tolerance` (m) of the
     vertex between.
     """
-    slack = max(corridor_width / 2.0 - ROBOT_HALF_WIDTH, 0.0) + PLANNING_ERROR
+    slack = max(corridor_width / 2.0 - HALF_WIDTH, 0.0) + PLANNING_ERROR
     return (len(edges) == 1 or corner_cut(graph, *edges[-2:], slack) <= tolerance
             ) and not has_detour(graph, edges, arc, corridor_width)
 

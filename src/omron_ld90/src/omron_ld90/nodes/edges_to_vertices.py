@@ -17,7 +17,7 @@ Client of
     execute_command (omron_ld90_msgs/ExecuteCommand): goto, dock, stop
 Parameters
     ~graph_file        string  (empty)  trajectory graph (YAML); empty: wait for /graph
-    ~dock_vertex       int     16       vertex that is reached by `dock`; 0: none
+    ~dock_vertex       int     0        vertex that is reached by `dock`; 0: none
     ~strategy          string  rolling  or vertex_by_vertex, direct, native
     ~native_command    string  (empty)  of strategy native: {goals} = names in order, {last}
     ~vertex_tolerance  float   0.3 m    a vertex is passed within this distance
@@ -45,7 +45,6 @@ from diagnostic_updater import DiagnosticStatusWrapper
 from std_msgs.msg import String
 
 from itrci_nav_msgs.msg import ExecutionRouteStates, RouteRefused, TargetRoute
-from itrci_nav_msgs.msg import Graph as GraphMessage
 from omron_ld90.bridge import route_protocol as p
 from omron_ld90.bridge.robot_monitor import moves_robot
 from omron_ld90.bridge.route_follower import RouteFollower
@@ -56,8 +55,9 @@ from omron_ld90.nodes.bridge_messages import command_ended, link_reported, robot
 from omron_ld90.nodes.support import fleet_messages, shared_parameters, startup
 from omron_ld90.nodes.support.command_client import CommandClient
 from omron_ld90.nodes.support.diagnostics import publish_diagnostics
+from omron_ld90.nodes.support.followed_graph import FollowedGraph
 from omron_ld90_msgs.msg import ExecuteCommandResult, LinkState, RobotStatus
-from trajectory_graph import Graph, GraphError
+from trajectory_graph import Graph
 
 TICK = 0.1          # s between two looks at the clock, and two reports while a route runs
 IDLE_PERIOD = 1.0   # s between two reports without a route
@@ -83,7 +83,6 @@ class EdgesToVertices:
         if record:
             self._follower.restore(record, age < settings.restart_timeout, self._clock.read())
         self._calls: queue.SimpleQueue[Call] = queue.SimpleQueue()
-        self._graph_message: Optional[GraphMessage] = None
         self._reported = self._diagnosed = -IDLE_PERIOD
         self._ending = threading.Event()
         self._diagnosis = (DiagnosticStatus.WARN, 'starting', {})
@@ -97,9 +96,9 @@ class EdgesToVertices:
                 ('link_state', LinkState, self._on_link),
                 ('robot_status', RobotStatus, self._on_status),
                 ('send_command', String, self._on_command),
-                ('/graph', GraphMessage, self._on_graph),
                 ('target_route', TargetRoute, self._on_route)):
             rospy.Subscriber(topic, kind, callback, queue_size=100, tcp_nodelay=True)
+        FollowedGraph(graph, self._on_graph).subscribe()
         publish_diagnostics('none', {'route': self._diagnose})
         self._thread = threading.Thread(target=self._run, name='route-follower', daemon=True)
         self._thread.start()
@@ -140,16 +139,7 @@ class EdgesToVertices:
         if moves_robot(message.data):
             self._tell(p.ForeignCommand(message.data, message._connection_header['callerid']))
 
-    def _on_graph(self, message: GraphMessage) -> None:
-        last, self._graph_message = self._graph_message, message
-        if last and (message.vertices, message.edges) == (last.vertices, last.edges):
-            return
-        try:
-            graph = fleet_messages.graph_of(message)
-        except GraphError as error:
-            rospy.logerr('%s keeps its graph, because the one on /graph is not valid: %s',
-                         rospy.get_name(), error)
-            return
+    def _on_graph(self, graph: Graph) -> None:
         self._calls.put(lambda now: self._follower.use_graph(graph, now))
         rospy.loginfo('The graph of /graph is used: %d vertices, %d edges.',
                       len(graph.vertices), len(graph.edges))
@@ -219,7 +209,7 @@ def _diagnosis(follower: RouteFollower) -> Tuple[bytes, str, Dict[str, str]]:
 
 
 def _read_settings(graph: Optional[Graph]) -> Settings:
-    dock = startup.parameter('~dock_vertex', 16, int)
+    dock = startup.parameter('~dock_vertex', 0, int)
     if graph is not None and dock and dock not in graph.vertices:
         raise startup.ConfigurationError(
             f'~dock_vertex is {dock}, which is no vertex of the graph: set it to the id of the '

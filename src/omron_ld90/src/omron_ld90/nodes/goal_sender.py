@@ -37,7 +37,6 @@ import rospy
 import tf2_geometry_msgs  # noqa: F401  registers PointStamped with tf2
 import tf2_ros
 from geometry_msgs.msg import PointStamped, PoseStamped
-from std_msgs.msg import String
 
 from itrci_nav_msgs.msg import ExecutionRouteStates
 from omron_arcl import InvalidCommand, parse_line
@@ -47,6 +46,7 @@ from omron_ld90.nodes.rviz.interactive_goals import Action, InteractiveGoals
 from omron_ld90.nodes.rviz.user_feedback import UserFeedback
 from omron_ld90.nodes.support import shared_parameters, startup
 from omron_ld90.nodes.support.command_client import CommandClient
+from omron_ld90.nodes.support.displayed_map import DisplayedMap
 from omron_ld90.nodes.support.poses import yaw_from_quaternion
 from omron_ld90.operator.goal_clicks import (
     Target,
@@ -58,7 +58,7 @@ from omron_ld90.operator.goal_clicks import (
 from omron_ld90.operator.notices import Notice, Severity
 from omron_ld90.units import millimetres
 from omron_ld90_msgs.msg import CommandRefused, ExecuteCommandResult, LinkState
-from omron_map import MapDocument, MapError
+from omron_map import MapDocument
 
 TRANSFORM_TIMEOUT = rospy.Duration(0.3)
 CHECK_PERIOD = rospy.Duration(0.5)
@@ -116,13 +116,13 @@ class GoalSender:
         self._listener = tf2_ros.TransformListener(self._buffer)
         self._commands = CommandClient(self._on_end, self._on_line)
         for topic, message, callback in (
-                ('map_file', String, self._on_map),
                 ('execution_route_states', ExecutionRouteStates, self._on_route),
                 ('command_refused', CommandRefused, self._on_refused),
                 ('link_state', LinkState, self._on_link),
                 ('pose', PoseStamped, self._on_pose),
                 ('clicked_point', PointStamped, self._on_click)):
             rospy.Subscriber(topic, message, callback, queue_size=10, tcp_nodelay=True)
+        DisplayedMap(self._on_map, without='Clicks do nothing').subscribe()
         self._timer = rospy.Timer(CHECK_PERIOD, lambda _: self._commands.check())
 
     def close(self) -> None:
@@ -132,18 +132,12 @@ class GoalSender:
 
     # What is known of the map, the fleet and the robot
 
-    def _on_map(self, message: String) -> None:
-        targets = None
-        if message.data:
-            try:
-                document = MapDocument.load(message.data)
-                targets = targets_of(document)
-                self._feedback.stay_within(*extent_in_x(document))
-            except MapError as error:
-                rospy.logerr('Clicks do nothing: %s', error)
+    def _on_map(self, document: Optional[MapDocument], path: str) -> None:
         with self._lock:
-            self._targets = targets
-            self._handles.show(targets or ())
+            self._targets = None if document is None else targets_of(document)
+            if document is not None:
+                self._feedback.stay_within(*extent_in_x(document))
+            self._handles.show(self._targets or ())
 
     def _on_route(self, message: ExecutionRouteStates) -> None:
         with self._lock:

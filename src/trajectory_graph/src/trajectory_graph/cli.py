@@ -1,0 +1,52 @@
+"""The command `split_edges`: a graph with long edges in, one with sections out."""
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from typing import Optional, Sequence
+
+from trajectory_graph.errors import GraphError
+from trajectory_graph.splitting import split_edges
+from trajectory_graph.yaml_file import load_graph, save_graph
+
+MOST_SECTIONS = 100000
+
+
+def split_edges_main(arguments: Optional[Sequence[str]] = None) -> int:
+    """Exit status 0 when the file is written; 1, with one sentence on stderr, when it is not."""
+    parser = argparse.ArgumentParser(
+        prog='split_edges',
+        description='Cuts the long edges of a trajectory graph into equal sections with vertices '
+                    'of their own, so that more robots can share it.')
+    parser.add_argument('--longest', type=_length, required=True, metavar='METRES',
+                        help='no section is longer')
+    parser.add_argument('graph', help='the trajectory graph (YAML)')
+    parser.add_argument('output', help='the file to write; may be the same')
+    options = parser.parse_args(arguments)
+    try:
+        graph = load_graph(options.graph)
+        sections = sum(graph.curve(edge).length for edge in graph.edges) / options.longest
+        if sections > MOST_SECTIONS:
+            print(f'{options.graph} would have {sections:.0f} sections of {options.longest} m; '
+                  f'choose a greater length, for at most {MOST_SECTIONS}.', file=sys.stderr)
+            return 1
+        split = split_edges(graph, options.longest)
+        save_graph(split, options.output,
+                   f'{options.graph} with edges of at most {options.longest} m.')
+    except GraphError as error:
+        print(error, file=sys.stderr)
+        return 1
+    except OSError as error:
+        print(f'{options.output} cannot be written: {error.strerror}.', file=sys.stderr)
+        return 1
+    print(f'{options.output}: {len(split.vertices)} vertices and {len(split.edges)} edges, '
+          f'of {len(graph.vertices)} and {len(graph.edges)}.')
+    return 0
+
+
+def _length(text: str) -> float:
+    value = float(text)
+    if not 0.0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f'{text} is not a length above 0')
+    return value

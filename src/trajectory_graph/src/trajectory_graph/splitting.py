@@ -1,0 +1,91 @@
+"""Long edges cut into sections with vertices of their own, so that more robots share a graph.
+
+A robot on an edge keeps others from all of it, and many robots cannot be held in the middle of one.
+Cut into sections, an edge is given to robots piece by piece. The sections lie exactly on the old
+curve: a part of a Bezier curve is a Bezier curve.
+"""
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import List, Tuple
+
+import numpy as np
+
+from trajectory_graph.curves import bezier_arc_lengths, bezier_section
+from trajectory_graph.graph import CurveType, Edge, Graph, Vertex
+
+
+def split_edges(graph: Graph, longest: float) -> Graph:
+    """The graph with every edge longer than `longest` (m) cut into equal sections no longer.
+
+    Edges that are short enough keep their ids; a section and a new vertex get ids above all old
+    ones, in the order of the edges, from origin to destination. A new vertex looks along the edge;
+    it is labelled with the edge's id and the section that ends there, `7/2`, and is no parking.
+    """
+    if not longest > 0.0:
+        raise ValueError(f'longest is {longest}, but must be positive')
+    vertices: List[Vertex] = list(graph.vertices.values())
+    edges: List[Edge] = []
+    next_vertex, next_edge = max(graph.vertices) + 1, max(graph.edges, default=0) + 1
+    for edge in graph.edges.values():
+        count = math.ceil(graph.curve(edge.id).length / longest - 1e-9)
+        if count <= 1:
+            edges.append(edge)
+            continue
+        between, sections = _cut(graph, edge, count, next_vertex, next_edge)
+        vertices += between
+        edges += sections
+        next_vertex += len(between)
+        next_edge += len(sections)
+    return Graph(vertices, edges)
+
+
+def _cut(graph: Graph, edge: Edge, count: int, first_vertex: int,
+         first_edge: int) -> Tuple[List[Vertex], List[Edge]]:
+    """The `count` - 1 new vertices on the edge and the `count` sections that they make."""
+    control = graph.control_points(edge.id)
+    cuts = _equal_parts(control, count)
+    origin = graph.vertices[edge.origin]
+    vertices, sections = [], []
+    start = edge.origin
+    for k in range(count):
+        part = bezier_section(control, cuts[k], cuts[k + 1])
+        end = edge.destination if k == count - 1 else first_vertex + k
+        if end != edge.destination:
+            x, y = part[3].tolist()
+            theta = _direction(part)
+            vertices.append(Vertex(end, x, y, theta, theta, f'{edge.id}/{k + 1}', origin.frame_id,
+                                   parking=False))
+        section = replace(edge, id=first_edge + k, origin=start, destination=end)
+        if edge.curve_type is CurveType.SPLINE:
+            section = replace(section, param_f=math.dist(part[0], part[1]),
+                              param_b=math.dist(part[2], part[3]))
+        sections.append(section)
+        start = end
+    return vertices, sections
+
+
+def _equal_parts(control: np.ndarray, count: int) -> List[float]:
+    """Parameters that cut the curve into `count` parts of equal arc length, 0 and 1 included."""
+    t = np.linspace(0.0, 1.0, 64 * count + 1)
+    arc = bezier_arc_lengths(control, t)
+    wanted = arc[-1] * np.arange(count + 1) / count
+    cuts = np.interp(wanted, arc, t)
+    for _ in range(3):  # Newton's method; the speed along the curve comes from the arc lengths
+        here = np.interp(cuts, t, arc)
+        for k in range(1, count):
+            before = int(np.searchsorted(t, cuts[k], side='right')) - 1
+            here[k] = arc[before] + bezier_arc_lengths(control, np.array((t[before], cuts[k])))[1]
+        speed = np.interp(cuts, (t[1:] + t[:-1]) / 2.0, np.diff(arc) / np.diff(t))
+        cuts = np.clip(cuts - (here - wanted) / np.maximum(speed, 1e-9), 0.0, 1.0)
+    return [0.0, *cuts[1:-1].tolist(), 1.0]
+
+
+def _direction(part: np.ndarray) -> float:
+    """Driving direction (rad) at the end of a section."""
+    for before in part[2::-1]:
+        dx, dy = part[3] - before
+        if math.hypot(dx, dy) > 1e-9:
+            return math.atan2(dy, dx)
+    return 0.0
