@@ -9,9 +9,9 @@ import rospy
 
 from itrci_nav_msgs.msg import Edge, Vertex
 from omron_ld90.nodes.support import followed_graph
-from omron_ld90.nodes.support.fleet_messages import graph_of
 from omron_ld90.nodes.support.followed_graph import BoundedGraphMessage, FollowedGraph
 from trajectory_graph import Graph
+from trajectory_graph.messages import graph_from_message
 
 
 @pytest.fixture
@@ -48,7 +48,7 @@ def test_the_first_graph_and_every_other_one_is_told():
 
 def test_a_graph_that_is_in_force_already_is_no_news():
     told: List[Graph] = []
-    from_file = graph_of(message())
+    from_file = graph_from_message(message())
     followed = FollowedGraph(from_file, told.append)
     for _ in range(3):
         followed.take(received(message()))
@@ -58,7 +58,7 @@ def test_a_graph_that_is_in_force_already_is_no_news():
 
 def test_a_graph_that_is_not_valid_is_refused_in_words(refusals):
     told: List[Graph] = []
-    followed = FollowedGraph(graph_of(message()), told.append)
+    followed = FollowedGraph(graph_from_message(message()), told.append)
     followed.take(received(message(0.0)))
     assert told == [] and followed.graph.vertex(2).x == 4.0
     assert 'which are at the same place' in refusals[0]

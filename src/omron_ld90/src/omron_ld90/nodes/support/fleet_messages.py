@@ -1,6 +1,7 @@
-"""The one place where the fleet manager's messages (itrci_nav_msgs) become ours and back.
+"""The one place where the fleet manager's messages about routes become ours and back.
 
-The original definitions of INESC TEC are not public; adapting to another one is this file.
+The original definitions of INESC TEC (itrci_nav_msgs) are not public; adapting to another one is
+this file, and `trajectory_graph.messages` for the graph.
 """
 from __future__ import annotations
 
@@ -13,9 +14,7 @@ from itrci_nav_msgs.msg import (
     SymbolicPose,
     TargetRoute,
 )
-from itrci_nav_msgs.msg import Graph as GraphMessage
 from omron_ld90.bridge.route_protocol import RouteOrder, RouteRefusal, RouteReport
-from trajectory_graph import CurveType, Edge, Graph, GraphError, Vertex
 
 
 def order_of(message: TargetRoute, received: genpy.Time) -> RouteOrder:
@@ -44,20 +43,3 @@ def states_of(report: RouteReport) -> ExecutionRouteStates:
     message.symbolic_pose = SymbolicPose(report.pose.edge, report.pose.percentage)
     message.reason = report.reason
     return message
-
-
-def graph_of(message: GraphMessage) -> Graph:
-    """The graph in a message; raises GraphError when it is not valid."""
-    vertices = [Vertex(v.id, v.x, v.y, v.theta, v.theta_holonomic, v.label, v.frame_id)
-                for v in message.vertices]
-    return Graph(vertices, [
-        Edge(e.id, e.origin_id, e.destination_id, _curve_type(e), e.param_f, e.param_b,
-             e.velocity_forward, e.velocity_backwards) for e in message.edges])
-
-
-def _curve_type(edge) -> CurveType:
-    try:
-        return CurveType(edge.curve_type)
-    except ValueError:
-        raise GraphError(f'curve_type is {edge.curve_type!r}, but must be spline or line',
-                         'edge', edge.id) from None

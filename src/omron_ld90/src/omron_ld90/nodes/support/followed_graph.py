@@ -10,8 +10,8 @@ from typing import Callable, Optional
 import rospy
 
 from itrci_nav_msgs.msg import Graph as GraphMessage
-from omron_ld90.nodes.support.fleet_messages import graph_of
 from trajectory_graph import Graph, GraphError
+from trajectory_graph.messages import graph_from_message
 
 MAX_BYTES = 4 * 2**20  # of a message: some 60,000 vertices and edges
 REFUSALS_TOLD = 10.0  # s between two words about them
@@ -49,7 +49,7 @@ class FollowedGraph:
             _refuse(f'it has more than {MAX_BYTES} bytes')
             return
         try:
-            graph = graph_of(message)
+            graph = graph_from_message(message)
         except GraphError as error:
             _refuse(str(error))
             return
