@@ -104,7 +104,7 @@ class CommandClient:
 
 
 class _Given:
-    """A command given. Its handle is kept, as actionlib forgets a goal whose handle nobody keeps."""
+    """A command given; actionlib forgets a goal whose handle nobody keeps."""
 
     def __init__(self, statuses: int) -> None:
         self.statuses = statuses
