@@ -22,16 +22,15 @@ from arcl_builders import (
 from omron_arcl import (
     Backoff,
     Client,
-    ConnectionFailed,
     InvalidCommand,
     Link,
     LinkPhase,
     NotConnected,
     Outcome,
     SessionLog,
-    WrongPassword,
 )
-from omron_arcl.connection import TICK
+from omron_arcl.errors import ConnectionFailed, WrongPassword
+from omron_arcl.transport import TICK
 
 
 def quick() -> Backoff:
@@ -139,7 +138,7 @@ def test_a_lost_link_ends_commands_as_lost_and_sends_no_motion_again(robot, link
 
 
 def test_a_silent_robot_counts_as_dead(robot, links):
-    with connected_client(robot, on_link=links, heartbeat=0.1, silence=0.4) as client:
+    with connected_client(robot, on_link=links, heartbeat=0.1, timeout=0.4) as client:
         goto = client.execute('goto 12')
         robot.mute = True
         link = links.wait(lambda link: 'nothing was received' in link.reason, 'silence')
@@ -148,12 +147,12 @@ def test_a_silent_robot_counts_as_dead(robot, links):
 
 
 def test_by_default_a_dead_link_is_noticed_within_five_seconds():
-    silence = inspect.signature(Client).parameters['silence'].default
-    assert silence + TICK < 5.0
+    timeout = inspect.signature(Client).parameters['timeout'].default
+    assert timeout + TICK < 5.0
 
 
 def test_a_robot_with_nothing_to_say_stays_connected_by_heartbeats(robot, links):
-    with connected_client(robot, on_link=links, heartbeat=0.05, silence=0.3):
+    with connected_client(robot, on_link=links, heartbeat=0.05, timeout=0.3):
         wait_for(lambda: robot.heard.count(b'oneLineStatus') >= 10, 'ten heartbeats')
         assert links.all[-1].connected
 
@@ -162,7 +161,7 @@ def test_a_silent_server_is_given_up_during_the_login(links):
     with ScriptedRobot(login=False) as robot:
         robot.mute = True
         with Client('127.0.0.1', robot.port, PASSWORD, backoff=quick(), on_link=links,
-                    heartbeat=0.1, silence=0.3):
+                    heartbeat=0.1, timeout=0.3):
             links.wait(lambda link: 'nothing was received' in link.reason, 'silence')
 
 

@@ -92,7 +92,7 @@ def test_the_listener_keeps_the_connection_alive(monkeypatch):
 
 def test_a_silent_robot_is_reported_and_may_come_back(received, links):
     with Listener('127.0.0.1', 0, '127.0.0.1', on_line=received, on_link=links,
-                  silence=0.2) as listener:
+                  timeout=0.2) as listener:
         with dial(listener) as robot:
             links.wait(lambda link: 'nothing was received' in link.reason, 'silence')
             assert is_closed(robot)

@@ -11,7 +11,8 @@ import rospy
 from sensor_msgs.msg import BatteryState, PointCloud2
 from sensor_msgs.point_cloud2 import read_points
 
-from omron_arcl import DockingState, DockingStatus, OneLineStatus, RangeReading, parse_line
+from omron_arcl import parse_line
+from omron_arcl.replies import DockingState, DockingStatus, OneLineStatus, RangeReading
 from omron_ld90.nodes.receiver_messages import battery_state, point_cloud, robot_status
 from omron_ld90.nodes.support.link_line import LineMessage
 

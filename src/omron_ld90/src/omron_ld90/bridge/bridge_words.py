@@ -13,25 +13,26 @@ DESCRIPTION_PATIENCE = 0.5  # s between the two lines of an error
 
 # Lines that say what they mean by themselves.
 _EVENTS: Dict[Type[arcl.Reply], Callable[..., p.RobotEvent]] = {
-    arcl.GoingTo: lambda line: p.GoalStarted(line.goal),
-    arcl.GoingToPoint: lambda line: p.GoalStarted(''),
-    arcl.Patrolling: lambda line: p.GoalStarted(''),
-    arcl.ArrivedAt: lambda line: p.GoalReached(line.goal),
-    arcl.FailedGoingTo: lambda line: p.RobotFailed(f'Failed going to {line.goal}'),
-    arcl.Interrupted: lambda line: p.MotionInterrupted(line.text),
-    arcl.RobotError: lambda line: p.RobotFailed(line.text),
-    arcl.EStop: lambda line: p.EmergencyStop(True),
-    arcl.Motors: lambda line: (p.EmergencyStop(False) if line.enabled
+    arcl.replies.GoingTo: lambda line: p.GoalStarted(line.goal),
+    arcl.replies.GoingToPoint: lambda line: p.GoalStarted(''),
+    arcl.replies.Patrolling: lambda line: p.GoalStarted(''),
+    arcl.replies.ArrivedAt: lambda line: p.GoalReached(line.goal),
+    arcl.replies.FailedGoingTo: lambda line: p.RobotFailed(f'Failed going to {line.goal}'),
+    arcl.replies.Interrupted: lambda line: p.MotionInterrupted(line.text),
+    arcl.replies.RobotError: lambda line: p.RobotFailed(line.text),
+    arcl.replies.EStop: lambda line: p.EmergencyStop(True),
+    arcl.replies.Motors: lambda line: (p.EmergencyStop(False) if line.enabled
                                else p.RobotFailed('Motors disabled')),
-    arcl.DockingStatus: lambda line: p.Docking(line.docking.value),
-    arcl.UnknownCommand: lambda line: p.CommandRejected(line.name, f'Unknown command {line.name}'),
+    arcl.replies.DockingStatus: lambda line: p.Docking(line.docking.value),
+    arcl.replies.UnknownCommand: lambda line: p.CommandRejected(
+        line.name, f'Unknown command {line.name}'),
 }
 
 # What the status text says the robot is going to.
 _SHOWN: Dict[Type[arcl.Reply], Callable[..., str]] = {
-    arcl.GoingTo: lambda line: line.goal,
-    arcl.GoingToPoint: lambda line: '',
-    arcl.Patrolling: lambda line: '',
+    arcl.replies.GoingTo: lambda line: line.goal,
+    arcl.replies.GoingToPoint: lambda line: '',
+    arcl.replies.Patrolling: lambda line: '',
 }
 
 
@@ -44,11 +45,11 @@ class RobotWords:
     def line(self, text: str, now: float) -> List[p.RobotEvent]:
         """The events in a line of the ARCL server, received at `now` (s, monotonic)."""
         reply = arcl.parse_line(text)
-        if isinstance(reply, arcl.CommandError):
+        if isinstance(reply, arcl.replies.CommandError):
             events = self.overdue(float('inf'))
             self._rejected = (reply.command, now)
             return events
-        if isinstance(reply, arcl.CommandErrorDescription) and self._rejected:
+        if isinstance(reply, arcl.replies.CommandErrorDescription) and self._rejected:
             command, self._rejected = self._rejected[0], None
             return [p.CommandRejected(command, reply.text)]
         build = _EVENTS.get(type(reply))

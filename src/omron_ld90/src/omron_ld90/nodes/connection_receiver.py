@@ -29,24 +29,18 @@ from typing import Callable, Dict, Optional
 import rospy
 from sensor_msgs.msg import BatteryState, PointCloud2
 
-from omron_arcl import (
+from omron_arcl import Link, Listener, Received, Reply, SessionLog, StatusAssembler, parse_line
+from omron_arcl.replies import (
     BatteryVoltage,
     DockingStatus,
     ExtendedStatus,
-    Link,
-    Listener,
     LocalizationScore,
     Location,
     OneLineStatus,
     RangeReading,
-    Received,
-    Reply,
-    SessionLog,
     StateOfCharge,
-    StatusAssembler,
     StatusText,
     Temperature,
-    parse_line,
 )
 from omron_ld90.nodes.receiver_messages import battery_state, point_cloud, robot_status
 from omron_ld90.nodes.support.diagnostics import publish_diagnostics
@@ -103,7 +97,7 @@ class ConnectionReceiver:
             self._log.close()
 
     def _on_link(self, link: Link) -> None:
-        self._assembler = StatusAssembler()
+        self._assembler.drop()
         self._docking = None
         self._health.forget()
         self._reporter.report(link)
@@ -176,7 +170,7 @@ def start() -> ConnectionReceiver:
 
     def make_listener(**callbacks) -> Listener:
         try:
-            return Listener(bind, port, robot, silence=silence, log=log, **callbacks)
+            return Listener(bind, port, robot, timeout=silence, log=log, **callbacks)
         except OSError as error:
             raise ConfigurationError(f'Cannot listen on {bind or "every address"}, port {port}: '
                                      f'{error.strerror}. Choose another ~port or '

@@ -44,7 +44,8 @@ from nav_msgs.srv import GetMap, LoadMap, LoadMapRequest, LoadMapResponse
 from std_msgs.msg import Header, String
 from visualization_msgs.msg import Marker, MarkerArray
 
-from omron_arcl import RangeReading, parse_line
+from omron_arcl import parse_line
+from omron_arcl.replies import RangeReading
 from omron_ld90.nodes.rviz import map_markers
 from omron_ld90.nodes.rviz.fast_messages import GetGridResponse, GridMessage, LoadGridResponse
 from omron_ld90.nodes.support.diagnostics import publish_diagnostics

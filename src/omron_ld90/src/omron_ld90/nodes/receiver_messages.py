@@ -8,7 +8,8 @@ import numpy as np
 import rospy
 from sensor_msgs.msg import BatteryState, PointCloud2, PointField
 
-from omron_arcl import DockingStatus, EStop, OneLineStatus, RangeReading, parse_line
+from omron_arcl import parse_line
+from omron_arcl.replies import DockingStatus, EStop, OneLineStatus, RangeReading
 from omron_ld90.nodes.support.poses import pose_from_robot
 from omron_ld90.units import MM_PER_M
 from omron_ld90_msgs.msg import RobotStatus

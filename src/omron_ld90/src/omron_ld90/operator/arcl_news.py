@@ -26,17 +26,18 @@ class News:
 
 
 TELLERS: Dict[Type, Callable[..., News]] = {
-    arcl.GoingTo: lambda line: News(Tone.NEWS, f'Going to {line.goal}', line.goal),
-    arcl.GoingToPoint: lambda line: News(Tone.NEWS, 'Going to the point'),
-    arcl.ArrivedAt: lambda line: News(Tone.GOOD, f'Arrived at {line.goal}', line.goal),
-    arcl.ArrivedAtPoint: lambda line: News(Tone.GOOD, 'Arrived at the point'),
-    arcl.Stopped: lambda line: News(Tone.NEWS, 'Stopped'),
-    arcl.Interrupted: lambda line: News(Tone.NEWS, f'Interrupted: {line.text}'),
-    arcl.RobotError: lambda line: News(Tone.BAD, f'Error: {line.text}'),
-    arcl.CommandErrorDescription: lambda line: News(Tone.BAD, line.text),
-    arcl.UnknownCommand: lambda line: News(Tone.BAD, f'The robot does not know {line.name}'),
-    arcl.EStop: lambda line: News(Tone.BAD, 'Emergency stop'),
-    arcl.MapChanged: lambda line: News(Tone.NEWS, 'The robot loaded another map'),
+    arcl.replies.GoingTo: lambda line: News(Tone.NEWS, f'Going to {line.goal}', line.goal),
+    arcl.replies.GoingToPoint: lambda line: News(Tone.NEWS, 'Going to the point'),
+    arcl.replies.ArrivedAt: lambda line: News(Tone.GOOD, f'Arrived at {line.goal}', line.goal),
+    arcl.replies.ArrivedAtPoint: lambda line: News(Tone.GOOD, 'Arrived at the point'),
+    arcl.replies.Stopped: lambda line: News(Tone.NEWS, 'Stopped'),
+    arcl.replies.Interrupted: lambda line: News(Tone.NEWS, f'Interrupted: {line.text}'),
+    arcl.replies.RobotError: lambda line: News(Tone.BAD, f'Error: {line.text}'),
+    arcl.replies.CommandErrorDescription: lambda line: News(Tone.BAD, line.text),
+    arcl.replies.UnknownCommand: lambda line: News(
+        Tone.BAD, f'The robot does not know {line.name}'),
+    arcl.replies.EStop: lambda line: News(Tone.BAD, 'Emergency stop'),
+    arcl.replies.MapChanged: lambda line: News(Tone.NEWS, 'The robot loaded another map'),
 }
 
 
@@ -44,19 +45,19 @@ class NewsReader:
     """Picks the news out of the robot's lines; the docking state is news only when it changes."""
 
     def __init__(self) -> None:
-        self._docking: Optional[arcl.DockingState] = None
+        self._docking: Optional[arcl.replies.DockingState] = None
 
     def read(self, line: str) -> Optional[News]:
         """The news in one line of the robot, or None."""
         reply = arcl.parse_line(line)
-        if isinstance(reply, arcl.DockingStatus):
+        if isinstance(reply, arcl.replies.DockingStatus):
             return self._read_docking(reply.docking)
         teller = TELLERS.get(type(reply))
         return teller(reply) if teller else None
 
-    def _read_docking(self, state: arcl.DockingState) -> Optional[News]:
+    def _read_docking(self, state: arcl.replies.DockingState) -> Optional[News]:
         known, self._docking = self._docking, state
         if known in (None, state):
             return None
-        tone = Tone.GOOD if state is arcl.DockingState.DOCKED else Tone.NEWS
+        tone = Tone.GOOD if state is arcl.replies.DockingState.DOCKED else Tone.NEWS
         return News(tone, state.name.capitalize())

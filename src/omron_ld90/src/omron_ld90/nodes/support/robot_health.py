@@ -7,17 +7,16 @@ from typing import Dict, Optional
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
-from omron_arcl import (
+from omron_arcl import Reply, parse_line
+from omron_arcl.replies import (
     DockingStatus,
     EStop,
     Fault,
     LocalizationScore,
     Motors,
     OneLineStatus,
-    Reply,
     StateOfCharge,
     StatusText,
-    parse_line,
 )
 
 LOW_CHARGE = 25.0  # %, where the robot's auto-dock begins by default
