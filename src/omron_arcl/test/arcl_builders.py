@@ -8,7 +8,7 @@ import socket
 import struct
 import threading
 import time
-from typing import Any, Callable, List, Tuple
+from typing import Any, Callable, List, Set, Tuple
 
 from omron_arcl import Execution, Outcome, Received, parse_command, parse_line
 from omron_arcl.dispatcher import Dispatcher
@@ -171,6 +171,7 @@ class ScriptedRobot:
         self.heard: List[bytes] = []
         self.connections: List[socket.socket] = []
         self.answers = {b'echo off': (b'Echo turned off.',)}
+        self.unknown: Set[bytes] = set()
         self.mute = False
         self.hangs_up_on = b''  # the line at which it ends the connection
         self._sending = threading.Lock()
@@ -247,6 +248,8 @@ class ScriptedRobot:
                 return  # the other side, or the test, ended it
 
     def _answer(self, line: bytes) -> Tuple[bytes, ...]:
+        if line in self.unknown:
+            return (b'Unknown command ' + line,)
         if line == b'oneLineStatus':
             return (b'Status: Stopped StateOfCharge: 79.4 Location: 1 2 3 Temperature: 36',)
         return self.answers.get(line, ())

@@ -75,9 +75,10 @@ def _find(name: str, text: str) -> int:
 def printable(text: str, longest: int = 200) -> str:
     """`text` fit for logs and terminals: control characters escaped, shortened, no passwords."""
     shown = redact_passwords(text.encode('utf-8', 'backslashreplace')).decode('utf-8')
-    shown = ''.join(character if character.isprintable()
-                    else character.encode('unicode_escape').decode('ascii')
-                    for character in shown[:longest + 1])
+    if not shown.isprintable():
+        shown = ''.join(character if character.isprintable()
+                        else character.encode('unicode_escape').decode('ascii')
+                        for character in shown[:longest + 1])
     return shown if len(shown) <= longest else shown[:longest - 3] + '...'
 
 

@@ -124,10 +124,17 @@ def resolve(host: str, port: Optional[int] = None) -> List[Tuple[Any, ...]]:
 
     A text that can be no name, such as `10.0..5`, has no address either.
     """
+    if not is_host(host):
+        raise OSError(errno.EINVAL, f'"{host}" is neither an address nor a name')
+    return socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
+
+
+def is_host(text: str) -> bool:
+    """Whether a text can be a host's name or address at all."""
     try:
-        return socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
-    except ValueError:  # UnicodeError is one
-        raise OSError(errno.EINVAL, f'"{host}" is neither an address nor a name') from None
+        return bool(text.encode('idna')) and text.isprintable() and ' ' not in text
+    except UnicodeError:
+        return False
 
 
 def reason_of(error: OSError) -> str:

@@ -9,7 +9,7 @@ import socket
 import time
 from typing import Callable, Optional
 
-from omron_arcl.connection import Connection, Peer, reason_of, resolve
+from omron_arcl.connection import Connection, Peer, is_host, reason_of, resolve
 from omron_arcl.link import Link, LinkPhase
 from omron_arcl.session import Received, Session
 from omron_arcl.session_log import SessionLog
@@ -59,6 +59,8 @@ class Listener(Transport):
         super().__init__('ARCL listener', Link(LinkPhase.DISCONNECTED, robot, reason), on_link)
 
     def _listen(self) -> socket.socket:
+        if self._bind and not is_host(self._bind):
+            raise OSError(errno.EINVAL, 'that is neither an address nor a name')
         listening = socket.create_server((self._bind, self.port), backlog=4)
         listening.setblocking(False)
         self.port = listening.getsockname()[1]

@@ -202,7 +202,6 @@ class Session:
     def _send_password(self) -> None:
         self.state = State.LOGGING_IN
         self._stirred = True
-        self._said.clear()
         self._say(self._password, REDACTED)
 
     def _read_verdict(self, raw: bytes) -> Iterator[Event]:

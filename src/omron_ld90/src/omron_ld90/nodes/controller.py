@@ -62,9 +62,14 @@ from omron_ld90.nodes.controller_actions import (
 )
 from omron_ld90.nodes.controller_goals import GoalComparison
 from omron_ld90.nodes.support.diagnostics import publish_diagnostics
-from omron_ld90.nodes.support.link_line import LineMessage
-from omron_ld90.nodes.support.link_reports import LinkReporter, misconfigured, session_log
+from omron_ld90.nodes.support.link_reports import (
+    LinkReporter,
+    misconfigured,
+    robot_host,
+    session_log,
+)
 from omron_ld90.nodes.support.poses import pose_from_robot
+from omron_ld90.nodes.support.publishing import LineMessage
 from omron_ld90.nodes.support.robot_health import RobotHealth
 from omron_ld90.nodes.support.shared_parameters import map_sources
 from omron_ld90.nodes.support.startup import ConfigurationError, number, parameter, run
@@ -238,7 +243,7 @@ def _allowed_commands() -> List[str]:
 
 def start() -> Controller:
     """Reads the parameters and builds the node."""
-    host = parameter('~robot_ip')
+    host = robot_host()
     port = int(number('~port', 7171, 1, 65535))
     password = read_password(parameter('~password_file', ''))
     backoff = Backoff(number('~reconnect_first', 0.5, 0.05, 600.0),
