@@ -22,7 +22,8 @@ from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from std_msgs.msg import String
 
-from omron_arcl import GoingToPoint, Location, OneLineStatus, parse_line
+from omron_arcl import parse_line
+from omron_arcl.replies import GoingToPoint, Location, OneLineStatus
 from omron_ld90_msgs.msg import (
     CommandRefused,
     ExecuteCommandAction,
@@ -204,7 +205,7 @@ class ControllerTest(unittest.TestCase):
                 ('', 'empty'), ('goto 8\nshutdown', 'control character'), ('goto', 'goto <goal>'),
                 ('shutdown', 'dangerous'), ('configStart', 'configuration'),
                 ('goto nowhere', 'no goal "nowhere"'), ('x' * 6000, '6000'),
-                ('queueDropoff 8', 'no command queueDropoff')):
+                ('queueDropoff 8', 'refused by the robot: Unknown command queue')):
             before = len(self.refusals.messages)
             self.commands.publish(String(text))
             refusal = self.refusals.wait_for(lambda _: True, SOON, f'refusal of {text[:20]!r}',

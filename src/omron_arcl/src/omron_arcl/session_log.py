@@ -1,8 +1,11 @@
 """A file with all that both sides said, and when, in the format that the simulator replays."""
 from __future__ import annotations
 
+import contextlib
+import errno
 import os
 import re
+import stat
 import threading
 import time
 from typing import Callable
@@ -16,9 +19,9 @@ class SessionLog:
     """Writes lines `<Unix time> C> <line>` (client) or `S>` (server), C2 and S2 for the second
     connection and so on.
 
-    What is no printable ASCII is escaped. Passwords come blanked already. A file that is there is
-    kept as `<path>.old`. Raises OSError where the file cannot be opened; a full disk ends the log,
-    not the session.
+    What is no printable ASCII is escaped. Passwords come redacted already. A file that is there is
+    kept as `<path>.old`. Raises OSError where the file cannot be opened, or is no regular file. A
+    full disk ends the log, not the session: `failure` says so.
     """
 
     def __init__(self, path: str) -> None:
@@ -27,6 +30,8 @@ class SessionLog:
         self._connections = 0
         self._lock = threading.Lock()
         if os.path.exists(path):
+            if not stat.S_ISREG(os.stat(path).st_mode):
+                raise OSError(errno.EINVAL, 'it is there already, and is no regular file', path)
             os.replace(path, f'{path}.old')
         self._file = open(path, 'w', encoding='ascii', buffering=1)  # noqa: SIM115  kept open
 
@@ -41,7 +46,7 @@ class SessionLog:
 
     def close(self) -> None:
         """Closes the file."""
-        with self._lock:
+        with self._lock, contextlib.suppress(OSError):
             self._file.close()
 
     def _trace(self, number: str) -> Callable[[str, bytes], None]:
@@ -53,6 +58,7 @@ class SessionLog:
                     if not self._file.closed:
                         self._file.write(f'{time.time():.3f} {side}{number}> {text}\n')
                 except OSError as error:
-                    self.failure = str(error)
-                    self._file.close()
+                    self.failure = f'{self.path} ends here: {error.strerror or error}'
+                    with contextlib.suppress(OSError):  # it would write what is left
+                        self._file.close()
         return write

@@ -151,12 +151,12 @@ class SimulatedDrive:
             self._tell(*self._words.line(line, self.now))
         for line in self._lines_of(self._outgoing):
             reply = arcl.parse_line(line)
-            if isinstance(reply, arcl.StatusText):
+            if isinstance(reply, arcl.replies.StatusText):
                 docked = arcl.parse_line(reply.text)
-                if isinstance(docked, arcl.DockingStatus):
+                if isinstance(docked, arcl.replies.DockingStatus):
                     self._tell(p.Docking(docked.docking.value))
                 self._tell(*shown_events(reply.text))
-            elif isinstance(reply, arcl.Location):
+            elif isinstance(reply, arcl.replies.Location):
                 self._tell(p.Located(int(self.now * NANOSECONDS) + 1,
                                      reply.x / 1000.0, reply.y / 1000.0))
 

@@ -44,7 +44,8 @@ from nav_msgs.srv import GetMap, LoadMap, LoadMapRequest, LoadMapResponse
 from std_msgs.msg import Header, String
 from visualization_msgs.msg import Marker, MarkerArray
 
-from omron_arcl import RangeReading, parse_line
+from omron_arcl import parse_line
+from omron_arcl.replies import RangeReading
 from omron_ld90.nodes.rviz import map_markers
 from omron_ld90.nodes.rviz.fast_messages import GetGridResponse, GridMessage, LoadGridResponse
 from omron_ld90.nodes.support.diagnostics import publish_diagnostics
@@ -248,8 +249,8 @@ def _start() -> MapVisualisation:
         frame_id=parameter('~frame_id', 'map'),
         background=BACKGROUNDS[choice('~background', 'unknown', tuple(BACKGROUNDS))],
         areas_in_grid=parameter('~areas_in_grid', False, bool),
-        default_resolution=number('~default_resolution', 0.05, least=0.005, most=1.0),
-        laser_lifetime=number('~laser_lifetime', 2.0, least=0.05, most=60.0))
+        default_resolution=number('~default_resolution', 0.05, minimum=0.005, maximum=1.0),
+        laser_lifetime=number('~laser_lifetime', 2.0, minimum=0.05, maximum=60.0))
     return MapVisualisation(settings, parameter('~map_file'), map_sources())
 
 

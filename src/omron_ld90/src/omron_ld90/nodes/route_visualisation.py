@@ -173,12 +173,12 @@ class RouteVisualisation:
         if self._status is None:
             return None
         doing = arcl.parse_line(self._status.status)
-        if isinstance(doing, arcl.GoingToPoint):
+        if isinstance(doing, arcl.replies.GoingToPoint):
             return self._point
         target = None
-        if isinstance(doing, arcl.GoingTo):
+        if isinstance(doing, arcl.replies.GoingTo):
             target = target_named(doing.goal, self._targets)
-        elif self._status.docking_state == arcl.DockingState.DOCKING.value:
+        elif self._status.docking_state == arcl.replies.DockingState.DOCKING.value:
             target = next((t for t in self._targets if t.kind is TargetKind.DOCK), None)
         return target.place if target else None
 

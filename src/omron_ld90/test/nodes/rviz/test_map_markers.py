@@ -9,7 +9,7 @@ from genpy import Time
 from std_msgs.msg import Header
 from visualization_msgs.msg import Marker
 
-from omron_arcl import RangeReading
+from omron_arcl.replies import RangeReading
 from omron_ld90.nodes.rviz import map_markers
 from omron_map import MapDocument, MapObject, RotatedRectangle
 

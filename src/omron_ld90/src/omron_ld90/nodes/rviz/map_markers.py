@@ -15,7 +15,7 @@ from geometry_msgs.msg import Vector3
 from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
-from omron_arcl import RangeReading
+from omron_arcl.replies import RangeReading
 from omron_ld90.nodes.rviz import drawing
 from omron_ld90.nodes.rviz.fast_messages import PointsMarker
 from omron_ld90.nodes.support.poses import pose_from_robot

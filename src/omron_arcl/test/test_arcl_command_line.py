@@ -1,9 +1,9 @@
-"""The table of commands: syntax, quoting, categories, and how each command ends."""
+"""Command lines: what is one, how names are written in it, and how it is shown to people."""
 from __future__ import annotations
 
 import pytest
 
-from omron_arcl import COMMANDS, Category, InvalidCommand, parse_command, printable, quote
+from omron_arcl import InvalidCommand, parse_command, printable, quote
 from omron_arcl.command_line import LONGEST_COMMAND
 
 
@@ -30,7 +30,6 @@ def test_what_is_not_one_command_is_refused_with_a_reason(text, reason):
     with pytest.raises(InvalidCommand) as refused:
         parse_command(text)
     assert reason in str(refused.value)
-    assert refused.value.command.isascii()
     assert refused.value.command.isprintable()
 
 
@@ -38,10 +37,33 @@ def test_the_longest_command_is_taken():
     assert parse_command('x' * LONGEST_COMMAND).text == 'x' * LONGEST_COMMAND
 
 
+LISTED = {'K\xfcche': b'K\xfcche', 'Caf\xe9 2': 'Caf\xe9 2'.encode(), 'Stra\xdfe': b'Stra\xdfe'}
+
+
+@pytest.mark.parametrize(('text', 'line'), [
+    ('goto K\xfcche', b'goto K\xfcche'), ('goto k\xdcCHE 90', b'goto K\xfcche 90'),
+    ('goto "Caf\xe9 2"', b'goto "Caf\xc3\xa9 2"'), ('goto Stra\xdfe', b'goto Stra\xdfe'),
+    ('gotoRouteGoal K\xfcche "Caf\xe9 2"', b'gotoRouteGoal K\xfcche "Caf\xc3\xa9 2"'),
+])
+def test_a_name_is_sent_as_the_robot_listed_it(text, line):
+    command = parse_command(text, names=LISTED)
+    assert command.line == line
+    assert command.text == text
+
+
+def test_a_name_that_the_robot_has_not_listed_is_refused_in_words():
+    with pytest.raises(InvalidCommand, match='"\xf6" is not ASCII.*has listed'):
+        parse_command('goto B\xf6den', names=LISTED)
+
+
+def test_a_command_of_the_table_means_itself_whatever_the_help_list_says():
+    assert parse_command('stop', {'stop': 'shutdown'}.get).spec.stops
+
+
 def test_a_shortcut_is_resolved_by_the_robots_help_list():
-    command = parse_command('afq', {'afq': 'applicationFaultQuery'}.get)
-    assert command.name == 'applicationFaultQuery'
-    assert command.text == 'afq'
+    command = parse_command('xyz', {'xyz': 'odometer'}.get)
+    assert command.name == 'odometer'
+    assert command.text == 'xyz'
 
 
 @pytest.mark.parametrize(('name', 'quoted'), [('12', '12'), ('goal space', '"goal space"')])
@@ -49,7 +71,7 @@ def test_names_with_blanks_are_quoted(name, quoted):
     assert quote(name) == quoted
 
 
-@pytest.mark.parametrize('name', ['', 'a"b', 'a\nb', 'caf\xe9'])
+@pytest.mark.parametrize('name', ['', 'a"b', 'a\nb', 'a\x1b[2Jb', 'a\u2028b', '\udcfc'])
 def test_names_that_arcl_cannot_express_are_refused(name):
     with pytest.raises(InvalidCommand):
         quote(name)
@@ -71,42 +93,12 @@ def test_a_reply_about_another_goal_is_none_of_its(text, name):
     assert not parse_command(text).is_for(name)
 
 
-@pytest.mark.parametrize(('name', 'category'), [
-    ('goto', Category.MOTION), ('stop', Category.MOTION), ('localizeToPoint', Category.MOTION),
-    ('status', Category.QUERY), ('getConfigSectionValues', Category.QUERY),
-    ('say', Category.DEVICE), ('outputOn', Category.DEVICE),
-    ('configParse', Category.CONFIGURATION), ('newConfigParam', Category.CONFIGURATION),
-    ('extIOAdd', Category.CONFIGURATION), ('extIOInputUpdate', Category.DEVICE),
-    ('extIODump', Category.QUERY), ('payloadSet', Category.DEVICE),
-    ('payloadQueryLocal', Category.QUERY), ('tripReset', Category.DEVICE),
-    ('queueModifyLocal', Category.MOTION), ('queueCancelLocal', Category.MOTION),
-    ('shutdown', Category.DANGEROUS), ('quit', Category.DANGEROUS),
-    ('extIORemove', Category.DANGEROUS), ('queuePickup', Category.UNKNOWN),
-    ('abracadabra', Category.UNKNOWN),
-])
-def test_commands_have_a_category(name, category):
-    text = ' '.join([name, *['1'] * (COMMANDS[name.lower()].required
-                                     if name.lower() in COMMANDS else 0)])
-    assert parse_command(text).spec.category is category
-
-
-def test_whoever_drives_says_how_it_begins_and_ends():
-    for spec in COMMANDS.values():
-        if spec.drives:
-            assert spec.begins, spec
-            assert spec.ends, spec
-            assert spec.belongs, spec
-
-
-def test_only_what_is_known_is_in_the_table_twice_never():
-    assert len(COMMANDS) == len({spec.name.lower() for spec in COMMANDS.values()})
-    assert all(name == name.lower() for name in COMMANDS)
-
-
 def test_text_for_people_holds_no_password_of_the_configuration():
     assert printable('configAdd Password secret') == 'configAdd Password ********'
 
 
 def test_text_for_people_is_printable_and_short():
-    assert printable('a\nb\xe9') == r'a\nb\xe9'
+    assert printable('a\nb\x1b[2J') == r'a\nb\x1b[2J'
+    assert printable('K\xfcche \ud55c\uae00') == 'K\xfcche \ud55c\uae00'
+    assert printable('K\udcfcche\u202e') == r'K\udcfcche\u202e'
     assert len(printable('x' * 1000)) == 200
