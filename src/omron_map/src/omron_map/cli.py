@@ -18,6 +18,7 @@ from omron_map.grid_files import export_grid
 from omron_map.objects import MapObject
 from omron_map.occupancy import FREE, UNKNOWN, USES, OccupancyGrid
 from omron_map.picture import LONG_SIDE, draw_map
+from omron_map.text import printable
 
 DONE, FAILED = 0, 1
 BACKGROUNDS = {'unknown': UNKNOWN, 'free': FREE}
@@ -115,7 +116,7 @@ def _info(options: argparse.Namespace) -> int:
     print(f'category    {document.category}')
     for scan in document.scans:
         if scan.name:
-            print(f'scan        {scan.name}')
+            print(f'scan        {printable(scan.name)}')
         pitch = f'{scan.resolution} mm apart' if scan.resolution else 'on no pitch'
         print(f'points      {len(scan.points)}, {pitch}')
         print(f'lines       {len(scan.lines)}')
@@ -123,7 +124,7 @@ def _info(options: argparse.Namespace) -> int:
     if len(ends):
         low, high = ends.min(axis=0) / 1000.0, ends.max(axis=0) / 1000.0
         print(f'from, to    ({low[0]:.3f}, {low[1]:.3f}) m, ({high[0]:.3f}, {high[1]:.3f}) m')
-    kinds = Counter(obj.kind for obj in document.objects)
+    kinds = Counter(printable(obj.kind) for obj in document.objects)
     print(f'objects     {len(document.objects)}'
           + ''.join(f', {kind} {count}' for kind, count in sorted(kinds.items())))
     for obj in document.objects:
@@ -173,7 +174,7 @@ def _beside_us(file: str, suffix: str) -> str:
 
 def _describe(obj: MapObject) -> str:
     """An object in one line: kind, name and place in metres and degrees."""
-    text = f'{obj.kind} {obj.label!r}' if obj.name else obj.kind
+    text = str(obj) if obj.name else printable(obj.kind)
     if obj.is_area:
         box = obj.rectangle
         return (f'{text} at ({box.centre_x / 1000:.3f}, {box.centre_y / 1000:.3f}) m, '
@@ -189,7 +190,7 @@ def _describe(obj: MapObject) -> str:
 def _changes(old: MapObject, new: MapObject) -> Iterator[str]:
     """What became of each field that changed."""
     if old.kind != new.kind or old.name != new.name:
-        yield f'now {new.kind} {new.label!r}'
+        yield f'now {new}'
     if (old.x, old.y, old.theta, old.extent) != (new.x, new.y, new.theta, new.extent):
         yield f'moved to {_describe(new).split(" at ")[-1]}'
     for field in ('description', 'icon', 'tail'):

@@ -7,8 +7,9 @@ from typing import Container, List, NamedTuple, Optional, Tuple
 
 from omron_map.errors import FieldError, MapError
 from omron_map.header import CATEGORIES, SCAN_KEYS, ScanHeader, parse_sources, scan_keys
-from omron_map.objects import MapObject, parse_object, printable
+from omron_map.objects import MapObject, parse_object
 from omron_map.sections import Section, is_heading, split_sections
+from omron_map.text import decode, printable
 from omron_map.tokens import BLANKS, Token, tokenise
 
 BOM = b'\xef\xbb\xbf'
@@ -26,7 +27,7 @@ class Record(NamedTuple):
     @property
     def text(self) -> str:
         """The line without its end; bytes that are not UTF-8 are kept as surrogates."""
-        return decode(self.raw)
+        return decode(self.raw).rstrip('\r\n')
 
 
 @dataclass(frozen=True)
@@ -36,11 +37,6 @@ class Content:
     records: List[Record]
     headers: List[ScanHeader]
     sections: List[Section]
-
-
-def decode(raw: bytes) -> str:
-    """A line's text without its end, from which the same bytes can be made again."""
-    return raw.decode('utf-8', 'surrogateescape').rstrip('\r\n')
 
 
 def read_content(data: bytes, name: str) -> Content:
@@ -87,7 +83,7 @@ def _read_records(data: bytes, name: str) -> Tuple[List[Record], int]:
         end = data.find(b'\n', start) + 1 or len(data)
         raw = data[start:end]
         words = raw.split(None, 1)
-        keyword = words[0].lower().decode('utf-8', 'surrogateescape') if words else ''
+        keyword = decode(words[0].lower()) if words else ''
         if keyword.endswith(('data', 'lines')) and is_heading(raw):
             break
         if not records:
@@ -99,7 +95,7 @@ def _read_records(data: bytes, name: str) -> Tuple[List[Record], int]:
 
 
 def _read_object(raw: bytes, name: str, number: int) -> MapObject:
-    text = decode(raw)
+    text = decode(raw).rstrip('\r\n')
     try:
         return parse_object(text, tokenise(text))
     except FieldError as error:
@@ -137,6 +133,6 @@ def _check_sources(sections: List[Section], headers: List[ScanHeader], name: str
     known = [header.source.lower() for header in headers]
     for section in sections:
         if section.source and section.source.lower() not in known:
-            heading = printable(decode(section.heading))
+            heading = printable(decode(section.heading).strip())
             raise MapError(name, f'the section {heading} belongs to no scan',
                            expected='its name in a Sources: line')

@@ -9,6 +9,7 @@ from typing import List, Optional, Tuple
 import numpy as np
 
 from omron_map.errors import FieldError
+from omron_map.text import decode
 
 MAX_BOX = 2_000_000  # mm; the vendor's library refuses a larger box
 COLUMNS = {'DATA': ('x', 'y'), 'LINES': ('x1', 'y1', 'x2', 'y2')}
@@ -58,7 +59,7 @@ def split_sections(data: bytes, line: int) -> List[Section]:
         kind = kind.decode().upper()
         body = data[head:end]
         line += 1
-        source = (source or b'').decode('utf-8', 'surrogateescape')
+        source = decode(source or b'')
         sections.append(Section(data[start:head], body, source, kind,
                                 parse_rows(body, COLUMNS[kind], line)))
         line += body.count(b'\n')

@@ -58,7 +58,7 @@ def notes_on_fences(graph: Graph, corridors: Corridors, fences: Iterable[MapObje
 def notes_on_places(corridors: Corridors, places: Iterable[MapObject]) -> List[str]:
     """The places that the fences cut off."""
     floor = prep(corridors.floor)
-    return [f'{place.kind} {place.label!r} is outside the corridors: the robot cannot drive to it '
+    return [f'{place} is outside the corridors: the robot cannot drive to it '
             'any more.' for place in places if not floor.contains(Point(place.x, place.y))]
 
 

@@ -2,7 +2,8 @@
 from __future__ import annotations
 
 import math
-from typing import Iterable, Tuple
+import unicodedata
+from typing import Iterable, List, Tuple
 
 from geometry_msgs.msg import Point, Pose
 from std_msgs.msg import ColorRGBA
@@ -11,6 +12,13 @@ from visualization_msgs.msg import Marker, MarkerArray
 from omron_ld90.nodes.support.poses import quaternion_from_yaw
 
 XY = Tuple[float, float]
+
+LAST_LETTER = 999  # code point; RViz's font ends there, with the Latin and Greek letters
+LONGEST_TEXT = 400  # characters
+_SUBSTITUTES = str.maketrans({
+    '\u2018': "'", '\u2019': "'", '\u201c': '"', '\u201d': '"', '\u201e': '"',
+    '\u2010': '-', '\u2011': '-', '\u2013': '-', '\u2014': '-', '\u2026': '...',
+    '\u20ac': 'EUR', '\u2192': '->'})
 
 
 def colour(red: float, green: float, blue: float, alpha: float = 1.0) -> ColorRGBA:
@@ -30,11 +38,33 @@ def shape(kind: int, frame: str, namespace: str, paint: ColorRGBA,
 
 def text(frame: str, namespace: str, words: str, place: XY, height: float, paint: ColorRGBA,
          number: int = 0, z: float = 1.5) -> Marker:
-    """`words` that face the viewer, their middle at `place`; `height` of a capital letter in m."""
+    """`words` that face the viewer, their middle at `place`; `height` of a capital letter in m.
+
+    Letters that RViz does not have become others, see `drawable`.
+    """
     marker = shape(Marker.TEXT_VIEW_FACING, frame, namespace, paint, (0.0, 0.0, height), number)
-    marker.text = words
+    marker.text = drawable(words)
     marker.pose.position.x, marker.pose.position.y, marker.pose.position.z = place[0], place[1], z
     return marker
+
+
+def drawable(words: str) -> str:
+    """`words` in letters that RViz has, of bounded length.
+
+    RViz draws nothing at all for a letter that its font lacks: so accents that it does not know
+    are left off, typographic signs become plain ones, and all else becomes `?`.
+    """
+    drawn = ''.join(map(_drawable_letter, words[:LONGEST_TEXT + 1].translate(_SUBSTITUTES)))
+    return drawn if len(drawn) <= LONGEST_TEXT else drawn[:LONGEST_TEXT] + ' ...'
+
+
+def _drawable_letter(letter: str) -> str:
+    if letter == '\n' or (letter.isprintable() and ord(letter) <= LAST_LETTER):
+        return letter
+    if letter.isspace():
+        return ' '
+    base = unicodedata.normalize('NFKD', letter)[0]
+    return base if base.isprintable() and ord(base) <= LAST_LETTER else '?'
 
 
 def pose_at(place: XY, yaw: float = 0.0, z: float = 0.0) -> Pose:
@@ -42,25 +72,25 @@ def pose_at(place: XY, yaw: float = 0.0, z: float = 0.0) -> Pose:
     return Pose(position=Point(place[0], place[1], z), orientation=quaternion_from_yaw(yaw))
 
 
-def points(places: Iterable[XY], z: float) -> list[Point]:
+def points(places: Iterable[XY], z: float) -> List[Point]:
     """Points at height `z`."""
     return [Point(float(x), float(y), z) for x, y in places]
 
 
-def segments(places: list[XY], z: float) -> list[Point]:
+def segments(places: List[XY], z: float) -> List[Point]:
     """The pairs of points that draw a polyline as LINE_LIST."""
     line = points(places, z)
     return [end for pair in zip(line, line[1:]) for end in pair]
 
 
-def circle(centre: XY, radius: float, corners: int = 24) -> list[XY]:
+def circle(centre: XY, radius: float, corners: int = 24) -> List[XY]:
     """A closed polyline around `centre`."""
     return [(centre[0] + radius * math.cos(2 * math.pi * i / corners),
              centre[1] + radius * math.sin(2 * math.pi * i / corners))
             for i in range(corners + 1)]
 
 
-def arrowhead(tip: XY, yaw: float, length: float, z: float) -> list[Point]:
+def arrowhead(tip: XY, yaw: float, length: float, z: float) -> List[Point]:
     """The triangle (for TRIANGLE_LIST) of an arrow that points along `yaw` and ends at `tip`.
 
     Counter-clockwise seen from above: RViz leaves the other side in the dark.

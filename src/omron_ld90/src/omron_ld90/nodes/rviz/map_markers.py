@@ -21,7 +21,7 @@ from omron_ld90.nodes.rviz.fast_messages import PointsMarker
 from omron_ld90.nodes.support.poses import pose_from_robot
 from omron_ld90.units import MM_PER_M, metres
 from omron_map import MapDocument, MapObject
-from omron_map.objects import printable
+from omron_map.text import printable
 
 BLACK = drawing.colour(0.0, 0.0, 0.0)
 RED = drawing.colour(0.85, 0.05, 0.05)
