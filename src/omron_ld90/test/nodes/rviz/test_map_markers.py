@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 from genpy import Time
+from marker_reader import drawn
 from std_msgs.msg import Header
 from visualization_msgs.msg import Marker
 
@@ -28,11 +29,6 @@ def document(*objects: MapObject, data: bytes = b'2D-Map\nDATA\n0 0\n40 20\n') -
     for obj in objects:
         result.add(obj)
     return result
-
-
-def drawn(array) -> list:
-    assert array.markers[0].action == Marker.DELETEALL
-    return array.markers[1:]
 
 
 def colour(marker: Marker) -> tuple:

@@ -3,12 +3,14 @@ from __future__ import annotations
 
 import math
 import unicodedata
-from typing import Iterable, List, Tuple
+from typing import Iterable, Tuple
 
-from geometry_msgs.msg import Point, Pose
-from std_msgs.msg import ColorRGBA
-from visualization_msgs.msg import Marker, MarkerArray
+import numpy as np
+from geometry_msgs.msg import Point, Pose, Vector3
+from std_msgs.msg import ColorRGBA, Header
+from visualization_msgs.msg import Marker
 
+from omron_ld90.nodes.rviz.fast_messages import FastMarkerArray, PointsMarker
 from omron_ld90.nodes.support.poses import quaternion_from_yaw
 
 XY = Tuple[float, float]
@@ -72,35 +74,44 @@ def pose_at(place: XY, yaw: float = 0.0, z: float = 0.0) -> Pose:
     return Pose(position=Point(place[0], place[1], z), orientation=quaternion_from_yaw(yaw))
 
 
-def points(places: Iterable[XY], z: float) -> List[Point]:
-    """Points at height `z`."""
-    return [Point(float(x), float(y), z) for x, y in places]
+def many(kind: int, frame: str, namespace: str, paint: ColorRGBA,
+         size: Tuple[float, float, float], places: np.ndarray, number: int = 0) -> PointsMarker:
+    """A marker of many `places` (N, 3) in m; without any it takes an older one away."""
+    return PointsMarker(
+        places, header=Header(frame_id=frame), ns=namespace, id=number, type=kind, color=paint,
+        scale=Vector3(*size), action=Marker.ADD if len(places) else Marker.DELETE,
+        pose=pose_at((0.0, 0.0)))
 
 
-def segments(places: List[XY], z: float) -> List[Point]:
-    """The pairs of points that draw a polyline as LINE_LIST."""
-    line = points(places, z)
-    return [end for pair in zip(line, line[1:]) for end in pair]
+def at_height(places: np.ndarray, z: float) -> np.ndarray:
+    """Places (N, 2) on the floor as (N, 3), `z` above it."""
+    lifted = np.full((len(places), 3), z)
+    lifted[:, :2] = np.asarray(places, float).reshape(-1, 2)
+    return lifted
 
 
-def circle(centre: XY, radius: float, corners: int = 24) -> List[XY]:
-    """A closed polyline around `centre`."""
-    return [(centre[0] + radius * math.cos(2 * math.pi * i / corners),
-             centre[1] + radius * math.sin(2 * math.pi * i / corners))
-            for i in range(corners + 1)]
+def segments(places: np.ndarray, z: float) -> np.ndarray:
+    """The pairs of ends (2 (N - 1), 3) that draw a polyline of N `places` as LINE_LIST."""
+    return np.repeat(at_height(places, z), 2, axis=0)[1:-1]
 
 
-def arrowhead(tip: XY, yaw: float, length: float, z: float) -> List[Point]:
-    """The triangle (for TRIANGLE_LIST) of an arrow that points along `yaw` and ends at `tip`.
+def circle(centre: XY, radius: float, corners: int = 24) -> np.ndarray:
+    """A closed polyline (corners + 1, 2) around `centre`."""
+    angles = np.linspace(0.0, 2.0 * math.pi, corners + 1)
+    return np.array(centre) + radius * np.column_stack((np.cos(angles), np.sin(angles)))
+
+
+def arrowhead(tip: XY, yaw: float, length: float, z: float) -> np.ndarray:
+    """The triangle (3, 3), for TRIANGLE_LIST, of an arrow along `yaw` that ends at `tip`.
 
     Counter-clockwise seen from above: RViz leaves the other side in the dark.
     """
-    back = [(tip[0] - length * math.cos(yaw) + side * 0.5 * length * math.sin(yaw),
-             tip[1] - length * math.sin(yaw) - side * 0.5 * length * math.cos(yaw))
-            for side in (-1.0, 1.0)]
-    return points([tip, *back], z)
+    along = length * np.array((math.cos(yaw), math.sin(yaw)))
+    across = 0.5 * np.array((-along[1], along[0]))
+    back = np.array(tip) - along
+    return at_height(np.array((tip, back + across, back - across)), z)
 
 
-def complete(markers: Iterable[Marker]) -> MarkerArray:
+def complete(markers: Iterable[Marker]) -> FastMarkerArray:
     """All there is to see: whatever the display showed before is taken away first."""
-    return MarkerArray(markers=[Marker(action=Marker.DELETEALL), *markers])
+    return FastMarkerArray(markers=[Marker(action=Marker.DELETEALL), *markers])

@@ -11,7 +11,6 @@ from typing import List, Sequence, Tuple
 
 import numpy as np
 import rospy
-from geometry_msgs.msg import Vector3
 from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
@@ -112,9 +111,8 @@ def forbidden_areas(document: MapDocument, frame: str) -> MarkerArray:
     ends = [((line.extent.from_x, line.extent.from_y), (line.extent.to_x, line.extent.to_y))
             for line in document.forbidden_lines]
     if ends:
-        fence = _many(frame, 'forbidden_lines', Marker.LINE_LIST, ORANGE_EDGE,
-                      (FENCE_WIDTH, 0.0, 0.0), np.reshape(ends, (-1, 2)), AREA_Z)
-        markers.append(fence.to_plain())
+        markers.append(_many(frame, 'forbidden_lines', Marker.LINE_LIST, ORANGE_EDGE,
+                             (FENCE_WIDTH, 0.0, 0.0), np.reshape(ends, (-1, 2)), AREA_Z))
     return drawing.complete(markers)
 
 
@@ -123,9 +121,8 @@ def sectors(document: MapDocument, frame: str) -> MarkerArray:
     markers: List[Marker] = []
     for number, sector in enumerate(document.sectors):
         outline = sector.outline
-        edge = _many(frame, 'sectors', Marker.LINE_STRIP, VIOLET, (LINE_WIDTH, 0.0, 0.0),
-                     np.concatenate((outline, outline[:1])), AREA_Z, number)
-        markers.append(edge.to_plain())
+        markers.append(_many(frame, 'sectors', Marker.LINE_STRIP, VIOLET, (LINE_WIDTH, 0.0, 0.0),
+                             np.concatenate((outline, outline[:1])), AREA_Z, number))
         if sector.label:
             x, y = outline.mean(axis=0)
             markers.append(drawing.text(frame, 'sector_names', sector.label,
@@ -147,12 +144,8 @@ def _many(frame: str, namespace: str, kind: int, paint: ColorRGBA,
           size: Tuple[float, float, float], positions: np.ndarray, z: float,
           number: int = 0) -> PointsMarker:
     """A marker of many `positions` (N, 2) in mm; without any it takes an older one away."""
-    array = np.full((len(positions), 3), z)
-    array[:, :2] = np.asarray(positions).reshape(-1, 2) / MM_PER_M
-    return PointsMarker(
-        array, header=Header(frame_id=frame), ns=namespace, id=number, type=kind, color=paint,
-        scale=Vector3(*size), action=Marker.ADD if len(array) else Marker.DELETE,
-        pose=drawing.pose_at((0.0, 0.0)))
+    places = drawing.at_height(positions / MM_PER_M, z)
+    return drawing.many(kind, frame, namespace, paint, size, places, number)
 
 
 def _positions(objects: Sequence[MapObject]) -> np.ndarray:
