@@ -6,11 +6,10 @@ import math
 import numpy as np
 import pytest
 from genpy import Time
-from marker_reader import drawn
+from marker_reader import drawn, received
 from std_msgs.msg import Header
 from visualization_msgs.msg import Marker
 
-from omron_arcl import RangeReading
 from omron_ld90.nodes.rviz import map_markers
 from omron_map import MapDocument, MapObject, RotatedRectangle
 
@@ -97,8 +96,8 @@ def test_a_name_is_shown_right_in_whichever_encoding_the_file_is():
 
 
 def test_a_laser_reading_lives_for_its_limit_and_an_empty_one_clears_the_last():
-    marker = map_markers.laser(RangeReading('Laser_1', np.array([[1500, -250]])), HEADER, 0.5)
-    assert marker.array[:, :2].tolist() == [[1.5, -0.25]]
-    assert (marker.ns, marker.lifetime.to_sec()) == ('Laser_1', 0.5)
-    empty = map_markers.laser(RangeReading('Laser_1', np.empty((0, 2))), HEADER, 0.5)
+    marker = received(map_markers.laser(np.array([[1.5, -0.25]]), HEADER, 0.5))
+    assert [(point.x, point.y) for point in marker.points] == [(1.5, -0.25)]
+    assert (marker.header, marker.lifetime.to_sec()) == (HEADER, 0.5)
+    empty = map_markers.laser(np.empty((0, 2)), HEADER, 0.5)
     assert empty.action == Marker.DELETE

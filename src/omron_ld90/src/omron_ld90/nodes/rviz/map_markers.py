@@ -14,13 +14,11 @@ import rospy
 from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
-from omron_arcl import RangeReading
 from omron_ld90.nodes.rviz import drawing
 from omron_ld90.nodes.rviz.fast_messages import PointsMarker
 from omron_ld90.nodes.support.poses import pose_from_robot
 from omron_ld90.units import MM_PER_M, metres
 from omron_map import MapDocument, MapObject
-from omron_map.text import printable
 
 BLACK = drawing.colour(0.0, 0.0, 0.0)
 RED = drawing.colour(0.85, 0.05, 0.05)
@@ -131,10 +129,10 @@ def sectors(document: MapDocument, frame: str) -> MarkerArray:
     return drawing.complete(markers)
 
 
-def laser(reading: RangeReading, header: Header, lifetime: float) -> Marker:
-    """What a range device sees, light blue; RViz drops it after `lifetime` seconds."""
-    marker = _many(header.frame_id, printable(reading.device), Marker.POINTS, LIGHT_BLUE,
-                   (LASER_SIZE, LASER_SIZE, 0.0), reading.points, LASER_Z)
+def laser(places: np.ndarray, header: Header, lifetime: float) -> Marker:
+    """What the laser sees at `places` (N, 2), m, light blue; gone after `lifetime` seconds."""
+    marker = drawing.many(Marker.POINTS, header.frame_id, 'laser', LIGHT_BLUE,
+                          (LASER_SIZE, LASER_SIZE, 0.0), drawing.at_height(places, LASER_Z))
     marker.header = header
     marker.lifetime = rospy.Duration.from_sec(lifetime)
     return marker
