@@ -180,9 +180,9 @@ def _describe(obj: MapObject) -> str:
         return (f'{text} at ({box.centre_x / 1000:.3f}, {box.centre_y / 1000:.3f}) m, '
                 f'{box.width / 1000:.3f} x {box.height / 1000:.3f} m, {box.yaw:g} deg')
     if obj.is_line:
-        extent = obj.extent
-        return (f'{text} from ({extent.from_x / 1000:.3f}, {extent.from_y / 1000:.3f}) m '
-                f'to ({extent.to_x / 1000:.3f}, {extent.to_y / 1000:.3f}) m')
+        start, end = obj.ends / 1000.0
+        return (f'{text} from ({start[0]:.3f}, {start[1]:.3f}) m '
+                f'to ({end[0]:.3f}, {end[1]:.3f}) m')
     heading = f', {obj.theta:g} deg' if obj.has_heading else ''
     return f'{text} at ({obj.x / 1000:.3f}, {obj.y / 1000:.3f}) m{heading}'
 

@@ -127,6 +127,18 @@ class MapObject:
         return self.has_heading and math.cos(math.radians(self.theta)) < -0.8
 
     @property
+    def heads_right(self) -> bool:
+        """The same for a name at the right."""
+        return self.has_heading and math.cos(math.radians(self.theta)) > 0.8
+
+    @property
+    def ends(self) -> np.ndarray:
+        """(2, 2) end points of a line in mm; raises ValueError for other kinds."""
+        if self.extent is None or not self.is_line:
+            raise ValueError(f'{self} is not a line')
+        return np.array(dataclasses.astuple(self.extent)).reshape(2, 2)
+
+    @property
     def label(self) -> str:
         """The name as people read it, also where the file is not UTF-8: see `omron_map.text`."""
         return printable(self.name)

@@ -65,8 +65,7 @@ class OccupancyGrid:
             for area in document.forbidden_areas:
                 grid._mark_area(area)
             for line in document.forbidden_lines:
-                grid._mark_lines(np.array([[line.extent.from_x, line.extent.from_y,
-                                            line.extent.to_x, line.extent.to_y]]))
+                grid._mark_lines(line.ends.reshape(1, 4))
         return grid
 
     @property

@@ -106,8 +106,7 @@ def forbidden_areas(document: MapDocument, frame: str) -> MarkerArray:
         marker.pose = pose_from_robot(box.centre_x, box.centre_y, box.yaw)
         marker.pose.position.z = AREA_Z
         markers.append(marker)
-    ends = [((line.extent.from_x, line.extent.from_y), (line.extent.to_x, line.extent.to_y))
-            for line in document.forbidden_lines]
+    ends = [line.ends for line in document.forbidden_lines]
     if ends:
         markers.append(_many(frame, 'forbidden_lines', Marker.LINE_LIST, ORANGE_EDGE,
                              (FENCE_WIDTH, 0.0, 0.0), np.reshape(ends, (-1, 2)), AREA_Z))
