@@ -18,6 +18,7 @@ from omron_map.grid_files import export_grid
 from omron_map.objects import MapObject
 from omron_map.occupancy import FREE, UNKNOWN, USES, OccupancyGrid
 from omron_map.picture import LONG_SIDE, draw_map
+from omron_map.reach import cut_off_homes
 from omron_map.text import printable
 
 DONE, FAILED = 0, 1
@@ -104,7 +105,7 @@ def _check(options: argparse.Namespace) -> int:
             print(f'ld_map: {error}', file=sys.stderr)
             status = FAILED
             continue
-        for warning in document.warnings:
+        for warning in (*document.warnings, *cut_off_homes(document)):
             print(f'{path}: warning: {warning}')
         print(f'{path}: ok')
     return status
@@ -174,7 +175,7 @@ def _beside_us(file: str, suffix: str) -> str:
 
 def _describe(obj: MapObject) -> str:
     """An object in one line: kind, name and place in metres and degrees."""
-    text = str(obj) if obj.name else printable(obj.kind)
+    text = str(obj)
     if obj.is_area:
         box = obj.rectangle
         return (f'{text} at ({box.centre_x / 1000:.3f}, {box.centre_y / 1000:.3f}) m, '

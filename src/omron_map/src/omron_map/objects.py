@@ -149,7 +149,8 @@ class MapObject:
         return name_key(self.name)
 
     def __str__(self) -> str:
-        return f'{printable(self.kind)} {self.label!r}'
+        kind = printable(self.kind)
+        return f'{kind} {self.label!r}' if self.name else kind
 
     @property
     def rectangle(self) -> RotatedRectangle:

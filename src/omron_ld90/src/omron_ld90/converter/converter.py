@@ -18,6 +18,7 @@ from omron_ld90.converter.fences import (
     fence_objects,
     is_fence,
     notes_on_fences,
+    notes_on_homes,
     notes_on_places,
     notes_on_walls,
 )
@@ -92,6 +93,7 @@ def convert(graph: Graph, document: MapDocument, options: Options) -> Conversion
     if options.fences is not Fences.NONE:
         notes += notes_on_fences(graph, corridors, fences, walls)
         notes += notes_on_places(corridors, document.goals + document.docks)
+        notes += notes_on_homes(corridors, document.homes)
     return Conversion(tuple(places), tuple(fences), tuple(added), tuple(removed), tuple(notes),
                       corridors)
 

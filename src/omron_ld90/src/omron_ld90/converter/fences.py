@@ -10,7 +10,7 @@ from shapely.geometry.base import BaseGeometry
 from shapely.prepared import prep
 
 from omron_ld90.converter.corridors import ROBOT_HALF_WIDTH, Corridors
-from omron_ld90.converter.fence_check import check_fences
+from omron_ld90.converter.fence_check import check_fences, shape_of
 from omron_ld90.converter.fence_cover import fence_areas, fence_lines
 from omron_ld90.converter.obstacles import obstructions
 from omron_map import MapObject
@@ -53,6 +53,22 @@ def notes_on_fences(graph: Graph, corridors: Corridors, fences: Iterable[MapObje
     if check.lost_area >= 1.0:
         notes.append(f'The fences take {check.lost_area / 1e6:.3f} m2 of the corridors.')
     return notes
+
+
+def notes_on_homes(corridors: Corridors, homes: Iterable[MapObject]) -> List[str]:
+    """The places to start at from which the fences let a robot drive nowhere."""
+    return [f'{home} at {_where(home)} mm is outside the corridors: a robot that starts there can '
+            'drive to no goal.' for home in homes
+            if not corridors.floor.intersects(_shape(home))]
+
+
+def _shape(home: MapObject) -> BaseGeometry:
+    return shape_of(home) if home.is_area else Point(home.x, home.y)
+
+
+def _where(home: MapObject) -> str:
+    centre = _shape(home).centroid
+    return f'{centre.x:.0f} {centre.y:.0f}'
 
 
 def notes_on_places(corridors: Corridors, places: Iterable[MapObject]) -> List[str]:
