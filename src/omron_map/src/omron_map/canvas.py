@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import io
 import math
-from typing import Iterable, List, Optional, Sequence, Tuple
+from typing import Any, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
@@ -11,7 +11,7 @@ from PIL import Image, ImageDraw, ImageFont
 from omron_map.saving import write_file
 
 Colour = Tuple[int, int, int]
-Place = Sequence[float]
+Place = Union[Sequence[float], np.ndarray]
 
 PAPER: Colour = (255, 255, 255)
 LONG_SIDE = 1600  # px, default
@@ -24,7 +24,10 @@ ARROW_NECK, ARROW_WING = 0.55, 0.2  # of its length: where the head begins, half
 #: Fonts with more than Latin letters, where they are installed; else Pillow's own small one.
 FONTS = ('NotoSansCJK-Regular.ttc', 'NanumGothic.ttf', 'DejaVuSans.ttf',
          'LiberationSans-Regular.ttf')
-BASIC_LAYOUT = 0  # the other one, for scripts that join letters, crashes with Ubuntu 20.04's Pillow
+#: The other layout, for scripts that join letters, crashes with Ubuntu 20.04's Pillow. There this
+#: is a number; newer ones have a class for it.
+BASIC_LAYOUT: Any = 0
+Font = Union[ImageFont.FreeTypeFont, ImageFont.ImageFont]
 
 
 class Canvas:
@@ -88,8 +91,9 @@ class Canvas:
         width = self._width(words)
         edge = EDGE * SUPERSAMPLING
         x = max(min(x - width * left_share, self._image.size[0] - width - edge), edge)
-        rim = {'stroke_width': 2 * SUPERSAMPLING, 'stroke_fill': PAPER} if self._scalable else {}
-        self._pen.text((x, y - self._middle), words, fill=colour, font=self._font, **rim)
+        rim = 2 * SUPERSAMPLING if self._scalable else 0  # Pillow's own font has none
+        self._pen.text((x, y - self._middle), words, fill=colour, font=self._font,
+                       stroke_width=rim, stroke_fill=PAPER if rim else None)
 
     def has_room_left_of(self, place: Place, words: str) -> bool:
         """Does a text that ends at `place` begin in the picture?"""
@@ -109,7 +113,7 @@ class Canvas:
         write_file(path, buffer.getvalue())
         return image.size
 
-    def _pixels(self, places: Iterable) -> List[Tuple[float, float]]:
+    def _pixels(self, places: Place) -> List[Tuple[float, float]]:
         """`places` (N, 2) in mm as pixels; y grows downwards there."""
         x, y = np.asarray(places, float).reshape(-1, 2).T
         return list(zip(((x - self.low[0]) * self._scale).tolist(),
@@ -131,7 +135,7 @@ def bounds_of(*places: np.ndarray) -> Optional[Tuple[np.ndarray, np.ndarray]]:
     return (everything.min(axis=0), everything.max(axis=0)) if len(everything) else None
 
 
-def _font(size: int) -> ImageFont.ImageFont:
+def _font(size: int) -> Font:
     for name in FONTS:
         try:
             return ImageFont.truetype(name, size, layout_engine=BASIC_LAYOUT)
@@ -140,8 +144,8 @@ def _font(size: int) -> ImageFont.ImageFont:
     return ImageFont.load_default()
 
 
-def _extent(font: ImageFont.ImageFont, words: str) -> Tuple[int, int, int]:
-    """Width of `words`, and their top and bottom from the top of a line, px."""
+def _extent(font: Any, words: str) -> Tuple[int, int, int]:
+    """Width of `words` in a Font, and their top and bottom from the top of a line, px."""
     if hasattr(font, 'getbbox'):
         _, top, right, bottom = font.getbbox(words)
         return right, top, bottom

@@ -1,7 +1,7 @@
 """What is odd about a map but does not stop it from being used."""
 from __future__ import annotations
 
-from typing import Dict, Iterator, List, Sequence, Tuple
+from typing import Dict, Iterator, List, Sequence, Set, Tuple
 
 import numpy as np
 
@@ -68,7 +68,7 @@ def _is_sorted(rows: np.ndarray) -> bool:
 
 
 def _names(records: Sequence[Record]) -> Iterator[MapWarning]:
-    first = {}
+    first: Dict[str, int] = {}
     for number, record in enumerate(records, 1):
         if record.object is None or not record.object.name:
             continue
@@ -94,7 +94,7 @@ def _tails(records: Sequence[Record]) -> Iterator[MapWarning]:
 
 def _declarations(records: Sequence[Record]) -> Iterator[MapWarning]:
     """Once a file declares a goal or dock type, only the declared ones exist."""
-    declared = {'goaltype': set(), 'docktype': set()}
+    declared: Dict[str, Set[str]] = {'goaltype': set(), 'docktype': set()}
     for record in records:
         if record.keyword == 'mapinfo:':
             try:

@@ -6,18 +6,20 @@ addresses in it.
 from __future__ import annotations
 
 import argparse
+import io
 import os
 import sys
 from collections import Counter
 from typing import Iterator, List, Optional
 
+from omron_map.canvas import LONG_SIDE
 from omron_map.compare import compare
 from omron_map.document import MapDocument
 from omron_map.errors import MapError
 from omron_map.grid_files import export_grid
 from omron_map.objects import MapObject
 from omron_map.occupancy import FREE, UNKNOWN, USES, OccupancyGrid
-from omron_map.picture import LONG_SIDE, draw_map
+from omron_map.picture import draw_map
 from omron_map.reach import cut_off_homes
 from omron_map.text import printable
 
@@ -32,7 +34,8 @@ EPILOGUE = '''exit status:
 def main(arguments: Optional[List[str]] = None) -> int:
     """Run the command and return its exit status."""
     options = _parser().parse_args(arguments)
-    sys.stdout.reconfigure(errors='backslashreplace')  # names in scripts the terminal lacks
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors='backslashreplace')  # names in scripts the terminal lacks
     try:
         status = options.run(options)
         sys.stdout.flush()

@@ -34,12 +34,14 @@ def add(file: str, records: List[Record], objects: Iterable[MapObject]) -> None:
 
 def remove(file: str, records: List[Record], objects: Iterable[MapObject]) -> List[Note]:
     """Take out `objects` and their parameters, all or none; tell which lines still name them."""
-    gone = {index: records[index].object for index in _indices(file, records, objects)}
+    gone = set(_indices(file, records, objects))
+    lost = {record.object.key: record.object for index, record in enumerate(records)
+            if index in gone and record.object is not None and record.object.name}
     records[:] = [record for index, record in enumerate(records) if index not in gone]
     left = _by_name(records)
-    lost = {obj.key: obj for obj in gone.values() if obj.name}
     naming = [record for record in records if may_name_objects(record.keyword)]
-    kept, notes = naming, []
+    kept = naming
+    notes: List[Note] = []
     for obj in (obj for name, obj in lost.items() if name not in left):
         kept = [record for record in kept if not any(
             ref.owned for ref in find_references(record.keyword, record.text, obj.name))]
@@ -182,14 +184,20 @@ def _insert(records: List[Record], added: List[Record]) -> None:
         records[end:end] = added
         return
     end = present[-1] + 1 if present else _after_info(records)
-    waiting = sorted(added, key=lambda record: record.object.order)[::-1]
+    waiting = sorted(added, key=_order)[::-1]
     merged: List[Record] = []
     for record in records[:end]:
         if record.object is not None:
-            while waiting and waiting[-1].object.order < record.object.order:
+            while waiting and _order(waiting[-1]) < _order(record):
                 merged.append(waiting.pop())
         merged.append(record)
     records[:end] = merged + waiting[::-1]
+
+
+def _order(record: Record) -> Tuple:
+    """Sort key of a line that is an object."""
+    assert record.object is not None
+    return record.object.order
 
 
 def _after_info(records: List[Record]) -> int:

@@ -155,7 +155,7 @@ class MapObject:
     @property
     def rectangle(self) -> RotatedRectangle:
         """An area's place in the map; raises ValueError for points and lines."""
-        if not self.is_area:
+        if self.extent is None or not self.is_area:
             raise ValueError(f'{self} is not an area')
         return RotatedRectangle.from_extent(self.extent, self.theta)
 

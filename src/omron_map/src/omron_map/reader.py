@@ -13,7 +13,6 @@ from omron_map.text import decode, printable
 from omron_map.tokens import BLANKS, Token, tokenise
 
 BOM = b'\xef\xbb\xbf'
-_FIRST_LINE = re.compile(rb'(?:\xef\xbb\xbf)?\s*([^\n]*)')  # that is not blank
 _LATER_CATEGORY = re.compile(r'2D-Map(-Ex[0-9]{0,3})?', re.IGNORECASE)
 
 
@@ -64,14 +63,15 @@ def check_category(data: bytes, name: str) -> None:
 
     The file may be anybody's secret, given by mistake or by malice: the error quotes none of it.
     """
-    first = _FIRST_LINE.match(data)
-    text = decode(first.group(1)).strip(BLANKS)
+    text_begins = len(BOM) if data.startswith(BOM) else 0
+    line = data[text_begins:].lstrip().split(b'\n', 1)[0]
+    text = decode(line).strip(BLANKS)
     if not text:
         raise MapError(name, 'there is no category line' if data else 'the file is empty',
                        expected=f'a map that begins with a line like {CATEGORIES[0]}')
     if text.lower() not in (category.lower() for category in CATEGORIES):
         problem = f'{text} is not known' if _LATER_CATEGORY.fullmatch(text) else 'this is no map'
-        raise MapError(name, problem, data.count(b'\n', 0, first.start(1)) + 1, 'category',
+        raise MapError(name, problem, data.count(b'\n', 0, data.find(line)) + 1, 'category',
                        ', '.join(CATEGORIES))
 
 

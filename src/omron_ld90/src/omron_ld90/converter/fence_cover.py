@@ -166,8 +166,10 @@ class _Offers:
     def deepened(self, fence: Fence) -> Fence:
         """The fence, or one that reaches to the floor's other side where that is worth it."""
         best, most = fence, fence.covers(self._points).sum() * WORTH
-        left, right = free_span(self._edges, fence.near, fence.far)
-        for base in (fence, fence._replace(left=left, right=right)):
+        span = free_span(self._edges, fence.near, fence.far)
+        if span is None:
+            return fence
+        for base in (fence, fence._replace(left=span[0], right=span[1])):
             far = first_beyond(self._edges, base.left + INSET, base.right - INSET, base.far)
             deep = base._replace(far=min(far, base.near + LONGEST)).trimmed(self._points)
             covered = deep.covers(self._points).sum()

@@ -53,7 +53,8 @@ def obstructions(graph: Graph, obstacles: np.ndarray, clearance: float) -> List[
         distances, _ = nearest.query(curve, distance_upper_bound=clearance)
         worst = int(np.argmin(distances))
         if distances[worst] < clearance:
-            found.append(Obstruction(id, *curve[worst].tolist(), float(distances[worst])))
+            x, y = curve[worst].tolist()
+            found.append(Obstruction(id, x, y, float(distances[worst])))
     return found
 
 

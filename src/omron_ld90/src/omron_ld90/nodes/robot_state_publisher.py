@@ -143,7 +143,7 @@ class RobotStatePublisher:
         transform.header.stamp = stamp
         transform.header.frame_id = self._map_frame
         transform.child_frame_id = self._base_frame
-        if self._odom_frame:
+        if self._odom_frame and self._buffer is not None:
             try:
                 odometry = self._buffer.lookup_transform(
                     self._odom_frame, self._base_frame, stamp, rospy.Duration(0.1))

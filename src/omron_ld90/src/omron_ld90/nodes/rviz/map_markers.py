@@ -72,7 +72,7 @@ def docks(document: MapDocument, frame: str) -> Marker:
 
 def goal_names(document: MapDocument, frame: str) -> MarkerArray:
     """The names of goals and docks, white, each ending left of its square, or of its arrow."""
-    names = []
+    names: List[Marker] = []
     for obj in document.goals + document.docks:
         if not obj.label:
             continue
@@ -86,7 +86,7 @@ def goal_names(document: MapDocument, frame: str) -> MarkerArray:
 
 def goal_headings(document: MapDocument, frame: str) -> MarkerArray:
     """Which way the robot faces at goals with heading and at docks: black arrows."""
-    arrows = []
+    arrows: List[Marker] = []
     for obj in document.goals + document.docks:
         if obj.has_heading:
             marker = drawing.shape(Marker.ARROW, frame, 'goal_headings', BLACK, ARROW, len(arrows))
