@@ -1,7 +1,8 @@
-"""The guard line: what must be covered so that nothing leaves the floor. mm, map frame.
+"""What lies outside the floor, and the offset outline: what must be covered. mm, map frame.
 
-It runs around the floor, just outside it. The floor's outside falls into *yards*, each with the
-guard line around it: one for every block between corridors, and the one that surrounds all.
+The floor's outside falls into *outer regions*: one for every block between corridors, and the one
+that surrounds all. The *offset outline* of each runs OUTLINE_DISTANCE off the floor; where it is
+covered by walls and fences, nothing leaves the floor.
 """
 from __future__ import annotations
 
@@ -14,41 +15,41 @@ from shapely.geometry.polygon import orient
 
 from omron_ld90.converter.corridors import MITRE
 
-GUARD = 15.0  # from the floor to the guard line
-STEP = 40.0  # between the points that stand for the guard line
+OUTLINE_DISTANCE = 15.0  # from the floor to the offset outline
+STEP = 40.0  # between the points that stand for the offset outline
 CLEARANCE = 2.0  # between fence and floor: more than the rounding to whole mm
 OUTSIDE = 30000.0  # of the world around the floor that is looked at
 LONGEST_EDGE = 1000.0
 SAME_DIRECTION = float(np.cos(np.radians(0.5)))
 
 
-class Yard(NamedTuple):
-    """A connected piece of what lies outside the floor; it is at the left of its guard line."""
+class OuterRegion(NamedTuple):
+    """A connected piece of what lies outside the floor; it is at the left of its offset outline."""
 
     points: np.ndarray
-    """(N,2), at most STEP apart along the guard line."""
+    """(N,2), at most STEP apart along the offset outline."""
     directions: np.ndarray
-    """(N,2), the guard line's unit direction at each point."""
+    """(N,2), the outline's unit direction at each point."""
     rings: List[np.ndarray]
-    """Indices of the points of each closed part of the guard line, in order."""
+    """Indices of the points of each closed part of the outline, in order."""
     edges: np.ndarray
     """(M,2,2), segments of at most LONGEST_EDGE that no fence may cross."""
 
 
-def yards(floor: BaseGeometry) -> Iterator[Yard]:
-    """The yards around and inside `floor`.
+def outer_regions(floor: BaseGeometry) -> Iterator[OuterRegion]:
+    """The outer regions around and inside `floor`.
 
-    Every version of GEOS gives the same yards: each makes the same shapes, but lists their corners
-    from another one on, so that they are put in order here.
+    Every version of GEOS gives the same regions: each makes the same shapes, but lists their
+    corners from another one on, so that they are put in order here.
     """
     everything = box(*floor.bounds).buffer(OUTSIDE, join_style=MITRE)
-    outside = everything.difference(floor.buffer(GUARD, join_style=MITRE))
+    outside = everything.difference(floor.buffer(OUTLINE_DISTANCE, join_style=MITRE))
     for piece in getattr(outside, 'geoms', [outside]):
         piece = orient(piece)
         outermost = piece.exterior.bounds == everything.bounds
         rings = list(piece.interiors) if outermost else [piece.exterior, *piece.interiors]
         outlines = sorted((_outline(ring) for ring in rings), key=lambda line: tuple(line[0]))
-        yield _yard(piece, outlines)
+        yield _region(piece, outlines)
 
 
 def sides(directions: np.ndarray) -> List[np.ndarray]:
@@ -61,12 +62,12 @@ def sides(directions: np.ndarray) -> List[np.ndarray]:
     return np.split(around, corners[1:] - corners[0])
 
 
-def _yard(piece: Polygon, outlines: List[np.ndarray]) -> Yard:
+def _region(piece: Polygon, outlines: List[np.ndarray]) -> OuterRegion:
     points, directions = zip(*map(_resampled, outlines))
     ends = np.cumsum([len(ring) for ring in points])
     rings = [np.arange(end - len(ring), end) for end, ring in zip(ends, points)]
-    return Yard(np.concatenate(points), np.concatenate(directions), rings,
-                _edges(piece.buffer(GUARD - CLEARANCE / 2.0, join_style=MITRE)))
+    return OuterRegion(np.concatenate(points), np.concatenate(directions), rings,
+                _edges(piece.buffer(OUTLINE_DISTANCE - CLEARANCE / 2.0, join_style=MITRE)))
 
 
 def _outline(ring: LinearRing) -> np.ndarray:
