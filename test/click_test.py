@@ -7,7 +7,6 @@ import unittest
 
 import rospkg
 import rospy
-import rostest
 import tf2_ros
 from geometry_msgs.msg import PointStamped, TransformStamped
 from std_msgs.msg import String
@@ -16,7 +15,7 @@ from visualization_msgs.msg import InteractiveMarkerFeedback, InteractiveMarkerI
 from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates
 from omron_ld90_msgs.msg import CommandRefused
 from omron_map import MapDocument
-from system_support import Recorder, connected_publisher, wait_until
+from system_support import Recorder, connected_publisher, run_cases, wait_until
 
 LAB = rospkg.RosPack().get_path('omron_ld90') + '/../../maps/lab.map'
 
@@ -186,4 +185,4 @@ class ClickTest(unittest.TestCase):
 
 if __name__ == '__main__':
     rospy.init_node('click_test')
-    rostest.rosrun('omron_ld90', 'click', ClickTest)
+    run_cases(__file__)

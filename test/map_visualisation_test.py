@@ -8,7 +8,6 @@ import unittest
 from typing import List
 
 import rospy
-import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 from nav_msgs.msg import MapMetaData, OccupancyGrid
 from nav_msgs.srv import GetMap, LoadMap, LoadMapResponse
@@ -16,7 +15,7 @@ from std_msgs.msg import String
 from visualization_msgs.msg import Marker, MarkerArray
 
 from omron_map import MapDocument, MapObject, RotatedRectangle
-from system_support import Recorder, connected_publisher
+from system_support import Recorder, connected_publisher, run_cases
 
 ROBOT = '/omron_ld90'
 
@@ -187,4 +186,4 @@ class MapVisualisationTest(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    rostest.rosrun('omron_ld90', 'map_visualisation', MapVisualisationTest)
+    run_cases(__file__)

@@ -6,13 +6,12 @@ import math
 import unittest
 
 import rospy
-import rostest
 import tf2_ros
 from geometry_msgs.msg import PoseStamped, TransformStamped
 from tf2_msgs.msg import TFMessage
 
 from omron_ld90_msgs.msg import RobotStatus
-from system_support import Recorder, connected_publisher, wait_until
+from system_support import Recorder, connected_publisher, run_cases, wait_until
 
 
 def status(x: float, y: float, yaw: float, age: float = 0.0, has_pose: bool = True) -> RobotStatus:
@@ -101,4 +100,4 @@ class PoseTest(unittest.TestCase):
 
 if __name__ == '__main__':
     rospy.init_node('pose_test')
-    rostest.rosrun('omron_ld90', 'pose', PoseTest)
+    run_cases(__file__)

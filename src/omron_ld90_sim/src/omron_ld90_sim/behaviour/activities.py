@@ -187,5 +187,5 @@ def undock(robot: Robot) -> Activity:
 
 def nearest_dock(robot: Robot) -> Optional[MapObject]:
     """The dock nearest to the robot, None when the map has none."""
-    pose = robot.true_pose
-    return min(robot.document.docks, key=lambda d: pose.distance_to(d.x, d.y), default=None)
+    pose, docks = robot.true_pose, robot.document.docks
+    return min(docks, key=lambda d: pose.distance_to(d.x, d.y)) if docks else None

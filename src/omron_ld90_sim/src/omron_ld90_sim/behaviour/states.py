@@ -32,12 +32,12 @@ class Failure(Exception):
         self.status = status
 
 
-class _Standing:
+class Standing:
     """What an activity yields to wait until the base stands."""
 
 
-STANDING = _Standing()
-Script = Generator[Union[float, _Standing], None, None]
+STANDING = Standing()
+Script = Generator[Union[float, Standing], None, None]
 
 
 @dataclass

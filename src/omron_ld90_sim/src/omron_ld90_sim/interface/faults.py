@@ -41,7 +41,7 @@ class Faults:
         try:
             method(self, *arguments)
         except (TypeError, ValueError, KeyError) as error:
-            usage = inspect.getdoc(method).splitlines()[0]
+            usage = (inspect.getdoc(method) or '').splitlines()[0]
             raise UnknownFault(f"'{words}' is no fault, expected: {usage}") from error
 
     def schedule(self, line: str) -> None:
@@ -248,6 +248,6 @@ def help_text() -> str:
     """The faults, one paragraph each."""
     paragraphs = []
     for _, method in sorted(_methods().items()):
-        usage, *meaning = inspect.getdoc(method).splitlines()
+        usage, *meaning = (inspect.getdoc(method) or '').splitlines()
         paragraphs.append('  '.join([f'{usage:<34}', ' '.join(meaning).strip()]))
     return '\n'.join(paragraphs)

@@ -4,7 +4,8 @@ Times are multiples of each interval on the robot's clock, so that nothing drift
 """
 from __future__ import annotations
 
-from typing import List
+from functools import partial
+from typing import Callable, List
 
 from omron_ld90_sim.clock import Ticker
 from omron_ld90_sim.interface.commands.state import one_line_status
@@ -29,8 +30,7 @@ class OutgoingLink:
             commands = [part.strip() for part in
                         settings.text(OUTGOING_COMMANDS, f'OutgoingCommands{n}').split('|')]
             if seconds > 0 and any(commands):
-                self._every(max(seconds, FASTEST_LIST),
-                            lambda commands=commands: self._run(commands))
+                self._every(max(seconds, FASTEST_LIST), partial(self._run, commands))
         interval = settings.number(OUTGOING, 'SendStatusInterval') / 1000.0
         if interval > 0:
             self._every(max(interval, FASTEST_STATUS),
@@ -41,7 +41,7 @@ class OutgoingLink:
             session.last_received = clock.now
             self._every(1.0, self._drop_when_silent)
 
-    def _every(self, seconds: float, action) -> None:
+    def _every(self, seconds: float, action: Callable[[], None]) -> None:
         def run() -> None:
             if self._session.closed:
                 self.stop()

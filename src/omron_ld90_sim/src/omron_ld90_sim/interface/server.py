@@ -40,6 +40,7 @@ class ArclServer:
         self.accepting = True           # off: new connections are refused
         self.outgoing_wanted = True     # off: the outgoing connection stays away
         self.log: Callable[[int, str, str], None] = lambda number, direction, text: None
+        self.outgoing_begins: Callable[[Session], object] = lambda session: None
         self.wall_time = time.localtime
         self.data_store = DataStore(robot, lambda: self.wall_time())
         self._count = 0
@@ -67,6 +68,7 @@ class ArclServer:
         """The robot's outgoing connection stands: no login, and every broadcast goes there too."""
         session = Session(self, 0, outgoing=True)
         self.sessions.append(session)
+        self.outgoing_begins(session)
         return session
 
     def forget(self, session: Session) -> None:

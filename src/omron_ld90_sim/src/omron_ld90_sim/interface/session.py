@@ -10,7 +10,7 @@ import re
 from collections import deque
 from dataclasses import dataclass
 from enum import Enum
-from typing import Callable, Deque, Optional, Protocol, Tuple
+from typing import Deque, Optional, Protocol, Tuple
 
 from omron_ld90_sim.clock import Clock
 
@@ -51,7 +51,9 @@ class Host(Protocol):
     clock: Clock
     password: str
     impairment: Impairment
-    log: Callable[[int, str, str], None]
+
+    def log(self, number: int, direction: str, text: str) -> None:
+        """A line was sent: by whom (`C` or `S`), over which connection."""
 
     def execute(self, session: Session, line: str) -> None:
         """Carries out a command line."""

@@ -5,6 +5,7 @@ In a test: `with Simulator(map_path, speed=10) as robot: ... robot.port`.
 from __future__ import annotations
 
 import threading
+from functools import partial
 from pathlib import Path
 from typing import Callable, Dict, List, Optional, Sequence, TextIO, Tuple, Union
 
@@ -22,6 +23,7 @@ from omron_ld90_sim.interface.configuration import (
 from omron_ld90_sim.interface.control import ControlServer
 from omron_ld90_sim.interface.faults import Faults, UnknownFault
 from omron_ld90_sim.interface.fleet import RobotSpec
+from omron_ld90_sim.interface.outgoing import OutgoingLink
 from omron_ld90_sim.interface.recording import ReplayServer, SessionLog, Transfer
 from omron_ld90_sim.interface.server import ArclServer
 from omron_ld90_sim.interface.transport import Loop, TcpServer
@@ -46,6 +48,7 @@ class Unit:
         self.robot = Robot(loop.clock, document, floor, place, seed, spec.battery,
                            arrival_error=arrival_error)
         self.server = ArclServer(loop.clock, self.robot, password, execute, settings, folder)
+        self.server.outgoing_begins = partial(OutgoingLink, self.server)
         self.faults = Faults(self.server)
         self.autonomy = Autonomy(self.server)
         self.tcp = TcpServer(loop, self.server, host, spec.port)

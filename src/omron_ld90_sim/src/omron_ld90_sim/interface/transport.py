@@ -15,13 +15,10 @@ import socket
 import struct
 import time
 from collections import deque
-from typing import Callable, Deque, List, Optional, Tuple
+from typing import Callable, Deque, List, Optional, Protocol, Tuple
 
 from omron_ld90_sim.clock import Clock
-from omron_ld90_sim.interface.configuration import OUTGOING
-from omron_ld90_sim.interface.outgoing import OutgoingLink
-from omron_ld90_sim.interface.server import ArclServer
-from omron_ld90_sim.interface.session import Session
+from omron_ld90_sim.interface.configuration import OUTGOING, Configuration
 
 RECONNECT = 1.0         # s between two attempts of the outgoing connection
 INPUT_CYCLE = 0.02      # s of wall time in which what comes in counts as simultaneous, at most
@@ -33,6 +30,46 @@ MAX_OUTPUT = 8_000_000  # bytes a client may leave unread before it is dropped
 
 class PortTaken(Exception):
     """The ARCL port cannot be listened on."""
+
+
+class Session(Protocol):
+    """What a connection needs of its session."""
+
+    output: bytearray
+    outgoing: bool
+    aborted: bool
+
+    @property
+    def closed(self) -> bool:
+        """Whether nothing more is taken or said."""
+
+    @property
+    def finished(self) -> bool:
+        """Whether it is closed and everything has been sent."""
+
+    def receive(self, data: bytes) -> None:
+        """Takes bytes from the other side."""
+
+    def close(self) -> None:
+        """The other side has gone."""
+
+
+class Server(Protocol):
+    """What a port needs of its server: a robot, or a recording of one."""
+
+    configuration: Configuration
+    online: bool
+    accepting: bool
+    outgoing_wanted: bool
+
+    def connect(self) -> Session:
+        """A client has connected."""
+
+    def connect_outgoing(self) -> Session:
+        """The outgoing connection stands."""
+
+    def shut_down(self) -> None:
+        """Says good-bye to everybody."""
 
 
 class Loop:
@@ -147,14 +184,14 @@ class Connection:
         if self.sock.fileno() >= 0:
             self.loop.selector.unregister(self.sock)
             self.sock.close()
-            self.session.server.forget(self.session)
+            self.session.close()
             self._gone(self)
 
 
 class TcpServer:
     """One robot's listening port and outgoing connection, as its server wants them."""
 
-    def __init__(self, loop: Loop, server: ArclServer, host: str, port: int) -> None:
+    def __init__(self, loop: Loop, server: Server, host: str, port: int) -> None:
         self.loop, self.server = loop, server
         self._host = host
         self._connections: List[Connection] = []
@@ -244,9 +281,7 @@ class TcpServer:
                 or sock.getsockname() == sock.getpeername()):   # TCP can connect to itself
             sock.close()
             return
-        session = self.server.connect_outgoing()
-        OutgoingLink(self.server, session)
-        self._add(sock, session)
+        self._add(sock, self.server.connect_outgoing())
 
     # -- upkeep --------------------------------------------------------------------------------
 
