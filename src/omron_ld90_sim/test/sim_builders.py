@@ -18,9 +18,10 @@ from omron_ld90_sim.motion.floor import Floor
 from omron_ld90_sim.motion.kinematics import LD90_BODY, Pose
 from omron_map import MapDocument, MapObject, RotatedRectangle
 
-ROOT = Path(__file__).resolve().parents[4]
+ROOT = Path(__file__).resolve().parents[3]
 LAB = ROOT / 'maps' / 'lab.map'
 REAL_MAPS = Path(os.environ.get('LD90_REAL_MAPS') or '/nowhere')  # LD90_REAL_MAPS names none
+MAPS = [LAB, REAL_MAPS / 'omron-ld-site-a.map', REAL_MAPS / 'omron-ld-site-b.map']
 
 ROOM = """2D-Map
 LineMinPos: -4000 -3000
@@ -65,6 +66,13 @@ def corridor(width: float) -> MapDocument:
     return MapDocument.from_bytes(
         f'2D-Map\nLineMinPos: -16000 -3000\nLineMaxPos: 16000 3000\nNumLines: {len(walls)}\n'
         f'LINES\n{lines}\n'.encode(), name='corridor.map')
+
+
+def lonely_floor(*walls: Tuple[float, float, float, float]) -> Floor:
+    """A floor of 10 x 8 m with walls around it, and more walls if given."""
+    everything = np.array([[-5000, -4000, 5000, -4000], [-5000, 4000, 5000, 4000],
+                           [-5000, -4000, -5000, 4000], [5000, -4000, 5000, 4000], *walls], float)
+    return Floor(np.empty((0, 2)), everything, np.empty((0, 4)), [], 20, np.empty((0, 2)))
 
 
 class Rig:
