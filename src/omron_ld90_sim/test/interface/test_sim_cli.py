@@ -90,3 +90,14 @@ def test_the_program_serves_a_recorded_session_again(tmp_path: Path) -> None:
     finally:
         program.kill()
         program.communicate()
+
+
+@pytest.mark.parametrize('option', ['--speed nan', '--battery nan', '--battery 101', '--port -1',
+                                    '--start 0,0,nan', '--start 0,0', '--arrival-error nan,1',
+                                    '--outgoing-commands inf:Status', '--outgoing here'])
+def test_a_wrong_option_is_told_with_what_it_takes(option: str, capsys: pytest.CaptureFixture
+                                                   ) -> None:
+    with pytest.raises(SystemExit) as end:
+        main(['--map', 'room.map', *option.split()])
+    assert end.value.code == 2
+    assert f'argument {option.split()[0]}: ' in capsys.readouterr().err

@@ -14,7 +14,9 @@ from omron_ld90_sim.interface.fleet import FleetError, read_fleet
     ('robots: [{port: 70000}]', 'out of range'),
     ('robots: [{port: 7171}, {port: 7171}]', 'two robots have the port 7171'),
     ('robots: [{port: 1, outgoing: here}]', 'is not HOST:PORT'),
-    ('robots: [{port: 1, start: [1, 2]}]', 'robot 1: ')])
+    ('robots: [{port: 1, start: [1, 2]}]', 'robot 1: '),
+    ('robots: [{port: 1, start: [0, 0, .nan]}]', "'nan' is not a number"),
+    ('robots: [{port: 1, battery: .inf}]', 'not a number from 0 to 100')])
 def test_a_malformed_fleet_is_told_in_a_sentence(tmp_path: Path, text: str, words: str) -> None:
     path = tmp_path / 'fleet.yaml'
     path.write_text(text)

@@ -1,16 +1,21 @@
 """Whatever a client sends, the robot goes on and answers in whole ASCII lines."""
 from __future__ import annotations
 
+import contextlib
+import math
+from dataclasses import astuple
 from typing import List
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from sim_builders import Rig
 
 from omron_ld90_sim.interface.commands import TABLE
+from omron_ld90_sim.interface.faults import Faults, UnknownFault, help_text
 
-WORDS = ['12', 'West', '"East side"', '-1', '0', '1e400', 'nan', '-inf', '99999999999', '"', '""',
+NUMBERS = ['-1', '0', '0.5', '90', '4294967296', '-1e12', '1e308', '1e400', 'nan', '-inf']
+WORDS = [*NUMBERS, '12', 'West', '"East side"', '"', '""',
          '"open', '$X', '$g$', 'Round', 'Greeting', 'Laser_1', 'move', 'wait', 'goto', 'gotoPoint',
          'deltaHeading', 'setHeading', 'localizeAtGoal', 'say', 'pause', 'movementParametersTemp',
          'Section', 'Files', 'Docking', 'AutoDock', 'true', '../x.map', '\x00', '\t', 'Goal', '|']
@@ -18,6 +23,7 @@ ENDING = {'shutdown', 'quit', 'extioremove'}     # those that end the connection
 NAMES = sorted(name for name in {row.name for row in TABLE.values()} if name.lower() not in ENDING)
 LINES = st.builds(lambda name, words: ' '.join([name, *words]), st.sampled_from(NAMES),
                   st.lists(st.sampled_from(WORDS), max_size=5))
+FAULTS = [line.split()[0] for line in help_text().splitlines()]
 RIG = Rig()     # one robot for all examples: what they leave behind is part of the test
 
 
@@ -43,6 +49,22 @@ def test_extreme_tasks_come_to_an_end(task: str) -> None:
     rig.clock.advance(120.0)
     assert client.lines()[-1] in (f'Completed doing task {task}', 'Error: Failed to move')
     assert rig.robot.activity is None and rig.robot.base.still
+
+
+@settings(max_examples=200)
+@given(name=st.sampled_from(FAULTS), words=st.lists(st.sampled_from(NUMBERS), max_size=3),
+       seconds=st.sampled_from(['', *NUMBERS]))
+@example(name='lost', words=['nan', '0', '0'], seconds='')
+def test_no_number_in_a_fault_breaks_the_robot(name: str, words: List[str], seconds: str) -> None:
+    rig = Rig()
+    client = rig.client()
+    with contextlib.suppress(UnknownFault):
+        Faults(rig.server).schedule(' '.join([seconds, name, *words]).strip())
+    client.send('goto 12', 'status', 'rangeDeviceGetCurrent Laser_1')
+    rig.clock.advance(5.0)
+    client.send('status', 'oneLineStatus', 'localizeAtGoal 12')
+    rig.clock.advance(10.0)
+    assert math.isfinite(rig.clock.now) and math.isfinite(sum(astuple(rig.robot.pose)))
 
 
 @settings(max_examples=200)

@@ -6,6 +6,7 @@ and parsed at `configParse`, as on the robot.
 """
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from functools import partial
 from typing import Dict, List, Optional, Tuple
@@ -53,6 +54,8 @@ class Parameter:
         if self.type in _BOUNDS:
             try:
                 number = int(value) if self.type == WHOLE else float(value)
+                if not math.isfinite(number):
+                    raise ValueError
             except ValueError:
                 raise ValueError(f"{self.name} must be a number, not '{value}'") from None
             if (self.least is not None and not number >= self.least

@@ -194,11 +194,12 @@ def test_configuration_is_closed_without_arclconfig() -> None:
         'CommandError: getConfigSectionList', 'CommandErrorDescription: ArclConfig is off']
 
 
-def test_a_wrong_value_leaves_the_configuration_as_it_was() -> None:
+@pytest.mark.parametrize('value', ['lots', 'nan', '1e400'])
+def test_a_wrong_value_leaves_the_configuration_as_it_was(value: str) -> None:
     rig = Rig()
     lines = rig.client().ask('configStart', 'configAdd Section Docking', 'configAdd AutoDock true',
-                             'configAdd AutoDockCharge lots', 'configParse')
-    assert lines[-1] == ("Config had errors parsing: AutoDockCharge must be a number, not 'lots'")
+                             f'configAdd AutoDockCharge {value}', 'configParse')
+    assert lines[-1] == f"Config had errors parsing: AutoDockCharge must be a number, not '{value}'"
     assert not rig.server.configuration.flag('Docking', 'AutoDock')
 
 
