@@ -1,6 +1,7 @@
 """The program: what it serves, and what it says when it cannot."""
 from __future__ import annotations
 
+import json
 import os
 import signal
 import socket
@@ -36,6 +37,10 @@ def test_the_program_serves_logs_takes_faults_and_ends_cleanly(map_file: Path) -
             answers = faults.makefile()
             assert answers.readline() == 'ok\n'
             assert answers.readline().startswith("error: no fault 'earthquake'")
+            faults.sendall(b'where\n')
+            place = json.loads(answers.readline())
+            assert place['time'] > 0.0
+            assert place['robots'] == {'robot': {'x': -3.0, 'y': 1.5, 'heading': 0.0}}
         assert client.until('EStop')[-1] == 'EStop pressed'
         program.send_signal(signal.SIGTERM)
         assert client.until('Shutting')[-1] == 'Shutting down server' and client.ended()

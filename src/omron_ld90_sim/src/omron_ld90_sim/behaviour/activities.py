@@ -24,7 +24,7 @@ _WAVERING_ON_UNDOCK = (ChargeState.NOT, ChargeState.OVERCHARGE, ChargeState.NOT,
 
 def go_to_goal(robot: Robot, goal: MapObject, heading: Optional[float] = None) -> Activity:
     """`goto`: leaves the dock first, drives to the goal, turns where the goal has a heading."""
-    return _go(robot, goal.name, *_place(goal, heading))
+    return _go(robot, goal.name, *_place(goal, heading), goal=True)
 
 
 def go_to_point(robot: Robot, x: float, y: float, heading: Optional[float]) -> Activity:
@@ -32,7 +32,8 @@ def go_to_point(robot: Robot, x: float, y: float, heading: Optional[float]) -> A
     return _go(robot, 'point', x, y, heading)
 
 
-def _go(robot: Robot, name: str, x: float, y: float, heading: Optional[float]) -> Activity:
+def _go(robot: Robot, name: str, x: float, y: float, heading: Optional[float],
+        goal: bool = False) -> Activity:
     def script() -> Script:
         yield from leave_dock(robot)
         robot.status = robot.extended = f'Going to {name}'
@@ -41,7 +42,7 @@ def _go(robot: Robot, name: str, x: float, y: float, heading: Optional[float]) -
         robot.status = robot.extended = f'Arrived at {name}'
         robot.announce(f'Arrived at {name}')
 
-    return Activity(f'Going to {name}', f'Going to {name}', script())
+    return Activity(f'Going to {name}', f'Going to {name}', script(), (x, y), goal)
 
 
 def pass_goal(robot: Robot, goal: MapObject) -> Script:
@@ -152,16 +153,31 @@ def leave_dock(robot: Robot, wavering: Sequence[ChargeState] = _WAVERING_ON_GOTO
 
 
 def dock(robot: Robot, station: MapObject) -> Activity:
-    """`dock`: drives to the dock's pose, then into the station, and charges."""
-    def script() -> Script:
+    """`dock`: drives to the dock's pose, then into the station, and charges.
+
+    A robot that does not get hold of the charger backs out and tries again; that is one dock, with
+    Undocking and Undocked in between (ARCL manual I617-E-02 p. 71).
+    """
+    failed = f'Failed going to dock at {station.name}'
+
+    def straight_to(x: float, y: float) -> Script:
+        yield from _until_there(robot, x, y, None, lambda: _straight_to(robot, x, y), failed)
+
+    def drive_in() -> Script:
         robot.docking.enter(DockingState.UNDOCKED, ChargeState.NOT)
         robot.docking.enter(DockingState.DOCKING, ChargeState.NOT)
-        failed = f'Failed going to dock at {station.name}'
         yield from drive(robot, station.x, station.y, station.theta, failed)
         robot.extended = 'Driving into dock'
         inside = docked_pose(robot.floor, station)
-        yield from _until_there(robot, inside.x, inside.y, None,
-                                lambda: _straight_to(robot, inside.x, inside.y), failed)
+        yield from straight_to(inside.x, inside.y)
+
+    def script() -> Script:
+        yield from drive_in()
+        while robot.failing_docks > 0:
+            robot.failing_docks -= 1
+            robot.docking.enter(DockingState.UNDOCKING, ChargeState.NOT)
+            yield from straight_to(station.x, station.y)
+            yield from drive_in()
         robot.docking.enter(DockingState.DOCKING, ChargeState.BULK)
         yield SETTLE
         robot.docking.update()

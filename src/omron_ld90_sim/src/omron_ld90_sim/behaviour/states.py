@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Generator, Union
+from typing import Generator, Optional, Tuple, Union
 
 
 class DockingState(Enum):
@@ -22,6 +22,14 @@ class Motors(Enum):
     DISABLED = 'Motors disabled'
     ESTOP = 'EStop pressed'
     RELIEVED = 'EStop relieved but motors still disabled'
+
+
+class InterruptedWords(Enum):
+    """What the `Interrupted:` line says of a drive to a goal that something ended."""
+
+    NAME = 'name'                   # the goal's name (ARCL manual I617-E-01 p. 242)
+    COORDINATES = 'coordinates'     # where the goal is (I617-E-02 p. 243)
+    NOTHING = 'nothing'             # there is no such line
 
 
 class Failure(Exception):
@@ -44,6 +52,17 @@ Script = Generator[Union[float, Standing], None, None]
 class Activity:
     """Something the robot is doing."""
 
-    status: str         # the Status text while it runs, and the text behind `Interrupted:`
+    status: str         # the Status text while it runs
     extended: str
     script: Script
+    point: Optional[Tuple[float, float]] = None     # mm, where it drives to
+    goal: bool = False                              # that is a goal, whose name stands in status
+
+    def interrupted(self, words: InterruptedWords) -> Optional[str]:
+        """What is told of its early end, if anything; a point has no name but its place."""
+        if words is InterruptedWords.NOTHING:
+            return None
+        if self.point is None or (self.goal and words is InterruptedWords.NAME):
+            return f'Interrupted: {self.status}'
+        x, y = self.point
+        return f'Interrupted: Going to {x:.0f} {y:.0f}'

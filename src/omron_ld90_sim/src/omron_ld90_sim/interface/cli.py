@@ -158,7 +158,7 @@ def _simulator(arguments: argparse.Namespace, stack: ExitStack) -> Simulator:
         with open(arguments.fault_script, encoding='utf-8') as file:
             run_script(file, simulator.inject)
     if arguments.log is not None:
-        file = open(arguments.log, 'w', encoding='utf-8')   # noqa: SIM115 - closed by the stack
+        file = open(arguments.log, 'w', encoding='ascii')   # noqa: SIM115 - closed by the stack
         simulator.log_to(stack.enter_context(file))
     if arguments.control is not None:
         print(f'faults on 127.0.0.1:{simulator.control_on(arguments.control)}', flush=True)

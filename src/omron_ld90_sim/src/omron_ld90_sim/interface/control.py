@@ -1,20 +1,23 @@
-"""The control socket: faults on demand for a simulation that runs."""
+"""The control socket of a running simulation: faults on demand, and where its robots truly are."""
 from __future__ import annotations
 
+import json
 import selectors
 import socket
-from typing import Callable
+from typing import Callable, Mapping
 
 from omron_ld90_sim.interface.transport import Loop, PortTaken
 
 
 class ControlServer:
-    """A line protocol on loopback for faults: `ok` or `error: <sentence>` for each line."""
+    """A line protocol on loopback: each line is a fault, answered with `ok` or `error: <sentence>`,
+    or `where`, answered with one line of JSON."""
 
     MAX_LINE = 1000
 
-    def __init__(self, loop: Loop, port: int, inject: Callable[[str], None]) -> None:
-        self._loop, self._inject = loop, inject
+    def __init__(self, loop: Loop, port: int, inject: Callable[[str], None],
+                 where: Callable[[], Mapping[str, object]]) -> None:
+        self._loop, self._inject, self._where = loop, inject, where
         listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
@@ -59,8 +62,11 @@ class ControlServer:
         self._loop.selector.register(sock, selectors.EVENT_READ, ready)
 
     def _answer(self, line: bytes) -> bytes:
+        words = line.decode('utf-8', 'replace').strip()
+        if words.lower() == 'where':
+            return json.dumps(self._where()).encode() + b'\n'
         try:
-            self._inject(line.decode('utf-8', 'replace').strip())
+            self._inject(words)
         except ValueError as error:
             return f'error: {error}\n'.encode()
         return b'ok\n'

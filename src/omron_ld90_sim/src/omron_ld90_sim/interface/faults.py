@@ -11,9 +11,10 @@ from typing import Callable, Dict, Iterable, Tuple
 
 from omron_ld90_sim.behaviour.states import Motors
 from omron_ld90_sim.interface import numbers
-from omron_ld90_sim.interface.configuration import DOCKING
+from omron_ld90_sim.interface.configuration_table import DOCKING
+from omron_ld90_sim.interface.dialect import PROMPT, SWITCHES
 from omron_ld90_sim.interface.server import ArclServer
-from omron_ld90_sim.interface.session import PROMPT, Session
+from omron_ld90_sim.interface.session import Session
 from omron_ld90_sim.motion.kinematics import Pose
 from omron_ld90_sim.motion.space import Disc
 
@@ -131,6 +132,13 @@ class Faults:
         """
         self._robot.failing_goals.discard(_name(goal))
 
+    def faildock(self, times: str = '1') -> None:
+        """faildock [TIMES]
+
+        So many of the next drives into a dock miss the charger: the robot backs out and tries anew.
+        """
+        self._robot.failing_docks = int(numbers.number(times, 0, 100))
+
     def battery(self, percent: str) -> None:
         """battery PERCENT
 
@@ -185,7 +193,16 @@ class Faults:
 
         What new clients are greeted with; without a text the right prompt again.
         """
-        self._server.impairment.prompt = ' '.join(text) or PROMPT
+        self._server.dialect.prompt = (' '.join(text) or PROMPT).encode() + b'\r\n'
+
+    def dialect(self, what: str, *value: str) -> None:
+        """dialect WHAT VALUE
+
+        Speaks like a robot that is less exact: prompt TEXT (without a line end), welcome [TEXT],
+        help left|names|none|right, unlisted COMMAND..., missing COMMAND...,
+        encoding raw|ascii|latin-1, goals quoted|plain, interrupted name|coordinates|nothing.
+        """
+        SWITCHES[what](self._server.dialect, self._robot, ' '.join(value))
 
     def silence(self, seconds: str) -> None:
         """silence SECONDS

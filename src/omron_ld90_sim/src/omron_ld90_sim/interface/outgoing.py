@@ -9,7 +9,7 @@ from typing import Callable, List
 
 from omron_ld90_sim.clock import Ticker
 from omron_ld90_sim.interface.commands.state import one_line_status
-from omron_ld90_sim.interface.configuration import LISTS, OUTGOING, OUTGOING_COMMANDS
+from omron_ld90_sim.interface.configuration_table import LISTS, OUTGOING, OUTGOING_COMMANDS
 from omron_ld90_sim.interface.server import ArclServer
 from omron_ld90_sim.interface.session import Session
 

@@ -11,8 +11,10 @@ from typing import Callable, List, Optional
 
 from omron_ld90_sim.behaviour.robot import Robot
 from omron_ld90_sim.clock import Clock, Ticker
-from omron_ld90_sim.interface.configuration import FILES, FLEET, SERVER, Configuration
+from omron_ld90_sim.interface.configuration import Configuration
+from omron_ld90_sim.interface.configuration_table import FILES, FLEET, SERVER, default_configuration
 from omron_ld90_sim.interface.data_store import DataStore
+from omron_ld90_sim.interface.dialect import Dialect
 from omron_ld90_sim.interface.session import Impairment, Phase, Session
 from omron_ld90_sim.motion.floor import Floor
 from omron_map import MapDocument, MapError
@@ -32,14 +34,15 @@ class ArclServer:
         """
         self.clock, self.robot, self.password = clock, robot, password
         self._interpreter = interpreter
-        self.configuration = configuration or Configuration()
+        self.configuration = configuration or default_configuration()
         self.map_folder = map_folder
         self.sessions: List[Session] = []
         self.impairment = Impairment()
+        self.dialect = Dialect()
         self.online = True              # off: no listener and no outgoing connection
         self.accepting = True           # off: new connections are refused
         self.outgoing_wanted = True     # off: the outgoing connection stays away
-        self.log: Callable[[int, str, str], None] = lambda number, direction, text: None
+        self.log: Callable[[int, str, bytes], None] = lambda number, direction, line: None
         self.outgoing_begins: Callable[[Session], object] = lambda session: None
         self.wall_time = time.localtime
         self.data_store = DataStore(robot, lambda: self.wall_time())
@@ -86,6 +89,12 @@ class ArclServer:
         """Ends the server: farewell, then no port and no connection."""
         for session in list(self.sessions):
             session.send('Shutting down server')
+        self.online = False
+        self.drop_all()
+
+    def switch_off(self) -> None:
+        """The robot is switched off: it stops, and every connection ends without a word."""
+        self.robot.halt()
         self.online = False
         self.drop_all()
 

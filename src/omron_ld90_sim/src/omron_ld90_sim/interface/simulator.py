@@ -13,12 +13,13 @@ from omron_ld90_sim.behaviour.robot import Robot
 from omron_ld90_sim.clock import Clock
 from omron_ld90_sim.interface.autonomy import Autonomy
 from omron_ld90_sim.interface.commands import execute
-from omron_ld90_sim.interface.configuration import (
+from omron_ld90_sim.interface.configuration import Configuration
+from omron_ld90_sim.interface.configuration_table import (
     FILES,
     FLEET,
     OUTGOING,
     OUTGOING_COMMANDS,
-    Configuration,
+    default_configuration,
 )
 from omron_ld90_sim.interface.control import ControlServer
 from omron_ld90_sim.interface.faults import Faults, UnknownFault
@@ -57,7 +58,7 @@ class Unit:
 def settings_for(map_name: str, outgoing: Optional[Tuple[str, int]], lists: CommandLists,
                  changes: Sequence[Tuple[str, str, str]] = ()) -> Configuration:
     """A robot's configuration; ValueError when a change (section, name, value) does not fit."""
-    settings = Configuration()
+    settings = default_configuration()
     settings.set(FILES, 'Map', map_name)
     if outgoing is not None:
         settings.set(OUTGOING, 'OutgoingHostname', outgoing[0])
@@ -129,7 +130,14 @@ class Simulator:
 
     def control_on(self, port: int) -> int:
         """Opens the control socket on loopback; returns its port."""
-        return ControlServer(self.loop, port, self._inject_here).port
+        return ControlServer(self.loop, port, self._inject_here, self.where).port
+
+    def where(self) -> Dict[str, object]:
+        """The simulated time (s), and by name where every robot really is (m, m, degrees)."""
+        poses = {unit.name: unit.robot.true_pose for unit in self.units}
+        return {'time': self.loop.clock.now,
+                'robots': {name: {'x': pose.x / 1000.0, 'y': pose.y / 1000.0, 'heading': pose.theta}
+                           for name, pose in poses.items()}}
 
     def inject(self, fault: str) -> None:
         """Brings about a fault, e.g. `estop press`; `@NAME fault` in a fleet.

@@ -18,7 +18,8 @@ from collections import deque
 from typing import Callable, Deque, List, Optional, Protocol, Tuple
 
 from omron_ld90_sim.clock import Clock
-from omron_ld90_sim.interface.configuration import OUTGOING, Configuration
+from omron_ld90_sim.interface.configuration import Configuration
+from omron_ld90_sim.interface.configuration_table import OUTGOING
 
 RECONNECT = 1.0         # s between two attempts of the outgoing connection
 INPUT_CYCLE = 0.02      # s of wall time in which what comes in counts as simultaneous, at most

@@ -153,7 +153,7 @@ def test_an_argument_too_many_is_ignored(extra: str) -> None:
     assert not Rig().client().ask(extra)[0].startswith('CommandError')
 
 
-@pytest.mark.parametrize('command', ['etaRequest', 'queueDropoff x', 'queryFaults', 'go', 'follow',
+@pytest.mark.parametrize('command', ['etaRequest', 'queueDropoff x', 'queryFaults', 'follow',
                                      'payloadQuery', 'payloadSlotCount'])
 def test_what_the_facts_do_not_know_is_unknown(command: str) -> None:
     assert Rig().client().ask(command) == [f'Unknown command {command.split()[0]}']
@@ -177,6 +177,7 @@ def test_a_bad_argument_is_refused_in_two_lines(command: str) -> None:
 def test_variables_are_filled_in() -> None:
     client = Rig(start=(-2500.0, 250.0, 90.0)).client()
     assert client.ask('say at $X $Y $T') == ['Saying at -2500 250 90']
+    assert client.ask('say at $x $t') == ['Saying at -2500 90']
 
 
 def test_a_block_and_a_fault_of_one_name_are_two_things() -> None:
@@ -198,8 +199,9 @@ def test_configuration_is_closed_without_arclconfig() -> None:
 def test_a_wrong_value_leaves_the_configuration_as_it_was(value: str) -> None:
     rig = Rig()
     lines = rig.client().ask('configStart', 'configAdd Section Docking', 'configAdd AutoDock true',
-                             f'configAdd AutoDockCharge {value}', 'configParse')
-    assert lines[-1] == f"Config had errors parsing: AutoDockCharge must be a number, not '{value}'"
+                             f'configAdd AutoDockStateOfCharge {value}', 'configParse')
+    assert lines[-1] == ('Config had errors parsing: AutoDockStateOfCharge must be a number, '
+                         f"not '{value}'")
     assert not rig.server.configuration.flag('Docking', 'AutoDock')
 
 

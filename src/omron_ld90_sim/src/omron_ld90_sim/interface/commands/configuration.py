@@ -14,17 +14,16 @@ from omron_ld90_sim.interface.commands.table import (
 )
 from omron_ld90_sim.interface.configuration import (
     ADDED,
-    FILES,
     FLAG,
     REAL,
     SEPARATOR,
-    SERVER,
     TEXT,
     WHOLE,
     Change,
     Parameter,
     Section,
 )
+from omron_ld90_sim.interface.configuration_table import FILES, SERVER
 
 NOT_STARTED = 'You need to start a config before you can {} it.'
 MAP = (FILES, 'Map')
