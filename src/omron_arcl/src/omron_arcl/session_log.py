@@ -2,23 +2,21 @@
 from __future__ import annotations
 
 import os
-import re
 import threading
 import time
 from typing import Callable
 
 OUTGOING = 0  # number of the connection that the robot opens itself
 
-_UNPRINTABLE = re.compile(r'[\x00-\x1f\x7f]')
+_ESCAPED = {byte: f'\\x{byte:02x}' for byte in (*range(32), *range(127, 256))}
+_ESCAPED[ord('\\')] = '\\\\'
 
 
 class SessionLog:
-    """Writes lines `<Unix time> C> <line>` (client) or `S>` (server), C2 and S2 for the second
-    connection and so on.
+    """Writes what both sides say, in the format of docs/interface/session_log.md, times since 1970.
 
-    What is no printable ASCII is escaped. Passwords come blanked already. A file that is there is
-    kept as `<path>.old`. Raises OSError where the file cannot be opened; a full disk ends the log,
-    not the session.
+    Passwords come blanked already. A file that is there is kept as `<path>.old`. Raises OSError
+    where the file cannot be opened; a full disk ends the log, not the session.
     """
 
     def __init__(self, path: str) -> None:
@@ -46,8 +44,7 @@ class SessionLog:
 
     def _trace(self, number: str) -> Callable[[str, bytes], None]:
         def write(side: str, line: bytes) -> None:
-            text = _UNPRINTABLE.sub(lambda match: f'\\x{ord(match.group()):02x}',
-                                    line.decode('ascii', 'backslashreplace'))
+            text = line.decode('latin-1').translate(_ESCAPED)
             with self._lock:
                 try:
                     if not self._file.closed:
