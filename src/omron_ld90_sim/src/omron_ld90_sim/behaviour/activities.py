@@ -12,10 +12,10 @@ from omron_ld90_sim.motion.planner import Blocked, NoWay
 from omron_ld90_sim.motion.track import straight_track
 from omron_map import MapObject
 
-BLOCKED_PATIENCE = 30.0     # s of waiting for a blocked way before giving up
+BLOCKED_TIMEOUT = 30.0      # s of waiting for a blocked way before giving up
 RETRY = 2.0                 # s between two attempts to find a way
-PROGRESS = 1000.0           # mm nearer, and it is patient again
-THERE = 1.0                 # mm from a place, and deg from a heading, that count as there
+PROGRESS = 1000.0           # mm nearer, and the timeout begins anew
+ARRIVED_WITHIN = 1.0        # mm from a place, and deg from a heading, that count as there
 SETTLE = 0.5                # s between two docking states
 _WAVERING_ON_GOTO = (ChargeState.NOT, ChargeState.OVERCHARGE, ChargeState.BULK)
 _WAVERING_ON_UNDOCK = (ChargeState.NOT, ChargeState.OVERCHARGE, ChargeState.NOT, ChargeState.BULK,
@@ -102,12 +102,12 @@ def _until_there(robot: Robot, x: float, y: float, heading: Optional[float],
         else:
             yield STANDING
             left = robot.true_pose.distance_to(x, y)
-            turned = heading is None or abs(normalise(robot.true_pose.theta - heading)) < THERE
-            if left < THERE and turned:
+            turn = 0.0 if heading is None else normalise(robot.true_pose.theta - heading)
+            if left < ARRIVED_WITHIN and abs(turn) < ARRIVED_WITHIN:
                 return
             if left < nearest - PROGRESS:
                 waited, nearest = 0.0, left
-        if waited >= BLOCKED_PATIENCE:
+        if waited >= BLOCKED_TIMEOUT:
             raise Failure('Failed going to goal', failed)
         pause = robot.random.uniform(0.5, 1.5) * RETRY      # two robots must not wait in step
         yield pause
@@ -120,7 +120,7 @@ def _straight_to(robot: Robot, x: float, y: float) -> None:
     distance = here.distance_to(x, y)
     if here.ahead(distance).distance_to(x, y) > distance:
         distance = -distance
-    if abs(distance) >= THERE:
+    if abs(distance) >= ARRIVED_WITHIN:
         robot.follow([straight_track(here, distance, limits, limits.docking_speed)])
 
 

@@ -23,17 +23,18 @@ class Parameter:
     type: str
     value: str
     description: str
-    least: Optional[float] = None
-    most: Optional[float] = None
+    minimum: Optional[float] = None
+    maximum: Optional[float] = None
     priority: str = 'Intermediate'
     hint: str = ''
 
     @property
     def info(self) -> str:
         """What `getConfigSectionInfo` tells about it, the empty delimiter field included."""
-        least, most = (unbounded if bound is None else f'{bound:.15g}' for bound, unbounded
-                       in zip((self.least, self.most), _BOUNDS.get(self.type, ('None', 'None'))))
-        return (f'{self.type} {self.name} {self.priority} {least} {most} '
+        unbounded = _BOUNDS.get(self.type, ('None', 'None'))
+        minimum, maximum = (other if bound is None else f'{bound:.15g}' for bound, other
+                            in zip((self.minimum, self.maximum), unbounded))
+        return (f'{self.type} {self.name} {self.priority} {minimum} {maximum} '
                 f'"{self.description}" "{self.hint}" ""')
 
     def check(self, value: str) -> None:
@@ -49,8 +50,8 @@ class Parameter:
                     raise ValueError
             except ValueError:
                 raise ValueError(f"{self.name} must be a number, not '{value}'") from None
-            if (self.least is not None and not number >= self.least
-                    or self.most is not None and not number <= self.most):
+            if (self.minimum is not None and not number >= self.minimum
+                    or self.maximum is not None and not number <= self.maximum):
                 raise ValueError(f"{self.name} is out of range: '{value}'")
 
 

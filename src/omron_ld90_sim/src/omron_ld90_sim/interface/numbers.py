@@ -44,5 +44,5 @@ def percent(text: object) -> float:
 
 def start_pose(x: object, y: object, theta: object) -> Tuple[float, float, float]:
     """Metres, metres, degrees in; mm, mm, degrees out."""
-    most = FARTHEST / 1000.0
-    return (number(x, -most, most) * 1000.0, number(y, -most, most) * 1000.0, angle(theta))
+    limit = FARTHEST / 1000.0
+    return (number(x, -limit, limit) * 1000.0, number(y, -limit, limit) * 1000.0, angle(theta))

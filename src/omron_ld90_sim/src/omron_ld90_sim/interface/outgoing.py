@@ -13,9 +13,9 @@ from omron_ld90_sim.interface.configuration_table import LISTS, OUTGOING, OUTGOI
 from omron_ld90_sim.interface.server import ArclServer
 from omron_ld90_sim.interface.session import Session
 
-FASTEST_STATUS = 0.1        # s, SendStatusInterval is never faster
-FASTEST_LIST = 0.01         # s, not in the sources; keeps the simulator from doing nothing else
-LEAST_TIMEOUT = 5.0         # s, OutgoingSocketTimeoutInMins never means less
+MINIMUM_STATUS_INTERVAL = 0.1   # s, SendStatusInterval is never faster
+MINIMUM_LIST_INTERVAL = 0.01    # s, not in the sources; leaves time for everything else
+MINIMUM_TIMEOUT = 5.0           # s, OutgoingSocketTimeoutInMins never means less
 
 
 class OutgoingLink:
@@ -30,14 +30,14 @@ class OutgoingLink:
             commands = [part.strip() for part in
                         settings.text(OUTGOING_COMMANDS, f'OutgoingCommands{n}').split('|')]
             if seconds > 0 and any(commands):
-                self._every(max(seconds, FASTEST_LIST), partial(self._run, commands))
+                self._every(max(seconds, MINIMUM_LIST_INTERVAL), partial(self._run, commands))
         interval = settings.number(OUTGOING, 'SendStatusInterval') / 1000.0
         if interval > 0:
-            self._every(max(interval, FASTEST_STATUS),
+            self._every(max(interval, MINIMUM_STATUS_INTERVAL),
                         lambda: session.send(one_line_status(server.robot)))
         minutes = settings.number(OUTGOING, 'OutgoingSocketTimeoutInMins')
         if minutes >= 0:
-            self._limit = max(minutes * 60.0, LEAST_TIMEOUT)
+            self._limit = max(minutes * 60.0, MINIMUM_TIMEOUT)
             session.last_received = clock.now
             self._every(1.0, self._drop_when_silent)
 

@@ -19,7 +19,7 @@ from omron_ld90_sim.interface.session import Impairment, Phase, Session
 from omron_ld90_sim.motion.floor import Floor
 from omron_map import MapDocument, MapError
 
-LEAST_TIMEOUT = 60.0        # s, SessionTimeoutMins never means less
+MINIMUM_TIMEOUT = 60.0      # s, SessionTimeoutMins never means less
 
 
 class ArclServer:
@@ -48,7 +48,7 @@ class ArclServer:
         self.data_store = DataStore(robot, lambda: self.wall_time())
         self._count = 0
         robot.announce = self.broadcast
-        Ticker(clock, LEAST_TIMEOUT / 4, self._drop_silent)
+        Ticker(clock, MINIMUM_TIMEOUT / 4, self._drop_silent)
 
     @property
     def robot_name(self) -> str:
@@ -115,7 +115,7 @@ class ArclServer:
     def _drop_silent(self) -> None:
         minutes = self.configuration.number(SERVER, 'SessionTimeoutMins')
         if minutes >= 0:
-            limit = max(minutes * 60.0, LEAST_TIMEOUT)
+            limit = max(minutes * 60.0, MINIMUM_TIMEOUT)
             for session in list(self.sessions):
                 if not session.outgoing and self.clock.now - session.last_received >= limit:
                     session.close()

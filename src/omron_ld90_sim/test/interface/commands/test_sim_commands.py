@@ -133,7 +133,7 @@ def test_a_missing_argument_is_answered_with_the_manuals_syntax(syntax: str) -> 
     assert Rig().client().ask(syntax.split()[0]) == [f'usage: {syntax}']
 
 
-@pytest.mark.parametrize('name', [row.name for row in TABLE.values() if row.least])
+@pytest.mark.parametrize('name', [row.name for row in TABLE.values() if row.required])
 def test_without_its_arguments_a_command_answers_its_usage(name: str) -> None:
     row = TABLE[name.lower()]
     assert Rig().client().ask(name) == [f'usage: {row.usage}']
@@ -148,7 +148,7 @@ def test_a_shortcut_is_its_command(shortcut: str) -> None:
                                    'analogInputQueryVoltage Analog_1 2 3', 'queryMotors all',
                                    'mapObjectTypeInfo Goal West', 'odometer mm'])
 def test_an_argument_too_many_is_ignored(extra: str) -> None:
-    plain = ' '.join(extra.split()[:2 if TABLE[extra.split()[0].lower()].least else 1])
+    plain = ' '.join(extra.split()[:2 if TABLE[extra.split()[0].lower()].required else 1])
     assert Rig().client().ask(extra) == Rig().client().ask(plain)
     assert not Rig().client().ask(extra)[0].startswith('CommandError')
 

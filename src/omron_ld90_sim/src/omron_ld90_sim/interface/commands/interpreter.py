@@ -21,7 +21,7 @@ def execute(server: ArclServer, session: Session, line: str) -> None:
         session.send(f'Unknown command {name}')
         return
     call = Call(server, session, line, rest)
-    if len(call.arguments) < row.least:
+    if len(call.arguments) < row.required:
         session.send(f'usage: {row.usage}')
         return
     try:

@@ -83,7 +83,7 @@ class Command:
     name: str
     description: str
     usage: str
-    least: int          # arguments without which the usage is answered
+    required: int          # arguments without which the usage is answered
     shortcut: str
     handler: Handler
 
@@ -96,11 +96,11 @@ class Command:
 TABLE: Dict[str, Command] = {}
 
 
-def command(name: str, description: str, usage: str = '', least: int = 0,
+def command(name: str, description: str, usage: str = '', required: int = 0,
             shortcut: str = '') -> Callable[[Handler], Handler]:
     """Enters a handler into the table under its name and shortcut, both case-insensitive."""
     def enter(handler: Handler) -> Handler:
-        row = Command(name, description, f'{name} {usage}'.strip(), least, shortcut, handler)
+        row = Command(name, description, f'{name} {usage}'.strip(), required, shortcut, handler)
         for key in filter(None, (name.lower(), shortcut.lower())):
             assert key not in TABLE, f'two commands named {key}'
             TABLE[key] = row
