@@ -44,7 +44,7 @@ unit_tests_of_python38() {
   else
     say "Unit tests without ROS, Python 3.8 and the library versions of Ubuntu 20.04"
     # nothing of this system's ROS may be found
-    env -u LD90_LONG_TESTS PYTHONPATH="$(printf '%s:' src/*/src)" \
+    env -u LD90_LONG_TESTS HYPOTHESIS_PROFILE=compatibility PYTHONPATH="$(printf '%s:' src/*/src)" \
       build/python3.8/bin/python -m pytest -q --junitxml="$results/unit38.xml" \
       --ignore-glob='*/test/nodes/*' src || true
     [ -f "$results/unit38.xml" ] || record "$results" failed unit-tests-python3.8 "pytest did not finish"

@@ -27,7 +27,7 @@ FAULTS = [line.split()[0] for line in help_text().splitlines()]
 RIG = Rig()     # one robot for all examples: what they leave behind is part of the test
 
 
-@settings(max_examples=300)
+@settings(max_examples=3 * settings.default.max_examples)
 @given(st.lists(LINES, min_size=1, max_size=6))
 def test_no_command_line_breaks_the_robot(lines: List[str]) -> None:
     client = RIG.client()
@@ -51,7 +51,6 @@ def test_extreme_tasks_come_to_an_end(task: str) -> None:
     assert rig.robot.activity is None and rig.robot.base.still
 
 
-@settings(max_examples=200)
 @given(name=st.sampled_from(FAULTS), words=st.lists(st.sampled_from(NUMBERS), max_size=3),
        seconds=st.sampled_from(['', *NUMBERS]))
 @example(name='lost', words=['nan', '0', '0'], seconds='')
@@ -67,7 +66,7 @@ def test_no_number_in_a_fault_breaks_the_robot(name: str, words: List[str], seco
     assert math.isfinite(rig.clock.now) and math.isfinite(sum(astuple(rig.robot.pose)))
 
 
-@settings(max_examples=200)
+@settings(max_examples=2 * settings.default.max_examples)
 @given(st.lists(st.binary(max_size=40), max_size=10))
 def test_no_bytes_break_the_server(chunks: List[bytes]) -> None:
     session = RIG.server.connect()

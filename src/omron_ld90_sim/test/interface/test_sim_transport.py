@@ -1,10 +1,14 @@
 """Real sockets: clients, the outgoing connection, and how they end."""
 from __future__ import annotations
 
+import errno
 import socket
 import struct
+import threading
+import time
 from contextlib import ExitStack, closing
 from pathlib import Path
+from typing import List
 
 import pytest
 from sim_client import Talk, to_the_end
@@ -124,6 +128,40 @@ def test_a_client_that_vanishes_leaves_the_robot_driving(map_file: Path) -> None
         gone.sock.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack('ii', 1, 0))
         gone.close()                    # with a reset, not with a good-bye
         assert other.until('Arrived')[-1] == 'Arrived at 12'
+
+
+def test_a_program_without_a_free_file_descriptor_waits_before_it_listens_again(
+        map_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    refused = threading.Event()
+    calls: List[socket.socket] = []
+
+    def accept(listener: socket.socket) -> None:
+        calls.append(listener)
+        refused.set()
+        raise OSError(errno.EMFILE, 'Too many open files')
+
+    with Simulator(map_file) as robot:
+        with monkeypatch.context() as full:
+            full.setattr(socket.socket, 'accept', accept)
+            with closing(socket.create_connection(('127.0.0.1', robot.port), timeout=20.0)):
+                assert refused.wait(20.0)
+                for _ in range(20):
+                    robot.inject('unblock')     # rounds of the loop
+        assert len(calls) == 1
+        with closing(connected(robot.port)) as client:
+            client.send('queryMotors')
+            assert client.until('Motors')[-1] == 'Motors enabled'
+
+
+def connected(port: int) -> Talk:
+    """A client, as soon as the port is open."""
+    end = time.monotonic() + 20.0
+    while True:
+        try:
+            return Talk(port)
+        except ConnectionRefusedError:
+            assert time.monotonic() < end, 'the port stays closed'
+            time.sleep(0.02)
 
 
 def test_the_robot_dials_out_and_dials_again(map_file: Path, listener: socket.socket) -> None:

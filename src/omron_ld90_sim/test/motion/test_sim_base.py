@@ -6,6 +6,7 @@ from typing import Tuple
 
 import numpy as np
 import pytest
+from hypothesis import settings
 from motion_inspector import Inspector
 from sim_builders import MAPS, Obstacles, Rig, lonely_floor
 from skimage.measure import label
@@ -17,7 +18,7 @@ from omron_ld90_sim.motion.manoeuvres import manoeuvres
 from omron_ld90_sim.motion.planner import Planner
 from omron_map import MapDocument
 
-PAIRS = 200
+PAIRS = 2 * settings.default.max_examples
 
 
 def random_pairs(floor: Floor, planner: Planner, near: Tuple[float, float], count: int):

@@ -16,8 +16,8 @@ from omron_ld90_sim.motion.kinematics import normalise
 from omron_ld90_sim.motion.track import Turn, straight_track
 
 LONGEST_LEG = 100_000.0     # mm that a move looks ahead
-MINIMUM_SPEED = 10.0         # mm/s
-MINIMUM_ROTATION = 1.0          # deg/s
+MINIMUM_SPEED = 10.0        # mm/s
+MINIMUM_ROTATION = 1.0      # deg/s
 LOOK_AGAIN = 1.0            # s between two looks whether the way of a move is free now
 SPEECH = 12.0               # characters a second
 SOUND = 2.0                 # s, how long every sound file is

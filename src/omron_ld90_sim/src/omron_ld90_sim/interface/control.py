@@ -1,12 +1,13 @@
 """The control socket of a running simulation: faults on demand, and where its robots truly are."""
 from __future__ import annotations
 
+import errno
 import json
 import selectors
 import socket
 from typing import Callable, Mapping
 
-from omron_ld90_sim.interface.transport import Loop, PortTaken
+from omron_ld90_sim.interface.transport import RECONNECT, Loop, PortTaken
 
 
 class ControlServer:
@@ -30,12 +31,18 @@ class ControlServer:
         listener.setblocking(False)
         self.port: int = listener.getsockname()[1]
         self._listener = listener
-        loop.selector.register(listener, selectors.EVENT_READ, self._accept)
+        self._listen()
+
+    def _listen(self) -> None:
+        self._loop.selector.register(self._listener, selectors.EVENT_READ, self._accept)
 
     def _accept(self, mask: int) -> None:
         try:
             sock, _ = self._listener.accept()
-        except OSError:
+        except OSError as error:
+            if error.errno in (errno.EMFILE, errno.ENFILE):     # ready for ever, and never taken
+                self._loop.selector.unregister(self._listener)
+                self._loop.clock.after(RECONNECT, self._listen)
             return
         sock.setblocking(False)
         pending = bytearray()

@@ -199,7 +199,7 @@ class TcpServer:
         self._listener: Optional[socket.socket] = self._listen(port)
         self.port: int = self._listener.getsockname()[1]
         self._dialling: Optional[socket.socket] = None
-        self._next_dial = 0.0
+        self._next_dial = self._next_listen = 0.0
         self._closing = False
         loop.after_step.append(self._maintain)
         loop.clock.after(0.0, self._maintain)
@@ -233,9 +233,17 @@ class TcpServer:
             return
         try:
             sock, _ = self._listener.accept()
-        except OSError:
+        except OSError as error:
+            if error.errno in (errno.EMFILE, errno.ENFILE):     # ready for ever, and never taken
+                self._close_listener()
+                self._listen_later()
             return
         self._add(sock, self.server.connect())
+
+    def _listen_later(self) -> None:
+        """Leaves the port closed for a while."""
+        self._next_listen = self.loop.clock.now + RECONNECT
+        self.loop.clock.at(self._next_listen, self._maintain)
 
     def _add(self, sock: socket.socket, session: Session) -> None:
         sock.setblocking(False)
@@ -261,7 +269,10 @@ class TcpServer:
             return
         self._next_dial = now + RECONNECT
         self.loop.clock.at(self._next_dial, self._maintain)
-        sock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+        try:
+            sock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+        except OSError:         # no free descriptor
+            return
         sock.setblocking(False)
         try:
             error = sock.connect_ex(target)
@@ -289,11 +300,11 @@ class TcpServer:
     def _maintain(self) -> None:
         """Does what the server wants: port open or not, outgoing connection, queued bytes."""
         open_port = self.server.online and self.server.accepting and not self._closing
-        if open_port and self._listener is None:
+        if open_port and self._listener is None and self.loop.clock.now >= self._next_listen:
             try:
                 self._listener = self._listen(self.port)
-            except PortTaken:       # by somebody else meanwhile: try again
-                self.loop.clock.after(RECONNECT, self._maintain)
+            except (PortTaken, OSError):    # by somebody else meanwhile; no free descriptor
+                self._listen_later()
         elif not open_port:
             self._close_listener()
         for connection in list(self._connections):
