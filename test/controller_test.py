@@ -15,7 +15,6 @@ from typing import Iterator, List
 
 import actionlib
 import rospy
-import rostest
 from actionlib_msgs.msg import GoalStatus
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
@@ -32,7 +31,7 @@ from omron_ld90_msgs.msg import (
     LinkState,
 )
 from ports import free_port
-from system_support import Recorder, connected_publisher, wait_until
+from system_support import Recorder, connected_publisher, run_cases, wait_until
 
 SOON = 10.0  # s
 DRIVE = 60.0  # s; the simulated robot's clock runs eight times as fast
@@ -255,4 +254,4 @@ class ControllerTest(unittest.TestCase):
 
 if __name__ == '__main__':
     rospy.init_node('controller_test')
-    rostest.rosrun('omron_ld90', 'controller', ControllerTest)
+    run_cases(__file__)

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import List
 
 import rospy
-import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 from nav_msgs.msg import MapMetaData, OccupancyGrid
 from nav_msgs.srv import GetMap, LoadMap, LoadMapResponse
@@ -23,7 +22,7 @@ from std_msgs.msg import Header, String
 from visualization_msgs.msg import Marker, MarkerArray
 
 from omron_map import MapDocument, MapObject, RotatedRectangle
-from system_support import Recorder, connected_publisher, wait_until
+from system_support import Recorder, connected_publisher, run_cases, wait_until
 
 ROBOT = '/omron_ld90'
 
@@ -224,4 +223,4 @@ class MapVisualisationTest(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    rostest.rosrun('omron_ld90', 'map_visualisation', MapVisualisationTest)
+    run_cases(__file__)

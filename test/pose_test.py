@@ -7,7 +7,6 @@ import unittest
 from typing import Optional
 
 import rospy
-import rostest
 import tf2_ros
 from geometry_msgs.msg import PoseStamped, TransformStamped
 from nav_msgs.msg import Odometry
@@ -17,7 +16,7 @@ from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
 
 from omron_ld90_msgs.msg import RobotStatus
-from system_support import Recorder, connected_publisher, wait_until
+from system_support import Recorder, connected_publisher, run_cases, wait_until
 
 
 def status(x: float, y: float, yaw: float, age: float = 0.0, has_pose: bool = True) -> RobotStatus:
@@ -153,4 +152,4 @@ class PoseTest(unittest.TestCase):
 
 if __name__ == '__main__':
     rospy.init_node('pose_test')
-    rostest.rosrun('omron_ld90', 'pose', PoseTest)
+    run_cases(__file__)

@@ -2,17 +2,15 @@
 """Failures under way: the fleet manager is told why, and nothing undriven counts as driven."""
 from __future__ import annotations
 
-import sys
 import unittest
 
 import rospy
-import rostest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from route_robot import BRIDGE, RouteRobot, state_list
 from std_msgs.msg import String
 
 from itrci_nav_msgs.msg import Edge, EdgeState, Graph, TargetRoute, Vertex
-from system_support import Recorder, connected_publisher, wait_until
+from system_support import Recorder, connected_publisher, run_cases, wait_until
 
 HALL = [1, 2, 3, 4, 5, 6]  # 8 10 12 14 32 33 35, 24 m
 DEAD_END = [14, 17]        # 8 20 18
@@ -168,4 +166,4 @@ class Faults(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    rostest.rosrun('omron_ld90', 'route_faults', Faults, sys.argv)
+    run_cases(__file__)

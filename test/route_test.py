@@ -2,15 +2,13 @@
 """A fleet manager's routes are driven by the simulated robot and reported edge by edge."""
 from __future__ import annotations
 
-import sys
 import unittest
 
 import rospy
-import rostest
 from route_robot import FleetManager, state_list
 
 from itrci_nav_msgs.msg import EdgeState
-from system_support import wait_until
+from system_support import run_cases, wait_until
 
 OUT = [-13, -7, 1, 2]  # dock - 1 - 8 - 10 - 12, in maps/lab_graph.yaml
 HOME = [-2, -1, 7, 13]
@@ -65,4 +63,4 @@ class Routes(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    rostest.rosrun('omron_ld90', 'route', Routes, sys.argv)
+    run_cases(__file__)

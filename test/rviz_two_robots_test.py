@@ -7,14 +7,13 @@ import unittest
 
 import rospkg
 import rospy
-import rostest
 from geometry_msgs.msg import PointStamped
 from rviz_support import RvizWindow, Screen, missing_programs, report_failure
 from std_msgs.msg import String
 
 from omron_map import MapDocument
 from ports import free_port
-from system_support import Recorder, skip, wait_until
+from system_support import Recorder, run_cases, wait_until
 
 LAB = rospkg.RosPack().get_path('omron_ld90') + '/../../maps/lab.map'
 SCALE = 38.0  # pixels per metre in rviz/two_robots.rviz
@@ -82,7 +81,7 @@ class TwoRobotsTest(unittest.TestCase):
 
     def setUp(self) -> None:
         if self.missing:
-            skip(self, f'not installed: {", ".join(self.missing)}')
+            self.skipTest(f'not installed: {", ".join(self.missing)}')
         self.before = {robot: len(self.commands[robot].messages) for robot in ROBOTS}
 
     def at(self, name: str, right: float = 0.0) -> tuple:
@@ -115,4 +114,4 @@ class TwoRobotsTest(unittest.TestCase):
 
 if __name__ == '__main__':
     rospy.init_node('rviz_two_robots_test')
-    rostest.rosrun('omron_ld90', 'rviz_two_robots', TwoRobotsTest)
+    run_cases(__file__)

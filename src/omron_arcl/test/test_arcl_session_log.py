@@ -1,22 +1,26 @@
-"""The session log: regular files only, and a disk that is full ends the log, not the session."""
+"""The session log, in the format of docs/interface/session_log.md, which the simulator reads."""
 from __future__ import annotations
 
 import os
+from pathlib import Path
 
 import pytest
+import yaml
 
-from omron_arcl import SessionLog
+from omron_arcl import SessionLog, session_log
+
+ROOT = Path(__file__).resolve().parents[3]
+VECTORS = yaml.safe_load((ROOT / 'test' / 'vectors' / 'session_log.yaml').read_text())
 
 
-def test_both_sides_are_written_and_what_is_not_printable_is_escaped(tmp_path):
-    log = SessionLog(str(tmp_path / 'log'))
-    trace = log.connection()
-    trace('C', b'goto 12')
-    trace('S', b'\x1b[2J caf\xe9')
-    log.outgoing()('S', b'Stopped')
+@pytest.mark.parametrize('row', VECTORS, ids=lambda row: row['line'])
+def test_a_line_is_written_as_documented(row, tmp_path, monkeypatch):
+    monkeypatch.setattr(session_log.time, 'time', lambda: row['time'])
+    log = SessionLog(str(tmp_path / 'session.log'))
+    traces = [log.outgoing(), *(log.connection() for _ in range(3))]
+    traces[row['connection']](row['side'], bytes(row['bytes']))
     log.close()
-    said = [line.split(' ', 1)[1] for line in (tmp_path / 'log').read_text('ascii').splitlines()]
-    assert said == ['C> goto 12', r'S> \x1b[2J caf\xe9', 'S0> Stopped']
+    assert (tmp_path / 'session.log').read_text(encoding='ascii') == row['line'] + '\n'
 
 
 def test_an_older_log_is_kept(tmp_path):

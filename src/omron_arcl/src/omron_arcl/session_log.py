@@ -4,7 +4,6 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
-import re
 import stat
 import threading
 import time
@@ -12,16 +11,16 @@ from typing import Callable
 
 OUTGOING = 0  # number of the connection that the robot opens itself
 
-_UNPRINTABLE = re.compile(r'[\x00-\x1f\x7f]')
+_ESCAPED = {byte: f'\\x{byte:02x}' for byte in (*range(32), *range(127, 256))}
+_ESCAPED[ord('\\')] = '\\\\'
 
 
 class SessionLog:
-    """Writes lines `<Unix time> C> <line>` (client) or `S>` (server), C2 and S2 for the second
-    connection and so on.
+    """Writes what both sides say, in the format of docs/interface/session_log.md, times since 1970.
 
-    What is no printable ASCII is escaped. Passwords come redacted already. A file that is there is
-    kept as `<path>.old`. Raises OSError where the file cannot be opened, or is no regular file. A
-    full disk ends the log, not the session: `failure` says so.
+    Passwords come redacted already. A file that is there is kept as `<path>.old`. Raises OSError
+    where the file cannot be opened, or is no regular file. A full disk ends the log, not the
+    session: `failure` says so.
     """
 
     def __init__(self, path: str) -> None:
@@ -51,8 +50,7 @@ class SessionLog:
 
     def _trace(self, number: str) -> Callable[[str, bytes], None]:
         def write(side: str, line: bytes) -> None:
-            text = _UNPRINTABLE.sub(lambda match: f'\\x{ord(match.group()):02x}',
-                                    line.decode('ascii', 'backslashreplace'))
+            text = line.decode('latin-1').translate(_ESCAPED)
             with self._lock:
                 try:
                     if not self._file.closed:

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import math
 import os
+from functools import lru_cache
 from pathlib import Path
 from typing import List, Optional, Tuple
 
@@ -18,9 +19,10 @@ from omron_ld90_sim.motion.floor import Floor
 from omron_ld90_sim.motion.kinematics import LD90_BODY, Pose
 from omron_map import MapDocument, MapObject, RotatedRectangle
 
-ROOT = Path(__file__).resolve().parents[4]
+ROOT = Path(__file__).resolve().parents[3]
 LAB = ROOT / 'maps' / 'lab.map'
 REAL_MAPS = Path(os.environ.get('LD90_REAL_MAPS') or '/nowhere')  # LD90_REAL_MAPS names none
+MAPS = [LAB, REAL_MAPS / 'omron-ld-site-a.map', REAL_MAPS / 'omron-ld-site-b.map']
 
 ROOM = """2D-Map
 LineMinPos: -4000 -3000
@@ -49,6 +51,7 @@ LINES
 """
 
 
+@lru_cache(maxsize=None)
 def room() -> MapDocument:
     """A room of 10 x 6 m with a wall in it, a dock, three goals, a route and a macro."""
     return MapDocument.from_bytes(ROOM.encode(), name='room.map')
@@ -67,6 +70,19 @@ def corridor(width: float) -> MapDocument:
         f'LINES\n{lines}\n'.encode(), name='corridor.map')
 
 
+def lonely_floor(*walls: Tuple[float, float, float, float]) -> Floor:
+    """A floor of 10 x 8 m with walls around it, and more walls if given."""
+    everything = np.array([[-5000, -4000, 5000, -4000], [-5000, 4000, 5000, 4000],
+                           [-5000, -4000, -5000, 4000], [5000, -4000, 5000, 4000], *walls], float)
+    return Floor(np.empty((0, 2)), everything, np.empty((0, 4)), [], 20, np.empty((0, 2)))
+
+
+@lru_cache(maxsize=4)
+def floor_of(document: MapDocument) -> Floor:
+    """The floor of a map, which nobody changes."""
+    return Floor.from_map(document)
+
+
 class Rig:
     """A robot and its ARCL server without sockets, on a clock of their own unless one is given."""
 
@@ -77,7 +93,7 @@ class Rig:
                  clock: Optional[Clock] = None) -> None:
         self.clock = clock or Clock()
         document = document or room()
-        self.robot = Robot(self.clock, document, Floor.from_map(document),
+        self.robot = Robot(self.clock, document, floor_of(document),
                            Pose(*start) if start else None, seed, battery,
                            arrival_error=arrival_error)
         self.server = ArclServer(self.clock, self.robot, 'adept', execute)
@@ -101,13 +117,26 @@ def fleet(document: MapDocument, *starts: Tuple[float, float, float], seed: int 
     return rigs
 
 
+def _outline() -> np.ndarray:
+    corners = LD90_BODY.corners(Pose(0.0, 0.0, 0.0))
+    return np.concatenate([np.linspace(start, end, 40) for start, end in
+                           zip(corners, np.roll(corners, -1, axis=0))])
+
+
+OUTLINE = _outline()        # points all around the body at the origin
+FAR = 300.0                 # mm between two bodies, from which on nearly will do
+
+
 def gap(a: Pose, b: Pose) -> float:
-    """Between the bodies of two robots (mm); 0 when they touch."""
+    """Between the bodies of two robots (mm); 0 when they touch, less than it is when far away."""
+    apart = a.distance_to(b.x, b.y) - 2.0 * LD90_BODY.half_diagonal
+    if apart > FAR:
+        return apart
+
     def one_way(a: Pose, b: Pose) -> float:
-        corners = LD90_BODY.corners(b)
-        outline = np.concatenate([np.linspace(start, end, 40) for start, end in
-                                  zip(corners, np.roll(corners, -1, axis=0))])
-        return float(outside(a, outline).min())
+        angle = math.radians(b.theta)
+        turn = np.array([[math.cos(angle), math.sin(angle)], [-math.sin(angle), math.cos(angle)]])
+        return float(outside(a, OUTLINE @ turn + [b.x, b.y]).min())
 
     return min(one_way(a, b), one_way(b, a))
 

@@ -7,6 +7,12 @@ IMMEDIATE = {
     'queryDockStatus': [['queryDockStatus'], [UNDOCKED]],
     'queryMotors': [['queryMotors'], ['Motors enabled']],
     'enableMotors': [['enableMotors'], ['Motors are enabled']],
+    'go': [['go'], []],
+    'stay': [['stay'], []],
+    'queueShowRobotLocal': [['queueShowRobotLocal hello', 'abds door a b', 'qsrl'], [
+        'QueueRobot: "robot" Available Available hello', 'EndQueueShowRobot',
+        'QueueRobot: "robot" UnAvailable FaultDriving ""', 'EndQueueShowRobot']],
+    'queueQueryLocal': [['queueQueryLocal status inprogress'], ['EndQueueQuery']],
     'listStart': [['listStart'], ['List being cleared', 'Making new list']],
     'listAdd': [['listAdd wait 1', 'listStart', 'listAdd wait 1', 'listAdd dance'],
                 ['SetUpError: You need to start a list before you can add to it.',

@@ -33,12 +33,12 @@ def test_the_emergency_stop_ends_the_drive_and_motors_stay_off_after_its_release
     rig.clock.advance(rig.clock.now + 2.0)
     assert rig.robot.base.still
     assert me.ask('enableMotors', 'queryMotors', 'goto 12') == [
-        'Estop pressed, cannot enable motors', 'EStop pressed', 'CommandError: goto 12',
+        'Estop pressed cannot enable motors', 'EStop pressed', 'CommandError: goto 12',
         'CommandErrorDescription: EStop pressed']
     rig.faults.inject('estop release')
     assert me.ask('queryMotors') == ['EStop relieved but motors still disabled']
     me.send('enableMotors')
-    assert me.until('Stopped') == ['Motors enabled', 'Stopping', 'Stopped']
+    assert me.until('Motors are') == ['Motors enabled', 'Stopping', 'Stopped', 'Motors are enabled']
     rig.clock.advance(rig.clock.now + 60.0)
     assert me.lines() == [], 'the goal is not resumed'
 
@@ -47,8 +47,11 @@ def test_motors_off_without_the_button() -> None:
     rig = Faulty()
     rig.faults.inject('motors off')
     assert rig.me.lines() == ['Motors disabled']
+    other = rig.client()
     rig.me.send('enableMotors')
-    assert rig.me.until('Stopped') == ['Motors enabled', 'Stopping', 'Stopped']
+    events = ['Motors enabled', 'Stopping', 'Stopped']
+    assert rig.me.lines() == [*events, 'Motors are enabled']
+    assert other.lines() == events
 
 
 def test_a_lost_robot_reports_a_wrong_place_until_it_is_localized() -> None:
@@ -112,6 +115,15 @@ def test_a_goal_that_fails_until_it_is_mended() -> None:
     rig.faults.inject('mend East side')
     rig.me.send('goto "East side"')
     rig.me.until('Arrived')
+
+
+def test_a_robot_that_misses_the_charger_backs_out_and_docks_at_the_second_attempt() -> None:
+    rig = Faulty()
+    rig.faults.inject('faildock')
+    rig.me.send('dock')
+    states = [line.split()[1] for line in rig.me.until('DockingState: Docked')]
+    assert states == ['Undocked', 'Docking', 'Undocking', 'Undocked', 'Docking', 'Docking',
+                      'Docked']
 
 
 def test_a_low_battery_warns_once_a_minute_and_sends_the_robot_to_its_dock() -> None:
@@ -287,7 +299,7 @@ def test_a_script_names_the_line_that_is_wrong() -> None:
 
 
 def test_the_help_tells_of_every_fault() -> None:
-    assert len(help_text().splitlines()) == 19
+    assert len(help_text().splitlines()) == 21
     assert 'estop press|release' in help_text()
 
 

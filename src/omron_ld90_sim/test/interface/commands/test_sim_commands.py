@@ -5,23 +5,23 @@ import pytest
 import transcripts_configuration
 import transcripts_devices
 import transcripts_driving
+import transcripts_equipment
 import transcripts_map
 import transcripts_state
 from sim_builders import Rig
 from sim_transcripts import check
-from test_sim_equipment import TRANSCRIPTS as EQUIPMENT
 
 from omron_ld90_sim.interface.commands import TABLE
 
 IMMEDIATE = {
     name: transcript
     for module in (transcripts_configuration, transcripts_devices, transcripts_driving,
-                   transcripts_map, transcripts_state)
+                   transcripts_equipment, transcripts_map, transcripts_state)
     for name, transcript in module.IMMEDIATE.items()}
 LASTING = transcripts_driving.LASTING
 EVENTS = ('Fault: ', 'FaultCleared: ', 'Stopping', 'Stopped', 'Interrupted: ', 'Doing task ',
           'WaitState: Waiting 10 seconds ', 'Configuration changed', 'Shutting down server',
-          'Status: fooled you')
+          'Status: fooled you', 'PayloadUpdate: ', 'extIOInputUpdate', 'extIOOutputUpdate')
 
 # what a real robot's help list says of commands, and their shortcuts (ARCL manual I617-E-02
 # p. 131-133, where a robot's transcript does not say otherwise)
@@ -118,7 +118,7 @@ def test_answers_go_to_the_asker_and_events_to_everybody(name: str) -> None:
 
 def test_every_command_in_the_table_has_a_transcript() -> None:
     names = {row.name for row in TABLE.values()} - {'rangeDeviceList', 'help'}
-    assert names == set(IMMEDIATE) | set(LASTING) | set(EQUIPMENT)
+    assert names == set(IMMEDIATE) | set(LASTING)
 
 
 @pytest.mark.parametrize('line', HELP)
@@ -133,7 +133,7 @@ def test_a_missing_argument_is_answered_with_the_manuals_syntax(syntax: str) -> 
     assert Rig().client().ask(syntax.split()[0]) == [f'usage: {syntax}']
 
 
-@pytest.mark.parametrize('name', [row.name for row in TABLE.values() if row.least])
+@pytest.mark.parametrize('name', [row.name for row in TABLE.values() if row.required])
 def test_without_its_arguments_a_command_answers_its_usage(name: str) -> None:
     row = TABLE[name.lower()]
     assert Rig().client().ask(name) == [f'usage: {row.usage}']
@@ -148,12 +148,13 @@ def test_a_shortcut_is_its_command(shortcut: str) -> None:
                                    'analogInputQueryVoltage Analog_1 2 3', 'queryMotors all',
                                    'mapObjectTypeInfo Goal West', 'odometer mm'])
 def test_an_argument_too_many_is_ignored(extra: str) -> None:
-    plain = ' '.join(extra.split()[:2 if TABLE[extra.split()[0].lower()].least else 1])
+    plain = ' '.join(extra.split()[:2 if TABLE[extra.split()[0].lower()].required else 1])
     assert Rig().client().ask(extra) == Rig().client().ask(plain)
     assert not Rig().client().ask(extra)[0].startswith('CommandError')
 
 
-@pytest.mark.parametrize('command', ['etaRequest', 'queueDropoff x', 'queryFaults', 'go', 'follow'])
+@pytest.mark.parametrize('command', ['etaRequest', 'queueDropoff x', 'queryFaults', 'follow',
+                                     'payloadQuery', 'payloadSlotCount'])
 def test_what_the_facts_do_not_know_is_unknown(command: str) -> None:
     assert Rig().client().ask(command) == [f'Unknown command {command.split()[0]}']
 
@@ -176,6 +177,7 @@ def test_a_bad_argument_is_refused_in_two_lines(command: str) -> None:
 def test_variables_are_filled_in() -> None:
     client = Rig(start=(-2500.0, 250.0, 90.0)).client()
     assert client.ask('say at $X $Y $T') == ['Saying at -2500 250 90']
+    assert client.ask('say at $x $t') == ['Saying at -2500 90']
 
 
 def test_a_block_and_a_fault_of_one_name_are_two_things() -> None:
@@ -193,11 +195,13 @@ def test_configuration_is_closed_without_arclconfig() -> None:
         'CommandError: getConfigSectionList', 'CommandErrorDescription: ArclConfig is off']
 
 
-def test_a_wrong_value_leaves_the_configuration_as_it_was() -> None:
+@pytest.mark.parametrize('value', ['lots', 'nan', '1e400'])
+def test_a_wrong_value_leaves_the_configuration_as_it_was(value: str) -> None:
     rig = Rig()
     lines = rig.client().ask('configStart', 'configAdd Section Docking', 'configAdd AutoDock true',
-                             'configAdd AutoDockCharge lots', 'configParse')
-    assert lines[-1] == ("Config had errors parsing: AutoDockCharge must be a number, not 'lots'")
+                             f'configAdd AutoDockStateOfCharge {value}', 'configParse')
+    assert lines[-1] == ('Config had errors parsing: AutoDockStateOfCharge must be a number, '
+                         f"not '{value}'")
     assert not rig.server.configuration.flag('Docking', 'AutoDock')
 
 

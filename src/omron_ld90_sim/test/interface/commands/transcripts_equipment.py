@@ -1,16 +1,7 @@
-"""External I/O, payload and data store: the examples of ARCL manual I617-E-02, and their edges."""
+"""Transcripts: external I/O, payload and data store (form as in `transcripts_state`)."""
 from __future__ import annotations
 
 from typing import Dict, List
-
-import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from sim_builders import Rig
-from sim_transcripts import check
-
-from omron_ld90_sim.devices.external_io import Bank
-from omron_ld90_sim.interface.commands import TABLE
 
 DATE = r'[A-Z][a-z]{2} [A-Z][a-z]{2} \d\d \d\d:\d\d:\d\d \d{4}'
 TRIP_STATES = ['DropOffDrivingTime', 'DropOffDrivingDistance', 'PickupDrivingTime',
@@ -24,9 +15,8 @@ TRIP_COUNTS = ['CompletedJobs', 'CompletedJobSegments', 'CancelledJobs', 'Cancel
 LONG_INPUT = '0xffcdffabffefabffefabffefaffdefabcdefabcdefabcdefabcdefabcdef'
 ADD = 'extioadd example 69 37'
 ADDED = 'extIOAdd: example added with 69 input(s) and 37 output(s)'
-
 # command lines, then what comes; a line in slashes is a regular expression
-TRANSCRIPTS: Dict[str, List[List[str]]] = {
+IMMEDIATE: Dict[str, List[List[str]]] = {
     'extIOAdd': [[ADD, 'eda EXAMPLE 1 1', 'eda more 5000 0'], [
         ADDED, 'CommandError: eda EXAMPLE 1 1',
         "CommandErrorDescription: There is an external I/O set 'EXAMPLE' already",
@@ -70,7 +60,7 @@ TRANSCRIPTS: Dict[str, List[List[str]]] = {
         'CommandError: edo8 example 5 256', "CommandErrorDescription: Bad number '256'"]],
     'extIORemove': [['edr example', ADD, 'extIORemove example'], [
         'CommandError: edr example', "CommandErrorDescription: No external I/O set 'example'",
-        ADDED, 'extIORemove: example removed']],
+        ADDED, 'extIORemove: example removed', 'Shutting down server']],
     'payloadSet': [['payloadSet 1 Books', 'ps 5 Books', 'ps one Books'], [
         'payloadset attempting to set payload 1 "Books"',
         'payloadset on "robot" of slot number 1 with string "Books" successfully set',
@@ -136,110 +126,3 @@ TRANSCRIPTS: Dict[str, List[List[str]]] = {
         *(f'Trip{name}' for name in TRIP_COUNTS), *(f'Trip{name}' for name in TRIP_STATES),
         'TransVel', 'SNG', 'ARAM', 'MARC')), 'EndOfGetDataStoreFieldList']],
 }
-
-
-@pytest.mark.parametrize('name', TRANSCRIPTS)
-def test_the_equipment_answers_as_in_the_manual(name: str) -> None:
-    commands, wanted = TRANSCRIPTS[name]
-    client = Rig().client()
-    check(wanted, [line for line in client.ask(*commands) if line != 'Shutting down server'])
-
-
-@pytest.mark.parametrize('name', ['payloadQuery', 'payloadSlotCount'])
-def test_what_only_a_fleet_manager_answers_is_unknown(name: str) -> None:
-    assert name.lower() not in TABLE
-    assert Rig().client().ask(name) == [f'Unknown command {name}']
-
-
-@given(count=st.integers(1, 200), value=st.integers(0, 2**220), data=st.data())
-def test_a_bank_never_holds_more_than_its_bits(count: int, value: int, data) -> None:
-    bank = Bank(count)
-    bank.update(value)
-    assert bank.value == value % 2**count
-    position, on = data.draw(st.integers(1, count)), data.draw(st.booleans())
-    bank.set_bit(position, on)
-    assert bank.value >> (position - 1) & 1 == on
-    bank.set_byte((count + 7) // 8, 0xff)
-    assert bank.value < 2**count and int(bank.text, 16) == bank.value
-
-
-def test_an_update_of_external_io_and_payload_reaches_every_client() -> None:
-    rig = Rig()
-    first, second = rig.client(), rig.client()
-    first.send(ADD, 'edou example 1', 'ps 1 Books')
-    assert second.lines() == [
-        'extIOOutputUpdate: output example updated with 0x000000001 from 1',
-        'PayloadUpdate: "robot" 1 "Books"']
-
-
-def test_removing_external_io_restarts_the_robots_software() -> None:
-    rig = Rig()
-    first, second = rig.client(), rig.client()
-    first.send(ADD, 'goto 12', 'edr example')
-    assert first.lines()[-2:] == ['extIORemove: example removed', 'Shutting down server']
-    assert first.session.closed and second.session.closed and not rig.server.online
-    rig.clock.advance(rig.clock.now + 10.0)
-    assert rig.server.online and rig.robot.base.still
-    assert rig.client().ask('queryMotors', 'edd') == ['Motors enabled', 'EndExtIODump']
-
-
-def values(lines: List[str]) -> Dict[str, float]:
-    """The numbers of `...: <field> <value>` lines."""
-    rows = (line.split(' ') for line in lines if ': ' in line)
-    return {row[1]: float(row[2]) for row in rows}
-
-
-def test_the_data_store_follows_the_robot_on_its_way() -> None:
-    rig = Rig()
-    client = rig.client()
-    client.send('goto 12')
-    rig.clock.advance(4.0)
-    client.lines()
-    driving = values(client.ask('dsfv TransVel', 'dsfv Distance_to_goal', 'dsfv RobotX'))
-    assert driving['TransVel'] > 500.0 and driving['Distance_to_goal'] > 5000.0, driving
-    assert driving['RobotX'] == pytest.approx(rig.robot.pose.x, abs=0.5)
-    client.until('Arrived')
-    assert values(client.ask('dsgv Path_Planning', 'dsgv Velocities')) == {
-        'Distance_to_goal': 0.0, 'TransVel': 0.0}
-
-
-def test_the_wheels_count_from_where_the_robot_was_switched_on() -> None:
-    rig = Rig(start=(-2500.0, 1000.0, 90.0))
-    client = rig.client()
-    for task in ('move 500', 'deltaHeading 90'):
-        client.send(f'doTask {task}')
-        client.until(f'Completed doing task {task}')
-    assert values(client.ask('dsgv EncoderPose')) == {
-        'EncoderX': 500.0, 'EncoderY': 0.0, 'EncoderTh': 90.0}
-
-
-def test_the_data_store_counts_the_hours_of_each_state_and_the_trip_anew() -> None:
-    rig = Rig(start=None)       # in its dock
-    client = rig.client()
-    rig.clock.advance(3600.0)
-    rig.robot.press_estop()
-    rig.clock.advance(3600.0 * 3)
-    docked = values(client.ask('dsgv StateInformation'))
-    assert (docked['DockedTime'], docked['InEstopTime']) == (1.0, 2.0)
-    client.ask('tripReset')
-    rig.robot.release_estop()
-    client.send('enableMotors')
-    rig.clock.advance(3600.0 * 5)
-    trip = values(client.ask('dsgv TripStateInformation'))
-    assert (trip['TripDockedTime'], trip['TripInEstopTime']) == (2.0, 0.0), trip
-    whole = values(client.ask('dsgv StateInformation'))
-    assert (whole['DockedTime'], whole['InEstopTime']) == (3.0, 2.0), whole
-    assert values(client.ask('dsfv SecsSinceLastTripReset')) == {'SecsSinceLastTripReset': 7200.0}
-
-
-def test_the_way_to_the_dock_and_a_driving_fault_are_counted() -> None:
-    rig = Rig()
-    client = rig.client()
-    client.send('dock')
-    client.until('DockingState: Docked')
-    state = values(client.ask('dsgv StateInformation'))
-    assert 0.0 < state['DockingTime'] < 0.1
-    assert state['DockingDistance'] == pytest.approx(rig.robot.base.driven / 1000.0, abs=0.5)
-    client.ask('afs jam "Jam" "Too sweet" 1 0')
-    rig.clock.advance(rig.clock.now + 1800.0)
-    assert values(client.ask('dsfv InFaultTime'))['InFaultTime'] == 0.5

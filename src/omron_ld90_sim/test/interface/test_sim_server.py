@@ -27,10 +27,19 @@ def test_events_go_to_everybody_who_is_logged_in_and_to_the_outgoing_link() -> N
     assert not stranger.output
 
 
+def test_a_robot_that_is_switched_off_ends_every_connection_without_a_word() -> None:
+    rig = Rig()
+    client, stranger = rig.client(), Client(rig, rig.server.connect())
+    client.send('shutDown')
+    assert client.lines() == [] and client.session.closed
+    assert stranger.lines() == ['Enter password:'] and stranger.session.closed
+    assert not rig.server.online
+
+
 def test_everybody_hears_that_the_server_shuts_down_the_stranger_at_the_prompt_too() -> None:
     rig = Rig()
     client, stranger = rig.client(), Client(rig, rig.server.connect())
-    client.send('shutdown')
+    rig.server.shut_down()
     assert client.lines()[-1] == 'Shutting down server' and client.session.closed
     assert stranger.lines() == ['Enter password:', 'Shutting down server']
     assert stranger.session.closed

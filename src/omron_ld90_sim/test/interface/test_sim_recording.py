@@ -2,10 +2,11 @@
 from __future__ import annotations
 
 import io
-from typing import List
+from typing import Any, Dict, List
 
 import pytest
-from sim_builders import Rig
+import yaml
+from sim_builders import ROOM, ROOT, Rig
 
 from omron_ld90_sim.clock import Clock
 from omron_ld90_sim.interface.recording import (
@@ -14,8 +15,13 @@ from omron_ld90_sim.interface.recording import (
     ReplaySession,
     SessionLog,
     Transfer,
+    escape,
     read_log,
+    unescape,
 )
+from omron_map import MapDocument
+
+VECTORS = yaml.safe_load((ROOT / 'test' / 'vectors' / 'session_log.yaml').read_text())
 
 LOG = """0.000 S> Enter password:
 0.100 C> ********
@@ -120,6 +126,27 @@ def test_a_simulated_session_can_be_replayed() -> None:
     clock.advance(200.0)
     assert lines_of(session) == [t.text for t in transfers
                                  if t.connection == 1 and t.direction == 'S']
+
+
+def test_a_name_that_is_not_ascii_comes_back_out_of_a_log_byte_for_byte() -> None:
+    rig = Rig(MapDocument.from_bytes(ROOM.replace('"West"', '"K\xfcche \\ 2"').encode('latin-1')))
+    file = io.StringIO()
+    rig.server.log = SessionLog(rig.clock, file)
+    session = rig.client().session
+    session.receive(b'getGoals\n')
+    answer = bytes(session.output)
+    assert answer.startswith(b'Goal: K\xfcche \\ 2\r\n') and file.getvalue().isascii()
+    replayed = ReplayServer(Clock(), read_log(file.getvalue().splitlines())).connect()
+    replayed.receive(b'adept\ngetGoals\n')
+    assert replayed.output.endswith(answer)
+
+
+@pytest.mark.parametrize('row', VECTORS, ids=lambda row: row['line'])
+def test_the_log_is_read_and_written_as_documented(row: Dict[str, Any]) -> None:
+    data = bytes(row['bytes'])
+    transfer = Transfer(row['time'], row['side'], row['connection'], escape(data))
+    assert str(transfer) == row['line']
+    assert read_log([row['line']]) == [transfer] and unescape(transfer.text) == data
 
 
 def test_a_transfer_reads_as_it_is_written() -> None:

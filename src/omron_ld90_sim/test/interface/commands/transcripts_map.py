@@ -22,5 +22,6 @@ IMMEDIATE = {
         'MapObjectInfo: "East side" GoalWithHeading "the far end"',
         'MapObjectInfoCoord: "East side" 4500 1500 90.000', 'End of MapObjectInfo',
         'CommandError: mapObjectInfo moon', "CommandErrorDescription: No map object 'moon'"]],
+    'distanceFromHere': [['distanceFromHere West'], ['DistanceFromHere: 1500 "West"']],
     'distanceBetween': [['distanceBetween West 12'], [r'/DistanceBetween: 9\d{3} "West" "12"/']],
 }
