@@ -24,7 +24,7 @@ class Faults(unittest.TestCase):
         rospy.init_node('route_faults_test')
         cls.lab = RouteRobot(speed=4.0, status_period=0.2)
         cls.diagnostics = Recorder('/diagnostics', DiagnosticArray)
-        cls.others = connected_publisher('/omron_ld90/send_command', String, subscribers=3)
+        cls.others = connected_publisher('/omron_ld90/send_command', String, subscribers=2)
 
     @classmethod
     def tearDownClass(cls) -> None:
@@ -54,7 +54,7 @@ class Faults(unittest.TestCase):
         self.assertEqual(state_list(end), [EdgeState.COMPLETE] * done
                          + [EdgeState.FAILED] * (len(route) - done))
         self.diagnosed(reason, told)
-        sent = [command.data for command in self.lab.commands.messages[commands:]
+        sent = [command.goal.command for command in self.lab.commands.messages[commands:]
                 if command._connection_header['callerid'] == BRIDGE]
         self.assertEqual('stop' in sent, stopped)
 

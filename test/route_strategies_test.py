@@ -36,7 +36,7 @@ class Strategies(unittest.TestCase):
         self.assertEqual(done.symbolic_pose.edge_id, route[-1])
         self.assertEqual(done.symbolic_pose.percentage, 100.0)
         self.assertLessEqual(self.lab.distance_from(route, places), HALF_CORRIDOR)
-        return [command.data for command in self.lab.commands.messages[commands:]]
+        return self.lab.commands.texts[commands:]
 
     def test_1_vertex_by_vertex(self) -> None:
         self.assertEqual(len(self.drive(TOUR, strategy='vertex_by_vertex')), len(TOUR))

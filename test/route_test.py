@@ -28,7 +28,7 @@ class Routes(unittest.TestCase):
         self.assertEqual([edge.edge_id for edge in done.edge_states], OUT)
         self.assertEqual(state_list(done), [EdgeState.COMPLETE] * 4, done.reason)
         self.assertEqual((done.symbolic_pose.edge_id, done.symbolic_pose.percentage), (2, 100.0))
-        self.assertEqual([command.data for command in self.fleet.commands.messages],
+        self.assertEqual(self.fleet.commands.texts,
                          ['goto 1', 'goto 8', 'goto 10', 'goto 12'])
         self.check_reports([message for message in self.fleet.states.messages[begin:]
                             if message.route_id == route_id], OUT)
@@ -36,7 +36,7 @@ class Routes(unittest.TestCase):
         done = self.fleet.end_of(self.fleet.order(HOME))
         self.assertEqual(state_list(done), [EdgeState.COMPLETE] * 4, done.reason)
         self.assertEqual((done.symbolic_pose.edge_id, done.symbolic_pose.percentage), (13, 100.0))
-        self.assertEqual(self.fleet.commands.messages[-1].data, 'dock')
+        self.assertEqual(self.fleet.commands.texts[-1], 'dock')
         wait_until(lambda: self.fleet.status.messages[-1].docking_state == 'Docked', 10,
                    'a status of the docked robot')
 

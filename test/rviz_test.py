@@ -19,7 +19,7 @@ from omron_ld90.operator.goal_clicks import TargetKind
 from omron_ld90_msgs.msg import RobotStatus
 from omron_ld90_sim import Simulator
 from omron_map import MapDocument
-from system_support import Recorder, connected_publisher, run_cases, wait_until
+from system_support import CommandRecorder, Recorder, connected_publisher, run_cases, wait_until
 from trajectory_graph import load_graph
 
 LAB = rospkg.RosPack().get_path('omron_ld90') + '/../../maps/lab.map'
@@ -61,7 +61,7 @@ class RvizTest(unittest.TestCase):
         cls.start_robot()
         cls.artefacts = os.environ.get('SYSTEM_TEST_ARTEFACTS', '/tmp')
         cls.lines = Recorder('/omron_ld90/arcl_response', String)
-        cls.commands = Recorder('/omron_ld90/send_command', String)
+        cls.commands = CommandRecorder('omron_ld90')
         cls.clicks = Recorder('/clicked_point', PointStamped)
         cls.feedback = Recorder('/omron_ld90/user_feedback', String)
         cls.names = Recorder('/omron_ld90/map_markers/goal_names', MarkerArray)
@@ -119,7 +119,7 @@ class RvizTest(unittest.TestCase):
                                       after=self.before[self.feedback]).data
 
     def sent(self) -> list:
-        return [message.data for message in self.commands.messages[self.before[self.commands]:]]
+        return self.commands.texts[self.before[self.commands]:]
 
     def robot_is_at(self, x: float, y: float) -> bool:
         here = self.simulator.pose

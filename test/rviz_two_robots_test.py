@@ -13,7 +13,7 @@ from std_msgs.msg import String
 
 from omron_map import MapDocument
 from ports import free_port
-from system_support import Recorder, run_cases, wait_until
+from system_support import CommandRecorder, Recorder, run_cases, wait_until
 
 LAB = rospkg.RosPack().get_path('omron_ld90') + '/../../maps/lab.map'
 SCALE = 38.0  # pixels per metre in rviz/two_robots.rviz
@@ -38,7 +38,7 @@ class TwoRobotsTest(unittest.TestCase):
     @classmethod
     def set_up(cls) -> None:
         cls.lab = MapDocument.load(LAB)
-        cls.commands = {robot: Recorder(f'/{robot}/send_command', String) for robot in ROBOTS}
+        cls.commands = {robot: CommandRecorder(robot) for robot in ROBOTS}
         cls.lines = {robot: Recorder(f'/{robot}/arcl_response', String) for robot in ROBOTS}
         cls.clicks = {robot: Recorder(f'/{robot}/clicked_point', PointStamped) for robot in ROBOTS}
         cls.screen = Screen()
@@ -89,7 +89,7 @@ class TwoRobotsTest(unittest.TestCase):
         return self.window.pixel(goal.x / 1000.0 + right, goal.y / 1000.0)
 
     def sent(self, robot: str) -> list:
-        return [message.data for message in self.commands[robot].messages[self.before[robot]:]]
+        return self.commands[robot].texts[self.before[robot]:]
 
     def arrives(self, robot: str, goal: str) -> None:
         self.lines[robot].wait_for(lambda line: line.data == f'Arrived at {goal}', 60.0,

@@ -18,7 +18,7 @@ import pytest
 import rospy
 from std_msgs.msg import String
 
-from omron_ld90_msgs.msg import LinkState
+from omron_ld90_msgs.msg import ExecuteCommandActionGoal, LinkState
 
 
 class Recorder:
@@ -85,6 +85,27 @@ def connected_publisher(topic: str, message_type: Type, timeout: float = 30.0,
 
     wait_until(connected, timeout, f'{to or subscribers} as subscriber(s) of {topic}')
     return publisher
+
+
+class CommandRecorder:
+    """The commands that are given to a robot's controller by its action, in order."""
+
+    def __init__(self, robot: str) -> None:
+        self._goals = Recorder(f'/{robot}/execute_command/goal', ExecuteCommandActionGoal)
+
+    @property
+    def messages(self) -> List[ExecuteCommandActionGoal]:
+        """The goals of the action."""
+        return self._goals.messages
+
+    @property
+    def texts(self) -> List[str]:
+        """The ARCL commands."""
+        return [message.goal.command for message in self.messages]
+
+    def wait_for(self, command: str, timeout: float = 10.0, after: int = 0) -> None:
+        """Waits until this command has been given."""
+        wait_until(lambda: command in self.texts[after:], timeout, f'the command {command}')
 
 
 def drive_to(robot: str, goal: str, timeout: float = 90.0) -> None:

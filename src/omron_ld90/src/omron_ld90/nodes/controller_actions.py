@@ -18,7 +18,7 @@ import actionlib
 from geometry_msgs.msg import PoseStamped
 from move_base_msgs.msg import MoveBaseAction, MoveBaseFeedback, MoveBaseResult
 
-from omron_arcl import ArclError, Execution, Outcome, Result
+from omron_arcl import ArclError, Execution, NotConnected, Outcome, Result
 from omron_ld90.nodes.support.call_queue import CallQueue
 from omron_ld90.nodes.support.poses import pose_to_robot
 from omron_ld90_msgs.msg import (
@@ -155,6 +155,10 @@ class ExecuteCommandServer(_Actions):
             if not (math.isfinite(goal.timeout) and goal.timeout >= 0.0):
                 raise Refused(f'the timeout is {goal.timeout}, but must be 0 or more seconds')
             self._start(handle, goal.command, goal.timeout)
+        except NotConnected as error:
+            message = f'never sent: {error.reason}'
+            handle.set_rejected(
+                ExecuteCommandResult(outcome=ExecuteCommandResult.LOST, message=message), message)
         except (ArclError, Refused) as error:
             handle.set_rejected(
                 ExecuteCommandResult(outcome=ExecuteCommandResult.REFUSED, message=str(error)),
