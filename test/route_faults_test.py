@@ -86,7 +86,9 @@ class Faults(unittest.TestCase):
         self.fails('taken over', lambda: self.lab.robot.inject('other goto 27'), stopped=False)
 
     def test_05_a_lost_link(self) -> None:
-        route_id = self.lab.under_way(HALL, 2)
+        self.lab.restart_bridge(strategy='direct', link_timeout=0.5)  # it sends the robot far ahead
+        self.addCleanup(self.lab.restart_bridge, strategy='rolling', link_timeout=2.0)
+        route_id = self.lab.under_way(HALL, 1)
         self.lab.robot.inject('refuse on')
         self.lab.robot.inject('drop')
         end = self.lab.end_of(route_id)
