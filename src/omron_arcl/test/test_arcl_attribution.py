@@ -246,3 +246,131 @@ def test_a_command_that_lacks_arguments_is_rejected_by_its_syntax(talk, text):
     assert outcome(execution) is Outcome.REJECTED
     assert '<more>' in execution.result.words
     assert other.result is None
+
+
+# --- in other words -------------------------------------------------------------------------------
+
+@pytest.mark.parametrize('said', [
+    ('CommandError: goto 99', "CommandErrorDescription: No goal '99'"),
+    ('CommandError: GOTO  "99"', "CommandErrorDescription: No goal '99'"),
+    ('CommandError: goto', 'CommandErrorDescription: Goal 99 not found'),
+    ("CommandErrorDescription: No goal '99'",), ("No goal '99'",), ('No such goal "99"',),
+    ('CommandError: goto 99', 'CommandErrorDescription: Unknown goal 99'),
+])
+def test_a_goal_that_the_robot_lacks_is_refused_in_various_words(talk, said):
+    running, goto = talk.give('goto 12'), talk.give('goto 99')
+    talk.robot('Going to 12', *said)
+    assert outcome(goto) is Outcome.NO_GOAL
+    assert running.result is None
+
+
+def test_a_description_that_comes_much_too_late_refuses_nothing_else(talk):
+    refused = talk.give('goto 99')
+    talk.robot('CommandError: goto 99')
+    talk.pass_time(1.5)
+    assert outcome(refused) is Outcome.REJECTED
+    goto = talk.give('goto 12')
+    talk.robot("CommandErrorDescription: No goal '99'")
+    assert goto.result is None
+
+
+@pytest.mark.parametrize('said', [
+    'Unknown command goto', 'Unknown command: goto', "Unknown command 'goto'", 'unknown command',
+    'Unknown command "goto".'])
+def test_an_unknown_command_is_told_in_various_words(talk, said):
+    goto = talk.give('goto 12')
+    talk.robot(said)
+    assert outcome(goto) is Outcome.UNKNOWN_COMMAND
+
+
+@pytest.mark.parametrize('said', [
+    'EStop pressed', 'Estop pressed', 'E-Stop pressed', 'Emergency stop pressed',
+    'EStop button pressed', 'Error: Emergency stop pressed', 'Error: EStop pressed'])
+def test_an_emergency_stop_is_told_in_various_words(talk, said):
+    drive, other = talk.give('goto 12'), talk.give('dock')
+    talk.robot('Going to 12', said)
+    assert outcome(drive) is Outcome.EMERGENCY_STOPPED
+    assert outcome(other) is Outcome.EMERGENCY_STOPPED
+
+
+@pytest.mark.parametrize('said', ['Motors disabled', 'Motors are disabled'])
+def test_disabled_motors_fail_a_drive(talk, said):
+    drive = talk.give('goto 12')
+    talk.robot('Going to 12', said)
+    assert outcome(drive) is Outcome.FAILED
+
+
+@pytest.mark.parametrize('said', [
+    'Failed going to goal', 'Failed going to 12', 'Failed going to -597 -5765',
+    'Error: Cannot find path', 'Cannot find path', 'Failed to drive to Target',
+    'Unable to plan a path', 'Could not reach goal'])
+def test_a_drive_that_cannot_begin_is_told_in_various_words(talk, said):
+    drive = talk.give('goto 12')
+    talk.robot(said)
+    assert outcome(drive) is Outcome.FAILED
+
+
+@pytest.mark.parametrize('said', ['Cannot find path', 'Failed to drive to Target', 'Stalled'])
+def test_free_words_of_failure_end_a_drive_that_does_not_go_on(talk, said):
+    drive = talk.give('goto 12')
+    talk.robot('Going to 12', said)
+    assert drive.result is None
+    talk.pass_time(10.0)
+    assert outcome(drive) is Outcome.FAILED
+    assert drive.result.words == said
+
+
+@pytest.mark.parametrize('said', ['Cannot open sound file', 'Failed to play'])
+def test_a_failure_of_something_else_is_none_of_a_drive_that_has_not_begun(talk, said):
+    drive = talk.give('goto 12')
+    talk.robot(said)
+    assert drive.result is None
+
+
+@pytest.mark.parametrize('said', ['Failed to localize at point', 'Cannot localise'])
+def test_relocalising_fails_in_various_words(talk, said):
+    localize = talk.give('localizeToPoint 1 2 3')
+    talk.robot('Localizing at point', said)
+    assert outcome(localize) is Outcome.FAILED
+
+
+@pytest.mark.parametrize(('given', 'echoed'), [
+    ('gotoPoint 100 200 0', 'gotoPoint 100.0 200.0 0.0'), ('say "$g is full"', 'say "12 is full"'),
+    ('wait 10', 'WAIT 10'), ('move 1000 400', '"move" 1000 400')])
+def test_a_task_is_known_though_its_arguments_are_written_otherwise(talk, given, echoed):
+    task = talk.give(f'doTask {given}')
+    talk.robot(f'Will do task {echoed}', f'Doing task {echoed}', f'Completed doing task {echoed}')
+    assert outcome(task) is Outcome.SUCCEEDED
+
+
+def test_another_clients_task_is_not_ours(talk):
+    task = talk.give('doTask wait 60')
+    talk.robot('Doing task wait 60', 'Doing task wait 5')
+    assert outcome(task) is Outcome.INTERRUPTED
+
+
+@pytest.mark.parametrize(('text', 'lines'), [
+    ('distanceFromHere Goal1', ('DistanceFromHere: 12345 "Goal1"',)),
+    ('queueQueryLocal status completed', ('EndQueueQueryLocal',)),
+    ('queueShowRobotLocal', ('QueueRobot: "Robot1" Available Available', 'EndQueueShowRobotLocal')),
+    ('help', ('Commands:', 'goto                        Goes', 'stop Stops', 'End of commands')),
+])
+def test_queries_are_answered_in_the_robots_own_words(talk, text, lines):
+    query = talk.give(text)
+    talk.robot(*lines)
+    assert outcome(query) is Outcome.SUCCEEDED
+    assert query.result.lines == lines
+
+
+def test_a_robot_that_docks_by_itself_takes_the_drive_over(talk):
+    goto = talk.give('goto 12')
+    talk.robot('DockingState: Undocked ForcedState: Unforced ChargeState: Not', 'Going to 12',
+               DOCK[1])
+    assert outcome(goto) is Outcome.INTERRUPTED
+    assert 'taken over' in goto.result.words
+
+
+def test_a_docking_state_with_a_field_of_a_newer_robot_is_understood(talk):
+    dock = talk.give('dock')
+    talk.robot(*(f'{line} BatteryState: Good' for line in DOCK[:4]))
+    assert outcome(dock) is Outcome.SUCCEEDED

@@ -268,6 +268,17 @@ def test_cancelling_a_drive_sends_stop(robot):
         assert goto.wait(5.0).outcome is Outcome.CANCELLED
 
 
+def test_a_drive_that_somebody_stops_without_a_word_of_it_ends(robot):
+    robot.answers[b'goto 12'] = (b'Going to 12',)  # and its status is always Stopped
+    with connected_client(robot) as client:
+        goto = client.execute('goto 12')
+        robot.wait_heard(b'goto 12')
+        robot.say(b'Stopping', b'Stopped')
+        result = goto.wait(10.0)
+        assert result.outcome is Outcome.INTERRUPTED
+        assert b'stop' not in robot.heard
+
+
 def test_a_callback_may_give_the_next_command(robot):
     robot.answers[b'odometer'] = (b'Odometer: 1 mm 2 deg 3 sec',)
     ends = Noted()

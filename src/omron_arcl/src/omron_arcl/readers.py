@@ -148,8 +148,10 @@ def to_point(reply: Reply) -> Reader:
 def patrolling(text: str) -> driving.Patrolling:
     """`<route>`, or `<route> once`."""
     if text.lower().endswith(' once'):
-        return driving.Patrolling(text[:-len(' once')], once=True)
-    return named(partial(driving.Patrolling, once=False))(text)
+        return driving.Patrolling(unquoted(text[:-len(' once')]), once=True)
+    if not text:
+        raise ValueError
+    return driving.Patrolling(unquoted(text), once=False)
 
 
 def instant_task(text: str) -> tasks.CompletedInstantTask:
@@ -171,8 +173,9 @@ _TRUTH = {'true': True, 'false': False, '1': True, '0': False}
 def fault(text: str, cleared: bool = False) -> safety.Fault:
     """`<kind> <name> "<short>" "<long>" <driving> <critical> <application>`."""
     kind, name, short, long, *flags = split_words(text)
-    truths = [_TRUTH.get(flag.lower(), False) for flag in (flags + ['', '', ''])[:3]]
-    return safety.Fault(kind, name, short, long, *truths, cleared=cleared)
+    stops, critical, application = (_TRUTH.get(flag.lower(), False)
+                                    for flag in (flags + ['', '', ''])[:3])
+    return safety.Fault(kind, name, short, long, stops, critical, application, cleared)
 
 
 def odometer(text: str) -> status.Odometer:

@@ -8,6 +8,7 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
+from omron_arcl import printable, readable
 from omron_map import MapDocument, MapError, wait_for_map
 
 _MOST_NAMES = 20  # told in one message
@@ -33,7 +34,7 @@ class GoalComparison:
 
     def robot_goals(self, names: FrozenSet[str]) -> None:
         """The robot has listed its goals."""
-        self._robot = names
+        self._robot = frozenset(names)
         self._due.set()
 
     def close(self) -> None:
@@ -67,8 +68,9 @@ class GoalComparison:
                 self._wait(self._map_file, self._made_from, say=rospy.loginfo,
                            given_up=lambda: self._closing)
                 self._made_from = ()
-            file = {goal.name for goal in MapDocument.load(self._map_file).goals}
-        except MapError as error:
+            file = frozenset(readable(goal.name)
+                             for goal in MapDocument.load(self._map_file).goals)
+        except (MapError, OSError, ValueError) as error:
             self._level, self._message = DiagnosticStatus.WARN, f'not compared: {error}'
             rospy.logwarn('The goals of robot and map file were not compared: %s', error)
             return
@@ -85,9 +87,9 @@ class GoalComparison:
 
 
 def _without(names: FrozenSet[str], others: FrozenSet[str]) -> List[str]:
-    """`names` that are not in `others`; the robot respects no case."""
+    """`names` that are not in `others`, for people; the robot respects no case."""
     folded = {name.casefold() for name in others}
-    return sorted(name for name in names if name.casefold() not in folded)
+    return sorted(printable(name) for name in names if name.casefold() not in folded)
 
 
 def _listed(names: List[str]) -> str:
