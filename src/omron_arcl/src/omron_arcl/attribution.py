@@ -172,7 +172,7 @@ class Attribution:
     def _on_command_error(self, reply: refusals.CommandError, text: str, now: float) -> None:
         """The robot repeats the line; the description follows, perhaps after other lines.
 
-        Passwords are blanked in what comes from the robot, so in what was sent they are too.
+        Passwords are redacted in what comes from the robot, so in what was sent they are too.
         """
         open_to_it = [e for e in self._commands.sent if not e.begun and e.rejected_at is None]
         refused = _plain(reply.command)

@@ -68,7 +68,7 @@ _LINE_TOPICS = {
     Temperature: 'status/temperature',
 }
 _DEVICE_NAME = re.compile(r'[A-Za-z]\w{0,40}$', re.ASCII)
-_MOST_DEVICES = 16
+_MAXIMUM_DEVICES = 16
 
 
 class ConnectionReceiver:
@@ -149,7 +149,7 @@ class ConnectionReceiver:
         if not reading.cumulative:
             self._laser_lines.publish(LineMessage(raw))
         if name not in self._clouds:
-            if len(self._clouds) >= _MOST_DEVICES or not _DEVICE_NAME.match(name):
+            if len(self._clouds) >= _MAXIMUM_DEVICES or not _DEVICE_NAME.match(name):
                 return
             self._clouds[name] = _publisher(f'laser_cloud/{name}', PointCloud2)
         publisher = self._clouds[name]

@@ -11,7 +11,7 @@ from diagnostic_updater import DiagnosticStatusWrapper
 from omron_arcl import printable, readable
 from omron_map import MapDocument, MapError, wait_for_map
 
-_MOST_NAMES = 20  # told in one message
+_MAXIMUM_NAMES = 20  # told in one message
 
 
 class GoalComparison:
@@ -47,8 +47,8 @@ class GoalComparison:
         """Task for diagnostic_updater."""
         status.summary(self._level, self._message)
         status.add('goals of the robot', str(len(self._robot or ())))
-        status.add('only in the robot', ', '.join(self._only_robot[:_MOST_NAMES]) or 'none')
-        status.add('only in the map file', ', '.join(self._only_map[:_MOST_NAMES]) or 'none')
+        status.add('only in the robot', ', '.join(self._only_robot[:_MAXIMUM_NAMES]) or 'none')
+        status.add('only in the map file', ', '.join(self._only_map[:_MAXIMUM_NAMES]) or 'none')
         return status
 
     def _run(self) -> None:
@@ -93,6 +93,6 @@ def _without(names: FrozenSet[str], others: FrozenSet[str]) -> List[str]:
 
 
 def _listed(names: List[str]) -> str:
-    shown = ', '.join(f'"{name}"' for name in names[:_MOST_NAMES])
-    more = len(names) - _MOST_NAMES
+    shown = ', '.join(f'"{name}"' for name in names[:_MAXIMUM_NAMES])
+    more = len(names) - _MAXIMUM_NAMES
     return (shown + f' and {more} more' if more > 0 else shown) or 'none'
