@@ -175,7 +175,7 @@ class ArclFaultsTest(unittest.TestCase):
                         and ['/link_state', ['/omron_connection_receiver']] in published)
             return False
 
-        with program('roscore', '-p', str(port)) as core:
+        with program('roscore', '-p', str(port), ROS_MASTER_URI=uri) as core:
             node = program('rosrun', 'omron_ld90', 'omron_connection_receiver',
                            '_robot_ip:=127.0.0.1', f'_port:={free_port()}',
                            ROS_MASTER_URI=uri)
@@ -184,7 +184,7 @@ class ArclFaultsTest(unittest.TestCase):
                 core.terminate()
                 core.wait(SOON)
                 self.assertFalse(is_known())
-                with program('roscore', '-p', str(port)):
+                with program('roscore', '-p', str(port), ROS_MASTER_URI=uri):
                     wait_until(is_known, DRIVE, 'the node registers with the new master')
 
     def test_a_node_with_a_wrong_configuration_says_so_on_its_link(self):
