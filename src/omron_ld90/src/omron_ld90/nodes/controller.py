@@ -58,7 +58,7 @@ from omron_ld90.nodes.controller_actions import ExecuteCommandServer, MoveBaseSe
 from omron_ld90.nodes.controller_goals import GoalComparison
 from omron_ld90.nodes.controller_help import HelpReport
 from omron_ld90.nodes.controller_password import read_password
-from omron_ld90.nodes.controller_refusals import LatchedMessages, Refusals, publishers_by_master
+from omron_ld90.nodes.controller_refusals import OldMessages, Refusals, publishers_by_master
 from omron_ld90.nodes.controller_topics import TopicCommands
 from omron_ld90.nodes.support.diagnostics import publish_diagnostics
 from omron_ld90.nodes.support.link_reports import (
@@ -94,11 +94,11 @@ class Controller:
                                           tcp_nodelay=True)
         self._client: Client = make_client(on_line=self._on_line, on_link=self._on_link,
                                            on_login=self._on_login)
-        refusals, latched = Refusals(), LatchedMessages(publishers_by_master)
-        ExecuteCommandServer(self._execute, self._client.cancel, latched)
-        self._move_base = MoveBaseServer(self._execute, self._client.cancel, latched, refusals,
+        refusals, old = Refusals(), OldMessages(publishers_by_master).start()
+        ExecuteCommandServer(self._execute, self._client.cancel, old)
+        self._move_base = MoveBaseServer(self._execute, self._client.cancel, old, refusals,
                                          map_frame)
-        TopicCommands(self._execute, self._move_base, refusals, latched, map_frame)
+        TopicCommands(self._execute, self._move_base, refusals, old, map_frame)
         publish_diagnostics(self._client.peer, {'link to the robot': self._reporter.diagnose,
                                                 'robot': self._health.diagnose,
                                                 'goals': goals.diagnose,

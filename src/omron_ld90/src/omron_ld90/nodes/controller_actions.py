@@ -28,7 +28,8 @@ from move_base_msgs.msg import (
 )
 
 from omron_arcl import ArclError, Execution, Outcome, Result, printable
-from omron_ld90.nodes.controller_refusals import TOO_OLD, LatchedMessages, Refusals, failure
+from omron_arcl.guard import is_stop
+from omron_ld90.nodes.controller_refusals import OldMessages, Refusals, failure
 from omron_ld90.nodes.support.call_queue import CallQueue
 from omron_ld90.nodes.support.poses import pose_to_robot
 from omron_ld90_msgs.msg import (
@@ -91,15 +92,15 @@ class _Actions:
     """Goals of one action server and the commands that they are."""
 
     def __init__(self, name: str, kind: type, execute: Execute,
-                 cancel: Callable[[Execution], None], latched: LatchedMessages) -> None:
+                 cancel: Callable[[Execution], None], old: OldMessages) -> None:
         self._topic = f'{name}/goal'
         self._execute = execute
         self._cancel = cancel
-        self._latched = latched
+        self._old = old
         self._running: Dict[str, _Goal] = {}
         self._lock = threading.Lock()  # guards _running
         self._calls = CallQueue(f'action {name}')
-        latched.watch(self._topic)
+        old.watch(self._topic)
         _keep_results()
         self._server = actionlib.ActionServer(name, kind, self._on_goal, self._on_cancel,
                                               auto_start=False)
@@ -109,9 +110,11 @@ class _Actions:
 
     def _on_goal(self, handle: actionlib.ServerGoalHandle) -> None:
         try:
-            if self._latched.is_old(handle.goal, self._topic):
-                raise Refused(TOO_OLD)
-            self._start(handle, *self._command_of(handle.get_goal()))
+            command, timeout = self._command_of(handle.get_goal())
+            reason = self._old.reason(handle.goal, self._topic, is_stop(command))
+            if reason:
+                raise Refused(reason)
+            self._start(handle, command, timeout)
         except (ArclError, Refused) as error:
             handle.set_rejected(self._refusal(str(error)), str(error))
             self._tell(handle.get_goal_id().id, str(error))
@@ -197,8 +200,8 @@ class ExecuteCommandServer(_Actions):
     """Action `execute_command`."""
 
     def __init__(self, execute: Execute, cancel: Callable[[Execution], None],
-                 latched: LatchedMessages) -> None:
-        super().__init__('execute_command', ExecuteCommandAction, execute, cancel, latched)
+                 old: OldMessages) -> None:
+        super().__init__('execute_command', ExecuteCommandAction, execute, cancel, old)
 
     def _command_of(self, goal: ExecuteCommandGoal) -> Tuple[str, float]:
         if not (math.isfinite(goal.timeout) and goal.timeout >= 0.0):
@@ -226,12 +229,12 @@ class MoveBaseServer(_Actions):
     """
 
     def __init__(self, execute: Execute, cancel: Callable[[Execution], None],
-                 latched: LatchedMessages, refusals: Refusals, map_frame: str) -> None:
+                 old: OldMessages, refusals: Refusals, map_frame: str) -> None:
         self._map_frame = map_frame
         self._refusals = refusals
         self._forwarded: Dict[str, str] = {}  # goal id -> who gave it by topic
         self._count = 0
-        super().__init__('move_base', MoveBaseAction, execute, cancel, latched)
+        super().__init__('move_base', MoveBaseAction, execute, cancel, old)
         self._goals = rospy.Publisher(self._topic, MoveBaseActionGoal, queue_size=10)
         self._await_own_connection()
 

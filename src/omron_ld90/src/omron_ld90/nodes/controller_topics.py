@@ -8,10 +8,10 @@ from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from std_msgs.msg import String
 
 from omron_arcl import ArclError, Execution, Result
+from omron_arcl.guard import is_stop
 from omron_ld90.nodes.controller_actions import MoveBaseServer, Refused, robot_pose
 from omron_ld90.nodes.controller_refusals import (
-    TOO_OLD,
-    LatchedMessages,
+    OldMessages,
     Refusals,
     failure,
 )
@@ -21,17 +21,17 @@ class TopicCommands:
     """Subscribes to the topics; `execute` gives a command and raises ArclError."""
 
     def __init__(self, execute: Callable[..., Execution], move_base: MoveBaseServer,
-                 refusals: Refusals, latched: LatchedMessages, map_frame: str) -> None:
+                 refusals: Refusals, old: OldMessages, map_frame: str) -> None:
         self._execute = execute
         self._move_base = move_base
         self._refusals = refusals
         self._map_frame = map_frame
-        self._latched = latched
+        self._old = old
         for topic, kind, queue_size, callback in (
                 ('send_command', String, 100, self._on_command),
                 ('move_base_simple/goal', PoseStamped, 1, self._on_goal_pose),
                 ('initialpose', PoseWithCovarianceStamped, 1, self._on_initial_pose)):
-            latched.watch(topic)
+            old.watch(topic)
             rospy.Subscriber(topic, kind, self._unless_old(callback, topic),
                              queue_size=queue_size, tcp_nodelay=True)
 
@@ -39,9 +39,10 @@ class TopicCommands:
                     topic: str) -> Callable[[rospy.Message], None]:
         def receive(message: rospy.Message) -> None:
             caller = getattr(message, '_connection_header', {}).get('callerid', 'unknown')
-            if self._latched.is_old(message, topic):
-                text = message.data if isinstance(message, String) else topic
-                self._refusals.tell(text, caller, TOO_OLD)
+            text = message.data if isinstance(message, String) else topic
+            reason = self._old.reason(message, topic, is_stop(text))
+            if reason:
+                self._refusals.tell(text, caller, reason)
             else:
                 callback(message, caller)
         return receive
