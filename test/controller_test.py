@@ -71,6 +71,7 @@ class ControllerTest(unittest.TestCase):
         cls.diagnostics = Recorder('/diagnostics', DiagnosticArray)
         cls.commands = connected_publisher('/omron_ld90/send_command', String,
                                            to='omron_controller')
+        rospy.set_param('actionlib_client_pub_queue_size', 200)  # of 10, a storm loses most
         cls.execute = actionlib.ActionClient('/omron_ld90/execute_command', ExecuteCommandAction)
         cls.move_base = actionlib.ActionClient('/omron_ld90/move_base', MoveBaseAction)
         for client in (cls.execute, cls.move_base):

@@ -9,6 +9,8 @@ import socket
 import time
 import unittest
 import xmlrpc.client
+from pathlib import Path
+from typing import Set
 
 import rosgraph
 import rospy
@@ -150,15 +152,16 @@ class ReceiverTest(unittest.TestCase):
         self.send(*{**STATUS, 'location': b'Location: 1000 0 0'}.values())
         os.kill(node, signal.SIGSTOP)
         try:
-            wait_until(lambda: self.state_of(node) == 'T', SOON, 'the node stands still')
+            wait_until(lambda: self.states_of(node) == {'T'}, SOON, 'every thread stands still')
             before = len(self.statuses.messages)
             deadline = time.monotonic() + 2.5
             wait_until(lambda: self.sends_status(2000) and time.monotonic() > deadline, SOON,
                        'two and a half seconds')
         finally:
             os.kill(node, signal.SIGCONT)
-        wait_until(lambda: self.sends_status(3000) and self.statuses.messages[before:], SOON,
-                   'statuses again')
+        wait_until(lambda: self.sends_status(3000) and any(
+            abs(m.pose.position.x - 3.0) < 0.1 for m in self.statuses.messages[before:]), SOON,
+            'statuses again')
         published = {round(m.pose.position.x) for m in self.statuses.messages[before:]}
         self.assertNotIn(2, published)
 
@@ -167,9 +170,10 @@ class ReceiverTest(unittest.TestCase):
         return True
 
     @staticmethod
-    def state_of(process_id: int) -> str:
-        with open(f'/proc/{process_id}/stat', encoding='utf-8') as file:
-            return file.read().rsplit(')', 1)[1].split()[0]
+    def states_of(process_id: int) -> Set[str]:
+        """The states of its threads; T is stopped."""
+        return {file.read_text(encoding='utf-8').rsplit(')', 1)[1].split()[0]
+                for file in Path(f'/proc/{process_id}/task').glob('*/stat')}
 
     @staticmethod
     def process_id(node: str) -> int:
