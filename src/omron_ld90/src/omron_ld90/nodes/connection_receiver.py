@@ -24,7 +24,7 @@ Parameters:
 from __future__ import annotations
 
 import re
-from typing import Callable, Dict, Optional
+from typing import Any, Callable, Dict, Optional
 
 import rospy
 from sensor_msgs.msg import BatteryState, PointCloud2
@@ -185,7 +185,7 @@ def start() -> ConnectionReceiver:
     silence = number('~silence', 4.0, 0.2, 120.0)
     log = session_log()
 
-    def make_listener(**callbacks) -> Listener:
+    def make_listener(**callbacks: Any) -> Listener:
         try:
             return Listener(bind, port, robot, timeout=silence, log=log, **callbacks)
         except OSError as error:

@@ -58,7 +58,7 @@ class GoalComparison:
             if self._closing:
                 return
             if self._map_file:
-                self._compare(self._robot)
+                self._compare(self._robot or frozenset())
             else:
                 self._message = 'not compared: ~map_file is not set'
 
