@@ -171,7 +171,10 @@ def nodes() -> List[Row]:
         finally:
             for process in reversed(list(processes.values())):
                 process.terminate()
-                process.wait(10)
+                try:
+                    process.wait(10)
+                except subprocess.TimeoutExpired:  # rospy may hang when it is ended
+                    process.kill()
 
 
 def measure(processes: Dict[str, subprocess.Popen], port: int, points: str) -> List[Row]:

@@ -246,3 +246,47 @@ def test_a_command_that_lacks_arguments_is_rejected_by_its_syntax(talk, text):
     assert outcome(execution) is Outcome.REJECTED
     assert '<more>' in execution.result.words
     assert other.result is None
+
+
+# --- in other words -------------------------------------------------------------------------------
+
+@pytest.mark.parametrize(('given', 'echoed'), [
+    ('gotoPoint 100 200 0', 'gotoPoint 100.0 200.0 0.0'), ('say "$g is full"', 'say "12 is full"'),
+    ('wait 10', 'WAIT 10'), ('move 1000 400', '"move" 1000 400')])
+def test_a_task_is_known_though_its_arguments_are_written_otherwise(talk, given, echoed):
+    task = talk.give(f'doTask {given}')
+    talk.robot(f'Will do task {echoed}', f'Doing task {echoed}', f'Completed doing task {echoed}')
+    assert outcome(task) is Outcome.SUCCEEDED
+
+
+def test_another_clients_task_is_not_ours(talk):
+    task = talk.give('doTask wait 60')
+    talk.robot('Doing task wait 60', 'Doing task wait 5')
+    assert outcome(task) is Outcome.INTERRUPTED
+
+
+@pytest.mark.parametrize(('text', 'lines'), [
+    ('distanceFromHere Goal1', ('DistanceFromHere: 12345 "Goal1"',)),
+    ('queueQueryLocal status completed', ('EndQueueQueryLocal',)),
+    ('queueShowRobotLocal', ('QueueRobot: "Robot1" Available Available', 'EndQueueShowRobotLocal')),
+    ('help', ('Commands:', 'goto                        Goes', 'stop Stops', 'End of commands')),
+])
+def test_queries_are_answered_in_the_robots_own_words(talk, text, lines):
+    query = talk.give(text)
+    talk.robot(*lines)
+    assert outcome(query) is Outcome.SUCCEEDED
+    assert query.result.lines == lines
+
+
+def test_a_robot_that_docks_by_itself_takes_the_drive_over(talk):
+    goto = talk.give('goto 12')
+    talk.robot('DockingState: Undocked ForcedState: Unforced ChargeState: Not', 'Going to 12',
+               DOCK[1])
+    assert outcome(goto) is Outcome.INTERRUPTED
+    assert 'taken over' in goto.result.words
+
+
+def test_a_docking_state_with_a_field_of_a_newer_robot_is_understood(talk):
+    dock = talk.give('dock')
+    talk.robot(*(f'{line} BatteryState: Good' for line in DOCK[:4]))
+    assert outcome(dock) is Outcome.SUCCEEDED

@@ -29,7 +29,6 @@ from omron_arcl import (
     Outcome,
     SessionLog,
 )
-from omron_arcl.errors import ConnectionFailed, WrongPassword
 from omron_arcl.transport import TICK
 
 
@@ -106,22 +105,6 @@ def test_who_waits_for_the_login_hears_of_a_wrong_password_at_once():
     with ScriptedRobot(password=b'other') as robot, \
             Client('127.0.0.1', robot.port, PASSWORD, backoff=patient) as client:
         assert client.wait_connected(1000.0).phase is LinkPhase.WRONG_PASSWORD
-
-
-def test_a_wrong_password_waits_longer_than_a_lost_connection():
-    backoff = Backoff(jitter=0.0)
-    assert backoff.after(WrongPassword('x')) == 30.0
-    assert [backoff.after(ConnectionFailed('x')) for _ in range(7)] \
-        == [0.5, 1.0, 2.0, 4.0, 8.0, 10.0, 10.0]
-    backoff.reset()
-    assert backoff.after(ConnectionFailed('x')) == 0.5
-
-
-def test_backoff_is_spread_within_its_share_and_never_beyond_its_cap():
-    waits = [Backoff(first=5.0, cap=5.5, jitter=0.2).after(ConnectionFailed('x'))
-             for _ in range(200)]
-    assert all(4.0 <= wait <= 5.5 for wait in waits)
-    assert len(set(waits)) > 100
 
 
 @pytest.mark.parametrize('reset', [False, True])
@@ -266,6 +249,17 @@ def test_cancelling_a_drive_sends_stop(robot):
         goto = client.execute('goto 12')
         client.cancel(goto)
         assert goto.wait(5.0).outcome is Outcome.CANCELLED
+
+
+def test_a_drive_that_somebody_stops_without_a_word_of_it_ends(robot):
+    robot.answers[b'goto 12'] = (b'Going to 12',)  # and its status is always Stopped
+    with connected_client(robot) as client:
+        goto = client.execute('goto 12')
+        robot.wait_heard(b'goto 12')
+        robot.say(b'Stopping', b'Stopped')
+        result = goto.wait(10.0)
+        assert result.outcome is Outcome.INTERRUPTED
+        assert b'stop' not in robot.heard
 
 
 def test_a_callback_may_give_the_next_command(robot):

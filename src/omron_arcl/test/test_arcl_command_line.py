@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import pytest
 
-from omron_arcl import InvalidCommand, parse_command, printable, quote
+from omron_arcl import InvalidCommand, parse_command, printable, quote, same_name
 from omron_arcl.command_line import LONGEST_COMMAND
 
 
@@ -71,7 +71,19 @@ def test_names_with_blanks_are_quoted(name, quoted):
     assert quote(name) == quoted
 
 
-@pytest.mark.parametrize('name', ['', 'a"b', 'a\nb', 'a\x1b[2Jb', 'a\u2028b', '\udcfc'])
+@pytest.mark.parametrize(('name', 'quoted'), [
+    ('K\xfcche', 'K\xfcche'), ('K\udcfcche', 'K\xfcche'), ('Halle\xa0', None),
+    ('B\xfcro 2', '"B\xfcro 2"'), ('K\udcc3\udcbcche', 'K\xfcche')])
+def test_a_name_out_of_a_map_file_is_read_as_the_robots_own(name, quoted):
+    if quoted:
+        assert quote(name) == quoted
+        assert same_name(name, quoted.strip('"').upper())
+    else:
+        with pytest.raises(InvalidCommand):
+            quote(name)
+
+
+@pytest.mark.parametrize('name', ['', 'a"b', 'a\nb', 'a\x1b[2Jb', 'a\u2028b', '\ud800'])
 def test_names_that_arcl_cannot_express_are_refused(name):
     with pytest.raises(InvalidCommand):
         quote(name)

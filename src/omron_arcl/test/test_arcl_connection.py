@@ -128,3 +128,15 @@ def test_what_waited_while_we_stood_still_is_late_and_what_comes_afterwards_is_n
     assert [line.late for line in heard(peer, now + 10.001, waited=0.001)] == [True]
     robot.sendall(lines(b'Location: 4 0 0'))
     assert [line.late for line in heard(peer, now + 10.2, waited=0.1)] == [False]
+
+
+def test_a_stream_that_never_pauses_is_new_again_soon_after_we_stood_still(pair):
+    peer, robot = pair
+    now = time.monotonic() + 10.0
+    late = []
+    for hundredth in range(100):
+        robot.sendall(lines(b'Location: 1 0 0'))
+        late += [line.late for line in heard(peer, now + hundredth / 100, waited=0.009)]
+    assert late[0]
+    assert late == sorted(late, reverse=True)
+    assert 40 < sum(late) < 60

@@ -459,3 +459,49 @@ def test_those_who_wait_are_told_in_order(talk):
     talk.give('goto A', on_line=noted, on_end=lambda result: noted(result.outcome))
     talk.robot('Going to A', 'Arrived at A')
     assert noted.all == ['Going to A', 'Arrived at A', Outcome.SUCCEEDED]
+
+
+def test_an_answer_that_does_not_end_is_given_up_however_much_comes(talk):
+    query = talk.give('getGoals')
+    for _ in range(35):
+        talk.robot('Goal: 1')
+        talk.pass_time(2.0)
+    assert outcome(query) is Outcome.TIMED_OUT
+
+
+def test_a_drive_that_times_out_is_stopped_if_that_was_asked_for(talk):
+    goto = talk.give('goto 12', timeout=10.0, stop_on_timeout=True)
+    talk.robot('Going to 12')
+    talk.pass_time(11.0)
+    assert outcome(goto) is Outcome.TIMED_OUT
+    assert talk.sent == ['goto 12', 'stop']
+
+
+def test_an_older_drive_that_times_out_stops_no_newer_one(talk):
+    older = talk.give('goto 12', timeout=10.0, stop_on_timeout=True)
+    talk.give('goto 13', stop_on_timeout=True)
+    talk.pass_time(11.0)
+    assert outcome(older) is Outcome.TIMED_OUT
+    assert talk.sent == ['goto 12', 'goto 13']
+
+
+def test_a_cancelled_drive_is_stopped_when_the_newer_one_does_not_replace_it(talk):
+    """The robot may have missed the newer one, and the older must not go on for a minute."""
+    older = talk.give('goto 12')
+    talk.robot('Going to 12')
+    talk.give('goto 13')
+    talk.cancel(older)
+    talk.pass_time(4.0)
+    assert talk.sent == ['goto 12', 'goto 13']
+    talk.pass_time(2.0)
+    talk.pass_time(2.0)
+    assert talk.sent == ['goto 12', 'goto 13', 'stop']
+
+
+def test_stops_go_out_in_the_order_in_which_they_were_given(talk):
+    noted = Noted()
+    for number in range(3):
+        talk.dispatcher.start(parse_command('stop'), on_end=lambda _, number=number: noted(number))
+    talk.send()
+    talk.robot('Stopping', 'Stopped')
+    assert noted.all == [0, 1, 2]

@@ -105,8 +105,9 @@ class Client(Transport):
         """
         with self._lock:
             command = parse_command(text, self.help.full_name, self._names)
-            if check:
-                check(command)
+        if check:
+            check(command)
+        with self._lock:
             link = self.link
             if not link.connected:
                 raise NotConnected(link.reason or link.phase.value)

@@ -7,6 +7,7 @@ from omron_arcl.command_table import COMMANDS, spec_of
 from omron_arcl.commands import Command
 from omron_arcl.errors import InvalidCommand
 from omron_arcl.readers import split_words
+from omron_arcl.replies.reply import readable
 from omron_arcl.secret import redact_passwords
 
 LONGEST_COMMAND = 5000  # bytes; the server drops a client that sends more
@@ -87,6 +88,7 @@ def quote(name: str) -> str:
 
     Raises InvalidCommand for a name that ARCL cannot express.
     """
+    name = readable(name)
     reason = _reason_against(name) or ('it holds a double quote' if '"' in name else '')
     if reason:
         raise InvalidCommand(printable(name), f'no goal can have such a name, {reason}')

@@ -3,7 +3,7 @@
 ARCL has no request ids, so the only link between a command and the robot's lines is what the lines
 say. A specification therefore holds predicates on replies: which one acknowledges the command,
 which are related to it, which one completes it. What ends a command badly is the same for all and
-is in `attribution`; what the robot's status tells of a drive is in `drive_watch`.
+is in `endings`; what the robot's status tells of a drive is in `drive_watch`.
 """
 from __future__ import annotations
 

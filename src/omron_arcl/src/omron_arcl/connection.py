@@ -15,7 +15,8 @@ from omron_arcl.session import Closed, LoggedIn, Received, Session
 _CHUNK = 1 << 16
 _CONNECT_TICK = 0.1  # s
 _STANDSTILL = 1.0  # s between two looks at a connection after which what it holds may be old
-_DRAINED = 0.03  # s of waiting for bytes that shows that what comes now is new
+_DRAINED = 0.03  # s of waiting for bytes that shows that what comes now is new;
+_WAITED, _FLUSHED = 0.001, 0.5  # or of some waiting, once the other side's buffers must be empty
 _IN_PROGRESS = (0, errno.EINPROGRESS, errno.EWOULDBLOCK)
 
 
@@ -90,6 +91,7 @@ class Peer:
         self._heard = self._looked = self._sent = time.monotonic()
         self._lines = 0
         self._late = False
+        self._resumed = 0.0
 
     def receive(self, now: float, waited: float) -> Iterator[Union[LoggedIn, Received]]:
         """What the robot says, after waiting for it for `waited` s.
@@ -97,8 +99,8 @@ class Peer:
         Raises LinkError when the connection is over, or OSError.
         """
         if now - self._looked > _STANDSTILL:
-            self._late = True
-        elif waited > _DRAINED:
+            self._late, self._resumed = True, now
+        elif waited > _DRAINED or (waited > _WAITED and now - self._resumed > _FLUSHED):
             self._late = False
         self._looked = now
         data = self.connection.receive()

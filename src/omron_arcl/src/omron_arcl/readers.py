@@ -54,7 +54,7 @@ _VOLTS = (0.0, 1000.0)
 _SCORE = (0.0, 1.0)
 _CELSIUS = (-150.0, 1000.0)
 _FARTHEST = 1e10  # mm from the map's origin: 10,000 km
-_MOST_DEGREES = 360.0
+_MAXIMUM_DEGREES = 360.0
 
 
 def measured(kind: Callable[[float], Reply], limits: Tuple[float, float]) -> Reader:
@@ -73,7 +73,7 @@ def location(text: str) -> status.Location:
     words = text.split()
     x, y, heading = map(float, words)
     if (not -_FARTHEST <= x <= _FARTHEST or not -_FARTHEST <= y <= _FARTHEST
-            or not -_MOST_DEGREES <= heading <= _MOST_DEGREES or '_' in text):
+            or not -_MAXIMUM_DEGREES <= heading <= _MAXIMUM_DEGREES or '_' in text):
         raise ValueError
     return status.Location(x, y, heading)
 
@@ -148,8 +148,10 @@ def to_point(reply: Reply) -> Reader:
 def patrolling(text: str) -> driving.Patrolling:
     """`<route>`, or `<route> once`."""
     if text.lower().endswith(' once'):
-        return driving.Patrolling(text[:-len(' once')], once=True)
-    return named(partial(driving.Patrolling, once=False))(text)
+        return driving.Patrolling(unquoted(text[:-len(' once')]), once=True)
+    if not text:
+        raise ValueError
+    return driving.Patrolling(unquoted(text), once=False)
 
 
 def instant_task(text: str) -> tasks.CompletedInstantTask:
@@ -171,8 +173,9 @@ _TRUTH = {'true': True, 'false': False, '1': True, '0': False}
 def fault(text: str, cleared: bool = False) -> safety.Fault:
     """`<kind> <name> "<short>" "<long>" <driving> <critical> <application>`."""
     kind, name, short, long, *flags = split_words(text)
-    truths = [_TRUTH.get(flag.lower(), False) for flag in (flags + ['', '', ''])[:3]]
-    return safety.Fault(kind, name, short, long, *truths, cleared=cleared)
+    stops, critical, application = (_TRUTH.get(flag.lower(), False)
+                                    for flag in (flags + ['', '', ''])[:3])
+    return safety.Fault(kind, name, short, long, stops, critical, application, cleared)
 
 
 def odometer(text: str) -> status.Odometer:
@@ -204,7 +207,7 @@ def map_object_coord(text: str) -> site.MapObjectCoord:
     name, x, y, heading = split_words(text)
     return site.MapObjectCoord(name, number(x, -_FARTHEST, _FARTHEST),
                               number(y, -_FARTHEST, _FARTHEST),
-                              number(heading, -_MOST_DEGREES, _MOST_DEGREES))
+                              number(heading, -_MAXIMUM_DEGREES, _MAXIMUM_DEGREES))
 
 
 def key_and_value(kind: Callable[[str, str], Reply]) -> Reader:

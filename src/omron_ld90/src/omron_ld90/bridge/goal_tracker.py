@@ -192,6 +192,8 @@ class GoalTracker:
 
     def _resolve(self, status: RobotSeen, now: float, link_stands_since: float) -> None:
         """Finds out what became of a command whose end was lost."""
+        if status.motion is Motion.UNKNOWN and not self._is_as_before(status):
+            return
         settled = now >= self._doubted_at + STATUS_LAG
         if self._is_ours(status) and not self._never_sent:
             if settled:
@@ -205,6 +207,8 @@ class GoalTracker:
 
     def _watch(self, status: RobotSeen, now: float) -> None:
         """Takes the robot's status for the end of the command that nobody else will tell."""
+        if status.motion is Motion.UNKNOWN:
+            return
         if (status.motion is Motion.ARRIVED and status.goal == self.goal) or (
                 self.goal == DOCK and status.motion is Motion.DOCKED):
             self._arrive()

@@ -24,7 +24,7 @@ Parameters:
 from __future__ import annotations
 
 import re
-from typing import Callable, Dict, Optional
+from typing import Any, Callable, Dict, Optional
 
 import rospy
 from sensor_msgs.msg import BatteryState, PointCloud2
@@ -68,7 +68,7 @@ _LINE_TOPICS = {
     Temperature: 'status/temperature',
 }
 _DEVICE_NAME = re.compile(r'[A-Za-z]\w{0,40}$', re.ASCII)
-_MOST_DEVICES = 16
+_MAXIMUM_DEVICES = 16
 
 
 class ConnectionReceiver:
@@ -149,7 +149,7 @@ class ConnectionReceiver:
         if not reading.cumulative:
             self._laser_lines.publish(LineMessage(raw))
         if name not in self._clouds:
-            if len(self._clouds) >= _MOST_DEVICES or not _DEVICE_NAME.match(name):
+            if len(self._clouds) >= _MAXIMUM_DEVICES or not _DEVICE_NAME.match(name):
                 return
             self._clouds[name] = _publisher(f'laser_cloud/{name}', PointCloud2)
         publisher = self._clouds[name]
@@ -185,7 +185,7 @@ def start() -> ConnectionReceiver:
     silence = number('~silence', 4.0, 0.2, 120.0)
     log = session_log()
 
-    def make_listener(**callbacks) -> Listener:
+    def make_listener(**callbacks: Any) -> Listener:
         try:
             return Listener(bind, port, robot, timeout=silence, log=log, **callbacks)
         except OSError as error:

@@ -6,7 +6,7 @@ import pytest
 import rospy
 from sensor_msgs.msg import PointCloud2, PointField
 
-from omron_arcl import RangeReading
+from omron_arcl.replies import RangeReading
 from omron_ld90.nodes.receiver_messages import point_cloud
 from omron_ld90.nodes.support import clouds
 from omron_ld90.nodes.support.clouds import places_in

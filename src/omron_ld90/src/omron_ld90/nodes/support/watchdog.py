@@ -119,16 +119,16 @@ class Watchdog:
     def __init__(self, packages: Tuple[str, ...] = PACKAGES) -> None:
         self._watch = ThreadWatch(packages)
         self._publisher = rospy.Publisher('/diagnostics', DiagnosticArray, queue_size=1)
-        self._told = False
+        self._reported = False
         threading.Thread(target=self._run, name='watchdog', daemon=True).start()
 
     def _run(self) -> None:
         while not rospy.is_shutdown():
             time.sleep(PERIOD)
             found = self._watch.look(time.monotonic())
-            if found and not self._told:
+            if found and not self._reported:
                 rospy.logerr('%s', _sentence(found))
-            self._told = bool(found)
+            self._reported = bool(found)
             self._publish(found)
 
     def _publish(self, found: List[Standstill]) -> None:
