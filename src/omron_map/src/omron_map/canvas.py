@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import io
 import math
-from typing import Any, List, Optional, Sequence, Tuple, Union
+from typing import Any, List, Sequence, Tuple, Union
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
@@ -126,13 +126,6 @@ class Canvas:
 
     def _width(self, words: str) -> int:
         return _extent(self._font, words)[0]
-
-
-def bounds_of(*places: np.ndarray) -> Optional[Tuple[np.ndarray, np.ndarray]]:
-    """Lowest and highest x, y of arrays (N, 2); None where there are none."""
-    everything = np.concatenate(
-        [np.empty((0, 2)), *(np.reshape(block, (-1, 2)) for block in places)])
-    return (everything.min(axis=0), everything.max(axis=0)) if len(everything) else None
 
 
 def _font(size: int) -> Font:

@@ -11,9 +11,10 @@ from typing import Callable, Sequence, Tuple
 
 import numpy as np
 
-from omron_map.canvas import LONG_SIDE, Canvas, Colour, bounds_of
+from omron_map.canvas import LONG_SIDE, Canvas, Colour
 from omron_map.document import MapDocument
 from omron_map.errors import MapError
+from omron_map.geometry import bounds_of
 from omron_map.objects import MapObject
 
 METRE, FIVE_METRES = (240, 241, 243), (224, 226, 230)

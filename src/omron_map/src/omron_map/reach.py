@@ -5,9 +5,9 @@ from typing import List, Optional, Sequence
 
 import numpy as np
 
-from omron_map.canvas import bounds_of
 from omron_map.document import MapDocument
 from omron_map.errors import MapWarning
+from omron_map.geometry import bounds_of
 from omron_map.objects import MapObject
 from omron_map.occupancy import FREE, OccupancyGrid
 

@@ -8,6 +8,7 @@ from typing import Container, List, NamedTuple, Optional, Tuple
 from omron_map.errors import FieldError, MapError
 from omron_map.header import CATEGORIES, SCAN_KEYS, ScanHeader, parse_sources, scan_keys
 from omron_map.objects import MapObject, parse_object
+from omron_map.regular_file import HEAD_BYTES
 from omron_map.sections import Section, is_heading, split_sections
 from omron_map.text import decode, printable
 from omron_map.tokens import BLANKS, Token, tokenise
@@ -63,8 +64,8 @@ def check_category(data: bytes, name: str) -> None:
 
     The file may be anybody's secret, given by mistake or by malice: the error quotes none of it.
     """
-    text_begins = len(BOM) if data.startswith(BOM) else 0
-    line = data[text_begins:].lstrip().split(b'\n', 1)[0]
+    head = data[len(BOM) if data.startswith(BOM) else 0:HEAD_BYTES]  # no copy of all the rows
+    line = head.lstrip().split(b'\n', 1)[0]
     text = decode(line).strip(BLANKS)
     if not text:
         raise MapError(name, 'there is no category line' if data else 'the file is empty',

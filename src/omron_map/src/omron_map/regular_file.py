@@ -33,9 +33,9 @@ def read_regular_file(path: Union[str, os.PathLike[str]], accept: Callable[[byte
         # A pipe may have taken the file's place by now: opening must not wait for a writer.
         with open(os.open(name, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), 'rb') as file:
             _check(name, os.fstat(file.fileno()), limit)
-            head = file.read(HEAD_BYTES)
-            accept(head)
-            data = head + file.read(limit + 1 - len(head))
+            accept(file.read(HEAD_BYTES))
+            file.seek(0)
+            data = file.read(min(os.fstat(file.fileno()).st_size, limit) + 1)
     except OSError as error:
         raise MapError(name, f'it cannot be read ({error.strerror})') from error
     if len(data) > limit:

@@ -60,12 +60,12 @@ from omron_map import (
     MapError,
     MapWatcher,
     fitting_resolution,
+    printable_path,
     wait_for_map,
 )
 from omron_map import (
     OccupancyGrid as Grid,
 )
-from omron_map.text import printable_path
 
 POLL_PERIOD = 0.5  # s, between two looks at the file
 MAX_WARNINGS = 10  # in the log, about one file

@@ -21,8 +21,7 @@ from typing import Any, Dict, List, NamedTuple, Optional
 import yaml
 
 from omron_ld90.units import MM_PER_M
-from omron_map import MapDocument, MapError
-from omron_map.canvas import bounds_of
+from omron_map import MapDocument, MapError, bounds_of
 
 WIDTH, HEIGHT = 1248, 808  # pixels of the 3D view in the configuration's window
 FRAME = (32, 92)  # pixels of the window around the view: bars and tools
