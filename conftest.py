@@ -6,10 +6,11 @@ look for what does not work there at all.
 """
 import os
 
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
 settings.register_profile('project', deadline=None, max_examples=100)
-settings.register_profile('compatibility', deadline=None, max_examples=20)
+settings.register_profile('compatibility', deadline=None, max_examples=20,
+                          suppress_health_check=[HealthCheck.data_too_large])
 settings.load_profile(os.environ.get('HYPOTHESIS_PROFILE', 'project'))
 
 collect_ignore = ['src/multimaster_fkie']     # not ours, and its tests need a ROS master
