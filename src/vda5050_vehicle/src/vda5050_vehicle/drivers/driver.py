@@ -111,6 +111,9 @@ class Driver(ABC):
     def tick(self, now: float) -> None:
         """Looks at what takes too long; several times a second."""
 
+    def know_legs(self, first: int, legs: Sequence[Leg]) -> None:
+        """After `restore`: what the legs of the order are, from number `first` on."""
+
     @property
     @abstractmethod
     def record(self) -> Dict[str, Any]:

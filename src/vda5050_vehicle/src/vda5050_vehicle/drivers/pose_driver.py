@@ -44,9 +44,8 @@ class PoseDriver(Driver):
         self._abilities = abilities
         self._matching = matching
         self._legs: Dict[int, Leg] = {}
-        self._goal = 0                      # number of the goal that is under way; 0: none
+        self._goal = 0  # number of the goal that is under way; negative: being cancelled; 0: none
         self._numbers = 0
-        self._start: Optional[Pose] = None  # where the leg being driven began
         self._pose: Optional[Pose] = None
 
     # --- planning ---------------------------------------------------------------------------------
@@ -85,12 +84,10 @@ class PoseDriver(Driver):
 
     def drive(self, first: int, legs: Sequence[Leg], now: float) -> None:
         """See Driver."""
-        if self.progress.failure or not legs or (self._goal and self.progress.halted):
+        if self.progress.failure or not legs or self._goal < 0:
             return
-        if not self._goal and not self.progress.halted and not self.progress.complete:
-            return  # it is stopping
         self._legs.update(enumerate(legs, first))
-        if not self._goal and self.progress.passed in self._legs:
+        if self._goal == 0:
             self._go_to(self.progress.passed)
         else:
             self._look()
@@ -99,7 +96,6 @@ class PoseDriver(Driver):
         leg = self._legs[number]
         self._numbers += 1
         self._goal = self._numbers
-        self._start = self._pose
         self.progress = replace(self.progress, along=0.0, halted=False, complete=False)
         self._commands.append(GoTo(self._goal, leg.x, leg.y, self._heading(leg)))
 
@@ -110,10 +106,9 @@ class PoseDriver(Driver):
 
     def halt(self, now: float) -> None:
         """See Driver."""
-        if self.progress.complete or self.progress.halted:
-            return
-        self._commands.append(CancelGoals())
-        self._goal = -abs(self._goal)  # its end is awaited
+        if self._goal > 0:
+            self._commands.append(CancelGoals())
+            self._goal = -self._goal  # its end is awaited
 
     def forgive(self) -> None:
         """See Driver."""

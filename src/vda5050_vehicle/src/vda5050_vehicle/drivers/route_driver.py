@@ -10,14 +10,9 @@ from dataclasses import dataclass, replace
 from typing import Any, Dict, Optional, Sequence, Tuple
 
 from trajectory_graph import Graph
-from vda5050_vehicle.drivers.driver import Driver, Leg, NotDrivable, Pose, Progress
-from vda5050_vehicle.drivers.order_fields import (
-    Abilities,
-    check_headings,
-    heading_of,
-)
+from vda5050_vehicle.drivers.driver import Driver, Leg, Pose, Progress
+from vda5050_vehicle.drivers.order_fields import Abilities, check_headings, heading_of
 from vda5050_vehicle.drivers.order_graph import Matching, OrderGraph
-from vda5050_vehicle.protocol import problems as e
 from vda5050_vehicle.protocol.values import Edge, Node
 
 REPEAT = 1.0           # s between two sendings of what nobody has acknowledged
@@ -85,7 +80,6 @@ class RouteDriver(Driver):
         self._waiting_since = math.inf        # for an acknowledgement
         self._refused: Optional[Tuple[int, ...]] = None  # edges of an extension tried under its id
         self._restarted: Optional[float] = None
-        self._wanted: Tuple[int, Tuple[Leg, ...]] = (0, ())
 
     # --- planning ---------------------------------------------------------------------------------
 
@@ -126,11 +120,10 @@ class RouteDriver(Driver):
         """See Driver."""
         self._route = None
         self._legs = {}
-        self.progress = replace(self.progress, passed=0, along=0.0, failure='', complete=True)
+        self.progress = Progress(halted=self._stop is None)
 
     def drive(self, first: int, legs: Sequence[Leg], now: float) -> None:
         """See Driver."""
-        self._wanted = (first, tuple(legs))
         if self._restarted is not None or self.progress.failure or not legs:
             return
         if self._stop is not None or not self.progress.halted and self._route is None:
@@ -200,7 +193,10 @@ class RouteDriver(Driver):
     def _on_route_report(self, report: RouteReport, now: float) -> None:
         route = self._route
         if report.route_id != route.id:
-            if route.seen:
+            if self.progress.complete:  # somebody else may use the robot now
+                self._route = None
+                self.progress = replace(self.progress, halted=True)
+            elif route.seen:
                 self._fail('the robot drives another route')
             return
         self._route = route = replace(route, seen=True, confirmed=len(report.states))
