@@ -10,6 +10,9 @@ from vda5050_vehicle.protocol.reporting import IDLE_PERIOD
 
 SECTIONS = ('typeSpecification', 'physicalParameters', 'agvGeometry', 'loadSpecification')
 
+_ARRAYS = ('order.nodes', 'order.edges', 'node.actions', 'edge.actions',
+           'actions.actionsParameters', 'instantActions')
+
 # Optional fields that are honoured, by their path in the messages.
 _SUPPORTED: Tuple[Tuple[str, str], ...] = (
     ('order.nodes.nodePosition', 'matched with the vehicle\'s places within 0.3 m'),
@@ -58,9 +61,7 @@ def factsheet(document: Mapping[str, Any], table: ActionTable) -> Dict[str, Any]
         'protocolLimits': {
             'maxStringLens': {'msgLen': MAX_MESSAGE, 'idLen': MAX_TEXT, 'enumLen': MAX_TEXT,
                               'idNumericalOnly': False},
-            'maxArrayLens': {key: MAX_ARRAY for key in (
-                'order.nodes', 'order.edges', 'node.actions', 'edge.actions',
-                'actions.actionsParameters', 'instantActions')},
+            'maxArrayLens': dict.fromkeys(_ARRAYS, MAX_ARRAY),
             'timing': {'minOrderInterval': 0.0, 'minStateInterval': 0.0,
                        'defaultStateInterval': IDLE_PERIOD}},
         'protocolFeatures': {

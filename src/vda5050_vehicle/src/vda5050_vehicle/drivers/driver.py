@@ -111,6 +111,7 @@ class Driver(ABC):
     def tick(self, now: float) -> None:
         """Looks at what takes too long; several times a second."""
 
+    @abstractmethod
     def know_legs(self, first: int, legs: Sequence[Leg]) -> None:
         """After `restore`: what the legs of the order are, from number `first` on."""
 

@@ -39,7 +39,7 @@ PoseCommand = Union[GoTo, CancelGoals]
 class PoseDriver(Driver):
     """See the module's text."""
 
-    def __init__(self, abilities: Abilities, matching: Matching = Matching()) -> None:
+    def __init__(self, abilities: Abilities, matching: Matching) -> None:
         super().__init__()
         self._abilities = abilities
         self._matching = matching
@@ -171,3 +171,6 @@ class PoseDriver(Driver):
             self._commands.append(CancelGoals())
             failure = failure or 'the adapter was restarted under way'
         self.progress = Progress(int(record['passed']), failure=failure)
+
+    def know_legs(self, first: int, legs: Sequence[Leg]) -> None:
+        """See Driver: they are told again before anything is driven."""

@@ -65,7 +65,7 @@ class _Route:
 class RouteDriver(Driver):
     """See the module's text. `first_id` is the id of the first route; later ones count on."""
 
-    def __init__(self, graph: Graph, abilities: Abilities, matching: Matching = Matching(),
+    def __init__(self, graph: Graph, abilities: Abilities, matching: Matching,
                  first_id: int = 1) -> None:
         super().__init__()
         self._graph = OrderGraph(graph, matching)
@@ -299,7 +299,7 @@ class RouteDriver(Driver):
             self.progress = replace(self.progress, halted=False, complete=False)
 
     def know_legs(self, first: int, legs: Sequence[Leg]) -> None:
-        """After `restore`: what the legs of the order are."""
+        """See Driver."""
         self._legs = dict(enumerate(legs, first))
 
     def _check_restart(self, report: RouteReport) -> None:

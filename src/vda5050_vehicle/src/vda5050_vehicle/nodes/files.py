@@ -1,4 +1,4 @@
-"""Files of the adapter: the journal, log reports, credentials. A file is replaced whole or not."""
+"""Files of the adapter: the journal and log reports. A file is replaced whole or not."""
 from __future__ import annotations
 
 import json
@@ -6,11 +6,11 @@ import os
 import tempfile
 import time
 from pathlib import Path
-from typing import Any, Dict, Optional, Sequence, Tuple
+from typing import Any, Dict, Optional, Sequence
 
 import rospy
 
-from vda5050_vehicle.nodes.parameters import ConfigurationError, yaml_file
+from vda5050_vehicle.nodes.parameters import ConfigurationError
 
 MAX_REPORTS = 20
 MAX_JOURNAL = 10_000_000  # bytes
@@ -76,17 +76,3 @@ class LogReports:
         for old in sorted(self._folder.glob('report_*.log'))[:-MAX_REPORTS]:
             old.unlink()
         return name
-
-
-def read_credentials(path: str) -> Tuple[str, str]:
-    """User name and password of a YAML file with these two keys; empty ones without a file."""
-    if not path:
-        return '', ''
-    document = yaml_file(path, 'The credentials file')
-    if (not isinstance(document, dict) or set(document) != {'username', 'password'}
-            or not all(isinstance(value, str) for value in document.values())):
-        raise ConfigurationError(f'The credentials file {path} must hold two lines, "username: ..." '
-                                 'and "password: ...", both in quotes where they look like numbers.')
-    if os.stat(path).st_mode & 0o077:
-        rospy.logwarn('The credentials file %s can be read by others: chmod 600.', path)
-    return document['username'], document['password']

@@ -135,7 +135,7 @@ class RobotWatch:
 
     def _on_pose(self, message: PoseStamped) -> None:
         if message.header.frame_id.lstrip('/') != self._frame:
-            rospy.logwarn_throttle(10.0, 'A pose in the frame "%s" is left out: the map\'s is "%s".',
+            rospy.logwarn_throttle(10.0, 'A pose in the frame "%s" is left out; the map is "%s".',
                                    message.header.frame_id, self._frame)
             return
         position = message.pose.position

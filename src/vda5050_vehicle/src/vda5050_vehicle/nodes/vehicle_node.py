@@ -66,9 +66,14 @@ from vda5050_vehicle.drivers.order_fields import FIELDS, Abilities
 from vda5050_vehicle.drivers.order_graph import Matching
 from vda5050_vehicle.drivers.pose_driver import PoseDriver
 from vda5050_vehicle.drivers.route_driver import RouteDriver
-from vda5050_vehicle.nodes.files import JournalFile, LogReports, read_credentials
+from vda5050_vehicle.mqtt.credentials import (
+    WrongCredentials,
+    is_readable_by_others,
+    read_credentials,
+)
+from vda5050_vehicle.mqtt.link import Broker, MqttLink
+from vda5050_vehicle.nodes.files import JournalFile, LogReports
 from vda5050_vehicle.nodes.move_base_link import MoveBaseLink
-from vda5050_vehicle.nodes.mqtt_link import Broker, MqttLink
 from vda5050_vehicle.nodes.parameters import (
     ConfigurationError,
     choice,
@@ -347,7 +352,13 @@ class Settings:
         for name, path in files.items():
             if path and not os.access(path, os.R_OK):
                 raise ConfigurationError(f'~{name} is {path}, which cannot be read.')
-        username, password = read_credentials(parameter('~credentials_file', ''))
+        path = parameter('~credentials_file', '')
+        try:
+            username, password = read_credentials(path)
+        except WrongCredentials as error:
+            raise ConfigurationError(f'{error}.') from None
+        if path and is_readable_by_others(path):
+            rospy.logwarn('The credentials file %s can be read by others: chmod 600.', path)
         if username and not files['ca_file'] and not _is_local(host):
             rospy.logwarn('The password goes to the broker at %s unencrypted: set ~ca_file.', host)
         return Broker(host, int(port), username, password, **files,

@@ -3,7 +3,8 @@ from __future__ import annotations
 
 from collections import Counter
 from datetime import datetime, timezone
-from typing import Callable, Counter as Counts
+from typing import Callable
+from typing import Counter as Counts
 
 from vda5050_vehicle.protocol.fields import UINT32
 from vda5050_vehicle.protocol.values import Header

@@ -8,7 +8,6 @@ from typing import Tuple
 
 from vda5050_vehicle.protocol.values import ErrorKind, ErrorLevel, Order, Reference
 
-
 _W, _U, _C, _F = ErrorLevel.WARNING, ErrorLevel.URGENT, ErrorLevel.CRITICAL, ErrorLevel.FATAL
 
 # --- an order or action that is not taken up ------------------------------------------------------
