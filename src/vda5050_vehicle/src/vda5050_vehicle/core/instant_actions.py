@@ -93,7 +93,9 @@ class InstantActionHandler:
             self._vehicle.note(f'instant action {action.action_id}, {action.action_type}')
             self._vehicle.actions.add((action,), Scope.INSTANT)
             try:
-                self._vehicle.table.check(action, Scope.INSTANT)
+                spec = self._vehicle.table.check(action, Scope.INSTANT)
+                if spec.moves and self._vehicle.busy:
+                    raise WrongAction('actionType', 'an order is under way')
                 handler = self._handlers.get(action.action_type)
                 if handler:
                     handler(action, now)
@@ -190,8 +192,7 @@ class InstantActionHandler:
     def go_on(self, now: float) -> None:
         """Ends what has come to its end."""
         vehicle = self._vehicle
-        if self._cancels and vehicle.driver.progress.halted and not vehicle.robot.moves \
-                and vehicle.actions.order_has_ended:
+        if self._cancels and vehicle.standing and vehicle.actions.order_has_ended:
             vehicle.end_order()
             for action_id in self._cancels:
                 self._end(action_id, ActionStatus.FINISHED)

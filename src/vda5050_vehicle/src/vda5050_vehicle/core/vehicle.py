@@ -22,7 +22,7 @@ from vda5050_vehicle.drivers.driver import Driver, Leg, NotDrivable
 from vda5050_vehicle.drivers.order_fields import Abilities
 from vda5050_vehicle.protocol import problems as e
 from vda5050_vehicle.protocol import values as v
-from vda5050_vehicle.protocol.action_queue import ActionQueue, Scope
+from vda5050_vehicle.protocol.action_queue import ActionQueue
 from vda5050_vehicle.protocol.codecs import Codec
 from vda5050_vehicle.protocol.order_state import OrderState
 from vda5050_vehicle.protocol.reporting import Reporter
@@ -269,8 +269,6 @@ class Vehicle:
             action_id, scope = entry.action.action_id, entry.scope
             try:
                 spec = self.table.check(entry.action, scope)
-                if spec.moves and scope is Scope.INSTANT and self.busy:
-                    raise WrongAction('actionType', 'an order is under way')
                 if spec.call is None:
                     raise WrongAction('actionType', 'it is done at once or not at all')
             except WrongAction as wrong:

@@ -146,7 +146,7 @@ class RouteDriver(Driver):
 
     def halt(self, now: float) -> None:
         """See Driver."""
-        if self._stop is not None or self._route is None:
+        if self._stop is not None or self._route is None or self.progress.complete:
             return
         self._restarted = None
         self._route = None

@@ -214,9 +214,8 @@ class Codec:
 
 
 def _version_2_0() -> Codec:
-    """2.0.0 knows no maps, spells one key otherwise, and its instant actions' type, too."""
-    position = NODE_POSITION.renamed(allowed_deviation_xy='allowedDeviationXy')
-    nodes = ListOf(NODE_STATE.changed(position=Field('position', 'nodePosition', position)))
+    """2.0.0 knows no maps, and wants a heading with the position of a node, which few have."""
+    nodes = ListOf(NODE_STATE.changed(position=None))
     state = STATE.changed(maps=None, node_states=Field('node_states', 'nodeStates', nodes, True))
     return Codec('2.0.0', {**_RECORDS, 'state': state})
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import Enum
 from typing import Any, Dict, Mapping, Optional, Sequence, Tuple, Type, Union
 
@@ -226,11 +226,6 @@ class Record(Kind):
         known = {field.attribute for field in self.fields}
         added = [field for name, field in fields.items() if name not in known]
         return Record(self.kind, [field for field in (*table, *added) if field is not None])
-
-    def renamed(self, **keys: str) -> Record:
-        """The same table with other keys on the wire, by attribute."""
-        return Record(self.kind, [replace(field, key=keys.get(field.attribute, field.key))
-                                  for field in self.fields])
 
 
 def read_json(payload: bytes) -> Dict[str, Any]:

@@ -8,6 +8,7 @@ from vda5050_vehicle.protocol.values import State
 
 DRIVING_PERIOD = 0.5  # s: a master that comes late sees nothing before
 IDLE_PERIOD = 5.0     # s; the standard's limit is 30 s
+EARLY = 0.05          # s: half a tick of whoever asks
 
 
 class Reporter:
@@ -26,7 +27,7 @@ class Reporter:
         """Whether to send this state; if so, it counts as sent."""
         events = _events_of(state)
         period = DRIVING_PERIOD if state.driving else IDLE_PERIOD
-        if not self._asked and events == self._told and now - self._sent < period:
+        if not self._asked and events == self._told and now - self._sent < period - EARLY:
             return False
         self._asked = False
         self._told = events
