@@ -93,6 +93,20 @@ def test_a_robot_that_stays_silent_is_given_up():
     assert lab.errors == ['driveError']
 
 
+def test_another_order_right_after_a_restart_is_driven():
+    lab = Lab()
+    lab.order(way(8, 10).order('o'))
+    lab.drive(1)
+    lab.robot.answers = False
+    lab = lab.restarted()
+    lab.order(way(10, 12).order('p'))
+    lab.robot.answers = True
+    lab.wait(1.5)
+    assert lab.robot.route == (2,)
+    lab.drive(1)
+    assert lab.state['lastNodeId'] == '12'
+
+
 def test_a_failure_is_not_forgotten():
     lab = Lab()
     lab.order(HALL.order('o'))

@@ -214,7 +214,8 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     bench = Bench(broker, f'{options.interface}/{major}/{options.manufacturer}/{options.serial}',
                   track, options.version, options.patience, own_broker)
     try:
-        bench.master.wait(lambda s: True, 35.0, 'a state of the vehicle')
+        bench.master.wait(lambda s: not [e for e in s['errors'] if e['errorLevel'] == 'FATAL'],
+                          35.0, 'a state of the vehicle without a FATAL error')
         verdicts = bench.run()
     except TooLate as error:
         print(f'The vehicle cannot be tried: {error}', file=sys.stderr)

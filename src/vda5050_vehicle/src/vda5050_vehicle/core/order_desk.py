@@ -77,12 +77,13 @@ class OrderDesk:
                     order.cancelled or vehicle.cancelling, order.decision_point, order.last_node)
 
     def _is_near(self, order: Order) -> bool:
-        """Question 4; of an update it is not asked."""
+        """Question 4; asked of a new order to an idle vehicle only. Raises NotDrivable."""
         vehicle = self._vehicle
-        if order.order_id == vehicle.order.order_id:
+        if order.order_id == vehicle.order.order_id or vehicle.busy:
             return True
-        return vehicle.robot.pose is not None and vehicle.driver.is_at(
-            order.nodes[0], vehicle.robot.pose)
+        if vehicle.robot.pose is None:
+            raise NotDrivable(e.NO_ROUTE_ERROR, 'nobody knows where the vehicle is', 'nodes')
+        return vehicle.driver.is_at(order.nodes[0], vehicle.robot.pose)
 
     def _check_actions(self, order: Order, verdict: Acceptance) -> None:
         """Raises WrongAction where an action cannot be done, or has an id that another has."""

@@ -118,7 +118,7 @@ class RouteDriver(Driver):
 
     def begin(self) -> None:
         """See Driver."""
-        self._route = None
+        self._route = self._restarted = None
         self._legs = {}
         self.progress = Progress(halted=self._stop is None)
 
