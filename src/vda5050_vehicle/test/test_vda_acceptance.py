@@ -4,6 +4,7 @@ from __future__ import annotations
 import itertools
 
 import pytest
+
 from vda5050_vehicle.protocol.acceptance import Acceptance, Held, Rejection, judge
 from vda5050_vehicle.protocol.values import Edge, Node, Order
 

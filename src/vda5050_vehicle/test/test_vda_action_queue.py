@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import pytest
+
 from vda5050_vehicle.protocol.action_queue import MAX_ENDED_INSTANT_ACTIONS, ActionQueue, Scope
 from vda5050_vehicle.protocol.values import Action, ActionStatus, BlockingType
 

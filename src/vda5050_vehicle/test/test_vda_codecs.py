@@ -10,6 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from jsonschema import Draft7Validator
+from vda_builders import IDENTITY, Lab, payload, say, table, vehicle_document, way
+
 from vda5050_vehicle.core import factsheet as sheet
 from vda5050_vehicle.protocol import codecs
 from vda5050_vehicle.protocol.codecs import CODECS, ORDER, VERSION_2_0, VERSION_2_1
@@ -23,7 +25,6 @@ from vda5050_vehicle.protocol.values import (
     Velocity,
     Visualization,
 )
-from vda_builders import IDENTITY, Lab, payload, say, table, vehicle_document, way
 
 SCHEMAS = Path(__file__).parent / 'schemas'
 

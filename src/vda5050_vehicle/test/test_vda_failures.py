@@ -2,10 +2,11 @@
 from __future__ import annotations
 
 import pytest
+from vda_builders import DRIVING, STANDING, Lab, say, way
+
 from vda5050_vehicle.drivers.driver import Pose
 from vda5050_vehicle.drivers.route_driver import PATIENCE
 from vda5050_vehicle.protocol.values import EStop
-from vda_builders import DRIVING, STANDING, Lab, say, way
 
 HALL = way(8, 10, 12, 14, 32)
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 import json
 
 import pytest
+from vda_builders import payload, say, way
+
 from vda5050_vehicle.protocol.codecs import VERSION_2_1
 from vda5050_vehicle.protocol.fields import Malformed
 from vda5050_vehicle.protocol.order_rules import check_order
-from vda_builders import payload, say, way
 
 
 def read(order):

@@ -4,10 +4,11 @@ from __future__ import annotations
 import math
 
 import pytest
+from vda_builders import DRIVING, STANDING, Lab, abilities, way
+
 from vda5050_vehicle.drivers.driver import Pose
 from vda5050_vehicle.drivers.order_graph import Matching
 from vda5050_vehicle.drivers.pose_driver import CancelGoals, GoTo, PoseDriver
-from vda_builders import DRIVING, STANDING, Lab, abilities, way
 
 HALL = way(8, 10, 12, 14)
 PLACES = [(stop.x, stop.y) for stop in HALL.stops]

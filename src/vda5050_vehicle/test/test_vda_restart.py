@@ -2,13 +2,14 @@
 from __future__ import annotations
 
 import pytest
+from vda_builders import STANDING, Lab, abilities, say, table, way
+from vda_builders import lab as laboratory
+
 from vda5050_vehicle.core.journal import WrongRecord
 from vda5050_vehicle.core.vehicle import Identity, Vehicle
 from vda5050_vehicle.drivers.order_graph import Matching
 from vda5050_vehicle.drivers.route_driver import RESTART_PATIENCE, RouteDriver
 from vda5050_vehicle.protocol.codecs import VERSION_2_1
-from vda_builders import STANDING, Lab, abilities, say, table, way
-from vda_builders import lab as laboratory
 
 HALL = way(8, 10, 12, 14, 32)
 

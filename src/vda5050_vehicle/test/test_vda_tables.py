@@ -5,13 +5,14 @@ import json
 
 import pytest
 import yaml
+from vda_builders import PACKAGE, abilities, lab, table, vehicle_document, way
+
 from vda5050_vehicle.conformance.layout import lif, main, shortest_edges
 from vda5050_vehicle.conformance.track import read_track
 from vda5050_vehicle.core.action_table import WrongTable, read_table
 from vda5050_vehicle.core.factsheet import WrongVehicle, check_vehicle
 from vda5050_vehicle.mqtt.credentials import WrongCredentials, read_credentials
 from vda5050_vehicle.mqtt.link import Broker
-from vda_builders import PACKAGE, abilities, lab, table, vehicle_document, way
 
 LINE = {'server': 'execute', 'type': 'some_msgs/Do', 'goal': {'text': 'do {what}'},
         'scopes': ['NODE'], 'parameters': {'what': {'type': 'STRING'}}}

@@ -4,10 +4,11 @@ from __future__ import annotations
 import math
 
 import pytest
+from vda_builders import DRIVING, STANDING, Lab, abilities, action, payload, say, way
+
 from vda5050_vehicle.core import effects as fx
 from vda5050_vehicle.drivers.driver import Pose
 from vda5050_vehicle.protocol.values import EStop
-from vda_builders import DRIVING, STANDING, Lab, abilities, action, payload, say, way
 
 HALL = way(8, 10, 12, 14, 32)
 

@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 import yaml
+
+from trajectory_graph import Graph, load_graph
 from vda5050_vehicle.conformance.checker import VehicleChecker
 from vda5050_vehicle.conformance.layout import track_on
 from vda5050_vehicle.conformance.track import Track, action
@@ -32,8 +34,6 @@ from vda5050_vehicle.protocol.codecs import VERSION_2_1, Codec
 from vda5050_vehicle.protocol.fields import write_json
 from vda5050_vehicle.protocol.headers import Headers
 from vda5050_vehicle.protocol.values import BatteryState, Velocity
-
-from trajectory_graph import Graph, load_graph
 
 ROOT = Path(__file__).resolve().parents[3]
 PACKAGE = Path(__file__).resolve().parents[1]
