@@ -110,7 +110,9 @@ class Vda5050(unittest.TestCase):
         self.assertEqual(state['orderId'], 'mission')
         self.assertEqual(node_ids(state), node_ids(before))
         self.assertTrue(state['paused'])
-        master.ended(master.act('stopPause'))
+        master.wait(lambda s: [error['errorType'] for error in s['errors']] == ['actionError'], 20,
+                    'a robot that is heard')
+        self.assertEqual(master.ended(master.act('stopPause'))['actionStatus'], 'FINISHED')
 
         master.wait(lambda s: s['lastNodeId'] == killed, 60, f'node {killed}',
                     after=master.count())

@@ -14,7 +14,8 @@ from vda_builders import IDENTITY, Lab, payload, say, table, vehicle_document, w
 
 from vda5050_vehicle.core import factsheet as sheet
 from vda5050_vehicle.protocol import codecs
-from vda5050_vehicle.protocol.codecs import CODECS, ORDER, VERSION_2_0, VERSION_2_1
+from vda5050_vehicle.protocol.codec_3 import CODECS, VERSION_3_0
+from vda5050_vehicle.protocol.codecs import ORDER, VERSION_2_0, VERSION_2_1
 from vda5050_vehicle.protocol.fields import MAX_MESSAGE, Malformed, read_json, write_json
 from vda5050_vehicle.protocol.headers import Headers, timestamp
 from vda5050_vehicle.protocol.values import (
@@ -22,6 +23,7 @@ from vda5050_vehicle.protocol.values import (
     BlockingType,
     Connection,
     ConnectionState,
+    EStop,
     Velocity,
     Visualization,
 )
@@ -56,7 +58,7 @@ def busy_lab(codec) -> Lab:
 def test_what_the_vehicle_sends_is_valid(version):
     codec = CODECS[version]
     headers = Headers(version, 'OMRON', 'lab', lambda: 1e9)
-    lab = busy_lab(codec)
+    lab = busy_lab(VERSION_2_1)
     sent = {
         'state': lab.vehicle.state(), 'connection': Connection(ConnectionState.ONLINE),
         'visualization': Visualization(AgvPosition(1.0, 2.0, 0.5, 'map'), Velocity(1.0, 0.0, 0.1)),
@@ -199,6 +201,42 @@ def test_every_action_of_the_table_is_in_the_factsheet():
         vehicle_document(), Lab().vehicle.table)['protocolFeatures']['agvActions']}
     assert told >= set(table().specs) | {'cancelOrder', 'startPause', 'stopPause', 'initPosition',
                                          'stateRequest', 'factsheetRequest', 'logReport'}
+
+
+def order_of_3(**position):
+    sent = way(8, 10, 12).order('o')
+    sent['nodes'][0]['nodePosition'].update(position)
+    sent['edges'][0].update(maximumSpeed=0.3, reachOrientationBeforeEntering=True)
+    sent['nodes'][1]['actions'] = [say('a', 'SINGLE')]
+    return payload(sent).replace(b'"2.1.0"', b'"3.0.0"')
+
+
+def test_3_0_is_read_under_its_own_keys():
+    _, order = VERSION_3_0.read('order', order_of_3(
+        allowedDeviationXY={'a': 2.0, 'b': 0.5, 'theta': 1.0}))
+    assert order.nodes[0].position.allowed_deviation_xy == 0.5
+    assert (order.edges[0].max_speed, order.edges[0].rotation_allowed) == (0.3, False)
+    assert order.nodes[1].actions[0].blocking_type is BlockingType.HARD
+    with pytest.raises(Malformed, match='allowedDeviationXY'):
+        VERSION_3_0.read('order', order_of_3(allowedDeviationXY=0.5))
+
+
+def test_3_0_is_written_under_its_own_keys():
+    headers = Headers('3.0.0', 'OMRON', 'lab', lambda: 1e9)
+    lab = busy_lab(VERSION_2_1)
+    lab.see(e_stop=EStop.MANUAL)
+    lab.act('initPosition', x=0.0, y=0.0, theta=0.0, mapId='map')
+    wire = VERSION_3_0.write('state', headers.make('state'), lab.vehicle.state())
+    assert wire['powerSupply']['stateOfCharge'] == 80.0
+    assert wire['mobileRobotPosition']['localized'] is True
+    assert wire['safetyState']['activeEmergencyStop'] == 'MANUAL'
+    assert ('EMERGENCY_STOP', 'URGENT') in [
+        (error['errorType'], error['errorLevel']) for error in wire['errors']]
+    instant = [found['actionType'] for found in wire['instantActionStates']]
+    assert instant == ['noSuchAction', 'initializePosition']
+    assert {found['actionId'] for found in wire['actionStates']} == {'at the start', 'hard',
+                                                                     'horizon'}
+    assert VERSION_3_0.major == 'v3'
 
 
 def test_levels_of_2_x_are_two():

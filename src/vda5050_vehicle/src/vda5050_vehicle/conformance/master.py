@@ -55,6 +55,7 @@ class Master:
             'connection', 'state', 'factsheet', 'visualization')])
 
     def _receive(self, _client: mqtt.Client, _userdata: Any, message: mqtt.MQTTMessage) -> None:
+        moment = time.monotonic()
         topic = message.topic.rsplit('/', 1)[-1]
         if self._on_payload:
             self._on_payload(topic, message.payload)
@@ -64,7 +65,7 @@ class Master:
             found = None if repeated else self.checker.feed(topic, message.payload)
             if found is not None:
                 known.append(found)
-                self.arrivals.setdefault(topic, []).append(time.monotonic())
+                self.arrivals.setdefault(topic, []).append(moment)
             self._changed.notify_all()
 
     # --- what the vehicle says --------------------------------------------------------------------

@@ -85,7 +85,8 @@ from vda5050_vehicle.nodes.parameters import (
 from vda5050_vehicle.nodes.robot_watch import RobotWatch, Signal, read_signals
 from vda5050_vehicle.nodes.ros_actions import RosActions, check_types
 from vda5050_vehicle.nodes.route_link import RouteLink
-from vda5050_vehicle.protocol.codecs import CODECS, Codec
+from vda5050_vehicle.protocol.codec_3 import CODECS
+from vda5050_vehicle.protocol.codecs import Codec
 from vda5050_vehicle.protocol.fields import write_json
 from vda5050_vehicle.protocol.headers import Headers
 from vda5050_vehicle.protocol.values import Connection, ConnectionState, Visualization
@@ -109,6 +110,7 @@ class VehicleNode:
         self._ending = threading.Event()
         self._mqtt_problem = 'connecting'
         self._visualized = 0.0
+        self._look_is_due = False
         self._vehicle = Vehicle(identity, settings.codec, settings.table, settings.driver,
                                 settings.abilities)
         self._factsheet = sheet.factsheet(settings.document, self._vehicle.table)
@@ -120,7 +122,7 @@ class VehicleNode:
         self._actions.prepare(settings.table)
         self._poses = rospy.Publisher('initialpose', PoseWithCovarianceStamped, queue_size=1)
         self._watch = RobotWatch(settings.signals, settings.pose_timeout, settings.tf_base,
-                                 settings.map_frame, lambda: self._calls.put(self._look))
+                                 settings.map_frame, self._on_robot)
         self._mqtt = MqttLink(
             settings.broker, settings.prefix, f'{identity.manufacturer}_{identity.serial_number}',
             self._connection, self._on_message, self._on_mqtt_change)
@@ -160,6 +162,12 @@ class VehicleNode:
             return self._vehicle.tick(now)
         self._calls.put(told)
 
+    def _on_robot(self) -> None:
+        """Something was heard of the robot; several things at once are one look."""
+        if not self._look_is_due:
+            self._look_is_due = True
+            self._calls.put(self._look)
+
     def _on_message(self, topic: str, payload: bytes, kept: bool) -> None:
         if kept:
             rospy.logwarn('A message on %s that the broker had kept is left out: masters do not '
@@ -196,6 +204,7 @@ class VehicleNode:
                 self._perform(effect)
 
     def _look(self, now: float) -> Tuple[fx.Effect, ...]:
+        self._look_is_due = False
         driver, view = self._vehicle.driver, self._watch.view()
         if isinstance(driver, PoseDriver):
             driver.see(view.pose)
@@ -212,8 +221,9 @@ class VehicleNode:
         period = self._settings.visualization_period
         if period and now - self._visualized >= period:
             self._visualized = now
-            self._send('visualization', Visualization(self._vehicle.position(),
-                                                      self._vehicle.robot.velocity))
+            self._send('visualization', Visualization(
+                self._vehicle.position(), self._vehicle.robot.velocity,
+                self._headers.last('state')))
 
     def _perform(self, effect: fx.Effect) -> None:
         if isinstance(effect, fx.SendState):

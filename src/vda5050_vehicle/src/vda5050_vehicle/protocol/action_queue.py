@@ -82,7 +82,8 @@ class ActionQueue:
         """What the master is told."""
         return tuple(
             ActionState(entry.action.action_id, entry.action.action_type, entry.status,
-                        entry.action.description, entry.result) for entry in self.entries)
+                        entry.action.description, entry.result,
+                        not entry.belongs_to_order) for entry in self.entries)
 
     # --- coming and going -------------------------------------------------------------------------
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Dict, Mapping, Tuple
+from typing import Any, Callable, Dict, Mapping, Tuple
 
 from vda5050_vehicle.protocol import values as v
 from vda5050_vehicle.protocol.fields import (
@@ -188,10 +188,14 @@ _RECORDS: Mapping[str, Record] = {
 
 @dataclass(frozen=True)
 class Codec:
-    """The messages of one version of the standard; `records` by topic."""
+    """The messages of one version of the standard; `records` by topic.
+
+    factsheet -- makes this version's factsheet of that of 2.1.0
+    """
 
     version: str
     records: Mapping[str, Record]
+    factsheet: Callable[[Dict[str, Any]], Dict[str, Any]] = lambda sheet: sheet
 
     @property
     def major(self) -> str:
@@ -209,7 +213,8 @@ class Codec:
 
     def write(self, topic: str, header: v.Header, message: Any) -> Dict[str, Any]:
         """The JSON object of a message; a factsheet is a JSON object already."""
-        body = message if topic == 'factsheet' else self.records[topic].write(message)
+        body = (self.factsheet(message) if topic == 'factsheet'
+                else self.records[topic].write(message))
         return {**HEADER.write(header), **body}
 
 
@@ -222,4 +227,3 @@ def _version_2_0() -> Codec:
 
 VERSION_2_1 = Codec('2.1.0', _RECORDS)
 VERSION_2_0 = _version_2_0()
-CODECS: Dict[str, Codec] = {codec.version: codec for codec in (VERSION_2_1, VERSION_2_0)}

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Any, Dict, Mapping, Optional, Sequence, Tuple, Type, Union
 
@@ -105,13 +105,18 @@ class Boolean(Kind):
 
 @dataclass(frozen=True)
 class Choice(Kind):
-    """One of an enum's values; `spelling` gives those that are written otherwise."""
+    """One of an enum's values; `spelling` gives those that are written otherwise,
+    `taken_for` further spellings that are read."""
 
     enum: Type[Enum]
     spelling: Tuple[Tuple[Enum, str], ...] = ()
+    taken_for: Tuple[Tuple[str, Enum], ...] = ()
 
     def read(self, value: Any, path: str) -> Enum:
         """See Kind."""
+        for other, member in self.taken_for:
+            if other == value:
+                return member
         for member in self.enum:
             if self.write(member) == value:
                 return member
@@ -226,6 +231,11 @@ class Record(Kind):
         known = {field.attribute for field in self.fields}
         added = [field for name, field in fields.items() if name not in known]
         return Record(self.kind, [field for field in (*table, *added) if field is not None])
+
+    def renamed(self, **keys: str) -> Record:
+        """The same table with other keys on the wire, by attribute."""
+        return Record(self.kind, [replace(field, key=keys.get(field.attribute, field.key))
+                                  for field in self.fields])
 
 
 def read_json(payload: bytes) -> Dict[str, Any]:

@@ -36,3 +36,7 @@ class Headers:
         header_id = self._sent[topic] & UINT32
         self._sent[topic] += 1
         return Header(header_id, timestamp(self._latest), *self._identity)
+
+    def last(self, topic: str) -> int:
+        """Id of the last message on `topic`; 0 before any."""
+        return max(self._sent[topic] - 1, 0) & UINT32

@@ -222,6 +222,7 @@ class ActionState:
     status: ActionStatus
     description: Optional[str] = None
     result_description: Optional[str] = None
+    instant: bool = False
 
 
 @dataclass(frozen=True)
@@ -364,6 +365,16 @@ class State:
     maps: Tuple[MapInformation, ...] = ()
     zone_set_id: Optional[str] = None
 
+    @property
+    def order_action_states(self) -> Tuple[ActionState, ...]:
+        """Those of the order, which 3.0 tells apart."""
+        return tuple(state for state in self.action_states if not state.instant)
+
+    @property
+    def instant_action_states(self) -> Tuple[ActionState, ...]:
+        """Those of instant actions, which 3.0 tells apart."""
+        return tuple(state for state in self.action_states if state.instant)
+
 
 @dataclass(frozen=True)
 class Visualization:
@@ -371,6 +382,7 @@ class Visualization:
 
     position: Optional[AgvPosition] = None
     velocity: Optional[Velocity] = None
+    state_header_id: int = 0  # of the last state; 3.0
 
 
 @dataclass(frozen=True)
