@@ -18,6 +18,7 @@ from vda5050_vehicle.core.error_list import Cause, ErrorList
 from vda5050_vehicle.core.instant_actions import BUILT_IN, InstantActionHandler
 from vda5050_vehicle.core.order_desk import OrderDesk
 from vda5050_vehicle.core.robot_view import RobotView
+from vda5050_vehicle.core.state_report import position_of, state_of
 from vda5050_vehicle.drivers.driver import Driver, Leg, NotDrivable
 from vda5050_vehicle.drivers.order_fields import Abilities
 from vda5050_vehicle.protocol import problems as e
@@ -27,7 +28,6 @@ from vda5050_vehicle.protocol.codecs import Codec
 from vda5050_vehicle.protocol.order_state import OrderState
 from vda5050_vehicle.protocol.reporting import Reporter
 
-BASE_REQUEST = 10.0  # m before the end of the base
 HISTORY = 500        # events that a log report holds
 AWAY = 'the adapter was away when it was its turn'
 
@@ -342,36 +342,8 @@ class Vehicle:
 
     def state(self) -> v.State:
         """The state as it is now."""
-        last_node, last_sequence = self.order.last_node
-        if not last_node and self.robot.pose is not None:
-            last_node = self.driver.node_at(self.robot.pose)
-        moves = self.robot.moves
-        if self.robot.velocity is None:
-            progress = self.driver.progress
-            moves = not (progress.halted or progress.complete)
-        return v.State(
-            self.order.order_id, self.order.order_update_id, last_node, last_sequence,
-            self.order.node_states, self.order.edge_states, self.actions.states,
-            driving=moves, battery=self.robot.battery, operating_mode=v.OperatingMode.AUTOMATIC,
-            errors=self.errors.all(self.robot),
-            safety=v.SafetyState(self.robot.e_stop, self.robot.field_violation),
-            paused=bool(self.holds), new_base_request=self._wants_base(),
-            distance_since_last_node=round(self.driver.progress.along, 3),
-            position=self.position(), velocity=self.robot.velocity, maps=self._maps())
+        return state_of(self)
 
     def position(self) -> Optional[v.AgvPosition]:
         """Where the robot is; None where that is not known."""
-        pose = self.robot.pose
-        if pose is None:
-            return None
-        return v.AgvPosition(pose.x, pose.y, pose.theta, self.identity.map_id,
-                             self.robot.localized, self.robot.localization_score)
-
-    def _wants_base(self) -> bool:
-        if not self.order.has_horizon or self.cancelling:
-            return False
-        ahead = sum(leg.length for leg in self.legs[:self.order.base_end])
-        return ahead - self.driver.progress.along < BASE_REQUEST
-
-    def _maps(self) -> Tuple[v.MapInformation, ...]:
-        return (v.MapInformation(self.identity.map_id, self.identity.map_version),)
+        return position_of(self)
