@@ -25,8 +25,8 @@ from typing import Callable, Dict, Iterator, List, Sequence, Tuple
 import rosgraph
 import rospy
 from stack import cpu_seconds, descendants
+from std_msgs.msg import Bool
 
-from omron_ld90_msgs.msg import RobotStatus
 from ports import free_port
 from trajectory_graph import load_graph
 from vda5050_vehicle.conformance.bench import OwnBroker
@@ -90,7 +90,9 @@ def stack(broker: Broker, sim_speed: float, folder: Path) -> Iterator[Tuple[Rela
     """The stack under a ROS master of its own; yields the relay and roslaunch's process id."""
     master_port, robot_port, outgoing = free_port(), free_port(), free_port()
     relay = Relay(robot_port)
-    launch = folder / 'bench.launch'
+    launch, vehicle = folder / 'bench.launch', folder / 'vehicle.yaml'
+    vehicle.write_text((ROOT / 'src/vda5050_vehicle/config/ld90/vehicle.yaml').read_text()
+                       + '  field_violation: {topic: bench, type: std_msgs/Bool, field: data}\n')
     launch.write_text(f'''<launch>
   <include file="{ROOT}/launch/sim.launch">
     <arg name="arcl_port" value="{robot_port}"/><arg name="outgoing_port" value="{outgoing}"/>
@@ -109,6 +111,7 @@ def stack(broker: Broker, sim_speed: float, folder: Path) -> Iterator[Tuple[Rela
   <include file="{ROOT}/launch/vda5050.launch">
     <arg name="broker" value="{broker.host}:{broker.port}"/>
     <arg name="graph_file" value="{ROOT}/maps/lab_graph.yaml"/>
+    <arg name="vehicle_file" value="{vehicle}"/>
     <arg name="journal" value="{folder}/journal_{uuid.uuid4().hex}.json"/>
   </include>
 </launch>''')
@@ -163,34 +166,32 @@ def bare_mqtt(broker: Broker, payload: bytes) -> List[float]:
 
 
 def ros_to_mqtt(master: Master) -> List[float]:
-    """From publishing an emergency stop on ROS to the state at a subscriber of MQTT."""
-    publisher = rospy.Publisher('/omron_ld90/robot_status', RobotStatus, queue_size=1,
-                                tcp_nodelay=True)
+    """From publishing a field violation on ROS to the state at a subscriber of MQTT."""
+    publisher = rospy.Publisher('/omron_ld90/bench', Bool, queue_size=1, tcp_nodelay=True)
     deadline = time.monotonic() + 30.0
     while not any(info[1].endswith('vda5050_vehicle')
                   for info in publisher.impl.get_stats_info()):
         if time.monotonic() > deadline:
-            raise SystemExit('the adapter does not subscribe robot_status')
+            raise SystemExit('the adapter does not subscribe its signal')
         time.sleep(0.05)
     latencies = []
     for number in range(CHANGES):
         pressed = number % 2 == 0
         heard = master.count()
         begun = time.monotonic()
-        publisher.publish(RobotStatus(emergency_stop=pressed, localization_score=0.9))
-        master.wait(lambda s, wanted=pressed: (s['safetyState']['eStop'] != 'NONE') == wanted, 5.0,
+        publisher.publish(pressed)
+        master.wait(lambda s, wanted=pressed: s['safetyState']['fieldViolation'] == wanted, 5.0,
                     'the change', after=heard)
         latencies.append(first_with(master, heard, pressed) - begun)
         time.sleep(0.02)
-    publisher.publish(RobotStatus(localization_score=0.9))
     publisher.unregister()
     return latencies
 
 
 def first_with(master: Master, heard: int, pressed: bool) -> float:
-    """When the first state with this emergency stop came."""
+    """When the first state with this field violation came."""
     for state, moment in zip(master.messages['state'][heard:], master.arrivals['state'][heard:]):
-        if (state['safetyState']['eStop'] != 'NONE') == pressed:
+        if state['safetyState']['fieldViolation'] == pressed:
             return moment
     raise SystemExit('the change was lost')
 
