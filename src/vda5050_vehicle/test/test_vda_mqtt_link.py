@@ -33,8 +33,9 @@ class Mosquitto:
         folder.chmod(0o755)
         self._file = folder / 'mosquitto.conf'
         # As root it would go on as another user, who cannot read the test's folder.
-        self._file.write_text(f'user {getpass.getuser()}\n' + (lines or configuration(0)).replace('listener 0', 'listener PORT')
-                              .replace('PORT', str(self.port)))
+        text = (lines or configuration(0)).replace('listener 0', 'listener PORT')
+        self._file.write_text(f'user {getpass.getuser()}\n'
+                              + text.replace('PORT', str(self.port)))
         self.start()
 
     def start(self) -> None:

@@ -126,7 +126,7 @@ def secure(client: mqtt.Client, broker: Broker) -> None:
         client.username_pw_set(broker.username, broker.password or None)
     if broker.ca_file:
         client.tls_set(broker.ca_file, broker.cert_file or None, broker.key_file or None,
-                       cert_reqs=ssl.CERT_REQUIRED)
+                       cert_reqs=ssl.CERT_REQUIRED, tls_version=ssl.PROTOCOL_TLS_CLIENT)
 
 
 def _without_delay(_client: mqtt.Client, _userdata: Any, sock: Optional[socket.socket]) -> None:

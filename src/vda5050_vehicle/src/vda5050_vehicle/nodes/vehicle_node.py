@@ -42,9 +42,11 @@ Parameters
 from __future__ import annotations
 
 import math
+import os
 import queue
 import threading
 import time
+import traceback
 from typing import Any, Callable, Dict, Optional, Tuple, Union
 
 import rospy
@@ -171,6 +173,16 @@ class VehicleNode:
     # --- the thread that has the vehicle ----------------------------------------------------------
 
     def _run(self) -> None:
+        try:
+            self._serve()
+        except Exception:
+            # A vehicle that is ONLINE and deaf would be worse than none: the broker tells the last
+            # will, and roslaunch starts the node anew, with what the journal holds.
+            rospy.logfatal('%s ends on a defect of its own:\n%s', rospy.get_name(),
+                           traceback.format_exc())
+            os._exit(1)
+
+    def _serve(self) -> None:
         next_tick = time.monotonic()
         while not self._ending.is_set():
             try:
