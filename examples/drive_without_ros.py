@@ -11,7 +11,8 @@ from __future__ import annotations
 import argparse
 import sys
 
-from omron_arcl import Client, Goal, Outcome, parse_line, quote
+from omron_arcl import Client, Outcome, parse_line, quote
+from omron_arcl.replies import Goal
 
 
 def main() -> int:

@@ -162,6 +162,21 @@ import_multimaster() {
   rmdir "$staging"
 }
 
+# virtual_environment NAME PYTHON [--system-site-packages] PIP_ARGS...: build/NAME with these packages, kept until they change
+virtual_environment() {
+  local folder="$root/build/$1" python="$2" options=() log="$root/build/pip.log"; shift 2
+  if [ "$1" = --system-site-packages ]; then options=("$1"); shift; fi
+  local wanted; wanted="$folder $("$python" --version) ${options[*]} $* $(cat "$root/scripts/requirements-focal.txt")"
+  [ "$(cat "$folder/.wanted" 2>/dev/null)" != "$wanted" ] || return 0
+  rm -rf "$folder"
+  "$python" -m venv ${options[@]+"${options[@]}"} "$folder" >>"$log" 2>&1 &&
+    "$folder/bin/python" -m pip install -q --only-binary :all: --disable-pip-version-check "$@" >>"$log" 2>&1 &&
+    echo "$wanted" >"$folder/.wanted"
+}
+
+# record RESULTS passed|failed|skipped NAME [REASON]: the result of something that is no test of pytest or rostest
+record() { /usr/bin/python3 "$root/scripts/test_results.py" record "$@"; }
+
 # port_is_free PORT: nothing listens there on this machine.
 port_is_free() { ! (exec 3<>"/dev/tcp/127.0.0.1/$1") 2>/dev/null; }
 

@@ -7,7 +7,6 @@ import unittest
 
 import actionlib
 import rospy
-import rostest
 from actionlib_msgs.msg import GoalStatus
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
@@ -23,7 +22,7 @@ from omron_ld90_msgs.msg import (
     RobotStatus,
 )
 from omron_ld90_sim import Simulator
-from system_support import Recorder, connected_publisher, wait_until
+from system_support import Recorder, connected_publisher, run_cases, wait_until
 
 SOON = 15.0  # s
 DRIVE = 60.0  # s; the simulated robot's clock runs four times as fast
@@ -161,4 +160,4 @@ class ArclFaultsTest(unittest.TestCase):
 
 if __name__ == '__main__':
     rospy.init_node('arcl_faults_test')
-    rostest.rosrun('omron_ld90', 'arcl_faults', ArclFaultsTest)
+    run_cases(__file__)

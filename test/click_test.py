@@ -8,7 +8,6 @@ import unittest
 import actionlib
 import rospkg
 import rospy
-import rostest
 import tf2_ros
 from geometry_msgs.msg import PointStamped, TransformStamped
 from std_msgs.msg import String
@@ -22,7 +21,7 @@ from omron_ld90_msgs.msg import (
     ExecuteCommandResult,
 )
 from omron_map import MapDocument
-from system_support import Recorder, connected_publisher, wait_until
+from system_support import Recorder, connected_publisher, run_cases, wait_until
 
 LAB = rospkg.RosPack().get_path('omron_ld90') + '/../../maps/lab.map'
 
@@ -252,4 +251,4 @@ class FakeController:
 
 if __name__ == '__main__':
     rospy.init_node('click_test')
-    rostest.rosrun('omron_ld90', 'click', ClickTest)
+    run_cases(__file__)

@@ -15,14 +15,14 @@ from typing import Iterator, List
 
 import actionlib
 import rospy
-import rostest
 from actionlib_msgs.msg import GoalStatus
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from std_msgs.msg import String
 
-from omron_arcl import GoingToPoint, Location, OneLineStatus, parse_line
+from omron_arcl import parse_line
+from omron_arcl.replies import GoingToPoint, Location, OneLineStatus
 from omron_ld90_msgs.msg import (
     CommandRefused,
     ExecuteCommandAction,
@@ -31,7 +31,7 @@ from omron_ld90_msgs.msg import (
     LinkState,
 )
 from ports import free_port
-from system_support import Recorder, connected_publisher, wait_until
+from system_support import Recorder, connected_publisher, run_cases, wait_until
 
 SOON = 10.0  # s
 DRIVE = 60.0  # s; the simulated robot's clock runs eight times as fast
@@ -204,7 +204,7 @@ class ControllerTest(unittest.TestCase):
                 ('', 'empty'), ('goto 8\nshutdown', 'control character'), ('goto', 'goto <goal>'),
                 ('shutdown', 'dangerous'), ('configStart', 'configuration'),
                 ('goto nowhere', 'no goal "nowhere"'), ('x' * 6000, '6000'),
-                ('queueDropoff 8', 'no command queueDropoff')):
+                ('queueDropoff 8', 'refused by the robot: Unknown command queue')):
             before = len(self.refusals.messages)
             self.commands.publish(String(text))
             refusal = self.refusals.wait_for(lambda _: True, SOON, f'refusal of {text[:20]!r}',
@@ -254,4 +254,4 @@ class ControllerTest(unittest.TestCase):
 
 if __name__ == '__main__':
     rospy.init_node('controller_test')
-    rostest.rosrun('omron_ld90', 'controller', ControllerTest)
+    run_cases(__file__)

@@ -7,14 +7,13 @@ import socket
 import unittest
 
 import rospy
-import rostest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from sensor_msgs.msg import BatteryState, PointCloud2
 from sensor_msgs.point_cloud2 import read_points
 from std_msgs.msg import String
 
 from omron_ld90_msgs.msg import LinkState, RobotStatus
-from system_support import Recorder, wait_until
+from system_support import Recorder, run_cases, wait_until
 
 SOON = 10.0  # s
 STATUS = {  # topic -> line
@@ -158,4 +157,4 @@ class ReceiverTest(unittest.TestCase):
 
 if __name__ == '__main__':
     rospy.init_node('receiver_test')
-    rostest.rosrun('omron_ld90', 'receiver', ReceiverTest)
+    run_cases(__file__)

@@ -9,17 +9,15 @@ import os
 import signal
 import stat
 import subprocess
-import sys
 import tempfile
 import unittest
 from pathlib import Path
 
 import rospy
-import rostest
 
 from omron_ld90_msgs.msg import LinkState
 from omron_ld90_sim import Simulator
-from system_support import Recorder, wait_until
+from system_support import Recorder, run_cases, wait_until
 
 ROOT = Path(__file__).resolve().parents[1]
 PASSWORD = 'Cormorant-7'
@@ -66,4 +64,4 @@ class RunScript(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    rostest.rosrun('omron_ld90', 'run_script', RunScript, sys.argv)
+    run_cases(__file__)

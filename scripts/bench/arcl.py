@@ -19,7 +19,7 @@ from typing import Callable, Dict, List, NamedTuple, Tuple
 
 import numpy as np
 
-from omron_arcl import Session
+from omron_arcl.session import Session
 from ports import free_port
 
 ROOT = Path(__file__).resolve().parents[2]

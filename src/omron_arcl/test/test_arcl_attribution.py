@@ -122,11 +122,19 @@ def test_what_is_about_something_else_does_not_end_a_drive(talk, said):
     assert goto.result is None
 
 
-def test_a_drive_may_be_silent_for_ever_once_it_began(talk):
-    goto = talk.give('goto 12')
-    talk.robot('Going to 12')
-    talk.pass_time(3600.0)
-    assert goto.result is None
+@pytest.mark.parametrize(('text', 'acknowledged', 'seconds'), [
+    ('goto 12', 'Going to 12', 600.0), ('gotoPoint 1 2', 'Going to point', 600.0),
+    ('doTask wait 7', 'Doing task wait 7', 3600.0), ('patrol r', 'Patrolling route r', 3600.0),
+    ('dock', DOCK[1], 180.0), ('undock', UNDOCK[0], 60.0), ('stop', 'Stopping', 15.0),
+])
+def test_a_motion_of_which_nothing_is_heard_any_more_times_out(talk, text, acknowledged, seconds):
+    execution = talk.give(text)
+    talk.robot(acknowledged)
+    talk.pass_time(seconds - 1.0)
+    assert execution.result is None
+    talk.pass_time(2.0)
+    assert outcome(execution) is Outcome.TIMED_OUT
+    assert f'{seconds:.0f} s' in execution.result.words
 
 
 def test_a_drive_that_never_begins_times_out_only_after_the_dock_had_time(talk):
@@ -150,10 +158,18 @@ def test_a_timeout_counts_the_silence_and_a_status_about_the_drive_breaks_it(tal
     assert outcome(goto) is Outcome.TIMED_OUT
 
 
-def test_docking_that_is_broken_off_is_interrupted(talk):
+def test_a_second_try_to_dock_belongs_to_the_same_command(talk):
+    """As in the ARCL manual I617-E-02, p. 71."""
     dock = talk.give('dock')
-    talk.robot(*DOCK[:2], DOCK[0])
-    assert outcome(dock) is Outcome.INTERRUPTED
+    states = ('Undocked', 'Docking', 'Undocking', 'Undocked', 'Docking', 'Docking', 'Docked')
+    lines = [f'DockingState: {state} ForcedState: Unforced ChargeState: Not' for state in states]
+    for line in lines[:-1]:
+        talk.robot(line)
+        talk.pass_time(5.0)
+        assert dock.result is None, line
+    talk.robot(lines[-1])
+    assert outcome(dock) is Outcome.SUCCEEDED
+    assert dock.result.lines == tuple(lines)
 
 
 @pytest.mark.parametrize(('text', 'lines'), [

@@ -60,6 +60,21 @@ def test_a_drive_interrupted_by_nobody_of_us_is_a_take_over():
     assert_failed(bench, 'taken over', stopped=False)
     assert 'replaced by "goto 3"' in bench.notes[-1]
 
+def test_nothing_is_sent_to_a_robot_that_somebody_else_may_drive():
+    def rolling() -> Bench:
+        bench = Bench(yard(), 1, 'rolling')
+        bench.order(7, 1, 5, 6)
+        return bench
+    twin = rolling()
+    twin.run(lambda bench: bench.commands[-1] == 'goto 6')
+    bench = rolling()
+    bench.drive(twin.now - bench.now - 0.3)  # shortly before the next goal is due
+    end_of_drive(bench, Ending.INTERRUPTED, 'replaced by something')
+    bench.drive(1.0)
+    assert bench.follower.report().reason == 'taken over'
+    assert 'goto 6' not in bench.commands
+
+
 def test_an_interruption_by_the_emergency_stop_is_called_so():
     bench = under_way()
     end_of_drive(bench, Ending.INTERRUPTED, 'Interrupted: Going to 7')

@@ -189,8 +189,9 @@ class MapDocument:
         end = editing.line_end(self._records)
         try:
             rows = scan_editing.checked_rows(rows, kind)
-            if np.array_equal(rows, self.points if kind == 'DATA' else self.lines):
-                return
+            present = self.points if kind == 'DATA' else self.lines
+            if np.array_equal(rows, scan_editing.checked_rows(present, kind)):
+                return  # also where the file has them in another order, which means nothing
             self._sections = scan_editing.with_rows(self._sections, kind, rows, end)
         except FieldError as error:  # its line, if any, is one of the rows and not of the file
             raise MapError(self.name, error.problem, None, error.field, error.expected) from None

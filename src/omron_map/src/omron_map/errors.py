@@ -4,7 +4,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Optional
 
-LONGEST_PATH = 300  # characters of it that a message shows
+from omron_map.text import printable_path
 
 
 class MapError(Exception):
@@ -30,13 +30,6 @@ class MapError(Exception):
             where += f', {self.field}'
         end = f'; expected {self.expected}' if self.expected else ''
         return f'{where}: {self.problem}{end}.'
-
-
-def printable_path(path: str) -> str:
-    """`path` for people: of bounded length, and without what a terminal would take as an order."""
-    shown = ''.join(character if character.isprintable()
-                    else character.encode('unicode_escape').decode() for character in path)
-    return shown if len(shown) <= LONGEST_PATH else f'{shown[:LONGEST_PATH]}...'
 
 
 class DuplicateName(MapError):

@@ -7,12 +7,12 @@ from typing import Container, List, NamedTuple, Optional, Tuple
 
 from omron_map.errors import FieldError, MapError
 from omron_map.header import CATEGORIES, SCAN_KEYS, ScanHeader, parse_sources, scan_keys
-from omron_map.objects import MapObject, parse_object, printable
+from omron_map.objects import MapObject, parse_object
 from omron_map.sections import Section, is_heading, split_sections
+from omron_map.text import decode, printable
 from omron_map.tokens import BLANKS, Token, tokenise
 
 BOM = b'\xef\xbb\xbf'
-_FIRST_LINE = re.compile(rb'(?:\xef\xbb\xbf)?\s*([^\n]*)')  # that is not blank
 _LATER_CATEGORY = re.compile(r'2D-Map(-Ex[0-9]{0,3})?', re.IGNORECASE)
 
 
@@ -26,7 +26,7 @@ class Record(NamedTuple):
     @property
     def text(self) -> str:
         """The line without its end; bytes that are not UTF-8 are kept as surrogates."""
-        return decode(self.raw)
+        return decode(self.raw).rstrip('\r\n')
 
 
 @dataclass(frozen=True)
@@ -36,11 +36,6 @@ class Content:
     records: List[Record]
     headers: List[ScanHeader]
     sections: List[Section]
-
-
-def decode(raw: bytes) -> str:
-    """A line's text without its end, from which the same bytes can be made again."""
-    return raw.decode('utf-8', 'surrogateescape').rstrip('\r\n')
 
 
 def read_content(data: bytes, name: str) -> Content:
@@ -68,14 +63,15 @@ def check_category(data: bytes, name: str) -> None:
 
     The file may be anybody's secret, given by mistake or by malice: the error quotes none of it.
     """
-    first = _FIRST_LINE.match(data)
-    text = decode(first.group(1)).strip(BLANKS)
+    text_begins = len(BOM) if data.startswith(BOM) else 0
+    line = data[text_begins:].lstrip().split(b'\n', 1)[0]
+    text = decode(line).strip(BLANKS)
     if not text:
         raise MapError(name, 'there is no category line' if data else 'the file is empty',
                        expected=f'a map that begins with a line like {CATEGORIES[0]}')
     if text.lower() not in (category.lower() for category in CATEGORIES):
         problem = f'{text} is not known' if _LATER_CATEGORY.fullmatch(text) else 'this is no map'
-        raise MapError(name, problem, data.count(b'\n', 0, first.start(1)) + 1, 'category',
+        raise MapError(name, problem, data.count(b'\n', 0, data.find(line)) + 1, 'category',
                        ', '.join(CATEGORIES))
 
 
@@ -87,7 +83,7 @@ def _read_records(data: bytes, name: str) -> Tuple[List[Record], int]:
         end = data.find(b'\n', start) + 1 or len(data)
         raw = data[start:end]
         words = raw.split(None, 1)
-        keyword = words[0].lower().decode('utf-8', 'surrogateescape') if words else ''
+        keyword = decode(words[0].lower()) if words else ''
         if keyword.endswith(('data', 'lines')) and is_heading(raw):
             break
         if not records:
@@ -99,7 +95,7 @@ def _read_records(data: bytes, name: str) -> Tuple[List[Record], int]:
 
 
 def _read_object(raw: bytes, name: str, number: int) -> MapObject:
-    text = decode(raw)
+    text = decode(raw).rstrip('\r\n')
     try:
         return parse_object(text, tokenise(text))
     except FieldError as error:
@@ -137,6 +133,6 @@ def _check_sources(sections: List[Section], headers: List[ScanHeader], name: str
     known = [header.source.lower() for header in headers]
     for section in sections:
         if section.source and section.source.lower() not in known:
-            heading = printable(decode(section.heading))
+            heading = printable(decode(section.heading).strip())
             raise MapError(name, f'the section {heading} belongs to no scan',
                            expected='its name in a Sources: line')

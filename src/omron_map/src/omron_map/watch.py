@@ -12,8 +12,9 @@ from __future__ import annotations
 import time
 from typing import Callable, Iterable, Optional, Tuple
 
-from omron_map.errors import MapError, printable_path
+from omron_map.errors import MapError
 from omron_map.regular_file import status_of, status_or_error
+from omron_map.text import printable_path
 
 POLL_PERIOD = 0.1  # s
 SETTLED = 2.0  # s without a change, after which a file counts as complete

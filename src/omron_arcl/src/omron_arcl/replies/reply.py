@@ -6,7 +6,9 @@ them into SI). Names (goals, routes, ...) are spelt as the robot spelt them: com
 """
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from typing import Tuple
 
 
 class Reply:
@@ -18,6 +20,16 @@ class Reply:
 def same_name(one: str, other: str) -> bool:
     """Whether two names mean the same object to the robot, which respects neither case nor ends."""
     return one.strip().casefold() == other.strip().casefold()
+
+
+def coordinates(name: str) -> Tuple[float, ...]:
+    """The two or three numbers (mm, mm, degrees) that `name` consists of; empty if it does not."""
+    words = name.replace(',', ' ').split()
+    try:
+        numbers = tuple(map(float, words)) if len(words) in (2, 3) and '_' not in name else ()
+    except ValueError:
+        return ()
+    return numbers if all(map(math.isfinite, numbers)) else ()
 
 
 @dataclass(frozen=True)

@@ -94,8 +94,8 @@ class GoalTracker:
 
     @property
     def is_doubtful(self) -> bool:
-        """Whether it is not known if the robot obeys the last command."""
-        return self.knowledge is Knowledge.DOUBTFUL
+        """Whether it is not known if the robot obeys the last command, or why it no longer does."""
+        return self.knowledge is Knowledge.DOUBTFUL or self._interruption is not None
 
     # --- what we do ------------------------------------------------------------------------------
 

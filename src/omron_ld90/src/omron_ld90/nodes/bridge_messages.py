@@ -3,43 +3,21 @@ from __future__ import annotations
 
 from typing import Dict, Optional
 
+from omron_arcl import ActivityKind
+from omron_ld90.bridge.motions import motion_of
 from omron_ld90.bridge.route_protocol import (
     CommandEnded,
     Docking,
     Ending,
     Link,
     LinkReported,
-    Motion,
     RobotSeen,
 )
 from omron_ld90.nodes.support.command_client import NEVER_SENT
 from omron_ld90.nodes.support.link_reports import words_of
 from omron_ld90_msgs.msg import ExecuteCommandResult, LinkState, RobotStatus
 
-_MOTIONS: Dict[int, Motion] = {
-    RobotStatus.UNKNOWN: Motion.UNKNOWN,
-    RobotStatus.STOPPED: Motion.STANDING,
-    RobotStatus.STOPPING: Motion.UNKNOWN,
-    RobotStatus.GOING_TO_GOAL: Motion.GOING,
-    RobotStatus.ARRIVED_AT_GOAL: Motion.ARRIVED,
-    RobotStatus.GOING_TO_POINT: Motion.GOING,
-    RobotStatus.ARRIVED_AT_POINT: Motion.STANDING,
-    RobotStatus.FAILED: Motion.FAILED,
-    RobotStatus.INTERRUPTED: Motion.STANDING,
-    RobotStatus.PATROLLING: Motion.GOING,
-    RobotStatus.DOING_TASK: Motion.GOING,
-    RobotStatus.DOCKING: Motion.DOCKING,
-    RobotStatus.DOCKED: Motion.DOCKED,
-    RobotStatus.UNDOCKING: Motion.UNDOCKING,
-    RobotStatus.UNDOCKED: Motion.STANDING,
-    RobotStatus.PARKING: Motion.GOING,
-    RobotStatus.PARKED: Motion.STANDING,
-    RobotStatus.TELEOPERATED: Motion.GOING,
-    RobotStatus.EMERGENCY_STOP: Motion.STANDING,
-    RobotStatus.MOTORS_DISABLED: Motion.STANDING,
-    RobotStatus.LOST: Motion.UNKNOWN,
-}
-_NAMING_A_GOAL = (RobotStatus.GOING_TO_GOAL, RobotStatus.ARRIVED_AT_GOAL, RobotStatus.FAILED)
+_KINDS: Dict[int, ActivityKind] = {getattr(RobotStatus, kind.name): kind for kind in ActivityKind}
 _ENDINGS: Dict[int, Ending] = {
     ExecuteCommandResult.SUCCEEDED: Ending.SUCCEEDED,
     ExecuteCommandResult.FAILED: Ending.FAILED,
@@ -57,9 +35,9 @@ _LINKS: Dict[str, Link] = {link.value: link for link in Link}
 def robot_seen(status: RobotStatus) -> RobotSeen:
     """What a status shows."""
     position = status.pose.position
+    kind = _KINDS.get(status.activity, ActivityKind.UNKNOWN)
     return RobotSeen(
-        status.header.stamp.to_nsec(), _MOTIONS.get(status.activity, Motion.UNKNOWN),
-        status.goal if status.activity in _NAMING_A_GOAL else '',
+        status.header.stamp.to_nsec(), *motion_of(kind, status.goal),
         _DOCKING.get(status.docking_state), status.emergency_stop,
         (position.x, position.y) if status.has_pose else None)
 

@@ -43,11 +43,8 @@ from omron_arcl import (
     Backoff,
     Client,
     Execution,
-    Goal,
     HelpList,
     Link,
-    MapChanged,
-    OneLineStatus,
     Outcome,
     Received,
     Result,
@@ -55,7 +52,8 @@ from omron_arcl import (
     parse_line,
     printable,
 )
-from omron_arcl.guard import Guard
+from omron_arcl.guard import Guard, is_unlisted
+from omron_arcl.replies import Goal, MapChanged, OneLineStatus
 from omron_ld90.nodes.controller_actions import (
     ExecuteCommandServer,
     MoveBaseServer,
@@ -64,14 +62,29 @@ from omron_ld90.nodes.controller_actions import (
 )
 from omron_ld90.nodes.controller_goals import GoalComparison
 from omron_ld90.nodes.support.diagnostics import publish_diagnostics
-from omron_ld90.nodes.support.link_line import LineMessage
-from omron_ld90.nodes.support.link_reports import LinkReporter, misconfigured, session_log
+from omron_ld90.nodes.support.link_reports import (
+    LinkReporter,
+    misconfigured,
+    robot_host,
+    session_log,
+)
 from omron_ld90.nodes.support.poses import pose_from_robot
+from omron_ld90.nodes.support.publishing import LineMessage
 from omron_ld90.nodes.support.robot_health import RobotHealth
 from omron_ld90.nodes.support.shared_parameters import map_sources
 from omron_ld90.nodes.support.startup import ConfigurationError, number, parameter, run
 from omron_ld90_msgs.msg import CommandRefused, LinkState
 
+# Commands that came to nothing; one that was interrupted or cancelled did not.
+_FAILURES = {
+    Outcome.REJECTED: 'was refused by the robot',
+    Outcome.NO_GOAL: 'was refused by the robot',
+    Outcome.UNKNOWN_COMMAND: 'was refused by the robot',
+    Outcome.FAILED: 'failed',
+    Outcome.EMERGENCY_STOPPED: 'was ended by the emergency stop',
+    Outcome.TIMED_OUT: 'timed out',
+    Outcome.LOST: 'was lost',
+}
 PASSWORD_VARIABLE = 'OMRON_LD90_PASSWORD'
 
 
@@ -130,9 +143,14 @@ class Controller:
             self._refuse(command, message, str(error))
 
     def _send(self, text: str, message: rospy.Message) -> None:
-        """Sends a command that came by topic: nobody waits for its end, so failures are logged."""
+        """Sends a command that came by topic: nobody waits for its end, so failures are told."""
+        def on_end(result: Result) -> None:
+            if result.outcome in _FAILURES:
+                self._refuse(text, message, f'Command {printable(text)!r} '
+                             f'{_FAILURES[result.outcome]}: {printable(result.words)}.')
+
         try:
-            self._execute(text, on_end=lambda result: _log_failure(text, result))
+            self._execute(text, on_end=on_end)
         except ArclError as error:
             self._refuse(text, message, str(error))
 
@@ -145,8 +163,12 @@ class Controller:
 
     def _execute(self, text: str, **options) -> Execution:
         """Gives a command once it is allowed; raises ArclError."""
-        self._guard.check(text)
-        return self._client.execute(text, **options)
+        execution = self._client.execute(text, check=self._guard.check, **options)
+        if is_unlisted(execution.command, self._client.help):
+            rospy.logwarn_once(
+                'The robot does not list the command %s; it is sent all the same.',
+                execution.command.name)
+        return execution
 
     # --- from the robot ---------------------------------------------------------------------------
 
@@ -170,7 +192,6 @@ class Controller:
         self._reporter.report(link)
 
     def _on_login(self, help_list: HelpList) -> None:
-        self._guard.help = help_list
         self._ask_goals()
 
     def _ask_goals(self) -> None:
@@ -184,16 +205,8 @@ class Controller:
             return
         replies = [parse_line(line) for line in result.lines]
         names = frozenset(reply.name for reply in replies if isinstance(reply, Goal))
-        self._guard.goals = frozenset(name.casefold() for name in names)
+        self._guard.list_goals(names)
         self._goals.robot_goals(names)
-
-
-def _log_failure(text: str, result: Result) -> None:
-    if result.outcome is Outcome.INTERRUPTED:
-        rospy.loginfo('Command "%s" was interrupted: %s', printable(text), result.words)
-    elif result.outcome is not Outcome.SUCCEEDED:
-        rospy.logwarn('Command "%s": %s (%s).', printable(text), result.outcome.value,
-                      result.words)
 
 
 def read_password(path: str) -> bytes:
@@ -230,7 +243,7 @@ def _allowed_commands() -> List[str]:
 
 def start() -> Controller:
     """Reads the parameters and builds the node."""
-    host = parameter('~robot_ip')
+    host = robot_host()
     port = int(number('~port', 7171, 1, 65535))
     password = read_password(parameter('~password_file', ''))
     backoff = Backoff(number('~reconnect_first', 0.5, 0.05, 600.0),
@@ -250,7 +263,7 @@ def start() -> Controller:
     goals = GoalComparison(parameter('~map_file', ''), map_sources())
 
     def make_client(**callbacks) -> Client:
-        return Client(host, port, password, backoff=backoff, heartbeat=heartbeat, silence=silence,
+        return Client(host, port, password, backoff=backoff, heartbeat=heartbeat, timeout=silence,
                       log=log, **callbacks)
 
     return Controller(make_client, guard, goals, parameter('~map_frame', 'map'), log)

@@ -15,11 +15,10 @@ import threading
 from typing import Callable, Dict, List, Optional, Tuple
 
 import actionlib
-import rospy
 from geometry_msgs.msg import PoseStamped
 from move_base_msgs.msg import MoveBaseAction, MoveBaseFeedback, MoveBaseResult
 
-from omron_arcl import ArclError, Execution, Outcome, Result
+from omron_arcl import ArclError, Execution, NotConnected, Outcome, Result
 from omron_ld90.nodes.support.call_queue import CallQueue
 from omron_ld90.nodes.support.poses import pose_to_robot
 from omron_ld90_msgs.msg import (
@@ -99,7 +98,7 @@ class _Actions:
             self._running[goal_id] = goal
         try:
             goal.execution = self._execute(
-                text, timeout=timeout or None,
+                text, timeout=timeout or None, stop_on_timeout=True,
                 on_line=lambda line: self._calls.add(lambda: self._on_line(handle, line),
                                                      optional=True),
                 on_end=lambda result: self._calls.add(lambda: self._on_end(handle, result)))
@@ -112,7 +111,7 @@ class _Actions:
     def _on_end(self, handle: actionlib.ServerGoalHandle, result: Result) -> None:
         goal_id = handle.get_goal_id().id
         with self._lock:
-            execution = self._running.pop(goal_id).execution
+            del self._running[goal_id]
         message = self._result(result)
         text = f'{result.outcome.value}: {result.words}'
         if result.outcome is Outcome.SUCCEEDED:
@@ -120,16 +119,7 @@ class _Actions:
         elif result.outcome in _PREEMPTED:
             handle.set_canceled(message, text)
         else:
-            if result.outcome is Outcome.TIMED_OUT and execution.command.spec.drives:
-                self._stop()
             handle.set_aborted(message, text)
-
-    def _stop(self) -> None:
-        """A drive that nobody watches any more must not go on."""
-        try:
-            self._execute('stop')
-        except ArclError as error:
-            rospy.logerr('The robot could not be stopped after a time-out: %s', error)
 
     def _on_cancel(self, handle: actionlib.ServerGoalHandle) -> None:
         goal_id = handle.get_goal_id().id
@@ -165,6 +155,10 @@ class ExecuteCommandServer(_Actions):
             if not (math.isfinite(goal.timeout) and goal.timeout >= 0.0):
                 raise Refused(f'the timeout is {goal.timeout}, but must be 0 or more seconds')
             self._start(handle, goal.command, goal.timeout)
+        except NotConnected as error:
+            message = f'never sent: {error.reason}'
+            handle.set_rejected(
+                ExecuteCommandResult(outcome=ExecuteCommandResult.LOST, message=message), message)
         except (ArclError, Refused) as error:
             handle.set_rejected(
                 ExecuteCommandResult(outcome=ExecuteCommandResult.REFUSED, message=str(error)),

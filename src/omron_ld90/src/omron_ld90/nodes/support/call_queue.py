@@ -18,7 +18,7 @@ class CallQueue:
     """
 
     def __init__(self, name: str) -> None:
-        self._calls: queue.SimpleQueue[Optional[Callable[[], object]]] = queue.SimpleQueue()
+        self._calls: queue.Queue[Optional[Callable[[], object]]] = queue.Queue()
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
         self._thread.start()
 

@@ -21,6 +21,8 @@ from omron_ld90_msgs.msg import (
 
 NEVER_SENT = 'never sent'  # how the message of a LOST outcome begins when the robot never heard it
 
+STATUSES_TO_ACKNOWLEDGE = 5  # of the server, five a second, in which a goal given must stand
+
 OnEnd = Callable[[int, ExecuteCommandResult], None]
 OnLine = Callable[[int, str], None]
 
@@ -33,7 +35,9 @@ class CommandClient:
         self._on_end = on_end
         self._on_line = on_line
         self._lock = threading.Lock()  # guards _open; not held while others are called
-        self._open: Dict[int, Optional[ClientGoalHandle]] = {}
+        self._open: Dict[int, _Given] = {}
+        self._statuses = 0  # of the server, as far as `check` saw them
+        self._last_status: object = None
         self._callbacks = CallQueue('execute_command')
         self._client = actionlib.ActionClient('execute_command', ExecuteCommandAction)
 
@@ -45,26 +49,34 @@ class CommandClient:
 
     def give(self, number: int, command: str) -> None:
         """Gives an ARCL command; `number` is its name in the callbacks, used once."""
+        given = _Given(self._statuses)
         with self._lock:
-            self._open[number] = None
+            self._open[number] = given
         if not self.controller_is_there:
             self._end_later(number, _lost(f'{NEVER_SENT}: omron_controller is not running'))
             return
-        handle = self._client.send_goal(
+        given.handle = self._client.send_goal(
             ExecuteCommandGoal(command=command),
             transition_cb=lambda handle: self._on_transition(number, handle),
             feedback_cb=lambda handle, feedback: self._on_feedback(number, feedback))
-        with self._lock:
-            if number in self._open:
-                self._open[number] = handle  # actionlib forgets a goal whose handle nobody keeps
 
     def check(self) -> None:
-        """Ends what a controller that is gone will not end; to be called several times a second."""
-        if self._client.status_sub.get_num_connections() == 0:
-            with self._lock:
-                numbers = list(self._open)
-            for number in numbers:
+        """Ends what the controller will not end; to be called several times a second.
+
+        That is everything once it is gone, and a goal that got lost on its way to one just started.
+        """
+        gone = self._client.status_sub.get_num_connections() == 0
+        if self._client.last_status_msg is not self._last_status:
+            self._last_status = self._client.last_status_msg
+            self._statuses += 1
+        with self._lock:
+            opened = list(self._open.items())
+        for number, given in opened:
+            if gone:
                 self._end_later(number, _lost('omron_controller is gone'))
+            elif (self._statuses - given.statuses > STATUSES_TO_ACKNOWLEDGE and given.handle
+                  and given.handle.get_comm_state() == CommState.WAITING_FOR_GOAL_ACK):
+                self._end_later(number, _lost('omron_controller did not hear the command'))
 
     def close(self) -> None:
         """Ends the thread of the callbacks."""
@@ -89,6 +101,14 @@ class CommandClient:
                 return
             del self._open[number]
         self._on_end(number, result)
+
+
+class _Given:
+    """A command given; actionlib forgets a goal whose handle nobody keeps."""
+
+    def __init__(self, statuses: int) -> None:
+        self.statuses = statuses
+        self.handle: Optional[ClientGoalHandle] = None
 
 
 def _lost(message: str) -> ExecuteCommandResult:
