@@ -23,7 +23,10 @@ run_packages=(
   "python3-tf2-ros     ros-noetic-tf2-ros"
   "python3-tf2-geometry-msgs   ros-noetic-tf2-geometry-msgs"
   "python3-visualization-msgs  ros-noetic-visualization-msgs"
+  "mosquitto           mosquitto"
+  "python3-networkx    python3-networkx"
   "python3-numpy       python3-numpy"
+  "python3-paho-mqtt   python3-paho-mqtt"
   "python3-pil         python3-pil"
   "python3-scipy       python3-scipy"
   "python3-setuptools  python3-setuptools"
@@ -34,6 +37,7 @@ run_packages=(
 test_packages=(
   "catkin-lint         python3-catkin-lint"
   "python3-hypothesis  python3-hypothesis"
+  "python3-jsonschema  python3-jsonschema"
   "python3-pytest      python3-pytest"
   "python3-rostest     ros-noetic-rostest"
   "python3-venv        python3-venv"
