@@ -211,8 +211,10 @@ class RvizTest(unittest.TestCase):
         wait_until(lambda: self.robot_believes_to_be_at('22'), 30.0, 'the robot is led astray')
         self.window.choose_from_menu(self.at('10'), GOAL_MENU, Action.LOCALIZE)
         wait_until(lambda: self.robot_believes_to_be_at('10'), 30.0, 'the robot is set right')
-        self.assertEqual(['goto', 'localizeToPoint', 'localizeToPoint'],
-                         [command.split()[0] for command in self.sent()])
+        # A late click of the test before, which clicks until a stop is sent, may send another.
+        self.assertEqual(
+            ['goto', 'localizeToPoint', 'localizeToPoint'],
+            [command.split()[0] for command in self.sent() if command != 'stop'])
 
     def test_06_2d_nav_goal_drives_to_a_pose(self):
         x, y = -6.0, 0.0
