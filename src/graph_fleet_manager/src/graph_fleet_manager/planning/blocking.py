@@ -11,12 +11,10 @@ of one robot type this module gives the slots of another type that it blocks:
 """
 from __future__ import annotations
 
-from typing import List, Optional, Tuple
+from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
-
 from graph_fleet_manager.fleet import RobotType
-from graph_fleet_manager.planning.exclusions import Conflicts
 from graph_fleet_manager.planning.road_network import RoadNetwork
 
 Block = Tuple[int, float, float]
@@ -70,10 +68,9 @@ class Blocking:
         at = int(np.searchsorted(row.other[begin:end], other))
         return at < end - begin and int(row.other[begin + at]) == other
 
-    def around_point(self, x: float, y: float, distance: float) -> List[Tuple[int, float]]:
-        """(slot, lead) blocked by who stands at a point that is no vertex."""
-        return self._seen_by_other(np.array(self._network.exclusions.near_point(x, y, distance),
-                                            dtype=np.int64))
+    def around_point(self, places: Sequence[int]) -> List[Tuple[int, float]]:
+        """(slot, lead) blocked by who stands so near to these places that he excludes them."""
+        return self._seen_by_other(np.array(places, dtype=np.int64))
 
     def of_place(self, place: int) -> List[Tuple[int, float]]:
         """(slot, lead) blocked by who may be anywhere on a place."""

@@ -11,14 +11,15 @@ from typing import Dict, FrozenSet, Iterable, List, Sequence, Tuple
 
 import networkx as nx
 import numpy as np
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import dijkstra
-
 from graph_fleet_manager.fleet import DOCK_APPROACH, RobotType
 from graph_fleet_manager.planning.exclusions import Approach, Exclusions
 from graph_fleet_manager.planning.pieces import edge_lengths, pieces_of
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import dijkstra
+
 from trajectory_graph import Graph
 
+GUIDED = 1.0 + 1e-9
 Roads = List[List[Tuple[int, int, float]]]
 """For each vertex the (drive, vertex at its end, seconds) that lead away from it."""
 
@@ -54,6 +55,7 @@ class RoadNetwork:
         self._roads: Dict[RobotType, Roads] = {}
         self._matrices: Dict[Tuple[RobotType, int], csr_matrix] = {}
         self._ways: Dict[Tuple[RobotType, int], np.ndarray] = {}
+        self._listed: Dict[Tuple[RobotType, int], List[float]] = {}
 
     def with_closed(self, closed: Iterable[int]) -> RoadNetwork:
         """The same graph with other edges closed; what geometry says is not computed again."""
@@ -129,6 +131,15 @@ class RoadNetwork:
             for target, row in zip(plain, dijkstra(self._towards(kind, -1), indices=plain)):
                 self._ways[kind, target] = row
         return [self._ways[kind, target] for target in targets]
+
+    def estimates(self, kind: RobotType, target: int) -> List[float]:
+        """`ways_to` a target as the searches use it: a list, and longer by a hair.
+
+        So of equally good ways the one that is nearer to its end is followed first.
+        """
+        if (kind, target) not in self._listed:
+            self._listed[kind, target] = (self.ways_to(kind, (target,))[0] * GUIDED).tolist()
+        return self._listed[kind, target]
 
     def _towards(self, kind: RobotType, dock: int) -> csr_matrix:
         """The roads turned round, as a matrix; those into docks left out but for `dock`."""

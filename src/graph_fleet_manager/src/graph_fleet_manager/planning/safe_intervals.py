@@ -4,7 +4,8 @@ The same search as TEA*'s layers with intervals in their place: a state is a ver
 intervals in which a robot may wait there, and of all ways into a state only the earliest counts,
 for who is early can wait (safe interval path planning, Phillips and Likhachev, ICRA 2011). Added
 here: bookings are of beginnings of drives (see `blocking`), several destinations in one search,
-and a rest for ever at the end.
+and a rest for ever at the end. A state's successors are made only when they may be the best there
+are (partial expansion, Yoshizumi et al., AAAI 2000).
 """
 from __future__ import annotations
 
@@ -14,68 +15,42 @@ from math import inf
 from typing import Dict, List, Optional, Sequence, Tuple
 
 from graph_fleet_manager.planning.plans import Drive, Plan
-from graph_fleet_manager.planning.road_network import Roads
-from graph_fleet_manager.planning.timetable import Slots
+from graph_fleet_manager.planning.timetable import Busy, Slots
+from graph_fleet_manager.planning.travellers import Errand
 
-LATER = 1e-4
-"""What a second on the way to parking weighs against one on the way to the destinations."""
-
-
-class Errand:
-    """What one robot has to do, with all that the search needs to know of the way.
-
-    vertex       -- where it is free to go from, at time `ready`
-    destinations -- vertices to visit in order
-    dwells       -- s to stay at each
-    rests        -- vertices at which it may end for ever; None: at the last destination
-    to_go        -- for each leg, the seconds from every vertex over all destinations left to the
-                    last; behind them one more where there are rests: to the nearest of these
-    roads        -- where it may drive
-    """
-
-    def __init__(self, vertex: int, ready: float, destinations: Sequence[int],
-                 dwells: Sequence[float], rests: Optional[frozenset], to_go: Sequence[List[float]],
-                 roads: Roads) -> None:
-        self.vertex = vertex
-        self.ready = ready
-        self.destinations = tuple(destinations)
-        self.dwells = tuple(dwells)
-        self.rests = rests
-        self.to_go = to_go
-        self.roads = roads
+Arrival = Tuple[int, float, int, float]
+"""A drive, when it begins, the vertex that it leads to, and when it ends there."""
 
 
-def find_way(errand: Errand, slots: Slots, drives: int, latest: float = inf) -> Optional[Plan]:
-    """The plan that serves the errand soonest, None where there is none.
+def find_way(errand: Errand, slots: Slots, latest: float = inf,
+             arrivals: Sequence[Arrival] = ()) -> Optional[Tuple[float, Plan]]:
+    """The plan that serves the errand soonest and its cost, None where there is none.
 
-    Soonest counts the end of the last destination first; the way to parking after it next. `drives`
-    is the number of drives, behind which the slots of vertices begin; no plan costs more than
-    `latest`.
+    The cost is the end of the last destination; what comes after it counts as the errand says. No
+    plan costs more than `latest`. `arrivals` are what a robot between vertices may begin with,
+    instead of setting out from the errand's vertex.
     """
     roads, to_go, targets, dwells = errand.roads, errand.to_go, errand.destinations, errand.dwells
-    legs, vertices = len(targets), len(roads)
-    rests = errand.rests
+    legs, vertices, drives = len(targets), len(roads), slots.drives
+    rests, later = errand.rests, errand.later
     stays = rests is None  # at the last destination
     merged, busy_of = slots.merged, slots.busy
     best: Dict[int, float] = {}
     nodes: List[Tuple] = []
-    heap: List[Tuple[float, int]] = []
-    # What a drive leads to: (drive, when it begins, where and when it ends)
-    arrivals: List[Tuple[int, float, int, float]] = [(-1, 0.0, errand.vertex, errand.ready)]
-    node, vertex, leg, served = -1, -1, 0, errand.ready
+    heap: List[Tuple[float, int, float]] = []
+    node, leg, served = -1, 0, errand.ready
+    moves = list(arrivals) or [(-1, 0.0, errand.vertex, errand.ready)]
     while True:
-        for drive, begin, end, time in arrivals:
-            busy = merged[drives + end]
-            if busy is None:
-                busy = busy_of(drives + end)
+        for drive, begin, end, arrival in moves:
+            starts, ends = merged[drives + end] or busy_of(drives + end)
             interval, until = 0, inf
-            if busy[1]:
-                interval = bisect_right(busy[1], time)
-                if interval < len(busy[1]):
-                    until = busy[0][interval]
-                    if until < time:
+            if ends:
+                interval = bisect_right(ends, arrival)
+                if interval < len(ends):
+                    until = starts[interval]
+                    if until < arrival:
                         continue
-            new_leg, new_served, arrival = leg, served, time
+            time, new_leg, new_served = arrival, leg, served
             while new_leg < legs and targets[new_leg] == end:
                 leaves = time + dwells[new_leg]
                 if leaves > until or (stays and new_leg == legs - 1 and until < inf):
@@ -83,55 +58,70 @@ def find_way(errand: Errand, slots: Slots, drives: int, latest: float = inf) -> 
                 time = new_served = leaves
                 new_leg += 1
             key = (interval * (legs + 1) + new_leg) * vertices + end
-            if time >= best.get(key, inf):
+            if key in best and time >= best[key]:
                 continue
             if new_leg < legs:
                 cost = time + to_go[new_leg][end]
             elif stays:
                 cost = new_served
             else:
-                cost = new_served + LATER * (time - new_served + to_go[new_leg][end])
+                cost = new_served + later * (time - new_served + to_go[new_leg][end])
             if cost <= latest and cost < inf:
                 best[key] = time
-                heappush(heap, (cost, len(nodes)))
+                heappush(heap, (cost, len(nodes), -inf))
                 nodes.append((end, time, new_leg, new_served, until, key,
                               node, drive, begin, arrival))
         while heap:
-            node = heappop(heap)[1]
+            cost, node, done = heappop(heap)
             vertex, now, leg, served, until, key = nodes[node][:6]
             if best[key] == now:
                 break
         else:
             return None
         if leg == legs and (stays or (until == inf and vertex in rests)):
-            return _plan(nodes, node)
-        arrivals = []
+            return cost, plan_from(nodes, node)
+        estimates, base, weight = to_go[leg], now, 1.0
+        if leg == legs:
+            base, weight = served + later * (now - served), later
+        moves, postponed = [], inf
         for drive, end, seconds in roads[vertex]:
-            busy = merged[drive]
-            if busy is None:
-                busy = busy_of(drive)
-            starts, ends = busy
-            if not ends:
-                arrivals.append((drive, now, end, now + seconds))
-                continue
-            gap, begin, count = bisect_right(ends, now), now, len(ends)
-            while begin <= until:
-                if gap == count:
-                    arrivals.append((drive, begin, end, begin + seconds))
-                    break
-                if begin <= starts[gap]:
-                    arrivals.append((drive, begin, end, begin + seconds))
-                begin = ends[gap]
-                gap += 1
+            bound = base + weight * (seconds + estimates[end])
+            if bound > cost:
+                if bound < postponed:
+                    postponed = bound
+            elif bound > done:
+                busy = merged[drive] or busy_of(drive)
+                if busy[1]:
+                    moves += [(drive, begin, end, begin + seconds)
+                              for begin in _beginnings(busy, now, until)]
+                else:
+                    moves.append((drive, now, end, now + seconds))
+        if postponed <= latest and postponed < inf:
+            heappush(heap, (postponed, node, cost))
 
 
-def _plan(nodes: Sequence[Tuple], node: int) -> Plan:
+def _beginnings(busy: Busy, now: float, until: float) -> Sequence[float]:
+    """The first moment of each time between `now` and `until` at which a slot is free."""
+    starts, ends = busy
+    if now >= ends[-1]:
+        return (now,)
+    gap, count = bisect_right(ends, now), len(ends)
+    begins = [now] if now <= starts[gap] else []
+    while ends[gap] <= until:
+        begins.append(ends[gap])
+        gap += 1
+        if gap == count:
+            break
+    return begins
+
+
+def plan_from(nodes: Sequence[Tuple], node: int) -> Plan:
+    """The drives on the way to a node; a node ends with parent, drive, begin and arrival."""
     plan: Plan = []
     while True:
-        parent, drive, begin, arrival = nodes[node][6:]
+        parent, drive, begin, arrival = nodes[node][-4:]
+        if drive >= 0:
+            plan.append(Drive(drive, begin, arrival))
         if parent < 0:
-            break
-        plan.append(Drive(drive, begin, arrival))
+            return plan[::-1]
         node = parent
-    plan.reverse()
-    return plan

@@ -1,0 +1,76 @@
+"""One robot in a planning problem: what is fixed of its way, and what it still has to do."""
+from __future__ import annotations
+
+from math import inf
+from typing import FrozenSet, List, NamedTuple, Optional, Sequence, Tuple
+
+import numpy as np
+from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.planning.plans import Drive, Plan
+from graph_fleet_manager.planning.road_network import GUIDED, RoadNetwork, Roads
+from graph_fleet_manager.planning.timetable import Between
+
+LATER = 1e-4
+"""What a second on the way to parking weighs against one on the way to the destinations."""
+
+
+class Errand:
+    """What one robot has to do, with all that a search needs to know of the way.
+
+    vertex       -- from which it is free to go, at time `ready` (s)
+    destinations -- vertices to visit in order
+    dwells       -- s to stay at each
+    rests        -- vertices at which it may end for ever; None: at the last destination
+    to_go        -- for each leg, the seconds from every vertex over all destinations left to the
+                    last; behind them one more where there are rests: to the nearest of these
+    roads        -- where it may drive
+    later        -- weight of the seconds after the last destination
+    """
+
+    def __init__(self, network: RoadNetwork, kind: RobotType, vertex: int, ready: float,
+                 destinations: Sequence[int], dwells: Sequence[float] = (),
+                 rests: Optional[FrozenSet[int]] = None, later: float = LATER) -> None:
+        self.vertex = vertex
+        self.ready = ready
+        self.destinations = tuple(destinations)
+        self.dwells = tuple(dwells) or (0.0,) * len(self.destinations)
+        self.rests = rests
+        self.later = later
+        docks = self.destinations if rests is None else (*self.destinations, *rests)
+        self.roads: Roads = network.roads(kind, docks)
+        ways = network.ways_to(kind, self.destinations)
+        self.to_go: List[List[float]] = []
+        beyond = 0.0
+        for leg in range(len(ways) - 1, -1, -1):
+            beyond += self.dwells[leg]
+            self.to_go.insert(0, (ways[leg] * GUIDED + beyond).tolist() if beyond
+                              else network.estimates(kind, self.destinations[leg]))
+            before = self.destinations[leg - 1] if leg else vertex
+            beyond += float(ways[leg][before])
+        self.lower_bound = ready + beyond
+        """The least that it can cost, were it alone; infinite where something is out of reach."""
+        if rests is not None:
+            nearest = (np.minimum.reduce(network.ways_to(kind, sorted(rests))) if rests
+                       else np.full(network.vertices, inf))
+            self.to_go.append((nearest * GUIDED).tolist())
+            last = self.destinations[-1] if self.destinations else vertex
+            self.lower_bound += later * float(nearest[last])
+
+
+class Traveller(NamedTuple):
+    """One robot of a planning problem."""
+
+    name: str
+    kind: RobotType
+    vertex: int
+    """Where it stands before it drives anything; of no meaning where `fixed` begins in a drive."""
+    fixed: Tuple[Drive, ...]
+    """What it will drive whatever is planned, timed."""
+    errand: Errand
+    priority: int = 0
+    between: Optional[Between] = None
+    """Where it stands if it is between two vertices; then nothing is fixed."""
+
+    def whole(self, plan: Plan) -> Plan:
+        """What it drives in all."""
+        return [*self.fixed, *plan]
