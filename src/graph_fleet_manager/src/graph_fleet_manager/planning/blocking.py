@@ -61,12 +61,13 @@ class Blocking:
             assert blocks is not None
         return blocks
 
+    def excluded(self, place: int) -> List[int]:
+        """The places (not slots) that an observer may not hold while a mover holds this one."""
+        return self._conflicts.row(place)
+
     def excludes(self, place: int, other: int) -> bool:
-        """May two robots not hold these two places (not slots) at once?"""
-        row = self._conflicts
-        begin, end = row.starts[place], row.starts[place + 1]
-        at = int(np.searchsorted(row.other[begin:end], other))
-        return at < end - begin and int(row.other[begin + at]) == other
+        """May two robots not hold these two places at once?"""
+        return other in self.excluded(place)
 
     def around_point(self, places: Sequence[int]) -> List[Tuple[int, float]]:
         """(slot, lead) blocked by who stands so near to these places that he excludes them."""

@@ -56,6 +56,28 @@ class Errand:
             last = self.destinations[-1] if self.destinations else vertex
             self.lower_bound += later * float(nearest[last])
 
+    def served_at(self, vertex: int, leg: int, arrival: float) -> Tuple[float, int]:
+        """When it may go on from a vertex, and its next leg: it serves what it comes to."""
+        while leg < len(self.destinations) and self.destinations[leg] == vertex:
+            arrival += self.dwells[leg]
+            leg += 1
+        return arrival, leg
+
+    def cost(self, network: RoadNetwork, plan: Sequence[Drive]) -> float:
+        """What a plan costs that serves it; infinite for one that does not."""
+        now, leg = self.served_at(self.vertex, 0, self.ready)
+        served = now
+        for drive in plan:
+            before = leg
+            now, leg = self.served_at(network.destination(drive.drive), leg, drive.end)
+            if leg > before:
+                served = now
+        if leg < len(self.destinations):
+            return inf
+        if self.rests is None:
+            return now
+        return served + self.later * (now - served)
+
 
 class Traveller(NamedTuple):
     """One robot of a planning problem."""
