@@ -205,7 +205,7 @@ class Timetable:
         """When the first of the others comes past a robot's point."""
         first = inf
         for mover in self.kinds:
-            places = set(self._at_point_places(kind, mover, between))
+            places = set(self.places_near(kind, mover, between))
             for booked in self.booked.values():
                 if booked.kind is mover or booked.kind == mover:
                     for drive in booked.plan:
@@ -232,9 +232,10 @@ class Timetable:
     def _at_point(self, kind: RobotType, observer: RobotType,
                   between: Between) -> List[Tuple[int, float]]:
         return self.blocking[kind, observer].around_point(
-            self._at_point_places(kind, observer, between))
+            self.places_near(kind, observer, between))
 
-    def _at_point_places(self, kind: RobotType, other: RobotType, between: Between) -> List[int]:
+    def places_near(self, kind: RobotType, other: RobotType, between: Between) -> List[int]:
+        """Places that robots of type `other` may not hold while one stands between vertices."""
         return self.network.exclusions.near_point(
             between.x, between.y, kind.reach + other.reach + self.clearance)
 
