@@ -31,6 +31,7 @@ class World:
         self.robots = {r['name']: r for r in fleet['robots']}
         self.missions = {m['robot']: m['vertices'] for m in missions['missions']}
         self.lines: Dict[int, LineString] = {}
+        self._arcs: Dict[int, Tuple[np.ndarray, np.ndarray]] = {}
 
     @classmethod
     def load(cls, graph: str, fleet: str, missions: str) -> World:
@@ -45,6 +46,16 @@ class World:
             else:
                 self.lines[signed] = LineString(self._points(self.edges[signed]))
         return self.lines[signed]
+
+    def along(self, signed: int, share: np.ndarray) -> np.ndarray:
+        """Points (N,2) at fractions (N,) of an edge's arc length."""
+        if signed not in self._arcs:
+            xy = np.array(self.line(signed).coords)
+            self._arcs[signed] = xy, np.concatenate(
+                ([0.0], np.cumsum(np.hypot(*np.diff(xy, axis=0).T))))
+        xy, arc = self._arcs[signed]
+        s = share * arc[-1]
+        return np.column_stack((np.interp(s, arc, xy[:, 0]), np.interp(s, arc, xy[:, 1])))
 
     def _points(self, edge: dict) -> List[Tuple[float, float]]:
         a, b = self.vertices[edge['Origin_ID']], self.vertices[edge['Destination_ID']]
@@ -287,11 +298,7 @@ def _track(world: World, plan: dict, name: str, times: np.ndarray) -> np.ndarray
     point = world.at(world.robots[name]['vertex'])
     places = np.tile((point.x, point.y), (len(times), 1))
     for drive in plan['robots'][name]:
-        xy = np.array(world.line(drive['edge']).coords)
-        along = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(xy, axis=0).T))))
-        share = np.clip((times - drive['start']) / (drive['end'] - drive['start']), 0.0, 1.0)
         later = times >= drive['start']
-        s = share[later] * along[-1]
-        places[later] = np.column_stack((np.interp(s, along, xy[:, 0]),
-                                         np.interp(s, along, xy[:, 1])))
+        share = (times[later] - drive['start']) / (drive['end'] - drive['start'])
+        places[later] = world.along(drive['edge'], np.clip(share, 0.0, 1.0))
     return places

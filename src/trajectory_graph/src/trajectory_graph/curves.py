@@ -113,7 +113,10 @@ def cubic_bezier(control: np.ndarray) -> Curve:
     bend = 6.0 * max(np.linalg.norm(p0 - 2 * p1 + p2), np.linalg.norm(p1 - 2 * p2 + p3))
     segments = max(1, int(math.ceil(math.sqrt(bend / (8.0 * FLATNESS)))))
     t = np.linspace(0.0, 1.0, segments + 1)
-    return Curve(bezier_points(control, t), bezier_arc_lengths(control, t))
+    arc = bezier_arc_lengths(control, t)
+    if arc[-1] > 0.0:
+        arc *= float(bezier_lengths(control[None])[0]) / arc[-1]
+    return Curve(bezier_points(control, t), arc)
 
 
 def bezier_points(control: np.ndarray, t: np.ndarray) -> np.ndarray:
@@ -134,6 +137,22 @@ def bezier_arc_lengths(control: np.ndarray, t: np.ndarray) -> np.ndarray:
     speed = np.hypot(velocity[..., 0], velocity[..., 1]).reshape(velocity.shape[:-2] + at.shape)
     steps = (speed * _WEIGHTS).sum(axis=-1) * half
     return np.concatenate((np.zeros_like(steps[..., :1]), np.cumsum(steps, axis=-1)), axis=-1)
+
+
+def bezier_lengths(control: np.ndarray) -> np.ndarray:
+    """Arc lengths (N,), m, of cubic Bezier curves with `control` points (N,4,2), to 1e-9 of them.
+
+    What is not that certain, where a curve turns on the spot, is rather too long than too short.
+    """
+    lengths = np.zeros(len(control))
+    left, before = np.arange(len(control)), np.full(len(control), np.inf)
+    for parts in (8, 32, 128, 512, 2048):
+        length = bezier_arc_lengths(control[left], np.linspace(0.0, 1.0, parts + 1))[:, -1]
+        error = np.abs(length - before)
+        lengths[left] = length + np.where(np.isfinite(error), error, 0.0)
+        more = ~(error <= 1e-9 * length)
+        left, before = left[more], length[more]
+    return lengths
 
 
 def bezier_section(control: np.ndarray, start: float, end: float) -> np.ndarray:

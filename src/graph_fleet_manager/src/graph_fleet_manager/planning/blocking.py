@@ -14,7 +14,9 @@ from __future__ import annotations
 from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
+
 from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.planning.exclusions import Conflicts
 from graph_fleet_manager.planning.road_network import RoadNetwork
 
 Block = Tuple[int, float, float]
@@ -30,11 +32,15 @@ class Blocking:
     def __init__(self, network: RoadNetwork, mover: RobotType, observer: RobotType,
                  clearance: float) -> None:
         self._network = network
-        self._conflicts = network.exclusions.at(mover.reach + observer.reach + clearance)
+        self._distance = mover.reach + observer.reach + clearance
         times = np.array(network.times(observer))
         self._times = np.where(np.isfinite(times), times, 0.0)
         self._drives: List[Optional[List[Block]]] = [None] * network.drives
         self._waits: List[Optional[List[Tuple[int, float]]]] = [None] * network.vertices
+
+    @property
+    def _conflicts(self) -> Conflicts:
+        return self._network.exclusions.at(self._distance)
 
     def prepare(self) -> None:
         """Makes everything at once, unless the graph is so dense that it would take long."""
@@ -87,14 +93,15 @@ class Blocking:
 
     def _make(self, first: int, last: int) -> None:
         """Fills in the rows of the places `first` to `last` - 1."""
-        begin, end = self._conflicts.starts[first], self._conflicts.starts[last]
+        conflicts = self._conflicts
+        begin, end = conflicts.starts[first], conflicts.starts[last]
         pairs = slice(begin, end)
-        other, mirrored = self._conflicts.other[pairs], self._conflicts.transpose[pairs]
+        other, mirrored = conflicts.other[pairs], conflicts.transpose[pairs]
         vertices = self._network.vertices
         is_edge = other >= vertices
         forward_drive = np.where(is_edge, 2 * (other - vertices), 0)
         lead = np.zeros((2, len(other)))
-        for way, clear in enumerate((self._conflicts.forward, self._conflicts.backward)):
+        for way, clear in enumerate((conflicts.forward, conflicts.backward)):
             lead[way] = np.where(is_edge, clear[mirrored] * self._times[forward_drive + way], 0.0)
         # Every pair with an edge makes two blocks, one for each direction; with a vertex, one.
         slot = np.where(is_edge, forward_drive, other + self._network.drives)
@@ -104,9 +111,9 @@ class Blocking:
         way[np.cumsum(count)[is_edge] - 1] = 1
         slots, leads = (slot[which] + way).tolist(), lead[way, which].tolist()
         clears = [clear[pairs][which].tolist()
-                  for clear in (self._conflicts.forward, self._conflicts.backward)]
+                  for clear in (conflicts.forward, conflicts.backward)]
         offsets = np.concatenate(([0], np.cumsum(count)))
-        bounds = offsets[self._conflicts.starts[first:last + 1] - begin].tolist()
+        bounds = offsets[conflicts.starts[first:last + 1] - begin].tolist()
         for place, low, high in zip(range(first, last), bounds, bounds[1:]):
             if place < vertices:
                 self._waits[place] = list(zip(slots[low:high], leads[low:high]))

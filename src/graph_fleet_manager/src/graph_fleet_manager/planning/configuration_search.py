@@ -3,10 +3,10 @@
 Where robots planned one after the other get stuck, this search moves all of them step by step, as
 LaCAM does (Okumura, LaCAM: Search-based algorithm for quick multi-agent pathfinding, AAAI 2023):
 depth first over configurations, each next one made by letting robots choose in the order of their
-priorities, and if a configuration comes up again, by forcing single robots to other moves. In a step
-robots stay or drive one edge, and no robot enters what another leaves: steps made otherwise would
-make orders in which robots wait for each other in a ring. So all moves of a step exclude each other
-nowhere, and their order from step to step is all that a plan needs.
+priorities, and if a configuration comes up again, by forcing single robots to other moves. In a
+step robots stay or drive one edge, and no robot enters what another leaves: steps made otherwise
+would make orders in which robots wait for each other in a ring. So no two moves of a step exclude
+each other, and their order from step to step is all that a plan needs.
 """
 from __future__ import annotations
 

@@ -8,15 +8,22 @@ each other, or cross without a vertex, and vertices exclude edges that pass too 
 """
 from __future__ import annotations
 
+import time
+from math import inf
 from typing import Dict, FrozenSet, List, NamedTuple, Tuple
 
 import numpy as np
+from scipy.spatial import cKDTree
+
 from graph_fleet_manager.planning.capsules import time_within
 from graph_fleet_manager.planning.pieces import Pieces
-from scipy.spatial import cKDTree
 
 ROUNDING = 1e-11  # m: places exactly as far apart as asked do not exclude each other
 _AT_ONCE = 200000  # pairs of pieces looked at in one step, to bound the memory
+
+
+class OutOfTime(Exception):
+    """The time given was over before the conflicts were known."""
 
 
 class Approach(NamedTuple):
@@ -61,6 +68,8 @@ class Exclusions:
         self.vertices = vertices
         self.places = vertices + len(ends)
         self._approaches = approaches
+        self.deadline = inf
+        """Monotonic s after which no more conflicts are looked for: `at` raises OutOfTime."""
         self._by_distance: Dict[float, Conflicts] = {}
 
     def at(self, distance: float) -> Conflicts:
@@ -85,11 +94,13 @@ class Exclusions:
         pieces = _cut(self._pieces, longest)
         one, other = _candidates(pieces, distance, longest)
         for begin in range(0, len(one), _AT_ONCE):
+            if time.monotonic() > self.deadline:
+                raise OutOfTime()
             part = slice(begin, begin + _AT_ONCE)
             pairs.add(*_near(pieces, one[part], other[part], distance))
             pairs.add(*_near(pieces, other[part], one[part], distance))
-        edges = np.arange(self.vertices, self.places)
-        pairs.add(edges, edges, np.zeros(len(edges)), np.ones(len(edges)))
+        all_places = np.arange(self.places)
+        pairs.add(all_places, all_places, np.zeros(self.places), np.ones(self.places))
         for approach in self._approaches:
             pairs.add(*_within_approach(approach))
         pairs.merge()
@@ -240,10 +251,9 @@ def _within_approach(approach: Approach) -> Tuple[np.ndarray, ...]:
     """Each edge of a dock's approach excludes all else in it."""
     pairs = [(edge, other, *stretch) for edge, stretch in approach.edges.items()
              for other in (*approach.edges, *approach.vertices) if other != edge]
-    if not pairs:
-        return np.zeros((4, 0)),  # type: ignore[return-value]
-    place, other, low, high = zip(*pairs)
-    return np.array(place), np.array(other), np.array(low), np.array(high)
+    place, other, low, high = zip(*pairs) if pairs else ((), (), (), ())
+    return (np.array(place, dtype=np.int64), np.array(other, dtype=np.int64),
+            np.array(low, dtype=float), np.array(high, dtype=float))
 
 
 def _count_up(repeats: np.ndarray) -> np.ndarray:

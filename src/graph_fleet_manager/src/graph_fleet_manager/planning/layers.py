@@ -60,8 +60,10 @@ def _find_way(errand: Errand, slots: Slots, layer: float, latest: float,
             else:
                 cost = new_served + errand.later * (
                     time - new_served + errand.to_go[new_leg][end])
-            if cost <= latest and cost < inf and new_served < best.get((end, k, new_leg), inf):
-                best[end, k, new_leg] = new_served
+            # Once nothing changes any more, of all layers only the first counts.
+            key = (end, k if time <= slots.horizon else -1, new_leg)
+            if cost <= latest and cost < inf and cost < best.get(key, inf):
+                best[key] = cost
                 heappush(heap, (cost, -k, len(nodes)))
                 nodes.append((end, time, new_leg, new_served, until, k,
                               node, drive, begin, arrival))

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from trajectory_graph import CurveType, Graph
-from trajectory_graph.curves import bezier_arc_lengths, bezier_points
+from trajectory_graph.curves import bezier_arc_lengths, bezier_lengths, bezier_points
 
 TOLERANCE = 5e-3  # m, how far a curve may be from its pieces; what it really is, is accounted for
 _FINE = 64  # parts of a spline from which the pieces are chosen; a power of two
@@ -61,7 +61,7 @@ def edge_lengths(graph: Graph) -> np.ndarray:
     splines = [k for k, edge in enumerate(edges) if edge.curve_type is CurveType.SPLINE]
     if splines:
         control = np.array([graph.control_points(edges[k].id) for k in splines])
-        lengths[splines] = bezier_arc_lengths(control, np.linspace(0.0, 1.0, _FINE + 1))[:, -1]
+        lengths[splines] = bezier_lengths(control)
     return lengths
 
 

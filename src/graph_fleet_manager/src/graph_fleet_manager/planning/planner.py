@@ -9,10 +9,11 @@ plan.
 from __future__ import annotations
 
 import gc
+import time
 from contextlib import contextmanager
 from math import inf
 from random import Random
-from typing import Dict, Iterable, Iterator, List, Optional, Sequence, Set
+from typing import Dict, Iterable, Iterator, List, Optional, Sequence, Set, Tuple
 
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.planning.configuration_search import search_configurations
@@ -30,9 +31,13 @@ from graph_fleet_manager.planning.tea_star import TeaStar, Way, Ways, by_length
 from graph_fleet_manager.planning.timetable import Timetable
 from graph_fleet_manager.planning.travellers import Traveller
 
+Place = Tuple[str, RobotType, int]
+"""Name of a robot, its type, the id of a vertex."""
+
 _ORDERS = 6      # in which all are planned anew before the search over configurations begins
 _ROOM_ORDERS = 4  # in which a robot and those in its way are planned
-_FINISHING_A_DRIVE = 2e-5  # s that the times and precedence of one drive take
+_TO_FINISH = 0.002  # s that are left at the end, and so many times what an outcome took before:
+_SLOWER = 1.5
 
 
 class FleetPlanner:
@@ -58,8 +63,35 @@ class FleetPlanner:
         """Computes beforehand what depends on the graph only."""
         self.timetable.prepare()
 
+    def too_near(self, places: Sequence[Place]) -> Optional[Tuple[Place, Place]]:
+        """Two of the robots (name, type, vertex id) that may not stand there at once, or None."""
+        at: Dict[int, List[Place]] = {}
+        for place in places:
+            vertex = self.network.index[place[2]]
+            for other_kind in self.timetable.kinds:
+                for near in self.timetable.blocking[place[1], other_kind].excluded(vertex):
+                    for other in at.get(near, ()):
+                        if other[1] == other_kind:
+                            return other, place
+            if vertex in at:
+                return at[vertex][0], place
+            at.setdefault(vertex, []).append(place)
+        return None
+
+    def can_park(self, ends: Sequence[Place], others: Sequence[Place]) -> bool:
+        """Are there vertices enough for `others` beside robots that stay at `ends`?"""
+        for kind in {place[1] for place in others}:
+            taken = {vertex for _, end_kind, id in ends
+                     for vertex in self.timetable.blocking[end_kind, kind].excluded(
+                         self.network.index[id])}
+            free = set(range(self.network.vertices)) - taken
+            free -= self.network.docks - {self.network.index[place[2]] for place in others}
+            if len(free) < sum(place[1] == kind for place in others):
+                return False
+        return True
+
     def plan(self, tasks: Sequence[Task], obstacles: Sequence[Obstacle] = (),
-             deadline: float = inf, rounds: Optional[int] = None) -> Outcome:
+              deadline: float = inf, rounds: Optional[int] = None) -> Outcome:
         """Plans for all tasks, improved until the deadline (monotonic s) or for so many rounds.
 
         Raises CannotPlan where a task makes no sense.
@@ -103,19 +135,19 @@ class _Planning:
         missing = [t for t in by_length(self._movers()) if t.name not in self._ways]
         if missing:
             self._serve(missing, deadline)
-        improvement = Improvement(self._tea_star, [t for t in self._movers()
-                                                   if t.name in self._ways],
-                                  self._ways, self._random)
-        improvement.run(deadline - self._time_to_finish(), rounds)
+        before = time.monotonic()
+        outcome = self._outcome(0)
+        to_finish = _TO_FINISH + _SLOWER * (time.monotonic() - before)
+        movers = [t for t in self._movers() if t.name in self._ways]
+        improvement = Improvement(self._tea_star, movers, self._ways, self._random)
+        improvement.run(deadline - to_finish, rounds)
+        if improvement.rounds == 0:
+            return outcome
         self._ways = improvement.ways
         return self._outcome(improvement.rounds)
 
     def _movers(self) -> List[Traveller]:
         return [t for name, t in self._travellers.items() if name not in self._grounded]
-
-    def _time_to_finish(self) -> float:
-        drives = sum(len(way.plan) for way in self._ways.values())
-        return _FINISHING_A_DRIVE * drives
 
     # -- what is there already --------------------------------------------------------------------
 

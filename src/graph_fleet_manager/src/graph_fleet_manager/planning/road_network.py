@@ -11,12 +11,12 @@ from typing import Dict, FrozenSet, Iterable, List, Sequence, Tuple
 
 import networkx as nx
 import numpy as np
-from graph_fleet_manager.fleet import DOCK_APPROACH, RobotType
-from graph_fleet_manager.planning.exclusions import Approach, Exclusions
-from graph_fleet_manager.planning.pieces import edge_lengths, pieces_of
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
+from graph_fleet_manager.fleet import DOCK_APPROACH, RobotType
+from graph_fleet_manager.planning.exclusions import Approach, Exclusions
+from graph_fleet_manager.planning.pieces import edge_lengths, pieces_of
 from trajectory_graph import Graph
 
 GUIDED = 1.0 + 1e-9
@@ -145,7 +145,8 @@ class RoadNetwork:
         """The roads turned round, as a matrix; those into docks left out but for `dock`."""
         if (kind, dock) not in self._matrices:
             times = np.array(self.times(kind))
-            begin, end = np.array(self.origin), np.array(self.origin).reshape(-1, 2)[:, ::-1].ravel()
+            ends = np.array(self.origin).reshape(-1, 2)
+            begin, end = ends.ravel(), ends[:, ::-1].ravel()
             usable = np.isfinite(times) & self._open_drives()
             for other in self.docks - {dock}:
                 usable &= end != other

@@ -66,7 +66,7 @@ class Slots:
 
     def add_drive(self, latest: Dict[int, _Booking], blocks: Sequence[Block], start: float,
                   seconds: float, robot: str) -> None:
-        """Books all that a drive blocks: `add` for each, written out because it is done so often."""
+        """Books all that a drive blocks: `add` for each, written out because it runs so often."""
         bookings, merged = self.bookings, self.merged
         for slot, clear, lead in blocks:
             begin, end = start - lead, start + clear * seconds
