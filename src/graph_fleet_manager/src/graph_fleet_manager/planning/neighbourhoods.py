@@ -66,10 +66,13 @@ class Improvement:
         group = [self._all[name] for name in names]
         before = sum(self.ways[name].cost for name in names)
         self._tea_star.forget(group)
+        for traveller in group:
+            self._tea_star.book_fixed(traveller)
         least = sum(t.errand.lower_bound for t in group)
         spent, found = 0.0, {}
         for traveller in shuffled(group, self._random):
             least -= traveller.errand.lower_bound
+            self._tea_star.forget((traveller,))
             way = self._tea_star.way_of(traveller, before - spent - least)
             if way is None or time.monotonic() >= deadline:
                 break
@@ -80,7 +83,7 @@ class Improvement:
             if spent < before * (1.0 - _CLOSE):
                 self.ways.update(found)
                 return before - spent
-        self._tea_star.forget(self._all[name] for name in found)
+        self._tea_star.forget(group)
         for traveller in group:
             self._tea_star.book(traveller, self.ways[traveller.name])
         return 0.0

@@ -11,7 +11,7 @@ are rarely undersold.
 from __future__ import annotations
 
 from random import Random
-from typing import FrozenSet, Iterable, List, Sequence, Set, Tuple
+from typing import FrozenSet, Iterable, List, Optional, Sequence, Set, Tuple
 
 import networkx as nx
 import numpy as np
@@ -60,9 +60,8 @@ class Parking:
             owner[self._by_vertex[vertex]] = vertex
         if any(count[vertex] != 1 for vertex in parked):
             return False  # two of them exclude each other
-        free = count[:self._vertices] == 0
-        in_core = (count[self._edge] == 0)
-        if not self._hangs_together(free & self._wanted, self._begin[in_core], self._end[in_core]):
+        core = self._core(count)
+        if core is None:
             return False
         # From its place a robot may use what only itself is in the way of, to the core and back:
         # its own vertices, and one that stands for the core, numbered behind all others.
@@ -71,16 +70,22 @@ class Parking:
         fits = np.ones(len(begin), dtype=bool)
         sides = []
         for side in (begin, end):
-            fits &= free[side] | ((count[side] == 1) & (owner[side] == whose))
-            sides.append(np.where(free[side], self._vertices + whose, side))
+            fits &= core[side] | ((count[side] == 1) & (owner[side] == whose))
+            sides.append(np.where(core[side], self._vertices + whose, side))
         part = self._parts(sides[0][fits], sides[1][fits], 2 * self._vertices)
-        return not free.any() and len(parked) == 1 or all(
+        return not core.any() and len(parked) == 1 or all(
             part[vertex] == part[self._vertices + vertex] for vertex in parked)
 
-    def _hangs_together(self, vertices: np.ndarray, begin: np.ndarray, end: np.ndarray) -> bool:
-        """Can every one of these vertices be reached from every other over these drives?"""
-        part = self._parts(begin, end, self._vertices)[vertices]
-        return len(part) == 0 or bool((part == part[0]).all())
+    def _core(self, count: np.ndarray) -> Optional[np.ndarray]:
+        """The vertices (V,) between which everybody can drive, as `count` robots stand in the way
+        of each place; None where that leaves some out that somebody may want to come to."""
+        free = count[:self._vertices] == 0
+        usable = count[self._edge] == 0
+        part = self._parts(self._begin[usable], self._end[usable], self._vertices)
+        sizes = np.bincount(part[free], minlength=1)
+        wanted = part[free & self._wanted]
+        core = wanted[0] if len(wanted) else sizes.argmax()
+        return free & (part == core) if (wanted == core).all() else None
 
     @staticmethod
     def _parts(begin: np.ndarray, end: np.ndarray, nodes: int) -> np.ndarray:

@@ -170,35 +170,61 @@ class _Planning:
 
     def _keep(self) -> None:
         """Books the plans that robots own, in the order in which they were to be driven."""
-        tasks = self._problem.tasks
-        owners = {t.name: t for t in self._movers() if self._usable(t, tasks[t.name])}
+        tasks, network = self._problem.tasks, self._network
+        owners = self._owners()
         order = sorted((drive.start, drive.end, name, k) for name in owners
                        for k, drive in enumerate(tasks[name].kept or ()))
-        self._old = schedule(self._timetable, owners, (
-            (name, self._network.drive(tasks[name].kept[k].edge)) for _, _, name, k in order))
-        for name, plan in self._old.items():
-            self._tea_star.book(owners[name], Way(0.0, plan))
-            cost = owners[name].errand.cost(plan)
+        movers = {t.name: t for t in self._movers()}
+        plans = schedule(self._timetable, movers, (
+            (name, network.drive(tasks[name].kept[k].edge)) for _, _, name, k in order))
+        for name in owners:
+            plan = self._old[name] = plans[name]
+            self._tea_star.book(movers[name], Way(0.0, plan))
+            cost = movers[name].errand.cost(plan)
             if cost < inf:
                 self._ways[name] = Way(cost, plan)
 
-    def _usable(self, traveller: Traveller, task: Task) -> bool:
-        """Can the plan that a robot owns still be driven, with what stands about for ever?"""
-        if task.kept is None:
+    def _owners(self) -> List[str]:
+        """Who owns a plan that can still be driven; none leads past who has none."""
+        movers = {t.name: t for t in self._movers()}
+        owners = [name for name, t in movers.items() if self._can_be_driven(t)]
+        strangers = [t for name, t in movers.items() if name not in set(owners)]
+        while strangers:
+            passing = [name for name in owners if any(
+                self._passes(movers[name], stranger) for stranger in strangers)]
+            owners = [name for name in owners if name not in set(passing)]
+            strangers = [movers[name] for name in passing]
+        return owners
+
+    def _can_be_driven(self, traveller: Traveller) -> bool:
+        """Is a robot's plan still one, past all that stands about for ever?"""
+        kept = self._problem.tasks[traveller.name].kept
+        if kept is None:
             return False
-        vertex = traveller.errand.vertex
-        slots = self._timetable.slots[traveller.kind]
-        for edge, _, _ in task.kept:
-            drives = {road[0]: road[1] for road in (
-                traveller.errand.roads[vertex] if vertex >= 0 else ())}
-            if traveller.between and vertex < 0:
-                drives = {drive: self._network.destination(drive) for drive in (
-                    traveller.between.drive, traveller.between.drive ^ 1)}
-            drive = self._network.drive(edge) if abs(edge) in self._network.edge_index else -1
-            if drive not in drives or slots.bookings[drive]:
+        network, vertex = self._network, traveller.errand.vertex
+        slots, times = self._timetable.slots[traveller.kind], network.times(traveller.kind)
+        for edge, _, _ in kept:
+            if abs(edge) not in network.edge_index or abs(edge) in network.closed:
                 return False
-            vertex = drives[drive]
+            drive = network.drive(edge)
+            begins = network.origin[drive] == vertex if vertex >= 0 else (
+                drive >> 1 == traveller.between.drive >> 1)
+            if not begins or times[drive] == inf or slots.bookings[drive]:
+                return False
+            vertex = network.destination(drive)
         return True
+
+    def _passes(self, owner: Traveller, stranger: Traveller) -> bool:
+        """Does the plan of one robot lead past the place where another one stands?"""
+        blocking = self._timetable.blocking[stranger.kind, owner.kind]
+        if stranger.between is not None:
+            blocked = blocking.around_point(self._timetable.places_near(
+                stranger.kind, owner.kind, stranger.between))
+        else:
+            blocked = blocking.wait(stranger.errand.vertex)
+        slots = {slot for slot, _ in blocked}
+        return any(self._network.drive(drive.edge) in slots
+                   for drive in self._problem.tasks[owner.name].kept)
 
     # -- ways for those who have none -------------------------------------------------------------
 
@@ -328,7 +354,8 @@ class _Planning:
         behind = schedule(self._timetable, self._travellers, in_order(behind))
         whole = {name: self._travellers[name].whole(plan) for name, plan in behind.items()}
         constraints = precedence(self._timetable, whole,
-                                 {name: t.kind for name, t in self._travellers.items()})
+                                 {name: t.kind for name, t in self._travellers.items()},
+                                 {name: len(t.fixed) for name, t in self._travellers.items()})
         if has_cycle({name: len(plan) for name, plan in whole.items()}, constraints):
             raise AssertionError('a plan whose robots wait for each other in a ring')
         served = [t for t in self._travellers.values() if t.name in self._ways]

@@ -8,8 +8,10 @@ begin its drive j only once robot a has driven the fraction f of its drive i.
 from __future__ import annotations
 
 from collections import deque
+from types import MappingProxyType
 from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
+from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.planning.plans import Plans
 from graph_fleet_manager.planning.timetable import Timetable
 
@@ -30,23 +32,24 @@ class Conflicting(Exception):
     """A plan in which two robots hold at once what they may not: a defect of the planner."""
 
 
-def precedence(timetable: Timetable, plans: Plans,
-               kinds: Mapping[str, object]) -> List[Constraint]:
+def precedence(timetable: Timetable, plans: Plans, kinds: Mapping[str, RobotType],
+               released: Mapping[str, int] = MappingProxyType({})) -> List[Constraint]:
     """The constraints that keep `plans` safe, none of which follows from another of the same pair.
 
-    Raises Conflicting where the times of the plans themselves are not safe.
+    So many first drives of each robot as `released` says need none any more: all that had to come
+    before them has come. Raises Conflicting where the times of the plans themselves are not safe.
     """
-    users: Dict[object, List[Optional[Dict[str, Tuple[int, float, float]]]]] = {
+    users: Dict[RobotType, List[Optional[Dict[str, Tuple[int, float, float]]]]] = {
         kind: [None] * timetable.network.drives for kind in timetable.kinds}
     drives = timetable.network.drives
     constraints: List[Constraint] = []
     known: Dict[Tuple[str, str], Tuple[int, float]] = {}
-    order = sorted((drive.start, drive.end, name, k) for name, plan in plans.items()
-                   for k, drive in enumerate(plan))
-    for start, end, name, k in order:
+    order = sorted((k >= released.get(name, 0), drive.start, drive.end, name, k)
+                   for name, plan in plans.items() for k, drive in enumerate(plan))
+    for planned, start, end, name, k in order:
         drive, kind = plans[name][k], kinds[name]
         before = users[kind][drive.drive]
-        if before:
+        if before and planned:
             for other, (i, fraction, until) in before.items():
                 if other == name:
                     continue

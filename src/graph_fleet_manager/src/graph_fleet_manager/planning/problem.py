@@ -64,7 +64,11 @@ class Problem:
                 | frozenset(self._vertices(() if task.vertex is None else (task.vertex,))))
         else:
             rests = self.rests(task.type, wanted)
-        start = -1 if task.vertex is None else self._network.index[task.vertex]
+        start = -1
+        if task.vertex is not None:
+            start = self._network.index[task.vertex]
+        elif fixed:
+            start = self._network.origin[fixed[0].drive]
         return Traveller(task.name, task.type, start, fixed,
                          self._errand(task, fixed, between, rests), task.priority, between)
 

@@ -61,6 +61,11 @@ class TeaStar:
         self.timetable.book(traveller.name, traveller.kind, traveller.vertex,
                             traveller.whole(way.plan), traveller.between)
 
+    def book_fixed(self, traveller: Traveller) -> None:
+        """Books only what a robot without a plan holds in any case."""
+        self.timetable.book(traveller.name, traveller.kind, traveller.vertex, traveller.fixed,
+                            traveller.between, traveller.errand.ready)
+
     def book_present(self, traveller: Traveller) -> None:
         """Books what a robot without a plan holds in any case, and for a moment where it is."""
         self.timetable.book(traveller.name, traveller.kind, traveller.vertex, traveller.fixed,
