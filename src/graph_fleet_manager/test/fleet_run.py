@@ -17,11 +17,11 @@ from graph_fleet_manager.planning.tasks import Outcome, PlannedDrive, Task
 
 
 class Delays(NamedTuple):
-    """How late robots run: each drive takes up to `slower` times as long, and with the probability
-    `stalls` (per drive) the robot stands still on it for `stall` s."""
+    """How late robots run: each drive takes between 1 and `slower` times as long as planned, and
+    about every `between_stalls` s of driving the robot stands still for `stall` s."""
 
-    slower: float = 1.2
-    stalls: float = 0.02
+    slower: float = 1.1
+    between_stalls: float = 800.0
     stall: float = 20.0
 
 
@@ -165,7 +165,7 @@ class FleetRun:
 
     def _drive(self, edge: int, seconds: float) -> Driven:
         seconds *= self._random.uniform(1.0, self._delays.slower)
-        if self._random.random() < self._delays.stalls:
+        if self._random.random() < seconds / self._delays.between_stalls:
             stop = self._random.random()
             return Driven(edge, (self.now, self.now + stop * seconds,
                                  self.now + stop * seconds + self._delays.stall,

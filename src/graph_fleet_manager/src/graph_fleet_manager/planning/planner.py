@@ -264,6 +264,7 @@ class _Planning:
                 self._book_again(other)
             return False
         self._ways.update(ways)
+        self._travellers.update((other.name, other) for other in group)
         return True
 
     def _making_room(self, other: Traveller, traveller: Traveller) -> Traveller:
