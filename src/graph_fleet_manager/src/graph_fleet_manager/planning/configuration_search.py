@@ -15,7 +15,7 @@ from collections import deque
 from random import Random
 from typing import Deque, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
-from graph_fleet_manager.planning.configuration_step import Mover, StepMaker
+from graph_fleet_manager.planning.configuration_step import Mover, StepMaker, choose_rests
 from graph_fleet_manager.planning.timetable import Timetable
 from graph_fleet_manager.planning.travellers import Traveller
 
@@ -43,9 +43,10 @@ def search_configurations(timetable: Timetable, travellers: Sequence[Traveller],
     one that each has been given by the order of the travellers: the nearest that is still free.
     None where the deadline (monotonic s) came first.
     """
-    maker = StepMaker(timetable, travellers, random)
-    if maker.movers is None:
+    rests = choose_rests(timetable, travellers)
+    if rests is None:
         return None
+    maker = StepMaker(timetable, travellers, rests, random)
     movers = maker.movers
     first = tuple(mover.begin for mover in movers)
     root = _Node(first, None, {}, _first_waiting(movers, first), [], deque([()]))

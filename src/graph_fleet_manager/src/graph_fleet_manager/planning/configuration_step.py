@@ -62,21 +62,18 @@ class Mover:
 
 
 class StepMaker:
-    """Makes steps for robots on a graph; `movers` is None where not all of them find a rest."""
+    """Makes steps for robots on a graph; `rests` tells where each of them is to end."""
 
     def __init__(self, timetable: Timetable, travellers: Sequence[Traveller],
-                 random: Random) -> None:
+                 rests: Sequence[Optional[int]], random: Random) -> None:
         network = timetable.network
         self._random = random
         self._timetable = timetable
         self._first_edge = network.vertices
-        rests = _rests(timetable, travellers)
-        self.movers: Optional[List[Mover]] = None
-        if rests is not None:
-            self.movers = [Mover(t, rest, network.vertices, [
-                network.estimates(t.kind, target) for target in (
-                    *t.errand.destinations, *(() if rest is None else (rest,)))])
-                for t, rest in zip(travellers, rests)]
+        self.movers: List[Mover] = [Mover(t, rest, network.vertices, [
+            network.estimates(t.kind, target) for target in (
+                *t.errand.destinations, *(() if rest is None else (rest,)))])
+            for t, rest in zip(travellers, rests)]
         self._kinds = [t.kind for t in travellers]
         self._near: Dict[Tuple[RobotType, int], List[Tuple[RobotType, List[int], List[int]]]] = {}
 
@@ -209,11 +206,11 @@ class StepMaker:
         return way
 
 
-def _rests(timetable: Timetable,
-           travellers: Sequence[Traveller]) -> Optional[List[Optional[int]]]:
-    """For who may rest in several places one of them, free of all others; else None.
+def choose_rests(timetable: Timetable,
+                 travellers: Sequence[Traveller]) -> Optional[List[Optional[int]]]:
+    """For who may rest in several places one of them, free of all others; for others None.
 
-    Who has nothing to do stays where it is if it may.
+    Who has nothing to do stays where it is if it may. None where not all of them find a rest.
     """
     taken: List[Tuple[RobotType, int]] = [
         (t.kind, t.errand.destinations[-1]) for t in travellers if t.errand.rests is None]
