@@ -130,7 +130,7 @@ def test_one_robot_past_the_plan_of_another_takes_no_longer_than_it_must(search,
         track += [track[-1]] * (round(drive.start) - len(track) + 1)
         track.append(graph.end_vertex(drive.edge).id)
     # The first robot keeps its way, as one that has the higher priority.
-    tasks = [task for task in _tasks([other, start], [other_goal, goal])]
+    tasks = _tasks([other, start], [other_goal, goal])
     tasks[0] = Task('r0', UNIT, other, destinations=(other_goal,), stays=True, priority=1)
     both = planner.plan(tasks, (), time.monotonic() + 5.0, 0)
     least = _best_alone(graph, start, goal, 40, [track])
