@@ -1,0 +1,1 @@
+"""A fleet manager for robots that drive on a trajectory graph; knows no particular robot."""

@@ -1,0 +1,32 @@
+"""What is wrong with a file, for people."""
+from __future__ import annotations
+
+import os
+from typing import Optional, Union
+
+from trajectory_graph.strict_yaml import WrongYaml
+
+
+class FileError(Exception):
+    """A file that cannot be used.
+
+    file    -- its path
+    line    -- counted from 1, None where it is about the whole file
+    problem -- what is wrong and what to do, as a clause
+    """
+
+    def __init__(self, file: Union[str, os.PathLike], problem: str,
+                 line: Optional[int] = None) -> None:
+        super().__init__(file, problem, line)
+        self.file = os.fspath(file)
+        self.problem = problem
+        self.line = line
+
+    @classmethod
+    def of(cls, file: Union[str, os.PathLike], wrong: WrongYaml) -> FileError:
+        """The same, from what a strict reader found."""
+        return cls(file, wrong.problem, wrong.line)
+
+    def __str__(self) -> str:
+        line = f', line {self.line}' if self.line is not None else ''
+        return f'{self.file}{line}: {self.problem}.'

@@ -1,0 +1,53 @@
+"""The plan file: what `plan_fleet` found, as JSON."""
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from typing import Any, Dict, Iterable, Mapping, Union
+
+from graph_fleet_manager.planning.tasks import Outcome
+
+
+def solved_plan(outcome: Outcome, planning_time: float, geometry_time: float) -> Dict[str, Any]:
+    """A plan for all robots as it stands in the file; times in s."""
+    ends = [drives[-1].end if drives else 0.0 for drives in outcome.drives.values()]
+    return {
+        'solved': True, 'reason': '',
+        'planning_time': planning_time, 'geometry_time': geometry_time,
+        'sum_of_costs': sum(ends), 'lower_bound': min(outcome.lower_bound, sum(ends)),
+        'makespan': max(ends, default=0.0),
+        'robots': {name: [drive._asdict() for drive in drives]
+                   for name, drives in outcome.drives.items()},
+        'precedence': [list(constraint) for constraint in outcome.precedence],
+    }
+
+
+def unsolved_plan(reason: str, lower_bound: float, robots: Iterable[str],
+                  planning_time: float, geometry_time: float) -> Dict[str, Any]:
+    """What stands in the file where no plan was found: why, and no drives."""
+    return {
+        'solved': False, 'reason': reason,
+        'planning_time': planning_time, 'geometry_time': geometry_time,
+        'sum_of_costs': 0.0, 'lower_bound': lower_bound, 'makespan': 0.0,
+        'robots': {name: [] for name in robots}, 'precedence': [],
+    }
+
+
+def save_plan(plan: Mapping[str, Any], path: Union[str, os.PathLike]) -> None:
+    """Writes a plan, numbers in full; an older file stays until the new one is complete."""
+    if os.path.exists(path) and not os.path.isfile(path):  # /dev/stdout, a pipe
+        with open(path, 'w', encoding='utf-8') as stream:
+            json.dump(plan, stream, allow_nan=False)
+        return
+    folder, name = os.path.split(os.path.abspath(path))
+    descriptor, temporary = tempfile.mkstemp(prefix=f'.{name}.', dir=folder)
+    try:
+        with os.fdopen(descriptor, 'w', encoding='utf-8') as stream:
+            json.dump(plan, stream, allow_nan=False)
+            stream.write('\n')
+        os.chmod(temporary, 0o644)
+        os.replace(temporary, path)
+    except BaseException:
+        os.unlink(temporary)
+        raise

@@ -1,0 +1,152 @@
+"""Where robots may stand for ever without cutting anybody off.
+
+A set of parking vertices is *well-formed* if, with a robot standing on every one of them, the rest
+of the graph still hangs together and each of these robots can leave and come back (Cap et al.,
+arXiv 1501.07704). Then somebody can always move, whatever missions come. Vertices that the graph
+forbids as parking, like those that cut an edge into sections, may be cut off. How many vertices
+such a set can have is the capacity of the graph. The largest set is hard to find; here it is
+searched for from many beginnings, so what is found is certain to be well-formed, and small graphs
+are rarely undersold.
+"""
+from __future__ import annotations
+
+from random import Random
+from typing import FrozenSet, Iterable, List, Optional, Sequence, Set, Tuple
+
+import networkx as nx
+import numpy as np
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import connected_components
+
+from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.planning.road_network import RoadNetwork
+
+_TRIALS = 20
+_LARGE = 300  # vertices: from here on one trial must do
+
+
+class Parking:
+    """Well-formed sets of one robot type on one graph.
+
+    candidates -- vertices that may be used; without any, all but docks and those that the graph
+                  forbids, or, where the graph names parking, only that
+    """
+
+    def __init__(self, network: RoadNetwork, kind: RobotType, clearance: float,
+                 candidates: Iterable[int] = ()) -> None:
+        self._network = network
+        self._candidates = sorted(candidates) or named_parking(network, kind)
+        self._vertices = network.vertices
+        self._wanted = np.array([network.graph.vertices[id].parking is not False
+                                 for id in network.vertex_ids])
+        conflicts = network.exclusions.at(2.0 * kind.reach + clearance)
+        self._by_vertex = [np.array(conflicts.row(vertex), dtype=np.int64)
+                           for vertex in range(self._vertices)]
+        times = np.array(network.times(kind))
+        usable = [drive for drive in range(network.drives) if np.isfinite(times[drive])
+                  and network.edge_ids[drive >> 1] not in network.closed]
+        self._begin = np.array([network.origin[d] for d in usable], dtype=np.int64)
+        self._end = np.array([network.origin[d ^ 1] for d in usable], dtype=np.int64)
+        self._edge = np.array([self._vertices + (d >> 1) for d in usable], dtype=np.int64)
+
+    def is_well_formed(self, parked: Iterable[int]) -> bool:
+        """Does nobody cut anybody off while robots stand on all these vertices?"""
+        parked = sorted(parked)
+        places = self._vertices + len(self._network.edge_ids)
+        count = np.zeros(places, dtype=np.int64)
+        owner = np.full(places, -1, dtype=np.int64)
+        for vertex in parked:
+            count[self._by_vertex[vertex]] += 1
+            owner[self._by_vertex[vertex]] = vertex
+        if any(count[vertex] != 1 for vertex in parked):
+            return False  # two of them exclude each other
+        core = self._core(count)
+        if core is None:
+            return False
+        # From its place a robot may use what only itself is in the way of, to the core and back:
+        # its own vertices, and one that stands for the core, numbered behind all others.
+        own = count[self._edge] == 1
+        begin, end, whose = self._begin[own], self._end[own], owner[self._edge[own]]
+        fits = np.ones(len(begin), dtype=bool)
+        sides = []
+        for side in (begin, end):
+            fits &= core[side] | ((count[side] == 1) & (owner[side] == whose))
+            sides.append(np.where(core[side], self._vertices + whose, side))
+        part = self._parts(sides[0][fits], sides[1][fits], 2 * self._vertices)
+        return not core.any() and len(parked) == 1 or all(
+            part[vertex] == part[self._vertices + vertex] for vertex in parked)
+
+    def _core(self, count: np.ndarray) -> Optional[np.ndarray]:
+        """The vertices (V,) between which everybody can drive, as `count` robots stand in the way
+        of each place; None where that leaves some out that somebody may want to come to."""
+        free = count[:self._vertices] == 0
+        usable = count[self._edge] == 0
+        part = self._parts(self._begin[usable], self._end[usable], self._vertices)
+        sizes = np.bincount(part[free], minlength=1)
+        wanted = part[free & self._wanted]
+        core = wanted[0] if len(wanted) else sizes.argmax()
+        return free & (part == core) if (wanted == core).all() else None
+
+    @staticmethod
+    def _parts(begin: np.ndarray, end: np.ndarray, nodes: int) -> np.ndarray:
+        """For each node the strongly connected part that it belongs to."""
+        links = csr_matrix((np.ones(len(begin)), (begin, end)), shape=(nodes, nodes))
+        return connected_components(links, directed=True, connection='strong')[1]
+
+    def largest(self, seed: int = 0) -> FrozenSet[int]:
+        """The largest well-formed set that was found."""
+        random = Random(seed)
+        best: Set[int] = set()
+        trials = _TRIALS if self._vertices < _LARGE else 1
+        for trial in range(trials):
+            order = self._by_promise()
+            if trial:
+                random.shuffle(order)
+            found = self._grown(set(), order)
+            found = self._exchanged(found, order) if trials > 1 else found
+            if len(found) > len(best):
+                best = found
+        return frozenset(best)
+
+    def _by_promise(self) -> List[int]:
+        """Dead ends first, then what lies on few ways."""
+        roads = nx.Graph(zip(self._begin.tolist(), self._end.tolist()))
+        roads.add_nodes_from(range(self._vertices))
+        cut = set(nx.articulation_points(roads))
+        return sorted(self._candidates, key=lambda v: (v in cut, roads.degree(v), v))
+
+    def _grown(self, parked: Set[int], order: Sequence[int]) -> Set[int]:
+        """Adds what can be added, in this order, many at a time as long as that goes well."""
+        waiting: List[Tuple[int, ...]] = [tuple(v for v in order if v not in parked)]
+        parked = set(parked)
+        while waiting:
+            batch = waiting.pop()
+            if not batch:
+                continue
+            if self.is_well_formed(parked.union(batch)):
+                parked.update(batch)
+            elif len(batch) > 1:
+                half = (len(batch) + 1) // 2
+                waiting += [batch[half:], batch[:half]]
+        return parked
+
+    def _exchanged(self, parked: Set[int], order: Sequence[int]) -> Set[int]:
+        """One vertex given up for two others, as long as that is possible."""
+        better = True
+        while better:
+            better = False
+            for vertex in sorted(parked):
+                found = self._grown(parked - {vertex}, [v for v in order if v != vertex])
+                if len(found) > len(parked):
+                    parked, better = found, True
+                    break
+        return parked
+
+
+def named_parking(network: RoadNetwork, kind: RobotType) -> List[int]:
+    """The vertices at which robots of a type may be parked as far as the graph says."""
+    vertices = [network.graph.vertices[id] for id in network.vertex_ids]
+    docks = kind.docks or frozenset()
+    named = any(v.parking for v in vertices)
+    return [network.index[v.id] for v in vertices
+            if (v.id in docks if v.dock else v.parking if named else v.parking is not False)]

@@ -1,0 +1,97 @@
+"""The fleet's planner: one graph, asked again and again."""
+from __future__ import annotations
+
+import gc
+from contextlib import contextmanager
+from math import inf
+from random import Random
+from typing import Dict, Iterable, Iterator, List, Optional, Sequence, Tuple
+
+from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.planning.attempts import Attempts
+from graph_fleet_manager.planning.layers import Search
+from graph_fleet_manager.planning.problem import check
+from graph_fleet_manager.planning.road_network import RoadNetwork
+from graph_fleet_manager.planning.safe_intervals import find_way
+from graph_fleet_manager.planning.tasks import Obstacle, Outcome, Task
+from graph_fleet_manager.planning.timetable import Timetable
+
+Place = Tuple[str, RobotType, int]
+"""Name of a robot, its type, the id of a vertex."""
+
+
+class FleetPlanner:
+    """Plans for all robots of a fleet on one graph.
+
+    network   -- the graph, with the edges that are closed now
+    clearance -- m between any two robots
+    kinds     -- all robot types that will occur
+    parking   -- ids of the vertices at which robots may be parked
+    search    -- the search for one robot's way: `safe_intervals.find_way` or `layers.layered`
+    seed      -- of all that is random
+    """
+
+    def __init__(self, network: RoadNetwork, clearance: float, kinds: Iterable[RobotType],
+                 parking: Iterable[int] = (), search: Search = find_way, seed: int = 0) -> None:
+        self.network = network
+        self.timetable = Timetable(network, clearance, kinds)
+        self.parking = tuple(parking)
+        self._search = search
+        self._seed = seed
+
+    def prepare(self) -> None:
+        """Computes beforehand what depends on the graph only."""
+        self.timetable.prepare()
+
+    def too_near(self, places: Sequence[Place]) -> Optional[Tuple[Place, Place]]:
+        """Two of the robots (name, type, vertex id) that may not stand there at once, or None."""
+        at: Dict[int, List[Place]] = {}
+        for place in places:
+            vertex = self.network.index[place[2]]
+            for other_kind in self.timetable.kinds:
+                for near in self.timetable.blocking[place[1], other_kind].excluded(vertex):
+                    for other in at.get(near, ()):
+                        if other[1] == other_kind:
+                            return other, place
+            if vertex in at:
+                return at[vertex][0], place
+            at.setdefault(vertex, []).append(place)
+        return None
+
+    def can_park(self, ends: Sequence[Place], others: Sequence[Place]) -> bool:
+        """Are there vertices enough for `others` beside robots that stay at `ends`?"""
+        for kind in {place[1] for place in others}:
+            taken = {vertex for _, end_kind, id in ends
+                     for vertex in self.timetable.blocking[end_kind, kind].excluded(
+                         self.network.index[id])}
+            free = set(range(self.network.vertices)) - taken
+            free -= self.network.docks - {self.network.index[place[2]] for place in others}
+            if len(free) < sum(place[1] == kind for place in others):
+                return False
+        return True
+
+    def plan(self, tasks: Sequence[Task], obstacles: Sequence[Obstacle] = (),
+             deadline: float = inf, rounds: Optional[int] = None,
+             improve_until: float = inf) -> Outcome:
+        """Plans for all tasks, improved until the deadline (monotonic s) or for so many rounds,
+        or until `improve_until` (monotonic s) where that is sooner.
+
+        Raises CannotPlan where a task makes no sense.
+        """
+        check(self.network, tasks)
+        with _without_garbage_collection():
+            attempts = Attempts(self.timetable, tasks, obstacles, self.parking, self._search,
+                                Random(self._seed))
+            return attempts.run(deadline, rounds, improve_until)
+
+
+@contextmanager
+def _without_garbage_collection() -> Iterator[None]:
+    """Plans are many small values without cycles: collecting among them only costs time."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()

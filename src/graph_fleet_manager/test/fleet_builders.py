@@ -1,0 +1,90 @@
+"""Graphs and fleets that the tests share."""
+from __future__ import annotations
+
+import math
+from random import Random
+from typing import Dict, List, Mapping, Optional, Sequence, Tuple
+
+from graph_fleet_manager.fleet import RobotType
+from trajectory_graph import CurveType, Edge, Graph, Vertex
+
+AGV = RobotType('agv', 0.4, 1.0)
+
+
+def graph_of(places: Mapping[int, Tuple[float, float]], ends: Mapping[int, Tuple[int, int]],
+             speed: float = 1.0, one_way: Sequence[int] = ()) -> Graph:
+    """Straight edges `ends` {id: (origin, destination)} between vertices {id: (x, y)}."""
+    return Graph([Vertex(id, x, y, 0.0) for id, (x, y) in places.items()],
+                 [Edge(id, *pair, velocity_forward=speed,
+                       velocity_backwards=0.0 if id in one_way else speed)
+                  for id, pair in ends.items()])
+
+
+def corridor(length: int, siding_at: Optional[int] = None, spacing: float = 2.0) -> Graph:
+    """Vertices 1 .. length in a row, edges 1 .. length - 1; a siding 100 beside one of them."""
+    places: Dict[int, Tuple[float, float]] = {
+        k: ((k - 1) * spacing, 0.0) for k in range(1, length + 1)}
+    ends = {k: (k, k + 1) for k in range(1, length)}
+    if siding_at is not None:
+        places[100] = ((siding_at - 1) * spacing, spacing)
+        ends[100] = (siding_at, 100)
+    return graph_of(places, ends)
+
+
+def ladder(length: int, spacing: float = 2.0) -> Graph:
+    """Two rows of vertices, 1 .. length and 101 .. 100 + length, joined at every one."""
+    places = {100 * row + k: ((k - 1) * spacing, row * spacing)
+              for row in (0, 1) for k in range(1, length + 1)}
+    ends = {100 * row + k: (100 * row + k, 100 * row + k + 1)
+            for row in (0, 1) for k in range(1, length)}
+    return graph_of(places, {**ends, **{200 + k: (k, 100 + k) for k in range(1, length + 1)}})
+
+
+def random_graph(random: Random, vertices: int, extra: int, spacing: float) -> Graph:
+    """A connected graph with lines, splines, near-parallel, crossing and one-way edges."""
+    places: List[Tuple[float, float]] = []
+    side = spacing * math.sqrt(vertices)
+    while len(places) < vertices:
+        place = random.uniform(0.0, side), random.uniform(0.0, side)
+        if all(math.dist(place, other) > 0.05 for other in places):
+            places.append(place)
+    pairs = []
+    for k in range(1, vertices):  # a tree that joins near ones, then edges across
+        near = sorted(range(k), key=lambda j: math.dist(places[j], places[k]))
+        pairs.append((random.choice(near[:2]), k))
+    for _ in range(extra):
+        one, other = random.sample(range(vertices), 2)
+        pairs.append((one, other))
+    edges = []
+    for k, (one, other) in enumerate(pairs):
+        forward, backwards = (random.choice((0.3, 0.7, 1.0)) for _ in range(2))
+        if k >= vertices and random.random() < 0.4:
+            backwards = 0.0
+        kind = random.choice(list(CurveType))
+        edges.append(Edge(k + 1, one + 1, other + 1, kind, random.uniform(0.0, 1.5),
+                          random.uniform(0.0, 1.5), forward, backwards))
+    return Graph([Vertex(k + 1, *place, random.uniform(-math.pi, math.pi))
+                  for k, place in enumerate(places)], edges)
+
+
+def as_files(graph: Graph, types: Sequence[RobotType], robots: Mapping[str, Tuple[str, int]],
+             missions: Mapping[str, Sequence[int]], clearance: float) -> Tuple[dict, dict, dict]:
+    """What stands in the three files of `plan_fleet`, as plain data."""
+    return ({
+        'Vertices': [{'Id': v.id, 'X': v.x, 'Y': v.y, 'Theta': v.theta, 'ThetaHolomonic': 0.0,
+                      'Label': v.label, 'FrameId': 'map', 'Dock': v.dock}
+                     for v in graph.vertices.values()],
+        'Edges': [{'Id': e.id, 'Origin_ID': e.origin, 'Destination_ID': e.destination,
+                   'CurveType': e.curve_type.value, 'ParamF': e.param_f, 'ParamB': e.param_b,
+                   'VelocityForward': e.velocity_forward,
+                   'VelocityBackwards': e.velocity_backwards} for e in graph.edges.values()],
+    }, {
+        'clearance': clearance,
+        'robot_types': [{'name': t.name, 'radius': t.radius, 'speed': t.speed, 'play': t.play,
+                         'obeys_edge_speed': t.obeys_edge_speed} for t in types],
+        'robots': [{'name': name, 'type': kind, 'vertex': vertex}
+                   for name, (kind, vertex) in robots.items()],
+    }, {
+        'missions': [{'robot': name, 'vertices': list(vertices)}
+                     for name, vertices in missions.items()],
+    })

@@ -1,0 +1,35 @@
+"""Every plan is judged by a checker that shares no code with the planner."""
+from __future__ import annotations
+
+import os
+from random import Random
+
+import pytest
+from fleet_cases import Case
+from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import strategies as st
+from plan_checker import faults
+from plan_replay import replay, replay_faults
+
+from graph_fleet_manager.planning.layers import layered
+from graph_fleet_manager.planning.safe_intervals import find_way
+from trajectory_graph import GraphError
+
+LONG = os.environ.get('LD90_LONG_TESTS') == '1'
+
+
+@pytest.mark.parametrize('search', [find_way, layered(0.5)], ids=['safe_intervals', 'layers'])
+@settings(max_examples=2000 if LONG else 40, suppress_health_check=list(HealthCheck))
+@given(seed=st.integers(0, 2 ** 32 - 1))
+def test_a_plan_on_any_graph_is_safe_whatever_the_delays(search, seed):
+    random = Random(seed)
+    try:
+        case = Case(random)
+    except GraphError:
+        assume(False)
+    plan = case.plan(search, seed)
+    assume(plan is not None)
+    world = case.world
+    assert faults(world, plan) == []
+    for _ in range(3):
+        assert replay_faults(world, plan, replay(world, plan, random)) == []
