@@ -144,8 +144,8 @@ class PathPlanner:
         except CannotPlan as refusal:
             return self._told(request, PlanAnswer.REFUSED, str(refusal))
         except Exception:  # a defect: who asked must not wait for ever, and the next request may do
-            rospy.logerr('A request could not be planned because of a defect of the planner; please '
-                         'report it with this text:\n%s', traceback.format_exc())
+            rospy.logerr('A request could not be planned because of a defect of the planner; '
+                         'please report it with this text:\n%s', traceback.format_exc())
             return self._told(request, PlanAnswer.REFUSED, 'The planner failed on it, its log says '
                               'how; report that, and ask for something else.')
         took = time.monotonic() - begun
