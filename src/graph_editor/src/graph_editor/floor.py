@@ -61,10 +61,11 @@ class Floor:
         """
         open_cells = self.clearance >= clearance
         parts, _ = ndimage.label(open_cells, EVERY_NEIGHBOUR)
-        labels = {self._label_near(parts, start) for start in starts} - {0}
+        labels = {self.part_near(parts, start) for start in starts} - {0}
         return np.isin(parts, sorted(labels)) if labels else np.zeros_like(open_cells)
 
-    def _label_near(self, parts: np.ndarray, place: Tuple[float, float], reach: float = 1.0) -> int:
+    def part_near(self, parts: np.ndarray, place: Tuple[float, float], reach: float = 1.0) -> int:
+        """The label in `parts` (rows, columns) nearest to a place, within `reach` m; else 0."""
         (row,), (column,) = self.cells_of(np.array([place]))
         if parts[row, column]:
             return int(parts[row, column])

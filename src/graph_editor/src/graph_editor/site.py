@@ -52,10 +52,16 @@ class Site:
     """A floor with the places that are known on it."""
 
     name: str
+    """The file, or what the map is called."""
     floor: Floor
     places: Tuple[Place, ...] = ()
     notes: Tuple[str, ...] = ()
     """What a person should know about the map, a sentence each."""
+
+    @property
+    def frame_id(self) -> str:
+        """What the vertices of a graph for this map have as FrameId."""
+        return f'map/{os.path.splitext(os.path.basename(self.name))[0]}'
 
 
 @dataclass(frozen=True)

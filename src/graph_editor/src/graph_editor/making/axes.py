@@ -11,7 +11,7 @@ from graph_editor.floor import Floor
 
 NEAR_WALLS = (0.25, 1.0)  # m: there the clearance grows straight away from the wall
 BINS = 180  # of half a degree
-SHARE = 0.15  # of all walls that an axis must have, or more
+SHARE = 0.12  # of the walls along the first axis that another must have, or more
 APART = 20.0  # deg between axes
 
 
@@ -24,11 +24,14 @@ def axes_of(floor: Floor) -> List[float]:
     counts = np.bincount((quarter / (math.pi / 2.0) * BINS).astype(int) % BINS, minlength=BINS)
     smooth = ndimage.gaussian_filter1d(counts.astype(float), 3.0, mode='wrap')
     axes: List[float] = []
+    first = 0.0
     for peak in np.argsort(-smooth, kind='stable'):
         angle = (peak + 0.5) / BINS * 90.0
-        mass = counts[(peak + np.arange(-8, 9)) % BINS].sum()
-        if axes and mass < SHARE * counts.sum():
+        around = counts[(peak + np.arange(-8, 9)) % BINS]
+        walls = float(around.sum() - len(around) * np.median(counts))
+        if axes and walls < SHARE * first:
             break
+        first = first or max(walls, 1.0)
         if all(_apart(angle, math.degrees(axis)) > APART for axis in axes):
             axes.append(_refined(quarter, math.radians(angle)))
     return axes

@@ -1,12 +1,13 @@
-"""Right corners for cut ones: where a skeleton slants from one straight lane to another.
+"""Lanes along the axes for slanting ones, where a skeleton cuts corners or leads askew.
 
-A slanting lane between a lane along one axis and a lane across it gives way to the corner in which
-the two meet when they are drawn on.
+A slant between a lane along one axis and a lane across it gives way to the corner in which the two
+meet when they are drawn on. A slant that ends at a lane across its axis meets that elsewhere, at a
+right angle. A slant that ends nowhere is turned.
 """
 from __future__ import annotations
 
 import math
-from typing import Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Iterator, NamedTuple, Optional, Sequence, Set, Tuple
 
 import numpy as np
 
@@ -14,10 +15,12 @@ from graph_editor.making.lanes import Lane, LaneNet
 from graph_editor.making.rectifying import axis_of
 from graph_editor.making.sight import in_sight
 
-LONGEST_SLANT = 3.5  # m
+LONGEST_CUT = 3.5  # m, of a slant that cuts a corner
 FARTHEST_CORNER = 3.0  # m from either end of the slant
-CLOSE = 0.6  # m between nodes that become one
-STRAIGHT = math.radians(6.0)  # of turning, at a node that is none
+LONGEST_SLANT = 12.0  # m
+STEEPEST = math.radians(40.0)  # off its axis, of a slant that is levelled
+FARTHEST_SHIFT = 2.5  # m that the end of a slant is moved by
+CLOSE = 0.6  # m from a node: there a lane ends at the node
 
 
 class _Corner(NamedTuple):
@@ -27,27 +30,36 @@ class _Corner(NamedTuple):
     position: np.ndarray
     slant: Lane
     split: Optional[Lane]  # the lane that the corner lies on
+    ends: Tuple[int, ...]  # the nodes that are joined to the corner
 
 
-def square_corners(net: LaneNet, axes: Sequence[float]) -> None:
-    """Replaces slants, one after the other, as long as there are any to replace."""
-    refused = set()
-    while True:
-        slants = sorted((lane for lane in net.lanes if lane.nodes not in refused
-                         and _is_slant(net, lane, axes)), key=lambda lane: (net.length(lane), lane.nodes))
-        for slant in slants:
-            corner = min(_corners(net, slant, axes), key=lambda corner: corner.way, default=None)
-            if corner is not None:
-                _draw(net, corner)
-                break
-            refused.add(slant.nodes)
-        else:
+def square(net: LaneNet, axes: Sequence[float]) -> None:
+    """Replaces slants, the shortest first; each that is there now, and hardly more, is tried."""
+    refused: Set[Tuple[int, int]] = set()
+    for _ in range(2 * len(net.lanes)):
+        slant = min((lane for lane in net.lanes if lane.nodes not in refused
+                     and _is_slant(net, lane, axes)),
+                    key=lambda lane: (net.length(lane), lane.nodes), default=None)
+        if slant is None:
             return
+        refused.add(slant.nodes)  # what is drawn now cannot be that slant again
+        corner = min([*_corners(net, slant, axes), *_levelled(net, slant, axes)],
+                     key=lambda corner: corner.way, default=None)
+        if corner is not None:
+            _draw(net, corner)
+        elif 1 in (net.degree(node) for node in slant.nodes):
+            _turn(net, slant, axes)
 
 
 def _is_slant(net: LaneNet, lane: Lane, axes: Sequence[float]) -> bool:
     length = net.length(lane)
     return length < LONGEST_SLANT and axis_of(_direction(net, *lane.nodes), length, axes) is None
+
+
+def _nearest_axis(direction: float, axes: Sequence[float]) -> float:
+    """The direction (rad) along an axis that is nearest."""
+    along = [axis + round((direction - axis) / (math.pi / 2.0)) * math.pi / 2.0 for axis in axes]
+    return min(along, key=lambda candidate: abs(candidate - direction))
 
 
 def _direction(net: LaneNet, start: int, end: int) -> float:
@@ -56,8 +68,10 @@ def _direction(net: LaneNet, start: int, end: int) -> float:
 
 
 def _corners(net: LaneNet, slant: Lane, axes: Sequence[float]) -> Iterator[_Corner]:
-    """The corners that could replace a slant, all of them free."""
+    """The corners that could replace a slant that cuts them, all of them free."""
     a, b = slant.nodes
+    if net.length(slant) > LONGEST_CUT:
+        return
     for near, along in _straight_lanes(net, a, b, axes):
         for far, across in _straight_lanes(net, b, a, axes):
             if abs(math.cos(along - across)) > 0.1:
@@ -66,6 +80,50 @@ def _corners(net: LaneNet, slant: Lane, axes: Sequence[float]) -> Iterator[_Corn
             made = _corner(net, slant, corner, near, far)
             if made is not None:
                 yield made
+
+
+def _levelled(net: LaneNet, slant: Lane, axes: Sequence[float]) -> Iterator[_Corner]:
+    """The places where a slant could end at a right angle, on a lane at its end or beyond."""
+    for start, end in (slant.nodes, slant.nodes[::-1]):
+        direction = _direction(net, start, end)
+        along = _nearest_axis(direction, axes)
+        if abs(along - direction) > STEEPEST:
+            continue
+        for lane, across in _straight_lanes(net, end, start, axes):
+            if abs(math.cos(along - across)) > 0.1:
+                continue
+            corner = _crossing(net.positions[start], along, net.positions[end], across)
+            shift = float(np.hypot(*(corner - net.positions[end])))
+            beyond = next(node for node in lane.nodes if node != end)
+            if np.hypot(*(corner - net.positions[beyond])) < CLOSE:
+                corner = net.positions[beyond]
+            if shift > FARTHEST_SHIFT or not in_sight(net.floor, net.positions[start], corner,
+                                                      slant.need):
+                continue
+            if corner is net.positions[beyond]:
+                yield _Corner(shift, corner, slant, None, (start, beyond))
+            elif _lies_on(net, corner, lane):
+                yield _Corner(shift, corner, slant, lane, (start,))
+            elif in_sight(net.floor, net.positions[end], corner, slant.need):
+                yield _Corner(shift, corner, slant, None, (start, end))
+
+
+def _turn(net: LaneNet, slant: Lane, axes: Sequence[float]) -> None:
+    """Turns a dead end about where it begins, to the nearest axis along which it is free."""
+    base, tip = sorted(slant.nodes, key=net.degree, reverse=True)
+    direction, length = _direction(net, base, tip), net.length(slant)
+    turns = sorted((abs(math.remainder(axis + quarter * math.pi / 2.0 - direction, 2.0 * math.pi)),
+                    axis + quarter * math.pi / 2.0) for axis in axes for quarter in range(4))
+    for turn, along in turns:
+        if turn > math.pi / 4.0 + 0.01:
+            return
+        end = net.positions[base] + length * math.cos(turn) * np.array((math.cos(along),
+                                                                        math.sin(along)))
+        if in_sight(net.floor, net.positions[base], end, slant.need):
+            net.remove_lane(slant)
+            net.positions[tip] = end
+            net.add_lane(base, tip, slant.need, np.array((net.positions[base], end)))
+            return
 
 
 def _straight_lanes(net: LaneNet, node: int, without: int,
@@ -96,7 +154,9 @@ def _corner(net: LaneNet, slant: Lane, corner: np.ndarray, near: Lane,
     for end, is_on in ((a, on_near), (b, on_far)):
         if not is_on and not in_sight(net.floor, end, corner, slant.need):
             return None
-    return _Corner(sum(ways), corner, slant, near if on_near else far if on_far else None)
+    split = near if on_near else far if on_far else None
+    ends = tuple(node for node in slant.nodes if split is None or node not in split.nodes)
+    return _Corner(sum(ways), corner, slant, split, ends)
 
 
 def _lies_on(net: LaneNet, position: np.ndarray, lane: Lane) -> bool:
@@ -107,64 +167,14 @@ def _lies_on(net: LaneNet, position: np.ndarray, lane: Lane) -> bool:
 
 
 def _draw(net: LaneNet, corner: _Corner) -> None:
-    a, b = corner.slant.nodes
     net.remove_lane(corner.slant)
-    ends = [a, b]
+    *ends, last = corner.ends
     if corner.split is not None:
-        ends = [node for node in ends if node not in corner.split.nodes]
-        node = net.split(corner.split, corner.position)
-    else:
-        node = net.add_node(corner.position)
+        ends.append(last)
+        last = net.split(corner.split, corner.position)
+    elif corner.position is not net.positions[last]:
+        ends.append(last)
+        last = net.add_node(corner.position)
     for end in ends:
-        net.add_lane(end, node, corner.slant.need,
-                     np.array((net.positions[end], net.positions[node])))
-
-
-def tidy(net: LaneNet, keep: Sequence[int] = ()) -> None:
-    """Makes one of nodes close together, and takes out nodes on a straight way; all stays free."""
-    _merge_close(net, set(keep))
-    _dissolve_straight(net, set(keep))
-
-
-def _merge_close(net: LaneNet, keep: set) -> None:
-    refused = set()
-    while True:
-        short = [(net.length(lane), lane.nodes) for lane in net.lanes
-                 if net.length(lane) < CLOSE and lane.nodes not in refused]
-        if not short:
-            return
-        _, (a, b) = min(short)
-        if not _merge(net, a, b, keep):
-            refused.add((a, b))
-
-
-def _merge(net: LaneNet, a: int, b: int, keep: set) -> bool:
-    for node, other in ((a, b), (b, a)) if net.degree(a) >= net.degree(b) else ((b, a), (a, b)):
-        if other in keep:
-            continue
-        around = [net.lane(other, neighbour) for neighbour in net.neighbours(other)
-                  if neighbour != node]
-        starts = [(net.positions[next(n for n in lane.nodes if n != other)], lane.need)
-                  for lane in around]
-        if all(in_sight(net.floor, start, net.positions[node], need) for start, need in starts):
-            net.merge(node, other)
-            return True
-    return False
-
-
-def _dissolve_straight(net: LaneNet, keep: set) -> None:
-    for node in net.nodes:
-        if node in keep or net.degree(node) != 2:
-            continue
-        a, b = net.neighbours(node)
-        turn = math.remainder(_direction(net, node, b) - _direction(net, a, node), 2.0 * math.pi)
-        need = min(net.lane(a, node).need, net.lane(node, b).need)
-        if abs(turn) < STRAIGHT and in_sight(net.floor, net.positions[a], net.positions[b], need):
-            first, second = net.lane(a, node), net.lane(node, b)
-            samples = np.vstack((_from(first, a), _from(second, node)))
-            net.remove_node(node)
-            net.add_lane(a, b, need, samples)
-
-
-def _from(lane: Lane, node: int) -> np.ndarray:
-    return lane.samples if lane.nodes[0] == node else lane.samples[::-1]
+        net.add_lane(end, last, corner.slant.need,
+                     np.array((net.positions[end], net.positions[last])))

@@ -1,0 +1,163 @@
+"""Nodes and lanes as few as can be: what is close together becomes one, what is straight one lane.
+
+Nothing here takes the clearance that a lane needs.
+"""
+from __future__ import annotations
+
+import math
+from typing import Collection, Optional, Tuple
+
+import numpy as np
+
+from graph_editor.making.coverage import Coverage, dense
+from graph_editor.making.lanes import Lane, LaneNet
+from graph_editor.making.sight import in_sight
+
+CLOSE = 0.6  # m between nodes that become one
+TOUCHING = 0.35  # m between a node and a lane that passes it: then the lane leads through it
+STRAIGHT = math.radians(6.0)  # of turning, at a node that is none
+LEAST_FLOOR = 1.5  # m2 that only a dead end serves, for it to stay
+
+
+def tidy(net: LaneNet, keep: Collection[int] = ()) -> None:
+    """Tidies everything but the nodes to `keep`, to which others may come."""
+    kept = set(keep)
+    _cross(net)
+    _lead_through(net)
+    _merge_close(net, kept)
+    _dissolve_straight(net, kept)
+
+
+def prune_tails(net: LaneNet, coverage: Coverage) -> None:
+    """Takes out dead ends that serve hardly any floor alone, the least useful first."""
+    served = {lane.nodes: coverage.covered_by(dense(np.array(net.ends(lane)), 0.05))
+              for lane in net.lanes}
+    servants = np.zeros(coverage.mask.size, np.int32)
+    for cells in served.values():
+        servants[cells] += 1
+    while len(net.lanes) > 1:
+        useless = []
+        for lane in net.lanes:
+            if 1 in (net.degree(node) for node in lane.nodes):
+                alone = np.count_nonzero(servants[served[lane.nodes]] == 1) * coverage.cell_area
+                if alone < LEAST_FLOOR:
+                    useless.append((alone, lane.nodes))
+        if not useless:
+            return
+        key = min(useless)[1]
+        servants[served.pop(key)] -= 1
+        tip = next(node for node in key if net.degree(node) == 1)
+        net.remove_node(tip)
+
+
+def _cross(net: LaneNet) -> None:
+    """Where lanes cross they get a node."""
+    while True:
+        found = _crossing(net)
+        if found is None:
+            return
+        first, second, position = found
+        node = net.split(first, position)
+        other = net.split(second, position)
+        net.merge(node, other)
+
+
+def _crossing(net: LaneNet) -> Optional[Tuple[Lane, Lane, np.ndarray]]:
+    lanes = net.lanes
+    if len(lanes) < 2:
+        return None
+    ends = np.array([net.ends(lane) for lane in lanes])
+    starts, steps = ends[:, 0], ends[:, 1] - ends[:, 0]
+    for i, lane in enumerate(lanes[:-1]):
+        ahead = slice(i + 1, len(lanes))
+        between = starts[ahead] - starts[i]
+        cross = steps[i, 0] * steps[ahead, 1] - steps[i, 1] * steps[ahead, 0]
+        with np.errstate(divide='ignore', invalid='ignore'):
+            mine = (between[:, 0] * steps[ahead, 1] - between[:, 1] * steps[ahead, 0]) / cross
+            theirs = (between[:, 0] * steps[i, 1] - between[:, 1] * steps[i, 0]) / cross
+            inner = ((np.abs(cross) > 1e-9) & (mine > 1e-6) & (mine < 1.0 - 1e-6)
+                     & (theirs > 1e-6) & (theirs < 1.0 - 1e-6))
+        for k in np.flatnonzero(inner):
+            other = lanes[i + 1 + int(k)]
+            if not set(lane.nodes) & set(other.nodes):
+                return lane, other, starts[i] + mine[k] * steps[i]
+    return None
+
+
+def _lead_through(net: LaneNet) -> None:
+    """A lane that passes close to a node that is not its own leads through it."""
+    again = True
+    while again:
+        again = False
+        for node in net.nodes:
+            for lane in net.lanes:
+                if node not in lane.nodes and _passes(net, lane, node):
+                    a, b = lane.nodes
+                    net.remove_lane(lane)
+                    nearest = int(np.argmin(((lane.samples - net.positions[node]) ** 2
+                                             ).sum(axis=1)))
+                    net.add_lane(a, node, lane.need, lane.samples[:nearest + 1])
+                    net.add_lane(node, b, lane.need, lane.samples[nearest:])
+                    again = True
+
+
+def _passes(net: LaneNet, lane: Lane, node: int) -> bool:
+    a, b = net.ends(lane)
+    position = net.positions[node]
+    along = b - a
+    length = float(np.hypot(*along))
+    s = float((position - a) @ along) / max(length, 1e-9)
+    if not TOUCHING < s < length - TOUCHING:  # nodes that are close together are merged
+        return False
+    if np.hypot(*(a + s / length * along - position)) > TOUCHING:
+        return False
+    return all(in_sight(net.floor, end, position, lane.need) for end in (a, b))
+
+
+def _merge_close(net: LaneNet, keep: set) -> None:
+    refused = set()
+    while True:
+        short = [(net.length(lane), lane.nodes) for lane in net.lanes
+                 if net.length(lane) < CLOSE and lane.nodes not in refused]
+        if not short:
+            return
+        _, (a, b) = min(short)
+        if not _merge(net, a, b, keep):
+            refused.add((a, b))
+
+
+def _merge(net: LaneNet, a: int, b: int, keep: set) -> bool:
+    for node, other in ((a, b), (b, a)) if net.degree(a) >= net.degree(b) else ((b, a), (a, b)):
+        if other in keep:
+            continue
+        around = [net.lane(other, neighbour) for neighbour in net.neighbours(other)
+                  if neighbour != node]
+        starts = [(net.positions[next(n for n in lane.nodes if n != other)], lane.need)
+                  for lane in around]
+        if all(in_sight(net.floor, start, net.positions[node], need) for start, need in starts):
+            net.merge(node, other)
+            return True
+    return False
+
+
+def _dissolve_straight(net: LaneNet, keep: set) -> None:
+    for node in net.nodes:
+        if node in keep or net.degree(node) != 2:
+            continue
+        a, b = net.neighbours(node)
+        turn = math.remainder(_direction(net, node, b) - _direction(net, a, node), 2.0 * math.pi)
+        need = min(net.lane(a, node).need, net.lane(node, b).need)
+        if abs(turn) < STRAIGHT and in_sight(net.floor, net.positions[a], net.positions[b], need):
+            first, second = net.lane(a, node), net.lane(node, b)
+            samples = np.vstack((_from(first, a), _from(second, node)))
+            net.remove_node(node)
+            net.add_lane(a, b, need, samples)
+
+
+def _direction(net: LaneNet, start: int, end: int) -> float:
+    dx, dy = net.positions[end] - net.positions[start]
+    return math.atan2(dy, dx)
+
+
+def _from(lane: Lane, node: int) -> np.ndarray:
+    return lane.samples if lane.nodes[0] == node else lane.samples[::-1]
