@@ -23,6 +23,7 @@ from trajectory_graph.errors import GraphError
 from trajectory_graph.graph import CurveType, Edge, Graph, Vertex
 
 LARGEST_FILE = 64 * 1024 * 1024  # bytes
+DOCK_LABEL = 'dock'  # which makes a dock of a vertex that does not say whether it is one
 DEEPEST_NESTING = 32  # collections within collections; the C loader crashes at some thousands
 
 _Loader = getattr(yaml, 'CSafeLoader', yaml.SafeLoader)
@@ -65,41 +66,63 @@ def save_graph(graph: Graph, path: Union[str, os.PathLike], comment: str = '') -
 
     An older file stays until the new one is complete. Raises OSError.
     """
-    lines = [f'# {comment}'] if comment else []
-    lines.append('Edges:' if graph.edges else 'Edges: []')
-    lines += [_flow({
+    write_file(path, (f'# {comment}\n' if comment else '') + dump_graph(graph))
+
+
+def dump_graph(graph: Graph) -> str:
+    """The text of the file, without a comment."""
+    lines = ['Edges:' if graph.edges else 'Edges: []']
+    lines += [f'- {flow_mapping(edge_fields(edge))}' for edge in graph.edges.values()]
+    lines.append('Vertices:')
+    lines += [f'- {flow_mapping(vertex_fields(vertex))}' for vertex in graph.vertices.values()]
+    return '\n'.join(lines) + '\n'
+
+
+def edge_fields(edge: Edge) -> Dict[str, Any]:
+    """The file's fields of an edge, by their names there."""
+    return {
         'CurveType': edge.curve_type.value, 'Destination_ID': edge.destination, 'Id': edge.id,
         'Origin_ID': edge.origin, 'ParamB': edge.param_b, 'ParamF': edge.param_f,
-        'VelocityBackwards': edge.velocity_backwards, 'VelocityForward': edge.velocity_forward})
-        for edge in graph.edges.values()]
-    lines.append('Vertices:')
-    lines += [_flow({
-        'Dock': vertex.dock or None, 'FrameId': vertex.frame_id, 'Id': vertex.id,
-        'Label': vertex.label, 'Parking': vertex.parking, 'Theta': vertex.theta,
-        'ThetaHolomonic': vertex.theta_holonomic, 'X': vertex.x, 'Y': vertex.y})
-        for vertex in graph.vertices.values()]
-    folder, name = os.path.split(os.path.abspath(path))
+        'VelocityBackwards': edge.velocity_backwards, 'VelocityForward': edge.velocity_forward}
+
+
+def vertex_fields(vertex: Vertex) -> Dict[str, Any]:
+    """The file's fields of a vertex, by their names there; None for one that is left out."""
+    said_by_label = vertex.dock == (vertex.label == DOCK_LABEL)
+    return {
+        'Dock': None if said_by_label and not vertex.dock else vertex.dock,
+        'FrameId': vertex.frame_id, 'Id': vertex.id, 'Label': vertex.label,
+        'Parking': vertex.parking, 'Theta': vertex.theta,
+        'ThetaHolomonic': vertex.theta_holonomic, 'X': vertex.x, 'Y': vertex.y}
+
+
+def write_file(path: Union[str, os.PathLike], text: str) -> None:
+    """Replaces the file `path` by a complete new one, or not at all; raises OSError."""
+    target = os.path.realpath(path)
+    folder, name = os.path.split(target)
     descriptor, temporary = tempfile.mkstemp(prefix=f'.{name}.', dir=folder)
     try:
-        with os.fdopen(descriptor, 'w', encoding='utf-8') as stream:
-            stream.write('\n'.join(lines) + '\n')
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
+        with os.fdopen(descriptor, 'w', encoding='utf-8', newline='') as stream:
+            stream.write(text)
+            stream.flush()
+            os.fsync(stream.fileno())
+        os.chmod(temporary, os.stat(target).st_mode & 0o777 if os.path.exists(target) else 0o644)
+        os.replace(temporary, target)
     except OSError:
         os.unlink(temporary)
         raise
 
 
-def _flow(fields: Dict[str, Any]) -> str:
-    """A list entry in one line, without the fields that are None."""
+def flow_mapping(fields: Dict[str, Any]) -> str:
+    """`{Key: value, ...}` in one line, without the fields that are None."""
     known = {key: value for key, value in fields.items() if value is not None}
     text = yaml.dump(known, default_flow_style=True, width=10 ** 6, allow_unicode=True,
                      Dumper=getattr(yaml, 'CSafeDumper', yaml.SafeDumper))
-    return f'- {text.strip()}'
+    return text.strip()
 
 
 def _vertex(dock: Optional[bool], label: str, **fields: Any) -> Vertex:
-    return Vertex(label=label, dock=label == 'dock' if dock is None else dock, **fields)
+    return Vertex(label=label, dock=label == DOCK_LABEL if dock is None else dock, **fields)
 
 
 def _compose(file: str) -> yaml.Node:
