@@ -11,7 +11,7 @@ from typing import NamedTuple, Optional, Tuple
 import numpy as np
 
 FLATNESS = 1e-4  # m, greatest distance between a spline and its polyline
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(5)  # Gauss-Legendre quadrature on -1..1
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)  # Gauss-Legendre quadrature on -1..1
 
 
 class Projection(NamedTuple):

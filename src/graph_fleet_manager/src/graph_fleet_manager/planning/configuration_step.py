@@ -1,0 +1,236 @@
+"""One step of all robots at once, each choosing in the order of priorities; who is in the way of a
+more urgent robot is asked to move, and asks others in turn (PIBT, Okumura et al., AIJ 2022)."""
+from __future__ import annotations
+
+from math import inf
+from random import Random
+from typing import AbstractSet, Dict, List, Mapping, Optional, Sequence, Set, Tuple
+
+from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.planning.timetable import Timetable
+from graph_fleet_manager.planning.travellers import Traveller
+
+STAY = -1
+_FAR = 12  # so many drives ahead of a robot are kept free by those who make way for it
+
+
+class Mover:
+    """One robot in the search over configurations.
+
+    name, kind -- of the robot
+    begin      -- its first place; a *place* here is leg * vertices + vertex
+    targets    -- the vertex that ends each leg; it stays at the last
+    """
+
+    def __init__(self, traveller: Traveller, rest: Optional[int], vertices: int,
+                 estimates: Sequence[Sequence[float]]) -> None:
+        errand = traveller.errand
+        self.name, self.kind = traveller.name, traveller.kind
+        self.targets = (*errand.destinations, *(() if rest is None else (rest,)))
+        self._vertices = vertices
+        self._estimates = estimates
+        self.roads = errand.roads
+        self.begin = self.arrive(0, errand.vertex)
+
+    def arrive(self, leg: int, vertex: int) -> int:
+        """The place of who comes to a vertex on a leg."""
+        last = len(self.targets) - 1
+        while leg < last and self.targets[leg] == vertex:
+            leg += 1
+        return leg * self._vertices + vertex
+
+    def vertex(self, place: int) -> int:
+        """The vertex of a place."""
+        return place % self._vertices
+
+    def leg(self, place: int) -> int:
+        """The leg of a place."""
+        return place // self._vertices
+
+    def estimate(self, place: int) -> Sequence[float]:
+        """Seconds from every vertex to the end of the leg."""
+        return self._estimates[place // self._vertices]
+
+    def to_go(self, place: int) -> float:
+        """Seconds to the end of the leg."""
+        return self.estimate(place)[place % self._vertices]
+
+    def is_end(self, place: int) -> bool:
+        """Is it where it is to stay?"""
+        leg, vertex = divmod(place, self._vertices)
+        return leg == len(self.targets) - 1 and vertex == self.targets[-1]
+
+
+class StepMaker:
+    """Makes steps for robots on a graph; `movers` is None where not all of them find a rest."""
+
+    def __init__(self, timetable: Timetable, travellers: Sequence[Traveller],
+                 random: Random) -> None:
+        network = timetable.network
+        self._random = random
+        self._timetable = timetable
+        self._first_edge = network.vertices
+        rests = _rests(timetable, travellers)
+        self.movers: Optional[List[Mover]] = None
+        if rests is not None:
+            self.movers = [Mover(t, rest, network.vertices, [
+                network.estimates(t.kind, target) for target in (
+                    *t.errand.destinations, *(() if rest is None else (rest,)))])
+                for t, rest in zip(travellers, rests)]
+        self._kinds = [t.kind for t in travellers]
+        self._near: Dict[Tuple[RobotType, int], List[Tuple[RobotType, List[int], List[int]]]] = {}
+
+    def is_end(self, configuration: Sequence[int]) -> bool:
+        """Is everybody where it is to stay?"""
+        return all(mover.is_end(place) for mover, place in zip(self.movers, configuration))
+
+    def choices(self, robot: int, place: int) -> List[int]:
+        """All that one robot could do in a step, in random order."""
+        mover = self.movers[robot]
+        moves = [STAY, *(road[0] for road in mover.roads[mover.vertex(place)])]
+        self._random.shuffle(moves)
+        return moves
+
+    def step(self, configuration: Sequence[int], order: Sequence[int], forced: Mapping[int, int]
+             ) -> Optional[Tuple[Tuple[int, ...], Dict[int, int], List[Tuple[int, int]]]]:
+        """The next configuration, the drives that lead there, and who is to go before whom.
+
+        None where the forced moves exclude each other.
+        """
+        movers = self.movers
+        self._vertex = [mover.vertex(place) for mover, place in zip(movers, configuration)]
+        self._place = configuration
+        self._at = {vertex: robot for robot, vertex in enumerate(self._vertex)}
+        self._moves: Dict[int, Tuple[int, int]] = {}
+        self._decided: Set[int] = set()
+        self._taken: Dict[RobotType, Set[int]] = {kind: set() for kind in self._timetable.kinds}
+        self._promoted: List[Tuple[int, int]] = []
+        for robot, move in forced.items():
+            self._decided.add(robot)
+            if move != STAY:
+                if move >> 1 in self._taken[self._kinds[robot]] or self._in_the_way(robot, move):
+                    return None
+                self._go(robot, move)
+        for robot in order:
+            if robot not in self._decided:
+                self._decide(robot)
+        reached = list(configuration)
+        for robot, (_, end) in self._moves.items():
+            reached[robot] = movers[robot].arrive(movers[robot].leg(configuration[robot]), end)
+        return tuple(reached), {robot: move[0] for robot, move in self._moves.items()}, \
+            self._promoted
+
+    def _decide(self, robot: int) -> None:
+        """A robot's own choice: nearer to its end, or to stay where nothing leads there."""
+        self._decided.add(robot)
+        mover, vertex = self.movers[robot], self._vertex[robot]
+        estimate = mover.estimate(self._place[robot])
+        options = sorted((estimate[end], drive, end) for drive, end, _ in mover.roads[vertex]
+                         if estimate[end] < estimate[vertex])
+        for _, drive, _ in options:
+            if drive >> 1 in self._taken[mover.kind]:
+                continue
+            others = self._in_the_way(robot, drive)
+            if not others:
+                self._go(robot, drive)
+                return
+            way = self._way(robot)
+            if all(self._leaves(other, way) for other in others):
+                return
+            stuck = next(other for other in others if other not in self._moves)
+            if vertex in self._way(stuck) and self._leave(robot, self._way(stuck)):
+                self._promoted.append((stuck, robot))
+                return
+
+    def _leaves(self, robot: int, avoid: AbstractSet[int]) -> bool:
+        """Does a robot that is in the way leave in this step, or make somebody leave for it?"""
+        if robot in self._decided:
+            return robot in self._moves
+        return self._leave(robot, avoid)
+
+    def _leave(self, robot: int, avoid: AbstractSet[int]) -> bool:
+        """Moves a robot anywhere, rather not onto `avoid`; or asks others to let it go."""
+        self._decided.add(robot)
+        mover, vertex = self.movers[robot], self._vertex[robot]
+        estimate = mover.estimate(self._place[robot])
+        options = sorted((end in avoid, estimate[end], self._random.random(), drive)
+                         for drive, end, _ in mover.roads[vertex])
+        for _, _, _, drive in options:
+            if drive >> 1 in self._taken[mover.kind]:
+                continue
+            others = self._in_the_way(robot, drive)
+            if not others:
+                self._go(robot, drive)
+                return True
+            if all(self._leaves(other, avoid) for other in others):
+                return True
+        return False
+
+    def _go(self, robot: int, drive: int) -> None:
+        self._moves[robot] = (drive, self._timetable.network.destination(drive))
+        for kind, _, edges in self._neighbours(self._kinds[robot], drive >> 1):
+            self._taken[kind].update(edges)
+
+    def _in_the_way(self, robot: int, drive: int) -> List[int]:
+        """Robots that stand where they exclude a drive, whatever they do in this step."""
+        at, kinds = self._at, self._kinds
+        found = []
+        for kind, vertices, _ in self._neighbours(kinds[robot], drive >> 1):
+            for vertex in vertices:
+                other = at.get(vertex)
+                if other is not None and other != robot and kinds[other] == kind:
+                    found.append(other)
+        return found
+
+    def _neighbours(self, kind: RobotType,
+                    edge: int) -> List[Tuple[RobotType, List[int], List[int]]]:
+        """For every type the vertices and edges where it excludes `kind` on an edge."""
+        found = self._near.get((kind, edge))
+        if found is None:
+            found = self._near[kind, edge] = []
+            for other in self._timetable.kinds:
+                places = self._timetable.blocking[kind, other].excluded(self._first_edge + edge)
+                found.append((other, [p for p in places if p < self._first_edge],
+                              [p - self._first_edge for p in places if p >= self._first_edge]))
+        return found
+
+    def _way(self, robot: int) -> AbstractSet[int]:
+        """The next vertices of a robot's shortest way."""
+        mover, vertex = self.movers[robot], self._vertex[robot]
+        estimate = mover.estimate(self._place[robot])
+        way = {vertex}
+        for _ in range(_FAR):
+            ahead = min(((estimate[end], end) for _, end, _ in mover.roads[vertex]),
+                        default=(inf, vertex))
+            if ahead[0] >= estimate[vertex]:
+                break
+            vertex = ahead[1]
+            way.add(vertex)
+        return way
+
+
+def _rests(timetable: Timetable,
+           travellers: Sequence[Traveller]) -> Optional[List[Optional[int]]]:
+    """For who may rest in several places one of them, free of all others; else None.
+
+    Who has nothing to do stays where it is if it may.
+    """
+    taken: List[Tuple[RobotType, int]] = [
+        (t.kind, t.errand.destinations[-1]) for t in travellers if t.errand.rests is None]
+    found: Dict[str, Optional[int]] = {}
+    for traveller in sorted(travellers, key=lambda t: len(t.errand.destinations)):
+        errand = traveller.errand
+        if errand.rests is None:
+            found[traveller.name] = None
+            continue
+        last = errand.destinations[-1] if errand.destinations else errand.vertex
+        ways = timetable.network.ways_to(traveller.kind, sorted(errand.rests))
+        for _, rest in sorted(zip((float(way[last]) for way in ways), sorted(errand.rests))):
+            if not any(timetable.blocking[traveller.kind, kind].excludes(rest, vertex)
+                       for kind, vertex in taken):
+                found[traveller.name] = rest
+                taken.append((traveller.kind, rest))
+                break
+        else:
+            return None
+    return [found[traveller.name] for traveller in travellers]

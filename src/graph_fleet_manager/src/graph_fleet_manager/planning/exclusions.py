@@ -1,0 +1,252 @@
+"""Which places two robots may not hold at once, from geometry; computed once per graph.
+
+A robot that waits holds a vertex; a robot that drives holds a whole edge, both ends included, for
+it may come to rest anywhere on it. What lies behind it is given back piece by piece: with every
+pair of places goes the *clear fraction* of the drive after which it is out of the other's way.
+Robots are discs, and their true curves count, so edges exclude each other where they meet, run near
+each other, or cross without a vertex, and vertices exclude edges that pass too near.
+"""
+from __future__ import annotations
+
+from typing import Dict, FrozenSet, List, NamedTuple, Tuple
+
+import numpy as np
+from graph_fleet_manager.planning.capsules import time_within
+from graph_fleet_manager.planning.pieces import Pieces
+from scipy.spatial import cKDTree
+
+ROUNDING = 1e-11  # m: places exactly as far apart as asked do not exclude each other
+_AT_ONCE = 200000  # pairs of pieces looked at in one step, to bound the memory
+
+
+class Approach(NamedTuple):
+    """What one robot alone may use while it docks or leaves a dock."""
+
+    edges: Dict[int, Tuple[float, float]]  # place: the fractions between which it is the approach
+    vertices: FrozenSet[int]               # without the dock, where a docked robot is in no way
+
+
+class Conflicts(NamedTuple):
+    """For each place the places that exclude it at one distance; rows as in a CSR matrix.
+
+    Row p is the slice starts[p]:starts[p + 1] of the other arrays. `forward` and `backward` are the
+    fractions of edge p, driven forward or backward, after which `other` is free again; 1 also where
+    it is not even free at the end. For a vertex p they mean nothing.
+    """
+
+    starts: np.ndarray     # (P + 1,)
+    other: np.ndarray      # (N,) place, ascending within a row
+    forward: np.ndarray    # (N,)
+    backward: np.ndarray   # (N,)
+    transpose: np.ndarray  # (N,) index of the same pair seen from `other`
+
+    def row(self, place: int) -> List[int]:
+        """The places that exclude `place`."""
+        return self.other[self.starts[place]:self.starts[place + 1]].tolist()
+
+
+class Exclusions:
+    """Conflicts between places for every distance that two robots must keep.
+
+    pieces     -- the curves
+    ends       -- (E,2) vertex places at the origin and the destination of each edge
+    vertices   -- how many vertices there are
+    approaches -- of the docks
+    """
+
+    def __init__(self, pieces: Pieces, ends: np.ndarray, vertices: int,
+                 approaches: Tuple[Approach, ...] = ()) -> None:
+        self._pieces = pieces
+        self._ends = ends
+        self.vertices = vertices
+        self.places = vertices + len(ends)
+        self._approaches = approaches
+        self._by_distance: Dict[float, Conflicts] = {}
+
+    def at(self, distance: float) -> Conflicts:
+        """The conflicts of robots whose curves must stay `distance` m apart."""
+        if distance not in self._by_distance:
+            self._by_distance[distance] = self._conflicts(distance)
+        return self._by_distance[distance]
+
+    def near_point(self, x: float, y: float, distance: float) -> List[int]:
+        """Places nearer than `distance` (m) to a point, as a robot between vertices holds it."""
+        pieces = self._pieces
+        point = np.broadcast_to(np.array(((x,), (y,)), dtype=float), pieces.start.shape)
+        entry, exit = time_within(point, point, pieces.start, pieces.end,
+                                  distance - ROUNDING + pieces.margin)
+        return np.unique(pieces.place[entry <= exit]).tolist()
+
+    def _conflicts(self, distance: float) -> Conflicts:
+        pairs = _Pairs(self.places)
+        lengths = _lengths(self._pieces)
+        lengths = lengths[lengths > 0.0]
+        longest = max(float(np.median(lengths)) if len(lengths) else 0.0, 2.0 * distance, 1e-3)
+        pieces = _cut(self._pieces, longest)
+        one, other = _candidates(pieces, distance, longest)
+        for begin in range(0, len(one), _AT_ONCE):
+            part = slice(begin, begin + _AT_ONCE)
+            pairs.add(*_near(pieces, one[part], other[part], distance))
+            pairs.add(*_near(pieces, other[part], one[part], distance))
+        edges = np.arange(self.vertices, self.places)
+        pairs.add(edges, edges, np.zeros(len(edges)), np.ones(len(edges)))
+        for approach in self._approaches:
+            pairs.add(*_within_approach(approach))
+        pairs.merge()
+        pairs.add(*self._at_ends(pairs))
+        pairs.merge()
+        pairs.make_symmetric()
+        return pairs.conflicts()
+
+    def _at_ends(self, pairs: _Pairs) -> Tuple[np.ndarray, ...]:
+        """What excludes a vertex excludes the edges at it, up to that end: true to the last digit.
+
+        Geometry says the same but for rounding, and the searches rely on it.
+        """
+        ends = self._ends.ravel()  # at 2 * edge + 0 its origin, + 1 its destination
+        by_vertex = np.argsort(ends, kind='stable')
+        counts = np.bincount(ends, minlength=self.vertices)
+        firsts = np.concatenate(([0], np.cumsum(counts)))
+        at_vertex = pairs.place < self.vertices
+        vertex, other = pairs.place[at_vertex], pairs.other[at_vertex]
+        repeats = counts[vertex]
+        end = by_vertex[np.repeat(firsts[vertex], repeats) + _count_up(repeats)]
+        edge, other = self.vertices + end // 2, np.repeat(other, repeats)
+        different = edge != other
+        fraction = (end % 2).astype(float)[different]
+        return edge[different], other[different], fraction, fraction
+
+
+class _Pairs:
+    """A growing set of ordered pairs of places, each with the stretch of the first in conflict."""
+
+    def __init__(self, places: int) -> None:
+        self._places = places
+        self.place = self.other = np.zeros(0, dtype=np.int64)
+        self.low = self.high = np.zeros(0)
+        self._new: List[Tuple[np.ndarray, ...]] = []
+
+    def add(self, place: np.ndarray, other: np.ndarray, low: np.ndarray, high: np.ndarray) -> None:
+        if len(place):
+            self._new.append((place, other, low, high))
+
+    def merge(self) -> None:
+        """One entry per pair, with the stretch that covers all that were added; sorted."""
+        columns = [(self.place, self.other, self.low, self.high), *self._new]
+        place, other, low, high = map(np.concatenate, zip(*columns))
+        self._new = []
+        key = place.astype(np.int64) * self._places + other
+        order = np.argsort(key, kind='stable')
+        key, low, high = key[order], low[order], high[order]
+        first = np.flatnonzero(np.concatenate(([True], key[1:] != key[:-1]))) if len(key) else []
+        key = key[first]
+        self.place, self.other = key // self._places, key % self._places
+        if len(key):
+            self.low = np.minimum.reduceat(low, first)
+            self.high = np.maximum.reduceat(high, first)
+
+    def make_symmetric(self) -> None:
+        """Where rounding let only one of two places see the other, the whole of it conflicts."""
+        key = self.place * self._places + self.other
+        mirrored = self.other * self._places + self.place
+        missing = ~np.isin(mirrored, key)
+        if missing.any():
+            count = int(missing.sum())
+            self.add(self.other[missing], self.place[missing], np.zeros(count), np.ones(count))
+            self.merge()
+
+    def conflicts(self) -> Conflicts:
+        key = self.place * self._places + self.other
+        transpose = np.searchsorted(key, self.other * self._places + self.place)
+        starts = np.searchsorted(self.place, np.arange(self._places + 1))
+        return Conflicts(starts, self.other, self.high, 1.0 - self.low, transpose)
+
+
+def _cut(pieces: Pieces, longest: float) -> Pieces:
+    """The pieces, with those longer than `longest` (m) cut into equal parts."""
+    parts = np.maximum(np.ceil(_lengths(pieces) / longest - 1e-9), 1.0).astype(int)
+    if parts.max() == 1:
+        return pieces
+    which = np.repeat(np.arange(len(parts)), parts)
+    low = _count_up(parts) / parts[which]
+    high = (_count_up(parts) + 1) / parts[which]
+    place, start, end, begins, ends, margin = (column[..., which] for column in pieces)
+    path, share = end - start, ends - begins
+    return Pieces(place, start + low * path, start + high * path,
+                  begins + low * share, begins + high * share, margin)
+
+
+def _candidates(pieces: Pieces, distance: float,
+                longest: float) -> Tuple[np.ndarray, np.ndarray]:
+    """Pairs of pieces, none longer than `longest`, of different places that may be near each other.
+
+    Short pieces of a curve are looked for together, up to that length.
+    """
+    lengths = _lengths(pieces)
+    along = np.cumsum(lengths) - lengths
+    new_place = np.concatenate(([True], pieces.place[1:] != pieces.place[:-1]))
+    along -= np.repeat(along[new_place], np.diff(np.flatnonzero(np.append(new_place, True))))
+    stretch = np.floor((along + lengths / 2.0) / longest)
+    first = np.flatnonzero(new_place | np.concatenate(([True], np.diff(stretch) != 0.0)))
+    count = np.diff(np.append(first, len(lengths)))
+    low = np.minimum.reduceat(np.minimum(pieces.start, pieces.end), first, axis=1)
+    high = np.maximum.reduceat(np.maximum(pieces.start, pieces.end), first, axis=1)
+    middle = (low + high) / 2.0
+    radius = np.hypot(*(high - low)) / 2.0 + np.maximum.reduceat(pieces.margin, first)
+    pairs = cKDTree(middle.T).query_pairs(2.0 * radius.max() + distance, output_type='ndarray')
+    one, other = _close_by(pairs.T, middle, radius, distance)
+    combinations = count[one] * count[other]
+    if len(combinations) and combinations.max() > 1:
+        number = _count_up(combinations)
+        others = np.repeat(count[other], combinations)
+        one = np.repeat(first[one], combinations) + number // others
+        other = np.repeat(first[other], combinations) + number % others
+        one, other = _close_by(np.array((one, other)), (pieces.start + pieces.end) / 2.0,
+                               lengths / 2.0 + pieces.margin, distance)
+    else:
+        one, other = first[one], first[other]
+    different = pieces.place[one] != pieces.place[other]
+    return one[different], other[different]
+
+
+def _close_by(pairs: np.ndarray, middle: np.ndarray, radius: np.ndarray,
+              distance: float) -> Tuple[np.ndarray, np.ndarray]:
+    """The pairs whose circles are no farther apart than `distance`."""
+    one, other = pairs
+    across, up = middle[0][one] - middle[0][other], middle[1][one] - middle[1][other]
+    reach = (radius + distance)[one] + radius[other]
+    near = across * across + up * up <= reach * reach
+    return one[near], other[near]
+
+
+def _lengths(pieces: Pieces) -> np.ndarray:
+    return np.hypot(*(pieces.end - pieces.start))
+
+
+def _near(pieces: Pieces, one: np.ndarray, other: np.ndarray,
+          distance: float) -> Tuple[np.ndarray, ...]:
+    """Pairs of places, with the stretch of the first that is too near to the second."""
+    keep = distance - ROUNDING + pieces.margin[one] + pieces.margin[other]
+    entry, exit = time_within(pieces.start[:, one], pieces.end[:, one],
+                              pieces.start[:, other], pieces.end[:, other], keep)
+    met = entry <= exit
+    one, other, entry, exit = one[met], other[met], entry[met], exit[met]
+    share = pieces.ends[one] - pieces.begins[one]
+    return (pieces.place[one], pieces.place[other],
+            pieces.begins[one] + entry * share, pieces.begins[one] + exit * share)
+
+
+def _within_approach(approach: Approach) -> Tuple[np.ndarray, ...]:
+    """Each edge of a dock's approach excludes all else in it."""
+    pairs = [(edge, other, *stretch) for edge, stretch in approach.edges.items()
+             for other in (*approach.edges, *approach.vertices) if other != edge]
+    if not pairs:
+        return np.zeros((4, 0)),  # type: ignore[return-value]
+    place, other, low, high = zip(*pairs)
+    return np.array(place), np.array(other), np.array(low), np.array(high)
+
+
+def _count_up(repeats: np.ndarray) -> np.ndarray:
+    """0, 1 .. r - 1 for each r of `repeats`, one after the other."""
+    ends = np.cumsum(repeats)
+    return np.arange(ends[-1] if len(ends) else 0) - np.repeat(ends - repeats, repeats)

@@ -1,0 +1,86 @@
+"""The way of one robot through a timetable: A* over time layers, TEA*'s own form.
+
+Layers k = 0, 1, 2 ... lie `seconds` apart; a robot waits from one layer to the next, or begins a
+drive in a layer and goes on from the first layer in which it is there. Waiting is a step like
+driving, so the search looks at many more states than one over safe intervals, and no robot sets out
+between two layers. What may be done when is asked of the same timetable.
+"""
+from __future__ import annotations
+
+from bisect import bisect_right
+from heapq import heappop, heappush
+from math import ceil, inf
+from typing import Callable, Dict, List, Optional, Sequence, Tuple
+
+from graph_fleet_manager.planning.plans import Plan
+from graph_fleet_manager.planning.safe_intervals import Arrival, plan_from
+from graph_fleet_manager.planning.timetable import Busy, Slots
+from graph_fleet_manager.planning.travellers import Errand
+
+_ROUNDING = 1e-9  # of a layer
+
+Search = Callable[..., Optional[Tuple[float, Plan]]]
+
+
+def layered(seconds: float) -> Search:
+    """`find_way` with layers `seconds` apart; arguments and result as in `safe_intervals`."""
+    def search(errand: Errand, slots: Slots, latest: float = inf,
+               arrivals: Sequence[Arrival] = ()) -> Optional[Tuple[float, Plan]]:
+        return _find_way(errand, slots, seconds, latest, arrivals)
+    return search
+
+
+def _find_way(errand: Errand, slots: Slots, layer: float, latest: float,
+              arrivals: Sequence[Arrival]) -> Optional[Tuple[float, Plan]]:
+    targets, dwells, rests = errand.destinations, errand.dwells, errand.rests
+    legs = len(targets)
+    best: Dict[Tuple[int, int, int], float] = {}
+    nodes: List[Tuple] = []
+    heap: List[Tuple[float, int, int]] = []
+    arrivals = arrivals or [(-1, 0.0, errand.vertex, errand.ready)]
+    node, leg, served = -1, 0, errand.ready
+    while True:
+        for drive, begin, end, arrival in arrivals:
+            until = _free_until(slots.busy(slots.drives + end), arrival)
+            new_leg, new_served, leaves = leg, served, arrival
+            while new_leg < legs and targets[new_leg] == end:
+                done = leaves + dwells[new_leg]
+                if done > until or (rests is None and new_leg == legs - 1 and until < inf):
+                    break
+                leaves = new_served = done
+                new_leg += 1
+            k = ceil(leaves / layer - _ROUNDING)
+            time = max(k * layer, leaves)
+            if time > until:
+                continue
+            if new_leg < legs:
+                cost = time + errand.to_go[new_leg][end]
+            elif rests is None:
+                cost = new_served
+            else:
+                cost = new_served + errand.later * (
+                    time - new_served + errand.to_go[new_leg][end])
+            if cost <= latest and cost < inf and new_served < best.get((end, k, new_leg), inf):
+                best[end, k, new_leg] = new_served
+                heappush(heap, (cost, -k, len(nodes)))
+                nodes.append((end, time, new_leg, new_served, until, k,
+                              node, drive, begin, arrival))
+        if not heap:
+            return None
+        cost, _, node = heappop(heap)
+        vertex, now, leg, served, until, k = nodes[node][:6]
+        if leg == legs and (rests is None or (until == inf and vertex in rests)):
+            return cost, plan_from(nodes, node)
+        arrivals = [(drive, now, end, now + seconds)
+                    for drive, end, seconds in errand.roads[vertex]
+                    if _free_until(slots.busy(drive), now) >= now]
+        if (k + 1) * layer <= until and now <= slots.horizon:  # later, nothing changes any more
+            arrivals.append((-1, now, vertex, (k + 1) * layer))
+
+
+def _free_until(busy: Busy, time: float) -> float:
+    """How long a slot stays free from `time` on; -inf where it is not free then."""
+    at = bisect_right(busy[1], time)
+    if at == len(busy[1]):
+        return inf
+    return busy[0][at] if busy[0][at] >= time else -inf

@@ -1,0 +1,152 @@
+"""Better plans in the time that is left: large-neighbourhood search.
+
+A few robots that are in each other's way are taken out and planned again in another order; the new
+ways stay if they cost less together. (Li et al., Anytime multi-agent path finding via large
+neighborhood search, IJCAI 2021.)
+"""
+from __future__ import annotations
+
+import time
+from math import inf
+from random import Random
+from typing import Dict, List, Mapping, Optional, Sequence, Set
+
+from graph_fleet_manager.planning.tea_star import TeaStar, Way, Ways, shuffled
+from graph_fleet_manager.planning.travellers import Traveller
+
+_SMALLEST, _LARGEST = 2, 8
+_CLOSE = 1e-9  # of the cost: nearer to the lower bound than this is at it
+_MEMORY = 0.9  # how slowly the choice among the kinds of neighbourhoods forgets
+
+
+class Improvement:
+    """Improves the ways of travellers that are all booked in `tea_star`'s timetable.
+
+    movable -- names of those that may be planned again; others keep their ways
+    """
+
+    def __init__(self, tea_star: TeaStar, travellers: Sequence[Traveller], ways: Mapping[str, Way],
+                 random: Random, movable: Optional[Set[str]] = None) -> None:
+        self._tea_star = tea_star
+        self._random = random
+        self._all: Dict[str, Traveller] = {t.name: t for t in travellers}
+        self._movable: List[str] = [t.name for t in travellers
+                                    if movable is None or t.name in movable]
+        self._movable_set = set(self._movable)
+        self.ways: Ways = dict(ways)
+        """The best ways so far."""
+        self.rounds = 0
+        """How many neighbourhoods were tried."""
+        self._kinds = (self._around_delayed, self._around_place, self._any)
+        self._weights = [1.0] * len(self._kinds)
+
+    @property
+    def cost(self) -> float:
+        """Sum of the costs of all ways."""
+        return sum(way.cost for way in self.ways.values())
+
+    def delay(self, name: str) -> float:
+        """How much more a way costs than it would were the robot alone."""
+        return self.ways[name].cost - self._all[name].errand.lower_bound
+
+    def run(self, deadline: float, rounds: Optional[int] = None) -> None:
+        """Improves until the deadline (monotonic s), `rounds`, or nothing is left to improve."""
+        while len(self._movable) > 0 and (rounds is None or self.rounds < rounds):
+            if time.monotonic() >= deadline:
+                break
+            if sum(map(self.delay, self._movable)) <= _CLOSE * self.cost:
+                break
+            self.rounds += 1
+            kind = self._random.choices(range(len(self._kinds)), self._weights)[0]
+            gain = self._try(self._kinds[kind](), deadline)
+            self._weights[kind] = max(_MEMORY * self._weights[kind] + (1 - _MEMORY) * gain, 1e-3)
+
+    def _try(self, names: Sequence[str], deadline: float) -> float:
+        """Plans these again together; returns by how much that was better."""
+        group = [self._all[name] for name in names]
+        before = sum(self.ways[name].cost for name in names)
+        self._tea_star.forget(group)
+        least = sum(t.errand.lower_bound for t in group)
+        spent, found = 0.0, {}
+        for traveller in shuffled(group, self._random):
+            least -= traveller.errand.lower_bound
+            way = self._tea_star.way_of(traveller, before - spent - least)
+            if way is None or time.monotonic() >= deadline:
+                break
+            found[traveller.name] = way
+            spent += way.cost
+            self._tea_star.book(traveller, way)
+        else:
+            if spent < before * (1.0 - _CLOSE):
+                self.ways.update(found)
+                return before - spent
+        self._tea_star.forget(self._all[name] for name in found)
+        for traveller in group:
+            self._tea_star.book(traveller, self.ways[traveller.name])
+        return 0.0
+
+    # -- neighbourhoods ---------------------------------------------------------------------------
+
+    def _size(self) -> int:
+        return min(self._random.randint(_SMALLEST, _LARGEST), len(self._movable))
+
+    def _any(self) -> List[str]:
+        return self._random.sample(self._movable, self._size())
+
+    def _around_delayed(self) -> List[str]:
+        """A robot that is late, and those that it meets on its straight way."""
+        delays = [max(self.delay(name), 0.0) for name in self._movable]
+        if sum(delays) <= 0.0:
+            return self._any()
+        name = self._random.choices(self._movable, delays)[0]
+        return self._filled([name, *self._met_by(self._all[name])])
+
+    def _around_place(self) -> List[str]:
+        """Robots that use the same drive, one after the other."""
+        name = self._random.choice(self._movable)
+        plan = self.ways[name].plan
+        if not plan:
+            return self._any()
+        drive = self._random.choice(plan).drive
+        slots = self._tea_star.timetable.slots[self._all[name].kind]
+        users = {robot for _, _, robot in slots.bookings[drive]} - {name}
+        return self._filled([name, *sorted(users)])
+
+    def _met_by(self, traveller: Traveller) -> List[str]:
+        """Who is in the way of a robot that drives straight on from some point of its way."""
+        errand = traveller.errand
+        if not errand.destinations:
+            return []
+        slots = self._tea_star.timetable.slots[traveller.kind]
+        to_go = errand.to_go[len(errand.destinations) - 1]
+        plan = self.ways[traveller.name].plan
+        start = self._random.randint(0, len(plan)) if plan else 0
+        vertex, now = errand.vertex, errand.ready
+        if start:
+            drive = plan[start - 1]
+            vertex = self._tea_star.timetable.network.destination(drive.drive)
+            now = drive.end
+        met: Dict[str, None] = {}
+        while to_go[vertex] > 0.0 and len(met) < _LARGEST:
+            roads = errand.roads[vertex]
+            if not roads:
+                break
+            cost, drive, end, seconds = min(
+                (seconds + to_go[end], drive, end, seconds) for drive, end, seconds in roads)
+            if cost == inf:
+                break
+            for begin, over, robot in slots.bookings[drive]:
+                if begin < now < over and robot != traveller.name:
+                    met[robot] = None
+            vertex, now = end, now + seconds
+        return list(met)
+
+    def _filled(self, names: Sequence[str]) -> List[str]:
+        """These, as far as they may be moved and are not too many; others if they are too few."""
+        size = self._size()
+        chosen = [name for name in dict.fromkeys(names) if name in self._movable_set][:size]
+        while len(chosen) < size:
+            other = self._random.choice(self._movable)
+            if other not in chosen:
+                chosen.append(other)
+        return chosen

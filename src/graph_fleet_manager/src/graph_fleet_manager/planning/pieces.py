@@ -1,0 +1,105 @@
+"""All curves of a graph as straight pieces, each knowing how far the true curve strays from it.
+
+A *place* is where a robot can be while it waits or drives: a vertex, or an edge with its two ends.
+Places are counted: first the vertices, then the edges, both in the graph's order.
+"""
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from trajectory_graph import CurveType, Graph
+from trajectory_graph.curves import bezier_arc_lengths, bezier_points
+
+TOLERANCE = 5e-3  # m, how far a curve may be from its pieces; what it really is, is accounted for
+_FINE = 64  # parts of a spline from which the pieces are chosen; a power of two
+_BULGE = 1.5  # a part's curve strays from its chord no more than so many times what its middle does
+
+
+class Pieces(NamedTuple):
+    """N straight pieces; the curve of a place is followed by its pieces in order."""
+
+    place: np.ndarray   # (N,)
+    start: np.ndarray   # (2, N) m
+    end: np.ndarray     # (2, N) m, equal to the start for a vertex
+    begins: np.ndarray  # (N,) 0..1, fraction of the edge's arc length at `start`
+    ends: np.ndarray    # (N,) the same at `end`; in between it grows evenly
+    margin: np.ndarray  # (N,) m: nowhere is the curve farther than this from the piece's point at
+                        # the same arc length
+
+
+def pieces_of(graph: Graph) -> Pieces:
+    """The pieces of all vertices, then of all edges."""
+    positions = np.array([vertex.position for vertex in graph.vertices.values()], dtype=float).T
+    index = {id: k for k, id in enumerate(graph.vertices)}
+    count = len(index)
+    nothing = np.zeros(count)
+    parts = [Pieces(np.arange(count), positions, positions, nothing, nothing, nothing)]
+    edges = list(graph.edges.values())
+    lines = [k for k, edge in enumerate(edges) if edge.curve_type is CurveType.LINE]
+    if lines:
+        ends = np.array([(index[edges[k].origin], index[edges[k].destination]) for k in lines])
+        parts.append(Pieces(count + np.array(lines), positions[:, ends[:, 0]],
+                            positions[:, ends[:, 1]], np.zeros(len(lines)), np.ones(len(lines)),
+                            np.zeros(len(lines))))
+    splines = [k for k, edge in enumerate(edges) if edge.curve_type is CurveType.SPLINE]
+    if splines:
+        control = np.array([graph.control_points(edges[k].id) for k in splines])
+        parts.append(_spline_pieces(count + np.array(splines), control))
+    return Pieces(*(np.concatenate(columns, axis=-1) for columns in zip(*parts)))
+
+
+def edge_lengths(graph: Graph) -> np.ndarray:
+    """Arc length (m) of every edge, in the graph's order."""
+    lengths = np.zeros(len(graph.edges))
+    edges = list(graph.edges.values())
+    for k, edge in enumerate(edges):
+        if edge.curve_type is CurveType.LINE:
+            ends = graph.vertices[edge.origin].position, graph.vertices[edge.destination].position
+            lengths[k] = np.hypot(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1])
+    splines = [k for k, edge in enumerate(edges) if edge.curve_type is CurveType.SPLINE]
+    if splines:
+        control = np.array([graph.control_points(edges[k].id) for k in splines])
+        lengths[splines] = bezier_arc_lengths(control, np.linspace(0.0, 1.0, _FINE + 1))[:, -1]
+    return lengths
+
+
+def _spline_pieces(places: np.ndarray, control: np.ndarray) -> Pieces:
+    """The pieces of splines: chords, halved until no point of the curve strays too far."""
+    t = np.linspace(0.0, 1.0, 2 * _FINE + 1)
+    points, arcs = bezier_points(control, t), bezier_arc_lengths(control, t)
+    arcs /= arcs[:, -1:]
+    # How far the middle of a fine part is from its chord tells how far the curve is from the part.
+    which, begins = np.repeat(np.arange(len(places)), _FINE), np.tile(np.arange(_FINE), len(places))
+    bulge = _strayed(points, arcs, which, 2 * begins, 2).reshape(len(places), _FINE).max(axis=1)
+    bulge *= _BULGE
+    points, arcs = points[:, ::2], arcs[:, ::2]
+    which, begins, step = np.arange(len(places)), np.zeros(len(places), dtype=int), _FINE
+    done = []
+    while len(which):
+        strayed = _strayed(points, arcs, which, begins, step) + bulge[which]
+        good = (strayed <= TOLERANCE) | (step == 1)
+        done.append((which[good], begins[good], np.full(int(good.sum()), step), strayed[good]))
+        which, begins = np.repeat(which[~good], 2), np.repeat(begins[~good], 2)
+        step //= 2
+        begins[1::2] += step
+    which, begins, steps, strayed = map(np.concatenate, zip(*done))
+    order = np.lexsort((begins, which))
+    which, begins, strayed = which[order], begins[order], strayed[order]
+    ends = begins + steps[order]
+    return Pieces(places[which], points[which, begins].T, points[which, ends].T,
+                  arcs[which, begins], arcs[which, ends], strayed)
+
+
+def _strayed(points: np.ndarray, arcs: np.ndarray, which: np.ndarray, begins: np.ndarray,
+             step: int) -> np.ndarray:
+    """Greatest distance (m) of each chord from its part of the curve, at the same arc lengths.
+
+    A chord leads from point `begins` to point `begins` + `step` of curve `which`.
+    """
+    at = begins[:, None] + np.arange(step + 1)
+    curve, arc = points[which[:, None], at], arcs[which[:, None], at]
+    share = (arc - arc[:, :1]) / np.maximum(arc[:, -1:] - arc[:, :1], 1e-12)
+    off = curve - curve[:, :1] - share[..., None] * (curve[:, -1:] - curve[:, :1])
+    return np.sqrt((off ** 2).sum(axis=-1).max(axis=1))

@@ -1,0 +1,36 @@
+"""What robots are to drive, and when."""
+from __future__ import annotations
+
+from typing import Dict, List, Mapping, NamedTuple, Sequence
+
+
+class Drive(NamedTuple):
+    """One edge in one direction, driven from `start` to `end`, in s from the plan's beginning."""
+
+    drive: int
+    start: float
+    end: float
+    begun: float = 0.0
+    """Fraction that lies behind the robot at `start`; only a plan's first drive may have one."""
+
+
+Plan = List[Drive]
+"""One robot's drives in order; gaps are waits, and it stays for ever where the last one ends."""
+
+Plans = Dict[str, Plan]
+"""The plan of every robot by name."""
+
+
+def end_of(plan: Sequence[Drive]) -> float:
+    """When the robot has come to rest: the end of its last drive, 0 where it never drives."""
+    return plan[-1].end if plan else 0.0
+
+
+def sum_of_costs(plans: Mapping[str, Sequence[Drive]]) -> float:
+    """All robots' ends, added up."""
+    return sum(map(end_of, plans.values()))
+
+
+def makespan(plans: Mapping[str, Sequence[Drive]]) -> float:
+    """The end of the last drive of all."""
+    return max(map(end_of, plans.values()), default=0.0)

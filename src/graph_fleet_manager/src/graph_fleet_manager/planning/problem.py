@@ -1,0 +1,196 @@
+"""From what the planner is asked, in ids, to travellers; and what makes no sense in it."""
+from __future__ import annotations
+
+from dataclasses import replace
+from math import inf
+from typing import Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple
+
+from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.planning.plans import Drive
+from graph_fleet_manager.planning.road_network import RoadNetwork
+from graph_fleet_manager.planning.tasks import CannotPlan, Task
+from graph_fleet_manager.planning.timetable import Between, Timetable
+from graph_fleet_manager.planning.travellers import LATER, Errand, Traveller
+
+
+class Problem:
+    """The travellers of a list of tasks.
+
+    parking -- ids of the vertices at which robots may be parked; docks only for types that list
+               them
+    """
+
+    def __init__(self, timetable: Timetable, tasks: Sequence[Task],
+                 parking: Iterable[int]) -> None:
+        self._timetable = timetable
+        self._network: RoadNetwork = timetable.network
+        self._parking = frozenset(self._network.index[id] for id in parking)
+        self.tasks: Dict[str, Task] = {task.name: task for task in tasks}
+        wanted = {name: frozenset(self._vertices(task.destinations))
+                  for name, task in self.tasks.items()}
+        self.travellers: Dict[str, Traveller] = {}
+        for name, task in self.tasks.items():
+            others = frozenset().union(*(w for other, w in wanted.items() if other != name))
+            self.travellers[name] = self._traveller(task, others)
+
+    def rests(self, kind: RobotType, unwanted: FrozenSet[int] = frozenset()) -> FrozenSet[int]:
+        """Where robots of a type may be parked, without what others want if that leaves any."""
+        docks = frozenset(self._network.index[id] for id in kind.docks or ()
+                          if id in self._network.index)
+        allowed = (self._parking - self._network.docks) | (self._parking & docks)
+        return allowed - unwanted or allowed
+
+    def with_rests(self, traveller: Traveller, rests: FrozenSet[int]) -> Traveller:
+        """The same traveller, allowed to end elsewhere."""
+        task = self.tasks[traveller.name]
+        return traveller._replace(errand=self._errand(task, traveller.fixed, traveller.between,
+                                                      rests))
+
+    def without_destinations(self, traveller: Traveller) -> Traveller:
+        """The same traveller, that only has to be parked."""
+        task = replace(self.tasks[traveller.name], destinations=(), dwells=())
+        rests = traveller.errand.rests
+        if rests is None:
+            rests = frozenset(range(self._network.vertices)) - self._network.docks
+        return traveller._replace(errand=self._errand(task, traveller.fixed, traveller.between,
+                                                      rests))
+
+    def _traveller(self, task: Task, wanted: FrozenSet[int]) -> Traveller:
+        fixed = self._fixed(task)
+        between = self._between(task)
+        if task.stays:
+            rests = None if task.destinations else (
+                frozenset(range(self._network.vertices)) - self._network.docks
+                | frozenset(self._vertices(() if task.vertex is None else (task.vertex,))))
+        else:
+            rests = self.rests(task.type, wanted)
+        start = -1 if task.vertex is None else self._network.index[task.vertex]
+        return Traveller(task.name, task.type, start, fixed,
+                         self._errand(task, fixed, between, rests), task.priority, between)
+
+    def _errand(self, task: Task, fixed: Sequence[Drive], between: Optional[Between],
+                rests: Optional[FrozenSet[int]]) -> Errand:
+        network = self._network
+        ready = (fixed[-1].end if fixed else 0.0) + task.ready
+        if between is not None:
+            times = network.times(task.type)
+            origins = {network.destination(drive): times[drive] * (1.0 - between.behind(drive))
+                       for drive in (between.drive, between.drive ^ 1)}
+        elif fixed:
+            origins = {network.destination(fixed[-1].drive): 0.0}
+        else:
+            origins = {network.index[task.vertex]: 0.0}
+        later = 1.0 if task.stays else LATER
+        return Errand(network, task.type, origins, ready, self._vertices(task.destinations),
+                      task.dwells, rests, later)
+
+    def _fixed(self, task: Task) -> Tuple[Drive, ...]:
+        """What was released, driven at once."""
+        times, now, drives = self._network.times(task.type), 0.0, []
+        for k, edge in enumerate(task.released):
+            begun = task.begun if k == 0 else 0.0
+            drive = self._network.drive(edge)
+            seconds = times[drive]
+            if seconds == inf:  # forbidden by now, but promised: at its own speed
+                seconds = self._network.length(drive) / task.type.speed
+            drives.append(Drive(drive, now, now + seconds * (1.0 - begun), begun))
+            now = drives[-1].end
+        return tuple(drives)
+
+    def _between(self, task: Task) -> Optional[Between]:
+        if task.between is None:
+            return None
+        edge, fraction = task.between
+        curve = self._network.graph.curve(edge)
+        return Between(self._network.drive(edge), fraction,
+                       *curve.point_at(fraction * curve.length))
+
+    def _vertices(self, ids: Iterable[int]) -> Tuple[int, ...]:
+        return tuple(self._network.index[id] for id in ids)
+
+    # -- what makes no sense ----------------------------------------------------------------------
+
+    def too_near(self) -> List[Tuple[str, str]]:
+        """Pairs of robots that hold, as it begins, what they may not hold at once."""
+        by_place: Dict[int, List[_Held]] = {}
+        held: List[_Held] = []
+        for traveller in self.travellers.values():
+            for one in _held_by(traveller, self._network):
+                by_place.setdefault(one.place, []).append(one)
+                held.append(one)
+        found: Set[Tuple[str, str]] = set()
+        for one in held:
+            for kind in self._timetable.kinds:
+                for place in self._excluded(one, kind):
+                    for other in by_place.get(place, ()):
+                        if (other.name > one.name and other.kind == kind
+                                and self._still_meets(one, other)
+                                and self._still_meets(other, one)):
+                            found.add((one.name, other.name))
+        return sorted(found)
+
+    def _excluded(self, held: _Held, other: RobotType) -> List[int]:
+        if held.between is not None:
+            return self._timetable.places_near(held.kind, other, held.between)
+        return self._timetable.blocking[held.kind, other].excluded(held.place)
+
+    def _still_meets(self, one: _Held, other: _Held) -> bool:
+        """Does what lies before a robot on its drive exclude a place, not only what is behind?"""
+        if one.begun == 0.0 or one.between is not None:
+            return True
+        blocks = self._timetable.blocking[one.kind, other.kind].drive(one.drive)
+        slot = (other.place + self._network.drives if other.place < self._network.vertices
+                else 2 * (other.place - self._network.vertices))
+        return any(clear > one.begun for s, clear, _ in blocks if s == slot)
+
+
+class _Held(NamedTuple):
+    """A place that a robot holds as the planning begins."""
+
+    name: str
+    kind: RobotType
+    place: int
+    drive: int
+    begun: float
+    between: Optional[Between]
+
+
+def _held_by(traveller: Traveller, network: RoadNetwork) -> List[_Held]:
+    name, kind, between = traveller.name, traveller.kind, traveller.between
+    if between is not None:
+        return [_Held(name, kind, network.vertices + (between.drive >> 1), between.drive, 0.0,
+                      between)]
+    if not traveller.fixed:
+        return [_Held(name, kind, traveller.vertex, -1, 0.0, None)]
+    return [_Held(name, kind, network.vertices + (drive.drive >> 1), drive.drive, drive.begun, None)
+            for drive in traveller.fixed]
+
+
+def check(network: RoadNetwork, tasks: Sequence[Task]) -> None:
+    """Raises CannotPlan for ids that the graph does not have and robots that are nowhere."""
+    for task in tasks:
+        places = (task.vertex is not None, bool(task.released), task.between is not None)
+        if places not in ((True, False, False), (True, True, False), (False, True, False),
+                          (False, False, True)):
+            raise CannotPlan(f'Robot {task.name} must stand on one vertex, drive, or stand on one '
+                             'edge; say which.')
+        for id in (*task.destinations, *(() if task.vertex is None else (task.vertex,))):
+            if id not in network.index:
+                raise CannotPlan(f'Robot {task.name}: the graph has no vertex {id}; choose '
+                                 'another.')
+        for id in (*task.released, *(() if task.between is None else task.between[:1])):
+            if abs(id) not in network.edge_index:
+                raise CannotPlan(f'Robot {task.name}: the graph has no edge {id}; choose another.')
+        for first, second in zip(task.released, task.released[1:]):
+            if (network.destination(network.drive(first))
+                    != network.origin[network.drive(second)]):
+                raise CannotPlan(f'Robot {task.name}: edge {second} does not begin where edge '
+                                 f'{first} ends; mend its route.')
+        numbers = (task.begun, task.ready, *task.dwells,
+                   *(() if task.between is None else task.between[1:]))
+        if not all(0.0 <= number < inf for number in numbers) or task.begun >= 1.0:
+            raise CannotPlan(f'Robot {task.name}: fractions and times must be numbers from 0 on, '
+                             'fractions below 1.')
+        if task.dwells and len(task.dwells) != len(task.destinations):
+            raise CannotPlan(f'Robot {task.name} has {len(task.destinations)} destinations but '
+                             f'{len(task.dwells)} dwells; give one for each.')

@@ -1,0 +1,200 @@
+"""The graph as the searches see it: counted vertices and drives, driving times, ways to a target.
+
+A *drive* is an edge in one direction: drive 2 e is edge e forward, 2 e + 1 the same backward, edges
+counted in the graph's order. A *slot* is what is booked: slots are first the drives, then the
+vertices.
+"""
+from __future__ import annotations
+
+import math
+from typing import Dict, FrozenSet, Iterable, List, Sequence, Tuple
+
+import networkx as nx
+import numpy as np
+from graph_fleet_manager.fleet import DOCK_APPROACH, RobotType
+from graph_fleet_manager.planning.exclusions import Approach, Exclusions
+from graph_fleet_manager.planning.pieces import edge_lengths, pieces_of
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import dijkstra
+
+from trajectory_graph import Graph
+
+GUIDED = 1.0 + 1e-9
+Roads = List[List[Tuple[int, int, float]]]
+"""For each vertex the (drive, vertex at its end, seconds) that lead away from it."""
+
+
+class RoadNetwork:
+    """A graph and the edges of it that are closed now.
+
+    graph         -- the trajectory graph
+    closed        -- ids of edges that nobody may use
+    dock_approach -- m before a dock that belong to who docks or leaves
+    """
+
+    def __init__(self, graph: Graph, closed: Iterable[int] = (),
+                 dock_approach: float = DOCK_APPROACH) -> None:
+        self.graph = graph
+        self.closed: FrozenSet[int] = frozenset(closed)
+        self.dock_approach = dock_approach
+        self.vertex_ids: Tuple[int, ...] = tuple(graph.vertices)
+        self.edge_ids: Tuple[int, ...] = tuple(graph.edges)
+        self.index: Dict[int, int] = {id: k for k, id in enumerate(self.vertex_ids)}
+        self.edge_index: Dict[int, int] = {id: k for k, id in enumerate(self.edge_ids)}
+        edges = graph.edges.values()
+        self.origin: List[int] = []
+        """Vertex at which each drive begins."""
+        for edge in edges:
+            self.origin += [self.index[edge.origin], self.index[edge.destination]]
+        self.vertices = len(self.vertex_ids)
+        self.drives = len(self.origin)
+        self.docks = frozenset(self.index[v.id] for v in graph.vertices.values() if v.dock)
+        self._lengths = edge_lengths(graph)
+        self._exclusions: Dict[None, Exclusions] = {}
+        self._times: Dict[RobotType, List[float]] = {}
+        self._roads: Dict[RobotType, Roads] = {}
+        self._matrices: Dict[Tuple[RobotType, int], csr_matrix] = {}
+        self._ways: Dict[Tuple[RobotType, int], np.ndarray] = {}
+        self._listed: Dict[Tuple[RobotType, int], List[float]] = {}
+
+    def with_closed(self, closed: Iterable[int]) -> RoadNetwork:
+        """The same graph with other edges closed; what geometry says is not computed again."""
+        network = RoadNetwork(self.graph, closed, self.dock_approach)
+        network._exclusions = self._exclusions
+        return network
+
+    # -- names ------------------------------------------------------------------------------------
+
+    def drive(self, signed_id: int) -> int:
+        """The drive of a signed edge id, which the graph must have."""
+        edge = self.edge_index[abs(signed_id)]
+        return 2 * edge + (signed_id < 0)
+
+    def signed_id(self, drive: int) -> int:
+        """The signed edge id of a drive."""
+        id = self.edge_ids[drive >> 1]
+        return -id if drive & 1 else id
+
+    def destination(self, drive: int) -> int:
+        """Vertex at which a drive ends."""
+        return self.origin[drive ^ 1]
+
+    def vertex_slot(self, vertex: int) -> int:
+        """The slot that stands for waiting at a vertex."""
+        return self.drives + vertex
+
+    def length(self, drive: int) -> float:
+        """Arc length in m."""
+        return float(self._lengths[drive >> 1])
+
+    # -- times ------------------------------------------------------------------------------------
+
+    def times(self, kind: RobotType) -> List[float]:
+        """Seconds that each drive takes; infinite where it is forbidden, but not where closed."""
+        if kind not in self._times:
+            times: List[float] = []
+            for edge, length in zip(self.graph.edges.values(), self._lengths.tolist()):
+                for edge_speed in (edge.velocity_forward, edge.velocity_backwards):
+                    speed = kind.drives_at(edge_speed)
+                    times.append(length / speed if speed > 0.0 else math.inf)
+            self._times[kind] = times
+        return self._times[kind]
+
+    def roads(self, kind: RobotType, docks: Iterable[int] = ()) -> Roads:
+        """Where one may drive from each vertex; into a dock only if it is one of `docks`."""
+        if kind not in self._roads:
+            self._roads[kind] = [[] for _ in range(self.vertices)]
+            for drive, seconds in enumerate(self.times(kind)):
+                if self._open(drive, seconds) and self.destination(drive) not in self.docks:
+                    self._roads[kind][self.origin[drive]].append(
+                        (drive, self.destination(drive), seconds))
+        wanted = self.docks.intersection(docks)
+        if not wanted:
+            return self._roads[kind]
+        roads = list(self._roads[kind])
+        for drive, seconds in enumerate(self.times(kind)):
+            if self._open(drive, seconds) and self.destination(drive) in wanted:
+                begin = self.origin[drive]
+                roads[begin] = [*roads[begin], (drive, self.destination(drive), seconds)]
+        return roads
+
+    def ways_to(self, kind: RobotType, targets: Sequence[int]) -> List[np.ndarray]:
+        """For each target the seconds (V,) from every vertex to it, alone; inf: unreachable.
+
+        They are remembered, so targets that come again cost nothing.
+        """
+        missing = [t for t in dict.fromkeys(targets) if (kind, t) not in self._ways]
+        for dock in self.docks.intersection(missing):
+            self._ways[kind, dock] = dijkstra(self._towards(kind, dock), indices=dock)
+        plain = [t for t in missing if t not in self.docks]
+        if plain:
+            for target, row in zip(plain, dijkstra(self._towards(kind, -1), indices=plain)):
+                self._ways[kind, target] = row
+        return [self._ways[kind, target] for target in targets]
+
+    def estimates(self, kind: RobotType, target: int) -> List[float]:
+        """`ways_to` a target as the searches use it: a list, and longer by a hair.
+
+        So of equally good ways the one that is nearer to its end is followed first.
+        """
+        if (kind, target) not in self._listed:
+            self._listed[kind, target] = (self.ways_to(kind, (target,))[0] * GUIDED).tolist()
+        return self._listed[kind, target]
+
+    def _towards(self, kind: RobotType, dock: int) -> csr_matrix:
+        """The roads turned round, as a matrix; those into docks left out but for `dock`."""
+        if (kind, dock) not in self._matrices:
+            times = np.array(self.times(kind))
+            begin, end = np.array(self.origin), np.array(self.origin).reshape(-1, 2)[:, ::-1].ravel()
+            usable = np.isfinite(times) & self._open_drives()
+            for other in self.docks - {dock}:
+                usable &= end != other
+            begin, end, times = begin[usable], end[usable], times[usable]
+            order = np.lexsort((times, begin, end))  # of parallel edges the fastest comes first
+            begin, end, times = begin[order], end[order], times[order]
+            first = np.ones(len(order), dtype=bool)
+            first[1:] = (begin[1:] != begin[:-1]) | (end[1:] != end[:-1])
+            self._matrices[kind, dock] = csr_matrix(
+                (times[first], (end[first], begin[first])), shape=(self.vertices, self.vertices))
+        return self._matrices[kind, dock]
+
+    def _open(self, drive: int, seconds: float) -> bool:
+        return seconds < math.inf and self.edge_ids[drive >> 1] not in self.closed
+
+    def _open_drives(self) -> np.ndarray:
+        is_open = np.array([id not in self.closed for id in self.edge_ids], dtype=bool)
+        return np.repeat(is_open, 2)
+
+    # -- geometry ---------------------------------------------------------------------------------
+
+    @property
+    def exclusions(self) -> Exclusions:
+        """Which places exclude each other; edges that are closed now included."""
+        if None not in self._exclusions:
+            ends = np.array(self.origin, dtype=np.int64).reshape(-1, 2)
+            self._exclusions[None] = Exclusions(pieces_of(self.graph), ends, self.vertices,
+                                                tuple(map(self._approach, sorted(self.docks))))
+        return self._exclusions[None]
+
+    def _approach(self, dock: int) -> Approach:
+        """All that lies within `dock_approach` of a dock along the edges."""
+        roads = nx.MultiGraph()
+        roads.add_node(dock)
+        for edge, length in enumerate(self._lengths.tolist()):
+            roads.add_edge(self.origin[2 * edge], self.origin[2 * edge + 1], edge, weight=length)
+        reach = self.dock_approach
+        near: Dict[int, float] = nx.single_source_dijkstra_path_length(roads, dock, cutoff=reach)
+        near = {vertex: distance for vertex, distance in near.items() if distance < reach}
+        edges: Dict[int, Tuple[float, float]] = {}
+        for _, _, edge in roads.edges(list(near), keys=True):
+            length = float(self._lengths[edge])
+            from_origin, from_destination = (
+                min(max((reach - near.get(self.origin[2 * edge + end], reach)) / length, 0.0), 1.0)
+                for end in (0, 1))
+            if from_origin + from_destination >= 1.0 or (from_origin and from_destination):
+                edges[self.vertices + edge] = (0.0, 1.0)
+            elif from_origin:
+                edges[self.vertices + edge] = (0.0, from_origin)
+            elif from_destination:
+                edges[self.vertices + edge] = (1.0 - from_destination, 1.0)
+        return Approach(edges, frozenset(near) - {dock})

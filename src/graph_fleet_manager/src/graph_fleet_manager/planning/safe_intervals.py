@@ -1,0 +1,127 @@
+"""The way of one robot through a timetable: A* over safe intervals.
+
+The same search as TEA*'s layers with intervals in their place: a state is a vertex and one of the
+intervals in which a robot may wait there, and of all ways into a state only the earliest counts,
+for who is early can wait (safe interval path planning, Phillips and Likhachev, ICRA 2011). Added
+here: bookings are of beginnings of drives (see `blocking`), several destinations in one search,
+and a rest for ever at the end. A state's successors are made only when they may be the best there
+are (partial expansion, Yoshizumi et al., AAAI 2000).
+"""
+from __future__ import annotations
+
+from bisect import bisect_right
+from heapq import heappop, heappush
+from math import inf
+from typing import Dict, List, Optional, Sequence, Tuple
+
+from graph_fleet_manager.planning.plans import Drive, Plan
+from graph_fleet_manager.planning.timetable import Busy, Slots
+from graph_fleet_manager.planning.travellers import Errand
+
+Arrival = Tuple[int, float, int, float]
+"""A drive, when it begins, the vertex that it leads to, and when it ends there."""
+
+
+def find_way(errand: Errand, slots: Slots, latest: float = inf,
+             arrivals: Sequence[Arrival] = ()) -> Optional[Tuple[float, Plan]]:
+    """The plan that serves the errand soonest and its cost, None where there is none.
+
+    The cost is the end of the last destination; what comes after it counts as the errand says. No
+    plan costs more than `latest`. `arrivals` are what a robot between vertices may begin with,
+    instead of setting out from the errand's vertex.
+    """
+    roads, to_go, targets, dwells = errand.roads, errand.to_go, errand.destinations, errand.dwells
+    legs, vertices, drives = len(targets), len(roads), slots.drives
+    rests, later = errand.rests, errand.later
+    stays = rests is None  # at the last destination
+    merged, busy_of = slots.merged, slots.busy
+    best: Dict[int, float] = {}
+    nodes: List[Tuple] = []
+    heap: List[Tuple[float, int, float]] = []
+    node, leg, served = -1, 0, errand.ready
+    moves = list(arrivals) or [(-1, 0.0, errand.vertex, errand.ready)]
+    while True:
+        for drive, begin, end, arrival in moves:
+            starts, ends = merged[drives + end] or busy_of(drives + end)
+            interval, until = 0, inf
+            if ends:
+                interval = bisect_right(ends, arrival)
+                if interval < len(ends):
+                    until = starts[interval]
+                    if until < arrival:
+                        continue
+            time, new_leg, new_served = arrival, leg, served
+            while new_leg < legs and targets[new_leg] == end:
+                leaves = time + dwells[new_leg]
+                if leaves > until or (stays and new_leg == legs - 1 and until < inf):
+                    break
+                time = new_served = leaves
+                new_leg += 1
+            key = (interval * (legs + 1) + new_leg) * vertices + end
+            if key in best and time >= best[key]:
+                continue
+            if new_leg < legs:
+                cost = time + to_go[new_leg][end]
+            elif stays:
+                cost = new_served
+            else:
+                cost = new_served + later * (time - new_served + to_go[new_leg][end])
+            if cost <= latest and cost < inf:
+                best[key] = time
+                heappush(heap, (cost, len(nodes), -inf))
+                nodes.append((end, time, new_leg, new_served, until, key,
+                              node, drive, begin, arrival))
+        while heap:
+            cost, node, done = heappop(heap)
+            vertex, now, leg, served, until, key = nodes[node][:6]
+            if best[key] == now:
+                break
+        else:
+            return None
+        if leg == legs and (stays or (until == inf and vertex in rests)):
+            return cost, plan_from(nodes, node)
+        estimates, base, weight = to_go[leg], now, 1.0
+        if leg == legs:
+            base, weight = served + later * (now - served), later
+        moves, postponed = [], inf
+        for drive, end, seconds in roads[vertex]:
+            bound = base + weight * (seconds + estimates[end])
+            if bound > cost:
+                if bound < postponed:
+                    postponed = bound
+            elif bound > done:
+                busy = merged[drive] or busy_of(drive)
+                if busy[1]:
+                    moves += [(drive, begin, end, begin + seconds)
+                              for begin in _beginnings(busy, now, until)]
+                else:
+                    moves.append((drive, now, end, now + seconds))
+        if postponed <= latest and postponed < inf:
+            heappush(heap, (postponed, node, cost))
+
+
+def _beginnings(busy: Busy, now: float, until: float) -> Sequence[float]:
+    """The first moment of each time between `now` and `until` at which a slot is free."""
+    starts, ends = busy
+    if now >= ends[-1]:
+        return (now,)
+    gap, count = bisect_right(ends, now), len(ends)
+    begins = [now] if now <= starts[gap] else []
+    while ends[gap] <= until:
+        begins.append(ends[gap])
+        gap += 1
+        if gap == count:
+            break
+    return begins
+
+
+def plan_from(nodes: Sequence[Tuple], node: int) -> Plan:
+    """The drives on the way to a node; a node ends with parent, drive, begin and arrival."""
+    plan: Plan = []
+    while True:
+        parent, drive, begin, arrival = nodes[node][-4:]
+        if drive >= 0:
+            plan.append(Drive(drive, begin, arrival))
+        if parent < 0:
+            return plan[::-1]
+        node = parent

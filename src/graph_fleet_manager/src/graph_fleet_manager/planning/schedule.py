@@ -1,0 +1,65 @@
+"""Times for drives whose order is known: each as soon as all that come before it allow.
+
+The order of use is what makes a plan safe, not its times. Drives in an order that keeps every
+precedence (by their times in an older plan, or by the steps of a configuration search) get new
+times here in one sweep.
+"""
+from __future__ import annotations
+
+from math import inf
+from typing import Dict, Iterable, List, Mapping, Tuple
+
+from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.planning.plans import Drive, Plan, Plans
+from graph_fleet_manager.planning.timetable import Timetable
+from graph_fleet_manager.planning.travellers import Traveller
+
+
+def schedule(timetable: Timetable, travellers: Mapping[str, Traveller],
+             order: Iterable[Tuple[str, int]]) -> Plans:
+    """The plans behind what is fixed, for the drives (robot, drive) in `order`.
+
+    Who comes later in the order waits until all who came before are out of its way. Only geometry
+    and driving times of `timetable` are used, not its bookings.
+    """
+    network = timetable.network
+    count = network.drives + network.vertices
+    free_from: Dict[RobotType, List[float]] = {kind: [-inf] * count for kind in timetable.kinds}
+    plans: Plans = {}
+    ready: Dict[str, float] = {}
+    legs: Dict[str, int] = {}
+
+    def use(kind: RobotType, drive: Drive) -> None:
+        for observer, free in free_from.items():
+            for slot, clear, _ in timetable.blocking[kind, observer].drive(drive.drive):
+                if clear > drive.begun:
+                    share = (clear - drive.begun) / (1.0 - drive.begun)
+                    until = drive.start + share * (drive.end - drive.start)
+                    if until > free[slot]:
+                        free[slot] = until
+
+    for name, traveller in travellers.items():
+        plans[name] = []
+        ready[name], legs[name] = traveller.errand.served_at(traveller.errand.vertex, 0,
+                                                             traveller.errand.ready)
+        for drive in traveller.fixed:
+            use(traveller.kind, drive)
+    for name, drive in order:
+        traveller, plan = travellers[name], plans[name]
+        begun = 0.0
+        if traveller.between and not plan:
+            begun = traveller.between.behind(drive)
+        seconds = network.times(traveller.kind)[drive] * (1.0 - begun)
+        start = max(ready[name], free_from[traveller.kind][drive])
+        plan.append(Drive(drive, start, start + seconds, begun))
+        use(traveller.kind, plan[-1])
+        ready[name], legs[name] = traveller.errand.served_at(
+            network.destination(drive), legs[name], start + seconds)
+    return plans
+
+
+def in_order(plans: Mapping[str, Plan]) -> List[Tuple[str, int]]:
+    """The drives of plans in the order of their times."""
+    timed = [(drive.start, drive.end, name, k) for name, plan in plans.items()
+             for k, drive in enumerate(plan)]
+    return [(name, plans[name][k].drive) for _, _, name, k in sorted(timed)]

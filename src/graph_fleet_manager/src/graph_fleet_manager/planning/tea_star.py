@@ -1,0 +1,122 @@
+"""TEA*: robots planned one after the other, each plan an obstacle in time for those that follow.
+
+The loop is that of the dissertation's path planner: what robots will drive in any case is booked
+first; then every robot looks for its way through time, past all who have theirs; where one finds
+none, it comes first in a new order and all is planned again. While a robot has no plan yet, its
+place is an obstacle only for a moment, as in the two first layers of TEA*.
+"""
+from __future__ import annotations
+
+import time
+from math import inf
+from random import Random
+from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence
+
+from graph_fleet_manager.planning.layers import Search
+from graph_fleet_manager.planning.plans import Plan
+from graph_fleet_manager.planning.safe_intervals import find_way
+from graph_fleet_manager.planning.timetable import Timetable
+from graph_fleet_manager.planning.travellers import Traveller
+
+PRESENT = 2.0
+"""For so many times its shortest way out a robot without a plan is in everybody's way."""
+
+
+class Way(NamedTuple):
+    """What a search found for one robot: its cost, and the plan behind what is fixed."""
+
+    cost: float
+    plan: Plan
+
+
+Ways = Dict[str, Way]
+
+
+class TeaStar:
+    """Plans travellers against a timetable, in which their ways are booked when it is done."""
+
+    def __init__(self, timetable: Timetable, search: Search = find_way) -> None:
+        self.timetable = timetable
+        self._search = search
+
+    def way_of(self, traveller: Traveller, latest: float = inf) -> Optional[Way]:
+        """The best way of one robot that is not booked, past all that are; None: there is none."""
+        arrivals = ()
+        if traveller.between:
+            arrivals = self.timetable.arrivals(traveller.kind, traveller.between,
+                                               traveller.errand.ready)
+            if not arrivals:
+                return None
+        found = self._search(traveller.errand, self.timetable.slots[traveller.kind], latest,
+                             arrivals)
+        if found is None:
+            return None
+        cost, plan = found
+        if traveller.between and plan:
+            plan[0] = plan[0]._replace(begun=traveller.between.behind(plan[0].drive))
+        return Way(cost, plan)
+
+    def book(self, traveller: Traveller, way: Way) -> None:
+        """Makes a way an obstacle for all others."""
+        self.timetable.book(traveller.name, traveller.kind, traveller.vertex,
+                            traveller.whole(way.plan), traveller.between)
+
+    def book_present(self, traveller: Traveller) -> None:
+        """Books what a robot without a plan holds in any case, and for a moment where it is."""
+        self.timetable.book(traveller.name, traveller.kind, traveller.vertex, traveller.fixed,
+                            traveller.between, self._moment(traveller))
+
+    def plan(self, travellers: Sequence[Traveller], deadline: float,
+             orders: int) -> Optional[Ways]:
+        """Ways for all, in at most `orders` orders; None where no order succeeded in time.
+
+        The order given is tried first. Nobody of the travellers may be booked.
+        """
+        order = list(travellers)
+        for _ in range(orders):
+            ways: Ways = {}
+            for traveller in order:
+                self.book_present(traveller)
+            failed = self._plan_in(order, ways, deadline)
+            if failed is None:
+                return ways
+            self.forget(order)
+            if time.monotonic() > deadline:
+                break
+            order.remove(failed)
+            order.insert(0, failed)
+        return None
+
+    def forget(self, travellers: Iterable[Traveller]) -> None:
+        """Takes travellers out of the timetable."""
+        for traveller in travellers:
+            self.timetable.cancel(traveller.name)
+
+    def _plan_in(self, order: Sequence[Traveller], ways: Ways,
+                 deadline: float) -> Optional[Traveller]:
+        """Plans in this order; returns who found no way, or came too late."""
+        for traveller in order:
+            self.timetable.cancel(traveller.name)
+            way = self.way_of(traveller)
+            if way is None or time.monotonic() > deadline:
+                return traveller
+            ways[traveller.name] = way
+            self.book(traveller, way)
+        return None
+
+    def _moment(self, traveller: Traveller) -> float:
+        roads = traveller.errand.roads[traveller.errand.vertex]
+        way_out = min((seconds for _, _, seconds in roads), default=0.0)
+        return traveller.errand.ready + PRESENT * way_out
+
+
+def by_length(travellers: Iterable[Traveller]) -> List[Traveller]:
+    """The order to begin with: by priority, then who has the longest way."""
+    return sorted(travellers, key=lambda t: (-t.priority, -t.errand.lower_bound))
+
+
+def shuffled(travellers: Iterable[Traveller], random: Random) -> List[Traveller]:
+    """A random order, within which priorities still count."""
+    order = list(travellers)
+    random.shuffle(order)
+    return sorted(order, key=lambda t: -t.priority)

@@ -1,0 +1,265 @@
+"""Who blocks what and when: the bookings of all robots that have a plan, as each type sees them."""
+from __future__ import annotations
+
+from bisect import bisect_right
+from math import inf
+from typing import Any, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+
+from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.planning.blocking import Block, Blocking
+from graph_fleet_manager.planning.plans import Drive
+from graph_fleet_manager.planning.road_network import RoadNetwork
+
+Busy = Tuple[Sequence[float], Sequence[float]]
+"""Beginnings and ends of the times at which a slot is blocked: ascending, without overlaps."""
+
+_NEVER: Busy = ((), ())
+_Booking = List[Any]
+"""Begin, end, robot."""
+
+
+class Between(NamedTuple):
+    """A robot that stands at a fraction of a drive, at x, y (m), free to go either way."""
+
+    drive: int
+    fraction: float
+    x: float
+    y: float
+
+    def behind(self, drive: int) -> float:
+        """The fraction of `drive`, one of the two ways on, that lies behind it."""
+        return self.fraction if drive == self.drive else 1.0 - self.fraction
+
+
+class Booked(NamedTuple):
+    """What is booked for one robot."""
+
+    kind: RobotType
+    vertex: int
+    plan: Sequence[Drive]
+    between: Optional[Between]
+    until: float
+
+
+class Slots:
+    """The bookings as one robot type sees them: when it may begin each drive, or wait."""
+
+    def __init__(self, drives: int, vertices: int) -> None:
+        self.drives = drives
+        """Behind so many slots for drives follow those for vertices."""
+        self.bookings: List[List[_Booking]] = [[] for _ in range(drives + vertices)]
+        self.merged: List[Optional[Busy]] = [_NEVER] * (drives + vertices)
+        self.horizon = 0.0
+        """After this time nothing changes any more."""
+
+    def add(self, latest: Dict[int, _Booking], slot: int, begin: float, end: float,
+            robot: str) -> None:
+        """Books a slot. What one robot blocks without a break is one booking: it is in `latest`."""
+        booking = latest.get(slot)
+        if booking is not None and begin <= booking[1]:
+            booking[0] = min(booking[0], begin)
+            booking[1] = max(booking[1], end)
+        else:
+            latest[slot] = booking = [begin, end, robot]
+            self.bookings[slot].append(booking)
+            self.merged[slot] = None
+
+    def add_drive(self, latest: Dict[int, _Booking], blocks: Sequence[Block], start: float,
+                  seconds: float, robot: str) -> None:
+        """Books all that a drive blocks: `add` for each, written out because it is done so often."""
+        bookings, merged = self.bookings, self.merged
+        for slot, clear, lead in blocks:
+            begin, end = start - lead, start + clear * seconds
+            booking = latest.get(slot)
+            if booking is not None and begin <= booking[1]:
+                if begin < booking[0]:
+                    booking[0] = begin
+                if end > booking[1]:
+                    booking[1] = end
+            else:
+                latest[slot] = booking = [begin, end, robot]
+                bookings[slot].append(booking)
+                merged[slot] = None
+
+    def busy(self, slot: int) -> Busy:
+        """When `slot` is blocked. At the very ends of these times it is free."""
+        busy = self.merged[slot]
+        if busy is None:
+            busy = self.merged[slot] = merge(self.bookings[slot])
+        return busy
+
+
+class Timetable:
+    """Bookings of many robots; each robot is booked by name and can be taken out again."""
+
+    def __init__(self, network: RoadNetwork, clearance: float, kinds: Iterable[RobotType]) -> None:
+        self.network = network
+        self.clearance = clearance
+        self.kinds: Tuple[RobotType, ...] = tuple(dict.fromkeys(kinds))
+        self.blocking: Dict[Tuple[RobotType, RobotType], Blocking] = {
+            (mover, observer): Blocking(network, mover, observer, clearance)
+            for mover in self.kinds for observer in self.kinds}
+        self.slots: Dict[RobotType, Slots] = {}
+        self.booked: Dict[str, Booked] = {}
+        self._touched: Dict[str, List[Tuple[Slots, Iterable[int]]]] = {}
+        self.clear()
+
+    def clear(self) -> None:
+        """Takes everybody out."""
+        self.slots = {kind: Slots(self.network.drives, self.network.vertices)
+                      for kind in self.kinds}
+        self.booked = {}
+        self._touched = {}
+
+    def prepare(self) -> None:
+        """Computes from geometry what can be computed beforehand."""
+        for blocking in self.blocking.values():
+            blocking.prepare()
+
+    def book(self, robot: str, kind: RobotType, vertex: int, plan: Sequence[Drive],
+             between: Optional[Between] = None, until: float = inf) -> None:
+        """Books a robot that stands at `vertex`, or `between` two, and then follows its plan.
+
+        After the plan it stands where it is till `until`. Nothing may be booked for it yet.
+        """
+        self.booked[robot] = Booked(kind, vertex, plan, between, until)
+        self._touched[robot] = []
+        for observer in self.kinds:
+            slots, blocking = self.slots[observer], self.blocking[kind, observer]
+            latest: Dict[int, _Booking] = {}
+            waits = (blocking.wait(vertex) if between is None
+                     else self._at_point(kind, observer, between))
+            since = -inf
+            for drive, start, end, begun in plan:
+                if start > since and (not begun or between):
+                    for slot, lead in waits:
+                        slots.add(latest, slot, since - lead, start, robot)
+                blocks = blocking.drive(drive)
+                slots.add_drive(latest, _rest_of(blocks, begun) if begun else blocks, start,
+                                end - start, robot)
+                waits, since = blocking.wait(self.network.origin[drive ^ 1]), end
+            for slot, lead in waits:
+                slots.add(latest, slot, since - lead, until, robot)
+            self._touched[robot].append((slots, latest))
+            slots.horizon = max(slots.horizon, since, until if until < inf else since)
+
+    def book_places(self, robot: str, kind: RobotType, places: Iterable[int]) -> None:
+        """Books for ever a robot that may be anywhere on these places; nothing else may be."""
+        self._touched[robot] = []
+        for observer in self.kinds:
+            slots = self.slots[observer]
+            latest: Dict[int, _Booking] = {}
+            for place in places:
+                for slot, _ in self.blocking[kind, observer].of_place(place):
+                    slots.add(latest, slot, -inf, inf, robot)
+            self._touched[robot].append((slots, latest))
+
+    def cancel(self, robot: str) -> None:
+        """Takes a robot out; one that is not booked is none."""
+        self.booked.pop(robot, None)
+        for slots, touched in self._touched.pop(robot, ()):
+            bookings, merged = slots.bookings, slots.merged
+            for slot in touched:
+                bookings[slot] = [b for b in bookings[slot] if b[2] != robot]
+                merged[slot] = None
+
+    def arrivals(self, kind: RobotType, between: Between,
+                 ready: float) -> List[Tuple[int, float, int, float]]:
+        """What a robot that is not booked and stands between two vertices may begin with.
+
+        For each way that is open: (drive, when it may go on, vertex that it leads to, when it is
+        there), for every time in which it is free. Until then nobody may come past its point.
+        """
+        found = []
+        leave = self._undisturbed(kind, between)
+        for drive in (between.drive, between.drive ^ 1):
+            begun, end = between.behind(drive), self.network.destination(drive)
+            for _, vertex, seconds in (road for road in self.network.roads(kind, (end,))
+                                       [self.network.origin[drive]] if road[0] == drive):
+                starts, ends = merge(self._against_rest(kind, drive, begun, seconds))
+                gap, begin = bisect_right(ends, ready), ready
+                while begin <= leave:
+                    if gap == len(ends) or begin <= starts[gap]:
+                        found.append((drive, begin, vertex, begin + (1.0 - begun) * seconds))
+                    if gap == len(ends):
+                        break
+                    begin = ends[gap]
+                    gap += 1
+        return found
+
+    def _against_rest(self, kind: RobotType, drive: int, begun: float,
+                      seconds: float) -> List[_Booking]:
+        """When others keep a robot from driving the rest of a drive of which some lies behind it.
+
+        Bookings are made for whole drives; those that only concern what lies behind are left out.
+        """
+        found: List[_Booking] = []
+        behind = begun * seconds
+        for robot, begin, end, blocks in self._activities(kind):
+            for slot, lead in blocks:
+                if slot == drive and lead > behind:
+                    found.append([begin - (lead - behind), end, robot])
+        return found
+
+    def _undisturbed(self, kind: RobotType, between: Between) -> float:
+        """When the first of the others comes past a robot's point."""
+        first = inf
+        for mover in self.kinds:
+            places = set(self.places_near(kind, mover, between))
+            for booked in self.booked.values():
+                if booked.kind is mover or booked.kind == mover:
+                    for drive in booked.plan:
+                        if self.network.vertices + (drive.drive >> 1) in places:
+                            first = min(first, drive.start)
+        return first
+
+    def _activities(self, observer: RobotType) -> Iterator[
+            Tuple[str, float, float, List[Tuple[int, float]]]]:
+        """Every wait and drive of everybody: robot, begin, end, (slot, lead) that it blocks."""
+        for robot, (kind, vertex, plan, between, until) in self.booked.items():
+            blocking = self.blocking[kind, observer]
+            waits = (blocking.wait(vertex) if between is None
+                     else self._at_point(kind, observer, between))
+            since = -inf
+            for drive, start, end, begun in plan:
+                if start > since and (not begun or between):
+                    yield robot, since, start, waits
+                for slot, clear, lead in _rest_of(blocking.drive(drive), begun):
+                    yield robot, start, start + clear * (end - start), [(slot, lead)]
+                waits, since = blocking.wait(self.network.origin[drive ^ 1]), end
+            yield robot, since, until, waits
+
+    def _at_point(self, kind: RobotType, observer: RobotType,
+                  between: Between) -> List[Tuple[int, float]]:
+        return self.blocking[kind, observer].around_point(
+            self.places_near(kind, observer, between))
+
+    def places_near(self, kind: RobotType, other: RobotType, between: Between) -> List[int]:
+        """Places that robots of type `other` may not hold while one stands between vertices."""
+        return self.network.exclusions.near_point(
+            between.x, between.y, kind.reach + other.reach + self.clearance)
+
+
+def _rest_of(blocks: Sequence[Block], begun: float) -> List[Block]:
+    """What the rest of a drive blocks when a fraction of it lies behind."""
+    return [(slot, (clear - begun) / (1.0 - begun), lead)
+            for slot, clear, lead in blocks if clear > begun]
+
+
+def merge(bookings: Sequence[_Booking]) -> Busy:
+    """The times that any of the bookings covers."""
+    if not bookings:
+        return _NEVER
+    if len(bookings) == 1:
+        return (bookings[0][0],), (bookings[0][1],)
+    starts: List[float] = []
+    ends: List[float] = []
+    last = -inf
+    for begin, end, _ in sorted(bookings):
+        if begin >= last or not ends:
+            starts.append(begin)
+            ends.append(end)
+            last = end
+        elif end > last:
+            ends[-1] = last = end
+    return starts, ends
