@@ -41,11 +41,20 @@ def line_of(node: yaml.Node) -> int:
 
 def compose(path: Union[str, os.PathLike]) -> yaml.Node:
     """The root of the one document in a file; raises WrongYaml."""
+    return compose_data(read_file(path))
+
+
+def read_file(path: Union[str, os.PathLike]) -> bytes:
+    """The bytes of a file, up to one more than is allowed; raises WrongYaml."""
     try:
         with open(path, 'rb') as stream:
-            data = stream.read(LARGEST_FILE + 1)
+            return stream.read(LARGEST_FILE + 1)
     except OSError as error:
         raise WrongYaml(f'the file cannot be read ({error.strerror})') from None
+
+
+def compose_data(data: bytes) -> yaml.Node:
+    """The root of the one document in the bytes of a file; raises WrongYaml."""
     if len(data) > LARGEST_FILE:
         raise WrongYaml(f'the file is larger than {LARGEST_FILE // 2 ** 20} MiB')
     try:

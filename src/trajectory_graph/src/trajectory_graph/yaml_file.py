@@ -34,7 +34,15 @@ def load_graph(path: Union[str, os.PathLike]) -> Graph:
     """
     file = os.fspath(path)
     try:
-        root = strict_yaml.compose(file)
+        return parse_graph(strict_yaml.read_file(file), file)
+    except WrongYaml as wrong:
+        raise GraphError(wrong.problem, file=file, line=wrong.line) from None
+
+
+def parse_graph(data: bytes, file: str) -> Graph:
+    """The graph in the bytes of a file, which `file` names; raises GraphError as `load_graph`."""
+    try:
+        root = strict_yaml.compose_data(data)
         sections = strict_yaml.mapping(root, 'the file')
         vertices = _elements(sections, root, 'Vertices', 'vertex', _VERTEX_FIELDS, _vertex, file)
         edges = _elements(sections, root, 'Edges', 'edge', _EDGE_FIELDS, Edge, file)
@@ -77,7 +85,7 @@ def vertex_fields(vertex: Vertex) -> Dict[str, Any]:
     """The file's fields of a vertex, by their names there; None for one that is left out."""
     said_by_label = vertex.dock == (vertex.label == DOCK_LABEL)
     return {
-        'Dock': None if said_by_label and not vertex.dock else vertex.dock,
+        'Dock': None if said_by_label else vertex.dock,
         'FrameId': vertex.frame_id, 'Id': vertex.id, 'Label': vertex.label,
         'Parking': vertex.parking, 'Theta': vertex.theta,
         'ThetaHolomonic': vertex.theta_holonomic, 'X': vertex.x, 'Y': vertex.y}
