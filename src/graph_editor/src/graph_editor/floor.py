@@ -41,7 +41,8 @@ class Floor:
     def clearance_at(self, points: np.ndarray) -> np.ndarray:
         """(N,) clearance, interpolated, at `points` (N,2); 0 outside the grid."""
         columns, rows = self._grid_coordinates(points)
-        return ndimage.map_coordinates(self.clearance, (rows, columns), order=1, cval=0.0)
+        return ndimage.map_coordinates(self.clearance, (rows, columns), output=float, order=1,
+                                       cval=0.0)
 
     def cells_of(self, points: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
         """Rows and columns of the cells that hold `points` (N,2), held to the grid."""

@@ -8,7 +8,7 @@ import argparse
 import sys
 from typing import Dict, List, Optional
 
-from graph_editor.corridors import narrow_edges
+from graph_editor.checking.checker import narrow_edges
 from graph_editor.errors import SiteError
 from graph_editor.graph_files import write_made_graph
 from graph_editor.making.keeping_ids import with_ids_of

@@ -7,6 +7,7 @@ from typing import Sequence, Tuple
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
+from graph_editor.checking.findings import Finding, Severity
 from graph_editor.errors import SiteError
 from graph_editor.floor import Floor
 from graph_editor.site import Site
@@ -19,16 +20,18 @@ BORDER = 0.6  # m around what is drawn
 PAPER, OUTSIDE, WALL = (255, 255, 255), (236, 237, 242), (20, 20, 20)
 CORRIDOR, LINE, SPLINE = (206, 227, 248), (20, 90, 190), (130, 60, 190)
 VERTEX, PARKING, PLACE, DOCK = (40, 60, 90), (230, 130, 0), (0, 140, 60), (150, 0, 150)
+ERROR, WARNING = (220, 20, 20), (240, 150, 0)
 FONTS = ('DejaVuSans.ttf', 'LiberationSans-Regular.ttf')
 BASIC_LAYOUT = 0  # the other one crashes with Ubuntu 20.04's Pillow
 Pixels = Sequence[Tuple[float, float]]
 
 
-def draw_graph(site: Site, graph: Graph, path: str, corridor: float) -> None:
+def draw_graph(site: Site, graph: Graph, path: str, corridor: float,
+               findings: Sequence[Finding] = ()) -> None:
     """Writes the PNG file `path`; raises SiteError when it cannot be written.
 
     Corridors light blue, lines blue, splines violet; goals green, docks purple, parking orange; a
-    dash tells where a vertex looks.
+    dash tells where a vertex looks. Errors have red rings, warnings orange ones.
     """
     sheet = _Sheet(site.floor, graph)
     sheet.corridors(graph, corridor)
@@ -42,6 +45,9 @@ def draw_graph(site: Site, graph: Graph, path: str, corridor: float) -> None:
                   else PLACE if vertex.label in named else VERTEX)
         name = f'{vertex.id} {vertex.label}' if vertex.label in named or vertex.dock else vertex.id
         sheet.vertex(vertex.position, vertex.theta, str(name), colour)
+    for finding in findings:
+        if finding.place is not None:
+            sheet.ring(finding.place, ERROR if finding.severity is Severity.ERROR else WARNING)
     sheet.save(path)
 
 
@@ -103,6 +109,13 @@ class _Sheet:
         self._pen.ellipse((x - radius, y - radius, x + radius, y + radius), fill=colour)
         self._pen.text((x + radius, y - radius - 13 * SUPERSAMPLING), name, fill=colour,
                        font=self._font)
+
+    def ring(self, position: Tuple[float, float], colour: Tuple[int, int, int]) -> None:
+        """Where a finding is."""
+        (x, y), = self._pixels(np.array(position))
+        radius = 13 * SUPERSAMPLING
+        self._pen.ellipse((x - radius, y - radius, x + radius, y + radius), outline=colour,
+                          width=3 * SUPERSAMPLING)
 
     def save(self, path: str) -> None:
         """Scales down and writes."""

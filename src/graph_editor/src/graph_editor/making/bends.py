@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Collection, Dict, Iterator, List, Optional, Sequence, Tuple
+from typing import Collection, Iterator, List, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -19,7 +19,8 @@ LEAST_TURN = math.radians(6.0)
 MOST_TURN = math.radians(120.0)  # beyond: a robot turns on the spot
 FROM_CORNER = 0.42  # m between a spline and the corner that it takes the place of, at most
 LONGEST_TANGENT, SHORTEST_TANGENT = 3.0, 0.35  # m from the corner to where the spline begins
-SHARE = 0.45  # of a lane that one spline may take
+SHARE = 0.45  # of a lane that one spline may take, if the other end is a junction
+SHORTEST_LANE = 0.4  # m between two splines
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,45 +78,69 @@ def _runs(net: LaneNet, places: set) -> Iterator[List[int]]:
 
 
 def _pieces(net: LaneNet, nodes: Sequence[int]) -> Iterator[Piece]:
-    here = net.positions[nodes[0]]
-    for before, corner, after in zip(nodes, nodes[1:], nodes[2:]):
-        need = net.lane(before, corner).need
-        spline = _rounded(net, before, corner, after)
-        if spline is None:
-            yield Piece(here, net.positions[corner], need)
-            here = net.positions[corner]
+    corners = [net.positions[node] for node in nodes]
+    needs = [net.lane(a, b).need for a, b in zip(nodes, nodes[1:])]
+    here = corners[0]
+    for k, tangent in enumerate(_tangents(net, corners, needs), 1):
+        if not tangent:
+            yield Piece(here, corners[k], needs[k - 1])
+            here = corners[k]
             continue
-        if np.hypot(*(spline[0] - here)) > 1e-3:
-            yield Piece(here, spline[0], need)
-        yield Piece(spline[0], spline[3], min(need, net.lane(corner, after).need), spline)
+        spline = _spline(corners[k - 1:k + 2], tangent)
+        if np.hypot(*(spline[0] - here)) > SHORTEST_LANE / 2.0:
+            yield Piece(here, spline[0], needs[k - 1])
+        else:
+            spline[0] = here
+        yield Piece(spline[0], spline[3], min(needs[k - 1:k + 1]), spline)
         here = spline[3]
-    yield Piece(here, net.positions[nodes[-1]], net.lane(nodes[-2], nodes[-1]).need)
+    yield Piece(here, corners[-1], needs[-1])
 
 
-def _rounded(net: LaneNet, before: int, corner: int, after: int) -> Optional[np.ndarray]:
-    """Control points of the spline around a corner, or None where it stays a corner."""
-    a, b, c = (net.positions[node] for node in (before, corner, after))
-    lengths = np.hypot(*(b - a)), np.hypot(*(c - b))
-    arriving, leaving = (b - a) / lengths[0], (c - b) / lengths[1]
-    turn = math.acos(max(-1.0, min(1.0, float(arriving @ leaving))))
+def _tangents(net: LaneNet, corners: Sequence[np.ndarray], needs: Sequence[float]) -> List[float]:
+    """How far (m) before and behind each inner corner its spline begins and ends; 0: none.
+
+    Between two splines lies a lane of some length, or none at all.
+    """
+    lengths = [float(np.hypot(*(b - a))) for a, b in zip(corners, corners[1:])]
+    inner = len(corners) - 2
+    limits = [min(length * (0.5 if 0 < k < inner else SHARE) for k, length in (
+        (k, lengths[k]), (k + 1, lengths[k + 1]))) for k in range(inner)]
+    tangents = [_tangent(net, corners[k:k + 3], min(needs[k:k + 2]), limits[k])
+                for k in range(inner)]
+    for k in range(1, inner):
+        between = lengths[k] - tangents[k - 1] - tangents[k]
+        if tangents[k - 1] and tangents[k] and 1e-6 < between < SHORTEST_LANE:
+            for corner in (k - 1, k):
+                shorter = tangents[corner] - (SHORTEST_LANE - between) / 2.0
+                tangents[corner] = shorter if shorter >= SHORTEST_TANGENT else 0.0
+    return tangents
+
+
+def _tangent(net: LaneNet, corners: Sequence[np.ndarray], need: float, limit: float) -> float:
+    """The longest that the spline around the middle one of three corners may have."""
+    turn = _turn(corners)
     if not LEAST_TURN < turn < MOST_TURN:
-        return None
-    need = min(net.lane(before, corner).need, net.lane(corner, after).need)
-    tangent = min(FROM_CORNER / math.tan(turn / 4.0), LONGEST_TANGENT, SHARE * min(lengths))
+        return 0.0
+    tangent = min(FROM_CORNER / math.tan(turn / 4.0), LONGEST_TANGENT, limit)
     while tangent >= SHORTEST_TANGENT:
-        handle = tangent * 4.0 / 3.0 * math.tan(turn / 4.0) / math.tan(turn / 2.0)
-        start, end = b - tangent * arriving, b + tangent * leaving
-        control = np.array((start, start + handle * arriving, end - handle * leaving, end))
-        points = cubic_bezier(control).sample(net.floor.resolution)
+        points = cubic_bezier(_spline(corners, tangent)).sample(net.floor.resolution)
         if net.floor.clearance_at(points).min() >= need - TOLERANCE:
-            return control
-        tangent *= 0.7
-    return None
+            return tangent
+        tangent *= 0.8
+    return 0.0
 
 
-def headings(way: Way) -> Dict[int, float]:
-    """Driving direction (rad) at the way's first and last node."""
-    def direction(start: np.ndarray, end: np.ndarray) -> float:
-        return math.atan2(end[1] - start[1], end[0] - start[0])
-    return {way.first: direction(way.pieces[0].start, way.pieces[0].end),
-            way.last: direction(way.pieces[-1].start, way.pieces[-1].end)}
+def _turn(corners: Sequence[np.ndarray]) -> float:
+    a, b, c = corners
+    cosine = float((b - a) @ (c - b)) / (np.hypot(*(b - a)) * np.hypot(*(c - b)))
+    return math.acos(max(-1.0, min(1.0, cosine)))
+
+
+def _spline(corners: Sequence[np.ndarray], tangent: float) -> np.ndarray:
+    """Control points (4,2) of a spline that is almost an arc of a circle."""
+    a, b, c = corners
+    arriving, leaving = (b - a) / np.hypot(*(b - a)), (c - b) / np.hypot(*(c - b))
+    turn = _turn(corners)
+    handle = tangent * 4.0 / 3.0 * math.tan(turn / 4.0) / math.tan(turn / 2.0)
+    start, end = b - tangent * arriving, b + tangent * leaving
+    return np.array((start, start + handle * arriving, end - handle * leaving, end))

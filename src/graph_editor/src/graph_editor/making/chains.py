@@ -106,6 +106,24 @@ class ChainGraph:
                 made += self.dissolve(node)
         return [new for new in made if self.has(new)]
 
+    def cut_out(self, chain: Chain, where: np.ndarray) -> List[Chain]:
+        """Takes out the stretch of a chain from the first to the last point of `where` (N,).
+
+        What is left at either end becomes a dead end of its own.
+        """
+        first, last = np.flatnonzero(where)[[0, -1]]
+        self.drop_chain(chain)
+        made = []
+        for node, path in ((chain.start, chain.path[:first]),
+                           (chain.end, chain.path[:last:-1])):
+            if len(path) > 1:
+                tip = max(self._graph.nodes) + 1
+                self.add_node(tip, path[-1])
+                made.append(self.add_chain(node, tip, path))
+            else:
+                made += self.dissolve(node)
+        return [chain for chain in made if self.has(chain)]
+
     def dissolve(self, node: int) -> List[Chain]:
         """Makes one chain of two that meet at a node where no third does."""
         chains = self.chains_at(node)

@@ -22,7 +22,7 @@ from graph_editor.making.rectifying import rectify
 from graph_editor.making.skeleton import skeleton_of
 from graph_editor.making.squaring import square
 from graph_editor.making.straightening import straighten
-from graph_editor.making.tidying import prune_tails, tidy
+from graph_editor.making.tidying import draw_back_tips, prune_tails, tidy
 from graph_editor.site import Place, PlaceKind, Site
 from trajectory_graph import Graph
 
@@ -48,6 +48,8 @@ def make_graph(site: Site, options: MakingOptions) -> MadeGraph:
     net = _lanes(site, lanes_floor, coverage, options)
     attached = attach_places(net, places, options)
     add_bays(net, coverage, options)
+    tidy(net, attached.nodes)
+    draw_back_tips(net, options.turning, attached.nodes)
     tidy(net, attached.nodes)
     graph = assemble(net, ways_of(net, attached.nodes), attached.nodes, site.frame_id, options)
     return MadeGraph(graph, tuple(notes + attached.notes))

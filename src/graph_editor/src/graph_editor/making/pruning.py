@@ -29,6 +29,8 @@ def prune(graph: ChainGraph, coverage: Coverage, options: MakingOptions) -> None
     _prune_spurs(graph)
     pruner = _Pruner(graph, coverage, options)
     pruner.prune_dead_ends()
+    pruner.open_narrow_loops()
+    pruner.prune_dead_ends()
     pruner.prune_loops()
     pruner.prune_dead_ends()
 
@@ -89,6 +91,16 @@ class _Pruner:
                 return
             self._remove(min(useless, key=lambda entry: entry[:2])[2])
 
+    def open_narrow_loops(self) -> None:
+        """Cuts loops where a whole corridor does not fit, unless they save a long detour."""
+        for chain in self._graph.chains:
+            if chain.clearance >= self._options.corridor / 2.0 or not self._graph.has(chain):
+                continue
+            around = self._graph.way_round(chain)
+            if around is not None and around - chain.length < NARROW_IS_WORSE * WORTHWHILE_DETOUR:
+                self._exchange(self._graph.cut_out(
+                    chain, chain.clearances < self._options.corridor / 2.0))
+
     def prune_loops(self) -> None:
         """Takes out sides of loops, the least useful first.
 
@@ -128,12 +140,16 @@ class _Pruner:
         return alone * self._coverage.cell_area
 
     def _remove(self, chain: Chain) -> List[Chain]:
-        before = set(self._served)
         made = self._graph.remove_chain(chain)
-        for id in before - {chain.id for chain in self._graph.chains}:
+        self._exchange(made)
+        return made
+
+    def _exchange(self, made: List[Chain]) -> None:
+        """Takes up new chains, and forgets those that have gone."""
+        left = {chain.id for chain in self._graph.chains}
+        for id in [id for id in self._served if id not in left]:
             self._servants[self._served.pop(id)] -= 1
         self._take_up(made)
-        return made
 
     def _take_up(self, chains: Iterable[Chain]) -> None:
         for chain in chains:

@@ -11,7 +11,7 @@ import numpy as np
 
 from graph_editor.making.coverage import Coverage, dense
 from graph_editor.making.lanes import Lane, LaneNet
-from graph_editor.making.sight import in_sight
+from graph_editor.making.sight import in_sight, straight
 
 CLOSE = 0.6  # m between nodes that become one
 TOUCHING = 0.35  # m between a node and a lane that passes it: then the lane leads through it
@@ -48,6 +48,23 @@ def prune_tails(net: LaneNet, coverage: Coverage) -> None:
         servants[served.pop(key)] -= 1
         tip = next(node for node in key if net.degree(node) == 1)
         net.remove_node(tip)
+
+
+def draw_back_tips(net: LaneNet, turning: float, keep: Collection[int]) -> None:
+    """Ends dead ends where a robot can turn; one that is too short for that goes.
+
+    The last lane stays.
+    """
+    for tip in net.nodes:
+        if tip in keep or net.degree(tip) != 1 or len(net.lanes) == 1:
+            continue
+        base, = net.neighbours(tip)
+        points = straight(net.floor, net.positions[tip], net.positions[base])
+        roomy = np.flatnonzero(net.floor.clearance_at(points) >= turning)
+        if len(roomy) and np.hypot(*(points[roomy[0]] - net.positions[base])) >= CLOSE:
+            net.positions[tip] = points[roomy[0]]
+        else:
+            net.remove_node(tip)
 
 
 def _cross(net: LaneNet) -> None:
