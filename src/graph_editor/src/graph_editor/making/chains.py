@@ -5,7 +5,7 @@ A chain's ends may be the same node. A node where just two chains meet is dissol
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Dict, Iterator, List, Optional, Tuple
+from typing import Dict, Iterator, List, Optional, Sequence, Tuple
 
 import networkx as nx
 import numpy as np
@@ -43,6 +43,10 @@ class Chain:
     def path_from(self, node: int) -> np.ndarray:
         """The path, beginning at one of its ends."""
         return self.path if node == self.start else self.path[::-1]
+
+    def clearances_towards(self, node: int) -> np.ndarray:
+        """The clearances of the path that ends at one of its ends."""
+        return self.clearances if node == self.end else self.clearances[::-1]
 
 
 class ChainGraph:
@@ -97,9 +101,14 @@ class ChainGraph:
 
     def remove_chain(self, chain: Chain) -> List[Chain]:
         """Takes a chain out, and dissolves what it leaves; returns the chains that came of it."""
-        self.drop_chain(chain)
+        return self.remove_all([chain])
+
+    def remove_all(self, chains: Sequence[Chain]) -> List[Chain]:
+        """The same for several chains at once; a last node without chains stays."""
+        for chain in chains:
+            self.drop_chain(chain)
         made = []
-        for node in {chain.start: None, chain.end: None}:
+        for node in dict.fromkeys(node for chain in chains for node in (chain.start, chain.end)):
             if self._graph.degree(node) == 0 and len(self._graph) > 1:
                 self._graph.remove_node(node)
             else:

@@ -16,6 +16,7 @@ from graph_editor.making.options import MakingOptions
 from graph_editor.making.sight import in_sight
 
 LEAST_FLOOR = 1.0  # m2 that only a dead end serves, for it to stay
+LEAST_IN_CORNER = 6.0  # m2, where it leads into a corner: bays do that better
 WORTHWHILE_DETOUR = 9.0  # m that a side of a loop saves, for it to stay
 WORTHWHILE_FLOOR = 3.0  # m2 that only one side of a loop serves, for it to stay
 NARROW_IS_WORSE = 3.0  # so much more a lane must bring where its corridor does not fit
@@ -48,14 +49,19 @@ def merge_junctions(graph: ChainGraph, options: MakingOptions) -> None:
 
 
 def _prune_spurs(graph: ChainGraph) -> None:
-    """Takes out dead ends that hardly leave the widest disc around where they begin."""
+    """Takes out dead ends that hardly leave the widest disc around where they begin.
+
+    All of a junction at once: of the two spurs at the end of a corridor neither is its end.
+    """
     while True:
-        spurs = [(chain.length, node, chain) for node, chain in graph.dead_ends()
-                 if _is_spur(graph, node, chain)]
+        spurs: Dict[int, List[Chain]] = {}
+        for tip, chain in graph.dead_ends():
+            if _is_spur(graph, tip, chain):
+                spurs.setdefault(chain.other(tip), []).append(chain)
         if not spurs:
             return
-        _, _, chain = min(spurs, key=lambda spur: spur[:2])
-        graph.remove_chain(chain)
+        base = min(spurs, key=lambda node: (max(chain.length for chain in spurs[node]), node))
+        graph.remove_all(spurs[base])
 
 
 def _is_spur(graph: ChainGraph, tip: int, chain: Chain) -> bool:
@@ -63,11 +69,22 @@ def _is_spur(graph: ChainGraph, tip: int, chain: Chain) -> bool:
 
     A spur into a corner may reach farther than one behind a narrow place, like a door.
     """
-    clearances = chain.clearances if chain.end == tip else chain.clearances[::-1]
-    at_base, at_tip = clearances[0], clearances[-1]
-    beyond = chain.length + at_tip - at_base
-    widens = float((clearances - np.minimum.accumulate(clearances)).max())
-    return beyond < (1.2 * at_base if widens < DOOR else 0.5 * at_base + 0.3)
+    clearances = chain.clearances_towards(tip)
+    beyond = chain.length + clearances[-1] - clearances[0]
+    return beyond < (0.5 * clearances[0] + 0.3 if _widens(tip, chain) else 1.2 * clearances[0])
+
+
+def _leads_into_corner(tip: int, chain: Chain) -> bool:
+    """Does a dead end narrow all the way, and end soon? From a hall's middle that is a corner."""
+    clearances = chain.clearances_towards(tip)
+    return (clearances[-1] < 0.6 * clearances[0] and chain.length < 2.2 * clearances[0]
+            and not _widens(tip, chain))
+
+
+def _widens(tip: int, chain: Chain) -> bool:
+    """Does the way to a dead end's tip widen again, as behind a door?"""
+    clearances = chain.clearances_towards(tip)
+    return float((clearances - np.minimum.accumulate(clearances)).max()) >= DOOR
 
 
 class _Pruner:
@@ -84,9 +101,10 @@ class _Pruner:
     def prune_dead_ends(self) -> None:
         """Takes out dead ends that serve hardly anything alone, the least useful first."""
         while True:
-            useless = [(self._floor_of(chain) / self._price(chain), node, chain)
-                       for node, chain in self._graph.dead_ends()]
-            useless = [entry for entry in useless if entry[0] < LEAST_FLOOR]
+            uses = [(self._floor_of(chain) / self._price(chain)
+                     / (LEAST_IN_CORNER if _leads_into_corner(node, chain) else LEAST_FLOOR), node, chain)
+                    for node, chain in self._graph.dead_ends()]
+            useless = [entry for entry in uses if entry[0] < 1.0]
             if not useless:
                 return
             self._remove(min(useless, key=lambda entry: entry[:2])[2])
@@ -132,7 +150,7 @@ class _Pruner:
                 / (0.5 + chain.length / 20.0))
 
     def _price(self, chain: Chain) -> float:
-        return 1.0 if chain.clearance >= self._options.wide else NARROW_IS_WORSE
+        return 1.0 if chain.clearance >= self._options.corridor / 2.0 else NARROW_IS_WORSE
 
     def _floor_of(self, chain: Chain) -> float:
         """m2 that only this chain serves."""
