@@ -33,7 +33,8 @@ EDITS = {
     'cut': lambda d, v, e, w, x, y: editing.cut_edge(d, e, abs(x) / 51.0)[0],
     'label': lambda d, v, e, w, x, y: _label(d, v, x),
     'dock': lambda d, v, e, w, x, y: editing.change_vertex(d, v, dock=x > 0),
-    'parking': lambda d, v, e, w, x, y: editing.change_vertex(d, v, parking=None if x > 9 else x > 0),
+    'parking': lambda d, v, e, w, x, y: editing.change_vertex(
+        d, v, parking=None if x > 9 else x > 0),
     'speed': lambda d, v, e, w, x, y: editing.change_edge(d, e, velocity_forward=abs(x)),
 }
 EDIT_LISTS = st.lists(st.tuples(st.sampled_from(sorted(EDITS)), st.integers(0, 99),

@@ -24,7 +24,7 @@ Vertices:
 - {FrameId: map/nn0, Id: 1, Label: 'pass', Theta: 0, ThetaHolomonic: 0.0, X: 0.00, Y: 0.00}   # start
 - {FrameId: map/nn0, Id: 2, Label: pass, Theta: 0.0, ThetaHolomonic: 0.0, X: 8.0, Y: 0.0, Colour: red}
 - {FrameId: map/nn0, Id: 3, Label: dock, Theta: 1.57, ThetaHolomonic: 0.0, X: 10.0, Y: 3.0}
-"""
+"""  # noqa: E501
 BLOCK = """\
 Vertices:
   - Id: 1   # first
@@ -65,7 +65,7 @@ Edges:
     VelocityForward: 1.0
     VelocityBackwards: 0.0
   - {Id: 8, CurveType: line, Origin_ID: 2, Destination_ID: 3, ParamF: 0.25, ParamB: 0.25, VelocityForward: 1.0, VelocityBackwards: 0.0}
-Tail: yes # the end"""
+Tail: yes # the end"""  # noqa: E501
 LAYOUTS = [FLOW, BLOCK, FLOW.replace('\n', '\r\n'), '\ufeff' + BLOCK]
 
 

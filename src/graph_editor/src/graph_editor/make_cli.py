@@ -15,7 +15,7 @@ from graph_editor.making.keeping_ids import with_ids_of
 from graph_editor.making.maker import make_graph
 from graph_editor.making.options import Halls, MakingOptions
 from graph_editor.picture import draw_graph
-from graph_editor.site import Site, SiteOptions, load_site
+from graph_editor.site import SiteOptions, load_site
 from omron_map import MapError
 from trajectory_graph import Graph, TrajectoryGraphError, load_graph
 

@@ -1,7 +1,8 @@
-"""Bays: short lanes at right angles, into floor that is farther from all lanes than it should be."""
+"""Bays: short lanes at right angles, into floor that is too far from all other lanes."""
 from __future__ import annotations
 
-from typing import Iterator, List, Optional, Tuple
+import math
+from typing import Iterator, List, Optional, Sequence, Tuple
 
 import numpy as np
 from scipy import ndimage
@@ -20,9 +21,15 @@ STEP = 0.5  # m between the places where a bay may begin, and between those wher
 FROM_NODE = 0.8  # m between where a bay begins and the next node; else it begins at that
 
 
-def add_bays(net: LaneNet, coverage: Coverage, options: MakingOptions) -> None:
-    """Adds bays, the best first, until none is worth its while."""
+def add_bays(net: LaneNet, coverage: Coverage, axes: Sequence[float],
+             options: MakingOptions) -> None:
+    """Adds bays, the best first, until none is worth its while.
+
+    From a node without lanes, which is all there is then, they lead along the `axes` (rad).
+    """
     far = coverage.mask.copy()
+    for node in net.nodes:
+        far.flat[coverage.covered_by(net.positions[node][None, :])] = False
     for lane in net.lanes:
         far.flat[coverage.covered_by(np.array(net.ends(lane)))] = False
     while True:
@@ -33,7 +40,8 @@ def add_bays(net: LaneNet, coverage: Coverage, options: MakingOptions) -> None:
         part = int(np.argmax(areas)) + 1
         if areas[part - 1] < LEAST_FLOOR:
             return
-        bay = _best_bay(net, coverage.points_of(*np.nonzero(parts == part)), coverage, options)
+        unserved = coverage.points_of(*np.nonzero(parts == part))
+        bay = _best_bay(net, unserved, coverage, axes, options)
         if bay is None:
             far[parts == part] = False
         else:
@@ -41,12 +49,12 @@ def add_bays(net: LaneNet, coverage: Coverage, options: MakingOptions) -> None:
             far.flat[coverage.covered_by(np.array(bay[1:]))] = False
 
 
-def _best_bay(net: LaneNet, floor: np.ndarray, coverage: Coverage,
+def _best_bay(net: LaneNet, floor: np.ndarray, coverage: Coverage, axes: Sequence[float],
               options: MakingOptions) -> Optional[Tuple[object, np.ndarray, np.ndarray]]:
-    """Where the bay that serves `floor` (N,2) best begins, on which lane or at which node, and ends."""
+    """The bay that serves `floor` (N,2) best: its lane or node, and where it begins and ends."""
     unserved = cKDTree(floor)
     best: Tuple[float, Optional[Tuple[object, np.ndarray, np.ndarray]]] = (0.0, None)
-    for root, start, direction in _beginnings(net):
+    for root, start, direction in _beginnings(net, axes):
         if unserved.query(start)[0] > LONGEST + options.reach:
             continue
         lengths = np.arange(STEP, LONGEST, STEP / 2.0)
@@ -62,8 +70,15 @@ def _best_bay(net: LaneNet, floor: np.ndarray, coverage: Coverage,
     return best[1]
 
 
-def _beginnings(net: LaneNet) -> Iterator[Tuple[object, np.ndarray, np.ndarray]]:
+def _beginnings(net: LaneNet,
+                axes: Sequence[float]) -> Iterator[Tuple[object, np.ndarray, np.ndarray]]:
     """Lane or node, place on it, and direction in which a bay may lead away from there."""
+    for node in net.nodes:
+        if net.degree(node) == 0:
+            for axis in axes:
+                for quarter in range(4):
+                    angle = axis + quarter * math.pi / 2.0
+                    yield node, net.positions[node], np.array((math.cos(angle), math.sin(angle)))
     for lane in net.lanes:
         a, b = net.ends(lane)
         length = net.length(lane)

@@ -1,4 +1,4 @@
-"""Lanes as curves: ways between junctions in driving order, with splines for corners where two meet.
+"""Lanes as curves: ways between junctions in driving order, with splines for bends.
 
 Junctions stay corners, right angles right: there robots may go either way. Elsewhere a robot that
 must turn shall not have to stop for it.

@@ -73,6 +73,8 @@ def dense(path: np.ndarray, step: float) -> np.ndarray:
     """The path (N,2) with points at most `step` m apart."""
     lengths = np.linalg.norm(np.diff(path, axis=0), axis=1)
     arc = np.concatenate(([0.0], np.cumsum(lengths)))
+    if len(path) == 1:
+        return path
     count = max(2, int(math.ceil(arc[-1] / step)) + 1)
     s = np.linspace(0.0, arc[-1], count)
     return np.column_stack((np.interp(s, arc, path[:, 0]), np.interp(s, arc, path[:, 1])))

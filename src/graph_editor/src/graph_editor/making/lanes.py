@@ -41,6 +41,14 @@ class LaneNet:
         """All nodes, in the order in which they came."""
         return list(self._graph.nodes)
 
+    def copy(self) -> LaneNet:
+        """The same net, to be changed by itself."""
+        other = LaneNet(self.floor)
+        other.positions = dict(self.positions)
+        other._graph = self._graph.copy()
+        other._next_node = self._next_node
+        return other
+
     def add_node(self, position: np.ndarray) -> int:
         """A new node."""
         node = self._next_node

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Dict, List, Tuple
+from typing import Dict, List, Sequence, Tuple
 
 import numpy as np
 from scipy import ndimage
@@ -14,8 +14,9 @@ from graph_editor.making.axes import axes_of
 from graph_editor.making.bays import add_bays
 from graph_editor.making.bends import ways_of
 from graph_editor.making.coverage import Coverage
+from graph_editor.making.halls import add_lattices
 from graph_editor.making.lanes import LaneNet
-from graph_editor.making.options import MakingOptions
+from graph_editor.making.options import Halls, MakingOptions
 from graph_editor.making.places import attach_places
 from graph_editor.making.pruning import merge_junctions, prune
 from graph_editor.making.rectifying import rectify
@@ -45,9 +46,13 @@ def make_graph(site: Site, options: MakingOptions) -> MadeGraph:
     lanes_floor = _lanes_floor(site, options, starts)
     served_floor = _joined(site.floor.clearance >= options.robot_width / 2.0, lanes_floor)
     coverage = Coverage(site.floor, served_floor, options.reach)
-    net = _lanes(site, lanes_floor, coverage, options)
+    axes = axes_of(site.floor)
+    net = _lanes(site, lanes_floor, coverage, axes, options)
+    if options.halls is Halls.LATTICE:
+        net = add_lattices(net, axes, options)
+        tidy(net)
     attached = attach_places(net, places, options)
-    add_bays(net, coverage, options)
+    add_bays(net, coverage, axes, options)
     tidy(net, attached.nodes)
     draw_back_tips(net, options.turning, attached.nodes)
     tidy(net, attached.nodes)
@@ -55,12 +60,12 @@ def make_graph(site: Site, options: MakingOptions) -> MadeGraph:
     return MadeGraph(graph, tuple(notes + attached.notes))
 
 
-def _lanes(site: Site, mask: np.ndarray, coverage: Coverage, options: MakingOptions) -> LaneNet:
+def _lanes(site: Site, mask: np.ndarray, coverage: Coverage, axes: Sequence[float],
+           options: MakingOptions) -> LaneNet:
     skeleton = skeleton_of(site.floor, mask)
     prune(skeleton, coverage, options)
     merge_junctions(skeleton, options)
     net = straighten(skeleton, options)
-    axes = axes_of(site.floor)
     for _ in range(TIMES):
         square(net, axes)
         tidy(net)

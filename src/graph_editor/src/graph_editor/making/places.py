@@ -1,4 +1,4 @@
-"""Goals and docks as nodes of the lanes: on a lane that passes, or at the end of one of their own."""
+"""Goals and docks as nodes of the lanes: on one that passes, or at the end of their own."""
 from __future__ import annotations
 
 import math

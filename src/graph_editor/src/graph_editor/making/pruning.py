@@ -101,8 +101,7 @@ class _Pruner:
     def prune_dead_ends(self) -> None:
         """Takes out dead ends that serve hardly anything alone, the least useful first."""
         while True:
-            uses = [(self._floor_of(chain) / self._price(chain)
-                     / (LEAST_IN_CORNER if _leads_into_corner(node, chain) else LEAST_FLOOR), node, chain)
+            uses = [(self._use_of_dead_end(node, chain), node, chain)
                     for node, chain in self._graph.dead_ends()]
             useless = [entry for entry in uses if entry[0] < 1.0]
             if not useless:
@@ -139,6 +138,11 @@ class _Pruner:
                 continue
             for made in self._remove(chain):
                 heapq.heappush(waiting, (0.0, made.id, made))
+
+    def _use_of_dead_end(self, tip: int, chain: Chain) -> float:
+        """1 and more where the chain is worth its while."""
+        least = LEAST_IN_CORNER if _leads_into_corner(tip, chain) else LEAST_FLOOR
+        return self._floor_of(chain) / self._price(chain) / least
 
     def _use_in_loop(self, chain: Chain) -> Optional[float]:
         """1 and more where the chain is worth its while; None where nothing else joins its ends."""

@@ -36,9 +36,9 @@ def axis_of(direction: float, length: float, axes: Sequence[float]) -> Optional[
         quarters = round((direction - axis) / (math.pi / 2.0))
         along = axis + quarters * math.pi / 2.0
         off = abs(direction - along)
-        if off < NEARLY or length * math.sin(off) < SHORT_OFFSET:
-            if best is None or off < best[0]:
-                best = off, along
+        nearly = off < NEARLY or length * math.sin(off) < SHORT_OFFSET
+        if nearly and (best is None or off < best[0]):
+            best = off, along
     return None if best is None else best[1]
 
 
