@@ -5,7 +5,7 @@ Nothing here takes the clearance that a lane needs.
 from __future__ import annotations
 
 import math
-from typing import Collection, Optional, Tuple
+from typing import Collection, Dict, Optional, Tuple
 
 import numpy as np
 
@@ -35,18 +35,19 @@ def prune_tails(net: LaneNet, coverage: Coverage) -> None:
     servants = np.zeros(coverage.mask.size, np.int32)
     for cells in served.values():
         servants[cells] += 1
+    lost: Dict[int, float] = {}  # m2 that nothing serves any more, by the node that led there
     while len(net.lanes) > 1:
         useless = []
         for lane in net.lanes:
-            if 1 in (net.degree(node) for node in lane.nodes):
-                alone = np.count_nonzero(servants[served[lane.nodes]] == 1) * coverage.cell_area
-                if alone < LEAST_FLOOR:
-                    useless.append((alone, lane.nodes))
-        if not useless:
+            for tip, base in (lane.nodes, lane.nodes[::-1]):
+                if net.degree(tip) == 1:
+                    alone = np.count_nonzero(servants[served[lane.nodes]] == 1)
+                    useless.append((alone * coverage.cell_area + lost.get(tip, 0.0), tip, base))
+        loss, tip, base = min(useless, default=(math.inf, 0, 0))
+        if loss >= LEAST_FLOOR:
             return
-        key = min(useless)[1]
-        servants[served.pop(key)] -= 1
-        tip = next(node for node in key if net.degree(node) == 1)
+        servants[served.pop(net.lane(tip, base).nodes)] -= 1
+        lost[base] = lost.get(base, 0.0) + loss
         net.remove_node(tip)
 
 
