@@ -115,12 +115,11 @@ class ChainGraph:
                 made += self.dissolve(node)
         return [new for new in made if self.has(new)]
 
-    def cut_out(self, chain: Chain, where: np.ndarray) -> List[Chain]:
-        """Takes out the stretch of a chain from the first to the last point of `where` (N,).
+    def cut_out(self, chain: Chain, first: int, last: int) -> List[Chain]:
+        """Takes out the stretch of a chain between two of its points, these included.
 
         What is left at either end becomes a dead end of its own.
         """
-        first, last = np.flatnonzero(where)[[0, -1]]
         self.drop_chain(chain)
         made = []
         for node, path in ((chain.start, chain.path[:first]),

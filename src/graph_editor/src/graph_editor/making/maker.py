@@ -71,7 +71,7 @@ def _lanes(site: Site, mask: np.ndarray, coverage: Coverage, axes: Sequence[floa
         tidy(net)
         rectify(net, axes)
         tidy(net)
-    prune_tails(net, coverage)
+    prune_tails(net, coverage, options.turning)
     tidy(net)
     rectify(net, axes)
     return net

@@ -109,14 +109,34 @@ class _Pruner:
             self._remove(min(useless, key=lambda entry: entry[:2])[2])
 
     def open_narrow_loops(self) -> None:
-        """Cuts loops where a whole corridor does not fit, unless they save a long detour."""
+        """Cuts loops at their narrowest, where a whole corridor does not fit.
+
+        Unless they save a long detour there. Rings are cut half way round.
+        """
         for chain in self._graph.chains:
-            if chain.clearance >= self._options.corridor / 2.0 or not self._graph.has(chain):
+            if not self._graph.has(chain):
                 continue
-            around = self._graph.way_round(chain)
-            if around is not None and around - chain.length < NARROW_IS_WORSE * WORTHWHILE_DETOUR:
-                self._exchange(self._graph.cut_out(
-                    chain, chain.clearances < self._options.corridor / 2.0))
+            if chain.is_ring:
+                self._open(chain)
+            elif chain.clearance < self._options.corridor / 2.0:
+                around = self._graph.way_round(chain)
+                limit = NARROW_IS_WORSE * WORTHWHILE_DETOUR
+                if around is not None and around - chain.length < limit:
+                    self._open(chain)
+
+    def _open(self, chain: Chain) -> List[Chain]:
+        """Makes two dead ends of a chain; see `open_narrow_loops`."""
+        first = last = len(chain.path) // 2
+        if not chain.is_ring:
+            first = last = int(np.argmin(chain.clearances))
+            narrow = chain.clearances < self._options.corridor / 2.0
+            while first > 0 and narrow[first - 1]:
+                first -= 1
+            while last < len(narrow) - 1 and narrow[last + 1]:
+                last += 1
+        made = self._graph.cut_out(chain, first, last)
+        self._exchange(made)
+        return made
 
     def prune_loops(self) -> None:
         """Takes out sides of loops, the least useful first.
@@ -129,6 +149,9 @@ class _Pruner:
         while waiting:
             _, _, chain = heapq.heappop(waiting)
             if not self._graph.has(chain):
+                continue
+            if chain.is_ring:
+                self._open(chain)
                 continue
             use = self._use_in_loop(chain)
             if use is None or use >= 1.0:

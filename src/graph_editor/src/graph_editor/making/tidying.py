@@ -28,8 +28,11 @@ def tidy(net: LaneNet, keep: Collection[int] = ()) -> None:
     _dissolve_straight(net, kept)
 
 
-def prune_tails(net: LaneNet, coverage: Coverage) -> None:
-    """Takes out dead ends that serve hardly any floor alone, the least useful first."""
+def prune_tails(net: LaneNet, coverage: Coverage, turning: float) -> None:
+    """Takes out dead ends that serve hardly any floor alone, the least useful first.
+
+    A lane stays where the dead end that it leads to would end where there is no room to turn.
+    """
     served = {lane.nodes: coverage.covered_by(dense(np.array(net.ends(lane)), 0.05))
               for lane in net.lanes}
     servants = np.zeros(coverage.mask.size, np.int32)
@@ -40,7 +43,7 @@ def prune_tails(net: LaneNet, coverage: Coverage) -> None:
         useless = []
         for lane in net.lanes:
             for tip, base in (lane.nodes, lane.nodes[::-1]):
-                if net.degree(tip) == 1:
+                if net.degree(tip) == 1 and not _ends_narrow(net, base, turning):
                     alone = np.count_nonzero(servants[served[lane.nodes]] == 1)
                     useless.append((alone * coverage.cell_area + lost.get(tip, 0.0), tip, base))
         loss, tip, base = min(useless, default=(math.inf, 0, 0))
@@ -49,6 +52,12 @@ def prune_tails(net: LaneNet, coverage: Coverage) -> None:
         servants[served.pop(net.lane(tip, base).nodes)] -= 1
         lost[base] = lost.get(base, 0.0) + loss
         net.remove_node(tip)
+
+
+def _ends_narrow(net: LaneNet, node: int, turning: float) -> bool:
+    """Would a dead end at this node be one where robots cannot turn?"""
+    room = float(net.floor.clearance_at(net.positions[node][None, :])[0])
+    return net.degree(node) == 2 and room < turning
 
 
 def draw_back_tips(net: LaneNet, turning: float, keep: Collection[int]) -> None:
