@@ -5,7 +5,9 @@ Exit status: 0 when the graph is written, 1 when it could not be made, 2 for wro
 from __future__ import annotations
 
 import argparse
+import math
 import sys
+from dataclasses import replace
 from typing import Dict, List, Optional
 
 from graph_editor.checking.checker import narrow_edges
@@ -15,7 +17,7 @@ from graph_editor.making.keeping_ids import with_ids_of
 from graph_editor.making.maker import make_graph
 from graph_editor.making.options import Halls, MakingOptions
 from graph_editor.picture import draw_graph
-from graph_editor.site import SiteOptions, load_site
+from graph_editor.site import Place, PlaceKind, SiteOptions, load_site
 from omron_map import MapError
 from trajectory_graph import Graph, TrajectoryGraphError, load_graph
 
@@ -34,6 +36,7 @@ def main(arguments: Optional[List[str]] = None) -> int:
             lattice_pitch=chosen.lattice_pitch)
         old = load_graph(chosen.keep_ids) if chosen.keep_ids else None
         site = load_site(chosen.map, site_options(chosen))
+        site = replace(site, places=(*site.places, *_more_places(chosen)))
         made = make_graph(site, options)
         graph = made.graph if old is None else with_ids_of(old, made.graph)
         narrow = narrow_edges(graph, site.floor, options.corridor, options.robot_width)
@@ -95,6 +98,22 @@ def edge_width_option(narrow: Dict[int, float]) -> str:
     return '--edge-width ' + ','.join(f'{id}={width:.2f}' for id, width in sorted(narrow.items()))
 
 
+def _more_places(chosen: argparse.Namespace) -> List[Place]:
+    """The docks and goals of the command line; raises SiteError."""
+    places = [_place(PlaceKind.DOCK, f'dock,{text}', f'--dock {text}') for text in chosen.dock]
+    return places + [_place(PlaceKind.GOAL, text, f'--goal {text}') for text in chosen.goal]
+
+
+def _place(kind: PlaceKind, text: str, option: str) -> Place:
+    try:
+        name, x, y, degrees = text.split(',')
+        heading = math.radians(float(degrees)) if degrees else None
+        return Place(kind, name, float(x), float(y), heading)
+    except ValueError:
+        raise SiteError(f'{option} must give {"" if kind is PlaceKind.DOCK else "a name, "}x and y '
+                        'in m and the heading in degrees, with commas between.') from None
+
+
 def _comments(map_file: str, narrow: Dict[int, float], options: MakingOptions) -> List[str]:
     comments = [f'From {map_file}, in metres; check it with check_graph, change it in the editor.']
     if narrow:
@@ -128,6 +147,11 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument('--keep-ids', metavar='OLD.yaml', help='graph whose ids stay for what is '
                         'still there')
     parser.add_argument('--draw', metavar='OUT.png', help='picture of the result to draw')
+    parser.add_argument('--dock', action='append', default=[], metavar='X,Y,DEG', help='a dock '
+                        'that the map does not have: where robots stand before they dock, in m, '
+                        'and the heading that faces the station; write --dock=-3,2,180')
+    parser.add_argument('--goal', action='append', default=[], metavar='NAME,X,Y,DEG',
+                        help='a goal that the map does not have; DEG may be empty')
     add_robot_arguments(parser)
     parser.add_argument('--margin', type=float, default=_DEFAULT.margin, metavar='M',
                         help='what stays free beside robot and corridor (default %(default)s)')

@@ -82,8 +82,7 @@ def _in_order(net: LaneNet, way: Way, places: Mapping[int, Place]) -> Way:
 
 def _vertex(node: int, position: np.ndarray, theta: float, place: Optional[Place],
             frame_id: str) -> Vertex:
-    x, y = (round(float(value), 3) for value in position)
-    theta = round(theta, 4)
+    x, y = (float(value) for value in position)
     return Vertex(node, x, y, theta, theta, PASS if place is None else place.name, frame_id,
                   place is not None and place.kind is PlaceKind.DOCK)
 
@@ -92,8 +91,8 @@ def _edge(id: int, origin: int, destination: int, control: Optional[np.ndarray])
     if control is None:
         return Edge(id, origin, destination, CurveType.LINE, LINE_PARAMETER, LINE_PARAMETER)
     return Edge(id, origin, destination, CurveType.SPLINE,
-                round(float(np.hypot(*(control[1] - control[0]))), 3),
-                round(float(np.hypot(*(control[3] - control[2]))), 3))
+                float(np.hypot(*(control[1] - control[0]))),
+                float(np.hypot(*(control[3] - control[2]))))
 
 
 def _with_headings(graph: Graph, places: Mapping[int, Place]) -> Graph:
@@ -111,7 +110,7 @@ def _with_headings(graph: Graph, places: Mapping[int, Place]) -> Graph:
             faces_out = graph.edges_from(id)[0] > 0
             if faces_out == (place.kind is PlaceKind.DOCK):
                 theta += math.pi
-        theta = round(math.remainder(theta, 2.0 * math.pi), 4)
+        theta = math.remainder(theta, 2.0 * math.pi)
         vertices[id] = replace(vertices[id], theta=theta, theta_holonomic=theta)
     return Graph(vertices.values(), graph.edges.values())
 
@@ -163,5 +162,13 @@ def numbered(graph: Graph) -> Graph:
     edges = sorted((replace(edge, origin=ids[edge.origin], destination=ids[edge.destination])
                     for edge in graph.edges.values()),
                    key=lambda edge: (*sorted((edge.origin, edge.destination)), edge.id))
-    return Graph([replace(vertex, id=ids[vertex.id]) for vertex in order],
-                 [replace(edge, id=number) for number, edge in enumerate(edges, 1)])
+    return Graph([_rounded(vertex, ids[vertex.id]) for vertex in order],
+                 [replace(edge, id=number, param_f=round(edge.param_f, 3),
+                          param_b=round(edge.param_b, 3)) for number, edge in enumerate(edges, 1)])
+
+
+def _rounded(vertex: Vertex, id: int) -> Vertex:
+    """To the millimetre, and to a thousandth of a degree or so; never -0."""
+    theta = round(vertex.theta, 5) + 0.0
+    return replace(vertex, id=id, x=round(vertex.x, 3) + 0.0, y=round(vertex.y, 3) + 0.0,
+                   theta=theta, theta_holonomic=theta)

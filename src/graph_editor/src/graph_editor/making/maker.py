@@ -52,6 +52,7 @@ def make_graph(site: Site, options: MakingOptions) -> MadeGraph:
         net = add_lattices(net, axes, options)
         tidy(net)
     attached = attach_places(net, places, options)
+    rectify(net, axes, held=attached.nodes)
     add_bays(net, coverage, axes, options)
     tidy(net, attached.nodes)
     draw_back_tips(net, options.turning, attached.nodes)

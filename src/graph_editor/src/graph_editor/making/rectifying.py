@@ -7,7 +7,7 @@ What would take a lane's clearance away is given up, lane by lane.
 from __future__ import annotations
 
 import math
-from typing import Dict, List, Optional, Sequence, Set, Tuple
+from typing import Collection, Dict, List, Optional, Sequence, Set, Tuple
 
 import numpy as np
 from scipy.sparse import coo_matrix
@@ -19,14 +19,14 @@ NEARLY = math.radians(18.0)  # off an axis: such a lane shall follow it
 SHORT_OFFSET = 0.4  # m off an axis from one end to the other: such a lane shall follow it, too
 FARTHEST = 1.2  # m that a node may be moved
 SAMPLES = 8  # points of the skeleton that speak for a lane
-MUST, HOLD, STAY = 1e4, 1e3, 0.03  # weights: of axes, of nodes held fast, of nodes as they are
+MUST, HOLD, STAY = 1e4, 1e5, 0.03  # weights: of axes, of nodes held fast, of nodes as they are
 ROUNDS = 60
 Key = Tuple[int, int]
 
 
-def rectify(net: LaneNet, axes: Sequence[float], pinned: Optional[Dict[int, float]] = None) -> None:
-    """Moves the nodes of `net`, but for `pinned` ones; every lane stays free that was."""
-    _Rectifier(net, axes, set(pinned or ())).run()
+def rectify(net: LaneNet, axes: Sequence[float], held: Collection[int] = ()) -> None:
+    """Moves the nodes of `net`, but for those that are `held`; every lane stays free that was."""
+    _Rectifier(net, axes, held).run()
 
 
 def axis_of(direction: float, length: float, axes: Sequence[float]) -> Optional[float]:
@@ -44,12 +44,13 @@ def axis_of(direction: float, length: float, axes: Sequence[float]) -> Optional[
 
 class _Rectifier:
 
-    def __init__(self, net: LaneNet, axes: Sequence[float], held: Set[int]) -> None:
+    def __init__(self, net: LaneNet, axes: Sequence[float], held: Collection[int]) -> None:
         self._net = net
         self._lanes = {lane.nodes: lane for lane in net.lanes}
         self._start = {node: position.copy() for node, position in net.positions.items()}
         self._index = {node: k for k, node in enumerate(net.nodes)}
-        self._held = held
+        self._held = set(held)
+        self._places = list(held)
         self._free = {key for key, lane in self._lanes.items() if net.is_free(lane)}
         self._directions = {}
         self._following: Set[Key] = set()
@@ -117,6 +118,8 @@ class _Rectifier:
         solution = spsolve((matrix.T @ matrix).tocsc(), matrix.T @ np.array(wanted))
         for node, k in self._index.items():
             self._net.positions[node] = solution[2 * k:2 * k + 2]
+        for node in self._places:  # a weight holds almost, a place stays
+            self._net.positions[node] = self._start[node]
 
     def _samples(self, lane: Lane) -> List[Tuple[float, np.ndarray, float]]:
         """Fraction of the lane, point of the skeleton there, and weight."""
