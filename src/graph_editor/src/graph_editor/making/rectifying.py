@@ -7,7 +7,7 @@ What would take a lane's clearance away is given up, lane by lane.
 from __future__ import annotations
 
 import math
-from typing import Collection, Dict, List, Optional, Sequence, Set, Tuple
+from typing import Collection, List, Optional, Sequence, Set, Tuple
 
 import numpy as np
 from scipy.sparse import coo_matrix
