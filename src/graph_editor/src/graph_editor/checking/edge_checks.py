@@ -104,6 +104,6 @@ def _sharp(graph: Graph, id: int, rules: CheckRules) -> List[Finding]:
     points = u ** 3 * control[0] + 3 * u ** 2 * t * control[1] + 3 * u * t ** 2 * control[2] \
         + t ** 3 * control[3]
     place = (float(points[worst][0]), float(points[worst][1]))
-    return [Finding(Severity.ERROR, f'it bends with a radius of {radii[worst]:.2f} m, too sharp '
-                    f'for a robot that needs {rules.least_radius:.2f} m: make it a line, or '
-                    'its handles fit', 'edge', id, place)]
+    return [Finding(Severity.ERROR, f'it bends with a radius of {int(100 * radii[worst]) / 100} m, '
+                    f'too sharp for a robot that needs {rules.least_radius:.2f} m: make it a line, '
+                    'or move its handles', 'edge', id, place)]

@@ -110,6 +110,7 @@ class Session:
     def drag_vertex(self, id: int, x: float, y: float) -> None:
         """Moves a vertex as the mouse does; `end_drag` makes one step of it."""
         x, y = editing.snapped(x, y, self.grid)
+        self.selected = Selected('vertex', id)
         self._tried(lambda: self._change(f'move vertex {id}',
                                          editing.move_vertex(self.draft, id, x, y), ('move', id)))
 

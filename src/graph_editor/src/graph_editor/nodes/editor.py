@@ -156,7 +156,7 @@ class EditorNode:
                 array.markers.append(drawing.disc(0.5, 0.03, drawing.colour(
                     paint.r, paint.g, paint.b, 0.4)))
                 array.markers[-1].pose = drawing.pose_at(x, y, 0.03)
-                array.markers.append(drawing.text(_in_lines(finding), x, y - 0.5, 0.3, 0.2, paint))
+                array.markers.append(drawing.text(_in_lines(finding), x, y - 0.6, 0.3, 0.26, paint))
         floor = self._site.floor
         top = floor.origin[1] + floor.occupied.shape[0] * floor.resolution
         middle = floor.origin[0] + floor.occupied.shape[1] * floor.resolution / 2.0
@@ -168,8 +168,12 @@ class EditorNode:
     def _summary(self) -> str:
         errors = sum(finding.severity is Severity.ERROR for finding in self.findings)
         state = 'saved' if self.session.is_saved else 'not saved'
-        return (f'{self.session.said}\n{errors} errors, {len(self.findings) - errors} warnings, '
-                f'{state}')
+        return (f'{self.session.said}\n{_counted(errors, "error")}, '
+                f'{_counted(len(self.findings) - errors, "warning")}, {state}')
+
+
+def _counted(number: int, thing: str) -> str:
+    return f'{number} {thing}' if number == 1 else f'{number} {thing}s'
 
 
 def _in_lines(finding: Finding) -> str:

@@ -71,7 +71,7 @@ def vertex_handle(vertex: Vertex, look: Look) -> InteractiveMarker:
         'move', f'Vertex {vertex.id}{label}: drag, or right click',
         [drawing.disc(size, VERTEX_Z, paint),
          drawing.arrow(vertex.theta, 0.42, 0.2, VERTEX_Z + 0.01, paint),
-         drawing.text(f'{vertex.id}{label}', 0.0, 0.33, TEXT_Z, 0.24, BLACK)]))
+         drawing.text(f'{vertex.id}{label}', 0.0, 0.36, TEXT_Z, 0.3, BLACK)]))
     return marker
 
 

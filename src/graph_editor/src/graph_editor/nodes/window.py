@@ -15,6 +15,7 @@ from graph_editor.editor.session import Selected, Session
 from trajectory_graph import CurveType, Edge, Vertex
 
 PERIOD = 100  # ms
+WIDTH, HEIGHT = 360, 720  # px
 ERROR, WARNING = QtGui.QColor(200, 20, 20), QtGui.QColor(190, 110, 0)
 UNDO_KEY, REDO_KEY, SAVE_KEY = 'Ctrl+Z', 'Ctrl+Shift+Z', 'Ctrl+S'
 Fields = Dict[str, Any]
@@ -48,10 +49,16 @@ class EditorWindow(QtWidgets.QMainWindow):
         centre.setLayout(layout)
         self.setCentralWidget(centre)
         self.setWindowTitle('Graph editor')
-        self.resize(360, 720)
+        self._put_beside_rviz()
         self._timer = QtCore.QTimer(self)
         self._timer.timeout.connect(self._follow)
         self._timer.start(PERIOD)
+
+    def _put_beside_rviz(self) -> None:
+        """At the right edge of the screen, as high as the form and some findings need."""
+        screen = QtWidgets.QApplication.primaryScreen().availableGeometry()
+        self.resize(WIDTH, min(HEIGHT, screen.height()))
+        self.move(screen.right() - WIDTH, screen.top())
 
     def _button(self, layout: QtWidgets.QHBoxLayout, words: str, keys: str,
                 act: Callable[[Session], object]) -> QtWidgets.QPushButton:
