@@ -146,7 +146,7 @@ class RvizWindow:
         self._screen.mouse('click', button)
 
     def drag_handle(self, start: Tuple[int, int], end: Tuple[int, int]) -> None:
-        """Drag a handle once RViz says what is under the mouse, with small moves, as a hand does."""
+        """Drag a handle that RViz has found, with small moves, as a hand does."""
         self.find_handle(start)
         self._screen.mouse('mousedown', 1)
         for step in range(1, 11):
