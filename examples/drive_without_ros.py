@@ -11,7 +11,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from omron_arcl import Client, Goal, Outcome, parse_line, quote
+from omron_arcl import Client, Outcome, parse_line, printable, quote, replies
 
 
 def main() -> int:
@@ -29,13 +29,15 @@ def main() -> int:
         if not link.connected:
             print(f'No connection to {link.peer}: {link.reason}.', file=sys.stderr)
             return 1
+        # Once it has listed its goals, names that are not ASCII can be sent as it writes them.
+        answer = robot.execute('getGoals').wait()
         if arguments.goal is None:
-            answer = robot.execute('getGoals').wait()
             goals = [reply.name for reply in map(parse_line, answer.lines)
-                     if isinstance(reply, Goal)]
-            print('\n'.join(goals))
+                     if isinstance(reply, replies.Goal)]
+            print('\n'.join(map(printable, goals)))
             return 0
-        drive = robot.execute(f'goto {quote(arguments.goal)}', on_line=print)
+        drive = robot.execute(f'goto {quote(arguments.goal)}',
+                              on_line=lambda line: print(printable(line)))
         try:
             result = drive.wait()
         except KeyboardInterrupt:
@@ -44,7 +46,7 @@ def main() -> int:
         if result is None:
             print('The robot did not say that it has stopped.', file=sys.stderr)
             return 1
-        print(f'{result.outcome.value}: {result.words}')
+        print(f'{result.outcome.value}: {printable(result.words)}')
         return 0 if result.outcome is Outcome.SUCCEEDED else 1
 
 

@@ -23,8 +23,10 @@ run_packages=(
   "python3-tf2-ros     ros-noetic-tf2-ros"
   "python3-tf2-geometry-msgs   ros-noetic-tf2-geometry-msgs"
   "python3-visualization-msgs  ros-noetic-visualization-msgs"
+  "mosquitto           mosquitto"
   "python3-networkx    python3-networkx"
   "python3-numpy       python3-numpy"
+  "python3-paho-mqtt   python3-paho-mqtt"
   "python3-pil         python3-pil"
   "python3-pyqt5       python3-pyqt5"
   "python3-scipy       python3-scipy"
@@ -36,12 +38,25 @@ run_packages=(
 test_packages=(
   "catkin-lint         python3-catkin-lint"
   "python3-hypothesis  python3-hypothesis"
+  "python3-jsonschema  python3-jsonschema"
   "python3-pytest      python3-pytest"
   "python3-rostest     ros-noetic-rostest"
   "python3-venv        python3-venv"
   "xdotool             xdotool"
   "xvfb                xvfb"
 )
+# What discovery and synchronisation of fkie multimaster import (not all of it is in their package.xml),
+# and what their messages' build asks for.
+multimaster_packages=(
+  "python3-diagnostic-msgs  ros-noetic-diagnostic-msgs"
+  "python3-grpc-tools  python3-grpc-tools"
+  "python3-grpcio      python3-grpcio"
+  "python3-netifaces   python3-netifaces"
+  "python3-roslaunch   ros-noetic-roslaunch"
+  "python3-rosservice  ros-noetic-rosservice"
+  "python3-std-srvs    ros-noetic-std-srvs"
+)
+[ -n "${FKIE_ARCHIVE:-}" ] || multimaster_packages+=("git git" "vcstool python3-vcstool")  # to clone it
 
 say() { printf '== %s\n' "$*"; }
 die() { printf '\nCannot go on: %s\n' "$*" >&2; exit 1; }
@@ -117,6 +132,51 @@ _newer_than() {
   find "$root"/src/*/nodes -maxdepth 0 -newer "$1"
   find "$root"/{launch,rviz,maps,test} -maxdepth 0 -newer "$1"
 }
+
+# import_multimaster FOLDER: the sources of fkie multimaster as FOLDER, out of $FKIE_ARCHIVE (a .tar.gz with one folder
+# at its top, as GitHub's own) or, without one, from the address in catkin_ws.repos. Fails with the reason on stderr.
+import_multimaster() {
+  local folder="$1" staging="$1.part" reason=''
+  rm -rf "$folder" "$staging"
+  mkdir -p "$staging/multimaster_fkie"
+  if [ -n "${FKIE_ARCHIVE:-}" ]; then
+    tar -xf "$FKIE_ARCHIVE" --strip-components=1 -C "$staging/multimaster_fkie" ||
+      reason="FKIE_ARCHIVE=$FKIE_ARCHIVE cannot be unpacked"
+  else
+    GIT_TERMINAL_PROMPT=0 timeout 120 vcs import --input "$root/catkin_ws.repos" "$staging" >&2 ||
+      reason="multimaster_fkie could not be cloned (is there a network?); the address is in catkin_ws.repos, and FKIE_ARCHIVE=FILE takes an archive of it instead"
+  fi
+  if [ -z "$reason" ] && ! [ -f "$staging/multimaster_fkie/fkie_master_sync/package.xml" ]; then
+    reason="there is no fkie_master_sync/package.xml in the folder at the top of ${FKIE_ARCHIVE:-the clone}; is it multimaster_fkie?"
+  fi
+  if [ -n "$reason" ]; then
+    rm -rf "$staging"
+    echo "$reason" >&2
+    return 1
+  fi
+  # Two joined masters need discovery, synchronisation and their messages only.
+  local other
+  for other in fkie_multimaster fkie_node_manager fkie_node_manager_daemon; do
+    [ ! -d "$staging/multimaster_fkie/$other" ] || touch "$staging/multimaster_fkie/$other/CATKIN_IGNORE"
+  done
+  mv "$staging/multimaster_fkie" "$folder"
+  rmdir "$staging"
+}
+
+# virtual_environment NAME PYTHON [--system-site-packages] PIP_ARGS...: build/NAME with these packages, kept until they change
+virtual_environment() {
+  local folder="$root/build/$1" python="$2" options=() log="$root/build/pip.log"; shift 2
+  if [ "$1" = --system-site-packages ]; then options=("$1"); shift; fi
+  local wanted; wanted="$folder $("$python" --version) ${options[*]} $* $(cat "$root/scripts/requirements-focal.txt")"
+  [ "$(cat "$folder/.wanted" 2>/dev/null)" != "$wanted" ] || return 0
+  rm -rf "$folder"
+  "$python" -m venv ${options[@]+"${options[@]}"} "$folder" >>"$log" 2>&1 &&
+    "$folder/bin/python" -m pip install -q --only-binary :all: --disable-pip-version-check "$@" >>"$log" 2>&1 &&
+    echo "$wanted" >"$folder/.wanted"
+}
+
+# record RESULTS passed|failed|skipped NAME [REASON]: the result of something that is no test of pytest or rostest
+record() { /usr/bin/python3 "$root/scripts/test_results.py" record "$@"; }
 
 # port_is_free PORT: nothing listens there on this machine.
 port_is_free() { ! (exec 3<>"/dev/tcp/127.0.0.1/$1") 2>/dev/null; }

@@ -1,29 +1,63 @@
 #!/usr/bin/env bash
-# Imports fkie multimaster (catkin_ws.repos) into src/ and builds it: needed only where the fleet manager has
-# its own ROS master. On Ubuntu with Noetic, `apt-get install ros-noetic-fkie-multimaster` does the same.
+# Brings fkie multimaster into this workspace: needed only where the fleet manager has its own ROS master. Installs what
+# it imports, builds it in src/multimaster_fkie, and joins two masters on this machine once to see that it works.
+#
+#   scripts/multimaster.sh                      sources from the address in catkin_ws.repos
+#   FKIE_ARCHIVE=FILE scripts/multimaster.sh    sources from an archive (.tar.gz), without a network
+#
+# Sources that are there already are kept. On Ubuntu with Noetic, `apt-get install ros-noetic-fkie-multimaster` will do too.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-[ $# = 0 ] || { sed -n '2,3s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0; }
+[ $# = 0 ] || { sed -n '2,8s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0; }
 
-import_packages=(
-  "git                 git"
-  "python3-grpc-tools  python3-grpc-tools"
-  "python3-grpcio      python3-grpcio"
-  "python3-netifaces   python3-netifaces"
-  "vcstool             python3-vcstool"
-)
+# find_each_other: two ROS masters, on two addresses of the loopback interface, run the launch file that joins them;
+# discovery on either side lists the other, and synchronisation answers.
+find_each_other() {
+  local log="$root/build/multimaster.log" verdict=0 ports
+  export ROS_HOME="$root/build/ros_home"
+  unset ROS_HOSTNAME
+  ports=("$(free_port)" "$(free_port)")
+  _join 127.0.0.2 "${ports[0]}" 127.0.0.3 >"$log" 2>&1 &
+  launches=("$!")
+  _join 127.0.0.3 "${ports[1]}" 127.0.0.2 >>"$log" 2>&1 &
+  launches+=("$!")
+  trap 'kill "${launches[@]}" 2>/dev/null || true' EXIT
+  { _answers 127.0.0.2 "${ports[0]}" /master_discovery/list_masters "${ports[1]}" &&
+    _answers 127.0.0.3 "${ports[1]}" /master_discovery/list_masters "${ports[0]}" &&
+    _answers 127.0.0.2 "${ports[0]}" /master_sync/get_sync_info &&
+    _answers 127.0.0.3 "${ports[1]}" /master_sync/get_sync_info; } || verdict=1
+  kill "${launches[@]}" 2>/dev/null || true
+  wait "${launches[@]}" || true
+  trap - EXIT
+  return "$verdict"
+}
+
+_join() {  # ADDRESS MASTER_PORT PEER
+  ROS_IP="$1" ROS_MASTER_URI="http://$1:$2" exec \
+    roslaunch -p "$2" omron_ld90 multimaster.launch peer:="$3" rpc_port:="$(free_port)"
+}
+
+_answers() {  # ADDRESS MASTER_PORT SERVICE [WORD]: within 30 s it is offered, and its answer holds the word
+  local deadline=$((SECONDS + 30)) answer
+  while kill -0 "${launches[@]}" 2>/dev/null && [ "$SECONDS" -lt "$deadline" ]; do
+    answer="$(ROS_IP="$1" ROS_MASTER_URI="http://$1:$2" timeout 5 rosservice call "$3" 2>/dev/null)" || answer=''
+    [ -z "$answer" ] || [[ "$answer" != *"${4:-}"* ]] || return 0
+    sleep 0.2
+  done
+  return 1
+}
+
+if [ -n "${FKIE_ARCHIVE:-}" ]; then FKIE_ARCHIVE="$(realpath -m -- "$FKIE_ARCHIVE")"; fi
+packages=("${run_packages[@]}" "${multimaster_packages[@]}")
 checkout="$root/src/multimaster_fkie"
 if ! [ -d "$checkout" ]; then
-  prepare "${run_packages[@]}" "${import_packages[@]}"
   say "Importing multimaster_fkie"
-  (cd "$root" && vcs import --input catkin_ws.repos src) || {
-    rm -rf "$checkout"
-    die "multimaster_fkie could not be cloned (is there a network?); the address is in catkin_ws.repos."
-  }
-  # Two joined masters need discovery, synchronisation and their messages only.
-  touch "$checkout"/{fkie_multimaster,fkie_node_manager,fkie_node_manager_daemon}/CATKIN_IGNORE
+  [ -n "${FKIE_ARCHIVE:-}" ] || prepare "${packages[@]}"  # for git and vcs
+  reason="$(import_multimaster "$checkout" 2>&1)" || die "$(tail -1 <<<"$reason")."
 fi
-prepare "${run_packages[@]}" "${import_packages[@]}"
-rospack find fkie_master_sync >/dev/null || die "fkie_master_sync was built but ROS does not find it; see $root/build/build.log."
+prepare "${packages[@]}"
+say "Joining two ROS masters on this machine once"
+find_each_other || die "fkie multimaster was built, but two masters do not find each other: $(
+  sed 's/\x1b[^m]*m//g' "$root/build/multimaster.log" | grep -m1 -E 'Error|Exception' || echo 'no error is reported') (whole log: $root/build/multimaster.log)"
 say "fkie multimaster is ready; docs/multimaster.md says how two masters are joined"

@@ -4,11 +4,14 @@
 #   scripts/run.sh                                    simulated robot on maps/lab.map, RViz where there is a display
 #   scripts/run.sh map_file:=my.map sim_speed:=2      any argument of launch/full_stack.launch
 #   scripts/run.sh sim:=false robot_ip:=10.0.0.5 password_file:=secret.txt
+#   scripts/run.sh vda5050:=true                      driven by a VDA 5050 master, over MQTT on 127.0.0.1:18830
+#
+# Instead of password_file:=, the environment variable OMRON_LD90_PASSWORD may hold the real robot's password.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 if [ "${1:-}" = -h ] || [ "${1:-}" = --help ]; then
-  sed -n '2,6s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
+  sed -n '2,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
   echo
   echo 'Arguments of launch/full_stack.launch:'
   sed -n 's/.*<arg name="\([^"]*\)".*doc="\([^"]*\)".*/  \1:=  \2/p' "$root/launch/full_stack.launch"
@@ -42,6 +45,14 @@ for name in arcl_port outgoing_port; do
     die "$name:=${given[$name]} is not a TCP port, a number from 1 to 65535"
 done
 
+is_true() { [[ "${1,,}" =~ ^(true|1)$ ]]; }
+if is_true "${given[vda5050]:-}"; then
+  is_true "${given[fleet_manager]:-}" &&
+    die "vda5050:=true and fleet_manager:=true are two masters of one robot: choose one."
+  [ -n "${given[mqtt_broker]:-}" ] || port_is_free 18830 ||
+    die "TCP port 18830 is in use, so the embedded MQTT broker cannot have it: end the program that holds it, or name a broker with mqtt_broker:=HOST:PORT."
+fi
+
 prepare "${run_packages[@]}"
 
 if timeout 5 rosnode ping -c 1 "/${given[robot_name]}/omron_controller" 2>/dev/null | grep -q 'xmlrpc reply'; then
@@ -59,6 +70,16 @@ esac
 if [ -z "${DISPLAY:-}" ] && [ -z "${given[rviz]:-}" ]; then
   say "No display: RViz is left out. rostopic, and RViz on another machine, show the robot too"
 fi
+
+# roslaunch writes its whole environment into its log: the password goes on in a file that only this user can read, and
+# which is removed when the launch has ended.
+if [ -n "${OMRON_LD90_PASSWORD:-}" ] && [ -z "${given[password_file]:-}" ] && [[ "${given[sim],,}" =~ ^(false|0)$ ]]; then
+  file="$(umask 077 && mktemp "${XDG_RUNTIME_DIR:-${TMPDIR:-/tmp}}/ld90_password.XXXXXX")"
+  (trap '' INT TERM HUP; tail -s 0.5 -f --pid=$$ /dev/null; rm -f "$file") </dev/null >/dev/null 2>&1 &
+  printf '%s' "$OMRON_LD90_PASSWORD" >"$file"
+  args+=("password_file:=$file")
+fi
+unset OMRON_LD90_PASSWORD
 
 say "Starting: roslaunch omron_ld90 full_stack.launch ${args[*]:-}"
 exec roslaunch omron_ld90 full_stack.launch ${args[@]+"${args[@]}"}

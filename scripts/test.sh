@@ -4,118 +4,72 @@
 #   scripts/test.sh           everything, in minutes
 #   scripts/test.sh --long    the same with long fuzzing
 #   scripts/test.sh NAME...   only the system tests test/NAME.test
+#
+# Environment: LD90_REAL_MAPS, a folder with .map files of real robots; FKIE_ARCHIVE, sources of fkie multimaster (.tar.gz)
+# where GitHub cannot be reached. What lies there is tested, too.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 system_tests=()
 for arg in "$@"; do
   case "$arg" in
-    -h | --help) sed -n '2,6s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -h | --help) sed -n '2,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     --long) export LD90_LONG_TESTS=1 ;;
     *) [ -f "$root/test/$arg.test" ] || die "there is no system test '$arg'; there are: $(cd "$root/test" && ls ./*.test | sed 's/.*\///; s/\.test$//' | paste -sd' ')"
        system_tests+=("$arg") ;;
   esac
 done
 
-prepare "${run_packages[@]}" "${test_packages[@]}"
+prepare "${run_packages[@]}" "${test_packages[@]}" "${multimaster_packages[@]}"
 cd "$root"
-results="$root/build/test_results"
-rm -rf "$results"
-mkdir -p "$results" "$root/build/artefacts"
-export ROS_TEST_RESULTS_DIR="$results/ros" SYSTEM_TEST_ARTEFACTS="$root/build/artefacts"
-export ROS_IP=127.0.0.1 ROS_HOME="$root/build/ros_home"
-unset ROS_HOSTNAME DISPLAY
-
-# record passed|failed|skipped NAME [REASON]
-record() { printf '%s\t%s\t%s\n' "$1" "$2" "${3:-}" >>"$results/checks.tsv"; }
+results="$root/build/test_results/omron_ld90"
+rm -rf "$root/build/test_results"
+mkdir -p "$results"
 
 check() {  # check NAME COMMAND...: a command whose exit status is the result
   local name="$1" log="$results/$1.log"; shift
-  if "$@" >"$log" 2>&1; then record passed "$name"; else record failed "$name" "see $log"; cat "$log"; fi
+  if "$@" >"$log" 2>&1; then
+    record "$results" passed "$name"
+  else
+    record "$results" failed "$name" "see $log"
+    cat "$log"
+  fi
 }
 
-# virtual_environment NAME PYTHON PIP_ARGS...: build/NAME with these packages, made again when they change
-virtual_environment() {
-  local folder="$root/build/$1" python="$2"; shift 2
-  local wanted; wanted="$("$python" --version) $* $(cat scripts/requirements-focal.txt)"
-  [ "$(cat "$folder/.wanted" 2>/dev/null)" != "$wanted" ] || return 0
-  rm -rf "$folder"
-  "$python" -m venv "$folder" >>"$results/pip.log" 2>&1 &&
-    "$folder/bin/python" -m pip install -q --only-binary :all: --disable-pip-version-check "$@" >>"$results/pip.log" 2>&1 &&
-    echo "$wanted" >"$folder/.wanted"
+check_with() {  # check_with NAME PIP_PACKAGES COMMAND...: a tool in a virtual environment, build/NAME
+  local name="$1" packages="$2"; shift 2
+  # ROS and its messages are seen from there
+  if virtual_environment "$name" /usr/bin/python3 --system-site-packages $packages; then
+    check "$name" "$@"
+  else
+    record "$results" skipped "$name" "it could not be installed from PyPI (offline?): see build/pip.log"
+  fi
 }
 
-find_python38() {
-  local candidate
-  for candidate in python3.8 "${HOME:-/root}"/.pyenv/versions/3.8*/bin/python3.8; do
-    if "$candidate" -c '' 2>/dev/null; then echo "$candidate"; return; fi
-  done
+wheels() {  # the libraries without ROS install with pip, and their programs start
+  local packages=(omron_arcl omron_ld90_sim omron_map trajectory_graph) here="$root/build/wheels"
+  rm -rf "$here/sources" "$here/wheels" &&
+    mkdir "$here/sources" &&
+    cp -r "${packages[@]/#/src/}" "$here/sources" &&    # building leaves files beside the sources
+    (cd "$here/sources" && ../bin/pip wheel -q --no-deps --no-build-isolation -w ../wheels "${packages[@]/#/./}") &&
+    "$here/bin/pip" install -q --no-deps --no-index --force-reinstall "$here"/wheels/*.whl &&
+    (cd "$here" && unset PYTHONPATH && bin/ld_map --help && bin/ld90_sim --help &&
+      bin/python -c 'import omron_arcl, trajectory_graph')
 }
 
 lint() {
   say "Lint"
   check catkin_lint catkin_lint --strict -W1 $(for package in src/*/package.xml; do dirname "$package"; done)
-  if virtual_environment ruff /usr/bin/python3 ruff==0.14.5; then
-    check ruff build/ruff/bin/ruff check .
-  else
-    record skipped ruff "it could not be installed from PyPI (offline?): see $results/pip.log"
-  fi
-}
-
-unit_tests() {  # under both Pythons at once, for the sake of time
-  local log38="$results/unit38.log"
-  unit_tests_of_python38 >"$log38" 2>&1 &
-  local other=$!
-  say "Unit tests, $(/usr/bin/python3 --version)"
-  /usr/bin/python3 -m pytest -q --junitxml="$results/unit.xml" src || true
-  [ -f "$results/unit.xml" ] || record failed unit-tests "pytest did not finish"
-  wait "$other"
-  cat "$log38"
-}
-
-unit_tests_of_python38() {
-  if [ "$(/usr/bin/python3 -c 'import sys; print(sys.version_info[:2])')" = '(3, 8)' ]; then return; fi
-  local python38; python38="$(find_python38)"
-  if [ -z "$python38" ]; then
-    record skipped python3.8 "no Python 3.8 on this machine"
-  elif ! virtual_environment python3.8 "$python38" -r scripts/requirements-focal.txt; then
-    record skipped python3.8 "its packages could not be installed from PyPI (offline?): see $results/pip.log"
-  else
-    say "Unit tests without ROS, Python 3.8 and the library versions of Ubuntu 20.04"
-    # nothing of this system's ROS may be found
-    env -u LD90_LONG_TESTS PYTHONPATH="$(printf '%s:' src/*/src)" \
-      build/python3.8/bin/python -m pytest -q --junitxml="$results/unit38.xml" \
-      --ignore-glob='*/test/nodes/*' src || true
-    [ -f "$results/unit38.xml" ] || record failed unit-tests-python3.8 "pytest did not finish"
-  fi
-}
-
-system_test() {  # one rostest on free ports, under its own ROS master
-  local name="$1" log="$results/$1.log" begun=$SECONDS
-  export LD90_ARCL_PORT LD90_OUTGOING_PORT SYSTEM_TEST_SKIPS="$results/$name.skips"
-  LD90_ARCL_PORT="$(free_port)" LD90_OUTGOING_PORT="$(free_port)"
-  local verdict=passed
-  timeout --kill-after=20 600 rostest --pkgdir="$root/src/omron_ld90" --package=omron_ld90 \
-    "$root/test/$name.test" >"$log" 2>&1 || verdict=failed
-  [ ! -s "$SYSTEM_TEST_SKIPS" ] || verdict="$verdict, some skipped"
-  say "  $name: $verdict ($((SECONDS - begun)) s)"
-  case "$verdict" in failed*) tail -40 "$log"; record failed "$name" "see $log" ;; esac
-}
-
-run_system_tests() {
-  say "System tests (rostest)"
-  export PYTHONPATH="$root/test:$PYTHONPATH"
-  if [ ${#system_tests[@]} = 0 ]; then
-    local file
-    for file in test/*.test; do system_tests+=("$(basename "$file" .test)"); done
-  fi
-  local name
-  for name in "${system_tests[@]}"; do system_test "$name"; done
+  check_with ruff ruff==0.14.5 build/ruff/bin/ruff check .
+  check_with mypy "mypy==1.14.1 types-Pillow==10.2.0.20240822 types-PyYAML==6.0.12.20240917" build/mypy/bin/mypy
+  check_with wheels "setuptools==75.3.2 wheel==0.45.1" wheels
 }
 
 if [ ${#system_tests[@]} = 0 ]; then
   lint
-  unit_tests
+  scripts/run_tests.sh "$results" unit
+  for file in test/*.test; do system_tests+=("$(basename "$file" .test)"); done
 fi
-run_system_tests
-/usr/bin/python3 scripts/count_results.py "$results"
+say "System tests"
+scripts/run_tests.sh "$results" system "${system_tests[@]}"
+/usr/bin/python3 scripts/test_results.py summary "$results"

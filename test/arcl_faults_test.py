@@ -2,12 +2,16 @@
 """Reboot, emergency stop, another client, a wrong map: each has its own outcome and is named."""
 from __future__ import annotations
 
+import contextlib
 import math
+import os
+import subprocess
 import unittest
+from typing import Iterator
 
 import actionlib
+import rosgraph
 import rospy
-import rostest
 from actionlib_msgs.msg import GoalStatus
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
@@ -23,10 +27,23 @@ from omron_ld90_msgs.msg import (
     RobotStatus,
 )
 from omron_ld90_sim import Simulator
-from system_support import Recorder, connected_publisher, wait_until
+from ports import free_port
+from system_support import Recorder, connected_publisher, run_cases, wait_until
 
 SOON = 15.0  # s
 DRIVE = 60.0  # s; the simulated robot's clock runs four times as fast
+
+
+@contextlib.contextmanager
+def program(*command: str, **environment: str) -> Iterator[subprocess.Popen]:
+    """A program that runs meanwhile."""
+    process = subprocess.Popen(command, env={**os.environ, **environment},
+                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        yield process
+    finally:
+        process.terminate()
+        process.wait(SOON)
 
 
 class ArclFaultsTest(unittest.TestCase):
@@ -101,7 +118,7 @@ class ArclFaultsTest(unittest.TestCase):
         before = len(self.diagnostics.messages)
         self.robot.inject('estop press')
         result = self.ended(handle)
-        self.assertEqual(ExecuteCommandResult.FAILED, result.outcome)
+        self.assertEqual(ExecuteCommandResult.EMERGENCY_STOPPED, result.outcome)
         self.assertIn('estop', result.message.lower())
         self.statuses.wait_for(lambda status: status.emergency_stop, SOON, 'emergency stop')
         self.wait_for_diagnostic('robot', DiagnosticStatus.ERROR, 'emergency stop', before)
@@ -144,6 +161,31 @@ class ArclFaultsTest(unittest.TestCase):
         self.assertEqual(GoalStatus.ABORTED, handle.get_goal_status())
         self.assertTrue(handle.get_goal_status_text())
 
+    def test_a_node_registers_anew_with_a_master_that_was_restarted(self):
+        """On a master of its own; the node's own topics stand for all that it registers."""
+        port = free_port()
+        uri = f'http://127.0.0.1:{port}'
+        master = rosgraph.Master('/arcl_faults_test', master_uri=uri)
+
+        def is_known() -> bool:
+            with contextlib.suppress(OSError):
+                published, subscribed, _ = master.getSystemState()
+                return (['/robot_status', ['/omron_connection_receiver']] in published
+                        and ['/link_state', ['/omron_connection_receiver']] in published)
+            return False
+
+        with program('roscore', '-p', str(port), ROS_MASTER_URI=uri) as core:
+            node = program('rosrun', 'omron_ld90', 'omron_connection_receiver',
+                           '_robot_ip:=127.0.0.1', f'_port:={free_port()}',
+                           ROS_MASTER_URI=uri)
+            with node:
+                wait_until(is_known, DRIVE, 'the node registers')
+                core.terminate()
+                core.wait(SOON)
+                self.assertFalse(is_known())
+                with program('roscore', '-p', str(port), ROS_MASTER_URI=uri):
+                    wait_until(is_known, DRIVE, 'the node registers with the new master')
+
     def test_a_node_with_a_wrong_configuration_says_so_on_its_link(self):
         links = Recorder('/misconfigured/link_state', LinkState)
         for name in (LinkState.COMMANDS, LinkState.OUTGOING):
@@ -161,4 +203,4 @@ class ArclFaultsTest(unittest.TestCase):
 
 if __name__ == '__main__':
     rospy.init_node('arcl_faults_test')
-    rostest.rosrun('omron_ld90', 'arcl_faults', ArclFaultsTest)
+    run_cases(__file__)

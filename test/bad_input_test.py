@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import shutil
 import socket
-import sys
 import tempfile
 import unittest
 from pathlib import Path
 
 import rospy
-import rostest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
 
 from omron_ld90_msgs.msg import LinkState
 from ports import free_port
-from system_support import Launched, Recorder, drive_to
+from system_support import Launched, Recorder, drive_to, run_cases
 
 ROOT = Path(__file__).resolve().parents[1]
 SIMULATOR_PASSWORD = ROOT / 'src' / 'omron_ld90_sim' / 'config' / 'simulator_password'
@@ -116,4 +114,4 @@ class BadInput(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    rostest.rosrun('omron_ld90', 'bad_input', BadInput, sys.argv)
+    run_cases(__file__)

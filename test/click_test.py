@@ -5,18 +5,23 @@ from __future__ import annotations
 import math
 import unittest
 
+import actionlib
 import rospkg
 import rospy
-import rostest
 import tf2_ros
 from geometry_msgs.msg import PointStamped, TransformStamped
 from std_msgs.msg import String
 from visualization_msgs.msg import InteractiveMarkerFeedback, InteractiveMarkerInit
 
 from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates
-from omron_ld90_msgs.msg import CommandRefused
+from omron_ld90_msgs.msg import (
+    CommandRefused,
+    ExecuteCommandAction,
+    ExecuteCommandFeedback,
+    ExecuteCommandResult,
+)
 from omron_map import MapDocument
-from system_support import Recorder, connected_publisher, wait_until
+from system_support import Recorder, connected_publisher, run_cases, wait_until
 
 LAB = rospkg.RosPack().get_path('omron_ld90') + '/../../maps/lab.map'
 
@@ -40,7 +45,7 @@ class ClickTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls) -> None:
         cls.lab = MapDocument.load(LAB)
-        cls.commands = Recorder('/omron_ld90/send_command', String)
+        cls.controller = FakeController('/omron_ld90')
         cls.feedback = Recorder('/omron_ld90/user_feedback', String)
         cls.handles = Recorder('/omron_ld90/interactive_goals/update_full', InteractiveMarkerInit)
         cls.clicks = connected_publisher('/clicked_point', PointStamped)
@@ -48,7 +53,6 @@ class ClickTest(unittest.TestCase):
                                          InteractiveMarkerFeedback)
         cls.routes = connected_publisher('/omron_ld90/execution_route_states',
                                          ExecutionRouteStates, subscribers=2)
-        cls.lines = connected_publisher('/omron_ld90/arcl_response', String)
         cls.refusals = connected_publisher('/omron_ld90/command_refused', CommandRefused)
         wait_until(lambda: cls.handles.messages and len(cls.handles.messages[-1].markers) == 25,
                    30.0, 'a handle on each of the 24 goals and the dock')
@@ -60,7 +64,7 @@ class ClickTest(unittest.TestCase):
         self.note_what_was()
 
     def note_what_was(self) -> None:
-        self.commands_before = len(self.commands.messages)
+        self.commands_before = len(self.controller.commands)
         self.feedback_before = len(self.feedback.messages)
 
     def all_clicks_are_dealt_with(self) -> None:
@@ -74,7 +78,7 @@ class ClickTest(unittest.TestCase):
                                       after=self.feedback_before).data
 
     def sent(self) -> list:
-        return [message.data for message in self.commands.messages[self.commands_before:]]
+        return self.controller.commands[self.commands_before:]
 
     def place(self, name: str) -> tuple:
         goal = self.lab.find(name)
@@ -91,13 +95,13 @@ class ClickTest(unittest.TestCase):
     def test_a_click_near_a_goal_sends_the_robot_there_once(self):
         x, y = self.place('12')
         self.clicks.publish(click(x + 0.3, y - 0.3))
-        self.told('goto 12')
+        self.told('Arrived at 12')
         self.all_clicks_are_dealt_with()
         self.assertEqual(['goto 12'], self.sent())
 
     def test_a_click_on_the_dock_docks(self):
         self.clicks.publish(click(*self.place('16')))
-        self.told('dock')
+        self.told('dock done')
         self.assertEqual(['dock'], self.sent())
 
     def test_a_click_on_nothing_does_nothing_and_names_the_nearest(self):
@@ -144,7 +148,7 @@ class ClickTest(unittest.TestCase):
         self.handle_event(InteractiveMarkerFeedback.MENU_SELECT, near='16', menu_entry=3)
         self.told('localizeToPoint')
         self.handle_event(InteractiveMarkerFeedback.MENU_SELECT, near='16', menu_entry=4)
-        self.told('stop')
+        self.told('stop done')
         dock = self.lab.find('16')
         heading = round(dock.theta)
         self.assertEqual([f'localizeToPoint {dock.x:.0f} {dock.y:.0f} {heading}', 'stop'],
@@ -158,32 +162,93 @@ class ClickTest(unittest.TestCase):
             return any('the fleet drives route 7' in text.data
                        for text in self.feedback.messages[self.feedback_before:])
         wait_until(refused, 3.0, 'a refusal')
-        before = len(self.commands.messages)
+        self.note_what_was()
         self.handle_event(InteractiveMarkerFeedback.MENU_SELECT, near='12', menu_entry=3)
-        self.commands.wait_for(lambda command: command.data == 'stop', 10.0, 'stop', after=before)
+        wait_until(lambda: 'stop' in self.sent(), 10.0, 'stop')
 
     def test_with_allow_takeover_a_click_is_sent_while_a_route_runs(self):
-        commands = Recorder('/taker/send_command', String)
+        controller = FakeController('/taker')
         clicks = connected_publisher('/taker/clicked_point', PointStamped)
         self.routes.publish(route(7, EdgeState.PROCESSING))
 
         def taken() -> bool:
             self.routes.publish(route(7, EdgeState.PROCESSING))
             clicks.publish(click(*self.place('12')))
-            return bool(commands.messages)
+            return bool(controller.commands)
         wait_until(taken, 10.0, 'goto 12')
-        self.assertEqual('goto 12', commands.messages[0].data)
+        self.assertEqual('goto 12', controller.commands[0])
 
     def test_what_becomes_of_a_command_is_told_in_the_robots_words(self):
-        for line, words in (('Going to 12', 'Going to 12'), ('Arrived at 12', 'Arrived at 12'),
-                            ("CommandErrorDescription: No goal '99'", "No goal '99'"),
-                            ('Error: Failed going to goal', 'Failed going to goal')):
-            self.lines.publish(line)
-            self.told(words)
+        self.controller.answers['goto 35'] = (ExecuteCommandResult.FAILED, 'No goal 35')
+        self.clicks.publish(click(*self.place('35')))
+        self.told('goto 35 failed: No goal 35')
+        self.clicks.publish(click(*self.place('41')))
+        self.told('Going to 41')
+        self.told('Arrived at 41')
         self.refusals.publish(CommandRefused(command='goto 12', reason='No connection.'))
-        self.assertEqual('goto 12 refused: No connection.', self.told('refused'))
+        self.assertEqual('goto 12 refused: No connection.', self.told('refused:'))
+
+    def test_a_goal_that_is_being_driven_to_is_not_given_again(self):
+        self.controller.answers['goto 6'] = None
+        for _ in range(20):
+            self.clicks.publish(click(*self.place('6')))
+        self.told('goto 6: already under way')
+        self.all_clicks_are_dealt_with()
+        self.assertEqual(['goto 6'], self.sent())
+        self.controller.end_all()
+        self.told('Arrived at 6')
+
+    def test_without_a_controller_the_person_is_told_so(self):
+        clicks = connected_publisher('/orphan/clicked_point', PointStamped)
+        feedback = Recorder('/orphan/user_feedback', String)
+
+        def told() -> bool:
+            clicks.publish(click(*self.place('12')))
+            return any('never sent: omron_controller is not running' in text.data
+                       for text in feedback.messages)
+        wait_until(told, 10.0, 'that the controller is not there')
+
+
+class FakeController:
+    """The action `execute_command` of a namespace: drives at once, or as `answers` says."""
+
+    def __init__(self, namespace: str) -> None:
+        self.commands = []
+        self.answers = {}  # command: outcome and message; None: it goes on until `end_all`
+        self._open = []
+        self._server = actionlib.ActionServer(
+            f'{namespace}/execute_command', ExecuteCommandAction, self._on_goal,
+            lambda handle: None, auto_start=False)
+        self._server.start()
+
+    def end_all(self) -> None:
+        for handle in self._open:
+            self._succeed(handle)
+        self._open.clear()
+
+    def _on_goal(self, handle: actionlib.ServerGoalHandle) -> None:
+        command = handle.get_goal().command
+        self.commands.append(command)
+        handle.set_accepted()
+        answer = self.answers.get(command, ())
+        if answer is None:
+            self._open.append(handle)
+        elif answer:
+            handle.set_aborted(ExecuteCommandResult(outcome=answer[0], message=answer[1]))
+        else:
+            if command.startswith('goto'):
+                handle.publish_feedback(
+                    ExecuteCommandFeedback(line=f'Going to {command.split()[-1]}'))
+            self._succeed(handle)
+
+    @staticmethod
+    def _succeed(handle: actionlib.ServerGoalHandle) -> None:
+        name, *arguments = handle.get_goal().command.split()
+        words = f'Arrived at {arguments[0]}' if name == 'goto' else f'{name} done'
+        handle.set_succeeded(ExecuteCommandResult(outcome=ExecuteCommandResult.SUCCEEDED,
+                                                  message=words))
 
 
 if __name__ == '__main__':
     rospy.init_node('click_test')
-    rostest.rosrun('omron_ld90', 'click', ClickTest)
+    run_cases(__file__)

@@ -7,30 +7,33 @@ import os
 import shutil
 import subprocess
 import tempfile
+import threading
 import unittest
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Iterator
+from typing import Iterator, List, Set
 
 import actionlib
 import rospy
-import rostest
-from actionlib_msgs.msg import GoalStatus
+from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from std_msgs.msg import String
 
-from omron_arcl import GoingToPoint, Location, OneLineStatus, parse_line
+from omron_arcl import parse_line
+from omron_arcl.replies import GoingToPoint, Location, OneLineStatus
 from omron_ld90_msgs.msg import (
     CommandRefused,
     ExecuteCommandAction,
+    ExecuteCommandActionGoal,
+    ExecuteCommandActionResult,
     ExecuteCommandGoal,
     ExecuteCommandResult,
     LinkState,
 )
 from ports import free_port
-from system_support import Recorder, connected_publisher, wait_until
+from system_support import Recorder, connected_publisher, run_cases, wait_until
 
 SOON = 10.0  # s
 DRIVE = 60.0  # s; the simulated robot's clock runs eight times as fast
@@ -67,6 +70,7 @@ class ControllerTest(unittest.TestCase):
         cls.diagnostics = Recorder('/diagnostics', DiagnosticArray)
         cls.commands = connected_publisher('/omron_ld90/send_command', String,
                                            to='omron_controller')
+        rospy.set_param('actionlib_client_pub_queue_size', 200)  # of 10, a storm loses most
         cls.execute = actionlib.ActionClient('/omron_ld90/execute_command', ExecuteCommandAction)
         cls.move_base = actionlib.ActionClient('/omron_ld90/move_base', MoveBaseAction)
         for client in (cls.execute, cls.move_base):
@@ -123,7 +127,45 @@ class ControllerTest(unittest.TestCase):
         self.wait_for_line('Stopped', before)
         self.assertEqual(self.location(), self.location(), 'the robot still moves')
 
+    def test_a_storm_of_goals_and_cancels_leaves_nothing_hanging(self):
+        # By topic: actionlib's client may overlook a result that comes while it cancels.
+        results = Recorder('/omron_ld90/execute_command/result', ExecuteCommandActionResult)
+        goals, cancels = (
+            rospy.Publisher(f'/omron_ld90/execute_command/{name}', kind, queue_size=100)
+            for name, kind in (('goal', ExecuteCommandActionGoal), ('cancel', GoalID)))
+        wait_until(lambda: results.is_connected() and goals.get_num_connections()
+                   and cancels.get_num_connections(), SOON, 'connections to the action')
+        storm = [ExecuteCommandActionGoal(goal_id=GoalID(id=f'storm {i} {text}'),
+                                          goal=ExecuteCommandGoal(command=text))
+                 for i in range(25) for text in ('goto 8', 'odometer', 'getGoals', 'goto 20')]
+        for goal in storm:
+            goals.publish(goal)
+        for goal in storm:
+            cancels.publish(goal.goal_id)
+        given = {goal.goal_id.id for goal in storm}
+        wait_until(lambda: {result.status.goal_id.id for result in results.messages} >= given,
+                   SOON, 'a result of every goal')
+        answer = self.result_of(self.run_command('odometer'), SOON)
+        self.assertEqual(ExecuteCommandResult.SUCCEEDED, answer.outcome, answer.message)
+        stop = self.result_of(self.run_command('stop'), SOON)
+        self.assertEqual(ExecuteCommandResult.SUCCEEDED, stop.outcome, stop.message)
+
+    def test_many_clients_that_ask_at_once_are_all_answered(self):
+        def ask(clients: actionlib.ActionClient) -> None:
+            for _ in range(20):
+                handle = clients.send_goal(ExecuteCommandGoal(command='odometer'))
+                outcomes.append(self.result_of(handle, SOON).outcome)
+
+        outcomes: List[int] = []
+        threads = [threading.Thread(target=ask, args=(self.execute,)) for _ in range(8)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join(DRIVE)
+        self.assertEqual([ExecuteCommandResult.SUCCEEDED] * 160, outcomes)
+
     def test_a_newer_drive_interrupts_the_older_one_and_arrives(self):
+        self.result_of(self.run_command('goto 8'))  # the robot may stand at 20 already
         older = self.run_command('goto 20')
         newer = self.run_command('goto 8')
         self.assertEqual(ExecuteCommandResult.INTERRUPTED, self.result_of(older).outcome)
@@ -161,6 +203,66 @@ class ControllerTest(unittest.TestCase):
         self.assertIn('"odom"', refusal.reason)
         self.result_of(self.run_command('stop'))
 
+    def test_a_simple_goal_is_a_new_goal_of_the_action(self):
+        """Open-RMF's adapter, among others, waits for it in the action's status."""
+        statuses = Recorder('/omron_ld90/move_base/status', GoalStatusArray)
+        publisher = connected_publisher('/omron_ld90/move_base_simple/goal', PoseStamped)
+        publisher.publish(pose_in_map(0.0, 0.0, 0.0))
+
+        def ids_of(array: GoalStatusArray, status: int) -> Set[str]:
+            return {goal.goal_id.id for goal in array.status_list
+                    if goal.status == status and '-simple-' in goal.goal_id.id}
+        active = statuses.wait_for(lambda array: ids_of(array, GoalStatus.ACTIVE), SOON, 'new goal')
+        publisher.publish(pose_in_map(0.5, 0.0, 0.0))
+        statuses.wait_for(lambda array: ids_of(array, GoalStatus.ACTIVE)
+                          - ids_of(active, GoalStatus.ACTIVE), SOON, 'the goal after it')
+        statuses.wait_for(lambda array: ids_of(array, GoalStatus.PREEMPTED)
+                          & ids_of(active, GoalStatus.ACTIVE), SOON, 'end of the first')
+        self.result_of(self.run_command('stop'))
+        refused = len(self.refusals.messages)
+        publisher.publish(pose_in_map(900.0, 0.0, 0.0))
+        refusal = self.refusals.wait_for(lambda _: True, SOON, 'failure of the goal', refused)
+        self.assertIn('Command \'gotoPoint 900000 0 0\'', refusal.reason)
+        self.assertEqual(rospy.get_name(), refusal.caller)
+
+    def test_what_was_published_before_a_controller_started_is_not_carried_out_late(self):
+        commands = rospy.Publisher('/replayed/send_command', String, queue_size=1, latch=True)
+        commands.publish('goto 8')
+        refusals = Recorder('/replayed/command_refused', CommandRefused)
+        links = Recorder('/replayed/link_state', LinkState)
+        said = len(self.responses.messages)
+        with self.second_controller():
+            refusal = refusals.wait_for(lambda _: True, 30.0, 'refusal')
+            self.assertIn('before the controller started', refusal.reason)
+            links.wait_for(lambda link: link.state == LinkState.CONNECTED, SOON, 'login')
+            commands.publish('goto 20')  # by the same publisher, but now
+            self.wait_for_line('Going to 20', said, SOON)
+        commands.unregister()
+        self.assertNotIn('Going to 8', [line.data for line in self.responses.messages[said:]])
+        self.result_of(self.run_command('stop'), SOON)
+
+    def test_a_controller_that_ends_stops_the_robot_only_if_it_is_told_to(self):
+        links = Recorder('/replayed/link_state', LinkState)
+        for stops in (False, True):
+            self.result_of(self.run_command('goto 8'))
+            known, said = len(links.messages), len(self.responses.messages)
+            with self.second_controller(f'_stop_on_shutdown:={stops}'):
+                links.wait_for(lambda link: link.state == LinkState.CONNECTED, 30.0, 'login', known)
+                handle = self.run_command('goto 20')
+                self.wait_for_line('Going to 20', said)
+            result = self.result_of(handle)
+            expected = (ExecuteCommandResult.INTERRUPTED if stops
+                        else ExecuteCommandResult.SUCCEEDED)
+            self.assertEqual(expected, result.outcome, result.message)
+
+    @contextmanager
+    def second_controller(self, *parameters: str) -> Iterator[None]:
+        """Another controller of the same robot, in the namespace /replayed."""
+        port = rospy.get_param('/omron_ld90/omron_controller/port')
+        with running('omron_ld90', 'omron_controller', '_robot_ip:=127.0.0.1', f'_port:={port}',
+                     '_password_file:=' + rospy.get_param('~password_file'), *parameters):
+            yield
+
     def test_an_initial_pose_relocalises_the_robot(self):
         publisher = connected_publisher('/omron_ld90/initialpose', PoseWithCovarianceStamped)
         before = len(self.responses.messages)
@@ -176,7 +278,7 @@ class ControllerTest(unittest.TestCase):
                 ('', 'empty'), ('goto 8\nshutdown', 'control character'), ('goto', 'goto <goal>'),
                 ('shutdown', 'dangerous'), ('configStart', 'configuration'),
                 ('goto nowhere', 'no goal "nowhere"'), ('x' * 6000, '6000'),
-                ('queueDropoff 8', 'no command queueDropoff')):
+                ('queueDropoff 8', 'refused by the robot: Unknown command queue')):
             before = len(self.refusals.messages)
             self.commands.publish(String(text))
             refusal = self.refusals.wait_for(lambda _: True, SOON, f'refusal of {text[:20]!r}',
@@ -226,4 +328,4 @@ class ControllerTest(unittest.TestCase):
 
 if __name__ == '__main__':
     rospy.init_node('controller_test')
-    rostest.rosrun('omron_ld90', 'controller', ControllerTest)
+    run_cases(__file__)

@@ -6,12 +6,11 @@ import os
 import unittest
 
 import rospy
-import rostest
 from std_msgs.msg import String
 from visualization_msgs.msg import Marker, MarkerArray
 
 from omron_ld90_msgs.msg import LinkState
-from system_support import Recorder, connected_publisher, wait_until
+from system_support import Recorder, connected_publisher, run_cases, wait_until
 
 VERTICES = {'1', '2', '4', '6', '8', '10', '12', '14', '18', '20', '22', '24', '26', '27', '32',
             '33', '35', '39', '40', '41', '42', '47', '49', '52'}
@@ -58,4 +57,4 @@ class ConverterTest(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    rostest.rosrun('omron_ld90', 'converter', ConverterTest)
+    run_cases(__file__)

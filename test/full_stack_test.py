@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import math
 import re
-import sys
 import unittest
 from pathlib import Path
 
 import rosgraph
 import rospy
-import rostest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PoseStamped
 
 from omron_ld90_msgs.msg import LinkState
-from system_support import Recorder, drive_to, wait_until
+from system_support import Recorder, drive_to, run_cases, wait_until
 
 ROOT = Path(__file__).resolve().parents[1]
 ROBOT = '/omron_ld90/'
@@ -104,4 +102,4 @@ class FullStack(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    rostest.rosrun('omron_ld90', 'full_stack', FullStack, sys.argv)
+    run_cases(__file__)

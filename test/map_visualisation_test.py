@@ -4,19 +4,25 @@ from __future__ import annotations
 
 import math
 import os
+import shutil
+import tempfile
+import time
 import unittest
+from pathlib import Path
 from typing import List
 
 import rospy
-import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 from nav_msgs.msg import MapMetaData, OccupancyGrid
 from nav_msgs.srv import GetMap, LoadMap, LoadMapResponse
-from std_msgs.msg import String
+from rosgraph_msgs.msg import Log
+from sensor_msgs.msg import PointCloud2
+from sensor_msgs.point_cloud2 import create_cloud_xyz32
+from std_msgs.msg import Header, String
 from visualization_msgs.msg import Marker, MarkerArray
 
 from omron_map import MapDocument, MapObject, RotatedRectangle
-from system_support import Recorder, connected_publisher
+from system_support import Recorder, connected_publisher, run_cases, wait_until
 
 ROBOT = '/omron_ld90'
 
@@ -68,6 +74,7 @@ class MapVisualisationTest(unittest.TestCase):
     def setUpClass(cls) -> None:
         rospy.init_node('map_visualisation_test')
         cls.map_file = rospy.get_param(f'{ROBOT}/map_visualisation/map_file')
+        cls.lab = str(Path(__file__).resolve().parents[1] / 'maps' / 'lab.map')
         cls.files = Recorder(f'{ROBOT}/map_file', String)
         cls.diagnostics = Recorder('/diagnostics', DiagnosticArray)
 
@@ -174,17 +181,46 @@ class MapVisualisationTest(unittest.TestCase):
         self.assertEqual(other, self.files.messages[-1].data, 'the good map stays up')
         self.assertEqual(LoadMapResponse.RESULT_SUCCESS, change_map(self.map_file).result)
 
+    def test_change_map_waits_for_nothing_and_tells_nothing_of_another_file(self):
+        self.show(room())
+        folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, folder)
+        secret, pipe = os.path.join(folder, 'secret'), os.path.join(folder, 'pipe')
+        with open(secret, 'w', encoding='utf-8') as file:
+            file.write('hunter2')
+        os.mkfifo(pipe)
+        log = Recorder('/rosout', Log)
+        wait_until(log.is_connected, 15.0, 'connection to /rosout')
+        change_map = rospy.ServiceProxy(f'{ROBOT}/change_map', LoadMap)
+        for path, words in ((secret, 'no map'), (pipe, 'a pipe'), ('/dev/zero', 'a device'),
+                            (folder, 'a folder'), (f'{folder}/a\0b', 'no file can have')):
+            self.assertNotEqual(LoadMapResponse.RESULT_SUCCESS, change_map(path).result, path)
+            log.wait_for(lambda entry, words=words: words in entry.msg, 15.0, f'{words!r} logged')
+        self.assertFalse([entry.msg for entry in log.messages if 'hunter' in entry.msg])
+        self.assertEqual(21, rospy.ServiceProxy(f'{ROBOT}/static_map', GetMap)().map.info.width)
+
+    def test_a_map_that_is_waited_for_keeps_nobody_waiting(self):
+        rospy.wait_for_service('/waiting/static_map', 15.0)
+        begin = time.monotonic()
+        with self.assertRaisesRegex(rospy.ServiceException, 'was not loaded yet'):
+            rospy.ServiceProxy('/waiting/static_map', GetMap)()
+        self.assertEqual(LoadMapResponse.RESULT_SUCCESS,
+                         rospy.ServiceProxy('/waiting/change_map', LoadMap)(self.lab).result)
+        self.assertLess(time.monotonic() - begin, 15.0, 'the wait for the map is 30 s')
+
     def test_the_laser_is_drawn_while_it_is_fresh(self):
         lasers = Recorder(f'{ROBOT}/laser_markers', Marker)
-        publisher = connected_publisher(f'{ROBOT}/laser_points', String)
-        publisher.publish('RangeDeviceGetCurrent: Laser_1 half a line')
-        publisher.publish('RangeDeviceGetCurrent: Laser_1 1500 -250 0 2000')
+        publisher = connected_publisher(f'{ROBOT}/laser_cloud', PointCloud2)
+        header = Header(stamp=rospy.Time.now(), frame_id='map')
+        publisher.publish(PointCloud2(header=header, width=1000, height=1))  # no cloud at all
+        publisher.publish(create_cloud_xyz32(header, [(1.5, -0.25, 0.2), (0.0, 2.0, 0.2)]))
         marker = lasers.wait_for(lambda message: True, 10.0, 'laser marker')
-        self.assertEqual((Marker.POINTS, 'Laser_1'), (marker.type, marker.ns))
+        self.assertEqual((Marker.POINTS, 'map', header.stamp),
+                         (marker.type, marker.header.frame_id, marker.header.stamp))
         self.assertEqual([(1.5, -0.25), (0.0, 2.0)], [(p.x, p.y) for p in marker.points])
         self.assertGreater(marker.color.b, marker.color.r)
         self.assertEqual(2.0, marker.lifetime.to_sec())
 
 
 if __name__ == '__main__':
-    rostest.rosrun('omron_ld90', 'map_visualisation', MapVisualisationTest)
+    run_cases(__file__)

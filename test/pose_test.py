@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import math
 import unittest
+from typing import Optional
 
 import rospy
-import rostest
 import tf2_ros
 from geometry_msgs.msg import PoseStamped, TransformStamped
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import LaserScan, PointCloud2
+from sensor_msgs.point_cloud2 import create_cloud_xyz32
+from std_msgs.msg import Header
 from tf2_msgs.msg import TFMessage
 
 from omron_ld90_msgs.msg import RobotStatus
-from system_support import Recorder, connected_publisher, wait_until
+from system_support import Recorder, connected_publisher, run_cases, wait_until
 
 
 def status(x: float, y: float, yaw: float, age: float = 0.0, has_pose: bool = True) -> RobotStatus:
@@ -75,6 +79,53 @@ class PoseTest(unittest.TestCase):
         pose = self.pose_at(21.0)
         self.assertLessEqual(pose.header.stamp, rospy.Time.now())
 
+    def test_a_location_that_no_robot_can_have_is_not_published(self):
+        for x in (math.nan, math.inf, 1e305):
+            self.status.publish(status(x, 41.0, 0.0))
+        self.status.publish(status(41.5, 0.0, math.nan))
+        self.status.publish(status(42.0, 0.0, 0.0))
+        self.pose_at(42.0)
+        published = [pose.pose.position for pose in self.poses.messages]
+        self.assertFalse([p for p in published if p.y == 41.0 or p.x == 41.5])
+
+    def test_two_locations_make_an_odometry(self):
+        odometry = Recorder('/omron_ld90/odom', Odometry)
+        wait_until(odometry.is_connected, 15.0, 'connection to odom')
+        begin = rospy.Time.now()
+
+        def drive() -> Optional[Odometry]:  # at half a metre a second along y
+            message = status(51.0, 0.0, math.pi / 2)
+            message.pose.position.y = 0.5 * (message.header.stamp - begin).to_sec()
+            self.status.publish(message)
+            return next((m for m in odometry.messages if m.pose.pose.position.x == 51.0), None)
+
+        moved = wait_until(drive, 15.0, 'odometry of the drive')
+        self.assertEqual(('map', 'omron_ld90/base_link'),
+                         (moved.header.frame_id, moved.child_frame_id))
+        self.assertAlmostEqual(0.5, moved.twist.twist.linear.x, 6)
+        self.assertGreater(moved.twist.covariance[0], 0.0)
+
+    def test_a_cloud_becomes_a_scan_in_the_lasers_frame(self):
+        scans = Recorder('/omron_ld90/scan', LaserScan)
+        wait_until(scans.is_connected, 15.0, 'connection to scan')
+        clouds = connected_publisher('/omron_ld90/laser_cloud', PointCloud2)
+        laser = tf2_ros.StaticTransformBroadcaster()
+        place = TransformStamped(child_frame_id='omron_ld90/laser_link')
+        place.header.frame_id = 'omron_ld90/base_link'
+        place.transform.translation.x, place.transform.rotation.w = 0.28, 1.0
+        laser.sendTransform(place)
+
+        def scan() -> Optional[LaserScan]:
+            header = Header(stamp=rospy.Time.now(), frame_id='map')
+            clouds.publish(create_cloud_xyz32(header, [(61.0, 5.28, 0.2)]))
+            self.status.publish(status(61.0, 2.0, math.pi / 2))
+            return scans.messages[-1] if scans.messages else None
+
+        made = wait_until(scan, 15.0, 'a scan')
+        self.assertEqual('omron_ld90/laser_link', made.header.frame_id)
+        self.assertAlmostEqual(3.0, made.ranges[len(made.ranges) // 2], 3)
+        self.assertEqual(1, sum(math.isfinite(r) for r in made.ranges))
+
     def test_with_an_odometry_the_map_carries_the_odometry_and_the_robot_is_where_it_says(self):
         message = status(32.0, 2.0, math.pi / 2)
         odometry = TransformStamped(child_frame_id='other/base_link')
@@ -101,4 +152,4 @@ class PoseTest(unittest.TestCase):
 
 if __name__ == '__main__':
     rospy.init_node('pose_test')
-    rostest.rosrun('omron_ld90', 'pose', PoseTest)
+    run_cases(__file__)

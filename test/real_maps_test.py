@@ -7,17 +7,15 @@ from __future__ import annotations
 
 import math
 import os
-import sys
 import unittest
 from pathlib import Path
 
 import rospy
-import rostest
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import OccupancyGrid
 from visualization_msgs.msg import MarkerArray
 
-from system_support import Launched, Recorder, drive_to, skip
+from system_support import Launched, Recorder, drive_to, run_cases
 
 MAPS = Path(os.environ.get('LD90_REAL_MAPS') or '/nowhere')  # LD90_REAL_MAPS names none
 
@@ -33,7 +31,7 @@ class RealMaps(unittest.TestCase):
         """Show the map in a namespace of its own, compare with what is known of it, drive."""
         file = MAPS / name
         if not file.exists():
-            skip(self, f'{file} is not there')
+            self.skipTest(f'{file} is not there')
         robot = name.replace('-', '_').replace('.map', '')
         topic = f'/{robot}'.__add__
         with Launched('full_stack.launch', map_file=file, robot_name=robot, sim_speed=10,
@@ -70,4 +68,4 @@ class RealMaps(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    rostest.rosrun('omron_ld90', 'real_maps', RealMaps, sys.argv)
+    run_cases(__file__)

@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 import math
+import os
+import signal
 import socket
+import time
 import unittest
+import xmlrpc.client
+from pathlib import Path
+from typing import Set
 
+import rosgraph
 import rospy
-import rostest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from sensor_msgs.msg import BatteryState, PointCloud2
 from sensor_msgs.point_cloud2 import read_points
 from std_msgs.msg import String
 
 from omron_ld90_msgs.msg import LinkState, RobotStatus
-from system_support import Recorder, wait_until
+from system_support import Recorder, run_cases, wait_until
 
 SOON = 10.0  # s
 STATUS = {  # topic -> line
@@ -140,6 +146,57 @@ class ReceiverTest(unittest.TestCase):
         self.diagnostics.wait_for(lambda array: True, SOON, 'a second to pass', heard)
         self.assertEqual(last, self.statuses.messages[-1].header.stamp)
 
+    def test_what_waited_while_the_receiver_stood_still_is_not_published_as_new(self):
+        node = self.process_id('/omron_ld90/omron_connection_receiver')
+        self.send(*{**STATUS, 'location': b'Location: 1000 0 0'}.values())
+        os.kill(node, signal.SIGSTOP)
+        try:
+            wait_until(lambda: self.states_of(node) == {'T'}, SOON, 'every thread stands still')
+            before = len(self.statuses.messages)
+            deadline = time.monotonic() + 2.5
+            wait_until(lambda: self.sends_status(2000) and time.monotonic() > deadline, SOON,
+                       'two and a half seconds')
+        finally:
+            os.kill(node, signal.SIGCONT)
+        wait_until(lambda: self.sends_status(3000) and any(
+            abs(m.pose.position.x - 3.0) < 0.1 for m in self.statuses.messages[before:]), SOON,
+            'statuses again')
+        published = {round(m.pose.position.x) for m in self.statuses.messages[before:]}
+        self.assertNotIn(2, published)
+
+    def sends_status(self, x: int) -> bool:
+        self.send(*{**STATUS, 'location': f'Location: {x} 0 0'.encode()}.values())
+        return True
+
+    @staticmethod
+    def states_of(process_id: int) -> Set[str]:
+        """The states of its threads; T is stopped."""
+        return {file.read_text(encoding='utf-8').rsplit(')', 1)[1].split()[0]
+                for file in Path(f'/proc/{process_id}/task').glob('*/stat')}
+
+    @staticmethod
+    def process_id(node: str) -> int:
+        uri = rosgraph.Master(rospy.get_name()).lookupNode(node)
+        _, _, process_id = xmlrpc.client.ServerProxy(uri).getPid(rospy.get_name())
+        return process_id
+
+    def test_what_the_robot_does_is_typed(self):
+        before = len(self.statuses.messages)
+        self.send(*{**STATUS, 'state': b'Status: Arrived at K\xfcche'}.values())
+        status = self.statuses.wait_for(lambda m: m.activity == RobotStatus.ARRIVED_AT_GOAL, SOON,
+                                        'arrival', before)
+        self.assertEqual('K\xfcche', status.goal)
+
+    def test_a_number_that_cannot_be_silences_no_topic(self):
+        before = len(self.statuses.messages)
+        self.send(*{**STATUS, 'state_of_charge': b'StateOfCharge: 1e41',
+                    'location': b'Location: 1e308 0 0',
+                    'temperature': b'Temperature: 1e39'}.values())
+        wait_until(lambda: self.sends_status(4000) and any(
+            abs(m.pose.position.x - 4.0) < 0.1 for m in self.statuses.messages[before:]), SOON,
+            'the statuses after it')
+        self.assertFalse([m for m in self.statuses.messages[before:] if m.state_of_charge > 1.0])
+
     def test_a_new_connection_replaces_the_old_one(self):
         old = self.robot
         type(self).robot = self.connect()
@@ -158,4 +215,4 @@ class ReceiverTest(unittest.TestCase):
 
 if __name__ == '__main__':
     rospy.init_node('receiver_test')
-    rostest.rosrun('omron_ld90', 'receiver', ReceiverTest)
+    run_cases(__file__)

@@ -12,7 +12,7 @@ from std_msgs.msg import String
 from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, TargetRoute
 from omron_ld90_msgs.msg import LinkState, RobotStatus
 from omron_ld90_sim import Simulator
-from system_support import Recorder, connected_publisher, wait_until
+from system_support import CommandRecorder, Recorder, connected_publisher, wait_until
 from trajectory_graph import load_graph
 
 BRIDGE = '/omron_ld90/omron_edges_to_vertices'
@@ -26,7 +26,7 @@ class FleetManager:
     def __init__(self) -> None:
         self.states = Recorder('/omron_ld90/execution_route_states', ExecutionRouteStates)
         self.status = Recorder('/omron_ld90/robot_status', RobotStatus)
-        self.commands = Recorder('/omron_ld90/send_command', String)
+        self.commands = CommandRecorder('omron_ld90')
         self.responses = Recorder('/omron_ld90/arcl_response', String)
         self.links = Recorder('/omron_ld90/link_state', LinkState)
         self.routes = connected_publisher('/omron_ld90/target_route', TargetRoute)

@@ -2,14 +2,13 @@
 """Every strategy drives a tour of the lab, and the robot stays in the corridors of its route."""
 from __future__ import annotations
 
-import sys
 import unittest
 
 import rospy
-import rostest
 from route_robot import RouteRobot, state_list
 
 from itrci_nav_msgs.msg import EdgeState
+from system_support import run_cases
 
 TOUR = [1, 2, 19, 20, 23, -24, -5, -4, -3, -2, -1]  # 8 10 12 24 26 40 33 32 14 12 10 8
 SHORTEST = [1, 2, 3, 4, 5, 6]                       # 8 10 12 14 32 33 35
@@ -37,7 +36,7 @@ class Strategies(unittest.TestCase):
         self.assertEqual(done.symbolic_pose.edge_id, route[-1])
         self.assertEqual(done.symbolic_pose.percentage, 100.0)
         self.assertLessEqual(self.lab.distance_from(route, places), HALF_CORRIDOR)
-        return [command.data for command in self.lab.commands.messages[commands:]]
+        return self.lab.commands.texts[commands:]
 
     def test_1_vertex_by_vertex(self) -> None:
         self.assertEqual(len(self.drive(TOUR, strategy='vertex_by_vertex')), len(TOUR))
@@ -55,4 +54,4 @@ class Strategies(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    rostest.rosrun('omron_ld90', 'route_strategies', Strategies, sys.argv)
+    run_cases(__file__)

@@ -2,15 +2,13 @@
 """A fleet manager's routes are driven by the simulated robot and reported edge by edge."""
 from __future__ import annotations
 
-import sys
 import unittest
 
 import rospy
-import rostest
 from route_robot import FleetManager, state_list
 
 from itrci_nav_msgs.msg import EdgeState
-from system_support import wait_until
+from system_support import run_cases, wait_until
 
 OUT = [-13, -7, 1, 2]  # dock - 1 - 8 - 10 - 12, in maps/lab_graph.yaml
 HOME = [-2, -1, 7, 13]
@@ -30,7 +28,7 @@ class Routes(unittest.TestCase):
         self.assertEqual([edge.edge_id for edge in done.edge_states], OUT)
         self.assertEqual(state_list(done), [EdgeState.COMPLETE] * 4, done.reason)
         self.assertEqual((done.symbolic_pose.edge_id, done.symbolic_pose.percentage), (2, 100.0))
-        self.assertEqual([command.data for command in self.fleet.commands.messages],
+        self.assertEqual(self.fleet.commands.texts,
                          ['goto 1', 'goto 8', 'goto 10', 'goto 12'])
         self.check_reports([message for message in self.fleet.states.messages[begin:]
                             if message.route_id == route_id], OUT)
@@ -38,7 +36,7 @@ class Routes(unittest.TestCase):
         done = self.fleet.end_of(self.fleet.order(HOME))
         self.assertEqual(state_list(done), [EdgeState.COMPLETE] * 4, done.reason)
         self.assertEqual((done.symbolic_pose.edge_id, done.symbolic_pose.percentage), (13, 100.0))
-        self.assertEqual(self.fleet.commands.messages[-1].data, 'dock')
+        self.assertEqual(self.fleet.commands.texts[-1], 'dock')
         wait_until(lambda: self.fleet.status.messages[-1].docking_state == 'Docked', 10,
                    'a status of the docked robot')
 
@@ -65,4 +63,4 @@ class Routes(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    rostest.rosrun('omron_ld90', 'route', Routes, sys.argv)
+    run_cases(__file__)

@@ -7,14 +7,13 @@ import unittest
 
 import rospkg
 import rospy
-import rostest
 from geometry_msgs.msg import PointStamped
 from rviz_support import RvizWindow, Screen, missing_programs, report_failure
 from std_msgs.msg import String
 
 from omron_map import MapDocument
 from ports import free_port
-from system_support import Recorder, skip, wait_until
+from system_support import CommandRecorder, Recorder, run_cases, wait_until
 
 LAB = rospkg.RosPack().get_path('omron_ld90') + '/../../maps/lab.map'
 SCALE = 38.0  # pixels per metre in rviz/two_robots.rviz
@@ -39,7 +38,7 @@ class TwoRobotsTest(unittest.TestCase):
     @classmethod
     def set_up(cls) -> None:
         cls.lab = MapDocument.load(LAB)
-        cls.commands = {robot: Recorder(f'/{robot}/send_command', String) for robot in ROBOTS}
+        cls.commands = {robot: CommandRecorder(robot) for robot in ROBOTS}
         cls.lines = {robot: Recorder(f'/{robot}/arcl_response', String) for robot in ROBOTS}
         cls.clicks = {robot: Recorder(f'/{robot}/clicked_point', PointStamped) for robot in ROBOTS}
         cls.screen = Screen()
@@ -82,7 +81,7 @@ class TwoRobotsTest(unittest.TestCase):
 
     def setUp(self) -> None:
         if self.missing:
-            skip(self, f'not installed: {", ".join(self.missing)}')
+            self.skipTest(f'not installed: {", ".join(self.missing)}')
         self.before = {robot: len(self.commands[robot].messages) for robot in ROBOTS}
 
     def at(self, name: str, right: float = 0.0) -> tuple:
@@ -90,7 +89,7 @@ class TwoRobotsTest(unittest.TestCase):
         return self.window.pixel(goal.x / 1000.0 + right, goal.y / 1000.0)
 
     def sent(self, robot: str) -> list:
-        return [message.data for message in self.commands[robot].messages[self.before[robot]:]]
+        return self.commands[robot].texts[self.before[robot]:]
 
     def arrives(self, robot: str, goal: str) -> None:
         self.lines[robot].wait_for(lambda line: line.data == f'Arrived at {goal}', 60.0,
@@ -115,4 +114,4 @@ class TwoRobotsTest(unittest.TestCase):
 
 if __name__ == '__main__':
     rospy.init_node('rviz_two_robots_test')
-    rostest.rosrun('omron_ld90', 'rviz_two_robots', TwoRobotsTest)
+    run_cases(__file__)

@@ -1,24 +1,24 @@
-"""What the system tests share: waiting for conditions, recording topics, telling of skips.
+"""What the system tests share: waiting for conditions, recording topics, results for rostest.
 
 A test waits for what it wants to see and says what it waited for when that does not come; nothing
 sleeps for a fixed time.
 """
 from __future__ import annotations
 
-import os
 import signal
 import subprocess
+import sys
 import tempfile
 import threading
 import time
-import unittest
 from pathlib import Path
 from typing import Any, Callable, List, Optional, Type
 
+import pytest
 import rospy
 from std_msgs.msg import String
 
-from omron_ld90_msgs.msg import LinkState
+from omron_ld90_msgs.msg import ExecuteCommandActionGoal, LinkState
 
 
 class Recorder:
@@ -87,6 +87,27 @@ def connected_publisher(topic: str, message_type: Type, timeout: float = 30.0,
     return publisher
 
 
+class CommandRecorder:
+    """The commands that are given to a robot's controller by its action, in order."""
+
+    def __init__(self, robot: str) -> None:
+        self._goals = Recorder(f'/{robot}/execute_command/goal', ExecuteCommandActionGoal)
+
+    @property
+    def messages(self) -> List[ExecuteCommandActionGoal]:
+        """The goals of the action."""
+        return self._goals.messages
+
+    @property
+    def texts(self) -> List[str]:
+        """The ARCL commands."""
+        return [message.goal.command for message in self.messages]
+
+    def wait_for(self, command: str, timeout: float = 10.0, after: int = 0) -> None:
+        """Waits until this command has been given."""
+        wait_until(lambda: command in self.texts[after:], timeout, f'the command {command}')
+
+
 def drive_to(robot: str, goal: str, timeout: float = 90.0) -> None:
     """Publishes `goto <goal>` as soon as the robot can be commanded; returns when it arrived."""
     Recorder(f'/{robot}/link_state', LinkState).wait_for(
@@ -143,12 +164,13 @@ class Launched:
             raise AssertionError(f'{error}; printed was:\n{self.output}') from None
 
 
-def skip(test: unittest.TestCase, reason: str) -> None:
-    """Skips the test and records it: rostest's own result files count a skipped test as passed."""
-    record: Optional[str] = os.environ.get('SYSTEM_TEST_SKIPS')
-    if record:
-        with open(record, 'a', encoding='utf-8') as file:
-            file.write(f'{test.id()}: {reason}\n')
-    test.skipTest(reason)
+def run_cases(file: str) -> None:
+    """Runs the test cases of a file under rostest, and ends the program with pytest's status.
 
-
+    pytest writes the result file, in which a skipped test is one; what rostest writes by itself
+    counts it as passed.
+    """
+    reports = [argument.partition('xml:')[2] for argument in sys.argv
+               if argument.startswith('--gtest_output=xml:')]
+    sys.exit(pytest.main([file, '-v', '--capture=no',
+                          *(f'--junitxml={report}' for report in reports)]))

@@ -19,7 +19,7 @@ from typing import Callable, Dict, List, NamedTuple, Tuple
 
 import numpy as np
 
-from omron_arcl import Session
+from omron_arcl.session import Session
 from ports import free_port
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -171,7 +171,10 @@ def nodes() -> List[Row]:
         finally:
             for process in reversed(list(processes.values())):
                 process.terminate()
-                process.wait(10)
+                try:
+                    process.wait(10)
+                except subprocess.TimeoutExpired:  # rospy may hang when it is ended
+                    process.kill()
 
 
 def measure(processes: Dict[str, subprocess.Popen], port: int, points: str) -> List[Row]:

@@ -8,19 +8,11 @@ import socket
 import struct
 import threading
 import time
-from typing import Any, Callable, List, Tuple
+from typing import Any, Callable, List, Set, Tuple
 
-from omron_arcl import (
-    Closed,
-    Event,
-    Execution,
-    Outcome,
-    Received,
-    Session,
-    parse_command,
-    parse_line,
-)
+from omron_arcl import Execution, Outcome, Received, parse_command, parse_line
 from omron_arcl.dispatcher import Dispatcher
+from omron_arcl.session import Closed, Event, Session
 
 PASSWORD = b'adept'
 HELP_LIST = (
@@ -132,10 +124,14 @@ class Conversation:
     def send(self) -> None:
         """Sends what may be sent."""
         while True:
-            text = self.dispatcher.next_to_send(self.now)
-            if text is None:
+            line = self.dispatcher.next_to_send(self.now)
+            if line is None:
                 return
-            self.sent.append(text)
+            self.sent.append(line.decode())
+
+    def cancel(self, execution: Execution) -> None:
+        """Cancels a command; what is to be sent for it is sent later."""
+        self.dispatcher.cancel(execution, self.now)
 
     def robot(self, *said: str) -> None:
         """The robot says lines, a tenth of a second apart."""
@@ -154,8 +150,8 @@ class Conversation:
 
     def tell(self) -> None:
         """Calls the callbacks that are due."""
-        for tell in self.dispatcher.take_news():
-            tell()
+        for callback in self.dispatcher.pop_callbacks():
+            callback()
 
 
 def outcome(execution: Execution) -> Outcome:
@@ -175,6 +171,7 @@ class ScriptedRobot:
         self.heard: List[bytes] = []
         self.connections: List[socket.socket] = []
         self.answers = {b'echo off': (b'Echo turned off.',)}
+        self.unknown: Set[bytes] = set()
         self.mute = False
         self.hangs_up_on = b''  # the line at which it ends the connection
         self._sending = threading.Lock()
@@ -251,6 +248,8 @@ class ScriptedRobot:
                 return  # the other side, or the test, ended it
 
     def _answer(self, line: bytes) -> Tuple[bytes, ...]:
+        if line in self.unknown:
+            return (b'Unknown command ' + line,)
         if line == b'oneLineStatus':
             return (b'Status: Stopped StateOfCharge: 79.4 Location: 1 2 3 Temperature: 36',)
         return self.answers.get(line, ())

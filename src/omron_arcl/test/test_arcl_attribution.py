@@ -122,11 +122,19 @@ def test_what_is_about_something_else_does_not_end_a_drive(talk, said):
     assert goto.result is None
 
 
-def test_a_drive_may_be_silent_for_ever_once_it_began(talk):
-    goto = talk.give('goto 12')
-    talk.robot('Going to 12')
-    talk.pass_time(3600.0)
-    assert goto.result is None
+@pytest.mark.parametrize(('text', 'acknowledged', 'seconds'), [
+    ('goto 12', 'Going to 12', 600.0), ('gotoPoint 1 2', 'Going to point', 600.0),
+    ('doTask wait 7', 'Doing task wait 7', 3600.0), ('patrol r', 'Patrolling route r', 3600.0),
+    ('dock', DOCK[1], 180.0), ('undock', UNDOCK[0], 60.0), ('stop', 'Stopping', 15.0),
+])
+def test_a_motion_of_which_nothing_is_heard_any_more_times_out(talk, text, acknowledged, seconds):
+    execution = talk.give(text)
+    talk.robot(acknowledged)
+    talk.pass_time(seconds - 1.0)
+    assert execution.result is None
+    talk.pass_time(2.0)
+    assert outcome(execution) is Outcome.TIMED_OUT
+    assert f'{seconds:.0f} s' in execution.result.words
 
 
 def test_a_drive_that_never_begins_times_out_only_after_the_dock_had_time(talk):
@@ -150,10 +158,18 @@ def test_a_timeout_counts_the_silence_and_a_status_about_the_drive_breaks_it(tal
     assert outcome(goto) is Outcome.TIMED_OUT
 
 
-def test_docking_that_is_broken_off_is_interrupted(talk):
+def test_a_second_try_to_dock_belongs_to_the_same_command(talk):
+    """As in the ARCL manual I617-E-02, p. 71."""
     dock = talk.give('dock')
-    talk.robot(*DOCK[:2], DOCK[0])
-    assert outcome(dock) is Outcome.INTERRUPTED
+    states = ('Undocked', 'Docking', 'Undocking', 'Undocked', 'Docking', 'Docking', 'Docked')
+    lines = [f'DockingState: {state} ForcedState: Unforced ChargeState: Not' for state in states]
+    for line in lines[:-1]:
+        talk.robot(line)
+        talk.pass_time(5.0)
+        assert dock.result is None, line
+    talk.robot(lines[-1])
+    assert outcome(dock) is Outcome.SUCCEEDED
+    assert dock.result.lines == tuple(lines)
 
 
 @pytest.mark.parametrize(('text', 'lines'), [
@@ -230,3 +246,47 @@ def test_a_command_that_lacks_arguments_is_rejected_by_its_syntax(talk, text):
     assert outcome(execution) is Outcome.REJECTED
     assert '<more>' in execution.result.words
     assert other.result is None
+
+
+# --- in other words -------------------------------------------------------------------------------
+
+@pytest.mark.parametrize(('given', 'echoed'), [
+    ('gotoPoint 100 200 0', 'gotoPoint 100.0 200.0 0.0'), ('say "$g is full"', 'say "12 is full"'),
+    ('wait 10', 'WAIT 10'), ('move 1000 400', '"move" 1000 400')])
+def test_a_task_is_known_though_its_arguments_are_written_otherwise(talk, given, echoed):
+    task = talk.give(f'doTask {given}')
+    talk.robot(f'Will do task {echoed}', f'Doing task {echoed}', f'Completed doing task {echoed}')
+    assert outcome(task) is Outcome.SUCCEEDED
+
+
+def test_another_clients_task_is_not_ours(talk):
+    task = talk.give('doTask wait 60')
+    talk.robot('Doing task wait 60', 'Doing task wait 5')
+    assert outcome(task) is Outcome.INTERRUPTED
+
+
+@pytest.mark.parametrize(('text', 'lines'), [
+    ('distanceFromHere Goal1', ('DistanceFromHere: 12345 "Goal1"',)),
+    ('queueQueryLocal status completed', ('EndQueueQueryLocal',)),
+    ('queueShowRobotLocal', ('QueueRobot: "Robot1" Available Available', 'EndQueueShowRobotLocal')),
+    ('help', ('Commands:', 'goto                        Goes', 'stop Stops', 'End of commands')),
+])
+def test_queries_are_answered_in_the_robots_own_words(talk, text, lines):
+    query = talk.give(text)
+    talk.robot(*lines)
+    assert outcome(query) is Outcome.SUCCEEDED
+    assert query.result.lines == lines
+
+
+def test_a_robot_that_docks_by_itself_takes_the_drive_over(talk):
+    goto = talk.give('goto 12')
+    talk.robot('DockingState: Undocked ForcedState: Unforced ChargeState: Not', 'Going to 12',
+               DOCK[1])
+    assert outcome(goto) is Outcome.INTERRUPTED
+    assert 'taken over' in goto.result.words
+
+
+def test_a_docking_state_with_a_field_of_a_newer_robot_is_understood(talk):
+    dock = talk.give('dock')
+    talk.robot(*(f'{line} BatteryState: Good' for line in DOCK[:4]))
+    assert outcome(dock) is Outcome.SUCCEEDED

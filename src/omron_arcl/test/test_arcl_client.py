@@ -22,16 +22,14 @@ from arcl_builders import (
 from omron_arcl import (
     Backoff,
     Client,
-    ConnectionFailed,
     InvalidCommand,
     Link,
     LinkPhase,
     NotConnected,
     Outcome,
     SessionLog,
-    WrongPassword,
 )
-from omron_arcl.connection import TICK
+from omron_arcl.transport import TICK
 
 
 def quick() -> Backoff:
@@ -109,22 +107,6 @@ def test_who_waits_for_the_login_hears_of_a_wrong_password_at_once():
         assert client.wait_connected(1000.0).phase is LinkPhase.WRONG_PASSWORD
 
 
-def test_a_wrong_password_waits_longer_than_a_lost_connection():
-    backoff = Backoff(jitter=0.0)
-    assert backoff.after(WrongPassword('x')) == 30.0
-    assert [backoff.after(ConnectionFailed('x')) for _ in range(7)] \
-        == [0.5, 1.0, 2.0, 4.0, 8.0, 10.0, 10.0]
-    backoff.reset()
-    assert backoff.after(ConnectionFailed('x')) == 0.5
-
-
-def test_backoff_is_spread_within_its_share_and_never_beyond_its_cap():
-    waits = [Backoff(first=5.0, cap=5.5, jitter=0.2).after(ConnectionFailed('x'))
-             for _ in range(200)]
-    assert all(4.0 <= wait <= 5.5 for wait in waits)
-    assert len(set(waits)) > 100
-
-
 @pytest.mark.parametrize('reset', [False, True])
 def test_a_lost_link_ends_commands_as_lost_and_sends_no_motion_again(robot, links, reset):
     with connected_client(robot, on_link=links) as client:
@@ -139,7 +121,7 @@ def test_a_lost_link_ends_commands_as_lost_and_sends_no_motion_again(robot, link
 
 
 def test_a_silent_robot_counts_as_dead(robot, links):
-    with connected_client(robot, on_link=links, heartbeat=0.1, silence=0.4) as client:
+    with connected_client(robot, on_link=links, heartbeat=0.1, timeout=0.4) as client:
         goto = client.execute('goto 12')
         robot.mute = True
         link = links.wait(lambda link: 'nothing was received' in link.reason, 'silence')
@@ -148,12 +130,83 @@ def test_a_silent_robot_counts_as_dead(robot, links):
 
 
 def test_by_default_a_dead_link_is_noticed_within_five_seconds():
-    silence = inspect.signature(Client).parameters['silence'].default
-    assert silence + TICK < 5.0
+    timeout = inspect.signature(Client).parameters['timeout'].default
+    assert timeout + TICK < 5.0
+
+
+def test_bytes_without_a_line_are_no_sign_of_life(robot, links):
+    with connected_client(robot, on_link=links, heartbeat=0.1, timeout=0.5):
+        robot.mute = True
+        done = threading.Event()
+
+        def drip() -> None:
+            while not done.wait(0.05):
+                try:
+                    robot.send(robot.connections[0], b'x')
+                except OSError:
+                    return
+        thread = threading.Thread(target=drip)
+        thread.start()
+        links.wait(lambda link: 'nothing was received' in link.reason, 'silence')
+        done.set()
+        thread.join(5.0)
+
+
+def test_a_robot_without_one_line_statuses_is_asked_for_its_status(robot):
+    robot.answers.update({b'status': (b'Status: Stopped', b'Temperature: 36')})
+    robot.unknown.add(b'oneLineStatus')
+    with connected_client(robot, heartbeat=0.05, timeout=1.0) as client:
+        robot.wait_heard(b'status')
+        wait_for(lambda: robot.heard.count(b'status') >= 5, 'heartbeats')
+        assert robot.heard.count(b'oneLineStatus') == 1
+        assert client.link.connected
+
+
+def test_a_name_that_is_not_ascii_is_sent_as_the_robot_listed_it(robot):
+    robot.answers[b'getGoals'] = (b'Goal: K\xfcche', 'Goal: Caf\xe9'.encode(), b'Goal: "a b"',
+                                  b'End of goals')
+    with connected_client(robot) as client:
+        with pytest.raises(InvalidCommand, match='has listed'):
+            client.execute('goto K\xfcche')
+        result = client.execute('getGoals').wait(5.0)
+        assert result.lines == ('Goal: K\xfcche', 'Goal: Caf\xe9', 'Goal: "a b"', 'End of goals')
+        assert client.names == {'K\xfcche': b'K\xfcche', 'Caf\xe9': 'Caf\xe9'.encode()}
+        client.execute('goto k\xfcche')
+        client.execute('goto Caf\xe9')
+        robot.wait_heard(b'goto K\xfcche')
+        robot.wait_heard('goto Caf\xe9'.encode())
+        robot.say(b'Arrived at K\xfcche', b'Map changed')
+        wait_for(lambda: not client.names, 'the names of another map')
+
+
+def test_what_a_command_keeps_is_bounded_and_what_is_left_out_is_counted(robot):
+    robot.answers[b'getGoals'] = (*[b'Goal: ' + b'x' * 100_000] * 100, b'End of goals')
+    with connected_client(robot) as client:
+        result = client.execute('getGoals').wait(20.0)
+        assert result.outcome is Outcome.SUCCEEDED
+        assert sum(map(len, result.lines)) <= 4_000_000
+        assert len(result.lines) + result.left_out == 101
+
+
+def test_a_login_without_prompt_welcome_or_help_list_succeeds():
+    with ScriptedRobot(login=False) as robot, connected_client(robot, heartbeat=0.2) as client:
+        assert not client.help.complete
+        assert robot.heard[:2] == [PASSWORD, b'oneLineStatus']
+
+
+def test_a_login_that_fails_says_what_was_received(links):
+    with ScriptedRobot(login=False) as robot:
+        robot.mute = True
+        with Client('127.0.0.1', robot.port, PASSWORD, backoff=quick(), on_link=links):
+            wait_for(lambda: robot.connections, 'a connection')
+            robot.say(b'220 some FTP server')
+            link = links.wait(lambda link: 'nothing was received' in link.reason, 'the reason',
+                              timeout=10.0)
+            assert 'after "220 some FTP server"' in link.reason
 
 
 def test_a_robot_with_nothing_to_say_stays_connected_by_heartbeats(robot, links):
-    with connected_client(robot, on_link=links, heartbeat=0.05, silence=0.3):
+    with connected_client(robot, on_link=links, heartbeat=0.05, timeout=0.3):
         wait_for(lambda: robot.heard.count(b'oneLineStatus') >= 10, 'ten heartbeats')
         assert links.all[-1].connected
 
@@ -162,8 +215,8 @@ def test_a_silent_server_is_given_up_during_the_login(links):
     with ScriptedRobot(login=False) as robot:
         robot.mute = True
         with Client('127.0.0.1', robot.port, PASSWORD, backoff=quick(), on_link=links,
-                    heartbeat=0.1, silence=0.3):
-            links.wait(lambda link: 'nothing was received' in link.reason, 'silence')
+                    heartbeat=0.1, timeout=0.3):
+            links.wait(lambda link: 'nothing was received' in link.reason, 'silence', timeout=10.0)
 
 
 def test_commands_are_refused_while_nobody_is_connected():
@@ -196,6 +249,17 @@ def test_cancelling_a_drive_sends_stop(robot):
         goto = client.execute('goto 12')
         client.cancel(goto)
         assert goto.wait(5.0).outcome is Outcome.CANCELLED
+
+
+def test_a_drive_that_somebody_stops_without_a_word_of_it_ends(robot):
+    robot.answers[b'goto 12'] = (b'Going to 12',)  # and its status is always Stopped
+    with connected_client(robot) as client:
+        goto = client.execute('goto 12')
+        robot.wait_heard(b'goto 12')
+        robot.say(b'Stopping', b'Stopped')
+        result = goto.wait(10.0)
+        assert result.outcome is Outcome.INTERRUPTED
+        assert b'stop' not in robot.heard
 
 
 def test_a_callback_may_give_the_next_command(robot):

@@ -5,7 +5,7 @@ import pytest
 from arcl_builders import DOCK, UNDOCKED, Conversation, Noted, outcome
 
 from omron_arcl import Busy, Outcome, parse_command
-from omron_arcl.command_queue import MOST_WAITING
+from omron_arcl.command_queue import MAXIMUM_WAITING
 
 
 @pytest.fixture
@@ -175,7 +175,7 @@ def test_a_stop_overtakes_what_is_unsent_and_drops_the_drives(talk):
 def test_cancelling_a_drive_stops_the_robot(talk):
     goto = talk.give('goto A')
     talk.robot('Going to A')
-    talk.dispatcher.cancel(goto)
+    talk.cancel(goto)
     talk.send()
     assert talk.sent == ['goto A', 'stop']
     assert goto.result is None, 'the robot has not stopped yet'
@@ -186,7 +186,7 @@ def test_cancelling_a_drive_stops_the_robot(talk):
 def test_cancelling_docking_ends_when_the_robot_has_stopped(talk):
     dock = talk.give('dock')
     talk.robot(*DOCK[:2])
-    talk.dispatcher.cancel(dock)
+    talk.cancel(dock)
     talk.send()
     talk.robot('Stopping', 'Stopped')
     assert outcome(dock) is Outcome.CANCELLED
@@ -207,7 +207,7 @@ def test_a_drive_given_after_a_stop_is_not_ended_by_the_stop(talk):
 def test_a_cancelled_drive_does_not_wait_for_ever_for_a_robot_that_ignores_the_stop(talk):
     goto = talk.give('goto A')
     talk.robot('Going to A')
-    talk.dispatcher.cancel(goto)
+    talk.cancel(goto)
     talk.send()
     talk.pass_time(20.0)
     assert outcome(goto) is Outcome.TIMED_OUT
@@ -221,7 +221,7 @@ def test_a_cancelled_drive_does_not_wait_for_ever_for_a_robot_that_ignores_the_s
 def test_a_cancelled_drive_does_not_wait_for_a_stop_that_the_robot_refused(talk, said, expected):
     goto = talk.give('goto A')
     talk.robot('Going to A')
-    talk.dispatcher.cancel(goto)
+    talk.cancel(goto)
     talk.send()
     talk.robot(*said)
     assert outcome(goto) is expected
@@ -295,7 +295,7 @@ def test_a_stop_that_another_clients_drive_overtakes_ends_at_once_and_not_as_a_s
 
 def test_a_cancelled_drive_is_over_when_another_clients_drive_overtakes_its_stop(talk):
     goto = talk.give('goto A')
-    talk.dispatcher.cancel(goto)
+    talk.cancel(goto)
     talk.send()
     talk.robot('Stopping', 'Going to B')
     assert outcome(goto) is Outcome.CANCELLED
@@ -307,7 +307,7 @@ def test_a_stopped_docking_takes_no_other_drive_for_its_own(talk):
     """The robot may say where it goes while it docks, but not once it was stopped."""
     dock = talk.give('dock')
     talk.robot(*DOCK[:2])
-    talk.dispatcher.cancel(dock)
+    talk.cancel(dock)
     talk.send()
     talk.robot('Stopping', 'Going to B')
     assert outcome(dock) is Outcome.CANCELLED
@@ -360,7 +360,7 @@ def test_a_stop_is_overtaken_by_docking_which_only_the_docking_state_tells(talk)
 def test_a_charger_that_changes_its_mind_overtakes_no_stop(talk):
     dock = talk.give('dock')
     talk.robot(*DOCK[:2])
-    talk.dispatcher.cancel(dock)
+    talk.cancel(dock)
     talk.send()
     talk.robot('Interrupted: Docking', 'Stopping', DOCK[2])
     assert outcome(dock) is Outcome.CANCELLED
@@ -371,7 +371,7 @@ def test_cancelling_a_drive_does_not_drop_the_one_that_waits_to_replace_it(talk)
     first = talk.give('goto A')
     talk.robot('Going to A')
     second = talk.dispatcher.start(parse_command('goto B'))
-    talk.dispatcher.cancel(first)
+    talk.cancel(first)
     talk.send()
     assert talk.sent == ['goto A', 'goto B']
     talk.robot('Interrupted: Going to A', 'Going to B', 'Arrived at B')
@@ -383,8 +383,8 @@ def test_a_cancelled_drive_is_stopped_when_the_one_that_waits_is_cancelled_too(t
     first = talk.give('goto A')
     talk.robot('Going to A')
     second = talk.dispatcher.start(parse_command('goto B'))
-    talk.dispatcher.cancel(first)
-    talk.dispatcher.cancel(second)
+    talk.cancel(first)
+    talk.cancel(second)
     talk.send()
     assert talk.sent == ['goto A', 'stop']
 
@@ -392,7 +392,7 @@ def test_a_cancelled_drive_is_stopped_when_the_one_that_waits_is_cancelled_too(t
 def test_a_robot_that_arrived_before_the_stop_has_arrived(talk):
     goto = talk.give('goto A')
     talk.robot('Going to A')
-    talk.dispatcher.cancel(goto)
+    talk.cancel(goto)
     talk.send()
     talk.robot('Arrived at A', 'Stopping', 'Stopped')
     assert outcome(goto) is Outcome.SUCCEEDED
@@ -400,15 +400,15 @@ def test_a_robot_that_arrived_before_the_stop_has_arrived(talk):
 
 def test_cancelling_twice_stops_once(talk):
     goto = talk.give('goto A')
-    talk.dispatcher.cancel(goto)
-    talk.dispatcher.cancel(goto)
+    talk.cancel(goto)
+    talk.cancel(goto)
     talk.send()
     assert talk.sent == ['goto A', 'stop']
 
 
 def test_cancelling_a_drive_that_was_replaced_leaves_the_new_one_alone(talk):
     first, second = talk.give('goto A'), talk.give('goto B')
-    talk.dispatcher.cancel(first)
+    talk.cancel(first)
     talk.send()
     assert talk.sent == ['goto A', 'goto B']
     talk.robot('Going to A', 'Interrupted: Going to A', 'Going to B', 'Arrived at B')
@@ -420,14 +420,14 @@ def test_a_cancelled_drive_is_stopped_after_all_when_its_replacement_is_refused(
     first = talk.give('goto A')
     talk.robot('Going to A')
     talk.give('goto nowhere')
-    talk.dispatcher.cancel(first)
+    talk.cancel(first)
     talk.robot('CommandError: goto nowhere', "CommandErrorDescription: No goal 'nowhere'")
     assert talk.sent[-1] == 'stop'
 
 
 def test_a_cancelled_query_ends_at_once_and_its_answer_goes_to_nobody(talk):
     first, second = talk.give('getGoals'), talk.give('getGoals')
-    talk.dispatcher.cancel(first)
+    talk.cancel(first)
     assert outcome(first) is Outcome.CANCELLED
     talk.send()
     assert talk.sent == ['getGoals']
@@ -446,12 +446,12 @@ def test_a_lost_link_ends_everything_and_nothing_is_sent_again(talk):
 
 def test_no_more_commands_wait_than_is_sound_but_a_stop_always_does(talk):
 
-    for _ in range(MOST_WAITING):
+    for _ in range(MAXIMUM_WAITING):
         talk.dispatcher.start(parse_command('odometer'))
     with pytest.raises(Busy):
         talk.dispatcher.start(parse_command('odometer'))
     talk.dispatcher.start(parse_command('stop'))
-    assert talk.dispatcher.next_to_send(0.0) == 'stop'
+    assert talk.dispatcher.next_to_send(0.0) == b'stop'
 
 
 def test_those_who_wait_are_told_in_order(talk):
@@ -459,3 +459,49 @@ def test_those_who_wait_are_told_in_order(talk):
     talk.give('goto A', on_line=noted, on_end=lambda result: noted(result.outcome))
     talk.robot('Going to A', 'Arrived at A')
     assert noted.all == ['Going to A', 'Arrived at A', Outcome.SUCCEEDED]
+
+
+def test_an_answer_that_does_not_end_is_given_up_however_much_comes(talk):
+    query = talk.give('getGoals')
+    for _ in range(35):
+        talk.robot('Goal: 1')
+        talk.pass_time(2.0)
+    assert outcome(query) is Outcome.TIMED_OUT
+
+
+def test_a_drive_that_times_out_is_stopped_if_that_was_asked_for(talk):
+    goto = talk.give('goto 12', timeout=10.0, stop_on_timeout=True)
+    talk.robot('Going to 12')
+    talk.pass_time(11.0)
+    assert outcome(goto) is Outcome.TIMED_OUT
+    assert talk.sent == ['goto 12', 'stop']
+
+
+def test_an_older_drive_that_times_out_stops_no_newer_one(talk):
+    older = talk.give('goto 12', timeout=10.0, stop_on_timeout=True)
+    talk.give('goto 13', stop_on_timeout=True)
+    talk.pass_time(11.0)
+    assert outcome(older) is Outcome.TIMED_OUT
+    assert talk.sent == ['goto 12', 'goto 13']
+
+
+def test_a_cancelled_drive_is_stopped_when_the_newer_one_does_not_replace_it(talk):
+    """The robot may have missed the newer one, and the older must not go on for a minute."""
+    older = talk.give('goto 12')
+    talk.robot('Going to 12')
+    talk.give('goto 13')
+    talk.cancel(older)
+    talk.pass_time(4.0)
+    assert talk.sent == ['goto 12', 'goto 13']
+    talk.pass_time(2.0)
+    talk.pass_time(2.0)
+    assert talk.sent == ['goto 12', 'goto 13', 'stop']
+
+
+def test_stops_go_out_in_the_order_in_which_they_were_given(talk):
+    noted = Noted()
+    for number in range(3):
+        talk.dispatcher.start(parse_command('stop'), on_end=lambda _, number=number: noted(number))
+    talk.send()
+    talk.robot('Stopping', 'Stopped')
+    assert noted.all == [0, 1, 2]

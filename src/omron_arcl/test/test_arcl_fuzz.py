@@ -16,20 +16,20 @@ from hypothesis import strategies as st
 
 from omron_arcl import (
     COMMANDS,
-    Closed,
+    ActivityKind,
     InvalidCommand,
     Listener,
     Outcome,
     Reply,
-    Session,
-    State,
     StatusAssembler,
     parse_command,
     parse_line,
+    read_activity,
 )
 from omron_arcl.command_line import LONGEST_COMMAND
-from omron_arcl.framing import LineBuffer
+from omron_arcl.framing import LineBuffer, decode
 from omron_arcl.parser import _TABLE
+from omron_arcl.session import Closed, Session, State
 
 EXAMPLES = 5_000  # in a batch; hypothesis keeps all of a batch in memory
 BATCHES = 40 if os.environ.get('LD90_LONG_TESTS') == '1' else 1
@@ -89,8 +89,9 @@ def cut(data: bytes, sizes: Sequence[int]) -> List[bytes]:
 @given(BLOB)
 def test_any_line_is_some_reply(blob):
     for line in lines_of(blob):
-        assert isinstance(parse_line(line.decode('utf-8', 'replace')), Reply)
+        assert isinstance(parse_line(decode(line)), Reply)
         assert isinstance(parse_line(line.decode('latin-1')), Reply)
+        assert isinstance(read_activity(decode(line)).kind, ActivityKind)
 
 
 @share(10)
@@ -162,7 +163,7 @@ class History:
             if what < 70:
                 self.give('stop' if what < 20 else NAMES[which % len(NAMES)])
             elif what < 100 and self.given:
-                self.talk.dispatcher.cancel(self.given[which % len(self.given)])
+                self.talk.cancel(self.given[which % len(self.given)])
             elif what < 110:
                 self.talk.pass_time(which / 10.0)
             elif what < 112:
@@ -216,12 +217,11 @@ def test_a_status_never_holds_more_than_was_said(blob):
 @given(st.text(max_size=60))
 def test_a_command_is_one_line_or_refused(text):
     try:
-        sent = parse_command(text).text
+        sent = parse_command(text).line
     except InvalidCommand as refused:
         assert str(refused).isprintable()
         return
-    assert sent.isascii()
-    assert sent.isprintable()
+    assert sent.decode('ascii').isprintable()
     assert 0 < len(sent) <= LONGEST_COMMAND
 
 

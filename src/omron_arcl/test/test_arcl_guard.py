@@ -3,8 +3,8 @@ from __future__ import annotations
 
 import pytest
 
-from omron_arcl import HelpList, InvalidCommand
-from omron_arcl.guard import Guard
+from omron_arcl import HelpList, InvalidCommand, parse_command
+from omron_arcl.guard import Guard, is_stop, is_unlisted
 
 
 @pytest.fixture
@@ -12,15 +12,19 @@ def guard() -> Guard:
     return Guard(['motion', 'query'])
 
 
-def reason(guard: Guard, text: str) -> str:
+def reason(guard: Guard, text: str, **shortcuts: str) -> str:
     with pytest.raises(InvalidCommand) as refused:
-        guard.check(text)
+        guard.check(parse_command(text, shortcuts.get))
     return str(refused.value)
+
+
+def passes(guard: Guard, text: str) -> None:
+    guard.check(parse_command(text))
 
 
 @pytest.mark.parametrize('text', ['goto 12', 'stop', 'getGoals', 'localizeToPoint 1 2 3', 'STATUS'])
 def test_motion_and_queries_pass(guard, text):
-    assert guard.check(text).text == text
+    passes(guard, text)
 
 
 @pytest.mark.parametrize('text', ['shutdown', 'ShutDown', 'configStart', 'quit', 'say hello',
@@ -31,36 +35,59 @@ def test_everything_else_is_refused_with_the_way_to_allow_it(guard, text):
 
 def test_a_command_can_be_allowed_by_name(guard):
     guard = Guard(['query', 'Say', 'newFangled'])
-    guard.check('say hello')
-    guard.check('newFangled')
+    passes(guard, 'say hello')
+    passes(guard, 'newFangled')
     reason(guard, 'play a.wav')
     reason(guard, 'goto 12')
     assert guard.unknown_words() == {'newfangled'}
 
 
+@pytest.mark.parametrize('allowed', [[], ['query', 'goto'], ['device']])
+def test_stop_cannot_be_forbidden(allowed):
+    passes(Guard(allowed), 'stop')
+    passes(Guard(allowed), 'STOP')
+
+
+@pytest.mark.parametrize(('text', 'stops'), [
+    ('stop', True), (' STOP ', True), ('stop now', True), ('stopp', False), ('', False),
+    ('goto stop', False)])
+def test_a_stop_is_known_however_it_is_written(text, stops):
+    assert is_stop(text) is stops
+
+
 def test_a_shortcut_is_no_way_around_the_guard(guard):
-    guard.help = HelpList({'shutdown': 'Powers off [sd]', 'goto': 'Goes'})
-    assert 'dangerous' in reason(guard, 'sd')
+    assert 'dangerous' in reason(guard, 'sd', sd='shutdown')
 
 
-def test_a_command_that_the_robot_does_not_have_is_refused(guard):
-    guard.help = HelpList({'goto': 'Goes to a goal'})
-    guard.check('goto 12')
-    assert 'its own help list' in reason(guard, 'patrol r')
+def test_a_command_that_the_robot_does_not_list_is_no_secret_but_passes(guard):
+    help_list = HelpList({'goto': 'Goes to a goal', 'applicationFaultQuery': 'Faults [afq]'})
+    passes(guard, 'patrol r')
+    assert is_unlisted(parse_command('patrol r'), help_list)
+    for listed in ('GOTO 12', 'afq', 'applicationfaultquery'):
+        assert not is_unlisted(parse_command(listed), help_list)
+
+
+def test_a_robot_without_a_help_list_is_not_compared_with_it():
+    assert not is_unlisted(parse_command('patrol r'), HelpList({}))
 
 
 @pytest.mark.parametrize('text', ['goto 12', 'goto X', 'goto "goal space"', 'goto goal space',
                                   'goto 12 90', 'gotoRouteGoal r x', 'goto "goal space" -90'])
 def test_a_goal_that_the_robot_has_passes_in_every_spelling(guard, text):
-    guard.goals = frozenset({'12', 'x', 'goal space'})
-    guard.check(text)
+    guard.list_goals(['12', 'X', 'goal space'])
+    passes(guard, text)
 
 
 @pytest.mark.parametrize('text', ['goto 1', 'goto 13 12', 'gotoRouteGoal 12 r'])
 def test_a_goal_that_the_robot_lacks_is_refused(guard, text):
-    guard.goals = frozenset({'12'})
+    guard.list_goals(['12'])
     assert 'no goal "' in reason(guard, text)
 
 
 def test_until_the_robot_has_listed_its_goals_any_goal_may_be_tried(guard):
-    guard.check('goto 1')
+    passes(guard, 'goto 1')
+
+
+def test_a_robot_that_lists_no_goals_at_all_is_asked_itself(guard):
+    guard.list_goals([])
+    passes(guard, 'goto 1')

@@ -1,7 +1,9 @@
 """The listener takes the robot's connection, nobody else's, and survives what comes over it."""
 from __future__ import annotations
 
+import errno
 import socket
+import time
 
 import pytest
 from arcl_builders import STATUS, Noted, lines, wait_for
@@ -92,7 +94,7 @@ def test_the_listener_keeps_the_connection_alive(monkeypatch):
 
 def test_a_silent_robot_is_reported_and_may_come_back(received, links):
     with Listener('127.0.0.1', 0, '127.0.0.1', on_line=received, on_link=links,
-                  silence=0.2) as listener:
+                  timeout=0.2) as listener:
         with dial(listener) as robot:
             links.wait(lambda link: 'nothing was received' in link.reason, 'silence')
             assert is_closed(robot)
@@ -122,6 +124,40 @@ def test_a_port_of_another_program_is_named_and_taken_when_it_is_free(received, 
         with dial(listener) as robot:
             robot.sendall(lines(*STATUS))
             received.wait(lambda line: line.text.startswith('Status:'), 'a line of the robot')
+
+
+def test_without_descriptors_it_waits_instead_of_spinning(monkeypatch, received, caplog):
+    refused = []
+
+    class Exhausted(socket.socket):
+        def accept(self) -> tuple:
+            if len(refused) < 2:
+                refused.append(None)
+                raise OSError(errno.EMFILE, 'Too many open files')
+            return super().accept()
+    monkeypatch.setattr('omron_arcl.listener.RETRY', 0.3)
+    monkeypatch.setattr(socket, 'socket', Exhausted)
+    begin = time.monotonic()
+    with Listener('127.0.0.1', 0, '127.0.0.1', on_line=received) as listener, \
+            dial(listener) as robot:
+        robot.sendall(lines(b'Stopped'))
+        received.wait(lambda line: line.raw == b'Stopped', 'a line of the robot')
+    assert time.monotonic() - begin > 0.6
+    assert caplog.text.count('too many open files') == 2
+
+
+@pytest.mark.parametrize('address', ['10.0..5', 'a b'])
+def test_what_can_be_no_address_is_an_error(address):
+    with pytest.raises(OSError, match='neither'):
+        Listener(address, 0, '127.0.0.1')
+
+
+def test_a_robot_that_can_be_no_host_lets_nobody_in(received):
+    refused = Noted()
+    with Listener('127.0.0.1', 0, '10.0..5', on_refused=refused) as listener, \
+            dial(listener) as stranger:
+        assert is_closed(stranger)
+        refused.wait(lambda address: address == '127.0.0.1', 'the refusal')
 
 
 def test_an_address_of_another_computer_is_an_error():

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import omron_arcl as arcl
-from omron_arcl import (
-    COMMANDS,
+from omron_arcl import COMMANDS, parse_line
+from omron_arcl.replies import (
     ArrivedAt,
     ArrivedAtPoint,
     BatteryVoltage,
@@ -78,7 +78,6 @@ from omron_arcl import (
     Usage,
     WaitState,
     WillDoTask,
-    parse_line,
 )
 
 CASES = [
@@ -346,4 +345,4 @@ def test_replies_are_values():
 
 def test_every_reply_is_a_public_name():
     kinds = {kind.__name__ for kind in arcl.Reply.__subclasses__()}
-    assert kinds <= set(arcl.__all__)
+    assert kinds <= set(arcl.replies.__all__)

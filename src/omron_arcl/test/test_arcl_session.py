@@ -1,9 +1,12 @@
 """The login as the robot does it, the ends that a session can have, and what stays secret."""
 from __future__ import annotations
 
+from typing import List
+
 import pytest
 from arcl_builders import (
     FEEDS,
+    HELP_LIST,
     LOGIN,
     PASSWORD,
     STATUS,
@@ -16,18 +19,17 @@ from arcl_builders import (
     texts,
 )
 
-from omron_arcl import (
+from omron_arcl import Received, parse_line
+from omron_arcl.errors import ConnectionFailed, ConnectionLost, LineTooLong, WrongPassword
+from omron_arcl.session import (
+    HELP_TIMEOUT,
+    PROMPT_TIMEOUT,
+    WELCOME_TIMEOUT,
     Closed,
-    ConnectionFailed,
-    ConnectionLost,
-    HelpList,
-    LineTooLong,
+    Event,
     LoggedIn,
-    Received,
     Session,
     State,
-    WrongPassword,
-    parse_line,
 )
 
 
@@ -52,12 +54,134 @@ def test_the_states_of_the_login_follow_the_robots_lines():
     assert seen == [State.AWAITING_PROMPT, State.LOGGING_IN, State.DRAINING_HELP_LIST, State.READY]
 
 
-def test_the_password_waits_for_the_whole_prompt():
+@pytest.mark.parametrize('prompt', [
+    b'Enter password:', b'Enter password: ', b'Password>', b'Please type your PASSWORD?',
+    b'password:\r\n', b'Enter password\r\n', b'ARCL 5.4\r\n\r\nEnter password:\r\n'])
+def test_whatever_asks_for_a_password_is_a_prompt_with_or_without_a_line_end(prompt):
+    for feed in (feed_whole, feed_byte_by_byte):
+        session = Session(PASSWORD)
+        feed(session, prompt)
+        assert session.take_output() == b'adept\n'
+        feed(session, b'\r\n')
+        feed(session, lines(*LOGIN[1:]))
+        assert session.state is State.READY
+
+
+def test_a_prompt_is_not_answered_before_it_is_all_there():
     session = Session(PASSWORD)
-    session.receive(b'Enter password:')
+    for piece in (b'Enter passwor', b'd'):
+        session.receive(piece)
+        assert session.take_output() == b''
+
+
+def after(session: Session, *moments: float) -> List[Event]:
+    """The session's events as time goes by."""
+    return [event for now in moments for event in session.on_time(now)]
+
+
+@pytest.mark.parametrize('greeting', [b'', b'Robot 7\r\n', b'login>'])
+def test_without_a_prompt_the_password_is_sent_after_a_moment(greeting):
+    session = Session(PASSWORD)
+    session.receive(greeting)
+    after(session, 100.0, 100.0 + PROMPT_TIMEOUT - 0.1)
     assert session.take_output() == b''
-    session.receive(b'\r\n')
+    after(session, 100.0 + PROMPT_TIMEOUT)
     assert session.take_output() == b'adept\n'
+    session.receive(b'\r\n' + lines(*LOGIN[1:]))
+    assert session.state is State.READY
+
+
+def test_a_prompt_that_comes_late_is_not_a_refusal():
+    session = Session(PASSWORD)
+    after(session, 0.0, 2.0)
+    session.receive(lines(*LOGIN[:1]))
+    assert session.state is State.LOGGING_IN
+    session.receive(lines(*LOGIN[1:]))
+    assert session.state is State.READY
+    assert session.take_output() == b'adept\necho off\n'
+
+
+@pytest.mark.parametrize('welcome', [
+    (b'Welcome to the server.',), (b'Hello, user.',), (), (b'adept', b'Logged in.')])
+def test_any_welcome_or_none_leads_to_the_help_list(welcome):
+    session = Session(PASSWORD)
+    (event,) = session.receive(lines(LOGIN[0], *welcome, *HELP_LIST))
+    assert event.help.full_name('goto') == 'goto'
+    assert event.help.complete
+
+
+def test_without_a_help_list_the_login_ends_when_the_robot_is_quiet():
+    session = Session(PASSWORD)
+    session.receive(lines(LOGIN[0], b'Welcome.'))
+    assert after(session, 0.0, HELP_TIMEOUT - 0.1) == []
+    (event,) = after(session, HELP_TIMEOUT)
+    assert not event.help.complete
+    assert session.state is State.READY
+
+
+def test_a_help_list_without_its_end_is_taken_as_far_as_it_came():
+    session = Session(PASSWORD)
+    session.receive(lines(*LOGIN[:-1]))
+    (event,) = after(session, 0.0, HELP_TIMEOUT)
+    assert event.help.full_name('goto') == 'goto'
+    assert not event.help.complete
+
+
+def test_a_robot_that_never_stops_talking_in_the_login_is_logged_in_all_the_same():
+    session = Session(PASSWORD)
+    session.receive(lines(*LOGIN[:2]))
+    events = []
+    for tenth in range(200):
+        session.receive(lines(b'Status: Stopped'))
+        events += session.on_time(tenth / 10.0)
+    assert [type(event) for event in events] == [LoggedIn]
+
+
+def test_a_robot_that_says_nothing_after_the_password_is_asked_for_a_line():
+    session = Session(PASSWORD)
+    session.receive(lines(LOGIN[0]))
+    after(session, 0.0, WELCOME_TIMEOUT, 2 * WELCOME_TIMEOUT)
+    assert session.take_output() == b'adept\noneLineStatus\n'
+    events = session.receive(lines(b'Status: Stopped Location: 1 2 3'))
+    assert texts(events) == ['Status: Stopped Location: 1 2 3']
+    assert isinstance(after(session, 10.0, 10.0 + HELP_TIMEOUT)[0], LoggedIn)
+
+
+@pytest.mark.parametrize(('listed', 'name', 'description'), [
+    (b'%-28s%s' % (b'goto', b'Goes to a goal'), 'goto', 'Goes to a goal'),
+    (b'goto - Goes to a goal', 'goto', '- Goes to a goal'),
+    (b'\tgoto\tGoes to a goal', 'goto', 'Goes to a goal'),
+    (b'goto', 'goto', ''),
+])
+def test_a_help_list_of_another_layout_is_read(listed, name, description):
+    session = Session(PASSWORD)
+    (event,) = session.receive(lines(*LOGIN[:4], listed, b'End of commands'))
+    assert event.help.descriptions == {name: description}
+
+
+@pytest.mark.parametrize('verdict', [
+    b'Incorrect password', b'Login failed.', b'Access denied', b'Enter password:',
+    b'invalid password, try again'])
+def test_a_complaint_after_the_password_is_a_wrong_password(verdict):
+    session = Session(PASSWORD)
+    cause = closing(session.receive(lines(LOGIN[0], verdict))).cause
+    assert isinstance(cause, WrongPassword)
+
+
+def test_a_failed_login_says_what_was_received_and_not_the_password():
+    session = Session(PASSWORD)
+    session.receive(lines(b'FTP \x1b[2J server adept ' + b'x' * 500))
+    (event,) = session.receive_eof()
+    assert r'saying "FTP \x1b[2J server ******** xxx' in str(event.cause)
+    assert len(str(event.cause)) < 300
+
+
+def test_a_server_that_leaves_on_a_password_it_did_not_ask_for_has_not_refused_it():
+    session = Session(PASSWORD)
+    after(session, 0.0, 2.0)
+    cause = closing(session.receive_eof()).cause
+    assert isinstance(cause, ConnectionFailed)
+    assert 'not asked' in str(cause)
 
 
 def test_a_session_without_login_speaks_at_once():
@@ -173,15 +297,8 @@ def test_a_password_in_the_robots_configuration_is_blanked_everywhere():
 
 def test_text_is_readable_whatever_the_bytes_are():
     (event,) = Session(None).receive(b'caf\xe9\n')
-    assert event == Received(b'caf\xe9', parse_line('caf\ufffd'))
-    assert event.text == 'caf\ufffd'
-
-
-def test_a_help_list_knows_names_without_case_and_shortcuts():
-    help_list = HelpList({'applicationFaultQuery': 'Gets the faults [afq]', 'goto': 'Goes'})
-    assert help_list.full_name('GOTO') == 'goto'
-    assert help_list.full_name('afq') == 'applicationFaultQuery'
-    assert help_list.full_name('quit') is None
+    assert event == Received(b'caf\xe9', parse_line('caf\xe9'))
+    assert event.text == 'caf\xe9'
 
 
 def test_a_closed_session_says_nothing_more():

@@ -31,9 +31,9 @@ def _cell(old: bytes, new: bytes) -> bytes:
 BAD: Dict[str, Bad] = {
     'empty file': Bad(b'', None, None, 'empty'),
     'only blank lines': Bad(b'\n\n', None, None, 'no category'),
-    'another format': Bad(b'image: a.pgm\nresolution: 0.1\n', 1, 'category', 'image: a.pgm'),
+    'another format': Bad(b'image: a.pgm\nresolution: 0.1\n', 1, 'category', 'no map'),
     'category of a later version': Bad(_cell(b'2D-Map\n', b'2D-Map-Ex5\n'), 1, 'category',
-                                       '2D-Map-Ex4'),
+                                       '2D-Map-Ex5 is not known'),
     'no section': Bad(CELL[:CELL.index(b'LINES\n')], 11, None, 'cut off'),
     'count is a word': Bad(_cell(b'NumPoints: 4', b'NumPoints: four'), 4, 'NumPoints', 'four'),
     'count is negative': Bad(_cell(b'NumLines: 2', b'NumLines: -2'), 9, 'NumLines', '-2'),

@@ -153,8 +153,20 @@ class TestDraw:
         assert image.shape[:2] == (301, 500) or image.shape[:2] == (300, 500)
         assert image[150, 150].tolist() == [22, 150, 70]
 
+    @pytest.mark.parametrize('x, heading', [(-1000, ''), (-1000, 'WithHeading'), (3000, '')])
+    def test_a_name_leaves_its_square_free_at_every_edge(self, write, tmp_path, x, heading):
+        name, out = 'Receiving dock 3, north gate', str(tmp_path / 'a.png')
+        goal = f'Cairn: Goal{heading} {x} 0 0.000000 "" ICON "{name}"\n'
+        main(['draw', write(room_bytes(objects=goal)), out, '--size', '1000'])
+        image = self.pixels(out)
+        column, row = round((x + 1500) / 5), 300  # 200 px a metre from (-1.5, 1.5) m
+        square = image[row - 24:row + 24, column - 28:column + 24]
+        red, green, blue = square[..., 0], square[..., 1], square[..., 2]
+        assert ((green > 110) & (red < 60) & (blue < 100)).mean() > (0.5 if heading else 0.85)
+        assert not ((red < 30) & (green > 70) & (green < 110)).any(), 'the name is on the square'
+
     def test_names_in_any_script_are_no_obstacle(self, write, tmp_path, monkeypatch):
-        monkeypatch.setattr('omron_map.picture.FONTS', ())
+        monkeypatch.setattr('omron_map.canvas.FONTS', ())
         out = str(tmp_path / 'a.png')
         assert main(['draw', write(room_bytes()), out]) == 0
         assert os.path.getsize(out) > 1000

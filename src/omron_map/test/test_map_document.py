@@ -88,7 +88,7 @@ def test_the_fields_of_an_object_are_read_by_the_quoting_rule():
 def test_a_name_that_is_not_utf8_is_kept_and_can_be_shown():
     goal = MapDocument.from_bytes(ODD['a name in Latin-1'].data).goals[0]
     assert goal.name.encode('utf-8', 'surrogateescape') == b'K\xfcche'
-    assert goal.label == 'K\ufffdche'
+    assert goal.label == 'Küche'
 
 
 def test_each_scan_has_its_own_rows_and_pitch():
@@ -123,8 +123,6 @@ def test_a_turned_polygon_is_drawn_as_its_rectangle():
 def test_a_missing_file_is_told_by_name(tmp_path):
     with pytest.raises(MapError, match=r'gone\.map: it cannot be read \(No such file'):
         MapDocument.load(str(tmp_path / 'gone.map'))
-    with pytest.raises(MapError, match='it cannot be read'):
-        MapDocument.load(str(tmp_path))
 
 
 def test_nothing_of_the_configuration_gets_into_errors_and_warnings():

@@ -26,39 +26,65 @@ def set_age(path: str, seconds: float) -> None:
     os.utime(path, (seconds, seconds))
 
 
+class Watched:
+    """A watched file and the time that passes between two looks at it."""
+
+    def __init__(self, path: str) -> None:
+        self.now = 0.0
+        self.watcher = MapWatcher(path, settled=2.0, clock=lambda: self.now)
+
+    def after(self, *seconds: float) -> list:
+        """What the watcher says, looked at after these seconds each."""
+        told = []
+        for pause in seconds:
+            self.now += pause
+            told.append(self.watcher.changed())
+        return told
+
+
 class TestMapWatcher:
-    def test_an_unchanged_file_is_no_news(self, path):
-        watcher = MapWatcher(path)
-        assert not any(watcher.changed() for _ in range(3))
+    @pytest.fixture
+    def old(self, path) -> Watched:
+        set_age(path, 1000)
+        return Watched(path)
 
-    def test_a_change_is_told_once_it_has_settled_and_only_once(self, path):
-        watcher = MapWatcher(path)
-        write(path, b'longer')
-        assert [watcher.changed() for _ in range(4)] == [False, True, False, False]
+    def test_an_unchanged_file_is_no_news(self, old):
+        assert not old.watcher.unfinished
+        assert not any(old.after(0.5, 5.0, 5.0))
 
-    def test_a_file_that_still_grows_is_waited_for(self, path):
-        watcher = MapWatcher(path)
+    def test_a_change_is_told_once_it_has_settled_and_only_once(self, old):
+        write(old.watcher.path, b'longer')
+        assert old.after(0.5, 1.5, 0.4, 0.2, 9.0) == [False, False, False, True, False]
+
+    def test_a_file_that_grows_slowly_is_waited_for(self, old):
         told = []
         for size in (5, 6, 7):
-            write(path, b'x' * size)
-            told.append(watcher.changed())
-        assert told == [False, False, False] and watcher.changed()
+            write(old.watcher.path, b'x' * size)
+            told += old.after(0.9, 0.9)
+        assert not any(told)
+        assert old.after(0.9, 0.3) == [False, True]
 
-    def test_a_file_replaced_by_another_of_the_same_size_and_time_is_a_change(self, path):
-        set_age(path, 1000)
-        watcher = MapWatcher(path)
-        other = path + '.new'
+    def test_a_file_that_was_written_just_now_is_told_when_it_has_settled(self, path):
+        new = Watched(path)
+        assert new.watcher.unfinished
+        assert new.after(0.5, 1.6, 5.0) == [False, True, False]
+        assert not new.watcher.unfinished
+
+    def test_a_file_replaced_by_another_of_the_same_size_and_time_is_a_change(self, old):
+        other = old.watcher.path + '.new'
         write(other, b'two')
         set_age(other, 1000)
-        os.replace(other, path)
-        assert [watcher.changed(), watcher.changed()] == [False, True]
+        os.replace(other, old.watcher.path)
+        assert old.after(0.1, 2.0) == [False, True]
 
-    def test_a_file_that_goes_is_no_change_but_one_that_comes_is(self, path):
-        watcher = MapWatcher(path)
-        os.unlink(path)
-        assert not any(watcher.changed() for _ in range(3))
-        write(path, b'back again')
-        assert [watcher.changed(), watcher.changed()] == [False, True]
+    def test_a_file_that_goes_is_no_change_but_one_that_comes_is(self, old):
+        os.unlink(old.watcher.path)
+        assert not any(old.after(1.0, 3.0, 3.0))
+        write(old.watcher.path, b'back again')
+        assert old.after(0.1, 2.0) == [False, True]
+
+    def test_a_file_that_is_not_there_is_not_unfinished(self, path):
+        assert not MapWatcher(path + '.gone').unfinished
 
 
 class TestWaitForMap:

@@ -36,6 +36,16 @@ def test_the_same_rows_are_no_change():
     assert document.to_bytes() == CELL
 
 
+@pytest.mark.parametrize('order', [1, -1])
+def test_the_same_rows_are_no_change_in_a_map_whose_rows_are_in_no_order(order):
+    unsorted = (b'2D-Map\nLinesAreSorted: false\nLINES\n5 0 1 1\n1 1 2 2\n'
+                b'DATA\n5 5\n1 1\n5 5\n')
+    document = MapDocument.from_bytes(unsorted)
+    document.replace_lines(document.lines[::order])
+    document.replace_points(document.points[::order])
+    assert document.to_bytes() == unsorted
+
+
 def test_without_rows_their_keys_go_and_the_lines_section_too():
     document = cell()
     document.replace_lines(np.empty((0, 4)))

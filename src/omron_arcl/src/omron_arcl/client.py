@@ -9,10 +9,11 @@ import contextlib
 import selectors
 import threading
 import time
-from typing import Callable, Optional
+from typing import Callable, Dict, Mapping, Optional, Union
 
 from omron_arcl.command_line import parse_command
-from omron_arcl.connection import TICK, Connection, Transport, reason_of
+from omron_arcl.commands import Command
+from omron_arcl.connection import Connection, Peer, reason_of
 from omron_arcl.dispatcher import Dispatcher
 from omron_arcl.errors import (
     Busy,
@@ -20,27 +21,23 @@ from omron_arcl.errors import (
     ConnectionLost,
     LinkError,
     NotConnected,
-    PeerSilent,
     WrongPassword,
 )
-from omron_arcl.execution import Execution, Result
+from omron_arcl.execution import Execution, Outcome, Result
+from omron_arcl.help_list import HelpList
 from omron_arcl.link import Backoff, Link, LinkPhase
-from omron_arcl.secret import blank_configured
-from omron_arcl.session import (
-    Closed,
-    Event,
-    HelpList,
-    LoggedIn,
-    Received,
-    Session,
-    State,
-    Trace,
-)
+from omron_arcl.replies.site import Goal, Macro, MapChanged, Route
+from omron_arcl.secret import redact_passwords
+from omron_arcl.session import LoggedIn, Received, Session, State, Trace
 from omron_arcl.session_log import SessionLog
+from omron_arcl.transport import Transport
 
-CONNECT_TIMEOUT = 3.0  # s
-LOGIN_TIMEOUT = 15.0  # s from the connection to the end of the help list
-HEARTBEAT = 'oneLineStatus'  # any answer is a sign of life, an "Unknown command" too
+CONNECT_TIMEOUT = 3.0  # s, for each address of the robot
+LOGIN_TIMEOUT = 15.0  # s from the connection to the end of the login
+LOGIN_SILENCE = 4.0  # s without a word in the login after which it has failed, at least
+HEARTBEATS = ('oneLineStatus', 'status')  # the second for robots that do not have the first
+_IN_DOUBT = 1.0  # s between heartbeats while a status would tell whether a drive is over
+_MAXIMUM_NAMES = 10_000
 
 
 class Client(Transport):
@@ -48,8 +45,9 @@ class Client(Transport):
 
     on_line(Received): a line came after the login. on_link(Link): the link changed.
     on_login(HelpList): logged in, once per connection. log: takes all that both sides say.
-    heartbeat: seconds between signs of life asked of the robot; silence: seconds without any, after
-    which the link counts as dead.
+    heartbeat: seconds between signs of life asked of the robot; timeout: seconds without any, after
+    which the link counts as dead. `names` is how the robot writes the names that it has listed and
+    that are not ASCII.
     """
 
     def __init__(self, host: str, port: int, password: bytes, *,
@@ -57,25 +55,26 @@ class Client(Transport):
                  on_link: Optional[Callable[[Link], None]] = None,
                  on_login: Optional[Callable[[HelpList], None]] = None,
                  log: Optional[SessionLog] = None, backoff: Optional[Backoff] = None,
-                 heartbeat: float = 1.5, silence: float = 4.0) -> None:
-        super().__init__('ARCL client')
+                 heartbeat: float = 1.5, timeout: float = 4.0) -> None:
         self.peer = f'{host}:{port}'
+        super().__init__('ARCL client', Link(LinkPhase.DISCONNECTED, self.peer, 'not started'),
+                         on_link)
         self._address = (host, port)
         self._password = password
         self._on_line = on_line
-        self._on_link = on_link
         self._on_login = on_login
         self._log = log
         self._trace: Optional[Trace] = None
         self._backoff = backoff or Backoff()
         self._heartbeat = heartbeat
-        self._silence = silence
+        self._timeout = timeout
 
-        self.link = Link(LinkPhase.DISCONNECTED, self.peer, 'not started')
-        self.help = HelpList({})
+        self.help = HelpList({}, complete=False)
+        self._names: Dict[str, bytes] = {}
         self._pulse: Optional[Execution] = None
-        self._beat_due = 0.0
-        self._lock = threading.Lock()  # guards link, help, _dispatcher
+        self._pulsed_at = 0.0
+        self._heartbeats = list(HEARTBEATS)
+        self._lock = threading.Lock()  # guards help, _names, _dispatcher
         self._dispatcher = Dispatcher()
         self._answered = threading.Event()  # the password was taken, or refused
 
@@ -86,133 +85,175 @@ class Client(Transport):
         self._answered.wait(timeout)
         return self.link
 
+    @property
+    def names(self) -> Mapping[str, bytes]:
+        """The names that the robot has listed and that are not ASCII, as it writes them."""
+        with self._lock:
+            return dict(self._names)
+
     def execute(self, text: str, *, timeout: Optional[float] = None,
                 on_line: Optional[Callable[[str], None]] = None,
-                on_end: Optional[Callable[[Result], None]] = None) -> Execution:
+                on_end: Optional[Callable[[Result], None]] = None,
+                check: Optional[Callable[[Command], None]] = None,
+                stop_on_timeout: bool = False) -> Execution:
         """Gives a command, e.g. `goto 12`. Raises InvalidCommand, NotConnected or Busy.
 
         timeout: seconds without a word about it after which it counts as timed out, else the
-        command's own. on_line, on_end: called by the client's thread.
+        command's own. on_line, on_end: called by the client's thread. check: called with the
+        command before it is sent; raises ArclError where it must not be. stop_on_timeout: a drive
+        that has timed out is stopped.
         """
         with self._lock:
-            if not self.link.connected:
-                raise NotConnected(self.link.reason or self.link.phase.value)
-            command = parse_command(text, self.help.full_name)
-            execution = self._dispatcher.start(command, timeout, on_line, on_end)
+            command = parse_command(text, self.help.full_name, self._names)
+        if check:
+            check(command)
+        with self._lock:
+            link = self.link
+            if not link.connected:
+                raise NotConnected(link.reason or link.phase.value)
+            execution = self._dispatcher.start(command, timeout, on_line, on_end, stop_on_timeout)
         self._waker.wake()
         return execution
 
     def cancel(self, execution: Execution) -> None:
         """Ends a command; a driving one by stopping the robot. Its result tells when it is over."""
         with self._lock:
-            self._dispatcher.cancel(execution)
+            self._dispatcher.cancel(execution, time.monotonic())
         self._waker.wake()
 
     # --- the thread of the client ----------------------------------------------------------------
 
     def _run(self) -> None:
         while not self._closing.is_set():
-            cause = self._converse()
+            try:
+                cause = self._converse()
+            except Exception as error:  # a thread that died of it could never connect again
+                cause = self._cause(error)
             self._lost(cause)
             self._closing.wait(self._backoff.after(cause))
 
     def _converse(self) -> LinkError:
-        """One connection from beginning to end; returns why it ended."""
+        """One connection from beginning to end; returns or raises why it ended."""
         self._answered.clear()
-        self._set_link(LinkPhase.CONNECTING, 'connecting')
+        self._set_link(LinkPhase.CONNECTING, self.peer, 'connecting')
         try:
             connection = Connection.open(*self._address, CONNECT_TIMEOUT, self._closing.is_set)
         except OSError as error:
             return ConnectionFailed(f'cannot connect: {reason_of(error)}')
-        self._set_link(LinkPhase.LOGGING_IN, 'logging in')
+        self._set_link(LinkPhase.LOGGING_IN, self.peer, 'logging in')
         with connection, selectors.DefaultSelector() as selector:
             selector.register(connection.socket, selectors.EVENT_READ)
             selector.register(self._waker.reader, selectors.EVENT_READ)
-            try:
-                return self._talk(connection, selector)
-            except Exception as error:  # a thread that died of it could never connect again
-                return self._cause(error)
+            self._trace = self._log.connection() if self._log else None
+            session = Session(self._password, trace=self._trace)
+            self._log_in(connection, session, selector)
+            return self._talk(Peer(connection, session, self._timeout), selector)
 
-    def _talk(self, connection: Connection, selector: selectors.BaseSelector) -> LinkError:
-        self._trace = self._log.connection() if self._log else None
-        session = Session(self._password, trace=self._trace)
-        began = heard = time.monotonic()
+    def _log_in(self, connection: Connection, session: Session,
+                selector: selectors.BaseSelector) -> None:
+        """Until the session is ready; raises LinkError or OSError."""
+        peer = Peer(connection, session, max(self._timeout, LOGIN_SILENCE))
+        began = time.monotonic()
+        while session.state is not State.READY and not self._closing.is_set():
+            now = self._turn(peer, selector)
+            if now - began > LOGIN_TIMEOUT:
+                words = f'; the robot said "{session.words}"' if session.words else ''
+                raise ConnectionFailed(f'the login took more than {LOGIN_TIMEOUT:.0f} s{words}')
+
+    def _talk(self, peer: Peer, selector: selectors.BaseSelector) -> LinkError:
         while not self._closing.is_set():
-            self._send(connection, session)
-            selector.modify(connection.socket, selectors.EVENT_READ
-                            | (selectors.EVENT_WRITE if connection.unsent else 0))
-            selector.select(TICK)
-            self._waker.drain()
-            data = connection.receive()
-            now = time.monotonic()
-            if data is not None:
-                heard = now
-                for event in session.read(data) if data else session.receive_eof():
-                    if isinstance(event, Closed):
-                        return event.cause
-                    self._handle(event, now)
-            elif now - heard > self._silence:
-                raise PeerSilent(now - heard)
-            if session.state is not State.READY and now - began > LOGIN_TIMEOUT:
-                raise ConnectionFailed(f'the login took more than {LOGIN_TIMEOUT:.0f} s')
+            now = self._turn(peer, selector)
             with self._lock:
                 self._dispatcher.on_time(now)
-            self._beat(now)
-            self._tell_news()
+                in_doubt = self._dispatcher.in_doubt
+            self._beat(now, min(self._heartbeat, _IN_DOUBT) if in_doubt else self._heartbeat)
+            self._call_back()
         return ConnectionLost('closed by us')
 
-    def _send(self, connection: Connection, session: Session) -> None:
-        """Sends what is due; one command at a time, so that a stop passes all others."""
-        connection.send(session.take_output())
-        while not connection.unsent and session.state is State.READY:
-            with self._lock:
-                text = self._dispatcher.next_to_send(time.monotonic())
-            if text is None:
-                return
-            line = text.encode('ascii')
-            if self._trace:
-                self._trace('C', blank_configured(line))
-            connection.send(line + b'\n')
+    def _turn(self, peer: Peer, selector: selectors.BaseSelector) -> float:
+        """Sends what is due, waits for something to do, reads what came; the time then."""
+        self._send(peer)
+        selector.modify(peer.connection.socket, selectors.EVENT_READ
+                        | (selectors.EVENT_WRITE if peer.connection.unsent else 0))
+        waited = self._wait(selector)
+        now = time.monotonic()
+        for event in peer.receive(now, waited):
+            self._handle(event, now)
+        for timed in peer.session.on_time(now):
+            if isinstance(timed, (LoggedIn, Received)):
+                self._handle(timed, now)
+        return now
 
-    def _handle(self, event: Event, now: float) -> None:
+    def _send(self, peer: Peer) -> None:
+        """Sends what is due; one command at a time, so that a stop passes all others."""
+        peer.connection.send(peer.session.take_output())
+        while not peer.connection.unsent and peer.session.state is State.READY:
+            with self._lock:
+                line = self._dispatcher.next_to_send(time.monotonic())
+            if line is None:
+                return
+            if self._trace:
+                self._trace('C', redact_passwords(line))
+            peer.connection.send(line + b'\n')
+
+    def _handle(self, event: Union[LoggedIn, Received], now: float) -> None:
         if isinstance(event, Received):
+            self._learn_name(event)
             self._call(self._on_line, event)
             with self._lock:
                 self._dispatcher.on_reply(event.reply, event.text, now)
-        elif isinstance(event, LoggedIn):
+        else:
             self._backoff.reset()
-            self.help = event.help
-            self._beat_due = now + self._heartbeat
-            self._set_link(LinkPhase.CONNECTED)
+            with self._lock:
+                self.help = event.help
+            self._pulsed_at = now
+            self._set_link(LinkPhase.CONNECTED, self.peer)
             self._answered.set()
             self._call(self._on_login, event.help)
 
-    def _beat(self, now: float) -> None:
+    def _learn_name(self, line: Received) -> None:
+        """Remembers how the robot writes a name, where that is a question."""
+        if isinstance(line.reply, (Goal, Route, Macro)):
+            if not line.raw.isascii():
+                name = line.reply.name
+                written = name.encode('utf-8')
+                if written not in line.raw:
+                    written = name.encode('latin-1')
+                with self._lock:
+                    if len(self._names) < _MAXIMUM_NAMES:
+                        self._names[name] = written
+        elif isinstance(line.reply, MapChanged):
+            with self._lock:
+                self._names.clear()
+
+    def _beat(self, now: float, period: float) -> None:
         """Asks for a sign of life when it is time and none is awaited."""
-        if self.link.connected and now >= self._beat_due and (
-                self._pulse is None or self._pulse.result is not None):
-            self._beat_due = now + self._heartbeat
+        if self._pulse is not None and self._pulse.result is not None:
+            if self._pulse.result.outcome is Outcome.UNKNOWN_COMMAND:
+                self._heartbeats.append(self._heartbeats.pop(0))
+            self._pulse = None
+        if self._pulse is None and now - self._pulsed_at >= period:
+            self._pulsed_at = now
             with contextlib.suppress(Busy):  # with so much to say there are signs of life enough
-                self._pulse = self.execute(HEARTBEAT)
+                self._pulse = self.execute(self._heartbeats[0])
 
     def _lost(self, cause: LinkError) -> None:
         refused = isinstance(cause, WrongPassword)
         if not refused:
             self._answered.clear()
-        self._set_link(LinkPhase.WRONG_PASSWORD if refused else LinkPhase.DISCONNECTED, str(cause))
+        self._set_link(LinkPhase.WRONG_PASSWORD if refused else LinkPhase.DISCONNECTED, self.peer,
+                       str(cause))
         if refused:
             self._answered.set()
         with self._lock:
+            self._names.clear()
             self._dispatcher.on_lost(str(cause))
-        self._tell_news()
+        self._pulse = None
+        self._call_back()
 
-    def _set_link(self, phase: LinkPhase, reason: str = '') -> None:
+    def _call_back(self) -> None:
+        """Tells those who gave commands what has become of them."""
         with self._lock:
-            self.link = Link(phase, self.peer, reason)
-        self._call(self._on_link, self.link)
-
-    def _tell_news(self) -> None:
-        with self._lock:
-            news = self._dispatcher.take_news()
-        for tell in news:
-            self._call(tell)
+            callbacks = self._dispatcher.pop_callbacks()
+        for callback in callbacks:
+            self._call(callback)

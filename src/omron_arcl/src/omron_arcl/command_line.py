@@ -1,50 +1,85 @@
 """One line for the robot: read, checked, quoted."""
 from __future__ import annotations
 
-from typing import Callable, Optional
+from typing import Callable, Mapping, Optional
 
-from omron_arcl.command_table import spec_of
+from omron_arcl.command_table import COMMANDS, spec_of
 from omron_arcl.commands import Command
 from omron_arcl.errors import InvalidCommand
 from omron_arcl.readers import split_words
-from omron_arcl.secret import blank_configured
+from omron_arcl.replies.reply import readable
+from omron_arcl.secret import redact_passwords
 
-LONGEST_COMMAND = 5000  # characters; the server drops a client that sends more
+LONGEST_COMMAND = 5000  # bytes; the server drops a client that sends more
 
 
-def parse_command(text: str, full_name: Callable[[str], Optional[str]] = lambda name: name
-                  ) -> Command:
+def parse_command(text: str, full_name: Callable[[str], Optional[str]] = lambda name: None,
+                  names: Optional[Mapping[str, bytes]] = None) -> Command:
     """Reads a command line; raises InvalidCommand.
 
-    `full_name` resolves shortcuts, e.g. `HelpList.full_name`; a name that it does not know stays
-    as it is.
+    full_name: resolves shortcuts that the table does not have, e.g. `HelpList.full_name`. names:
+    how the robot writes the names it has listed that are not ASCII, e.g. `Client.names`; of such
+    characters ARCL takes no others.
     """
     text = text.strip(' ')
-    reason = _unsendable(text)
+    reason = _reason_against(text)
     if reason:
         raise InvalidCommand(printable(text), reason)
+    line = _encode(text, names or {})
+    if len(line) > LONGEST_COMMAND:
+        raise InvalidCommand(printable(text), f'it has {len(line)} bytes, the robot takes '
+                             f'{LONGEST_COMMAND}')
     name, _, rest = text.partition(' ')
-    spec = spec_of(full_name(name) or name)
+    spec = spec_of(name)
+    if spec.name.lower() not in COMMANDS:
+        spec = spec_of(full_name(name) or name)
     arguments = tuple(split_words(rest))
     if len(arguments) < spec.required:
         raise InvalidCommand(printable(text), f'its syntax is "{spec.syntax}"')
-    return Command(text, spec.name, arguments, spec)
+    return Command(text, line, spec.name, arguments, spec)
 
 
-def _unsendable(text: str) -> str:
+def _reason_against(text: str) -> str:
     """Why `text` is not one command line; empty if it is."""
     if not text:
         return 'it is empty'
     if len(text) > LONGEST_COMMAND:
         return f'it has {len(text)} characters, the robot takes {LONGEST_COMMAND}'
-    if not all(' ' <= character <= '~' for character in text):
-        return 'it holds a line end, another control character, or one that is not ASCII'
+    if not text.isprintable():
+        return 'it holds a line end, another control character, or one that cannot be shown'
     return ''
 
 
+def _encode(text: str, names: Mapping[str, bytes]) -> bytes:
+    """The bytes of a line; raises InvalidCommand where a character cannot be sent."""
+    if text.isascii():
+        return text.encode('ascii')
+    for name in sorted(names, key=len, reverse=True):
+        at = _find(name, text)
+        if at >= 0:
+            return (_encode(text[:at], names) + names[name]
+                    + _encode(text[at + len(name):], names))
+    strange = next(character for character in text if not character.isascii())
+    raise InvalidCommand(printable(text), f'"{strange}" is not ASCII, which is all that ARCL '
+                         'takes beside the names that the robot has listed')
+
+
+def _find(name: str, text: str) -> int:
+    """Where `name` stands in `text`, if need be in other case; -1 where it does not."""
+    at = text.find(name)
+    folded, sought = text.casefold(), name.casefold()
+    if at < 0 and len(folded) == len(text) and len(sought) == len(name):
+        at = folded.find(sought)
+    return at
+
+
 def printable(text: str, longest: int = 200) -> str:
-    """`text` fit for a log: control characters escaped, shortened, without passwords."""
-    shown = blank_configured(text.encode('unicode_escape', 'replace')).decode('ascii')
+    """`text` fit for logs and terminals: control characters escaped, shortened, no passwords."""
+    shown = redact_passwords(text.encode('utf-8', 'backslashreplace')).decode('utf-8')
+    if not shown.isprintable():
+        shown = ''.join(character if character.isprintable()
+                        else character.encode('unicode_escape').decode('ascii')
+                        for character in shown[:longest + 1])
     return shown if len(shown) <= longest else shown[:longest - 3] + '...'
 
 
@@ -53,7 +88,8 @@ def quote(name: str) -> str:
 
     Raises InvalidCommand for a name that ARCL cannot express.
     """
-    reason = _unsendable(name) or ('it holds a double quote' if '"' in name else '')
+    name = readable(name)
+    reason = _reason_against(name) or ('it holds a double quote' if '"' in name else '')
     if reason:
         raise InvalidCommand(printable(name), f'no goal can have such a name, {reason}')
     return f'"{name}"' if ' ' in name else name

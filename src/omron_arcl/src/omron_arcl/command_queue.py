@@ -6,7 +6,7 @@ from typing import Callable, List, Optional
 from omron_arcl.errors import Busy
 from omron_arcl.execution import Execution, Outcome
 
-MOST_WAITING = 200
+MAXIMUM_WAITING = 200
 
 # How a stop ends of which the robot took no notice.
 _UNHEEDED = (Outcome.TIMED_OUT, Outcome.REJECTED, Outcome.UNKNOWN_COMMAND)
@@ -15,30 +15,36 @@ _UNHEEDED = (Outcome.TIMED_OUT, Outcome.REJECTED, Outcome.UNKNOWN_COMMAND)
 class CommandQueue:
     """Executions in order. `add`, `next_to_send` and `end` keep the rules; all else only looks.
 
-    What is to be told to those who wait gathers in `take_news`, for it is told outside of locks.
+    What is to be told to those who wait gathers for `pop_callbacks`: it is told outside of locks.
     """
 
     def __init__(self) -> None:
         self.waiting: List[Execution] = []
         self.sent: List[Execution] = []
-        self.drivers: List[Execution] = []  # of `sent`: what drives, or is about to, oldest first
-        self._news: List[Callable[[], None]] = []
+        self.drives: List[Execution] = []  # of `sent`: what drives, or is about to, oldest first
+        self._callbacks: List[Callable[[], None]] = []
         self._count = 0  # of commands sent
 
     @property
-    def movers(self) -> List[Execution]:
-        """Drivers and stops."""
+    def motion_executions(self) -> List[Execution]:
+        """Drives and stops that were sent."""
         return [execution for execution in self.sent
-                if execution.command.spec.drives or execution.command.name == 'stop']
+                if execution.command.spec.drives or execution.command.spec.stops]
+
+    @property
+    def begun_drives(self) -> List[Execution]:
+        """Drives that the robot has acknowledged."""
+        return [execution for execution in self.drives if execution.begun]
 
     def add(self, execution: Execution) -> None:
         """Takes a command; raises Busy. A stop overtakes all that waits, and drops its drives."""
-        if execution.command.name == 'stop':
+        if execution.command.spec.stops:
             for other in [e for e in self.waiting if e.command.spec.drives]:
                 self.end(other, Outcome.CANCELLED, 'never sent: a stop overtook it')
-            self.waiting.insert(0, execution)
-        elif len(self.waiting) >= MOST_WAITING:
-            raise Busy(f'Not sent, {MOST_WAITING} commands are waiting already.')
+            stops = sum(other.command.spec.stops for other in self.waiting)
+            self.waiting.insert(stops, execution)
+        elif len(self.waiting) >= MAXIMUM_WAITING:
+            raise Busy(f'Not sent, {MAXIMUM_WAITING} commands are waiting already.')
         else:
             self.waiting.append(execution)
 
@@ -49,8 +55,8 @@ class CommandQueue:
                 self.waiting.remove(execution)
                 self.sent.append(execution)
                 if execution.command.spec.drives:
-                    self.drivers.append(execution)
-                execution.heard = now
+                    self.drives.append(execution)
+                execution.heard = execution.sent_at = now
                 self._count += 1
                 execution.order = self._count
                 return execution
@@ -59,46 +65,57 @@ class CommandQueue:
     def _must_wait(self, execution: Execution) -> bool:
         """Queries of one name wait for each other, and so do answers whose end is not known."""
         spec = execution.command.spec
-        if spec.drives or spec.name == 'stop':
+        if spec.drives or spec.stops:
             return False
         return any(other.command.name == execution.command.name
-                   or (spec.ends is None and other.command.spec.ends is None)
+                   or (spec.completed_by is None and other.command.spec.completed_by is None)
                    for other in self.sent)
 
-    def add_line(self, execution: Execution, text: str, now: float) -> None:
-        """A line that belongs to the command."""
-        execution.heard = now
+    def add_line(self, execution: Execution, text: str, now: float,
+                 sign_of_life: bool = True) -> None:
+        """A line that belongs to the command; `sign_of_life`: it shows that it goes on."""
+        if sign_of_life:
+            execution.heard = now
         if execution.result is None:
             execution.add_line(text)
             if execution.on_line:
-                self._news.append(lambda: execution.on_line(text))
+                on_line = execution.on_line
+                self._callbacks.append(lambda: on_line(text))
+
+    def begin(self, execution: Execution) -> None:
+        """The robot obeys it; a drive ends the motions before it."""
+        if not execution.begun:
+            execution.begun = True
+            execution.doubt = None
+            if execution.command.spec.drives:
+                self.end_before(execution, f'replaced by "{execution.command.text}"')
 
     def end(self, execution: Execution, outcome: Outcome, words: str, keep: bool = False) -> None:
         """Ends it for the asker; `keep` it where its lines are still to come, to nobody."""
-        if execution.cancel_requested and outcome is Outcome.INTERRUPTED:
+        if execution.cancel_requested is not None and outcome is Outcome.INTERRUPTED:
             outcome = Outcome.CANCELLED
         if execution.end(outcome, words):
-            self._news.append(execution.announce)
+            self._callbacks.append(execution.announce)
         if not keep:
-            for executions in (self.waiting, self.sent, self.drivers):
+            for executions in (self.waiting, self.sent, self.drives):
                 if execution in executions:
                     executions.remove(execution)
-        if execution.command.name == 'stop' and outcome in _UNHEEDED:
+        if execution.command.spec.stops and outcome in _UNHEEDED:
             self._give_up_cancelled(execution, outcome, words)
 
     def end_before(self, execution: Execution, words: str) -> None:
         """Its effect on the wheels has begun, so that of older commands is over."""
-        for other in self.movers:
+        for other in self.motion_executions:
             if other.order < execution.order:
                 self.end(other, Outcome.INTERRUPTED, words)
 
     def _give_up_cancelled(self, stop: Execution, outcome: Outcome, words: str) -> None:
         """The stop came to nothing: whoever waits for its effect must not for ever."""
-        for driver in list(self.drivers):
-            if driver.cancel_requested and driver.order < stop.order:
-                self.end(driver, outcome, f'stop: {words}')
+        for drive in list(self.drives):
+            if drive.cancel_requested is not None and drive.order < stop.order:
+                self.end(drive, outcome, f'stop: {words}')
 
-    def take_news(self) -> List[Callable[[], None]]:
+    def pop_callbacks(self) -> List[Callable[[], None]]:
         """What is to be told, in order."""
-        news, self._news = self._news, []
-        return news
+        callbacks, self._callbacks = self._callbacks, []
+        return callbacks

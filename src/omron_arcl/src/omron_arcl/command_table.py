@@ -7,20 +7,8 @@ from __future__ import annotations
 
 from typing import Dict, Iterable, Optional, Tuple
 
-from omron_arcl.commands import Category, CommandSpec, Test
-from omron_arcl.replies import (
-    configuration,
-    driving,
-    equipment,
-    general,
-    safety,
-    site,
-    status,
-    tasks,
-)
-from omron_arcl.replies.driving import DockingState
-from omron_arcl.replies.reply import UnknownLine
-from omron_arcl.reply_tests import (
+from omron_arcl.commands import Category, CommandSpec, Course, Predicate
+from omron_arcl.predicates import (
     any_of,
     at_the_point,
     docking_is,
@@ -29,47 +17,68 @@ from omron_arcl.reply_tests import (
     is_scan,
     items,
     names,
+    never,
+    notices,
     same_task,
     says,
 )
+from omron_arcl.replies import driving, equipment, general, safety, site, status, tasks
+from omron_arcl.replies.driving import DockingState
+from omron_arcl.replies.reply import UnknownLine
+
+# s without a line or status about a drive that has begun, until it has timed out
+_DRIVE_TIMEOUT = 600.0
+_TASKS_TIMEOUT = 3600.0  # a task may wait, and show what it likes as its status
 
 
 def spec_of(name: str) -> CommandSpec:
-    """The row for a command's name; an unknown one ends when the robot has been quiet."""
-    return COMMANDS.get(name.lower()) or CommandSpec(name, Category.UNKNOWN, ends=None)
+    """The row for a command's name or shortcut; an unknown one ends when the robot was quiet."""
+    return (COMMANDS.get(name.lower()) or _SHORTCUTS.get(name.lower())
+            or CommandSpec(name, Category.UNKNOWN, completed_by=None))
 
 
-def _drive(syntax: str, begins: Test, ends: Test, belongs: Optional[Test] = None,
-           silence: Optional[float] = None, goal_at: Optional[int] = None,
-           undone: Optional[Test] = None) -> CommandSpec:
+def _drive(syntax: str, acknowledged_by: Predicate, completed_by: Predicate,
+           related: Optional[Predicate] = None, timeout: float = _DRIVE_TIMEOUT,
+           goal_at: Optional[int] = None, aborted_by: Optional[Predicate] = None,
+           course: Course = Course.TO_A_PLACE, shortcut: str = '') -> CommandSpec:
     """It takes the wheels over."""
-    belongs = belongs or is_one_of(driving.DockingStatus)  # while it leaves the dock
-    return CommandSpec(syntax, Category.MOTION, ends, begins, belongs, undone, silence,
-                       drives=True, goal_at=goal_at)
+    return CommandSpec(syntax, Category.MOTION, completed_by, acknowledged_by,
+                       related or _LEAVING_THE_DOCK, aborted_by, timeout, course, goal_at,
+                       shortcut)
 
 
-def _answer(syntax: str, *kinds: type, category: Category = Category.QUERY) -> CommandSpec:
+def _tasks(syntax: str, acknowledged_by: Predicate, completed_by: Predicate, related: Predicate,
+           goal_at: Optional[int] = None) -> CommandSpec:
+    """It takes the wheels over for several drives and other tasks."""
+    return _drive(syntax, acknowledged_by, completed_by, related, _TASKS_TIMEOUT, goal_at,
+                  course=Course.OF_TASKS)
+
+
+def _answer(syntax: str, *kinds: type, category: Category = Category.QUERY,
+            shortcut: str = '') -> CommandSpec:
     """One reply of one of `kinds` is all."""
-    return CommandSpec(syntax, category, is_one_of(*kinds))
+    return CommandSpec(syntax, category, is_one_of(*kinds), shortcut=shortcut)
 
 
-def _listing(syntax: str, end: str, belongs: Test,
-             category: Category = Category.QUERY) -> CommandSpec:
+def _listing(syntax: str, end: str, related: Predicate,
+             category: Category = Category.QUERY, shortcut: str = '') -> CommandSpec:
     """Items up to an end line."""
-    return CommandSpec(syntax, category, end_of(end), belongs=belongs)
+    return CommandSpec(syntax, category, end_of(end), related=related, shortcut=shortcut)
 
 
-def _done(syntax: str, category: Category, phrase: str,
-          belongs: Optional[Test] = None) -> CommandSpec:
+def _done(syntax: str, category: Category, phrase: str, related: Optional[Predicate] = None,
+          shortcut: str = '') -> CommandSpec:
     """A confirmation is all."""
-    return CommandSpec(syntax, category, says(phrase), belongs=belongs)
+    return CommandSpec(syntax, category, says(phrase), related=related, shortcut=shortcut)
 
 
-def _quiet(syntaxes: Iterable[str], category: Category) -> Iterable[CommandSpec]:
+def _quiet(category: Category, *syntaxes: str, **shortcuts: str) -> Iterable[CommandSpec]:
     """Commands whose answer is undocumented: they end when the robot has been quiet."""
-    return (CommandSpec(syntax, category, ends=None) for syntax in syntaxes)
+    return (CommandSpec(syntax, category, completed_by=None,
+                        shortcut=shortcuts.get(syntax.split()[0], '')) for syntax in syntaxes)
 
 
+_LEAVING_THE_DOCK = docking_is(DockingState.DOCKED, DockingState.UNDOCKING, DockingState.UNDOCKED)
 _TO_A_GOAL = (driving.GoingTo, driving.ArrivedAt, driving.DockingStatus)
 _ON_THE_WAY = (*_TO_A_GOAL, driving.GoingToPoint, driving.ArrivedAtPoint)
 _OF_TASKS = (tasks.WillDoTask, tasks.DoingTask, tasks.CompletedTask, tasks.CompletedInstantTask,
@@ -83,56 +92,60 @@ _ROWS: Tuple[CommandSpec, ...] = (
            any_of(is_one_of(driving.ArrivedAtPoint), at_the_point(driving.ArrivedAt))),
     _drive('gotoRouteGoal <route> <goal>', names(driving.GoingTo), names(driving.ArrivedAt),
            goal_at=1),
+    # A robot that misses its dock undocks and tries again (ARCL manual I617-E-02 p. 71).
     _drive('dock', docking_is(DockingState.DOCKING), docking_is(DockingState.DOCKED),
-           belongs=is_one_of(*_TO_A_GOAL), silence=180.0,
-           undone=docking_is(DockingState.UNDOCKED)),
+           related=is_one_of(*_TO_A_GOAL), timeout=180.0, course=Course.INTO_THE_DOCK),
     _drive('undock', docking_is(DockingState.UNDOCKING), docking_is(DockingState.UNDOCKED),
-           silence=60.0, undone=docking_is(DockingState.DOCKING, DockingState.DOCKED)),
-    _drive('patrol <route>', names(driving.Patrolling, 'route'), lambda command, reply: False,
-           belongs=is_one_of(*_TO_A_GOAL, driving.LapCompleted), goal_at=0),
-    *(_drive(syntax, names(driving.Patrolling, 'route'),
+           timeout=60.0, aborted_by=docking_is(DockingState.DOCKING, DockingState.DOCKED),
+           course=Course.OUT_OF_THE_DOCK),
+    _tasks('patrol <route>', names(driving.Patrolling, 'route'), never,
+           is_one_of(*_TO_A_GOAL, driving.LapCompleted, *_OF_TASKS), goal_at=0),
+    *(_tasks(syntax, names(driving.Patrolling, 'route'),
              names(driving.FinishedPatrolling, 'route'),
-             belongs=is_one_of(*_TO_A_GOAL), goal_at=0)
+             is_one_of(*_TO_A_GOAL, *_OF_TASKS), goal_at=0)
       for syntax in ('patrolOnce <route> [index]', 'patrolResume <route>')),
-    _drive('doTask <task> [arguments]', same_task(tasks.WillDoTask, tasks.DoingTask),
+    _tasks('doTask <task> [arguments]', same_task(tasks.WillDoTask, tasks.DoingTask),
            same_task(tasks.CompletedTask),
-           belongs=any_of(same_task(tasks.WillDoTask, tasks.DoingTask),
-                          is_one_of(tasks.WaitState, *_ON_THE_WAY))),
-    _drive('executeMacro <macro>', names(tasks.ExecutingMacro, 'macro'),
+           any_of(same_task(tasks.WillDoTask, tasks.DoingTask),
+                  is_one_of(tasks.WaitState, tasks.PauseState, *_ON_THE_WAY))),
+    _tasks('executeMacro <macro>', names(tasks.ExecutingMacro, 'macro'),
            names(tasks.CompletedMacro, 'macro'),
-           belongs=is_one_of(*_OF_TASKS, *_ON_THE_WAY), goal_at=0),
-    _drive('listExecute', is_one_of(tasks.ExecutingList), is_one_of(tasks.FinishedList),
-           belongs=is_one_of(*_OF_TASKS)),
+           is_one_of(*_OF_TASKS, *_ON_THE_WAY), goal_at=0),
+    _tasks('listExecute', is_one_of(tasks.ExecutingList), is_one_of(tasks.FinishedList),
+           is_one_of(*_OF_TASKS, *_ON_THE_WAY)),
     _drive('queueDropoff <goal> [priority] [jobId]',
            names(driving.GoingTo), names(driving.ArrivedAt), goal_at=0,
-           belongs=any_of(says('queueDropoff'),
-                          is_one_of(general.Notice, driving.DockingStatus))),
+           related=any_of(says('queueDropoff'), notices('QueueUpdate'), _LEAVING_THE_DOCK),
+           shortcut='qd'),
     # what else moves the robot, or lets it be moved
     CommandSpec('stop', Category.MOTION, is_one_of(driving.Stopped),
-                begins=is_one_of(driving.Stopping), belongs=is_one_of(driving.Interrupted),
-                silence=15.0),
+                acknowledged_by=is_one_of(driving.Stopping),
+                related=is_one_of(driving.Interrupted), timeout=15.0),
     CommandSpec('enableMotors', Category.MOTION,
                 lambda command, reply: isinstance(reply, safety.Motors) and reply.enabled),
     *(CommandSpec(syntax, Category.MOTION,
                   lambda command, reply: isinstance(reply, driving.Localizing) and reply.done,
-                  belongs=is_one_of(driving.Localizing), silence=30.0)
+                  related=is_one_of(driving.Localizing), timeout=30.0)
       for syntax in ('localizeToPoint <x> <y> <heading> [xySpread] [angleSpread]',
                      'localizeAtGoal <goal>')),
     _answer('doTaskInstant <task> [arguments]', tasks.CompletedInstantTask,
             category=Category.MOTION),
     _answer('waitTaskCancel', tasks.WaitState, category=Category.MOTION),
     _done('listStart [name]', Category.MOTION, 'Making new list',
-          belongs=says('List being cleared')),
+          related=says('List being cleared')),
     _done('listAdd <task> [arguments]', Category.MOTION, 'Added task'),
     _done('queueCancelLocal <type> <value> [echo] [reason]', Category.MOTION,
-          'queueCancel cancelling', belongs=says('queueCancel attempting')),
+          'queueCancel cancelling', related=says('queueCancel attempting'), shortcut='qcl'),
     CommandSpec('queueModifyLocal <id> <type> <value>', Category.MOTION,
-                any_of(says('queueModify modifying'), says('queueModifyLocal modifying'))),
-    *_quiet(('go', 'stay', 'follow', 'pauseTaskCancel', 'applicationBlockDrivingClear <name>',
-             'applicationBlockDrivingSet <name> <short> <long>'), Category.MOTION),
+                any_of(says('queueModify modifying'), says('queueModifyLocal modifying')),
+                shortcut='qmodl'),
+    *_quiet(Category.MOTION, 'go', 'stay', 'follow', 'pauseTaskCancel',
+            'applicationBlockDrivingClear <name>',
+            'applicationBlockDrivingSet <name> <short> <long>',
+            applicationBlockDrivingClear='abdc', applicationBlockDrivingSet='abds'),
     # status and state
     CommandSpec('status', Category.QUERY, is_one_of(status.Temperature),
-                belongs=is_one_of(
+                related=is_one_of(
                     status.ExtendedStatus, status.StatusText, status.StateOfCharge,
                     status.BatteryVoltage, status.Location, status.LocalizationScore)),
     _answer('oneLineStatus', status.OneLineStatus),
@@ -145,9 +158,11 @@ _ROWS: Tuple[CommandSpec, ...] = (
     _answer('waitTaskState', tasks.WaitState),
     _answer('distanceBetween <goal> <goal>', site.DistanceBetween),
     _listing('queueQueryLocal <type> <value> [echo]', 'QueueQuery', items('QueueQuery')),
-    _listing('queueShowRobotLocal [echo]', 'QueueShowRobot', items('QueueRobot')),
-    *_quiet(('goalDistanceRemaining', 'etaRequest', 'distanceFromHere', 'arclStat',
-             'centralServer', 'trackSectors'), Category.QUERY),
+    _listing('queueShowRobotLocal [echo]', 'QueueShowRobot', items('QueueRobot'),
+             shortcut='qsrl'),
+    _answer('distanceFromHere <goal>', site.DistanceFromHere),
+    *_quiet(Category.QUERY, 'goalDistanceRemaining', 'etaRequest', 'arclStat', 'centralServer',
+            'trackSectors', arclStat='ast'),
     # what the robot counts and keeps
     _listing('getInfoList', 'info list', items('InfoList')),
     CommandSpec('getInfo <name>', Category.QUERY, items('Info')),
@@ -178,25 +193,27 @@ _ROWS: Tuple[CommandSpec, ...] = (
     # configuration: reading is a query
     _listing('getConfigSectionList', 'GetConfigSectionList', items('GetConfigSectionList')),
     _listing('getConfigSectionValues <section>', 'GetConfigSectionValues',
-             is_one_of(configuration.ConfigValue)),
+             is_one_of(site.ConfigValue)),
     _listing('getConfigSectionInfo <section>', 'GetConfigSectionInfo',
              items('GetConfigSectionInfo', 'GetConfigSectionParamInfo')),
     _done('configStart', Category.CONFIGURATION, 'New config starting'),
     _done('configAdd <line>', Category.CONFIGURATION, 'Added'),
     CommandSpec('configParse', Category.CONFIGURATION,
-                any_of(says('Config parsed fine'), is_one_of(configuration.ConfigErrors)),
-                silence=60.0,
-                belongs=any_of(says('Will parse config'),
-                               is_one_of(site.MapChanged, configuration.ConfigurationChanged))),
+                any_of(says('Config parsed fine'), is_one_of(site.ConfigErrors)),
+                timeout=60.0,
+                related=any_of(says('Will parse config'),
+                               is_one_of(site.MapChanged, site.ConfigurationChanged))),
     _done('newConfigParam <section> <name> <description> <priority> <type> <default> '
           '<min> <max> <hint>', Category.CONFIGURATION, 'Will add new param'),
     _done('newConfigSectionComment <section> <text>', Category.CONFIGURATION,
           'Will add config comment'),
     # faults, inputs and outputs, payload, sound
     _done('applicationFaultSet <name> <short> <long> <driving> <critical>', Category.DEVICE,
-          'ApplicationFaultSet set'),
-    _done('applicationFaultClear <name>', Category.DEVICE, 'ApplicationFaultClear cleared'),
-    _listing('applicationFaultQuery', 'ApplicationFaultQuery', is_one_of(safety.Fault)),
+          'ApplicationFaultSet set', shortcut='afs'),
+    _done('applicationFaultClear <name>', Category.DEVICE, 'ApplicationFaultClear cleared',
+          shortcut='afc'),
+    _listing('applicationFaultQuery', 'ApplicationFaultQuery', is_one_of(safety.Fault),
+             shortcut='afq'),
     _listing('faultsGet', 'FaultList', is_one_of(safety.Fault)),
     _listing('inputList', 'InputList', any_of(items('InputList'), is_one_of(equipment.Input))),
     _listing('outputList', 'OutputList', any_of(items('OutputList'), is_one_of(equipment.Input))),
@@ -219,23 +236,25 @@ _ROWS: Tuple[CommandSpec, ...] = (
     _listing('payloadQueryLocal [slot] [echo]', 'PayloadQuery', is_one_of(equipment.PayloadSlot)),
     _listing('payloadSlotCountLocal', 'PayloadSlotCount', items('PayloadSlotCount')),
     _done('payloadSet <slot> <content>', Category.DEVICE, 'payloadSet on',
-          belongs=says('payloadSet attempting')),
+          related=says('payloadSet attempting')),
     _done('payloadRemove <slot>', Category.DEVICE, 'payloadRemove on',
-          belongs=says('payloadRemove attempting')),
+          related=says('payloadRemove attempting')),
     _done('say <text>', Category.DEVICE, 'Saying'),
     _done('play <file>', Category.DEVICE, 'Playing'),
     _done('log <message> [level]', Category.DEVICE, 'Logging'),
     _done('popupSimple <title> <message> <button> <seconds>', Category.DEVICE,
           'Creating simple popup'),
-    *_quiet(('arclSendText <text>', 'modeLock', 'modeUnlock', 'clearAllObstacles'),
-            Category.DEVICE),
+    *_quiet(Category.DEVICE, 'arclSendText <text>', 'modeLock', 'modeUnlock',
+            'clearAllObstacles'),
     # the connection itself, and the robot's life
-    _listing('help', 'commands', any_of(is_one_of(general.HelpEntry), items('Commands'))),
+    _listing('help', 'commands',
+             any_of(is_one_of(general.HelpEntry, UnknownLine), items('Commands'))),
     _answer('echo [on|off]', general.Echo),
     _done('connectOutgoing <host> <port>', Category.DANGEROUS, 'Outgoing connected'),
     _done('extIORemove <name>', Category.DANGEROUS, 'extIORemove:'),  # restarts the robot's ARAM
-    *_quiet(('quit', 'shutDown', 'shutDownServer', 'disableMotors', 'freeMotors'),
-            Category.DANGEROUS),
+    *_quiet(Category.DANGEROUS, 'quit', 'shutDown', 'shutDownServer', 'disableMotors',
+            'freeMotors'),
 )
 
 COMMANDS: Dict[str, CommandSpec] = {spec.name.lower(): spec for spec in _ROWS}
+_SHORTCUTS: Dict[str, CommandSpec] = {spec.shortcut: spec for spec in _ROWS if spec.shortcut}

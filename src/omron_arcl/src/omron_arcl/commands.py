@@ -1,9 +1,9 @@
 """A command, and what there is to know of its kind: syntax, category, how its answer ends.
 
 ARCL has no request ids, so the only link between a command and the robot's lines is what the lines
-say. A specification therefore holds tests of replies: which one acknowledges the command, which
-belong to it, which one ends it well. What ends it badly is the same for all and is in
-`attribution`.
+say. A specification therefore holds predicates on replies: which one acknowledges the command,
+which are related to it, which one completes it. What ends a command badly is the same for all and
+is in `endings`; what the robot's status tells of a drive is in `drive_watch`.
 """
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import Callable, Optional, Tuple
 
 from omron_arcl.replies.reply import Reply, same_name
 
-PATIENCE = 60.0  # s until a driving command must have begun: leaving the dock comes first
+ACKNOWLEDGE_TIMEOUT = 60.0  # s until a drive must have been acknowledged: it may leave the dock
 
 
 class Category(Enum):
@@ -27,34 +27,57 @@ class Category(Enum):
     UNKNOWN = 'unknown'  # not in the table of commands
 
 
-Test = Callable[['Command', Reply], bool]  # is this line what the command awaits?
+class Course(Enum):
+    """What a driving command does with the wheels, and so what contradicts it."""
+
+    TO_A_PLACE = 'to a place'
+    INTO_THE_DOCK = 'into the dock'
+    OUT_OF_THE_DOCK = 'out of the dock'
+    OF_TASKS = 'of tasks'  # a task, macro, list or route: several drives and waits
+
+
+Predicate = Callable[['Command', Reply], bool]  # is this line what the command awaits?
 
 
 @dataclass(frozen=True)
 class CommandSpec:
     """A row of the table of commands.
 
-    `begins`: the reply that shows that the robot obeys, None where none is promised. `belongs`: the
-    lines that are its own. `ends`: the last of them. `undone`: once begun, the reply that shows
-    that it was broken off. `silence`: seconds without a line of its own until it counts as timed
-    out, None for ever; before it began it is `PATIENCE` at most. `drives`: it takes over the
-    wheels, and so replaces the one before it.
+    `completed_by`: the reply that ends it well; None: its answer is not documented, and ends when
+    the robot has been quiet. `acknowledged_by`: the reply that shows that the robot obeys, None
+    where none is promised. `related`: further lines that belong to it. `aborted_by`: once
+    acknowledged, the reply that shows that it was broken off. `timeout`: seconds without a line
+    or status about it until it has timed out; before it is acknowledged `ACKNOWLEDGE_TIMEOUT` at
+    most. `course`: set for commands that take the wheels over, and so replace the one before.
+    `goal_at`: which argument is the name of a goal, route or macro. `shortcut`: a shorter name
+    that the robot takes, too.
     """
 
     syntax: str
     category: Category
-    ends: Optional[Test]
-    begins: Optional[Test] = None
-    belongs: Optional[Test] = None
-    undone: Optional[Test] = None
-    silence: Optional[float] = 5.0
-    drives: bool = False
+    completed_by: Optional[Predicate]
+    acknowledged_by: Optional[Predicate] = None
+    related: Optional[Predicate] = None
+    aborted_by: Optional[Predicate] = None
+    timeout: float = 5.0
+    course: Optional[Course] = None
     goal_at: Optional[int] = None
+    shortcut: str = ''
 
     @property
     def name(self) -> str:
         """The command's name as the manual spells it."""
         return self.syntax.split(' ', 1)[0]
+
+    @property
+    def drives(self) -> bool:
+        """Whether it takes the wheels over."""
+        return self.course is not None
+
+    @property
+    def stops(self) -> bool:
+        """Whether it is `stop`, which goes before everything else."""
+        return self.name == 'stop'
 
     @property
     def required(self) -> int:
@@ -64,9 +87,13 @@ class CommandSpec:
 
 @dataclass(frozen=True)
 class Command:
-    """One line for the robot, as `parse_command` reads it; `spec` is the table's row for it."""
+    """One line for the robot, as `parse_command` reads it.
+
+    `text` is the line as people read it, `line` the bytes to send; `spec` is the table's row.
+    """
 
     text: str
+    line: bytes
     name: str
     arguments: Tuple[str, ...]
     spec: CommandSpec

@@ -1,23 +1,23 @@
-"""A TCP connection that never blocks, and the thread that serves one: for both transports."""
+"""A TCP connection that never blocks, and what is said over it."""
 from __future__ import annotations
 
 import contextlib
 import errno
-import logging
 import os
 import selectors
 import socket
-import threading
 import time
-from typing import Any, Callable, Optional, TypeVar
+from typing import Any, Callable, Iterator, List, Optional, Tuple, Union
 
-from omron_arcl.errors import ConnectionLost, LinkError
+from omron_arcl.errors import ConnectionLost, PeerSilent
+from omron_arcl.session import Closed, LoggedIn, Received, Session
 
-TICK = 0.2  # s between looks at the clock
 _CHUNK = 1 << 16
 _CONNECT_TICK = 0.1  # s
-_log = logging.getLogger(__name__)
-_Own = TypeVar('_Own', bound='Transport')
+_STANDSTILL = 1.0  # s between two looks at a connection after which what it holds may be old
+_DRAINED = 0.03  # s of waiting for bytes that shows that what comes now is new;
+_WAITED, _FLUSHED = 0.001, 0.5  # or of some waiting, once the other side's buffers must be empty
+_IN_PROGRESS = (0, errno.EINPROGRESS, errno.EWOULDBLOCK)
 
 
 class Connection:
@@ -31,14 +31,20 @@ class Connection:
 
     @classmethod
     def open(cls, host: str, port: int, timeout: float, give_up: Callable[[], bool]) -> Connection:
-        """Connects; raises OSError. Breaks off within a moment when `give_up` says so."""
+        """Connects, to each address of the host in turn, `timeout` s at most for each.
+
+        Raises OSError. Breaks off within a moment when `give_up` says so.
+        """
         failure = OSError(errno.EADDRNOTAVAIL, f'{host} has no address')
-        for family, kind, protocol, _, address in socket.getaddrinfo(
-                host, port, type=socket.SOCK_STREAM):
-            attempt = socket.socket(family, kind, protocol)
+        for family, kind, protocol, _, address in resolve(host, port):
+            try:
+                attempt = socket.socket(family, kind, protocol)
+            except OSError as error:
+                failure = error
+                continue
             try:
                 attempt.setblocking(False)
-                attempt.connect_ex(address)
+                _check(attempt.connect_ex(address), *_IN_PROGRESS)
                 _await_connected(attempt, timeout, give_up)
                 return cls(attempt)
             except OSError as error:
@@ -71,9 +77,77 @@ class Connection:
                 self.unsent = self.unsent[self.socket.send(self.unsent):]
 
 
+class Peer:
+    """A connection and its session: what the robot says over it, and whether it is alive.
+
+    timeout: seconds without a whole line, or without taking what is sent, after which the robot
+    counts as gone. A byte now and then is no sign of life.
+    """
+
+    def __init__(self, connection: Connection, session: Session, timeout: float) -> None:
+        self.connection = connection
+        self.session = session
+        self._timeout = timeout
+        self._heard = self._looked = self._sent = time.monotonic()
+        self._lines = 0
+        self._late = False
+        self._resumed = 0.0
+
+    def receive(self, now: float, waited: float) -> Iterator[Union[LoggedIn, Received]]:
+        """What the robot says, after waiting for it for `waited` s.
+
+        Raises LinkError when the connection is over, or OSError.
+        """
+        if now - self._looked > _STANDSTILL:
+            self._late, self._resumed = True, now
+        elif waited > _DRAINED or (waited > _WAITED and now - self._resumed > _FLUSHED):
+            self._late = False
+        self._looked = now
+        data = self.connection.receive()
+        events = () if data is None else (
+            self.session.read(data) if data else self.session.receive_eof())
+        for event in events:
+            if isinstance(event, Closed):
+                raise event.cause
+            yield event._replace(late=True) if self._late and isinstance(event, Received) else event
+        if self._lines != self.session.lines_read:
+            self._lines, self._heard = self.session.lines_read, now
+        elif now - self._heard > self._timeout:
+            raise PeerSilent(now - self._heard, self.session.words)
+        if not self.connection.unsent:
+            self._sent = now
+        elif now - self._sent > self._timeout:
+            raise ConnectionLost('the robot has not taken what was sent to it for '
+                                 f'{now - self._sent:.1f} s')
+
+
+def resolve(host: str, port: Optional[int] = None) -> List[Tuple[Any, ...]]:
+    """The addresses of a host, as `getaddrinfo` gives them; raises OSError.
+
+    A text that can be no name, such as `10.0..5`, has no address either.
+    """
+    if not is_host(host):
+        raise OSError(errno.EINVAL, f'"{host}" is neither an address nor a name')
+    return socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
+
+
+def is_host(text: str) -> bool:
+    """Whether a text can be a host's name or address at all."""
+    try:
+        return bool(text.encode('idna')) and text.isprintable() and ' ' not in text
+    except UnicodeError:
+        return False
+
+
 def reason_of(error: OSError) -> str:
     """What an OSError says, without its number."""
-    return (error.strerror or str(error)).lower()
+    text = error.strerror or str(error)
+    return text if '"' in text else text.lower()
+
+
+def _check(code: int, *good: int) -> None:
+    if code not in good:
+        raise OSError(code, os.strerror(code))
 
 
 def _await_connected(attempt: socket.socket, timeout: float, give_up: Callable[[], bool]) -> None:
@@ -83,9 +157,7 @@ def _await_connected(attempt: socket.socket, timeout: float, give_up: Callable[[
         while not selector.select(_CONNECT_TICK):
             if give_up() or time.monotonic() > deadline:
                 raise OSError(errno.ETIMEDOUT, os.strerror(errno.ETIMEDOUT))
-    code = attempt.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
-    if code:
-        raise OSError(code, os.strerror(code))
+    _check(attempt.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR), 0)
 
 
 def _make_lively(connected: socket.socket) -> None:
@@ -96,82 +168,3 @@ def _make_lively(connected: socket.socket) -> None:
                           ('TCP_USER_TIMEOUT', 5000)):
         if hasattr(socket, option):
             connected.setsockopt(socket.IPPROTO_TCP, getattr(socket, option), value)
-
-
-class Waker:
-    """Ends a thread's wait in a selector from another thread."""
-
-    def __init__(self) -> None:
-        self.reader, self._writer = socket.socketpair()
-        self.reader.setblocking(False)
-        self._writer.setblocking(False)
-
-    def wake(self) -> None:
-        """Ends the wait; harmless after `close`."""
-        with contextlib.suppress(OSError):
-            self._writer.send(b'\0')
-
-    def drain(self) -> None:
-        """Takes the wakes that have been."""
-        with contextlib.suppress(OSError):
-            self.reader.recv(_CHUNK)
-
-    def close(self) -> None:
-        """Frees the descriptors."""
-        self.reader.close()
-        self._writer.close()
-
-
-class Transport:
-    """A thread that serves connections from `start` until `close`; also a context manager.
-
-    A kind of it is its method `_run`, which ends soon after `_closing` is set: `_waker` wakes it.
-    """
-
-    def __init__(self, name: str) -> None:
-        self._name = name
-        self._closing = threading.Event()
-        self._waker = Waker()
-        self._thread = threading.Thread(target=self._run_and_free, name=name, daemon=True)
-
-    def start(self: _Own) -> _Own:
-        """Begins to connect, or to listen."""
-        self._thread.start()
-        return self
-
-    def __enter__(self: _Own) -> _Own:
-        return self.start()
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
-    def close(self) -> None:
-        """Ends the connection; what is under way ends as lost. Takes well under a second."""
-        self._closing.set()
-        self._waker.wake()
-        if threading.current_thread() is not self._thread:
-            self._thread.join(1.0)
-
-    def _run_and_free(self) -> None:
-        self._run()
-        self._waker.close()
-
-    def _run(self) -> None:
-        raise NotImplementedError
-
-    def _cause(self, error: Exception) -> LinkError:
-        """Why a connection ended on `error`. Our own mistakes are logged, and end it too."""
-        if isinstance(error, LinkError):
-            return error
-        if isinstance(error, OSError):
-            return ConnectionLost(f'the connection broke: {reason_of(error)}')
-        _log.error('The %s failed.', self._name, exc_info=error)
-        return ConnectionLost(f'an error of our own: {error!r}')
-
-    def _call(self, callback: Optional[Callable[..., None]], *arguments: Any) -> None:
-        """A caller's mistake in a callback must not end the connection: it is logged."""
-        if callback:
-            try:
-                callback(*arguments)
-            except Exception:
-                _log.exception('A callback of the %s failed.', self._name)

@@ -1,13 +1,15 @@
 """Commands in, lines to send out; replies and time in, results out. No I/O, and no clock.
 
-The rules, of which `command_queue` keeps the order and `attribution` the meaning of lines:
+The rules, of which `command_queue` keeps the order, `attribution` the meaning of lines, and
+`drive_watch` what the robot's status says of a drive:
 - queries of one name wait for each other, so an answer has one asker;
 - a driving command is acknowledged by a line that names its goal, and replaces what came before it,
   a stop that is still under way included;
 - `stop` overtakes all that is unsent, and unsent driving commands are dropped for it;
 - a `Stopped` ends every stop that was sent before the next driving command; a stop that another
   client's drive overtook while the robot braked was interrupted, for the robot does not stand;
-- nothing is ever sent twice, and whatever is under way ends as LOST with the link.
+- nothing is ever sent twice, and whatever is under way ends as LOST with the link;
+- a command ends within its bound, whatever the robot says or does not say.
 """
 from __future__ import annotations
 
@@ -16,19 +18,28 @@ from typing import Callable, List, Optional
 from omron_arcl.attribution import Attribution
 from omron_arcl.command_line import parse_command
 from omron_arcl.command_queue import CommandQueue
-from omron_arcl.commands import PATIENCE, Command
+from omron_arcl.commands import Command, Course
 from omron_arcl.execution import Execution, Outcome, Result
 from omron_arcl.replies.reply import Reply
 
 _QUIET = 1.0  # s without a line after which an answer of unknown length is over
-_DESCRIPTION_DELAY = 1.0  # s that the description may come after its CommandError
+_DESCRIPTION_TIMEOUT = 1.0  # s that the description may come after its CommandError
+_LONGEST_ANSWER = 60.0  # s from sending a query or stop, however much the robot has to say
+_LONGEST_START = 300.0  # s from sending a drive until it is acknowledged
+_LONGEST_REPLACEMENT = 5.0  # s in which a newer drive must replace a cancelled one, else a stop
+
+
+def _may_take_longer(execution: Execution) -> bool:
+    """A drive under way, and the way to the dock, which comes before the robot says it docks."""
+    spec = execution.command.spec
+    return spec.drives and (execution.begun or spec.course is Course.INTO_THE_DOCK)
 
 
 class Dispatcher:
     """The commands of one connection. The caller brings the clock (s, monotonic) and the lock.
 
-    `take_news` gives what is to be told to those who wait; it is told outside the lock, so that a
-    callback may give the next command.
+    `pop_callbacks` gives what is to be told to those who wait; it is told outside the lock, so
+    that a callback may give the next command.
     """
 
     def __init__(self) -> None:
@@ -37,13 +48,18 @@ class Dispatcher:
 
     def start(self, command: Command, timeout: Optional[float] = None,
               on_line: Optional[Callable[[str], None]] = None,
-              on_end: Optional[Callable[[Result], None]] = None) -> Execution:
-        """Takes a command; raises Busy. `timeout`: seconds of silence, else the command's own."""
-        execution = Execution(command, timeout or command.spec.silence, on_line, on_end)
+              on_end: Optional[Callable[[Result], None]] = None,
+              stop_on_timeout: bool = False) -> Execution:
+        """Takes a command; raises Busy.
+
+        timeout: seconds without a word about it, else the command's own. stop_on_timeout: a drive
+        that has timed out is stopped, unless a newer one is under way.
+        """
+        execution = Execution(command, timeout, on_line, on_end, stop_on_timeout)
         self._commands.add(execution)
         return execution
 
-    def cancel(self, execution: Execution) -> None:
+    def cancel(self, execution: Execution, now: float) -> None:
         """Ends a command: the unsent is dropped, the driving stopped, a query no longer awaited.
 
         A driving command that has been replaced is left to the one that replaced it.
@@ -51,39 +67,60 @@ class Dispatcher:
         if execution.result is not None:
             return
         if execution.sent and execution.command.spec.drives:
-            execution.cancel_requested = True
+            if execution.cancel_requested is None:
+                execution.cancel_requested = now
         else:
             self._commands.end(execution, Outcome.CANCELLED, 'cancelled', keep=execution.sent)
-        self._stop_if_cancelled()
+        self._stop_if_cancelled(now)
 
-    def next_to_send(self, now: float) -> Optional[str]:
+    def next_to_send(self, now: float) -> Optional[bytes]:
         """The next line to send, if one may go now; it counts as sent."""
         execution = self._commands.next_to_send(now)
-        return execution.command.text if execution else None
+        if execution is None:
+            return None
+        execution.shown_when_sent = self._attribution.watch.shown
+        return execution.command.line
+
+    @property
+    def in_doubt(self) -> bool:
+        """Whether a status of the robot would tell whether a drive or stop is over."""
+        return self._attribution.watch.in_doubt
 
     def on_reply(self, reply: Reply, text: str, now: float) -> None:
         """A line came."""
         self._attribution.on_reply(reply, text, now)
-        self._stop_if_cancelled()
+        self._stop_if_cancelled(now)
 
     def on_time(self, now: float) -> None:
         """Time has passed."""
+        self._attribution.watch.on_time(now)
         for execution in list(self._commands.sent):
-            silence = now - execution.heard
-            if execution.rejected:
-                if silence > _DESCRIPTION_DELAY:
-                    self._commands.end(execution, Outcome.REJECTED, 'the robot gave no reason')
-            elif execution.command.spec.ends is None and execution.begun:
-                if silence > _QUIET:
-                    self._commands.end(execution, Outcome.SUCCEEDED, '')
-            else:
-                limit = execution.silence
-                if limit is None and not execution.begun:
-                    limit = PATIENCE
-                if limit is not None and silence > limit:
-                    self._commands.end(execution, Outcome.TIMED_OUT,
-                                       f'the robot said nothing about it for {limit:.0f} s')
-        self._stop_if_cancelled()
+            if execution in self._commands.sent:  # not ended with another
+                self._check_time(execution, now)
+        self._stop_if_cancelled(now)
+
+    def _check_time(self, execution: Execution, now: float) -> None:
+        spec = execution.command.spec
+        unheard = now - (execution.heard or 0.0)
+        if execution.rejected_at is not None:
+            if now - execution.rejected_at > _DESCRIPTION_TIMEOUT:
+                self._commands.end(execution, Outcome.REJECTED, 'the robot gave no reason')
+        elif spec.completed_by is None and execution.begun and unheard > _QUIET:
+            self._commands.end(execution, Outcome.SUCCEEDED, '')
+        else:
+            limit = execution.timeout if execution.begun else execution.acknowledge_timeout
+            longest = _LONGEST_START if spec.drives else _LONGEST_ANSWER
+            if unheard > limit:
+                self._time_out(execution, f'the robot said nothing about it for {limit:.0f} s')
+            elif now - execution.sent_at > max(longest, limit) and not _may_take_longer(execution):
+                self._time_out(execution, f'it was not done within {max(longest, limit):.0f} s')
+
+    def _time_out(self, execution: Execution, words: str) -> None:
+        newest = execution in self._commands.drives[-1:] and not any(
+            other.command.spec.drives for other in self._commands.waiting)
+        self._commands.end(execution, Outcome.TIMED_OUT, words)
+        if execution.stop_on_timeout and newest:
+            self._stop()
 
     def on_lost(self, reason: str) -> None:
         """The link broke: nothing is sent again, everything ends."""
@@ -91,17 +128,27 @@ class Dispatcher:
             never = '' if execution.sent else 'never sent: '
             self._commands.end(execution, Outcome.LOST, never + reason)
 
-    def take_news(self) -> List[Callable[[], None]]:
+    def pop_callbacks(self) -> List[Callable[[], None]]:
         """What is to be told, in order."""
-        return self._commands.take_news()
+        return self._commands.pop_callbacks()
 
-    def _stop_if_cancelled(self) -> None:
+    def _stop_if_cancelled(self, now: float) -> None:
         """Stops the robot when what it does, or is about to do, is no longer wanted.
 
-        A driving command that waits goes out next and replaces it; a stop would drop that one.
+        A newer driving command replaces a cancelled one; a stop would end that one, too. But it
+        must do so soon: the robot may have missed it.
         """
-        drivers = self._commands.drivers
-        if (drivers and drivers[-1].cancel_requested and not drivers[-1].stopping
-                and not any(e.command.spec.drives for e in self._commands.waiting)):
-            drivers[-1].stopping = True
-            self.start(parse_command('stop'))
+        waiting = any(e.command.spec.drives for e in self._commands.waiting)
+        for drive in reversed(self._commands.drives):
+            if drive.stopping:
+                return  # that stop is meant for the older ones, too
+            if drive.cancel_requested is None:
+                continue
+            newest = drive is self._commands.drives[-1] and not waiting
+            if newest or now - drive.cancel_requested > _LONGEST_REPLACEMENT:
+                drive.stopping = True
+                self._stop()
+                return
+
+    def _stop(self) -> None:
+        self.start(parse_command('stop'))

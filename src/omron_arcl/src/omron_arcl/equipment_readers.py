@@ -2,12 +2,15 @@
 from __future__ import annotations
 
 import re
-from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from omron_arcl.readers import named, split_words
+from omron_arcl.readers import split_words
 from omron_arcl.replies import equipment
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
 
 _COORDINATE_LIMIT = 2 ** 31  # ARCL's integers are signed 32 bit
 _STATES = ('on', 'off', 'broken')
@@ -18,7 +21,9 @@ def digital_input(text: str, output: bool) -> equipment.Input:
     name, _, state = text.rpartition(' ')
     if state.lower() not in _STATES:
         name, state = text, ''
-    return named(partial(equipment.Input, state=state.lower(), output=output))(name.strip('"'))
+    if not name:
+        raise ValueError
+    return equipment.Input(name.strip('"'), state.lower(), output)
 
 
 _EXTERNAL_IO = re.compile(r'(.+) with (\d+) input\(s\), value = (\w+)'
@@ -74,7 +79,7 @@ def range_reading(text: str, cumulative: bool) -> equipment.RangeReading:
     return equipment.RangeReading(device, points, cumulative)
 
 
-def _integers(text: str) -> np.ndarray:
+def _integers(text: str) -> npt.NDArray[np.int64]:
     """Blank-separated integers, read at once by numpy.
 
     numpy stops silently at the first word that is no integer, so the text is checked before: only

@@ -48,11 +48,12 @@ class ConnectionLost(LinkError):
 
 
 class PeerSilent(LinkError):
-    """Nothing came for too long; `seconds` is how long."""
+    """Nothing came for too long; `seconds` is how long, `words` what came last in a login."""
 
-    def __init__(self, seconds: float) -> None:
+    def __init__(self, seconds: float, words: str = '') -> None:
         self.seconds = seconds
-        super().__init__(f'nothing was received for {seconds:.1f} s')
+        super().__init__(f'nothing was received for {seconds:.1f} s'
+                         + (f', after "{words}"' if words else ''))
 
 
 class LineTooLong(LinkError):

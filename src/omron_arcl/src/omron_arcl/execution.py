@@ -4,11 +4,12 @@ from __future__ import annotations
 import threading
 from dataclasses import dataclass
 from enum import Enum
-from typing import Callable, List, Optional, Tuple
+from typing import Callable, List, Optional, Set, Tuple
 
-from omron_arcl.commands import Command
+from omron_arcl.commands import ACKNOWLEDGE_TIMEOUT, Command
 
-_MOST_LINES = 10_000  # kept of one command's lines
+MAXIMUM_LINES = 10_000  # kept of one command's lines,
+MAXIMUM_CHARACTERS = 4_000_000  # and of what they hold
 
 
 class Outcome(Enum):
@@ -28,32 +29,60 @@ class Outcome(Enum):
 
 @dataclass(frozen=True)
 class Result:
-    """How a command ended: `words` are the robot's, or ours where it said nothing."""
+    """How a command ended: `words` are the robot's, or ours where it said nothing.
+
+    `lines` are those that belonged to the command; `left_out` counts the ones beyond what is kept.
+    """
 
     outcome: Outcome
     words: str
     lines: Tuple[str, ...]
+    left_out: int = 0
+
+
+@dataclass
+class Doubt:
+    """The robot says something else than that it carries the command out.
+
+    outcome, words: how the command ends if this holds. since: when it was said first, `count`:
+    how often since. broken_off: an `Interrupted` was said that names something unknown.
+    """
+
+    outcome: Outcome
+    words: str
+    since: float
+    count: int = 1
+    broken_off: bool = False
 
 
 class Execution:
     """A command given to the robot. `result` is None until it has ended; any thread may ask."""
 
-    def __init__(self, command: Command, silence: Optional[float],
+    def __init__(self, command: Command, timeout: Optional[float] = None,
                  on_line: Optional[Callable[[str], None]] = None,
-                 on_end: Optional[Callable[[Result], None]] = None) -> None:
+                 on_end: Optional[Callable[[Result], None]] = None,
+                 stop_on_timeout: bool = False) -> None:
         self.command = command
         self.result: Optional[Result] = None
         self.on_line = on_line
         self.on_end = on_end
-        # Kept by the dispatcher, its queue and its attribution:
-        self.silence = silence
-        self.heard: Optional[float] = None  # when it was sent, or its last line came
+        # Kept by the dispatcher, its queue, its attribution and its watch:
+        self.timeout = timeout or command.spec.timeout  # s without a word about it
+        self.acknowledge_timeout = timeout or min(command.spec.timeout, ACKNOWLEDGE_TIMEOUT)
+        self.stop_on_timeout = stop_on_timeout
+        self.sent_at = 0.0
+        self.heard: Optional[float] = None  # when it was sent, or last heard of
         self.order = 0  # of sending
-        self.begun = False
-        self.cancel_requested = False
+        self.begun = False  # the robot has acknowledged it
+        self.cancel_requested: Optional[float] = None  # when
         self.stopping = False  # a stop was given because of that
-        self.rejected = False  # CommandError came, its description is awaited
+        self.rejected_at: Optional[float] = None  # CommandError came, its description is awaited
+        self.doubt: Optional[Doubt] = None
+        self.shown_when_sent = ''  # the robot's status text then
+        self.points: Set[Tuple[float, ...]] = set()  # that the robot showed for its goal
         self._lines: List[str] = []
+        self._characters = 0
+        self._left_out = 0
         self._ended = threading.Event()
 
     @property
@@ -63,20 +92,23 @@ class Execution:
 
     def add_line(self, text: str) -> None:
         """A line that belongs to the command."""
-        if len(self._lines) < _MOST_LINES:
+        self._characters += len(text)
+        if len(self._lines) < MAXIMUM_LINES and self._characters <= MAXIMUM_CHARACTERS:
             self._lines.append(text)
+        else:
+            self._left_out += 1
 
     def end(self, outcome: Outcome, words: str) -> bool:
         """Sets the result, once; whether this was the time."""
         if self.result is not None:
             return False
-        self.result = Result(outcome, words, tuple(self._lines))
+        self.result = Result(outcome, words, tuple(self._lines), self._left_out)
         return True
 
     def announce(self) -> None:
         """Tells those who wait; called after `end`, without locks held."""
         self._ended.set()
-        if self.on_end:
+        if self.on_end and self.result:
             self.on_end(self.result)
 
     def wait(self, timeout: Optional[float] = None) -> Optional[Result]:

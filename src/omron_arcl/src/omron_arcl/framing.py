@@ -4,10 +4,22 @@ from __future__ import annotations
 import re
 from typing import List
 
-LONGEST_LINE = 1 << 20  # bytes; a scan of 455 points has about 5,000
+LONGEST_LINE = 1 << 17  # bytes; a scan of 455 points has about 5,000
 
 # IAC WILL/WONT/DO/DONT <option>, or IAC <command>; perhaps cut short at the end of the line
 _TELNET = re.compile(rb'\xff(?:[\xfb-\xfe].?|[^\xfb-\xfe])?', re.DOTALL)
+
+
+def decode(line: bytes) -> str:
+    """A line as text.
+
+    ARCL is ASCII by its manual, but goals have the names that they have in the map, whose files are
+    UTF-8, or Latin-1 where older tools wrote them. What is no UTF-8 is read as Latin-1.
+    """
+    try:
+        return line.decode('utf-8')
+    except UnicodeDecodeError:
+        return line.decode('latin-1')
 
 
 class LineBuffer:
@@ -21,6 +33,17 @@ class LineBuffer:
         self.limit = limit
         self.overflowed = False
         self._tail = bytearray()
+
+    @property
+    def tail(self) -> bytes:
+        """The beginning of a line whose end has not come yet."""
+        return bytes(self._tail)
+
+    def take_tail(self) -> bytes:
+        """The same, as if it had ended here."""
+        tail = bytes(self._tail)
+        self._tail.clear()
+        return tail
 
     def feed(self, data: bytes) -> List[bytes]:
         """The lines that `data` completes."""

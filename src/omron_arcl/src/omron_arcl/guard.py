@@ -1,26 +1,22 @@
-"""Which commands may go to the robot: what is allowed, what it has, and which goals it knows."""
+"""Which commands may go to the robot, and which it may not understand."""
 from __future__ import annotations
 
 from typing import FrozenSet, Iterable, Optional
 
-from omron_arcl import (
-    COMMANDS,
-    Category,
-    Command,
-    HelpList,
-    InvalidCommand,
-    parse_command,
-    printable,
-)
+from omron_arcl.command_line import printable
+from omron_arcl.command_table import COMMANDS, spec_of
+from omron_arcl.commands import Category, Command
+from omron_arcl.errors import InvalidCommand
+from omron_arcl.help_list import HelpList
 
 _DRIVES_TO_A_GOAL = ('goto', 'gotoRouteGoal')
 
 
 class Guard:
-    """Checks a command line before it is sent.
+    """Checks a command before it is sent. `stop` is always let through.
 
-    `allowed` holds categories (`motion`, `query`, ...) and names of commands. `goals` are those of
-    the robot, None until it has listed them.
+    `allowed` holds categories (`motion`, `query`, ...) and names of commands. `goals` are those
+    that the robot has listed, None while they are not known.
     """
 
     def __init__(self, allowed: Iterable[str]) -> None:
@@ -28,20 +24,23 @@ class Guard:
         categories = {category.value: category for category in Category}
         self.categories = frozenset(categories[word] for word in words if word in categories)
         self.names = frozenset(word for word in words if word not in categories)
-        self.help = HelpList({})
         self.goals: Optional[FrozenSet[str]] = None
+
+    def list_goals(self, names: Iterable[str]) -> None:
+        """The robot has listed its goals; a list without any forbids nothing."""
+        self.goals = frozenset(name.casefold() for name in names) or None
 
     def unknown_words(self) -> FrozenSet[str]:
         """Words of `allowed` that are neither a category nor a command of the table."""
         return frozenset(word for word in self.names if word not in COMMANDS)
 
-    def check(self, text: str) -> Command:
-        """The command that `text` is; raises InvalidCommand with a reason for people."""
-        command = parse_command(text, self.help.full_name)
-        reason = self._not_allowed(command) or self._not_there(command)
+    def check(self, command: Command) -> None:
+        """Raises InvalidCommand, with a reason for people, for what is not to be sent."""
+        if command.spec.stops:
+            return
+        reason = self._not_allowed(command) or self._no_such_goal(command)
         if reason:
-            raise InvalidCommand(printable(text), reason)
-        return command
+            raise InvalidCommand(printable(command.text), reason)
 
     def _not_allowed(self, command: Command) -> str:
         category = command.spec.category
@@ -50,11 +49,21 @@ class Guard:
         return (f'{command.name} is a command of the kind "{category.value}", which '
                 f'~allowed_commands does not allow: add "{category.value}" or "{command.name}"')
 
-    def _not_there(self, command: Command) -> str:
-        if self.help and not self.help.full_name(command.name):
-            return f'the robot has no command {command.name}, by its own help list'
+    def _no_such_goal(self, command: Command) -> str:
         if (command.spec.name in _DRIVES_TO_A_GOAL and self.goals is not None
                 and not any(goal.casefold() in self.goals for goal in command.goals)):
-            return (f'the robot has no goal "{command.goals[0]}": load a map that has it into '
-                    'the robot')
+            return (f'the robot has no goal "{printable(command.goals[0])}": load a map that has '
+                    'it into the robot')
         return ''
+
+
+def is_stop(text: str) -> bool:
+    """Whether a command line stops the robot."""
+    return spec_of(text.strip().partition(' ')[0]).stops
+
+
+def is_unlisted(command: Command, help_list: HelpList) -> bool:
+    """Whether the robot's own help list lacks a command. It may take it all the same."""
+    return bool(help_list.descriptions) and not (
+        help_list.full_name(command.name)
+        or help_list.full_name(command.text.split(' ', 1)[0]))

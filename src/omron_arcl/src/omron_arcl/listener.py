@@ -9,15 +9,15 @@ import socket
 import time
 from typing import Callable, Optional
 
-from omron_arcl.connection import TICK, Connection, Transport, reason_of
-from omron_arcl.errors import ConnectionLost, LinkError, PeerSilent
+from omron_arcl.connection import Connection, Peer, is_host, reason_of, resolve
 from omron_arcl.link import Link, LinkPhase
-from omron_arcl.session import Closed, Received, Session
+from omron_arcl.session import Received, Session
 from omron_arcl.session_log import SessionLog
+from omron_arcl.transport import Transport
 
 KEEP_ALIVE = 2.0  # s; the robot drops a listener that is silent for 6 s by default
-RETRY = 1.0  # s between two tries to listen on a port that another program has
-_MOST_UNSENT = 64  # bytes of keep-alive to a robot that does not read
+RETRY = 1.0  # s between two tries to listen on a port, or to take a connection
+_MAXIMUM_UNSENT = 64  # bytes of keep-alive to a robot that does not read
 _log = logging.getLogger(__name__)
 
 
@@ -26,7 +26,7 @@ class Listener(Transport):
 
     robot: name or address of the only host that may connect. on_line(Received): a line came.
     on_link(Link): the link changed. on_refused(str): somebody else, with this address, was turned
-    away. silence: seconds without a byte after which the connection counts as dead.
+    away. timeout: seconds without a line after which the connection counts as dead.
     A port that another program has is tried again until it is free, and the link says so meanwhile.
     Raises OSError where it can never listen at (bind, port).
     """
@@ -36,71 +36,82 @@ class Listener(Transport):
                  on_link: Optional[Callable[[Link], None]] = None,
                  on_refused: Optional[Callable[[str], None]] = None,
                  log: Optional[SessionLog] = None,
-                 silence: float = 4.0) -> None:
-        super().__init__('ARCL listener')
+                 timeout: float = 4.0) -> None:
         self._robot = robot
         self._on_line = on_line
-        self._on_link = on_link
         self._on_refused = on_refused
         self._trace = log.outgoing() if log else None
-        self._silence = silence
+        self._timeout = timeout
         self._bind = bind
         self.port = port
         self._socket: Optional[socket.socket] = None
-        self._tried = time.monotonic()
-        self.link = Link(LinkPhase.DISCONNECTED, robot, 'the robot has not connected yet')
-        self._connection: Optional[Connection] = None
-        self._session = Session(None)
-        self._heard = self._spoken = 0.0
+        self._peer: Optional[Peer] = None
+        self._due = time.monotonic() + RETRY  # when to listen again
+        self._spoken = 0.0
+        reason = 'the robot has not connected yet'
         try:
-            self._listen()
+            self._socket = self._listen()
         except OSError as error:
             if error.errno != errno.EADDRINUSE:
                 raise
-            self.link = Link(LinkPhase.DISCONNECTED, robot, f'another program has port {port}: '
-                             'end it or choose another port; it is tried again every second')
+            reason = (f'another program has port {port}: end it or choose another port; it is '
+                      'tried again every second')
+        super().__init__('ARCL listener', Link(LinkPhase.DISCONNECTED, robot, reason), on_link)
 
-    def _listen(self) -> None:
-        self._socket = socket.create_server((self._bind, self.port), backlog=4)
-        self._socket.setblocking(False)
-        self.port = self._socket.getsockname()[1]
+    def _listen(self) -> socket.socket:
+        if self._bind and not is_host(self._bind):
+            raise OSError(errno.EINVAL, 'that is neither an address nor a name')
+        listening = socket.create_server((self._bind, self.port), backlog=4)
+        listening.setblocking(False)
+        self.port = listening.getsockname()[1]
+        return listening
+
+    def _free(self) -> None:
+        super()._free()
+        if self._socket:
+            self._socket.close()
 
     # --- the listener's thread -------------------------------------------------------------------
 
     def _run(self) -> None:
         self._call(self._on_link, self.link)
         with selectors.DefaultSelector() as selector:
-            self._selector = selector
             selector.register(self._waker.reader, selectors.EVENT_READ)
             if self._socket:
                 selector.register(self._socket, selectors.EVENT_READ)
             while not self._closing.is_set():
-                ready = [key.fileobj for key, _ in selector.select(TICK)]
-                if not self._socket:
-                    self._retry(time.monotonic())
-                elif self._socket in ready:
-                    self._accept()
-                if self._connection:
-                    self._serve(time.monotonic())
-            self._drop(ConnectionLost('closed by us'))
-        if self._socket:
-            self._socket.close()
+                waited = self._wait(selector)
+                now = time.monotonic()
+                if self._socket is None:
+                    self._listen_again(selector, now)
+                elif self._socket in self._ready:
+                    self._accept(self._socket, selector, now)
+                elif now >= self._due and self._socket not in selector.get_map():
+                    selector.register(self._socket, selectors.EVENT_READ)
+                if self._peer:
+                    self._serve(self._peer, selector, now, waited)
+            self._drop(selector, 'closed by us')
 
-    def _retry(self, now: float) -> None:
-        if now - self._tried < RETRY:
+    def _listen_again(self, selector: selectors.BaseSelector, now: float) -> None:
+        if now < self._due:
             return
-        self._tried = now
+        self._due = now + RETRY
         with contextlib.suppress(OSError):  # why has been said
-            self._listen()
-            self._selector.register(self._socket, selectors.EVENT_READ)
-            self._set_link(Link(LinkPhase.DISCONNECTED, self._robot, f'port {self.port} is free '
-                                'now, the robot has not connected yet'))
+            self._socket = self._listen()
+            selector.register(self._socket, selectors.EVENT_READ)
+            self._set_link(LinkPhase.DISCONNECTED, self._robot, f'port {self.port} is free now, '
+                           'the robot has not connected yet')
 
-    def _accept(self) -> None:
+    def _accept(self, listening: socket.socket, selector: selectors.BaseSelector,
+                now: float) -> None:
         try:
-            accepted, address = self._socket.accept()
-        except OSError as error:  # it was gone again, or there are no descriptors left
+            accepted, address = listening.accept()
+        except BlockingIOError:  # it was gone again
+            return
+        except OSError as error:  # no descriptors are left: it would fail again at once
             _log.warning('A connection could not be taken: %s.', reason_of(error))
+            selector.unregister(listening)
+            self._due = now + RETRY
             return
         if not self._is_robot(address[0]):
             accepted.close()
@@ -111,45 +122,34 @@ class Listener(Transport):
         except OSError:  # gone already
             accepted.close()
             return
-        self._drop(ConnectionLost('the robot connected anew'))
-        self._connection = connection
-        self._session = Session(None, trace=self._trace)
-        self._heard = self._spoken = time.monotonic()
-        self._selector.register(accepted, selectors.EVENT_READ)
-        self._set_link(Link(LinkPhase.CONNECTED, '{}:{}'.format(*address[:2])))
+        self._drop(selector, 'the robot connected anew')
+        self._peer = Peer(connection, Session(None, trace=self._trace), self._timeout)
+        self._spoken = now
+        selector.register(accepted, selectors.EVENT_READ)
+        self._set_link(LinkPhase.CONNECTED, '{}:{}'.format(*address[:2]))
 
     def _is_robot(self, address: str) -> bool:
         try:
-            return address in {entry[4][0] for entry in socket.getaddrinfo(self._robot, None)}
+            return address in {entry[4][0] for entry in resolve(self._robot)}
         except OSError as error:
-            _log.warning('The name %s has no address: %s.', self._robot, reason_of(error))
+            _log.warning('The robot "%s" has no address: %s.', self._robot, reason_of(error))
             return False
 
-    def _serve(self, now: float) -> None:
+    def _serve(self, peer: Peer, selector: selectors.BaseSelector, now: float,
+               waited: float) -> None:
         try:
-            data = self._connection.receive()
-            if data is None:
-                if now - self._heard > self._silence:
-                    raise PeerSilent(now - self._heard)
-            else:
-                self._heard = now
-                for event in self._session.read(data) if data else self._session.receive_eof():
-                    if isinstance(event, Closed):
-                        raise event.cause
-                    self._call(self._on_line, event)
+            for event in peer.receive(now, waited):
+                self._call(self._on_line, event)
             if now - self._spoken > KEEP_ALIVE:
                 self._spoken = now
-                self._connection.send(b'\n' if len(self._connection.unsent) < _MOST_UNSENT else b'')
+                unsent = len(peer.connection.unsent)
+                peer.connection.send(b'\n' if unsent < _MAXIMUM_UNSENT else b'')
         except Exception as error:  # a thread that died of it could never listen again
-            self._drop(self._cause(error))
+            self._drop(selector, str(self._cause(error)))
 
-    def _drop(self, cause: LinkError) -> None:
-        if self._connection:
-            self._selector.unregister(self._connection.socket)
-            self._connection.close()
-            self._connection = None
-            self._set_link(Link(LinkPhase.DISCONNECTED, self.link.peer, str(cause)))
-
-    def _set_link(self, link: Link) -> None:
-        self.link = link
-        self._call(self._on_link, link)
+    def _drop(self, selector: selectors.BaseSelector, reason: str) -> None:
+        if self._peer:
+            selector.unregister(self._peer.connection.socket)
+            self._peer.connection.close()
+            self._peer = None
+            self._set_link(LinkPhase.DISCONNECTED, self.link.peer, reason)

@@ -13,16 +13,7 @@ from typing import Dict, List, Tuple
 from omron_arcl import equipment_readers as equipment
 from omron_arcl import readers as read
 from omron_arcl.readers import Reader, Row
-from omron_arcl.replies import (
-    configuration,
-    driving,
-    general,
-    refusals,
-    safety,
-    site,
-    status,
-    tasks,
-)
+from omron_arcl.replies import driving, general, refusals, safety, site, status, tasks
 from omron_arcl.replies.reply import Reply, UnknownLine
 
 
@@ -48,7 +39,7 @@ def parse_line(text: str) -> Reply:
 
 
 # %15s%10s%s: a name, ten blanks, what it does
-_HELP_ENTRY = re.compile(r'\s*(\S+) {10}(.*)$')
+_HELP_ENTRY = re.compile(r'\s*(\S+) {10}\s*(.*)$')
 
 
 # --- the table ------------------------------------------------------------------------------------
@@ -58,9 +49,9 @@ _TABLE: Tuple[Row, ...] = (
     ('Location:', read.location),
     ('RangeDeviceGetCurrent:', partial(equipment.range_reading, cumulative=False)),
     ('RangeDeviceGetCumulative:', partial(equipment.range_reading, cumulative=True)),
-    ('StateOfCharge:', read.measured(status.StateOfCharge)),
-    ('BatteryVoltage:', read.measured(status.BatteryVoltage)),
-    ('LocalizationScore:', read.measured(status.LocalizationScore)),
+    ('StateOfCharge:', read.state_of_charge),
+    ('BatteryVoltage:', read.battery_voltage),
+    ('LocalizationScore:', read.localization_score),
     ('Temperature:', read.temperature),
     *((f'{word}:', read.one_line_status(f'{word}:')) for word in (
         'Status', 'Location', 'StateOfCharge', 'BatteryVoltage', 'LocalizationScore',
@@ -74,6 +65,8 @@ _TABLE: Tuple[Row, ...] = (
     ('Arrived at point', read.to_point(driving.ArrivedAtPoint())),
     ('Arrived at', read.named(driving.ArrivedAt)),
     ('Failed going to', read.named(driving.FailedGoingTo)),
+    *(read.said(phrase, driving.Failure) for phrase in (
+        'Failed', 'Cannot', 'Can not', "Can't", 'Could not', 'Unable to', 'Stalled')),
     ('Stopping', read.exactly(driving.Stopping())),
     ('Stopped', read.exactly(driving.Stopped())),
     ('Parking', read.exactly(driving.Parking(parked=False))),
@@ -86,10 +79,10 @@ _TABLE: Tuple[Row, ...] = (
     ('Localizing', read.localizing(False, 'Localizing')),
     ('Localized', read.localizing(True, 'Localized')),
     # emergency stop, motors, faults
-    ('EStop', read.estop),
-    ('Motors enabled', read.exactly(safety.Motors(True))),
-    ('Motors are enabled', read.exactly(safety.Motors(True))),
-    ('Motors disabled', read.exactly(safety.Motors(False))),
+    *((phrase, read.estop) for phrase in ('EStop', 'E-Stop', 'Emergency stop')),
+    *((f'Motors {word}', read.exactly(safety.Motors(state)))
+      for word, state in (('enabled', True), ('are enabled', True), ('disabled', False),
+                          ('are disabled', False))),
     ('Fault:', read.fault),
     ('FaultCleared:', partial(read.fault, cleared=True)),
     ('FaultList:', read.fault),
@@ -97,7 +90,10 @@ _TABLE: Tuple[Row, ...] = (
     # errors
     ('CommandError:', refusals.CommandError),
     ('CommandErrorDescription:', refusals.CommandErrorDescription),
+    *(read.said(phrase, refusals.CommandErrorDescription)
+      for phrase in ('No goal', 'No such goal')),
     ('Unknown command', refusals.UnknownCommand),
+    ('Unknown command:', refusals.UnknownCommand),
     ('SetUpError:', refusals.SetUpError),
     ('usage:', read.named(refusals.Usage)),
     # tasks, macros, lists
@@ -121,9 +117,10 @@ _TABLE: Tuple[Row, ...] = (
     ('Odometer:', read.odometer),
     ('DateTime:', status.DateTime),
     ('DistanceBetween:', read.distance_between),
+    ('DistanceFromHere:', read.distance_from_here),
     ('MapObjectList:', read.map_object),
     ('MapObjectInfoCoord:', read.map_object_coord),
-    ('GetConfigSectionValue:', read.key_and_value(configuration.ConfigValue)),
+    ('GetConfigSectionValue:', read.key_and_value(site.ConfigValue)),
     ('Input:', partial(equipment.digital_input, output=False)),
     ('Output:', partial(equipment.digital_input, output=True)),
     ('RangeDevice:', equipment.range_device),
@@ -156,12 +153,13 @@ _TABLE: Tuple[Row, ...] = (
         'EndOfGetDataStoreGroupValues', 'EndOfGetDataStoreGroupInfo',
         'EndOfGetDataStoreTripGroupList', 'EndOfGetDataStoreFieldList',
         'EndOfGetDataStoreFieldValues', 'EndOfGetDataStoreFieldInfo', 'EndOfTripReset',
-        'EndPayloadQuery', 'EndPayloadSlotCount', 'EndQueueShow', 'EndQueueShowCompleted',
-        'EndQueueShowRobot', 'EndQueueQuery', 'EndQueueMulti')),
+        'EndPayloadQuery', 'EndPayloadQueryLocal', 'EndPayloadSlotCount',
+        'EndPayloadSlotCountLocal', 'EndQueueShow', 'EndQueueShowCompleted', 'EndQueueShowRobot',
+        'EndQueueShowRobotLocal', 'EndQueueQuery', 'EndQueueQueryLocal', 'EndQueueMulti')),
     # said once it is done, or said to everybody
     ('Map changed', read.exactly(site.MapChanged())),
-    ('Configuration changed', read.exactly(configuration.ConfigurationChanged())),
-    ('Config had errors parsing:', configuration.ConfigErrors),
+    ('Configuration changed', read.exactly(site.ConfigurationChanged())),
+    ('Config had errors parsing:', site.ConfigErrors),
     *(read.said(phrase) for phrase in (
         'Reset odometer', 'Created info for', 'Updated info for', 'New config starting', 'Added',
         'Will parse config', 'Config parsed fine', 'Will add new param',
@@ -183,6 +181,9 @@ _TABLE: Tuple[Row, ...] = (
     ('Charge requested', partial(general.Notice, 'Charge')),
     ('Teleop driving', partial(general.Notice, 'Teleop')),
     ('Robot lost', read.exactly(general.Notice('Lost', ''))),
+    *((state, read.exactly(general.Notice(state, '')))
+      for state in ('Docked', 'Docking', 'Undocking', 'Undocked')),
+    ('Driving into dock', partial(general.Notice, 'Docking')),
     ('Driving', partial(general.Notice, 'Driving')),
     ('Following', partial(general.Notice, 'Following')),
     read.said('Shutting down', general.ServerClosing),

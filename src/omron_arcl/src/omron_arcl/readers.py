@@ -4,25 +4,31 @@ Each takes that text and gives the reply, or raises ValueError where the text do
 """
 from __future__ import annotations
 
-import math
+import contextlib
 import re
 from functools import partial
-from typing import Callable, Dict, List, Tuple
+from typing import Any, Callable, Dict, List, Tuple
 
 from omron_arcl.replies import driving, general, safety, site, status, tasks
-from omron_arcl.replies.reply import Reply
+from omron_arcl.replies.reply import Reply, coordinates
 
 Reader = Callable[[str], Reply]
 Row = Tuple[str, Reader]
 
 
 def named(kind: Callable[[str], Reply]) -> Reader:
-    """A name or text, which must be there."""
+    """A name or text, which must be there; quotes around all of it are not part of it."""
     def read(text: str) -> Reply:
         if not text:
             raise ValueError
-        return kind(text)
+        return kind(unquoted(text))
     return read
+
+
+def unquoted(text: str) -> str:
+    """`text` without the quotes around all of it, which some robots put around names."""
+    inner = text[1:-1]
+    return inner if text == f'"{inner}"' and inner and '"' not in inner else text
 
 
 def exactly(reply: Reply) -> Reader:
@@ -34,44 +40,57 @@ def exactly(reply: Reply) -> Reader:
     return read
 
 
-def _number(text: str) -> float:
+def number(text: str, minimum: float = -1e15, maximum: float = 1e15) -> float:
+    """A decimal number within `minimum` and `maximum`."""
     value = float(text)
-    if not math.isfinite(value) or '_' in text:
+    if not minimum <= value <= maximum or '_' in text:
         raise ValueError
     return value
 
 
-def measured(kind: Callable[[float], Reply]) -> Reader:
-    """One number."""
-    return lambda text: kind(_number(text))
+# What can be measured; anything else is no measurement. All fits into a message's float32.
+_PERCENT = (0.0, 100.0)
+_VOLTS = (0.0, 1000.0)
+_SCORE = (0.0, 1.0)
+_CELSIUS = (-150.0, 1000.0)
+_FARTHEST = 1e10  # mm from the map's origin: 10,000 km
+_MAXIMUM_DEGREES = 360.0
 
 
-def _numbers(text: str) -> List[float]:
-    return [_number(word) for word in text.split()]
+def measured(kind: Callable[[float], Reply], limits: Tuple[float, float]) -> Reader:
+    """One number within `limits`."""
+    minimum, maximum = limits
+    return lambda text: kind(number(text, minimum, maximum))
+
+
+state_of_charge = measured(status.StateOfCharge, _PERCENT)
+battery_voltage = measured(status.BatteryVoltage, _VOLTS)
+localization_score = measured(status.LocalizationScore, _SCORE)
 
 
 def location(text: str) -> status.Location:
     """`3120 -540 -87`: mm, mm, degrees."""
-    x, y, heading = text.split()
-    location = status.Location(float(x), float(y), float(heading))
-    if not math.isfinite(location.x + location.y + location.heading) or '_' in text:
+    words = text.split()
+    x, y, heading = map(float, words)
+    if (not -_FARTHEST <= x <= _FARTHEST or not -_FARTHEST <= y <= _FARTHEST
+            or not -_MAXIMUM_DEGREES <= heading <= _MAXIMUM_DEGREES or '_' in text):
         raise ValueError
-    return location
+    return status.Location(x, y, heading)
 
 
 def temperature(text: str) -> status.Temperature:
     """Degrees Celsius; -127 and -128 stand for no sensor."""
-    celsius = _number(text)
+    celsius = number(text, *_CELSIUS)
     return status.Temperature(None if celsius in (-127.0, -128.0) else celsius)
 
 
-_STATUS_FIELDS: Dict[str, Row] = {
+_STATUS_FIELDS: Dict[str, Tuple[str, Callable[[str], object]]] = {
     'extendedstatusforhumans': ('extended_status', str),
     'status': ('status', str),
-    'stateofcharge': ('state_of_charge', measured(status.StateOfCharge)),
-    'batteryvoltage': ('battery_voltage', measured(status.BatteryVoltage)),
+    'stateofcharge': ('state_of_charge', state_of_charge),
+    'batteryvoltage': ('battery_voltage', battery_voltage),
     'location': ('location', location),
-    'localizationscore': ('localization_score', measured(status.LocalizationScore)),
+    'localizationscore': ('localization_score', localization_score),
     'temperature': ('temperature', temperature),
 }
 _STATUS_KEYWORD = re.compile(
@@ -79,44 +98,48 @@ _STATUS_KEYWORD = re.compile(
 
 
 def one_line_status(first: str) -> Reader:
-    """Several status fields on one line, in any order. The status text may itself hold colons."""
+    """Several status fields on one line, in any order. The status text may itself hold colons.
+
+    A field whose value cannot be is left out, as if it had not been sent.
+    """
     def read(text: str) -> Reply:
         if ':' not in text:
             raise ValueError
         parts = _STATUS_KEYWORD.split(f'{first} {text}')[1:]
         if len(parts) < 4:
             raise ValueError
-        fields = {}
+        fields: Dict[str, Any] = {'status': ''}
         for keyword, value in zip(parts[::2], parts[1::2]):
-            name, read = _STATUS_FIELDS[keyword.lower()]
-            fields[name] = read(value.strip())
-        return status.OneLineStatus(**{'status': '', **fields})
+            name, read_field = _STATUS_FIELDS[keyword.lower()]
+            with contextlib.suppress(ValueError):
+                fields[name] = read_field(value.strip())
+        return status.OneLineStatus(**fields)
     return read
 
 
 def docking(text: str) -> driving.DockingStatus:
     """`Docked ForcedState: Unforced ChargeState: Float`."""
-    words = text.split()
-    state = driving.DockingState(words[0].capitalize()) if words else None
+    words = text.split() or ['']
+    state = driving.DockingState(words[0].capitalize())
     fields = dict(zip((word.lower() for word in words[1::2]), words[2::2]))
-    if state is None or not set(fields) <= {'forcedstate:', 'chargestate:'}:
-        raise ValueError
     return driving.DockingStatus(state, fields.get('forcedstate:', '').lower() == 'forced',
                                  fields.get('chargestate:', ''))
 
 
 def estop(text: str) -> safety.EStop:
     """`pressed`, `relieved but motors still disabled`, `pressed, cannot enable motors`."""
-    word = text.split(' ', 1)[0].rstrip(',').lower()
-    if word not in ('pressed', 'relieved'):
+    words = text.lower().replace(',', ' ').split()
+    if words[:1] == ['button']:
+        del words[0]
+    if words[:1] not in (['pressed'], ['relieved'], ['released']):
         raise ValueError
-    return safety.EStop(word == 'pressed', f'EStop {text}')
+    return safety.EStop(words[0] == 'pressed', f'EStop {text}')
 
 
 def to_point(reply: Reply) -> Reader:
     """`point`, perhaps with coordinates; a goal may be called `point 7`, but not `point 1 2`."""
     def read(text: str) -> Reply:
-        if text and len(_numbers(text.replace(',', ' '))) not in (2, 3):
+        if text and not coordinates(text):
             raise ValueError
         return reply
     return read
@@ -125,8 +148,10 @@ def to_point(reply: Reply) -> Reader:
 def patrolling(text: str) -> driving.Patrolling:
     """`<route>`, or `<route> once`."""
     if text.lower().endswith(' once'):
-        return driving.Patrolling(text[:-len(' once')], once=True)
-    return named(partial(driving.Patrolling, once=False))(text)
+        return driving.Patrolling(unquoted(text[:-len(' once')]), once=True)
+    if not text:
+        raise ValueError
+    return driving.Patrolling(unquoted(text), once=False)
 
 
 def instant_task(text: str) -> tasks.CompletedInstantTask:
@@ -148,20 +173,27 @@ _TRUTH = {'true': True, 'false': False, '1': True, '0': False}
 def fault(text: str, cleared: bool = False) -> safety.Fault:
     """`<kind> <name> "<short>" "<long>" <driving> <critical> <application>`."""
     kind, name, short, long, *flags = split_words(text)
-    truths = [_TRUTH.get(flag.lower(), False) for flag in (flags + ['', '', ''])[:3]]
-    return safety.Fault(kind, name, short, long, *truths, cleared=cleared)
+    stops, critical, application = (_TRUTH.get(flag.lower(), False)
+                                    for flag in (flags + ['', '', ''])[:3])
+    return safety.Fault(kind, name, short, long, stops, critical, application, cleared)
 
 
 def odometer(text: str) -> status.Odometer:
     """`8281 mm 210 deg 469 sec`."""
     distance, _, rotation, _, seconds, _ = text.split()
-    return status.Odometer(_number(distance), _number(rotation), _number(seconds))
+    return status.Odometer(number(distance), number(rotation), number(seconds))
 
 
 def distance_between(text: str) -> site.DistanceBetween:
     """`<mm> "<goal>" "<goal>"`."""
     distance, origin, destination = split_words(text)
-    return site.DistanceBetween(_number(distance), origin, destination)
+    return site.DistanceBetween(number(distance), origin, destination)
+
+
+def distance_from_here(text: str) -> site.DistanceFromHere:
+    """`12345 "<goal>"`."""
+    distance, _, goal = text.partition(' ')
+    return site.DistanceFromHere(number(distance), unquoted(goal.strip()))
 
 
 def map_object(text: str) -> site.MapObjectName:
@@ -173,7 +205,9 @@ def map_object(text: str) -> site.MapObjectName:
 def map_object_coord(text: str) -> site.MapObjectCoord:
     """`"<name>" -3914 1929 -90.000`: mm, mm, degrees."""
     name, x, y, heading = split_words(text)
-    return site.MapObjectCoord(name, _number(x), _number(y), _number(heading))
+    return site.MapObjectCoord(name, number(x, -_FARTHEST, _FARTHEST),
+                              number(y, -_FARTHEST, _FARTHEST),
+                              number(heading, -_MAXIMUM_DEGREES, _MAXIMUM_DEGREES))
 
 
 def key_and_value(kind: Callable[[str, str], Reply]) -> Reader:

@@ -1,4 +1,4 @@
-"""Passwords are blanked wherever lines are kept or handed on.
+"""Passwords are redacted wherever lines are kept or handed on.
 
 Besides our own in the login, the robot's configuration holds some: `getConfigSectionValues ARCL
 server setup` prints the very password of the login.
@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 
-BLANKED = b'********'
+REDACTED = b'********'
 
 _CONFIGURED = re.compile(rb'(password\w*["\']?\s+)(.+?)("?\s*\' to the config)?$',
                          re.IGNORECASE | re.DOTALL)
@@ -16,8 +16,8 @@ _READS_OR_WRITES = re.compile(rb'\s*(commanderror:\s*)?'
                               re.IGNORECASE)
 
 
-def blank_configured(line: bytes) -> bytes:
+def redact_passwords(line: bytes) -> bytes:
     """`line`, without the value where it reads or writes a password of the configuration."""
     if not _READS_OR_WRITES.match(line):
         return line
-    return _CONFIGURED.sub(rb'\g<1>' + BLANKED + rb'\g<3>', line)
+    return _CONFIGURED.sub(rb'\g<1>' + REDACTED + rb'\g<3>', line)

@@ -1,16 +1,23 @@
-"""One connection as a state machine without I/O: bytes in, events out.
+"""One connection as a state machine without I/O: bytes and time in, events out.
 
 There are two kinds. On port 7171 the robot asks for a password and lists its commands first; the
 connection that the robot opens itself (7179) speaks at once. In both, `read` takes what came from
-the socket and gives what it means, and `take_output` gives what is to be sent for the session's own
-part: the password, and `echo off`.
+the socket and gives what it means, `on_time` tells the time during the login, and `take_output`
+gives what is to be sent for the session's own part: the password, and `echo off`.
+
+The login of a real LD-90 is a prompt on a line of its own, `Welcome to the server.` and a help list
+with an end line; after a wrong password it closes the connection without a word. Others do it
+otherwise, so whatever asks for a password is a prompt, and whatever comes after the password and
+neither asks again nor complains is a welcome. Where a line that is expected does not come, the
+login goes on without it.
 """
 from __future__ import annotations
 
 import re
 from enum import Enum
-from typing import Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Tuple, Type, Union
+from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Union
 
+from omron_arcl.command_line import printable
 from omron_arcl.errors import (
     ConnectionFailed,
     ConnectionLost,
@@ -18,13 +25,29 @@ from omron_arcl.errors import (
     LinkError,
     WrongPassword,
 )
-from omron_arcl.framing import LONGEST_LINE, LineBuffer
+from omron_arcl.framing import LONGEST_LINE, LineBuffer, decode
+from omron_arcl.help_list import HelpList, read_entry
 from omron_arcl.parser import parse_line
-from omron_arcl.replies.configuration import ConfigValue
 from omron_arcl.replies.general import Done, HelpEntry, Item, ServerClosing
 from omron_arcl.replies.refusals import CommandError
 from omron_arcl.replies.reply import Reply, UnknownLine
-from omron_arcl.secret import BLANKED, blank_configured
+from omron_arcl.replies.site import ConfigValue
+from omron_arcl.secret import REDACTED, redact_passwords
+
+PROMPT_TIMEOUT = 1.0  # s of silence until the password is sent without having been asked for
+WELCOME_TIMEOUT = 1.0  # s of silence after the password until the robot is asked for a line
+HELP_TIMEOUT = 1.5  # s of silence in the help list until it counts as read
+LONGEST_HELP = 10.0  # s from the welcome until the help list counts as read
+_PROBE = b'oneLineStatus'
+_MAXIMUM_ENTRIES = 2000
+_MAXIMUM_WORDS = 150  # characters of what is told of a failed login
+
+_ASKS = re.compile(rb'passw', re.IGNORECASE)
+_COMPLAINS = re.compile(
+    rb'\b(wrong|incorrect|invalid|denied|refused|fail(ed|ure)?|unauthori[sz]ed|bad|not allowed)\b',
+    re.IGNORECASE)
+_PROMPT_ENDS = (b':', b'>', b'?')
+_MAY_HOLD_PASSWORD = (ConfigValue, Done, CommandError, UnknownLine)  # an echoed line is unknown
 
 
 class State(Enum):
@@ -37,45 +60,6 @@ class State(Enum):
     CLOSED = 'closed'
 
 
-# The login: which line takes a state to the next. Source: the login of a real LD-90.
-_LOGIN: Dict[State, Tuple[bytes, State]] = {
-    State.AWAITING_PROMPT: (b'enter password:', State.LOGGING_IN),
-    State.LOGGING_IN: (b'welcome to the server.', State.DRAINING_HELP_LIST),
-    State.DRAINING_HELP_LIST: (b'end of commands', State.READY),
-}
-
-# What it means when the peer closes the connection: after a wrong password it does so at once.
-_CLOSED_WHILE: Dict[State, Tuple[Type[LinkError], str]] = {
-    State.AWAITING_PROMPT: (ConnectionFailed, 'the robot closed the connection before the login'),
-    State.LOGGING_IN: (WrongPassword, 'the robot refused the password'),
-    State.DRAINING_HELP_LIST: (ConnectionLost, 'the robot closed the connection in the login'),
-    State.READY: (ConnectionLost, 'the robot closed the connection'),
-}
-
-_LONGEST_HELP_LIST = 2000
-_MAY_HOLD_PASSWORD = (ConfigValue, Done, CommandError, UnknownLine)  # an echoed line is unknown
-_SHORTCUT = re.compile(r'\[(\w+)\]\s*$')
-
-
-class HelpList:
-    """The commands that the robot has, by its own help list; names are compared without case."""
-
-    def __init__(self, descriptions: Mapping[str, str]) -> None:
-        self.descriptions = dict(descriptions)
-        self._names = {name.lower(): name for name in descriptions}
-        for name, description in descriptions.items():
-            shortcut = _SHORTCUT.search(description)
-            if shortcut:
-                self._names.setdefault(shortcut.group(1).lower(), name)
-
-    def full_name(self, name: str) -> Optional[str]:
-        """The command that `name`, or the shortcut `name`, stands for; None if there is none."""
-        return self._names.get(name.lower())
-
-    def __len__(self) -> int:
-        return len(self.descriptions)
-
-
 class LoggedIn(NamedTuple):
     """The session is ready for commands."""
 
@@ -83,15 +67,19 @@ class LoggedIn(NamedTuple):
 
 
 class Received(NamedTuple):
-    """A line of the robot: exactly as received, and what it means."""
+    """A line of the robot: exactly as received, and what it means.
+
+    `late`: it may have been sent some time ago, and waited here while this process stood still.
+    """
 
     raw: bytes
     reply: Reply
+    late: bool = False
 
     @property
     def text(self) -> str:
-        """The line for people; what is no UTF-8 is replaced."""
-        return self.raw.decode('utf-8', 'replace')
+        """The line as text, see `framing.decode`."""
+        return decode(self.raw)
 
 
 class Closed(NamedTuple):
@@ -105,17 +93,35 @@ Trace = Callable[[str, bytes], None]  # side, 'C' (client) or 'S' (server), and 
 
 
 class Session:
-    """The client's end of one connection; with `password` None the kind without login."""
+    """The client's end of one connection; with `password` None the kind without login.
+
+    `lines_read` counts the lines that came: only a whole line is a sign of life.
+    """
 
     def __init__(self, password: Optional[bytes], longest_line: int = LONGEST_LINE,
                  trace: Optional[Trace] = None) -> None:
         self.state = State.READY if password is None else State.AWAITING_PROMPT
-        self._password = password
+        self.lines_read = 0
+        self._password = password or b''
         self._trace = trace
         self._lines = LineBuffer(longest_line)
         self._output = bytearray()
         self._help: Dict[str, str] = {}
-        self._last_words = ''
+        self._help_begun = False
+        self._prompted = False
+        self._probed = False
+        self._said: List[str] = []  # by the robot, of late
+        self._stirred = True  # something came since `on_time` looked last
+        self._quiet_since = 0.0
+        self._welcomed_at: Optional[float] = None
+
+    @property
+    def words(self) -> str:
+        """What the robot said in the login so far, for the reason why that failed."""
+        said = ' / '.join(self._said)
+        if self._lines.tail:
+            said = f'{said} / {self._shown(self._lines.tail)}'.lstrip(' /')
+        return printable(said, _MAXIMUM_WORDS)
 
     def read(self, data: bytes) -> Iterator[Event]:
         """What `data` from the socket means, event by event; to be read to its end.
@@ -123,11 +129,16 @@ class Session:
         One line is read when the one before it has been dealt with, so that it need not wait for
         those behind it.
         """
+        self._stirred = True
         for raw in self._lines.feed(data):
+            self.lines_read += 1
             if self.state is State.READY:
                 yield self._received(raw)
             elif self.state is not State.CLOSED:
                 yield from self._log_in(raw)
+        if self.state in (State.AWAITING_PROMPT, State.LOGGING_IN) and self._asks_in_the_tail():
+            self.lines_read += 1
+            yield from self._log_in(self._lines.take_tail())
         if self._lines.overflowed and self.state is not State.CLOSED:
             yield self._close(LineTooLong(self._lines.limit))
 
@@ -139,10 +150,26 @@ class Session:
         """What it means that the peer closed the connection now."""
         if self.state is State.CLOSED:
             return []
-        kind, reason = _CLOSED_WHILE[self.state]
-        if self._last_words:
-            reason += f', saying "{self._last_words}"'
-        return [self._close(kind(reason))]
+        return [self._close(self._cause_of_eof())]
+
+    def on_time(self, now: float) -> List[Event]:
+        """It is `now` (s, any clock): in the login, what does not come is not waited for."""
+        if self.state in (State.READY, State.CLOSED):
+            return []
+        if self._stirred:
+            self._stirred, self._quiet_since = False, now
+        quiet = now - self._quiet_since
+        if self.state is State.AWAITING_PROMPT and quiet >= PROMPT_TIMEOUT:
+            self._send_password()
+        elif self.state is State.LOGGING_IN and quiet >= WELCOME_TIMEOUT and not self._probed:
+            self._probed = True
+            self._say(_PROBE)
+        elif self.state is State.DRAINING_HELP_LIST:
+            if self._welcomed_at is None:
+                self._welcomed_at = now
+            if quiet >= HELP_TIMEOUT or now - self._welcomed_at >= LONGEST_HELP:
+                return [self._ready(complete=False)]
+        return []
 
     def take_output(self) -> bytes:
         """What the session itself has to say to the robot; empties it."""
@@ -150,49 +177,88 @@ class Session:
         self._output.clear()
         return output
 
+    # --- the login --------------------------------------------------------------------------------
+
+    def _asks_in_the_tail(self) -> bool:
+        """A prompt need not be a whole line."""
+        tail = self._lines.tail.rstrip()
+        return bool(tail) and tail.endswith(_PROMPT_ENDS) and bool(_ASKS.search(tail))
+
     def _log_in(self, raw: bytes) -> Iterator[Event]:
         """A line of the login."""
         if self._trace:
-            self._trace('S', raw.replace(self._password, BLANKED))
-        said = raw.strip().lower()
-        awaited, following = _LOGIN[self.state]
-        if said == awaited:
-            self.state = following
-            self._last_words = ''
-            if following is State.LOGGING_IN:
-                self._say(self._password, BLANKED)
-            elif following is State.READY:
-                help_list = HelpList(self._help)
-                if help_list.full_name('echo'):
-                    self._say(b'echo off')
-                yield LoggedIn(help_list)
-        elif self.state is State.AWAITING_PROMPT:
-            self._last_words = raw[:100].decode('ascii', 'replace')
-        elif self.state is State.LOGGING_IN and said == _LOGIN[State.AWAITING_PROMPT][0]:
-            kind, reason = _CLOSED_WHILE[State.LOGGING_IN]
-            yield self._close(kind(reason))
-        elif self.state is State.DRAINING_HELP_LIST:
+            self._trace('S', self._redacted(raw))
+        if self.state is State.AWAITING_PROMPT:
+            if _ASKS.search(raw):
+                self._prompted = True
+                self._send_password()
+            else:
+                self._remember(raw)
+        elif self.state is State.LOGGING_IN:
+            yield from self._read_verdict(raw)
+        else:
+            yield from self._read_help(raw)
+
+    def _send_password(self) -> None:
+        self.state = State.LOGGING_IN
+        self._stirred = True
+        self._say(self._password, REDACTED)
+
+    def _read_verdict(self, raw: bytes) -> Iterator[Event]:
+        """The first line after the password, which may be echoed before."""
+        if raw.strip() == self._password:
+            return
+        self._remember(raw)
+        if _COMPLAINS.search(raw):
+            yield self._close(WrongPassword(f'the robot refused the password{self._quoted()}'))
+        elif _ASKS.search(raw):
+            if self._prompted:
+                yield self._close(WrongPassword('the robot refused the password, and asked again'))
+            self._prompted = self._probed = True  # it asks late, and has the password already
+        else:
+            self.state = State.DRAINING_HELP_LIST
             yield from self._read_help(raw)
 
     def _read_help(self, raw: bytes) -> Iterator[Event]:
         """An entry of the help list, or a line of another client's doings between two entries."""
-        reply = parse_line(raw.decode('utf-8', 'replace'))
+        text = decode(raw)
+        heading = text.strip().lower()
+        if heading in ('commands:', 'end of commands'):
+            self._help_begun = True
+            if heading == 'end of commands':
+                yield self._ready(complete=True)
+            return
+        reply = parse_line(text)
         if isinstance(reply, HelpEntry):
             self._help[reply.name] = reply.description
-            if len(self._help) > _LONGEST_HELP_LIST:
-                yield self._close(ConnectionFailed('the help list of the robot does not end'))
         elif not isinstance(reply, (UnknownLine, Item)):
-            yield Received(raw, reply)
+            yield self._received(raw, traced=True)
+        elif self._help_begun:
+            entry = read_entry(text)
+            if entry:
+                self._help[entry[0]] = entry[1]
+        if len(self._help) > _MAXIMUM_ENTRIES:
+            yield self._close(ConnectionFailed('the help list of the robot does not end'))
 
-    def _received(self, raw: bytes) -> Received:
-        reply = parse_line(raw.decode('utf-8', 'replace'))
+    def _ready(self, complete: bool) -> LoggedIn:
+        self.state = State.READY
+        self._said.clear()
+        help_list = HelpList(self._help, complete)
+        if help_list.full_name('echo') or not complete:
+            self._say(b'echo off')
+        return LoggedIn(help_list)
+
+    # --- after it ---------------------------------------------------------------------------------
+
+    def _received(self, raw: bytes, traced: bool = False) -> Received:
+        reply = parse_line(decode(raw))
         if type(reply) in _MAY_HOLD_PASSWORD:
-            blanked = blank_configured(raw)
-            if blanked != raw:
-                raw, reply = blanked, parse_line(blanked.decode('utf-8', 'replace'))
+            redacted = redact_passwords(raw)
+            if redacted != raw:
+                raw, reply = redacted, parse_line(decode(redacted))
         elif type(reply) is ServerClosing:
-            self._last_words = reply.text
-        if self._trace:
+            self._remember(raw)
+        if self._trace and not traced:
             self._trace('S', raw)
         return Received(raw, reply)
 
@@ -204,3 +270,29 @@ class Session:
     def _close(self, cause: LinkError) -> Closed:
         self.state = State.CLOSED
         return Closed(cause)
+
+    def _cause_of_eof(self) -> LinkError:
+        if self.state is State.AWAITING_PROMPT:
+            return ConnectionFailed('the robot closed the connection before the login'
+                                    + self._quoted())
+        if self.state is State.LOGGING_IN and self._prompted:
+            return WrongPassword(f'the robot refused the password{self._quoted()}')
+        if self.state is State.LOGGING_IN:
+            return ConnectionFailed('the robot closed the connection on the password, for which '
+                                    f'it had not asked{self._quoted()}')
+        if self.state is State.DRAINING_HELP_LIST:
+            return ConnectionLost('the robot closed the connection in the login')
+        return ConnectionLost(f'the robot closed the connection{self._quoted()}')
+
+    def _quoted(self) -> str:
+        return f', saying "{self.words}"' if self.words else ''
+
+    def _remember(self, raw: bytes) -> None:
+        """Keeps what the robot says, for the reason why the connection ended."""
+        self._said = [*self._said, self._shown(raw)][-5:]
+
+    def _shown(self, raw: bytes) -> str:
+        return decode(self._redacted(raw)[:_MAXIMUM_WORDS]).strip()
+
+    def _redacted(self, raw: bytes) -> bytes:
+        return raw.replace(self._password, REDACTED) if self._password else raw

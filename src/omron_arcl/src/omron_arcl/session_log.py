@@ -1,24 +1,26 @@
 """A file with all that both sides said, and when, in the format that the simulator replays."""
 from __future__ import annotations
 
+import contextlib
+import errno
 import os
-import re
+import stat
 import threading
 import time
 from typing import Callable
 
 OUTGOING = 0  # number of the connection that the robot opens itself
 
-_UNPRINTABLE = re.compile(r'[\x00-\x1f\x7f]')
+_ESCAPED = {byte: f'\\x{byte:02x}' for byte in (*range(32), *range(127, 256))}
+_ESCAPED[ord('\\')] = '\\\\'
 
 
 class SessionLog:
-    """Writes lines `<Unix time> C> <line>` (client) or `S>` (server), C2 and S2 for the second
-    connection and so on.
+    """Writes what both sides say, in the format of docs/interface/session_log.md, times since 1970.
 
-    What is no printable ASCII is escaped. Passwords come blanked already. A file that is there is
-    kept as `<path>.old`. Raises OSError where the file cannot be opened; a full disk ends the log,
-    not the session.
+    Passwords come redacted already. A file that is there is kept as `<path>.old`. Raises OSError
+    where the file cannot be opened, or is no regular file. A full disk ends the log, not the
+    session: `failure` says so.
     """
 
     def __init__(self, path: str) -> None:
@@ -27,6 +29,8 @@ class SessionLog:
         self._connections = 0
         self._lock = threading.Lock()
         if os.path.exists(path):
+            if not stat.S_ISREG(os.stat(path).st_mode):
+                raise OSError(errno.EINVAL, 'it is there already, and is no regular file', path)
             os.replace(path, f'{path}.old')
         self._file = open(path, 'w', encoding='ascii', buffering=1)  # noqa: SIM115  kept open
 
@@ -41,18 +45,18 @@ class SessionLog:
 
     def close(self) -> None:
         """Closes the file."""
-        with self._lock:
+        with self._lock, contextlib.suppress(OSError):
             self._file.close()
 
     def _trace(self, number: str) -> Callable[[str, bytes], None]:
         def write(side: str, line: bytes) -> None:
-            text = _UNPRINTABLE.sub(lambda match: f'\\x{ord(match.group()):02x}',
-                                    line.decode('ascii', 'backslashreplace'))
+            text = line.decode('latin-1').translate(_ESCAPED)
             with self._lock:
                 try:
                     if not self._file.closed:
                         self._file.write(f'{time.time():.3f} {side}{number}> {text}\n')
                 except OSError as error:
-                    self.failure = str(error)
-                    self._file.close()
+                    self.failure = f'{self.path} ends here: {error.strerror or error}'
+                    with contextlib.suppress(OSError):  # it would write what is left
+                        self._file.close()
         return write

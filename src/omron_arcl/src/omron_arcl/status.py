@@ -34,10 +34,9 @@ _FIELDS: Dict[Type[Reply], Tuple[str, Callable[[Any], Any]]] = {
 class StatusAssembler:
     """Collects status lines; each whole status comes out once, as a OneLineStatus.
 
-    A status is whole when it has the fields that the last one had. What the fields are is learnt
-    from the first two: `Temperature` ends the first if a location came before it, and a field that
-    comes again begins the next. `located` is when the location of the last whole status came, by
-    the caller's clock.
+    A field that comes again begins the next status; that teaches which fields there are. From then
+    on a status is whole when it has the fields that the last one had. `located` is when the
+    location of the last whole status came, by the caller's clock.
     """
 
     def __init__(self) -> None:
@@ -60,14 +59,17 @@ class StatusAssembler:
         self._fields.add(field)
         if field == 'location':
             self._location_came = now
-        if self._fields == self._expected or (
-                self._expected is None and field == 'temperature' and 'location' in self._fields):
+        if self._fields == self._expected:
             whole = self._finish()
         return whole
+
+    def drop(self) -> None:
+        """Forgets the lines of the status that is not whole yet."""
+        self._status, self._fields = OneLineStatus(''), set()
 
     def _finish(self) -> OneLineStatus:
         status = self._status
         self.located = self._location_came
         self._expected = self._fields
-        self._status, self._fields = OneLineStatus(''), set()
+        self.drop()
         return status

@@ -7,8 +7,7 @@ from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 from omron_ld90.bridge import route_protocol as p
 from omron_ld90.bridge.route_follower import RouteFollower
-from omron_ld90.bridge.route_settings import Settings
-from omron_ld90.bridge.route_strategies import STRATEGIES
+from omron_ld90.bridge.route_strategies import STRATEGIES, Settings
 from trajectory_graph import Edge, Graph, Vertex
 
 DOCK_VERTEX = 90
@@ -42,7 +41,10 @@ def dissertation_graph() -> Graph:
 
 
 class GraphRobot:
-    """Drives as an LD-90 would: shortest way, brakes for its goal, tells where it is at 2 Hz."""
+    """Drives as an LD-90 would, behind a controller that tells how commands end.
+
+    Shortest way, brakes for its goal, tells where it is at 2 Hz.
+    """
 
     TOP_SPEED, ACCELERATION, BRAKING = 1.35, 0.5, 0.2
     STEP, STATUS_PERIOD = 0.1, 0.5
@@ -57,30 +59,51 @@ class GraphRobot:
         self.speed = 0.0
         self.halts = 0
         self.period = period
+        self.motion = p.Motion.DOCKED if self.docked else p.Motion.STANDING
+        self.emergency = False
+        self.number: Optional[int] = None  # of the drive that is under way
+        self._shown = ''
         self._way: List[Tuple[float, float]] = []
         self._since_status = period
 
-    def obey(self, command: str) -> List[p.Event]:
-        """Takes a command; the robot's words in answer."""
+    @property
+    def shown_goal(self) -> str:
+        """The goal that the status text names."""
+        return self._shown if self.motion in (p.Motion.GOING, p.Motion.ARRIVED) else ''
+
+    def obey(self, number: Optional[int], command: str) -> List[p.Event]:
+        """Takes a command; what the controller tells of it and of the one before."""
         self.commands.append(command)
         events: List[p.Event] = []
-        if self.goal is not None:
-            events.append(p.MotionInterrupted(f'Going to {self.goal}'))
+        if self.number is not None:
+            events.append(p.CommandEnded(self.number, p.Ending.INTERRUPTED,
+                                         f'replaced by "{command}"'))
+            self.number = None
         if command == 'stop':
-            self.goal, self._way, self.speed = None, [], 0.0
-            return events
-        if self.docked and command != 'dock':
-            events += [p.Docking.UNDOCKING, p.Docking.UNDOCKED]
-            self.docked = False
-        self.goal = command.split()[-1]
+            self.halt(p.Motion.STANDING)
+            return [*events, p.CommandEnded(number, p.Ending.SUCCEEDED, 'Stopped')]
+        self.docked = False
+        self.number = number
+        self.goal = self._shown = command.split()[-1]
         vertex = DOCK_VERTEX if command == 'dock' else int(self.goal)
+        self.motion = p.Motion.DOCKING if command == 'dock' else p.Motion.GOING
         self._way = self._shortest_way(vertex)
-        if command == 'dock':
-            return [*events, p.Docking.UNDOCKED, p.Docking.DOCKING]
-        return [*events, p.GoalStarted(self.goal)]
+        return events
+
+    def halt(self, motion: p.Motion) -> None:
+        """The robot stands, and shows that."""
+        self.goal, self._way, self.speed, self.motion = None, [], 0.0, motion
+
+    def press_emergency_stop(self) -> List[p.Event]:
+        """Somebody presses the button."""
+        self.emergency = True
+        self.halt(p.Motion.STANDING)
+        number, self.number = self.number, None
+        return [] if number is None else [
+            p.CommandEnded(number, p.Ending.EMERGENCY_STOPPED, 'EStop pressed')]
 
     def step(self, now: float) -> List[p.Event]:
-        """Drives for STEP seconds; what the robot says meanwhile."""
+        """Drives for STEP seconds; what is heard of it meanwhile."""
         events: List[p.Event] = []
         left = self._left()
         if self._way:
@@ -88,22 +111,24 @@ class GraphRobot:
                              max(math.sqrt(2.0 * self.BRAKING * left), 0.05))
             self._advance(self.speed * self.STEP)
             if not self._way:
-                self.speed = 0.0
                 self.halts += 1
-                if self.goal == 'dock':
-                    self.docked = True
-                    events.append(p.Docking.DOCKED)
-                else:
-                    events.append(p.GoalReached(self.goal))
-                self.goal = None
+                self.docked = self.goal == 'dock'
+                self.halt(p.Motion.DOCKED if self.docked else p.Motion.ARRIVED)
+                if self.number is not None:
+                    events.append(p.CommandEnded(self.number, p.Ending.SUCCEEDED))
+                    self.number = None
         self._since_status += self.STEP
         if self._since_status >= self.period - 1e-9:
             self._since_status = 0.0
-            events.append(self.located(now))
+            events.append(self.seen(now))
         return events
 
-    def located(self, now: float) -> p.Located:
-        return p.Located(int(now * NANOSECONDS), *self.position)
+    def seen(self, now: float) -> p.RobotSeen:
+        """The robot's status now."""
+        docking = {p.Motion.DOCKED: p.Docking.DOCKED, p.Motion.DOCKING: p.Docking.DOCKING}
+        return p.RobotSeen(int(now * NANOSECONDS), self.motion, self.shown_goal,
+                           docking.get(self.motion, p.Docking.UNDOCKED), self.emergency,
+                           self.position)
 
     def _left(self) -> float:
         points = [self.position, *self._way]
@@ -147,21 +172,34 @@ class Bench:
     """A follower and a robot joined, with a clock that only runs when it is told to."""
 
     def __init__(self, graph: Graph, vertex: int, strategy: str = 'vertex_by_vertex',
-                 period: float = GraphRobot.STATUS_PERIOD, **settings) -> None:
+                 period: float = GraphRobot.STATUS_PERIOD, links: Sequence[p.Link] = (),
+                 **settings) -> None:
         self.robot = GraphRobot(graph, vertex, period)
         self.follower = RouteFollower(
-            Settings(dock_vertex=DOCK_VERTEX, strategy=STRATEGIES[strategy], **settings), graph)
+            Settings(dock_vertex=DOCK_VERTEX, strategy=STRATEGIES[strategy], **settings), graph,
+            links)
         self.now = 100.0
+        self.link_is_up = dict.fromkeys(links, True)  # None: its node is away
         self.reports: List[p.RouteReport] = []
+        self.refusals: List[p.RouteRefusal] = []
         self.notes: List[str] = []
-        if self.robot.docked:
-            self.tell(p.Docking.DOCKED)
-        self.tell(self.robot.located(self.now))
+        self.hear_links()
+        self.look()
 
     def tell(self, *events: p.Event) -> None:
         """Events to the follower; the robot obeys what it sends."""
         for event in events:
             self._act(self.follower.handle(event, self.now))
+
+    def look(self) -> None:
+        """The robot tells where it is and what it does."""
+        self.tell(self.robot.seen(self.now))
+
+    def hear_links(self) -> None:
+        """The nodes report how their links stand, as they do every second."""
+        for link, up in self.link_is_up.items():
+            if up is not None:
+                self.tell(p.LinkReported(link, up, '' if up else 'connection refused'))
 
     def order(self, route_id: int, *edges: int, stamp: float = 0.0) -> None:
         self.tell(p.RouteOrder(route_id, edges, int(stamp * NANOSECONDS)))
@@ -172,17 +210,44 @@ class Bench:
         end = self.now + seconds
         while not until(self):
             assert self.now < end, f'not within {seconds} s; last report: {self.last}'
-            self.now += GraphRobot.STEP
-            self.tell(*self.robot.step(self.now))
-            self._act(self.follower.tick(self.now))
+            self.step()
             self.reports.append(self.follower.report())
 
+    def drive(self, seconds: float) -> None:
+        """Lets time pass, in which the robot drives and tells where it is."""
+        end = self.now + seconds - 1e-9
+        while self.now < end:
+            self.step()
+
+    def step(self) -> None:
+        """A tenth of a second passes."""
+        self.now += GraphRobot.STEP
+        if round(self.now * 10) % 10 == 0:
+            self.hear_links()
+        self.tell(*self.robot.step(self.now))
+        self._act(self.follower.tick(self.now))
+
     def wait(self, seconds: float) -> None:
-        """Lets time pass without the robot saying or doing anything."""
+        """Lets time pass without the robot or a node saying or doing anything."""
         end = self.now + seconds
         while self.now < end:
             self.now += GraphRobot.STEP
             self._act(self.follower.tick(self.now))
+
+    def restart(self, away: float = 0.0) -> None:
+        """The bridge's process dies and is back after `away` s, in which the robot drives on."""
+        record = self.follower.record
+        follower = self.follower
+        end = self.now + away
+        while self.now < end:
+            self.now += GraphRobot.STEP
+            self.robot.step(self.now)
+        self.robot.number = None  # whoever gave the command hears of its end no more
+        self.follower = RouteFollower(follower.settings, follower.graph, tuple(self.link_is_up))
+        if record:
+            self.follower.restore(record, away < 20.0, self.now)
+        self.hear_links()
+        self.look()
 
     @property
     def last(self) -> Optional[p.RouteReport]:
@@ -195,11 +260,17 @@ class Bench:
     def states(self) -> Sequence[int]:
         return [int(state) for state in self.follower.report().states]
 
+    def give(self, give: p.Give) -> None:
+        """What the node does with a command: here the robot hears it at once."""
+        self.tell(*self.robot.obey(give.number, give.command))
+
     def _act(self, actions: Sequence[p.Action]) -> None:
         for action in actions:
-            if isinstance(action, p.Send):
-                self.tell(*self.robot.obey(action.command))
+            if isinstance(action, p.Give):
+                self.give(action)
             elif isinstance(action, p.RouteReport):
                 self.reports.append(action)
+            elif isinstance(action, p.RouteRefusal):
+                self.refusals.append(action)
             else:
                 self.notes.append(action.text)

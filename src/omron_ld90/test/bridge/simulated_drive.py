@@ -13,12 +13,20 @@ from typing import Callable, List, Optional, Sequence, Tuple
 import numpy as np
 from scipy.spatial import cKDTree
 
-import omron_arcl as arcl
+from omron_arcl import (
+    ActivityKind,
+    Outcome,
+    StatusAssembler,
+    parse_command,
+    parse_line,
+    read_activity,
+)
+from omron_arcl.dispatcher import Dispatcher
+from omron_arcl.replies import DockingStatus, OneLineStatus
 from omron_ld90.bridge import route_protocol as p
-from omron_ld90.bridge.bridge_words import RobotWords, shown_events
+from omron_ld90.bridge.motions import motion_of
 from omron_ld90.bridge.route_follower import RouteFollower
-from omron_ld90.bridge.route_settings import Settings
-from omron_ld90.bridge.route_strategies import STRATEGIES
+from omron_ld90.bridge.route_strategies import STRATEGIES, Settings
 from omron_ld90_sim.behaviour.robot import Robot
 from omron_ld90_sim.clock import Clock, Ticker
 from omron_ld90_sim.interface.commands import execute
@@ -37,6 +45,16 @@ STATUS_PERIOD = 0.5   # s
 PATH_STEP = 0.06      # s between samples of the path driven
 NANOSECONDS = 1_000_000_000
 DOCK_VERTEX = 16
+
+ENDINGS = {
+    Outcome.SUCCEEDED: p.Ending.SUCCEEDED,
+    Outcome.INTERRUPTED: p.Ending.INTERRUPTED,
+    Outcome.CANCELLED: p.Ending.INTERRUPTED,
+    Outcome.EMERGENCY_STOPPED: p.Ending.EMERGENCY_STOPPED,
+    Outcome.LOST: p.Ending.LOST,
+    **dict.fromkeys((Outcome.REJECTED, Outcome.NO_GOAL, Outcome.UNKNOWN_COMMAND, Outcome.FAILED,
+                     Outcome.TIMED_OUT), p.Ending.FAILED),
+}
 
 
 class SimulatedDrive:
@@ -63,7 +81,9 @@ class SimulatedDrive:
         self.path: List[Tuple[float, float]] = []  # m
         self.lines: List[str] = []
         self.notes: List[str] = []
-        self._words = RobotWords()
+        self._dispatcher = Dispatcher()
+        self._statuses = StatusAssembler()
+        self._docking = p.Docking.DOCKED if vertex is None else p.Docking.UNDOCKED
         self._client = self.server.connect()
         self._client.receive(b'adept\n')
         self._lines_of(self._client)
@@ -71,7 +91,7 @@ class SimulatedDrive:
         self._status = Ticker(self.clock, STATUS_PERIOD,
                               lambda: self.server.execute(self._outgoing, 'Status'))
         self._next_tick = self._next_sample = 0.0
-        self.run(lambda: self.follower.robot.seen.last is not None, 5.0)
+        self.run(lambda: self.follower.robot.location.last is not None, 5.0)
 
     @property
     def now(self) -> float:
@@ -146,19 +166,44 @@ class SimulatedDrive:
         return float(away[best]), since + best
 
     def _listen(self) -> None:
+        """What the controller and the receiver hear, as the nodes tell it to the bridge."""
         for line in self._lines_of(self._client):
             self.lines.append(line)
-            self._tell(*self._words.line(line, self.now))
+            self._dispatcher.on_reply(parse_line(line), line, self.now)
+        self._dispatcher.on_time(self.now)
         for line in self._lines_of(self._outgoing):
-            reply = arcl.parse_line(line)
-            if isinstance(reply, arcl.StatusText):
-                docked = arcl.parse_line(reply.text)
-                if isinstance(docked, arcl.DockingStatus):
-                    self._tell(p.Docking(docked.docking.value))
-                self._tell(*shown_events(reply.text))
-            elif isinstance(reply, arcl.Location):
-                self._tell(p.Located(int(self.now * NANOSECONDS) + 1,
-                                     reply.x / 1000.0, reply.y / 1000.0))
+            status = self._statuses.add(parse_line(line), self.now)
+            if status is not None:
+                self._see(status)
+        self._send()
+
+    def _see(self, status: OneLineStatus) -> None:
+        activity = read_activity(status.status)
+        if isinstance(activity.reply, DockingStatus):
+            self._docking = p.Docking(activity.reply.docking.value)
+        elif activity.kind is not ActivityKind.UNKNOWN:
+            self._docking = p.Docking.UNDOCKED
+        self._tell(p.RobotSeen(
+            int(self.now * NANOSECONDS) + 1, *motion_of(activity.kind, activity.goal),
+            self._docking, activity.kind is ActivityKind.EMERGENCY_STOP,
+            (status.location.x / 1000.0, status.location.y / 1000.0)))
+
+    def _send(self) -> None:
+        while True:
+            line = self._dispatcher.next_to_send(self.now)
+            if line is None:
+                break
+            self._client.receive(line + b'\n')
+        for call in self._dispatcher.pop_callbacks():
+            call()
+
+    def _give(self, give: p.Give) -> None:
+        self.commands.append(give.command)
+        self._dispatcher.start(
+            parse_command(give.command),
+            on_end=lambda result: self._tell(p.CommandEnded(
+                give.number, ENDINGS[result.outcome], result.words)))
+        self._send()
 
     def _tell(self, *events: p.Event) -> None:
         for event in events:
@@ -166,12 +211,11 @@ class SimulatedDrive:
 
     def _act(self, actions: List[p.Action]) -> None:
         for action in actions:
-            if isinstance(action, p.Send):
-                self.commands.append(action.command)
-                self._client.receive(f'{action.command}\n'.encode())
+            if isinstance(action, p.Give):
+                self._give(action)
             elif isinstance(action, p.RouteReport):
                 self.reports.append(action)
-            else:
+            elif isinstance(action, p.Note):
                 self.notes.append(action.text)
 
     @staticmethod

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from typing import Sequence, Tuple
 
-from bridge_builders import DOCK_VERTEX, Bench, GraphRobot, graph_of, yard
+from bridge_builders import DOCK_VERTEX, Bench, graph_of, yard
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -19,15 +19,12 @@ COMMANDS = st.sampled_from(['goto 2', 'goto 5', 'dock', 'goto', 'stop'])
 TURNS = st.lists(st.integers(0, 3), min_size=1, max_size=4)  # which edge to take, vertex by vertex
 
 DISTURBANCES = st.one_of(
-    st.sampled_from(list(p.Docking)),
-    st.builds(p.GoalStarted, GOALS), st.builds(p.GoalReached, GOALS),
-    st.builds(p.GoalShown, GOALS), st.builds(p.MotionInterrupted, COMMANDS),
-    st.builds(p.RobotFailed, st.just('Failed going to goal')),
-    st.builds(p.CommandRejected, COMMANDS, st.just('no')),
-    st.builds(p.EmergencyStop, st.booleans()),
+    st.builds(p.RobotSeen, st.integers(0, 10**12), st.sampled_from(list(p.Motion)), GOALS,
+              st.one_of(st.none(), st.sampled_from(list(p.Docking))), st.booleans()),
+    st.builds(p.CommandEnded, st.integers(0, 12), st.sampled_from(list(p.Ending)),
+              st.just('words')),
     st.builds(p.ForeignCommand, COMMANDS, st.just('/somebody')),
-    st.builds(p.CommandRefused, COMMANDS, st.just('no')),
-    st.builds(p.LinkChanged, st.sampled_from(['commands', 'outgoing']), st.booleans()))
+    st.builds(p.LinkReported, st.sampled_from(list(p.Link)), st.booleans(), st.just('why')))
 HAPPENINGS = st.one_of(
     st.tuples(st.just('drive'), st.integers(1, 80)),
     st.tuples(st.just('drive'), st.integers(1, 80)),
@@ -36,6 +33,10 @@ HAPPENINGS = st.one_of(
     st.tuples(st.just('push'), st.floats(-0.6, 0.6)),
     st.tuples(st.just('tell'), DISTURBANCES),
     st.tuples(st.just('stop')),
+    st.tuples(st.just('restart'), st.sampled_from([0.0, 3.0, 25.0])),
+    st.tuples(st.just('cut'), st.sampled_from(list(p.Link))),
+    st.tuples(st.just('mend')),
+    st.tuples(st.just('deafen'), st.booleans()),
     st.tuples(st.just('silence'), st.sampled_from([1.0, 40.0])),
     st.tuples(st.just('graph'), st.sampled_from([yard(), PART_OF_THE_YARD])))
 
@@ -43,11 +44,28 @@ HAPPENINGS = st.one_of(
 class WildBench(Bench):
     """A robot and its follower, to which things happen."""
 
+    def __init__(self, *arguments) -> None:
+        self.deaf = False
+        super().__init__(*arguments, links=tuple(p.Link))
+
+    def give(self, give: p.Give) -> None:
+        if self.deaf:
+            self.tell(p.CommandEnded(give.number, p.Ending.NEVER_SENT, 'never sent'))
+        else:
+            super().give(give)
+
     def drive(self, steps: int) -> None:
         for _ in range(steps):
-            self.now += GraphRobot.STEP
-            self.tell(*self.robot.step(self.now))
-            self._act(self.follower.tick(self.now))
+            self.step()
+
+    def deafen(self, deaf: bool) -> None:
+        self.deaf = deaf
+
+    def cut(self, link: p.Link) -> None:
+        self.link_is_up[link] = False
+
+    def mend(self) -> None:
+        self.link_is_up = dict.fromkeys(p.Link, True)
 
     def push(self, aside: float) -> None:
         x, y = self.robot.position
@@ -99,7 +117,8 @@ def check_states(report: p.RouteReport) -> None:
     done = report.states.count(EdgeState.COMPLETE)
     assert set(report.states[:done]) <= {EdgeState.COMPLETE}
     assert len(set(report.states[done:])) <= 1
-    assert bool(report.reason) == (EdgeState.FAILED in report.states)
+    if report.states:
+        assert bool(report.reason) == (EdgeState.FAILED in report.states)
     assert 0.0 <= report.pose.percentage <= 100.0
 
 
@@ -107,4 +126,31 @@ def check_change(before: p.RouteReport, after: p.RouteReport) -> None:
     """Of one route, what is complete stays so, and so does what has failed."""
     if after.route_id == before.route_id and after.edges == before.edges:
         assert after.states.count(EdgeState.COMPLETE) >= before.states.count(EdgeState.COMPLETE)
-        assert not before.reason or (after.reason, after.states) == (before.reason, before.states)
+        if EdgeState.FAILED in before.states:
+            assert (after.reason, after.states) == (before.reason, before.states)
+
+
+@settings(max_examples=100)
+@given(st.sampled_from(['vertex_by_vertex', 'direct', 'rolling']), st.lists(st.one_of(
+    st.tuples(st.just('drive'), st.integers(1, 60)),
+    st.tuples(st.just('restart'), st.sampled_from([0.0, 2.0, 8.0])),
+    st.tuples(st.just('outage'), st.sampled_from(list(p.Link)), st.integers(1, 15))), max_size=12))
+def test_no_restart_and_no_short_outage_costs_the_route_or_gives_a_goal_twice(strategy, happenings):
+    bench = WildBench(yard(), 1, strategy)
+    Bench.order(bench, 7, 1, 5, 6)
+    for what, *how in happenings:
+        if what == 'outage':
+            link, steps = how
+            bench.cut(link)
+            bench.deaf = link is p.Link.COMMANDS
+            bench.hear_links()
+            bench.drive(steps)
+            bench.mend()
+            bench.deaf = False
+            bench.hear_links()
+            bench.drive(30)
+        else:
+            getattr(bench, what)(*how)
+    bench.run()
+    assert bench.states() == [2, 2, 2], bench.follower.report().reason
+    assert len(set(bench.commands)) == len(bench.commands), bench.commands

@@ -2,20 +2,20 @@
 from __future__ import annotations
 
 import pytest
-from bridge_builders import Bench, GraphRobot, dissertation_graph, yard
+from bridge_builders import Bench, dissertation_graph, yard
 
 from omron_ld90.bridge import route_protocol as p
-from omron_ld90.bridge.route_protocol import EdgeState
+from omron_ld90.bridge.route_protocol import EdgeState, Ending, Link, Motion
 
+LINKS = (Link.COMMANDS, Link.OUTGOING)
 
-def under_way(strategy: str = 'vertex_by_vertex', **settings) -> Bench:
+def under_way(strategy: str = 'vertex_by_vertex', links=(), **settings) -> Bench:
     """A bench whose robot is half way along the second of three edges."""
-    bench = Bench(dissertation_graph(), 1, strategy, **settings)
+    bench = Bench(dissertation_graph(), 1, strategy, links=links, **settings)
     bench.order(7, 1, 4, 5)
     bench.run(lambda bench: bench.last is not None and bench.last.pose.percentage > 50.0
-              and bench.states()[0] == EdgeState.COMPLETE and bench.follower.robot.errand.confirmed)
+              and bench.states()[0] == EdgeState.COMPLETE)
     return bench
-
 
 def assert_failed(bench: Bench, reason: str, stopped: bool = True) -> None:
     report = bench.follower.report()
@@ -24,191 +24,259 @@ def assert_failed(bench: Bench, reason: str, stopped: bool = True) -> None:
     assert (bench.commands[-1] == 'stop') is stopped
     assert bench.reports[-1].reason == reason  # told at once
 
+def end_of_drive(bench: Bench, ending: Ending, text: str = '') -> None:
+    """The controller tells that the drive under way has ended."""
+    number, bench.robot.number = bench.robot.number, None
+    bench.tell(p.CommandEnded(number, ending, text))
 
-@pytest.mark.parametrize('event, reason', [
-    (p.EmergencyStop(True), 'emergency stop'),
-    (p.RobotFailed('Failed going to goal'), 'Failed going to goal'),
-    (p.CommandRejected('goto 7', "No goal '7'"), "No goal '7'"),
-    (p.CommandRejected('goto', 'Unknown command goto'), 'Unknown command goto'),
-    (p.CommandRefused('goto 7', 'the robot has no goal 7'), 'the robot has no goal 7'),
-])
-def test_the_robot_or_the_controller_cannot(event, reason):
+@pytest.mark.parametrize('text', [
+    'Failed going to goal', "No goal '7'", 'the robot said nothing about it for 60 s',
+    'Not sent, 200 commands are waiting already.'])
+def test_a_drive_that_fails_fails_the_route_in_the_same_words(text):
     bench = under_way()
-    bench.tell(event)
-    assert_failed(bench, reason)
+    end_of_drive(bench, Ending.FAILED, text)
+    assert_failed(bench, text)
 
-
-@pytest.mark.parametrize('event', [
-    p.ForeignCommand('goto 3', '/goal_sender'),
-    p.GoalStarted('3'),
-    p.GoalStarted(''),
-    p.Docking.DOCKING,
-])
-def test_a_motion_command_of_somebody_else_takes_over_and_is_not_stopped(event):
+def test_the_emergency_stop_fails_the_route():
     bench = under_way()
-    bench.tell(p.Docking.UNDOCKED)
-    bench.tell(event)
+    bench.tell(*bench.robot.press_emergency_stop())
+    assert_failed(bench, 'emergency stop')
+
+def test_an_emergency_stop_that_only_the_status_shows_fails_the_route():
+    bench = under_way()
+    bench.robot.emergency = True
+    bench.look()
+    assert_failed(bench, 'emergency stop')
+
+def test_a_motion_command_of_somebody_else_takes_over_and_is_not_stopped():
+    bench = under_way()
+    bench.tell(p.ForeignCommand('goto 3', '/somebody'))
     assert_failed(bench, 'taken over', stopped=False)
 
-
-def test_a_strange_goal_in_the_status_text_counts_when_it_stays():
+def test_a_drive_interrupted_by_nobody_of_us_is_a_take_over():
     bench = under_way()
-    bench.tell(p.GoalShown('3'))
-    assert bench.follower.running
-    bench.tell(p.GoalShown('3'))
-    assert_failed(bench, 'taken over', stopped=False)
-
-
-def test_a_status_text_that_lags_behind_our_commands_is_no_stranger():
-    bench = under_way()
-    bench.tell(p.GoalShown('7'), p.GoalShown('3'), p.GoalShown('7'), p.GoalShown('3'))
-    assert bench.follower.running
-
-
-def test_an_interruption_without_a_cause_of_ours_is_a_take_over():
-    bench = under_way()
-    bench.tell(p.MotionInterrupted('Going to 7'))
+    end_of_drive(bench, Ending.INTERRUPTED, 'replaced by "goto 3"')
     bench.wait(1.0)
     assert_failed(bench, 'taken over', stopped=False)
+    assert 'replaced by "goto 3"' in bench.notes[-1]
+
+def test_nothing_is_sent_to_a_robot_that_somebody_else_may_drive():
+    def rolling() -> Bench:
+        bench = Bench(yard(), 1, 'rolling')
+        bench.order(7, 1, 5, 6)
+        return bench
+    twin = rolling()
+    twin.run(lambda bench: bench.commands[-1] == 'goto 6')
+    bench = rolling()
+    bench.drive(twin.now - bench.now - 0.3)  # shortly before the next goal is due
+    end_of_drive(bench, Ending.INTERRUPTED, 'replaced by something')
+    bench.drive(1.0)
+    assert bench.follower.report().reason == 'taken over'
+    assert 'goto 6' not in bench.commands
 
 
 def test_an_interruption_by_the_emergency_stop_is_called_so():
     bench = under_way()
-    bench.tell(p.MotionInterrupted('Going to 7'), p.EmergencyStop(True))
-    bench.wait(1.0)
+    end_of_drive(bench, Ending.INTERRUPTED, 'Interrupted: Going to 7')
+    bench.robot.emergency = True
+    bench.look()
     assert_failed(bench, 'emergency stop')
 
-
-def test_an_interruption_of_an_earlier_goal_is_our_own():
-    bench = under_way()
-    bench.tell(p.MotionInterrupted('Going to 2'))
-    bench.wait(1.0)
-    assert bench.follower.running
-
-
-def test_a_lost_link_fails_the_route_after_a_while_and_the_stop_follows_when_it_is_back():
-    bench = under_way()
-    bench.tell(p.LinkChanged('commands', False, 'silent for 4 s'))
-    bench.wait(1.0)
-    assert bench.follower.running
-    bench.wait(1.5)
-    assert_failed(bench, 'lost link: commands: silent for 4 s')
-    stops = bench.commands.count('stop')
-    bench.tell(p.LinkChanged('commands', True))
-    assert bench.commands.count('stop') == stops + 1  # the first one could not reach the robot
-    bench.tell(p.LinkChanged('commands', True))
-    assert bench.commands.count('stop') == stops + 1
-
-
-def test_a_link_that_is_back_in_time_costs_nothing():
-    bench = under_way()
-    bench.tell(p.LinkChanged('outgoing', False, 'closed'))
-    bench.wait(1.0)
-    bench.tell(p.LinkChanged('outgoing', True))
+def test_the_end_of_a_drive_that_we_replaced_means_nothing():
+    bench = under_way('rolling')
+    first = bench.robot.number - 1
+    for ending in Ending:
+        bench.tell(p.CommandEnded(first, ending, 'of an earlier command'))
     bench.run()
     assert bench.states() == [2, 2, 2]
-    assert 'stop' not in bench.commands
-
 
 def test_a_robot_that_no_longer_tells_where_it_is_fails_the_route():
     bench = under_way(location_timeout=5.0)
     bench.wait(5.5)
     assert_failed(bench, 'the robot has not told where it is for 5 s')
 
-
 def test_no_progress_fails_the_route():
     bench = under_way(stall_timeout=10.0)
     for _ in range(21):
         bench.now += 0.5
-        bench.tell(bench.robot.located(bench.now))
+        bench.look()
         bench.wait(0.05)
     assert_failed(bench, 'no progress for 10 s')
 
-
 def test_off_the_corridor_fails_the_route_at_the_second_location():
     bench = under_way()
-    x, _ = bench.robot.position
-    bench.tell(p.Located(bench.follower.robot.seen.last.stamp + 1, x, 0.6))
+    bench.robot.position = (bench.robot.position[0], 0.6)
+    bench.now += 0.1
+    bench.look()
     assert bench.follower.running
-    bench.tell(p.Located(bench.follower.robot.seen.last.stamp + 1, x, 0.6))
+    bench.now += 0.1
+    bench.look()
     assert_failed(bench, 'off the corridor')
-
 
 def test_an_arrival_elsewhere_is_not_believed():
     bench = under_way()
-    bench.tell(p.GoalReached('7'))
+    end_of_drive(bench, Ending.SUCCEEDED, 'Arrived at 7')
     assert bench.states() == [2, 1, 1]
-    bench.wait(2.5)
+    for _ in range(2):
+        bench.now += 0.5
+        bench.look()
     assert_failed(bench, 'the robot says that it is at 7, but is '
                   f'{8.0 - bench.robot.position[0]:.1f} m away from it')
 
-
-@pytest.mark.parametrize('event', [
-    p.GoalReached('2'), p.GoalReached('6'), p.CommandRejected('goto 3', "No goal '3'"),
-    p.MotionInterrupted('Going to 2'), p.GoalStarted('7'), p.EmergencyStop(False),
-])
-def test_words_that_are_late_or_for_others_are_harmless(event):
-    bench = under_way()
-    bench.tell(event)
+def test_an_arrival_is_judged_by_the_locations_after_it_however_late_they_come():
+    bench = under_way(location_timeout=60.0)
+    while bench.robot.motion is not Motion.ARRIVED:  # the controller is heard, the robot is not
+        bench.now += 0.1
+        bench.tell(*[event for event in bench.robot.step(bench.now)
+                     if isinstance(event, p.CommandEnded)])
+    bench.wait(6.0)
+    assert bench.follower.running
     bench.run()
     assert bench.states() == [2, 2, 2]
-
-
-def test_on_the_way_to_the_dock_the_robot_may_name_it_as_it_likes():
-    bench = Bench(yard(), 1)
-    bench.order(7, 9)
-    bench.tell(p.GoalStarted('Charger 1'), p.GoalShown('dock at Charger 1'), p.GoalShown('Dock'),
-               p.GoalStarted(''))
-    assert bench.follower.running
-    bench.tell(p.GoalStarted('3'))
-    assert bench.follower.report().reason == 'taken over'
-
 
 def test_locations_out_of_order_are_left_out():
     bench = under_way()
     before = bench.follower.report()
-    bench.tell(p.Located(before.stamp - 1, 0.0, 9.0), p.Located(before.stamp, 0.0, 9.0),
-               p.Located(before.stamp - 1, 0.0, 9.0))
+    for stamp in (before.stamp - 1, before.stamp, before.stamp - 1):
+        bench.tell(p.RobotSeen(stamp, place=(0.0, 9.0)))
     assert bench.follower.report() == before
 
+def drive_by(bench: Bench, *places) -> None:
+    """The robot is seen at these places, a second apart."""
+    for place in places:
+        bench.now += 1.0
+        bench.robot.position = place
+        bench.look()
 
 def test_a_corner_cut_so_far_that_a_vertex_is_missed_is_made_good():
     bench = Bench(yard(), 1, 'direct')
     bench.order(7, 1, 5)
     assert bench.commands == ['goto 5']
-    for x, y in ((2.0, 0.0), (3.5, 0.4), (5.0, 0.4)):  # by vertex 2 at 0.4 m
-        bench.now += 1.0
-        bench.robot.position = (x, y)
-        bench.tell(bench.robot.located(bench.now))
+    drive_by(bench, (2.0, 0.0), (3.5, 0.4), (5.0, 0.4))  # by vertex 2 at 0.4 m
     assert bench.commands[-1] == 'goto 2'
     assert bench.states() == [1, 1]
     bench.run()
     assert bench.states() == [2, 2]
     assert bench.commands == ['goto 5', 'goto 2', 'goto 5']
 
-
 def test_a_robot_sent_back_to_a_vertex_still_goes_there_when_the_route_gets_longer():
     bench = Bench(yard(), 1, 'direct')
     bench.order(7, 1, 5)
     bench.run(lambda bench: bench.robot.position[0] > 2.0)
-    for x, y in ((3.5, 0.4), (5.0, 0.4)):
-        bench.now += 1.0
-        bench.robot.position = (x, y)
-        bench.tell(bench.robot.located(bench.now))
+    drive_by(bench, (3.5, 0.4), (5.0, 0.4))
     assert bench.commands[-1] == 'goto 2'
     bench.order(7, 1, 5, 6)
     bench.run()
     assert bench.states() == [2, 2, 2]
     assert bench.commands == ['goto 5', 'goto 2', 'goto 6']
 
-
 def test_a_failed_route_says_nothing_more_to_the_robot():
     bench = under_way()
-    bench.tell(p.RobotFailed('Cannot find path'))
+    end_of_drive(bench, Ending.FAILED, 'Cannot find path')
     commands = len(bench.commands)
-    for _ in range(10):
-        bench.now += GraphRobot.STEP
-        bench.tell(*bench.robot.step(bench.now))
+    bench.drive(1.0)
     bench.wait(60.0)
     assert len(bench.commands) == commands
     assert bench.follower.report().reason == 'Cannot find path'
+
+class TestLinks:
+    """A short outage costs nothing; a long one the route, and the stop follows."""
+
+    def test_a_lost_link_fails_the_route_after_a_while_and_the_stop_follows_when_it_is_back(self):
+        bench = under_way(links=LINKS)
+        bench.give = Unreachable(bench)
+        bench.link_is_up[Link.COMMANDS] = False
+        bench.drive(1.0)
+        assert bench.follower.running
+        bench.drive(2.5)
+        assert bench.follower.report().reason == 'lost link: commands: connection refused'
+        assert 'stop' not in bench.commands
+        del bench.give
+        bench.link_is_up[Link.COMMANDS] = True
+        bench.drive(2.0)
+        assert bench.commands.count('stop') == 1
+        bench.drive(10.0)
+        assert bench.commands.count('stop') == 1
+
+    def test_a_link_that_is_back_in_time_costs_nothing(self):
+        bench = under_way(links=LINKS)
+        bench.link_is_up[Link.OUTGOING] = False
+        bench.drive(1.0)
+        bench.link_is_up[Link.OUTGOING] = True
+        bench.run()
+        assert bench.states() == [2, 2, 2]
+        assert 'stop' not in bench.commands
+
+    def test_a_link_that_is_not_the_robots_means_nothing(self):
+        bench = under_way(links=(Link.COMMANDS,))
+        bench.tell(p.LinkReported(Link.OUTGOING, False, 'forged'))
+        bench.drive(3.0)
+        bench.run()
+        assert bench.states() == [2, 2, 2]
+
+    def test_a_drive_that_was_lost_on_its_way_is_given_again_because_the_robot_never_heard_it(self):
+        bench = Bench(yard(), 1, 'rolling', links=LINKS)
+        bench.order(7, 1, 5, 6)
+        deaf = Unreachable(bench)
+        bench.give = deaf
+        bench.run(lambda _: deaf.lost)
+        assert bench.follower.running
+        del bench.give
+        bench.run()
+        assert bench.states() == [2, 2, 2]
+        assert len(set(bench.commands)) == len(bench.commands), 'a drive was given twice'
+
+    def test_a_drive_whose_end_was_lost_is_followed_by_the_robots_status(self):
+        bench = under_way(links=LINKS)
+        end_of_drive(bench, Ending.LOST, 'the connection broke')
+        bench.run()
+        assert bench.states() == [2, 2, 2]
+        assert bench.commands == ['goto 2', 'goto 7', 'goto 6']
+
+    def test_a_drive_whose_end_was_lost_and_that_somebody_replaced_is_a_take_over(self):
+        bench = under_way(links=LINKS)
+        end_of_drive(bench, Ending.LOST, 'the connection broke')
+        bench.robot.obey(None, 'goto 3')
+        bench.run()
+        assert bench.follower.report().reason == 'taken over'
+        assert bench.commands[-1] == 'goto 3'
+
+    def test_a_node_that_is_restarted_costs_no_route(self):
+        for link in LINKS:
+            bench = under_way(links=LINKS)
+            bench.link_is_up[link] = None
+            if link is Link.COMMANDS:
+                end_of_drive(bench, Ending.LOST, 'the controller is gone')
+            bench.drive(4.0)
+            bench.link_is_up[link] = False
+            bench.drive(3.0)
+            bench.link_is_up[link] = True
+            bench.run()
+            assert bench.states() == [2, 2, 2], f'{link}: {bench.follower.report().reason}'
+            assert bench.commands == ['goto 2', 'goto 7', 'goto 6']
+
+    def test_a_receiver_that_stands_still_costs_no_route(self):
+        bench = under_way(links=LINKS, stall_timeout=60.0)
+        bench.wait(10.0)
+        assert bench.follower.running
+        bench.run()
+        assert bench.states() == [2, 2, 2]
+
+    def test_a_node_that_stays_away_fails_the_route(self):
+        bench = under_way(links=LINKS)
+        bench.link_is_up[Link.COMMANDS] = None
+        bench.give = Unreachable(bench)
+        bench.run(seconds=40.0)
+        assert 'commands: its node has reported nothing for 2' in bench.follower.report().reason
+
+class Unreachable:
+    """In place of the bench's way to the controller: nobody hears the commands."""
+
+    def __init__(self, bench: Bench) -> None:
+        self.bench = bench
+        self.lost = []
+
+    def __call__(self, give: p.Give) -> None:
+        self.lost.append(give.command)
+        self.bench.tell(p.CommandEnded(give.number, Ending.NEVER_SENT, 'never sent: no link'))
+

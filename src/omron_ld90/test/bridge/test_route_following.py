@@ -116,7 +116,8 @@ def test_the_edge_to_the_dock_is_complete_when_the_robot_is_docked_and_not_befor
 def test_a_docked_robot_stands_on_the_dock_vertex():
     bench = Bench(yard(), 90)
     bench.robot.position = (0.0, -4.8)  # at the station, farther on than the vertex
-    bench.tell(bench.robot.located(bench.now + 1.0))
+    bench.now += 1.0
+    bench.look()
     assert bench.follower.report().pose == SymbolicPose(9, 100.0)
     bench.order(7, -9, 1)
     bench.run()
@@ -135,7 +136,7 @@ def test_a_report_carries_the_stamp_of_the_location_used():
     bench = Bench(dissertation_graph(), 1)
     bench.order(7, 1, 4, 5)
     bench.run(seconds=30.0, until=lambda bench: bench.states()[0] == 2)
-    assert bench.last.stamp == bench.follower.robot.seen.last.stamp
+    assert bench.last.stamp == bench.follower.robot.location.last.stamp
     before = bench.follower.report()
     bench.wait(0.3)
     assert bench.follower.report() == before  # nothing new is known, so nothing new is told
@@ -147,7 +148,8 @@ def test_after_the_end_the_last_route_is_told_until_the_robot_goes_elsewhere():
     bench.run()
     assert bench.follower.report().pose == SymbolicPose(5, 100.0)
     bench.robot.position = (6.0, 0.0)
-    bench.tell(bench.robot.located(bench.now + 1.0))
+    bench.now += 1.0
+    bench.look()
     assert bench.follower.report().route_id == 7
     assert bench.follower.report().pose == SymbolicPose(5, 50.0)
 
@@ -155,7 +157,8 @@ def test_after_the_end_the_last_route_is_told_until_the_robot_goes_elsewhere():
 def test_off_the_graph_the_edge_is_zero():
     bench = Bench(yard(), 2)
     bench.robot.position = (6.0, 3.0)
-    bench.tell(bench.robot.located(bench.now + 1.0))
+    bench.now += 1.0
+    bench.look()
     assert bench.follower.report().pose == SymbolicPose(0, 0.0)
 
 

@@ -1,5 +1,7 @@
 """What counts as a bend: turns that add up along a way within a short stretch of it."""
+import gc
 import math
+import weakref
 
 import numpy as np
 import pytest
@@ -115,3 +117,12 @@ def body(x, y, heading):
     return Polygon([(x + c * u - s * v, y + s * u + c * v) for u, v in (
         (LENGTH / 2, WIDTH / 2), (-LENGTH / 2, WIDTH / 2), (-LENGTH / 2, -WIDTH / 2),
         (LENGTH / 2, -WIDTH / 2))])
+
+
+def test_a_graph_is_not_kept_when_its_bends_are_known():
+    graph = corner_and_arc(30, 1.0, 60)
+    bends_of(graph, STRETCH)
+    gone = weakref.ref(graph)
+    del graph
+    gc.collect()
+    assert gone() is None

@@ -159,7 +159,7 @@ def test_on_a_real_map_most_walls_are_fence_enough():
 
 @BOTH_KINDS
 def test_a_long_corridor_with_many_branches(kind):
-    """Its one yard has so many guard points that only the near ones are looked at."""
+    """Its one outer region has so long an outline that only the near ones are looked at."""
     spine = [(id, 3.0 * id, 0.0) for id in range(1, 21)]
     branches = [(20 + id, 3.0 * id, 2.5 if id % 2 else -2.5) for id in range(1, 21)]
     graph = graph_of(spine + branches, [(id, id + 1) for id in range(1, 20)]

@@ -202,6 +202,17 @@ def test_a_goal_behind_the_fences_is_told():
     assert [note for note in notes if "'Pick' is outside the corridors" in note]
 
 
+@pytest.mark.parametrize('home, told', [
+    ('900 3000 0 "" ICON ""', True), ('0 0 0 "" ICON "" 800 2900 1000 3100', True),
+    ('1000 0 0 "" ICON ""', False), ('0 0 0 "" ICON "" -500 -500 1500 3100', False)])
+def test_a_place_to_start_at_behind_the_fences_is_told(home, told):
+    notes = convert(GRAPH, map_with(f'RobotHome {home}'), Options()).notes
+    assert bool([note for note in notes if note.startswith('RobotHome at ')
+                 and 'can drive to no goal' in note]) is told
+    assert not convert(GRAPH, map_with('RobotHome 900 3000 0 "" ICON ""'),
+                       Options(fences=Fences.NONE)).notes
+
+
 def test_an_edge_that_leads_through_a_wall_is_told():
     document = MapDocument.from_bytes(map_with().to_bytes() + b'2000 100\n')
     notes = convert(GRAPH, document, Options()).notes

@@ -96,13 +96,64 @@ def test_a_real_robot_gets_no_simulator():
     assert parameters['/omron_ld90/omron_controller/password_file'] == ''
 
 
-def test_the_lab_graph_belongs_to_the_lab_map_only():
-    _, lab = expand('full_stack.launch')
-    _, other = expand('full_stack.launch', 'map_file:=/site/other.map')
-    graph = '/omron_ld90/omron_edges_to_vertices/graph_file'
-    assert lab[graph].endswith('maps/lab_graph.yaml')
-    assert Path(lab[graph]).exists(), f'{lab[graph]} is not there'
-    assert other[graph] == ''
+LAB = ROOT / 'maps' / 'lab.map'
+BRIDGE, ROUTES = '/omron_ld90/omron_edges_to_vertices', '/omron_ld90/route_visualisation'
+
+
+def graph_and_dock(*given: str):
+    """What the bridge, and what shows its routes, get for these arguments of the full stack."""
+    _, parameters = expand('full_stack.launch', *given)
+    bridge, shown = ((parameters[f'{node}/graph_file'], parameters[f'{node}/dock_vertex'])
+                     for node in (BRIDGE, ROUTES))
+    assert bridge == shown, 'the route is shown on another graph than it is driven on'
+    return bridge
+
+
+def test_the_lab_map_comes_with_its_graph_and_dock():
+    graph, dock = graph_and_dock()
+    assert Path(graph).samefile(ROOT / 'maps' / 'lab_graph.yaml')
+    assert dock == 16
+
+
+def test_the_lab_map_is_known_by_its_path_in_the_repository_too():
+    assert graph_and_dock(f'map_file:={LAB}') == graph_and_dock()
+
+
+@pytest.mark.parametrize('site', ['/site/other.map', '/site/maps/lab.map', '/lab.map',
+                                  '/site/omron_ld90/maps/lab.map'])
+def test_another_map_inherits_neither_graph_nor_dock(site):
+    assert graph_and_dock(f'map_file:={site}') == ('', 0)
+
+
+def test_another_graph_does_not_inherit_the_dock():
+    assert graph_and_dock('graph_file:=/site/graph.yaml') == ('/site/graph.yaml', 0)
+    site = ['map_file:=/site/other.map', 'graph_file:=/site/maps/lab_graph.yaml']
+    assert graph_and_dock(*site) == ('/site/maps/lab_graph.yaml', 0)
+    assert graph_and_dock(*site, 'dock_vertex:=7')[1] == 7
+
+
+def test_the_lab_graph_brings_its_dock_to_a_map_made_from_it():
+    graph = ROOT / 'maps' / 'lab_graph.yaml'
+    made = [f'base_map:={ROOT}/maps/lab_base.map', 'map_file:=/tmp/out.map', f'graph_file:={graph}']
+    assert graph_and_dock(*made) == (str(graph), 16)
+    _, parameters = expand('full_stack.launch', *made)
+    assert parameters['/omron_ld90/omron_ros_map/dock_vertex'] == 16
+
+
+def test_two_robots_on_another_map_inherit_neither_graph_nor_dock():
+    for given, expected in (([], 16), (['map_file:=/site/other.map'], 0)):
+        _, parameters = expand('two_robots.launch', *given)
+        for robot in ('robot_a', 'robot_b'):
+            for node in ('omron_edges_to_vertices', 'route_visualisation'):
+                assert parameters[f'/{robot}/{node}/dock_vertex'] == expected
+                assert bool(parameters[f'/{robot}/{node}/graph_file']) is bool(expected)
+
+
+@pytest.mark.parametrize('name', ['robot.launch', 'visualisation.launch', 'map_converter.launch'])
+def test_the_parts_of_the_stack_know_no_dock_of_their_own(name):
+    _, parameters = expand(name, 'graph_file:=/site/graph.yaml')
+    assert not [key for key, value in parameters.items()
+                if key.endswith('/dock_vertex') and value != 0]
 
 
 def test_a_base_map_brings_the_converter_and_makes_the_others_wait():
@@ -118,7 +169,7 @@ def test_a_base_map_brings_the_converter_and_makes_the_others_wait():
 
 def test_a_graph_without_dock_is_said_by_zero():
     name = '/omron_ld90/omron_ros_map/dock_vertex'
-    assert expand('map_converter.launch')[1][name] == 16
+    assert expand('map_converter.launch', 'dock_vertex:=7')[1][name] == 7
     assert name not in expand('map_converter.launch', 'dock_vertex:=0')[1]
 
 

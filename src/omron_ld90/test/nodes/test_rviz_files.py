@@ -4,12 +4,10 @@ from __future__ import annotations
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
-import pytest
 import yaml
 
 REPOSITORY = Path(__file__).resolve().parents[4]
 URDF = REPOSITORY / 'src/omron_ld90/urdf/ld90.urdf'
-LENGTH, WIDTH, HEIGHT = 0.699, 0.500, 0.383  # m, the LD-90's
 
 
 def configuration(name: str) -> dict:
@@ -66,34 +64,9 @@ def test_the_view_opens_top_down_and_draws_ten_times_a_second():
     assert one['Global Options']['Frame Rate'] == 10
 
 
-def boxes(kind: str):
-    """Centre and size (m) of each axis-aligned box of the body."""
-    for link in ElementTree.parse(URDF).getroot().iter('link'):
-        for shape in link.iter(kind):
-            box = shape.find('geometry/box')
-            if box is not None:
-                centre = [float(n) for n in shape.find('origin').get('xyz').split()]
-                yield centre, [float(n) for n in box.get('size').split()]
-
-
-@pytest.mark.parametrize('kind', ['visual', 'collision'])
-def test_the_body_has_the_measures_of_an_ld90(kind):
-    low = [min(centre[i] - size[i] / 2 for centre, size in boxes(kind)) for i in range(3)]
-    high = [max(centre[i] + size[i] / 2 for centre, size in boxes(kind)) for i in range(3)]
-    assert high[0] - low[0] == pytest.approx(LENGTH)
-    assert high[1] - low[1] == pytest.approx(WIDTH)
-    assert high[2] == pytest.approx(HEIGHT)
-
-
 def test_links_carry_the_robots_name_and_hang_together():
     robot = ElementTree.parse(URDF).getroot()
     links = {link.get('name') for link in robot.iter('link')}
     children = {joint.find('child').get('link') for joint in robot.iter('joint')}
     assert all(name.startswith('omron_ld90/') for name in links)
     assert links - children == {'omron_ld90/base_link'}
-
-
-def test_the_laser_is_203_mm_above_the_floor():
-    robot = ElementTree.parse(URDF).getroot()
-    laser = next(joint for joint in robot.iter('joint') if joint.get('name') == 'laser_joint')
-    assert float(laser.find('origin').get('xyz').split()[2]) == 0.203

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from omron_arcl import InvalidCommand
 from omron_ld90.operator.goal_clicks import (
     Target,
     TargetKind,
@@ -42,6 +43,22 @@ def test_goals_and_docks_are_targets_in_metres_and_areas_are_not(targets):
         (TargetKind.GOAL, '12', 1.0, 2.0),
         (TargetKind.GOAL, 'Meeting room', -1.5, 0.0),
         (TargetKind.DOCK, 'Dock 1', 4.0, 0.0)]
+
+
+@pytest.mark.parametrize('encoding', ['utf-8', 'latin-1'])
+def test_a_name_reads_the_same_in_whichever_encoding_the_file_is(encoding):
+    kitchen = '2D-Map\nCairn: Goal 0 0 0.000000 "" ICON "Küche"\nDATA\n'.encode(encoding)
+    target, = targets_of(MapDocument.from_bytes(kitchen))
+    assert target.name == 'Küche' and str(target) == 'goal Küche'
+    assert target_named('KÜCHE', [target]) is target
+
+
+def test_a_name_that_no_command_can_hold_is_told_when_it_is_sent_and_not_before():
+    quoted = b'2D-Map\nCairn: Goal 0 0 0.000000 "" ICON "in"ner"\nDATA\n'
+    target, = targets_of(MapDocument.from_bytes(quoted))
+    assert str(target) == 'goal in"ner'
+    with pytest.raises(InvalidCommand, match='double quote'):
+        target.command  # noqa: B018  a property
 
 
 def test_only_a_target_with_a_heading_has_one(targets):

@@ -1,9 +1,8 @@
 """A simulated OMRON LD-90 that speaks ARCL.
 
-From the inside out: `kinematics`, `floor`, `planner`, `track` and `laser` are the robot's body and
-world; `robot`, `executive` and `activities` are what it does; `server`, `session` and `commands`
-are its ARCL interface, without I/O; `transport` puts that on TCP sockets, `simulator` runs it in a
-thread (for tests) and `cli` as a program. Everything runs on one simulated `Clock`.
+From the inside out: `motion` is the robot's body on its floor, `devices` what hangs on it,
+`behaviour` what it does, and `interface` its ARCL server, on TCP sockets, in a thread or as a
+program. Each may import those named before it. Everything runs on one simulated `Clock`.
 """
 from omron_ld90_sim.interface.simulator import Simulator
 

@@ -1,7 +1,13 @@
-"""`.map` files of the LD-90: documents, occupancy grids, pictures. No ROS; mm and degrees."""
+"""The `.map` files of OMRON mobile robots: read, edited and written without loss; seen as grids.
+
+Lengths are millimetres, angles degrees, as in the files. No ROS. Beside what stands here:
+`omron_map.picture` draws maps, `omron_map.grid_files` writes grids for map_server,
+`omron_map.compare` tells what differs between two maps, `omron_map.reach` what is cut off in one;
+they are modules of their own because they load more than reading a map needs.
+"""
 from omron_map.document import MapDocument
 from omron_map.errors import DuplicateName, MapError, MapWarning
-from omron_map.geometry import Extent, RotatedRectangle
+from omron_map.geometry import Extent, RotatedRectangle, bounds_of
 from omron_map.objects import MapObject
 from omron_map.occupancy import (
     FREE,
@@ -11,10 +17,11 @@ from omron_map.occupancy import (
     fitting_resolution,
 )
 from omron_map.scans import Scan
+from omron_map.text import printable, printable_path
 from omron_map.watch import MapWatcher, wait_for_map
 
 __all__ = [
     'DuplicateName', 'Extent', 'FREE', 'MapDocument', 'MapError', 'MapObject', 'MapWarning',
-    'MapWatcher', 'OCCUPIED', 'OccupancyGrid', 'RotatedRectangle', 'Scan', 'UNKNOWN',
-    'fitting_resolution', 'wait_for_map',
+    'MapWatcher', 'OCCUPIED', 'OccupancyGrid', 'RotatedRectangle', 'Scan', 'UNKNOWN', 'bounds_of',
+    'fitting_resolution', 'printable', 'printable_path', 'wait_for_map',
 ]

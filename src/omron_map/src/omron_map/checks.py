@@ -1,16 +1,17 @@
 """What is odd about a map but does not stop it from being used."""
 from __future__ import annotations
 
-from typing import Dict, Iterator, List, Sequence, Tuple
+from typing import Dict, Iterator, List, Sequence, Set, Tuple
 
 import numpy as np
 
 from omron_map.errors import FieldError, MapWarning
-from omron_map.objects import printable
+from omron_map.objects import name_key
 from omron_map.reader import BOM, Record
 from omron_map.references import find_references
 from omron_map.scans import Scan
 from omron_map.sections import Section, bounds
+from omron_map.text import printable
 from omron_map.tokens import tokenise
 
 
@@ -67,13 +68,13 @@ def _is_sorted(rows: np.ndarray) -> bool:
 
 
 def _names(records: Sequence[Record]) -> Iterator[MapWarning]:
-    first = {}
+    first: Dict[str, int] = {}
     for number, record in enumerate(records, 1):
         if record.object is None or not record.object.name:
             continue
-        name = record.object.name.lower()
+        name = record.object.key
         if name in first:
-            yield MapWarning(f'{record.object.kind} {record.object.label!r} has the name of the '
+            yield MapWarning(f'{record.object} has the name of the '
                              f'object in line {first[name]}: only that one is found', number)
         first.setdefault(name, number)
 
@@ -84,16 +85,16 @@ def _tails(records: Sequence[Record]) -> Iterator[MapWarning]:
         if obj is None or not obj.tail:
             continue
         if obj.polygon is None:
-            yield MapWarning(f'{obj.kind} {obj.label!r} ends in words of unknown meaning: '
+            yield MapWarning(f'{obj} ends in words of unknown meaning: '
                              'they are kept', number)
         elif obj.theta != 0.0:
-            yield MapWarning(f'{obj.kind} {obj.label!r} is a turned polygon: '
+            yield MapWarning(f'{obj} is a turned polygon: '
                              'its rectangle is drawn', number)
 
 
 def _declarations(records: Sequence[Record]) -> Iterator[MapWarning]:
     """Once a file declares a goal or dock type, only the declared ones exist."""
-    declared = {'goaltype': set(), 'docktype': set()}
+    declared: Dict[str, Set[str]] = {'goaltype': set(), 'docktype': set()}
     for record in records:
         if record.keyword == 'mapinfo:':
             try:
@@ -109,7 +110,7 @@ def _declarations(records: Sequence[Record]) -> Iterator[MapWarning]:
             continue
         declaration = 'docktype' if obj.is_dock else 'goaltype'
         if declared[declaration] and obj.base_kind not in declared[declaration]:
-            yield MapWarning(f'{obj.kind} {obj.label!r}: the map declares other types, but not '
+            yield MapWarning(f'{obj}: the map declares other types, but not '
                              f'this one (MapInfo: {"DockType" if obj.is_dock else "GoalType"} '
                              f'Name={obj.base_kind})', number)
 
@@ -118,15 +119,15 @@ def _dangling(records: Sequence[Record]) -> Iterator[MapWarning]:
     present = set()
     for record in records:
         if record.object is not None:
-            present.add(record.object.name.lower())
+            present.add(record.object.key)
         elif record.keyword in ('_cairn:', 'childcairn:'):
             try:
-                present.update(word.text.lower() for word in tokenise(record.text)[7:8])
+                present.update(name_key(word.text) for word in tokenise(record.text)[7:8])
             except FieldError:
                 continue
     for number, record in enumerate(records, 1):
         for reference in find_references(record.keyword, record.text):
-            if reference.token.text.lower() not in present:
+            if name_key(reference.token.text) not in present:
                 yield MapWarning(f'{record.text.split(None, 1)[0]} names '
                                  f'{printable(reference.token.text)!r}, which is not in the map',
                                  number)

@@ -6,18 +6,22 @@ addresses in it.
 from __future__ import annotations
 
 import argparse
+import io
 import os
 import sys
 from collections import Counter
 from typing import Iterator, List, Optional
 
+from omron_map.canvas import LONG_SIDE
 from omron_map.compare import compare
 from omron_map.document import MapDocument
 from omron_map.errors import MapError
 from omron_map.grid_files import export_grid
 from omron_map.objects import MapObject
 from omron_map.occupancy import FREE, UNKNOWN, USES, OccupancyGrid
-from omron_map.picture import LONG_SIDE, draw_map
+from omron_map.picture import draw_map
+from omron_map.reach import cut_off_homes
+from omron_map.text import printable
 
 DONE, FAILED = 0, 1
 BACKGROUNDS = {'unknown': UNKNOWN, 'free': FREE}
@@ -30,7 +34,8 @@ EPILOGUE = '''exit status:
 def main(arguments: Optional[List[str]] = None) -> int:
     """Run the command and return its exit status."""
     options = _parser().parse_args(arguments)
-    sys.stdout.reconfigure(errors='backslashreplace')  # names in scripts the terminal lacks
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors='backslashreplace')  # names in scripts the terminal lacks
     try:
         status = options.run(options)
         sys.stdout.flush()
@@ -103,7 +108,7 @@ def _check(options: argparse.Namespace) -> int:
             print(f'ld_map: {error}', file=sys.stderr)
             status = FAILED
             continue
-        for warning in document.warnings:
+        for warning in (*document.warnings, *cut_off_homes(document)):
             print(f'{path}: warning: {warning}')
         print(f'{path}: ok')
     return status
@@ -115,7 +120,7 @@ def _info(options: argparse.Namespace) -> int:
     print(f'category    {document.category}')
     for scan in document.scans:
         if scan.name:
-            print(f'scan        {scan.name}')
+            print(f'scan        {printable(scan.name)}')
         pitch = f'{scan.resolution} mm apart' if scan.resolution else 'on no pitch'
         print(f'points      {len(scan.points)}, {pitch}')
         print(f'lines       {len(scan.lines)}')
@@ -123,7 +128,7 @@ def _info(options: argparse.Namespace) -> int:
     if len(ends):
         low, high = ends.min(axis=0) / 1000.0, ends.max(axis=0) / 1000.0
         print(f'from, to    ({low[0]:.3f}, {low[1]:.3f}) m, ({high[0]:.3f}, {high[1]:.3f}) m')
-    kinds = Counter(obj.kind for obj in document.objects)
+    kinds = Counter(printable(obj.kind) for obj in document.objects)
     print(f'objects     {len(document.objects)}'
           + ''.join(f', {kind} {count}' for kind, count in sorted(kinds.items())))
     for obj in document.objects:
@@ -173,15 +178,15 @@ def _beside_us(file: str, suffix: str) -> str:
 
 def _describe(obj: MapObject) -> str:
     """An object in one line: kind, name and place in metres and degrees."""
-    text = f'{obj.kind} {obj.label!r}' if obj.name else obj.kind
+    text = str(obj)
     if obj.is_area:
         box = obj.rectangle
         return (f'{text} at ({box.centre_x / 1000:.3f}, {box.centre_y / 1000:.3f}) m, '
                 f'{box.width / 1000:.3f} x {box.height / 1000:.3f} m, {box.yaw:g} deg')
     if obj.is_line:
-        extent = obj.extent
-        return (f'{text} from ({extent.from_x / 1000:.3f}, {extent.from_y / 1000:.3f}) m '
-                f'to ({extent.to_x / 1000:.3f}, {extent.to_y / 1000:.3f}) m')
+        start, end = obj.ends / 1000.0
+        return (f'{text} from ({start[0]:.3f}, {start[1]:.3f}) m '
+                f'to ({end[0]:.3f}, {end[1]:.3f}) m')
     heading = f', {obj.theta:g} deg' if obj.has_heading else ''
     return f'{text} at ({obj.x / 1000:.3f}, {obj.y / 1000:.3f}) m{heading}'
 
@@ -189,7 +194,7 @@ def _describe(obj: MapObject) -> str:
 def _changes(old: MapObject, new: MapObject) -> Iterator[str]:
     """What became of each field that changed."""
     if old.kind != new.kind or old.name != new.name:
-        yield f'now {new.kind} {new.label!r}'
+        yield f'now {new}'
     if (old.x, old.y, old.theta, old.extent) != (new.x, new.y, new.theta, new.extent):
         yield f'moved to {_describe(new).split(" at ")[-1]}'
     for field in ('description', 'icon', 'tail'):

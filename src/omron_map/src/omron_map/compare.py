@@ -39,10 +39,10 @@ def compare(old: MapDocument, new: MapDocument) -> Difference:
     that an unnamed area that moved is one removed and one added.
     """
     removed, added = _unpaired(old, new), _unpaired(new, old)
-    successors = {obj.name.lower(): obj for obj in reversed(added) if obj.name}
+    successors = {obj.key: obj for obj in reversed(added) if obj.name}
     changed = []
     for obj in removed:
-        successor = successors.pop(obj.name.lower(), None) if obj.name else None
+        successor = successors.pop(obj.key, None) if obj.name else None
         if successor is not None:
             changed.append((obj, successor))
     return Difference(

@@ -15,7 +15,8 @@ from omron_map import editing, scan_editing
 from omron_map.checks import check
 from omron_map.errors import FieldError, MapError, MapWarning
 from omron_map.objects import MapObject
-from omron_map.reader import Content, Record, read_content, read_headers
+from omron_map.reader import Content, Record, check_category, read_content, read_headers
+from omron_map.regular_file import read_regular_file
 from omron_map.saving import write_file
 from omron_map.scans import scans_of
 from omron_map.sections import Section
@@ -37,13 +38,13 @@ class MapDocument:
 
     @classmethod
     def load(cls, path: str) -> MapDocument:
-        """The map in the file `path`; raises MapError, also when it cannot be opened."""
-        try:
-            with open(path, 'rb') as file:
-                data = file.read()
-        except OSError as error:
-            raise MapError(str(path), f'it cannot be read ({error.strerror})') from error
-        return cls.from_bytes(data, str(path))
+        """The map in the regular file `path`; raises MapError, also when it cannot be read.
+
+        Nothing of a file that is no map is read beyond its beginning, or told in the error.
+        """
+        name = os.fspath(path)
+        data = read_regular_file(name, accept=lambda head: check_category(head, name))
+        return cls.from_bytes(data, name)
 
     @classmethod
     def from_bytes(cls, data: bytes, name: str = 'map') -> MapDocument:
@@ -188,8 +189,9 @@ class MapDocument:
         end = editing.line_end(self._records)
         try:
             rows = scan_editing.checked_rows(rows, kind)
-            if np.array_equal(rows, self.points if kind == 'DATA' else self.lines):
-                return
+            present = self.points if kind == 'DATA' else self.lines
+            if np.array_equal(rows, scan_editing.checked_rows(present, kind)):
+                return  # also where the file has them in another order, which means nothing
             self._sections = scan_editing.with_rows(self._sections, kind, rows, end)
         except FieldError as error:  # its line, if any, is one of the rows and not of the file
             raise MapError(self.name, error.problem, None, error.field, error.expected) from None

@@ -12,9 +12,10 @@ from typing import Dict, Iterable, List, Mapping, Optional, Tuple
 from omron_map.errors import DuplicateName, FieldError, MapError
 from omron_map.geometry import Extent, normalise_degrees
 from omron_map.header import is_header
-from omron_map.objects import MapObject, format_object
+from omron_map.objects import MapObject, format_object, name_key
 from omron_map.reader import Record
 from omron_map.references import find_references, may_name_objects
+from omron_map.text import decode, encode
 
 #: A line that an edit left alone, and what is to be said about it.
 Note = Tuple[Record, str]
@@ -27,18 +28,20 @@ def add(file: str, records: List[Record], objects: Iterable[MapObject]) -> None:
     for obj in objects:
         _refuse_duplicate(file, known, obj.name)
         added.append(_record(file, records, obj))
-        known.setdefault(obj.name.lower(), obj)
+        known.setdefault(obj.key, obj)
     _insert(records, added)
 
 
 def remove(file: str, records: List[Record], objects: Iterable[MapObject]) -> List[Note]:
     """Take out `objects` and their parameters, all or none; tell which lines still name them."""
-    gone = {index: records[index].object for index in _indices(file, records, objects)}
+    gone = set(_indices(file, records, objects))
+    lost = {record.object.key: record.object for index, record in enumerate(records)
+            if index in gone and record.object is not None and record.object.name}
     records[:] = [record for index, record in enumerate(records) if index not in gone]
     left = _by_name(records)
-    lost = {obj.name.lower(): obj for obj in gone.values() if obj.name}
     naming = [record for record in records if may_name_objects(record.keyword)]
-    kept, notes = naming, []
+    kept = naming
+    notes: List[Note] = []
     for obj in (obj for name, obj in lost.items() if name not in left):
         kept = [record for record in kept if not any(
             ref.owned for ref in find_references(record.keyword, record.text, obj.name))]
@@ -53,10 +56,10 @@ def move(file: str, records: List[Record], obj: MapObject, x: float, y: float,
     """Place `obj` elsewhere."""
     index, = _indices(file, records, [obj])
     if obj.tail:
-        raise MapError(file, f'{obj.kind} {obj.label!r} has more than corners and cannot '
+        raise MapError(file, f'{obj} has more than corners and cannot '
                        'be moved; remove it and add a new one', index + 1)
     if not all(math.isfinite(value) for value in (x, y, theta or 0.0)):
-        raise MapError(file, f'{obj.kind} {obj.label!r} cannot be moved to {x}, {y}, '
+        raise MapError(file, f'{obj} cannot be moved to {x}, {y}, '
                        f'{theta}', index + 1, expected='finite numbers')
     moved = _moved(obj, x, y, obj.theta if theta is None else normalise_degrees(theta))
     _replace(records, index, _record(file, records, moved))
@@ -88,8 +91,8 @@ def rename(file: str, records: List[Record], obj: MapObject,
     """Change the name of `obj` and of the references that surely mean it."""
     index, = _indices(file, records, [obj])
     if not new_name:
-        raise MapError(file, f'{obj.kind} {obj.label!r} cannot lose its name', index + 1)
-    if new_name.lower() != obj.name.lower():
+        raise MapError(file, f'{obj} cannot lose its name', index + 1)
+    if name_key(new_name) != obj.key:
         _refuse_duplicate(file, _by_name(records), new_name)
     renamed = dataclasses.replace(obj, name=new_name)
     _replace(records, index, _record(file, records, renamed))
@@ -97,18 +100,18 @@ def rename(file: str, records: List[Record], obj: MapObject,
         return []  # another object has the old name too, and keeps what names it
     for position, record in enumerate(records):
         records[position] = _with_new_reference(record, obj.name, new_name)
-    if new_name.lower() == obj.name.lower():
+    if name_key(new_name) == obj.key:
         return []
     return _mentions(records, obj.name, f'still names {obj.label!r}, now {new_name!r}')
 
 
 def _with_new_reference(record: Record, name: str, new_name: str) -> Record:
     """`record` with only the bytes of the sure references changed."""
-    text = record.raw.decode('utf-8', 'surrogateescape')
+    text = decode(record.raw)
     for ref in reversed(find_references(record.keyword, record.text, name)):
         if ref.certain:
             text = f'{text[:ref.token.start]}"{new_name}"{text[ref.token.end:]}'
-    return record._replace(raw=text.encode('utf-8', 'surrogateescape'))
+    return record._replace(raw=encode(text))
 
 
 def _mentions(records: List[Record], name: str, text: str) -> List[Note]:
@@ -119,17 +122,15 @@ def _mentions(records: List[Record], name: str, text: str) -> List[Note]:
 
 def find(records: List[Record], name: str) -> Optional[MapObject]:
     """The first object called `name`, upper or lower case, or None."""
-    wanted = name.lower()
-    return next((record.object for record in records
-                 if record.object is not None and record.object.name.lower() == wanted), None)
+    return _by_name(records).get(name_key(name))
 
 
 def _by_name(records: List[Record]) -> Dict[str, MapObject]:
-    """The first object of every name, by the name in lower case."""
+    """The first object of every name, by its key."""
     found: Dict[str, MapObject] = {}
     for record in records:
         if record.object is not None:
-            found.setdefault(record.object.name.lower(), record.object)
+            found.setdefault(record.object.key, record.object)
     return found
 
 
@@ -143,17 +144,17 @@ def _indices(file: str, records: List[Record], objects: Iterable[MapObject]) -> 
     for obj in objects:
         equal = places.get(obj)
         if not equal:
-            raise MapError(file, f'{obj.kind} {obj.label!r} is not in the map')
+            raise MapError(file, f'{obj} is not in the map')
         found.append(next((index for index in equal if records[index].object is obj), equal[0]))
         equal.remove(found[-1])
     return found
 
 
 def _refuse_duplicate(file: str, known: Mapping[str, MapObject], name: str) -> None:
-    other = known.get(name.lower()) if name else None
+    other = known.get(name_key(name)) if name else None
     if other is not None:
         raise DuplicateName(
-            file, f'there is a {other.kind} {other.label!r} already', field='name',
+            file, f'there is a {other} already', field='name',
             expected='a name of its own, upper and lower case being the same')
 
 
@@ -162,7 +163,7 @@ def _record(file: str, records: List[Record], obj: MapObject) -> Record:
         text = format_object(obj)
     except FieldError as error:
         raise error.in_file(file) from None
-    return Record(text.encode('utf-8', 'surrogateescape') + line_end(records), 'cairn:', obj)
+    return Record(encode(text) + line_end(records), 'cairn:', obj)
 
 
 def line_end(records: List[Record]) -> bytes:
@@ -183,14 +184,20 @@ def _insert(records: List[Record], added: List[Record]) -> None:
         records[end:end] = added
         return
     end = present[-1] + 1 if present else _after_info(records)
-    waiting = sorted(added, key=lambda record: record.object.order)[::-1]
+    waiting = sorted(added, key=_order)[::-1]
     merged: List[Record] = []
     for record in records[:end]:
         if record.object is not None:
-            while waiting and waiting[-1].object.order < record.object.order:
+            while waiting and _order(waiting[-1]) < _order(record):
                 merged.append(waiting.pop())
         merged.append(record)
     records[:end] = merged + waiting[::-1]
+
+
+def _order(record: Record) -> Tuple:
+    """Sort key of a line that is an object."""
+    assert record.object is not None
+    return record.object.order
 
 
 def _after_info(records: List[Record]) -> int:

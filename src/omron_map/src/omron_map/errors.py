@@ -4,6 +4,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Optional
 
+from omron_map.text import printable_path
+
 
 class MapError(Exception):
     """A map that cannot be read, edited or written; the text is one sentence for people.
@@ -21,7 +23,7 @@ class MapError(Exception):
         self.expected = expected
 
     def __str__(self) -> str:
-        where = self.file
+        where = printable_path(self.file)
         if self.line is not None:
             where += f', line {self.line}'
         if self.field is not None:

@@ -1,8 +1,9 @@
-"""Rectangles of forbidden areas and sectors: stored turned about the map's origin."""
+"""Rectangles, which maps store turned about their origin, and what places span."""
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Optional, Tuple
 
 import numpy as np
 
@@ -17,6 +18,13 @@ class Extent:
     from_y: int
     to_x: int
     to_y: int
+
+
+def bounds_of(*places: np.ndarray) -> Optional[Tuple[np.ndarray, np.ndarray]]:
+    """Lowest and highest x, y of arrays (N, 2), or (N, 4) of two points each; None without any."""
+    everything = np.concatenate(
+        [np.empty((0, 2)), *(np.reshape(block, (-1, 2)) for block in places)])
+    return (everything.min(axis=0), everything.max(axis=0)) if len(everything) else None
 
 
 def normalise_degrees(angle: float) -> float:

@@ -9,7 +9,8 @@ from dataclasses import dataclass, field
 from typing import Any, Callable, Dict, List, Sequence, Tuple
 
 from omron_map.errors import FieldError
-from omron_map.objects import parse_integer, printable
+from omron_map.objects import parse_integer
+from omron_map.text import printable
 from omron_map.tokens import Token
 
 CATEGORIES = ('2D-Map', '2D-Map-Ex', '2D-Map-Ex2', '2D-Map-Ex3', '2D-Map-Ex4')

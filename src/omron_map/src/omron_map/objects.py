@@ -14,6 +14,7 @@ import numpy as np
 
 from omron_map.errors import FieldError
 from omron_map.geometry import Extent, RotatedRectangle, normalise_degrees
+from omron_map.text import encode, printable
 from omron_map.tokens import Token, quoted
 
 LINE_KINDS = frozenset(
@@ -126,15 +127,36 @@ class MapObject:
         return self.has_heading and math.cos(math.radians(self.theta)) < -0.8
 
     @property
+    def heads_right(self) -> bool:
+        """The same for a name at the right."""
+        return self.has_heading and math.cos(math.radians(self.theta)) > 0.8
+
+    @property
+    def ends(self) -> np.ndarray:
+        """(2, 2) end points of a line in mm; raises ValueError for other kinds."""
+        if self.extent is None or not self.is_line:
+            raise ValueError(f'{self} is not a line')
+        return np.array(dataclasses.astuple(self.extent)).reshape(2, 2)
+
+    @property
     def label(self) -> str:
-        """The name as text that any screen can show: bytes that are not UTF-8 become U+FFFD."""
+        """The name as people read it, also where the file is not UTF-8: see `omron_map.text`."""
         return printable(self.name)
+
+    @property
+    def key(self) -> str:
+        """The name as it is looked up: see `name_key`."""
+        return name_key(self.name)
+
+    def __str__(self) -> str:
+        kind = printable(self.kind)
+        return f'{kind} {self.label!r}' if self.name else kind
 
     @property
     def rectangle(self) -> RotatedRectangle:
         """An area's place in the map; raises ValueError for points and lines."""
-        if not self.is_area:
-            raise ValueError(f'{self.kind} {self.label!r} is not an area')
+        if self.extent is None or not self.is_area:
+            raise ValueError(f'{self} is not an area')
         return RotatedRectangle.from_extent(self.extent, self.theta)
 
     @property
@@ -172,9 +194,9 @@ class MapObject:
         return self.anchor + (self.is_area or self.is_line, self.kind, self.name)
 
 
-def printable(text: str) -> str:
-    """`text` with bytes that were not UTF-8 (kept as surrogates) replaced by U+FFFD."""
-    return text.encode('utf-8', 'surrogateescape').decode('utf-8', 'replace')
+def name_key(name: str) -> str:
+    """What names that count as equal have in common: case and encoding make no difference."""
+    return printable(name).lower()
 
 
 def needs_extent(kind: str) -> bool:
@@ -249,7 +271,7 @@ def format_object(obj: MapObject) -> str:
         words += map(str, corners)
     words += obj.tail
     line = ' '.join(words)
-    if len(line.encode('utf-8', 'surrogateescape')) + 2 >= MAX_LINE_BYTES:
+    if len(encode(line)) + 2 >= MAX_LINE_BYTES:
         raise FieldError(f'a line of {len(line)} characters', 'Cairn',
                          f'less than {MAX_LINE_BYTES} bytes')
     if len(words) > MAX_LINE_WORDS:

@@ -59,14 +59,10 @@ class OccupancyGrid:
                            field='resolution', expected=f'at most {MAX_CELLS} cells')
         cells = np.full((height, width), background, np.int8)
         grid = cls(cells, pitch, low)
-        grid._mark(points)
-        grid._mark_lines(lines)
+        grid.mark(points)
+        grid.mark_lines(lines)
         if areas:
-            for area in document.forbidden_areas:
-                grid._mark_area(area)
-            for line in document.forbidden_lines:
-                grid._mark_lines(np.array([[line.extent.from_x, line.extent.from_y,
-                                            line.extent.to_x, line.extent.to_y]]))
+            grid.mark_forbidden(document)
         return grid
 
     @property
@@ -79,18 +75,25 @@ class OccupancyGrid:
         """Number of rows."""
         return self.cells.shape[0]
 
-    def _mark(self, points: np.ndarray) -> None:
+    def mark(self, points: np.ndarray) -> None:
         """Occupy the cells of `points` (N, 2) in mm; those outside are left out."""
         columns, rows = ((points - self.origin) // self.resolution).astype(np.int32).T
         inside = (columns >= 0) & (columns < self.width) & (rows >= 0) & (rows < self.height)
         self.cells[rows[inside], columns[inside]] = OCCUPIED
 
-    def _mark_lines(self, lines: np.ndarray) -> None:
+    def mark_lines(self, lines: np.ndarray) -> None:
         """Occupy the cells along each line, stepping by less than half a cell."""
         for line in lines.astype(float):
             start, end = line[:2], line[2:]
             steps = int(np.abs(end - start).max() * 2 / self.resolution) + 1
-            self._mark(start + np.linspace(0.0, 1.0, steps + 1)[:, None] * (end - start))
+            self.mark(start + np.linspace(0.0, 1.0, steps + 1)[:, None] * (end - start))
+
+    def mark_forbidden(self, document: MapDocument) -> None:
+        """Occupy the cells of forbidden areas and forbidden lines, clipped to the grid."""
+        for area in document.forbidden_areas:
+            self._mark_area(area)
+        for line in document.forbidden_lines:
+            self.mark_lines(line.ends.reshape(1, 4))
 
     def _mark_area(self, area: MapObject) -> None:
         """Occupy the cells whose centres lie in the area's rectangle, edges included."""

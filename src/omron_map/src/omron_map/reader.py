@@ -7,12 +7,14 @@ from typing import Container, List, NamedTuple, Optional, Tuple
 
 from omron_map.errors import FieldError, MapError
 from omron_map.header import CATEGORIES, SCAN_KEYS, ScanHeader, parse_sources, scan_keys
-from omron_map.objects import MapObject, parse_object, printable
+from omron_map.objects import MapObject, parse_object
+from omron_map.regular_file import HEAD_BYTES
 from omron_map.sections import Section, is_heading, split_sections
+from omron_map.text import decode, printable
 from omron_map.tokens import BLANKS, Token, tokenise
 
 BOM = b'\xef\xbb\xbf'
-_FIRST_LINE = re.compile(rb'(?:\xef\xbb\xbf)?\s*([^\n]*)')  # that is not blank
+_LATER_CATEGORY = re.compile(r'2D-Map(-Ex[0-9]{0,3})?', re.IGNORECASE)
 
 
 class Record(NamedTuple):
@@ -25,7 +27,7 @@ class Record(NamedTuple):
     @property
     def text(self) -> str:
         """The line without its end; bytes that are not UTF-8 are kept as surrogates."""
-        return decode(self.raw)
+        return decode(self.raw).rstrip('\r\n')
 
 
 @dataclass(frozen=True)
@@ -37,18 +39,13 @@ class Content:
     sections: List[Section]
 
 
-def decode(raw: bytes) -> str:
-    """A line's text without its end, from which the same bytes can be made again."""
-    return raw.decode('utf-8', 'surrogateescape').rstrip('\r\n')
-
-
 def read_content(data: bytes, name: str) -> Content:
     """The content of the file `name` whose bytes are `data`; raises MapError."""
     binary = data.find(b'\0')
     if binary >= 0:
         raise MapError(name, 'a zero byte: this is no text', data.count(b'\n', 0, binary) + 1,
                        expected='a text file')
-    _check_category(data, name)
+    check_category(data, name)
     records, offset = _read_records(data, name)
     if offset == len(data):
         raise MapError(name, 'there is neither a LINES nor a DATA section: the file is cut off',
@@ -62,15 +59,21 @@ def read_content(data: bytes, name: str) -> Content:
     return Content(records, headers, sections)
 
 
-def _check_category(data: bytes, name: str) -> None:
-    first = _FIRST_LINE.match(data)
-    text = decode(first.group(1)).strip(BLANKS)
+def check_category(data: bytes, name: str) -> None:
+    """Raise MapError unless `data`, the beginning of the file `name`, is that of a map.
+
+    The file may be anybody's secret, given by mistake or by malice: the error quotes none of it.
+    """
+    head = data[len(BOM) if data.startswith(BOM) else 0:HEAD_BYTES]  # no copy of all the rows
+    line = head.lstrip().split(b'\n', 1)[0]
+    text = decode(line).strip(BLANKS)
     if not text:
         raise MapError(name, 'there is no category line' if data else 'the file is empty',
                        expected=f'a map that begins with a line like {CATEGORIES[0]}')
     if text.lower() not in (category.lower() for category in CATEGORIES):
-        raise MapError(name, f'{printable(text[:40])!r} does not begin a map',
-                       data.count(b'\n', 0, first.start(1)) + 1, 'category', ', '.join(CATEGORIES))
+        problem = f'{text} is not known' if _LATER_CATEGORY.fullmatch(text) else 'this is no map'
+        raise MapError(name, problem, data.count(b'\n', 0, data.find(line)) + 1, 'category',
+                       ', '.join(CATEGORIES))
 
 
 def _read_records(data: bytes, name: str) -> Tuple[List[Record], int]:
@@ -81,7 +84,7 @@ def _read_records(data: bytes, name: str) -> Tuple[List[Record], int]:
         end = data.find(b'\n', start) + 1 or len(data)
         raw = data[start:end]
         words = raw.split(None, 1)
-        keyword = words[0].lower().decode('utf-8', 'surrogateescape') if words else ''
+        keyword = decode(words[0].lower()) if words else ''
         if keyword.endswith(('data', 'lines')) and is_heading(raw):
             break
         if not records:
@@ -93,7 +96,7 @@ def _read_records(data: bytes, name: str) -> Tuple[List[Record], int]:
 
 
 def _read_object(raw: bytes, name: str, number: int) -> MapObject:
-    text = decode(raw)
+    text = decode(raw).rstrip('\r\n')
     try:
         return parse_object(text, tokenise(text))
     except FieldError as error:
@@ -131,6 +134,6 @@ def _check_sources(sections: List[Section], headers: List[ScanHeader], name: str
     known = [header.source.lower() for header in headers]
     for section in sections:
         if section.source and section.source.lower() not in known:
-            heading = printable(decode(section.heading))
+            heading = printable(decode(section.heading).strip())
             raise MapError(name, f'the section {heading} belongs to no scan',
                            expected='its name in a Sources: line')

@@ -9,6 +9,7 @@ from typing import List, Optional, Tuple
 import numpy as np
 
 from omron_map.errors import FieldError
+from omron_map.text import decode
 
 MAX_BOX = 2_000_000  # mm; the vendor's library refuses a larger box
 COLUMNS = {'DATA': ('x', 'y'), 'LINES': ('x1', 'y1', 'x2', 'y2')}
@@ -54,11 +55,12 @@ def split_sections(data: bytes, line: int) -> List[Section]:
     sections = []
     for start, end in zip(starts, starts[1:] + [len(data)]):
         head = data.find(b'\n', start, end) + 1 or end
-        source, kind = _HEADING.fullmatch(data[start:head].strip()).groups()
-        kind = kind.decode().upper()
+        heading = _HEADING.fullmatch(data[start:head].strip())
+        assert heading is not None, 'a section begins where a heading is'
+        kind = heading.group(2).decode().upper()
         body = data[head:end]
         line += 1
-        source = (source or b'').decode('utf-8', 'surrogateescape')
+        source = decode(heading.group(1) or b'')
         sections.append(Section(data[start:head], body, source, kind,
                                 parse_rows(body, COLUMNS[kind], line)))
         line += body.count(b'\n')

@@ -7,10 +7,12 @@ under this rule, so a line that is not changed is never put together again from 
 from __future__ import annotations
 
 import re
+import unicodedata
 from dataclasses import dataclass
 from typing import List
 
 from omron_map.errors import FieldError
+from omron_map.text import encode
 
 BLANKS = ' \t\r\n\v\f'
 _WORD = re.compile(r'"(?P<quoted>.*?)"(?=[ \t\r\n\v\f]|$)|(?P<bare>[^ \t\r\n\v\f]+)', re.DOTALL)
@@ -42,7 +44,11 @@ def tokenise(line: str) -> List[Token]:
 
 def quoted(text: str, field: str) -> str:
     """`text` in quotes; raises FieldError when no reader could get the same text back."""
-    if '"' in text or any(ord(character) < 32 or ord(character) == 127 for character in text):
+    if '"' in text or any(unicodedata.category(letter) == 'Cc' for letter in text):
         raise FieldError(f'{text!r} cannot be written', field,
                          'no double quote, control character or line break')
+    try:
+        encode(text)
+    except UnicodeEncodeError:
+        raise FieldError(f'{text!r} cannot be written', field, 'letters of Unicode') from None
     return f'"{text}"'

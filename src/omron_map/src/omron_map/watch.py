@@ -1,50 +1,64 @@
 """Noticing that a map file has changed, and waiting for one that is being made.
 
-Every program that shows or uses the displayed map follows its file in the same way:
-
     watcher = MapWatcher(path)          # before the first load, so that no change is missed
-    document = MapDocument.load(path)
+    if not watcher.unfinished:
+        document = MapDocument.load(path)
     ...
     if watcher.changed():               # from a timer, about twice a second
         document = MapDocument.load(path)
 """
 from __future__ import annotations
 
-import os
 import time
 from typing import Callable, Iterable, Optional, Tuple
 
 from omron_map.errors import MapError
+from omron_map.regular_file import status_of, status_or_error
+from omron_map.text import printable_path
 
 POLL_PERIOD = 0.1  # s
+SETTLED = 2.0  # s without a change, after which a file counts as complete
+_Signature = Tuple[int, int, int]
 
 
 class MapWatcher:
     """Notices when a file was replaced or rewritten and has settled since.
 
-    A file that is being written in place changes from one poll to the next, so a change is told
-    only when two polls in a row have seen the same file. A file that is absent is no change.
+    A program that writes a map in place may pause under way, and what is there by then can be a
+    valid map with fewer points. So a change is told when the file has stayed the same for
+    `settled` seconds of `clock`. A file that is absent is no change.
     """
 
-    def __init__(self, path: str) -> None:
+    def __init__(self, path: str, settled: float = SETTLED,
+                 clock: Callable[[], float] = time.monotonic) -> None:
         self.path = path
-        self._known = self._polled = _signature(path)
+        self._settled = settled
+        self._clock = clock
+        status = status_of(path)
+        self._seen = _signature(path)
+        self._since = clock()
+        fresh = status is not None and abs(time.time() - status.st_mtime) < settled
+        self._told = None if fresh else self._seen
+
+    @property
+    def unfinished(self) -> bool:
+        """Is the file so new that `changed` will tell of it once it has settled?"""
+        return self._told is None and self._seen is not None
 
     def changed(self) -> bool:
         """True once for every change: the file now differs from the last one told of."""
-        before, self._polled = self._polled, _signature(self.path)
-        if self._polled is None or self._polled != before or self._polled == self._known:
+        now, signature = self._clock(), _signature(self.path)
+        if signature != self._seen:
+            self._seen, self._since = signature, now
+        if signature in (None, self._told) or now - self._since < self._settled:
             return False
-        self._known = self._polled
+        self._told = signature
         return True
 
 
-def _signature(path: str) -> Optional[Tuple[int, int, int]]:
-    try:
-        status = os.stat(path)
-    except OSError:
-        return None
-    return status.st_mtime_ns, status.st_size, status.st_ino
+def _signature(path: str) -> Optional[_Signature]:
+    status = status_of(path)
+    return (status.st_mtime_ns, status.st_size, status.st_ino) if status else None
 
 
 def wait_for_map(path: str, made_from: Iterable[str] = (), timeout: float = 30.0,
@@ -62,23 +76,24 @@ def wait_for_map(path: str, made_from: Iterable[str] = (), timeout: float = 30.0
     while True:
         newest = max((_modified(source) for source in sources), default=0)
         try:
-            if os.stat(path).st_mtime_ns >= newest:
+            if status_or_error(path).st_mtime_ns >= newest:
                 return
             problem = 'it is older than what it is made from: ' + ', '.join(sources)
-        except OSError as error:
-            problem = f'it cannot be read ({error.strerror})'
+        except MapError as error:
+            problem = error.problem
         if time.monotonic() >= deadline or given_up():
             raise MapError(path, f'{problem}; waited {timeout:.0f} s for it to be made',
                            expected='the map converter to have written it')
         if not said:
-            say(f'Waiting up to {timeout:.0f} s for {path} to be made: {problem}.')
+            say(f'Waiting up to {timeout:.0f} s for {printable_path(path)} to be made: '
+                f'{problem}.')
             said = True
         time.sleep(POLL_PERIOD)
 
 
 def _modified(path: str) -> int:
     try:
-        return os.stat(path).st_mtime_ns
-    except OSError as error:
-        raise MapError(path, f'the map is made from this file, which cannot be read '
-                             f'({error.strerror})') from error
+        return status_or_error(path).st_mtime_ns
+    except MapError as error:
+        raise MapError(path, 'the map is made from this file, but '
+                       f'{error.problem}') from None

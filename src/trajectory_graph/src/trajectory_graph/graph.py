@@ -10,7 +10,7 @@ from collections import deque
 from dataclasses import dataclass
 from enum import Enum
 from types import MappingProxyType
-from typing import Dict, Iterable, List, Mapping, Optional, Tuple
+from typing import Dict, Iterable, List, Mapping, Optional, Tuple, TypeVar, Union
 
 import numpy as np
 
@@ -65,6 +65,9 @@ class Edge:
     param_b: float = 0.0
     velocity_forward: float = 0.0
     velocity_backwards: float = 0.0
+
+
+_Element = TypeVar('_Element', Vertex, Edge)
 
 
 class Graph:
@@ -218,8 +221,8 @@ class _Segments:
         return int(self._ids[np.argmin(distances)])
 
 
-def _by_id(kind: str, elements: Iterable) -> Dict[int, object]:
-    result: Dict[int, object] = {}
+def _by_id(kind: str, elements: Iterable[_Element]) -> Dict[int, _Element]:
+    result: Dict[int, _Element] = {}
     for element in elements:
         if element.id <= 0:
             raise GraphError('an id must be positive', kind, element.id)
@@ -229,7 +232,7 @@ def _by_id(kind: str, elements: Iterable) -> Dict[int, object]:
     return result
 
 
-def _check_numbers(kind: str, element: object, names: Iterable[str]) -> None:
+def _check_numbers(kind: str, element: Union[Vertex, Edge], names: Iterable[str]) -> None:
     for name in names:
         if not abs(getattr(element, name)) <= LARGEST_NUMBER:  # so written, it catches NaN too
             raise GraphError(f'{name} is {getattr(element, name)}, not a number within '

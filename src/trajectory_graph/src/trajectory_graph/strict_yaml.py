@@ -6,7 +6,9 @@ do anything, and every field must hold what its reader expects.
 from __future__ import annotations
 
 import os
-from typing import Callable, Dict, List, Optional, Sequence, Tuple, TypeVar, Union
+import re
+import stat
+from typing import Callable, Container, Dict, List, Optional, Sequence, Tuple, TypeVar, Union
 
 import yaml
 
@@ -45,12 +47,19 @@ def compose(path: Union[str, os.PathLike]) -> yaml.Node:
 
 
 def read_file(path: Union[str, os.PathLike]) -> bytes:
-    """The bytes of a file, up to one more than is allowed; raises WrongYaml."""
+    """The bytes of a regular file, up to one more than is allowed; raises WrongYaml.
+
+    It never waits: the path may lead to a pipe or a device.
+    """
     try:
-        with open(path, 'rb') as stream:
+        if not stat.S_ISREG(os.stat(path).st_mode):
+            raise WrongYaml('this is no regular file')
+        with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), 'rb') as stream:
             return stream.read(LARGEST_FILE + 1)
     except OSError as error:
         raise WrongYaml(f'the file cannot be read ({error.strerror})') from None
+    except ValueError:  # a zero byte, or letters that the file system has not
+        raise WrongYaml('no file can have this name') from None
 
 
 def compose_data(data: bytes) -> yaml.Node:
@@ -63,13 +72,18 @@ def compose_data(data: bytes) -> yaml.Node:
         root = yaml.compose(data, Loader=_Loader)
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
-        raise WrongYaml(f'this is not YAML ({error.problem or error.context})',
+        raise WrongYaml(f'this is not YAML ({_unquoted(error.problem or error.context)})',
                         mark.line + 1 if mark else None) from None
     except yaml.YAMLError as error:
         raise WrongYaml(f'this is not YAML ({str(error).splitlines()[0]})') from None
     if root is None:
         raise WrongYaml('the file is empty')
     return root
+
+
+def _unquoted(problem: Optional[str]) -> str:
+    """What YAML found, without the words of the file: it may be anybody's, given by mistake."""
+    return re.sub(r"""\s*(['"]).{2,}\1""", '', problem or 'no reason is known')
 
 
 def _nesting(data: bytes) -> int:
@@ -85,8 +99,11 @@ def _nesting(data: bytes) -> int:
     return deepest
 
 
-def mapping(node: yaml.Node, name: str) -> Dict[str, yaml.Node]:
-    """The fields of a mapping; a key that stands there twice is wrong."""
+def mapping(node: yaml.Node, name: str, known: Container[str] = ()) -> Dict[str, yaml.Node]:
+    """The fields of a mapping; a key that stands there twice is wrong.
+
+    Only a key that is `known` is named in the error: the others may be of a file given by mistake.
+    """
     if not isinstance(node, yaml.MappingNode):
         raise WrongYaml(f'{name} must be a mapping of names to values', node)
     fields: Dict[str, yaml.Node] = {}
@@ -94,7 +111,8 @@ def mapping(node: yaml.Node, name: str) -> Dict[str, yaml.Node]:
         if not isinstance(key, yaml.ScalarNode):
             raise WrongYaml(f'{name} has a key that is not a name', key)
         if key.value in fields:
-            raise WrongYaml(f'{key.value} stands there twice', key)
+            told = key.value if key.value in known else 'a key'
+            raise WrongYaml(f'{told} stands there twice', key)
         fields[key.value] = value
     return fields
 

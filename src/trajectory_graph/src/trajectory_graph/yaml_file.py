@@ -36,14 +36,15 @@ def load_graph(path: Union[str, os.PathLike]) -> Graph:
     try:
         return parse_graph(strict_yaml.read_file(file), file)
     except WrongYaml as wrong:
-        raise GraphError(wrong.problem, file=file, line=wrong.line) from None
+        name = file if file.isprintable() else ascii(file)
+        raise GraphError(wrong.problem, file=name, line=wrong.line) from None
 
 
 def parse_graph(data: bytes, file: str) -> Graph:
     """The graph in the bytes of a file, which `file` names; raises GraphError as `load_graph`."""
     try:
         root = strict_yaml.compose_data(data)
-        sections = strict_yaml.mapping(root, 'the file')
+        sections = strict_yaml.mapping(root, 'the file', _KEYS)
         vertices = _elements(sections, root, 'Vertices', 'vertex', _VERTEX_FIELDS, _vertex, file)
         edges = _elements(sections, root, 'Edges', 'edge', _EDGE_FIELDS, Edge, file)
     except WrongYaml as wrong:
@@ -128,7 +129,7 @@ def _elements(sections: Dict[str, yaml.Node], root: yaml.Node, section: str, kin
     for item in strict_yaml.items(strict_yaml.field(sections, section, root)):
         id = None
         try:
-            fields = strict_yaml.mapping(item, f'an entry of {section}')
+            fields = strict_yaml.mapping(item, f'an entry of {section}', _KEYS)
             id = strict_yaml.whole(strict_yaml.field(fields, 'Id', item))
             if id in lines:
                 raise WrongYaml(f'the id is used twice, first in line {lines[id]}', item)
@@ -169,3 +170,4 @@ _EDGE_FIELDS: _Fields = (
     ('VelocityForward', 'velocity_forward', strict_yaml.real),
     ('VelocityBackwards', 'velocity_backwards', strict_yaml.real),
 )
+_KEYS = {'Edges', 'Vertices', 'Id', *(key for key, _, _ in _VERTEX_FIELDS + _EDGE_FIELDS)}

@@ -14,6 +14,7 @@ from __future__ import annotations
 from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
+
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.planning.road_network import RoadNetwork
 

@@ -11,9 +11,10 @@ from __future__ import annotations
 from typing import Dict, FrozenSet, List, NamedTuple, Tuple
 
 import numpy as np
+from scipy.spatial import cKDTree
+
 from graph_fleet_manager.planning.capsules import time_within
 from graph_fleet_manager.planning.pieces import Pieces
-from scipy.spatial import cKDTree
 
 ROUNDING = 1e-11  # m: places exactly as far apart as asked do not exclude each other
 _AT_ONCE = 200000  # pairs of pieces looked at in one step, to bound the memory

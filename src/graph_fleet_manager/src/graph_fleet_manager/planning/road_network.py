@@ -11,12 +11,12 @@ from typing import Dict, FrozenSet, Iterable, List, Sequence, Tuple
 
 import networkx as nx
 import numpy as np
-from graph_fleet_manager.fleet import DOCK_APPROACH, RobotType
-from graph_fleet_manager.planning.exclusions import Approach, Exclusions
-from graph_fleet_manager.planning.pieces import edge_lengths, pieces_of
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
+from graph_fleet_manager.fleet import DOCK_APPROACH, RobotType
+from graph_fleet_manager.planning.exclusions import Approach, Exclusions
+from graph_fleet_manager.planning.pieces import edge_lengths, pieces_of
 from trajectory_graph import Graph
 
 GUIDED = 1.0 + 1e-9

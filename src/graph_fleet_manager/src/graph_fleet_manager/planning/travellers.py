@@ -5,6 +5,7 @@ from math import inf
 from typing import FrozenSet, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
+
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.planning.plans import Drive, Plan
 from graph_fleet_manager.planning.road_network import GUIDED, RoadNetwork, Roads

@@ -70,6 +70,13 @@ class RobotError(Reply):
 
 
 @dataclass(frozen=True)
+class Failure(Reply):
+    """Something could not be done, said in free words: `Cannot find path`, `Failed to localize`."""
+
+    text: str
+
+
+@dataclass(frozen=True)
 class Patrolling(Reply):
     """The robot drives the goals of a route, for ever or (`once`) one time."""
 

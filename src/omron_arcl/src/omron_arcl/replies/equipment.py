@@ -2,10 +2,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from omron_arcl.replies.reply import Reply
+
+if TYPE_CHECKING:
+    import numpy.typing as npt  # not in the numpy of Ubuntu 20.04
 
 
 @dataclass(frozen=True)
@@ -24,7 +28,7 @@ class RangeReading(Reply):
     """
 
     device: str
-    points: np.ndarray
+    points: npt.NDArray[np.int64]
     cumulative: bool = False
 
     def __eq__(self, other: object) -> bool:
@@ -32,7 +36,8 @@ class RangeReading(Reply):
                 and self.cumulative == other.cumulative
                 and np.array_equal(self.points, other.points))
 
-    __hash__ = None
+    def __hash__(self) -> int:
+        return hash((self.device, self.cumulative, self.points.tobytes()))
 
 
 @dataclass(frozen=True)

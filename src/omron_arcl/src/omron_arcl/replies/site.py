@@ -1,4 +1,4 @@
-"""The map in use and what is on it."""
+"""The map in use, what is on it, and the robot's settings."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -37,6 +37,14 @@ class DistanceBetween(Reply):
 
 
 @dataclass(frozen=True)
+class DistanceFromHere(Reply):
+    """Length of the path from the robot to a goal, mm."""
+
+    distance: float
+    goal: str
+
+
+@dataclass(frozen=True)
 class MapObjectName(Reply):
     """An object of the map, with its type."""
 
@@ -57,3 +65,23 @@ class MapObjectCoord(Reply):
 @dataclass(frozen=True)
 class MapChanged(Reply):
     """Another map is in use: goals changed, and the robot may not know where it is."""
+
+
+@dataclass(frozen=True)
+class ConfigValue(Reply):
+    """A key of a configuration section, with its value."""
+
+    key: str
+    value: str
+
+
+@dataclass(frozen=True)
+class ConfigErrors(Reply):
+    """The configuration was loaded with errors."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class ConfigurationChanged(Reply):
+    """A configuration was loaded."""

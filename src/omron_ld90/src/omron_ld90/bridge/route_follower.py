@@ -1,29 +1,39 @@
 """The bridge's mind: routes and robot events in, commands and reports out.
 
 Neither ROS nor sockets nor a clock: every event comes with the time at which it happened (s,
-monotonic), and every answer is a list of actions. Metres, the map frame. What the robot does is
-judged by `robot_watch`, how a route is driven by `route_run`; here orders are taken up, and the
-fleet manager is told.
+monotonic), and every answer is a list of actions. Metres, the map frame. Events change what is
+known (`robot_monitor`); then the running route is judged and driven on by that (`route_run`). Here
+orders are taken up, and the fleet manager is told.
 """
 from __future__ import annotations
 
 from typing import Callable, Iterable, List, Optional, Tuple
 
 from omron_ld90.bridge import route_protocol as p
-from omron_ld90.bridge.robot_watch import RobotWatch
+from omron_ld90.bridge.goal_tracker import RouteFailed, TakenOver
+from omron_ld90.bridge.graph_location import GraphLocation
+from omron_ld90.bridge.robot_monitor import RobotMonitor
 from omron_ld90.bridge.route_orders import (
     RouteRefused,
     check_change,
-    check_fit,
-    first_index,
+    check_edges,
+    check_order,
+    check_start,
     is_change,
+    is_equal,
     is_same_in,
 )
-from omron_ld90.bridge.route_place import PlaceOnGraph
 from omron_ld90.bridge.route_progress import RouteProgress
-from omron_ld90.bridge.route_protocol import EdgeState, RouteOrder, RouteReport, SymbolicPose
-from omron_ld90.bridge.route_run import Phase, RouteFailed, RouteRun, TakenOver
-from omron_ld90.bridge.route_settings import Settings
+from omron_ld90.bridge.route_protocol import (
+    EdgeState,
+    Phase,
+    RouteOrder,
+    RouteReport,
+    SymbolicPose,
+)
+from omron_ld90.bridge.route_restart import current_edge, resume
+from omron_ld90.bridge.route_run import RouteRun
+from omron_ld90.bridge.route_strategies import Settings
 from trajectory_graph import Graph
 
 
@@ -31,18 +41,18 @@ class RouteFollower:
     """Drives one robot along the routes of a fleet manager."""
 
     def __init__(self, settings: Settings, graph: Optional[Graph] = None,
-                 links: Iterable[str] = ()) -> None:
-        """`links` are those that must have been heard of before an order is taken up."""
+                 links: Iterable[p.Link] = ()) -> None:
+        """`links` are those that must stand before an order is taken up."""
         self.settings = settings
         self.graph = graph
-        self.robot = RobotWatch(settings, links)
+        self.robot = RobotMonitor(settings, links)
         self.route: Optional[RouteRun] = None
         """The running route, or the last one."""
-        self._restored: Optional[Tuple[p.RouteRecord, float]] = None  # with the time to forget
-        self._waiting: Optional[Tuple[RouteOrder, float]] = None      # with the time to give up
+        self._restored: Optional[Tuple[p.RouteRecord, float]] = None  # to go on with; give up
+        self._waiting: Optional[Tuple[RouteOrder, float]] = None      # to be judged; give up
         self._refused: Tuple[Optional[RouteOrder], str] = (None, '')  # the last one, and why
-        self._told_over: Optional[int] = None  # route of which a duplicate was explained
-        self._told: Tuple = ()
+        self._explained: Optional[int] = None  # route of which a duplicate was explained
+        self._last_reported: Tuple = ()
         self._out: List[p.Action] = []
 
     # --- what goes in and out ---------------------------------------------------------------------
@@ -54,15 +64,30 @@ class RouteFollower:
 
     def tick(self, now: float) -> List[p.Action]:
         """Looks at the clock; to be called about ten times a second."""
-        return self._answer(self._check_clock, now)
+        return self._answer(self._go_on, now)
 
     def use_graph(self, graph: Graph, now: float) -> List[p.Action]:
         """Replaces the graph; a running route goes on when its edges are what they were."""
         return self._answer(self._use_graph, graph, now)
 
-    def restore(self, record: p.RouteRecord, until: float) -> None:
-        """How far the route had come when this program last ran; counts for the next order."""
-        self._restored = (record, until)
+    def restore(self, record: p.RouteRecord, is_recent: bool, now: float) -> None:
+        """What the bridge knew of the last route when it last ran.
+
+        A route that ran is gone on with, unless the bridge was away for too long.
+        """
+        order = RouteOrder(record.route_id, record.edges, record.stamp)
+        self.route = RouteRun(order, self.settings, self.robot.tracker, self.robot.location, None,
+                              now, record.phase, record.completed)
+        self.route.reason = record.reason
+        self.robot.tracker.remember(record.goal)
+        owes_stop = record.owes_stop
+        if record.phase is Phase.RUNNING and not is_recent:
+            self.route.phase, self.route.reason = Phase.FAILED, 'the bridge was away for too long'
+            owes_stop = True
+        if owes_stop:
+            self.robot.stop_duty.require(now, look_first=self.settings.location_timeout)
+        if self.route.phase in (Phase.RUNNING, Phase.COMPLETE):
+            self._restored = (record, now + self.settings.restart_timeout)
 
     @property
     def running(self) -> bool:
@@ -71,8 +96,8 @@ class RouteFollower:
 
     @property
     def record(self) -> Optional[p.RouteRecord]:
-        """What `restore` is to be given after a restart; None where no route is to go on."""
-        return self.route.record if self.route else None
+        """What `restore` is to be given after a restart; None before the first route."""
+        return self.route.record(self.robot.stop_duty.owed) if self.route else None
 
     def report(self) -> RouteReport:
         """What the fleet manager is to know now."""
@@ -80,41 +105,47 @@ class RouteFollower:
         if route is None:
             return RouteReport(self._stamp, 0, (), (), self._pose())
         return RouteReport(self._stamp, route.order.route_id, route.edges, route.states,
-                           self._pose(), route.reason)
+                           self._pose(), self._reason)
 
     def _answer(self, handler: Callable[..., None], *arguments: object) -> List[p.Action]:
         """What a handler makes of an event: commands, notes, a report where more than a
         percentage has changed."""
+        now = arguments[-1]
         try:
             handler(*arguments)
         except RouteFailed as failure:
-            self._fail(failure)
-        actions: List[p.Action] = [p.Send(command)
-                                   for command in self.robot.errand.take_commands()]
-        actions += self._out
+            self._fail(failure, now)
+        actions: List[p.Action] = [*self.robot.due_commands(now), *self._out]
         self._out = []
-        route = self.route
-        if route is not None:
-            told = (route.order.route_id, route.edges, route.states, route.reason)
-            if told != self._told:
-                self._told = told
+        if self.route is not None:
+            reported = (self.route.order.route_id, self.route.edges, self.route.states,
+                        self._reason)
+            if reported != self._last_reported:
+                self._last_reported = reported
                 actions.append(self.report())
         return actions
 
     @property
+    def _reason(self) -> str:
+        """Why the route has failed, or why a stop has not been obeyed yet."""
+        duty = self.robot.stop_duty
+        if self.route and not self.route.reason and duty.owed and duty.problem:
+            return f'the robot has not obeyed the stop yet: {duty.problem}'
+        return self.route.reason if self.route else ''
+
+    @property
     def _stamp(self) -> int:
-        last = self.robot.seen.last
+        last = self.robot.location.last
         return last.stamp if last else 0
 
     @property
-    def _here(self) -> PlaceOnGraph:
-        last = self.robot.seen.last
-        return PlaceOnGraph(self.graph, (last.x, last.y), self.robot.errand.docking,
-                            self.settings.dock_vertex, self.settings.vertex_tolerance,
-                            self.settings.corridor_width)
+    def _here(self) -> GraphLocation:
+        return GraphLocation(self.graph, self.robot.location.last.position, self.robot.docking,
+                             self.settings.dock_vertex, self.settings.vertex_tolerance,
+                             self.settings.corridor_width)
 
     def _pose(self) -> SymbolicPose:
-        if self.graph is None or self.robot.seen.last is None:
+        if self.graph is None or self.robot.location.last is None:
             return SymbolicPose()
         if self.route and self.route.decides_pose(self._here):
             return self.route.progress.pose
@@ -139,18 +170,18 @@ class RouteFollower:
             self._refuse(*self._refused)
         else:
             self._waiting = (order, now + self.settings.location_timeout)
-            self._consider_waiting(now)
+            self._go_on(now)
 
     def _stop(self, order: RouteOrder, now: float) -> None:
         """An empty order is obeyed whenever it comes, late or twice."""
-        self._waiting = None
-        self.robot.stop()
-        self.route = self._run(order, None, now)
+        self._waiting = self._restored = None
+        self.robot.stop(now)
+        self.route = self._run(order, None, now, Phase.STOPPED)
 
     def _explain_duplicate(self, route: RouteRun) -> None:
         """Nothing is done; who orders a route once more that is over is told so, once."""
-        if not route.running and self._told_over != route.order.route_id:
-            self._told_over = route.order.route_id
+        if not route.running and self._explained != route.order.route_id:
+            self._explained = route.order.route_id
             self._note(f'Route {route.order.route_id} was ordered again and is ignored: it is '
                        f'{route.phase.value}. Another drive needs another id.')
 
@@ -159,87 +190,124 @@ class RouteFollower:
         if self._waiting is None:
             return
         order, give_up = self._waiting
-        unknown = 'there is no graph' if self.graph is None else self.robot.why_unknown()
-        if unknown and now <= give_up:
-            return
-        self._waiting = None
         try:
-            if unknown:
-                raise RouteRefused(unknown)
+            check_order(order)
+            unknown = self._why_unknown(now)
+            if unknown and now <= give_up and not self.robot.emergency:
+                return
+            self._waiting = None
+            if self.robot.emergency or unknown:
+                raise RouteRefused('emergency stop' if self.robot.emergency else unknown)
             self._take_up(order, now)
         except RouteRefused as refusal:
+            self._waiting = None
             self._refuse(order, str(refusal))
+
+    def _why_unknown(self, now: float) -> str:
+        return 'there is no graph' if self.graph is None else self.robot.why_unknown(now)
 
     def _take_up(self, order: RouteOrder, now: float) -> None:
         """Changes the route, or begins another one; raises RouteRefused."""
-        restored, self._restored = self._restored, None
-        check_fit(self.graph, order)
-        unable = self.robot.why_unable()
-        if unable:
-            raise RouteRefused(unable)
+        check_edges(self.graph, order.edges)
         if is_change(self.route, order):
             check_change(self.route, order, self._here)
             self.route.replace(order, now)
         else:
-            record = restored[0] if restored and now < restored[1] else None
-            self._begin(order, first_index(order, self.route, record, self._here), now)
+            check_start(order, self.route, self._here)
+            self._begin(order, now)
 
-    def _begin(self, order: RouteOrder, current: int, now: float) -> None:
-        """Drives a new route from edge index `current` on."""
-        under_way = self.route.edges_under_way if self.running else ()
-        dock = () if self.settings.dock_vertex is None else (self.settings.dock_vertex,)
-        self.route = self._run(order, RouteProgress(
-            self.graph, order.edges, self.settings.vertex_tolerance, dock, self._here.position,
-            current), now)
+    def _begin(self, order: RouteOrder, now: float) -> None:
+        """Drives a new route."""
+        under_way = (self.route.edges_under_way if self.running and self.route.progress else ())
+        self._restored = None
+        self.route = self._run(order, self._progress(order.edges, 0), now)
         self.route.allow(under_way)
         self.robot.begin()
-        if self.route.progress.done:
-            self.route.phase = Phase.COMPLETE
-        else:
-            self.route.drive()
+        self.route.drive()
 
-    def _run(self, order: RouteOrder, progress: Optional[RouteProgress], now: float) -> RouteRun:
-        return RouteRun(order, self.settings, self.robot.errand, self.robot.seen, progress, now)
+    def _progress(self, edges: Tuple[int, ...], current: int) -> RouteProgress:
+        dock = () if self.settings.dock_vertex is None else (self.settings.dock_vertex,)
+        return RouteProgress(self.graph, edges, self.settings.vertex_tolerance, dock,
+                             self._here.position, current)
+
+    def _run(self, order: RouteOrder, progress: Optional[RouteProgress], now: float,
+             phase: Phase = Phase.RUNNING) -> RouteRun:
+        return RouteRun(order, self.settings, self.robot.tracker, self.robot.location, progress,
+                        now, phase)
 
     def _refuse(self, order: RouteOrder, reason: str) -> None:
-        """One message with the order's id; a route that runs goes on."""
+        """Says so; where the id is not that of the route in the reports, by a report, too."""
         self._refused = (order, reason)
-        self._out.append(RouteReport(self._stamp, order.route_id, order.edges,
-                                     (EdgeState.FAILED,) * len(order.edges), self._pose(), reason))
+        self._out.append(p.RouteRefusal(order.route_id, order.edges, reason))
+        if self.route is None or self.route.order.route_id != order.route_id:
+            self._out.append(RouteReport(
+                self._stamp, order.route_id, order.edges,
+                (EdgeState.FAILED,) * len(order.edges), self._pose(), reason))
         self._note(f'Route {order.route_id} was refused: {reason}.')
 
     # --- what happens to the route ----------------------------------------------------------------
 
     def _on_event(self, event: p.Event, now: float) -> None:
-        route = self.route if self.running else None
-        if not isinstance(event, p.Located):
-            self.robot.handle(event, route, now)
-        elif self.robot.seen.update(event, now) and route:
-            self._note(route.locate(self._here, now))
+        moved = self.robot.update(event, now)
+        if moved and self.running and self.route.progress:
+            self._note(self.route.locate(self._here, now))
+        self._go_on(now)
+
+    def _go_on(self, now: float) -> None:
+        """Judges what is known now, and drives on."""
+        self._consider_restored(now)
         self._consider_waiting(now)
+        if self.running and self.route.progress:
+            self.robot.check(now)
+            self._note(self.route.go_on(now, self.robot.docking_changed))
+
+    def _consider_restored(self, now: float) -> None:
+        """Goes on with the route that ran before a restart, once the robot is seen."""
+        if self._restored is None:
+            return
+        record, give_up = self._restored
+        unknown = self._why_unknown(now) or ('' if self.robot.seen else 'the robot is silent')
+        if unknown and now <= give_up:
+            return
+        self._restored = None
+        route = self.route
+        if unknown:
+            if route.running:
+                raise RouteFailed(unknown)
+            return
+        try:
+            check_edges(self.graph, record.edges)
+        except RouteRefused as refusal:
+            if route.running:
+                raise RouteFailed(str(refusal)) from None
+            return
+        if route.running:
+            current = current_edge(record, self._here, self.robot.seen)
+            route.progress = self._progress(record.edges, current)
+            resume(route, record, self.graph, self.robot.seen, now)
+            self._note(f'Route {record.route_id} goes on after a restart of the bridge.')
+        else:
+            route.progress = self._progress(record.edges, record.completed)
 
     def _use_graph(self, graph: Graph, now: float) -> None:
+        if self.graph is not None and is_equal(graph, self.graph):
+            return
         self.graph = graph
-        if self.route and self.route.progress:
-            if is_same_in(graph, self.route):
-                self.route.progress.graph = graph
-            elif self.running:
+        route = self.route
+        if route and route.progress:
+            if is_same_in(graph, route.progress.graph, route.edges):
+                route.use_graph(graph)
+            elif route.running:
                 raise RouteFailed(
                     'the graph was replaced, and edges of the route are not what they were')
-        self._consider_waiting(now)
+        self._go_on(now)
 
-    def _check_clock(self, now: float) -> None:
-        self._consider_waiting(now)
-        if self.running:
-            self.robot.check_clock(now)
-            self._note(self.route.check_clock(now))
-
-    def _fail(self, failure: RouteFailed) -> None:
+    def _fail(self, failure: RouteFailed, now: float) -> None:
         """Ends the route; with a stop, unless the robot obeys somebody else already."""
         if isinstance(failure, TakenOver):
-            self.robot.errand.end()
+            self.robot.leave()
         else:
-            self.robot.stop()
+            self.robot.stop(now)
         self.route.phase = Phase.FAILED
         self.route.reason = failure.reason
         self._note(f'Route {self.route.order.route_id} failed: {failure}')

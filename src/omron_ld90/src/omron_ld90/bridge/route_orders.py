@@ -1,26 +1,35 @@
-"""Which orders can be driven, as what, and where a route goes on after a restart."""
+"""Which orders can be driven, and as what."""
 from __future__ import annotations
 
-from typing import Optional
+from typing import Optional, Tuple
 
-from omron_ld90.bridge.route_place import PlaceOnGraph
-from omron_ld90.bridge.route_protocol import RouteOrder, RouteRecord
-from omron_ld90.bridge.route_run import Phase, RouteRun
+from omron_ld90.bridge.graph_location import GraphLocation
+from omron_ld90.bridge.route_protocol import Phase, RouteOrder
+from omron_ld90.bridge.route_run import RouteRun
 from trajectory_graph import Graph, TrajectoryGraphError, check_route
 
-LONGEST_ROUTE = 10_000  # edges
+MAXIMUM_EDGES = 1000
+CLOCK_TOLERANCE = 1_000_000_000  # ns that the sender's clock may be ahead of ours
 
 
 class RouteRefused(Exception):
     """The order is not taken up; the text, a clause, is the reason for the fleet manager."""
 
 
-def check_fit(graph: Graph, order: RouteOrder) -> None:
+def check_order(order: RouteOrder) -> None:
+    """Raises RouteRefused for an order that is wrong whatever the graph and the robot."""
+    if len(order.edges) > MAXIMUM_EDGES:
+        raise RouteRefused(f'the route has more than {MAXIMUM_EDGES} edges')
+    ahead = order.stamp - order.received
+    if order.received and ahead > CLOCK_TOLERANCE:
+        raise RouteRefused(f'its stamp is {ahead / 1e9:.1f} s ahead of the clock of the robot\'s '
+                           'computer: synchronise the clocks (NTP)')
+
+
+def check_edges(graph: Graph, edges: Tuple[int, ...]) -> None:
     """Raises RouteRefused for a route that no robot could drive."""
-    if len(order.edges) > LONGEST_ROUTE:
-        raise RouteRefused(f'the route has more than {LONGEST_ROUTE} edges')
     try:
-        check_route(graph, order.edges)
+        check_route(graph, edges)
     except TrajectoryGraphError as error:
         raise RouteRefused(str(error).rstrip('.')) from None
 
@@ -31,11 +40,11 @@ def is_change(route: Optional[RouteRun], order: RouteOrder) -> bool:
             and route.phase is not Phase.STOPPED)
 
 
-def check_change(route: RouteRun, order: RouteOrder, here: PlaceOnGraph) -> None:
+def check_change(route: RouteRun, order: RouteOrder, here: GraphLocation) -> None:
     """Raises RouteRefused where the route cannot become what the order of the same id says."""
     if route.phase is Phase.FAILED:
         raise RouteRefused(f'route {order.route_id} has failed: another one needs another id')
-    if route.progress.graph is not here.graph:
+    if route.progress is None or route.progress.graph is not here.graph:
         raise RouteRefused(f'the graph was replaced, and edges of route {order.route_id} are not '
                            'what they were: another one needs another id')
     if not route.decides_pose(here):
@@ -47,42 +56,21 @@ def check_change(route: RouteRun, order: RouteOrder, here: PlaceOnGraph) -> None
                            f'current one, {list(kept)}')
 
 
-def first_index(order: RouteOrder, route: Optional[RouteRun], record: Optional[RouteRecord],
-                here: PlaceOnGraph) -> int:
-    """Index of the edge with which the order begins: 0, or where it was before a restart.
-
-    Raises RouteRefused where it does not start `here`. `route` is the one before it.
-    """
-    current = resumed_at(order, record, here) if record else None
-    if current is not None:
-        return current
+def check_start(order: RouteOrder, route: Optional[RouteRun], here: GraphLocation) -> None:
+    """Raises RouteRefused where a new route does not start `here`; `route` is the one before."""
     first = order.edges[0]
     reason = here.why_not_from(first, being_driven=route is not None and route.is_on(first))
     if reason:
         raise RouteRefused(reason)
-    return 0
 
 
-def resumed_at(order: RouteOrder, record: RouteRecord, here: PlaceOnGraph) -> Optional[int]:
-    """Index of the edge from which the route goes on that ran before a restart of this program.
-
-    len(order.edges) when it was complete already; None when it was another route, or the robot is
-    elsewhere. Meanwhile the robot went on to the vertex that it had been sent to. Nothing else sent
-    it anywhere as long as it is found on the edges that lead there; those behind it were driven.
-    """
-    kept = record.edges[:record.completed + 1]
-    if record.route_id != order.route_id or order.edges[:len(kept)] != kept:
-        return None
-    ahead = order.edges[record.completed:record.target + 1]
-    if not ahead or here.is_about_the_dock:
-        return record.completed
-    found = here.nearest_of(ahead)
-    return None if found is None else record.completed + found
+def is_equal(graph: Graph, other: Graph) -> bool:
+    """Do the graphs have the same vertices and edges?"""
+    return dict(graph.vertices) == dict(other.vertices) and dict(graph.edges) == dict(other.edges)
 
 
-def is_same_in(graph: Graph, route: RouteRun) -> bool:
-    """Are the route's edges, their vertices included, in another graph what they were?"""
-    known = route.progress.graph
-    return all(abs(edge) in graph.edges and graph.edge(edge) == known.edge(edge)
-               and graph.start_vertex(edge) == known.start_vertex(edge)
-               and graph.end_vertex(edge) == known.end_vertex(edge) for edge in route.edges)
+def is_same_in(graph: Graph, other: Graph, edges: Tuple[int, ...]) -> bool:
+    """Are the edges, their vertices included, in both graphs the same?"""
+    return all(abs(edge) in graph.edges and graph.edge(edge) == other.edge(edge)
+               and graph.start_vertex(edge) == other.start_vertex(edge)
+               and graph.end_vertex(edge) == other.end_vertex(edge) for edge in edges)

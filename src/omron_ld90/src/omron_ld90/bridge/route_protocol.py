@@ -1,12 +1,12 @@
 """The values that routes are spoken of in: orders in, reports out, robot events, commands out.
 
-Metres; `stamp` in nanoseconds of the ROS clock, exactly as it came with the robot's location.
+Metres; stamps in nanoseconds of the ROS clock.
 """
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum, IntEnum
-from typing import Tuple, Union
+from typing import Optional, Tuple, Union
 
 
 @dataclass(frozen=True)
@@ -15,7 +15,8 @@ class RouteOrder:
 
     route_id: int
     edges: Tuple[int, ...]
-    stamp: int = 0  # ns, when it was sent; 0 where the sender did not say
+    stamp: int = 0  # when it was sent; 0 where the sender did not say
+    received: int = field(default=0, compare=False)  # when it came
 
 
 class EdgeState(IntEnum):
@@ -47,75 +48,51 @@ class RouteReport:
 
 
 @dataclass(frozen=True)
-class RouteRecord:
-    """What a restarted bridge must remember to go on with a route."""
+class RouteRefusal:
+    """An order that was not taken up."""
 
     route_id: int
     edges: Tuple[int, ...]
-    completed: int  # edges driven
-    target: int     # index of the edge to whose end the robot was sent
+    reason: str
 
 
-# --- what the robot was seen or heard to do ------------------------------------------------------
+class Phase(Enum):
+    """What became of a route."""
+
+    RUNNING = 'running'
+    COMPLETE = 'complete'
+    FAILED = 'failed'
+    STOPPED = 'stopped'
+
 
 @dataclass(frozen=True)
-class Located:
-    """The robot reported its place (m, map frame)."""
+class RouteRecord:
+    """What a restarted bridge must remember of the last route, running or ended."""
 
+    route_id: int
+    edges: Tuple[int, ...]
     stamp: int
-    x: float
-    y: float
+    phase: Phase
+    reason: str
+    completed: int           # edges driven
+    target: Optional[int]    # index of the edge to whose end the robot was sent
+    goal: str                # name of the goal that the robot was sent to last; empty: none
+    owes_stop: bool = False  # the robot has not obeyed the stop that the end of the route demanded
 
 
-@dataclass(frozen=True)
-class GoalStarted:
-    """`Going to <goal>`; an empty name is a goal without one (a point, a patrol, a task)."""
+# --- what the robot was seen to do ----------------------------------------------------------------
 
-    goal: str
+class Motion(Enum):
+    """What the robot's status says that it does."""
 
-
-@dataclass(frozen=True)
-class GoalReached:
-    """`Arrived at <goal>`."""
-
-    goal: str
-
-
-@dataclass(frozen=True)
-class GoalShown:
-    """The status text says that the robot is going to `goal`; it may lag behind commands."""
-
-    goal: str
-
-
-@dataclass(frozen=True)
-class MotionInterrupted:
-    """`Interrupted: ...`: what ran was replaced or stopped."""
-
-    text: str
-
-
-@dataclass(frozen=True)
-class RobotFailed:
-    """The robot cannot go on; `text` is its words."""
-
-    text: str
-
-
-@dataclass(frozen=True)
-class CommandRejected:
-    """The robot did not take a command; `text` is its words."""
-
-    command: str
-    text: str
-
-
-@dataclass(frozen=True)
-class EmergencyStop:
-    """The emergency stop is pressed, or was and the motors are still off; or no longer."""
-
-    active: bool
-    text: str = 'emergency stop'
+    UNKNOWN = 'unknown'
+    GOING = 'going to a goal'
+    ARRIVED = 'arrived at a goal'
+    FAILED = 'failed going to a goal'
+    STANDING = 'standing'
+    DOCKING = 'docking'
+    DOCKED = 'docked'
+    UNDOCKING = 'undocking'
 
 
 class Docking(Enum):
@@ -127,7 +104,41 @@ class Docking(Enum):
     UNDOCKING = 'Undocking'
 
 
-# --- what others did -------------------------------------------------------------------------
+@dataclass(frozen=True)
+class RobotSeen:
+    """One status of the robot. `goal` is empty where it names none, e.g. on its way to a point."""
+
+    stamp: int
+    motion: Motion = Motion.UNKNOWN
+    goal: str = ''
+    docking: Optional[Docking] = None
+    emergency_stop: bool = False
+    place: Optional[Tuple[float, float]] = None  # m, map frame
+
+
+# --- what became of our commands ------------------------------------------------------------------
+
+class Ending(Enum):
+    """How a command that the bridge gave has ended."""
+
+    SUCCEEDED = 'succeeded'
+    FAILED = 'failed'
+    INTERRUPTED = 'interrupted'              # somebody else drives or stopped the robot
+    EMERGENCY_STOPPED = 'emergency stop'
+    LOST = 'lost'                            # nobody knows whether the robot obeys it
+    NEVER_SENT = 'never sent'                # it certainly did not reach the robot
+
+
+@dataclass(frozen=True)
+class CommandEnded:
+    """A command given as `Give` has ended; `text` is the robot's words or the controller's."""
+
+    number: int
+    ending: Ending
+    text: str = ''
+
+
+# --- what others did ------------------------------------------------------------------------------
 
 @dataclass(frozen=True)
 class ForeignCommand:
@@ -137,34 +148,32 @@ class ForeignCommand:
     caller: str
 
 
+class Link(Enum):
+    """The two connections to the robot, by the names that omron_ld90_msgs/LinkState has."""
+
+    COMMANDS = 'commands'
+    OUTGOING = 'outgoing'
+
+
 @dataclass(frozen=True)
-class CommandRefused:
-    """The controller did not pass on a command of ours."""
+class LinkReported:
+    """The node that has this link says how it stands; it does so at least once a second."""
 
-    command: str
-    reason: str
-
-
-@dataclass(frozen=True)
-class LinkChanged:
-    """A link to the robot came up or went down."""
-
-    link: str
+    link: Link
     up: bool
     reason: str = ''
 
 
-RobotEvent = Union[Located, GoalStarted, GoalReached, GoalShown, MotionInterrupted, RobotFailed,
-                   CommandRejected, EmergencyStop, Docking]
-Event = Union[RobotEvent, RouteOrder, ForeignCommand, CommandRefused, LinkChanged]
+Event = Union[RouteOrder, RobotSeen, CommandEnded, ForeignCommand, LinkReported]
 
 
-# --- what is to be done ----------------------------------------------------------------------
+# --- what is to be done ---------------------------------------------------------------------------
 
 @dataclass(frozen=True)
-class Send:
-    """Give the robot this ARCL command."""
+class Give:
+    """Give the robot this ARCL command, and tell by `CommandEnded` with this number how it ends."""
 
+    number: int
     command: str
 
 
@@ -175,4 +184,4 @@ class Note:
     text: str
 
 
-Action = Union[Send, RouteReport, Note]
+Action = Union[Give, RouteReport, RouteRefusal, Note]

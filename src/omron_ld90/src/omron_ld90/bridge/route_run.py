@@ -2,69 +2,45 @@
 from __future__ import annotations
 
 import math
-from enum import Enum
 from typing import List, Optional, Tuple
 
-from omron_ld90.bridge.robot_errand import DOCK, RobotErrand
-from omron_ld90.bridge.robot_place import RobotPlace
-from omron_ld90.bridge.route_place import PlaceOnGraph
+from omron_ld90.bridge.goal_tracker import DOCK, GoalTracker, RouteFailed
+from omron_ld90.bridge.graph_location import GraphLocation
+from omron_ld90.bridge.robot_state import RobotLocation
 from omron_ld90.bridge.route_progress import RouteProgress
-from omron_ld90.bridge.route_protocol import EdgeState, RouteOrder, RouteRecord
-from omron_ld90.bridge.route_settings import Settings
-from omron_ld90.bridge.route_strategies import Outlook
-from omron_ld90.converter.goals import goal_name
+from omron_ld90.bridge.route_protocol import EdgeState, Phase, RouteOrder, RouteRecord
+from omron_ld90.bridge.route_strategies import Settings, StrategyContext
+from omron_ld90.goal_names import goal_name
+from trajectory_graph import Graph
 
-PROGRESS = 0.05         # m along the route that count as progress
-ARRIVAL_PATIENCE = 2.0  # s for a location to show what the robot said
-LEAD = 2.0              # s from our command to the robot's driving on a new way, and some to spare
-
-
-class Phase(Enum):
-    """What became of a route."""
-
-    RUNNING = 'running'
-    COMPLETE = 'complete'
-    FAILED = 'failed'
-    STOPPED = 'stopped'
-
-
-class RouteFailed(Exception):
-    """The route cannot go on; `reason` is for the fleet manager, the text for people."""
-
-    def __init__(self, reason: str, detail: str = '') -> None:
-        super().__init__(reason, detail)
-        self.reason = reason
-        self.detail = detail
-
-    def __str__(self) -> str:
-        return f'{self.reason.rstrip(".")}. {self.detail}'.rstrip()
-
-
-class TakenOver(RouteFailed):
-    """The robot obeys somebody else already, so that it is not ours to stop."""
-
-    def __init__(self, how: str) -> None:
-        super().__init__('taken over', how)
+PROGRESS = 0.05  # m along the route that count as progress
+LEAD = 2.0       # s from our command to the robot's driving on a new way, and some to spare
+LOCATIONS_TO_JUDGE = 2  # after the robot says that it has arrived: the first may be older than that
 
 
 class RouteRun:
     """A route, how far it is driven, and where the robot was sent for it.
 
-    Methods that take an event raise RouteFailed where it ends the route.
+    `locate` and `go_on` raise RouteFailed where the route cannot go on.
     """
 
-    def __init__(self, order: RouteOrder, settings: Settings, errand: RobotErrand,
-                 seen: RobotPlace, progress: Optional[RouteProgress], now: float) -> None:
-        """`progress` is None for an empty route."""
+    def __init__(self, order: RouteOrder, settings: Settings, tracker: GoalTracker,
+                 location: RobotLocation, progress: Optional[RouteProgress], now: float,
+                 phase: Phase = Phase.RUNNING, completed: int = 0) -> None:
+        """`progress` is None for an empty route, and for one whose edges the graph has no more.
+
+        Of the latter, `completed` edges were driven.
+        """
         self.order = order
         self.progress = progress
-        self.phase = Phase.STOPPED if progress is None else Phase.RUNNING
+        self.phase = phase
         self.reason = ''
+        self.target: Optional[int] = None
+        """Index of the edge to whose end the robot was sent."""
+        self._completed = completed
         self._settings = settings
-        self._errand = errand
-        self._seen = seen
-        self._target: Optional[int] = None  # index of the edge to whose end the robot was sent
-        self._arrived_at = -math.inf        # when the robot said that it had reached that
+        self._tracker = tracker
+        self._location = location
         self._sent_back: List[int] = []     # indices of vertices that it missed
         self._strayed = False               # the last location was off the corridor
         self._allowed: Tuple[int, Tuple[int, ...]] = (-1, ())
@@ -84,40 +60,40 @@ class RouteRun:
         return self.order.edges
 
     @property
-    def states(self) -> Tuple[EdgeState, ...]:
-        """One state per edge."""
-        if self.progress is None:
-            return ()
-        done = self.progress.current
-        rest = EdgeState.FAILED if self.phase is Phase.FAILED else EdgeState.PROCESSING
-        return (EdgeState.COMPLETE,) * done + (rest,) * (len(self.edges) - done)
+    def completed(self) -> int:
+        """How many edges were driven."""
+        return self._completed if self.progress is None else self.progress.current
 
     @property
-    def record(self) -> Optional[RouteRecord]:
-        """What a restarted bridge needs to go on; None where there is nothing to go on with."""
-        if self.progress is None or self.phase is Phase.FAILED:
-            return None
-        current = self.progress.current
-        return RouteRecord(self.order.route_id, self.edges, current,
-                           current if self._target is None else max(current, self._target))
+    def states(self) -> Tuple[EdgeState, ...]:
+        """One state per edge."""
+        rest = EdgeState.FAILED if self.phase is Phase.FAILED else EdgeState.PROCESSING
+        return ((EdgeState.COMPLETE,) * self.completed
+                + (rest,) * (len(self.edges) - self.completed))
+
+    def record(self, owes_stop: bool) -> RouteRecord:
+        """What a restarted bridge needs to know."""
+        return RouteRecord(self.order.route_id, self.edges, self.order.stamp, self.phase,
+                           self.reason, self.completed, self.target, self._tracker.last_goal,
+                           owes_stop)
 
     @property
     def edges_under_way(self) -> Tuple[int, ...]:
         """From the edge just driven to the one behind the target: where the robot may brake."""
         current = self.progress.current
-        return self.edges[max(current - 1, 0):max(current, self._target or 0) + 2]
+        return self.edges[max(current - 1, 0):max(current, self.target or 0) + 2]
 
     def is_on(self, edge: int) -> bool:
         """Is the robot on this edge, or just past it, or did it fail on it?"""
-        if self.phase not in (Phase.RUNNING, Phase.FAILED):
+        if self.progress is None or self.phase not in (Phase.RUNNING, Phase.FAILED):
             return False
         current = self.progress.current
         return edge in self.edges[max(current - 1, 0) if self.running else current:current + 1]
 
-    def decides_pose(self, here: PlaceOnGraph) -> bool:
+    def decides_pose(self, here: GraphLocation) -> bool:
         """Is the robot driving the route, or has it stayed where the route ended?"""
-        if self.phase is not Phase.COMPLETE:
-            return self.running
+        if self.progress is None or self.phase is not Phase.COMPLETE:
+            return self.running and self.progress is not None
         end = self.progress.end(-1)
         if here.is_docked:
             return end.id == self._settings.dock_vertex
@@ -129,6 +105,12 @@ class RouteRun:
         """Lets the robot brake on `edges`, which it is on its way along, while on this edge."""
         self._allowed = (self.progress.current, edges)
 
+    def use_graph(self, graph: Graph) -> None:
+        """Goes on with another graph, in which the route's edges are what they were."""
+        self.progress.graph = graph
+        until, allowed = self._allowed
+        self._allowed = (until, tuple(edge for edge in allowed if abs(edge) in graph.edges))
+
     def replace(self, order: RouteOrder, now: float) -> None:
         """Goes on with more or fewer edges."""
         self.allow(self.edges_under_way)
@@ -136,86 +118,91 @@ class RouteRun:
         self.progress.replace_edges(order.edges)
         if not self.progress.done:
             self.phase = Phase.RUNNING
-            self._target = None
+            self.target = None
             self._best_at = now
             self.drive()
+
+    def resume(self, target: int, now: float) -> None:
+        """Goes on after a restart, the robot having been sent to the end of edge `target`."""
+        self.target = target
+        self._tracker.resume(self._goal_of(target), now)
 
     def drive(self) -> None:
         """Sends the robot where the strategy wants it, unless it is on its way there.
 
-        To a vertex that it missed it goes first, whatever the strategy.
+        To a vertex that it missed it goes first, whatever the strategy. Nothing is sent while it is
+        not known whether the robot obeys the last command.
         """
-        if self.progress.done:
+        if self.progress.done or self._tracker.is_doubtful:
             return
         target = self.progress.current
         if target not in self._sent_back:
-            target = self._settings.strategy(Outlook(
-                self.progress, self._target, self._errand.reached, self._horizon(),
+            target = self._settings.strategy(StrategyContext(
+                self.progress, self.target, self._tracker.reached, self._horizon(),
                 self._settings.corridor_width))
-        if target != self._target:
+        if target != self.target:
             self._send_to(target)
 
-    def locate(self, here: PlaceOnGraph, now: float) -> str:
+    def locate(self, here: GraphLocation, now: float) -> str:
         """The robot was seen; what people should know of that, or nothing."""
         self.progress.move_to(*here.position)
         self._check_corridor(here)
-        if (self.progress.current < self._target and self.progress.has_overshot()
-                and not here.is_docked):
+        if (self.target is not None and self.progress.current < self.target
+                and self.progress.has_overshot() and not here.is_docked):
             return self._send_back(now)
-        self._settle()
         return ''
 
-    def arrive(self, now: float) -> None:
-        """The robot says that it has reached the goal last sent."""
-        self._arrived_at = now
-        self._settle()
+    def go_on(self, now: float, docking_changed: float) -> str:
+        """Takes the robot's word that it has arrived once it is seen there, and drives on.
 
-    def count_as_progress(self, now: float) -> None:
-        """Something moved on that is no way along the route, such as docking."""
-        self._best_at = now
+        Also looks at what takes too long; returns what people should know, or nothing.
+        `docking_changed` is when the docking state last did, which counts as progress.
+        """
+        self._best_at = max(self._best_at, docking_changed)
+        tracker = self._tracker
+        if (tracker.reached and self.progress.current == self.target
+                and (tracker.goal == DOCK
+                     or self._distance_to_target() <= self._settings.vertex_tolerance)):
+            self.progress.complete_current()
+        if self.progress.done:
+            self.phase = Phase.COMPLETE
+            tracker.end()
+            return ''
+        self.drive()
+        self._check_progress(now)
+        if tracker.reached and tracker.locations_since_reached >= LOCATIONS_TO_JUDGE:
+            if self.progress.current < self.target:
+                return self._send_back(now)
+            raise RouteFailed(f'the robot says that it is at {tracker.goal}, but is '
+                              f'{self._distance_to_target():.1f} m away from it')
+        return ''
 
-    def check_clock(self, now: float) -> str:
-        """Looks at what takes too long; what people should know, or nothing."""
+    def _check_progress(self, now: float) -> None:
         if self.progress.travelled > self._best + PROGRESS:
             self._best = self.progress.travelled
             self._best_at = now
         if now - self._best_at > self._settings.stall_timeout:
             raise RouteFailed(f'no progress for {self._settings.stall_timeout:.0f} s')
-        if not self._errand.reached or now - self._arrived_at < ARRIVAL_PATIENCE:
-            return ''
-        if self.progress.current < self._target:
-            return self._send_back(now)
-        raise RouteFailed(f'the robot says that it is at {self._errand.goal}, but is '
-                          f'{self._distance_to_target():.1f} m away from it')
 
-    def _settle(self) -> None:
-        """Takes the robot's word that it has arrived, once it is seen there, and goes on."""
-        if (self._errand.reached and self.progress.current == self._target
-                and (self._errand.goal == DOCK
-                     or self._distance_to_target() <= self._settings.vertex_tolerance)):
-            self.progress.complete_current()
-        if self.progress.done:
-            self.phase = Phase.COMPLETE
-            self._errand.end()
-        else:
-            self.drive()
+    def _goal_of(self, index: int) -> str:
+        vertex = self.progress.end(index)
+        return DOCK if vertex.id == self._settings.dock_vertex else goal_name(vertex)
 
     def _send_to(self, index: int) -> None:
-        self._target = index
-        vertex = self.progress.end(index)
-        goal = DOCK if vertex.id == self._settings.dock_vertex else goal_name(vertex)
-        if goal == self._errand.goal and not self._errand.reached:
+        self.target = index
+        goal = self._goal_of(index)
+        if goal == self._tracker.goal and not self._tracker.reached:
             return  # it is on its way there: no motion command is repeated
         via: List[str] = []
         if goal == DOCK:
             command = DOCK
         elif self._settings.native_command:
-            via = [goal_name(self.progress.end(i)) for i in range(self.progress.current, index)]
+            via = [self._goal_of(i) for i in range(self.progress.current, index)]
             command = self._settings.native_command.format(
                 goals=' '.join([*via, goal]), last=goal)
         else:
             command = f'goto {goal}'
-        self._errand.send(command, goal, via)
+        self._tracker.send(goal, command, via)
 
     def _send_back(self, now: float) -> str:
         """The robot cut a corner so far that it missed a vertex: back to that, once."""
@@ -225,14 +212,14 @@ class RouteRun:
             raise RouteFailed(f'the robot went by vertex {vertex} without coming near it')
         self._sent_back.append(current)
         self.allow(self.edges_under_way)
-        self.count_as_progress(now)
+        self._best_at = now
         self._send_to(current)
         return f'The robot missed vertex {vertex} and is sent back to it.'
 
-    def _check_corridor(self, here: PlaceOnGraph) -> None:
+    def _check_corridor(self, here: GraphLocation) -> None:
         """Fails the route when the robot is outside the corridors twice in a row."""
         edges = self.edges[max(self.progress.current - 1, 0):
-                           max(self.progress.current, self._target) + 1]
+                           max(self.progress.current, self.target or 0) + 1]
         until, allowed = self._allowed
         if self.progress.current <= until:
             edges += allowed
@@ -243,10 +230,9 @@ class RouteRun:
 
     def _horizon(self) -> float:
         """Distance in m at which the robot may begin to brake before it is looked at again."""
-        settings, seconds = self._settings, self._seen.period + LEAD
-        speed = min(settings.top_speed, self._seen.speed + settings.acceleration * seconds)
+        settings, seconds = self._settings, self._location.period + LEAD
+        speed = min(settings.top_speed, self._location.speed + settings.acceleration * seconds)
         return speed * speed / (2.0 * settings.braking) + speed * seconds
 
     def _distance_to_target(self) -> float:
-        return math.dist((self._seen.last.x, self._seen.last.y),
-                         self.progress.end(self._target).position)
+        return math.dist(self._location.last.position, self.progress.end(self.target).position)

@@ -16,14 +16,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Callable, Mapping, Optional
 
+from omron_ld90 import robot_model
 from omron_ld90.bridge.route_progress import RouteProgress
-from omron_ld90.bridge.route_ways import follows_on
+from omron_ld90.bridge.shortest_paths import follows_on
 
 LONGEST_PIECE = 100.0  # m: to look farther ahead takes long on large graphs
 
 
 @dataclass(frozen=True)
-class Outlook:
+class StrategyContext:
     """What a strategy decides from."""
 
     progress: RouteProgress
@@ -50,37 +51,37 @@ class Outlook:
         return index
 
 
-Strategy = Callable[[Outlook], int]
+Strategy = Callable[[StrategyContext], int]
 """Answers with the index of the target edge; the same as before means: send nothing."""
 
 
-def vertex_by_vertex(outlook: Outlook) -> int:
+def vertex_by_vertex(context: StrategyContext) -> int:
     """A goto per vertex; the robot stops at each."""
-    if outlook.target is None or (outlook.target_is_behind and outlook.arrived):
-        return outlook.progress.current
-    return outlook.target
+    if context.target is None or (context.target_is_behind and context.arrived):
+        return context.progress.current
+    return context.target
 
 
-def direct(outlook: Outlook) -> int:
+def direct(context: StrategyContext) -> int:
     """As few goals as possible: one for each piece of the route that the robot drives freely."""
-    if outlook.target is None or (outlook.target_is_behind and outlook.arrived):
-        return outlook.farthest_free(
-            outlook.progress.current,
-            lambda index: outlook.progress.distance_to_end(index) < LONGEST_PIECE)
-    return outlook.target
+    if context.target is None or (context.target_is_behind and context.arrived):
+        return context.farthest_free(
+            context.progress.current,
+            lambda index: context.progress.distance_to_end(index) < LONGEST_PIECE)
+    return context.target
 
 
-def rolling(outlook: Outlook) -> int:
+def rolling(context: StrategyContext) -> int:
     """The next goal before the robot brakes for this one, where it will still pass this one."""
-    progress = outlook.progress
-    first = progress.current if outlook.target_is_behind else outlook.target
-    return outlook.farthest_free(
-        first, lambda index: progress.distance_to_end(index) <= outlook.horizon)
+    progress = context.progress
+    first = progress.current if context.target_is_behind else context.target
+    return context.farthest_free(
+        first, lambda index: progress.distance_to_end(index) <= context.horizon)
 
 
-def native(outlook: Outlook) -> int:
+def native(context: StrategyContext) -> int:
     """The last vertex; the command names those on the way."""
-    return outlook.progress.next_stop
+    return context.progress.next_stop
 
 
 STRATEGIES: Mapping[str, Strategy] = {
@@ -89,3 +90,21 @@ STRATEGIES: Mapping[str, Strategy] = {
     'rolling': rolling,
     'native': native,
 }
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a user can set about the driving of routes. m and s; the motion is the LD-90's."""
+
+    dock_vertex: Optional[int] = None
+    strategy: Strategy = rolling
+    native_command: str = ''  # in place of `goto`, with {goals} and {last}
+    vertex_tolerance: float = 0.3
+    corridor_width: float = 0.9
+    stall_timeout: float = 30.0
+    location_timeout: float = 5.0
+    link_timeout: float = 2.0
+    restart_timeout: float = 20.0
+    top_speed: float = robot_model.TOP_SPEED
+    acceleration: float = robot_model.ACCELERATION
+    braking: float = robot_model.BRAKING_TO_GOAL

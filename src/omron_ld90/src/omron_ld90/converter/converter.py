@@ -18,6 +18,7 @@ from omron_ld90.converter.fences import (
     fence_objects,
     is_fence,
     notes_on_fences,
+    notes_on_homes,
     notes_on_places,
     notes_on_walls,
 )
@@ -92,6 +93,7 @@ def convert(graph: Graph, document: MapDocument, options: Options) -> Conversion
     if options.fences is not Fences.NONE:
         notes += notes_on_fences(graph, corridors, fences, walls)
         notes += notes_on_places(corridors, document.goals + document.docks)
+        notes += notes_on_homes(corridors, document.homes)
     return Conversion(tuple(places), tuple(fences), tuple(added), tuple(removed), tuple(notes),
                       corridors)
 
@@ -160,10 +162,10 @@ def _clear(document: MapDocument, wanted: List[MapObject],
     """Take out the goals and docks that are not to stay as they are, and tell which."""
     if existing is ExistingGoals.KEEP:
         return []
-    by_name = {place.name.lower(): _written(place) for place in wanted}
+    by_name = {place.key: _written(place) for place in wanted}
     removed = []
     for obj in document.goals + document.docks:
-        replacement = by_name.get(obj.name.lower())
+        replacement = by_name.get(obj.key)
         if replacement == _written(obj):
             continue
         if replacement is not None or existing is ExistingGoals.DROP:
@@ -177,17 +179,17 @@ def _add_missing(document: MapDocument,
     """Add the places whose names the map has not; the map's object for each, and the new ones."""
     named: Dict[str, MapObject] = {}
     for obj in document.objects:
-        named.setdefault(obj.name.lower(), obj)
+        named.setdefault(obj.key, obj)
     present = {name: obj for name, obj in named.items() if obj.is_goal or obj.is_dock}
-    added = [place for place in wanted if place.name.lower() not in present]
+    added = [place for place in wanted if place.key not in present]
     document.add_all(added)
-    return [present.get(place.name.lower(), place) for place in wanted], added
+    return [present.get(place.key, place) for place in wanted], added
 
 
 def _new_warnings(document: MapDocument, known: Set[str], removed: List[MapObject]) -> List[str]:
     """The warnings that the base map did not have; not those about objects that came back."""
-    present = {obj.name.lower() for obj in document.objects}
-    back = [f'{obj.label!r}, which was removed' for obj in removed if obj.name.lower() in present]
+    present = {obj.key for obj in document.objects}
+    back = [f'{obj.label!r}, which was removed' for obj in removed if obj.key in present]
     return [f'{warning.text[0].upper()}{warning.text[1:]}.' for warning in document.warnings
             if warning.text not in known and not any(text in warning.text for text in back)]
 
@@ -195,9 +197,9 @@ def _new_warnings(document: MapDocument, known: Set[str], removed: List[MapObjec
 def _other_docks(document: MapDocument, wanted: List[MapObject]) -> List[str]:
     if not any(place.is_dock for place in wanted):
         return []
-    names = {place.name.lower() for place in wanted}
+    names = {place.key for place in wanted}
     return [f'The map has another dock, {obj.label!r}: the robot may choose it when told to dock.'
-            for obj in document.docks if obj.name.lower() not in names]
+            for obj in document.docks if obj.key not in names]
 
 
 def _written(obj: MapObject) -> Tuple:

@@ -16,8 +16,8 @@ from omron_ld90.converter.converter import (
     convert_file,
 )
 from omron_ld90.converter.corridors import ROBOT_HALF_DIAGONAL, ROBOT_HALF_WIDTH, CorridorRules
-from omron_ld90.converter.drawing import draw
 from omron_ld90.converter.fences import Fences
+from omron_ld90.converter.picture import draw
 from omron_map import MapDocument, MapError
 from trajectory_graph import TrajectoryGraphError, load_graph
 

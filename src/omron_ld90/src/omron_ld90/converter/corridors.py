@@ -14,12 +14,13 @@ from shapely.geometry import LineString, Point
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
+from omron_ld90 import robot_model
 from omron_ld90.converter.bends import bends_of
 from omron_ld90.converter.goals import Pose, millimetres
 from trajectory_graph import Graph
 
-ROBOT_HALF_WIDTH = 250.0
-ROBOT_HALF_DIAGONAL = 430.0
+ROBOT_HALF_WIDTH = 1000.0 * robot_model.HALF_WIDTH
+ROBOT_HALF_DIAGONAL = 1000.0 * robot_model.HALF_DIAGONAL
 ARC = 8  # segments of a quarter circle: a circle of 0.5 m is true to 2.4 mm
 ROUNDING = 2.5  # mm that outlines are drawn wider, so that polygons of circles are no smaller
 CURVE_TOLERANCE = 0.5  # mm, between a curve and the polyline that stands for it
@@ -79,7 +80,7 @@ def _around(shape: BaseGeometry, distance: float) -> BaseGeometry:
 
 
 def _turning_places(graph: Graph, rules: CorridorRules) -> List[BaseGeometry]:
-    places = bends_of(graph, ROBOT_HALF_DIAGONAL / 1000.0)
+    places = bends_of(graph, robot_model.HALF_DIAGONAL)
     places += [vertex.position for vertex in graph.vertices.values()
                if graph.is_end_vertex(vertex.id)]
     return [_around(Point(millimetres(place)), rules.turning_radius) for place in places]

@@ -55,8 +55,7 @@ def shape_of(fence: MapObject) -> BaseGeometry:
     """The polygon of a forbidden area, the line of a forbidden line."""
     if fence.is_area:
         return Polygon(fence.rectangle.corners)
-    extent = fence.extent
-    return LineString([(extent.from_x, extent.from_y), (extent.to_x, extent.to_y)])
+    return LineString(fence.ends)
 
 
 def lost_area(floor: BaseGeometry, shapes: Iterable[BaseGeometry]) -> float:

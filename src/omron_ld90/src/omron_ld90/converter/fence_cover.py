@@ -1,10 +1,10 @@
 """Fences that keep a robot in the corridors of its graph: few rectangles or lines. mm, map frame.
 
-Nothing leaves the floor when every point of the guard line around it has a wall or a fence within
-the robot's half width: so the guard line is what is covered, as a set cover. We walk along it; at
-the first point that nothing covers yet, rectangles of several directions and distances are grown
-from there until they would touch the floor, and the one that covers most of what is still open
-stays. Grown to the other side of a block between corridors, one covers the block's whole outline.
+Nothing leaves the floor when every point of the offset outline around it has a wall or a fence
+within the robot's half width: this is a set cover, found greedily. We walk along it; at the
+first point that nothing covers yet, rectangles of several directions and distances are grown from
+there until they would touch the floor, and the one that covers most of what is still open stays.
+Grown to the other side of a block between corridors, one covers the block's whole outline.
 """
 from __future__ import annotations
 
@@ -24,27 +24,27 @@ from omron_ld90.converter.fence_shapes import (
     first_beyond,
     free_span,
 )
-from omron_ld90.converter.guard_line import (
+from omron_ld90.converter.outer_regions import (
     CLEARANCE,
-    GUARD,
     LONGEST_EDGE,
+    OUTLINE_DISTANCE,
     SAME_DIRECTION,
     STEP,
-    Yard,
+    OuterRegion,
+    outer_regions,
     sides,
-    yards,
 )
 
 NARROW = 40.0  # depth of a fence that ends in a sharp corner
-OFFSETS = (CLEARANCE - GUARD, 20.0, 60.0, 100.0, 140.0, 180.0)
-"""Distances from the guard line, away from the floor, at which a fence may begin."""
+OFFSETS = (CLEARANCE - OUTLINE_DISTANCE, 20.0, 60.0, 100.0, 140.0, 180.0)
+"""Distances from the outline, away from the floor, at which a fence may begin."""
 LOOK_AHEAD = (250.0, 500.0, 750.0, 1000.0, 1500.0, 2000.0, 2600.0, 3200.0)
-"""Arc lengths along the guard line to whose chords a fence may be parallel, where it is curved."""
-STRAIGHT = 500.0  # of the guard line in one direction that a fence follows
+"""Arc lengths along the outline to whose chords a fence may be parallel, where it is curved."""
+STRAIGHT = 500.0  # of the outline in one direction that a fence follows
 STAND_OFF = 0.02  # points that a fence must cover more for every mm it stands off the floor
 WORTH = 1.5  # times the points that a fence across a whole block must cover to be worth its area
 INSET = 1.0  # by which the sides of a fence may be touched
-MANY = 2000  # guard points, from which on only the near ones are looked at
+MANY = 2000  # points of the outline, from which on only the near ones are looked at
 NEARBY = 1.5 * LONGEST + LONGEST_EDGE
 
 
@@ -60,35 +60,36 @@ def fence_lines(floor: BaseGeometry, walls: np.ndarray) -> List[Fence]:
 
 def _fences(floor: BaseGeometry, walls: np.ndarray, thickness: float) -> List[Fence]:
     nearest_wall = cKDTree(walls) if len(walls) else None
-    return [fence for yard in yards(floor)
-            for fence in _Cover(yard, nearest_wall, thickness).fences()]
+    return [fence for region in outer_regions(floor)
+            for fence in _Cover(region, nearest_wall, thickness).fences()]
 
 
 class _Cover:
-    """Covers the guard line of one yard."""
+    """Covers the offset outline of one outer region."""
 
-    def __init__(self, yard: Yard, nearest_wall: Optional[cKDTree], thickness: float) -> None:
-        self._yard = yard
+    def __init__(self, region: OuterRegion, nearest_wall: Optional[cKDTree],
+                 thickness: float) -> None:
+        self._region = region
         self._thickness = thickness
-        self._open = np.ones(len(yard.points), bool)
+        self._open = np.ones(len(region.points), bool)
         if nearest_wall is not None:
-            distances, _ = nearest_wall.query(yard.points, distance_upper_bound=REACH)
+            distances, _ = nearest_wall.query(region.points, distance_upper_bound=REACH)
             self._open = np.isinf(distances)
         self._trees = None
-        if len(yard.points) > MANY:
-            self._trees = cKDTree(yard.points), cKDTree(yard.edges.mean(axis=1))
+        if len(region.points) > MANY:
+            self._trees = cKDTree(region.points), cKDTree(region.edges.mean(axis=1))
 
     def fences(self) -> List[Fence]:
-        """Fences that cover all of the guard line that is open."""
+        """Fences that cover all of the outline that is open."""
         found: List[Fence] = []
         covered: List[np.ndarray] = []
         for ring, position in self._walk():
             index = ring[position]
             if self._open[index]:
-                points, edges = self._around(self._yard.points[index])
+                points, edges = self._around(self._region.points[index])
                 fence = self._best(ring, position, points[self._open[points]], edges)
                 found.append(fence)
-                covered.append(points[fence.covers(fence.frame.of(self._yard.points[points]))])
+                covered.append(points[fence.covers(fence.frame.of(self._region.points[points]))])
                 self._open[covered[-1]] = False
         return _needed(found, covered)
 
@@ -97,28 +98,29 @@ class _Cover:
 
         Pairs of a ring and a position on it.
         """
-        straight = [(len(side), number, side) for number, ring in enumerate(self._yard.rings)
-                    for side in sides(self._yard.directions[ring]) if len(side) * STEP >= STRAIGHT]
+        straight = [(len(side), number, side) for number, ring in enumerate(self._region.rings)
+                    for side in sides(self._region.directions[ring])
+                    if len(side) * STEP >= STRAIGHT]
         for length, number, side in sorted(straight, key=lambda item: -item[0]):
             for at in sorted(range(length), key=lambda at: abs(2 * at - length)):
-                yield self._yard.rings[number], side[at]
-        for ring in self._yard.rings:
+                yield self._region.rings[number], side[at]
+        for ring in self._region.rings:
             for position in range(len(ring)):
                 yield ring, position
 
     def _around(self, point: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-        """Indices of guard points, and edges (M,2,2), that a fence over `point` could reach."""
+        """Indices of outline points, and edges (M,2,2), that a fence over `point` could reach."""
         if self._trees is None:
-            return np.arange(len(self._yard.points)), self._yard.edges
+            return np.arange(len(self._region.points)), self._region.edges
         points, edges = (tree.query_ball_point(point, NEARBY) for tree in self._trees)
-        return np.sort(points), self._yard.edges[edges]
+        return np.sort(points), self._region.edges[edges]
 
     def _best(self, ring: np.ndarray, position: int, open_points: np.ndarray,
               edges: np.ndarray) -> Fence:
         """The fence over a point of a ring that covers the most open points."""
-        origin = self._yard.points[ring[position]]
+        origin = self._region.points[ring[position]]
         directions, straight = self._directions_ahead(ring, position)
-        offers = [_Offers(Frame(origin, direction), self._yard.points[open_points], edges)
+        offers = [_Offers(Frame(origin, direction), self._region.points[open_points], edges)
                   for direction in directions]
         for depth in (self._thickness, min(self._thickness, NARROW)):
             found = [(offer.worth(fence), index, fence) for index, offer in enumerate(offers)
@@ -129,13 +131,13 @@ class _Cover:
         return _post(Frame(origin, directions[0]))
 
     def _directions_ahead(self, ring: np.ndarray, position: int) -> Tuple[np.ndarray, bool]:
-        """The directions that a fence may take, and whether the guard line is straight here."""
-        here = self._yard.directions[ring[position]]
-        soon = self._yard.directions[ring[(position + int(STRAIGHT / STEP)) % len(ring)]]
+        """The directions that a fence may take, and whether the outline is straight here."""
+        here = self._region.directions[ring[position]]
+        soon = self._region.directions[ring[(position + int(STRAIGHT / STEP)) % len(ring)]]
         if here @ soon > SAME_DIRECTION:
             return here[None], True
         ahead = [(position + int(arc / STEP)) % len(ring) for arc in LOOK_AHEAD]
-        chords = self._yard.points[ring[ahead]] - self._yard.points[ring[position]]
+        chords = self._region.points[ring[ahead]] - self._region.points[ring[position]]
         lengths = np.hypot(*chords.T)
         chords = chords[lengths > STEP] / lengths[lengths > STEP, None]
         return np.concatenate((here[None], chords)), False
@@ -164,8 +166,10 @@ class _Offers:
     def deepened(self, fence: Fence) -> Fence:
         """The fence, or one that reaches to the floor's other side where that is worth it."""
         best, most = fence, fence.covers(self._points).sum() * WORTH
-        left, right = free_span(self._edges, fence.near, fence.far)
-        for base in (fence, fence._replace(left=left, right=right)):
+        span = free_span(self._edges, fence.near, fence.far)
+        if span is None:
+            return fence
+        for base in (fence, fence._replace(left=span[0], right=span[1])):
             far = first_beyond(self._edges, base.left + INSET, base.right - INSET, base.far)
             deep = base._replace(far=min(far, base.near + LONGEST)).trimmed(self._points)
             covered = deep.covers(self._points).sum()
@@ -182,7 +186,7 @@ class _Offers:
 
 
 def _post(frame: Frame) -> Fence:
-    """What fits where nothing else does: no corner is as far as GUARD from the frame's origin."""
+    """What fits where nothing else does: no corner is as far off as the outline from the floor."""
     half = SHORTEST / 2.0
     return Fence(frame, -half, half, -half, half)
 

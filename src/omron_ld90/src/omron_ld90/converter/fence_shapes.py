@@ -1,6 +1,6 @@
 """Rectangles along a direction, and how far they can grow. mm.
 
-A *frame* has its origin on the guard line, u along a direction, v away from the floor. In it a
+A *frame* has its origin on the offset outline, u along a direction, v away from the floor. In it a
 fence is axis-parallel, and growing it means to look for the next edge along u or v.
 """
 from __future__ import annotations
@@ -10,12 +10,12 @@ from typing import NamedTuple, Optional, Tuple
 import numpy as np
 
 from omron_ld90.converter.corridors import ROBOT_HALF_WIDTH
-from omron_ld90.converter.guard_line import STEP
+from omron_ld90.converter.outer_regions import STEP
 from omron_map import RotatedRectangle
 
 REACH = ROBOT_HALF_WIDTH - STEP / 2 - 10.0
-"""A point of the guard line is covered by what is this near: between two covered points the robot
-cannot pass, with 10 mm to spare."""
+"""A point of the offset outline is covered by what is this near: between two covered points the
+robot cannot pass, with 10 mm to spare."""
 LONGEST = 10000.0  # side of a fence to either side of where it was begun, and its depth
 THICKNESS = 200.0  # of a fence along a corridor
 SHORTEST = 18.0

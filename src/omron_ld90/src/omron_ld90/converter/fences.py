@@ -10,7 +10,7 @@ from shapely.geometry.base import BaseGeometry
 from shapely.prepared import prep
 
 from omron_ld90.converter.corridors import ROBOT_HALF_WIDTH, Corridors
-from omron_ld90.converter.fence_check import check_fences
+from omron_ld90.converter.fence_check import check_fences, shape_of
 from omron_ld90.converter.fence_cover import fence_areas, fence_lines
 from omron_ld90.converter.obstacles import obstructions
 from omron_map import MapObject
@@ -55,10 +55,26 @@ def notes_on_fences(graph: Graph, corridors: Corridors, fences: Iterable[MapObje
     return notes
 
 
+def notes_on_homes(corridors: Corridors, homes: Iterable[MapObject]) -> List[str]:
+    """The places to start at from which the fences let a robot drive nowhere."""
+    return [f'{home} at {_where(home)} mm is outside the corridors: a robot that starts there can '
+            'drive to no goal.' for home in homes
+            if not corridors.floor.intersects(_shape(home))]
+
+
+def _shape(home: MapObject) -> BaseGeometry:
+    return shape_of(home) if home.is_area else Point(home.x, home.y)
+
+
+def _where(home: MapObject) -> str:
+    centre = _shape(home).centroid
+    return f'{centre.x:.0f} {centre.y:.0f}'
+
+
 def notes_on_places(corridors: Corridors, places: Iterable[MapObject]) -> List[str]:
     """The places that the fences cut off."""
     floor = prep(corridors.floor)
-    return [f'{place.kind} {place.label!r} is outside the corridors: the robot cannot drive to it '
+    return [f'{place} is outside the corridors: the robot cannot drive to it '
             'any more.' for place in places if not floor.contains(Point(place.x, place.y))]
 
 

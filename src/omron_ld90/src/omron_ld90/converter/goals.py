@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from typing import List, NamedTuple, Optional, Tuple
 
+from omron_ld90.goal_names import goal_name
 from omron_map import MapObject
 from trajectory_graph import Graph, Vertex
 
@@ -26,11 +27,6 @@ class Pose(NamedTuple):
 def millimetres(position: Tuple[float, float]) -> Tuple[int, int]:
     """A position of the graph (m) as a map stores it (whole mm)."""
     return round(position[0] * 1000.0), round(position[1] * 1000.0)
-
-
-def goal_name(vertex: Vertex) -> str:
-    """The name under which ARCL's `goto` knows the vertex."""
-    return str(vertex.id)
 
 
 def heading_out(graph: Graph, vertex: Vertex) -> float:

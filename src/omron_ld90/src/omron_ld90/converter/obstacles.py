@@ -37,8 +37,7 @@ def obstacle_points(document: MapDocument,
     points += [_along(*line) for line in document.lines.tolist()]
     for obj in document.forbidden_lines:
         if not ignored(obj):
-            points.append(_along(obj.extent.from_x, obj.extent.from_y,
-                                 obj.extent.to_x, obj.extent.to_y))
+            points.append(_along(*obj.ends.ravel().tolist()))
     points += [_inside(obj.rectangle) for obj in document.forbidden_areas if not ignored(obj)]
     return np.concatenate(points)
 
@@ -54,7 +53,8 @@ def obstructions(graph: Graph, obstacles: np.ndarray, clearance: float) -> List[
         distances, _ = nearest.query(curve, distance_upper_bound=clearance)
         worst = int(np.argmin(distances))
         if distances[worst] < clearance:
-            found.append(Obstruction(id, *curve[worst].tolist(), float(distances[worst])))
+            x, y = curve[worst].tolist()
+            found.append(Obstruction(id, x, y, float(distances[worst])))
     return found
 
 

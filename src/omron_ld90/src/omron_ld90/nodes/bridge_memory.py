@@ -1,17 +1,16 @@
-"""What the bridge remembers over a restart of its own, as long as the ROS master lives."""
+"""What the bridge remembers of its last route over a restart, as long as the ROS master lives."""
 from __future__ import annotations
 
 import threading
 import time
-from typing import Any, Dict, Optional
+from typing import Any, Dict, Optional, Tuple
 
 import rospy
 
-from omron_ld90.bridge.route_protocol import RouteRecord
+from omron_ld90.bridge.route_protocol import Phase, RouteRecord
 
 PARAMETER = '~route_record'
 REFRESHED = 5.0     # s between two writings of the same record
-LONGEST_GAP = 20.0  # s: a record that is older than this is of another day
 
 
 class RouteMemory:
@@ -25,13 +24,16 @@ class RouteMemory:
         self._changed = threading.Condition()
         threading.Thread(target=self._run, name='route-memory', daemon=True).start()
 
-    def recall(self) -> Optional[RouteRecord]:
-        """The record left by the program before this one; None when there is none, or it is old."""
+    def recall(self) -> Tuple[Optional[RouteRecord], float]:
+        """The record left by the program before this one, and its age in s; None without one."""
         content = rospy.get_param(PARAMETER, None)
-        return _record_of(content) if isinstance(content, dict) else None
+        try:
+            return _record_of(content), max(time.time() - float(content['time']), 0.0)
+        except (KeyError, TypeError, ValueError):
+            return None, 0.0
 
     def keep(self, record: Optional[RouteRecord]) -> None:
-        """Has a record written down; None: there is no route to go on with."""
+        """Has a record written down."""
         with self._changed:
             if record != self._record:
                 self._record = record
@@ -43,28 +45,27 @@ class RouteMemory:
             with self._changed:
                 if self._record == written:
                     self._changed.wait(REFRESHED)
-                record, before, written = self._record, written, self._record
+                record = written = self._record
             try:
-                _write(record, before)
+                if record is not None:
+                    rospy.set_param(PARAMETER, _content_of(record))
             except OSError as error:
                 rospy.logwarn_throttle(60.0, 'The route cannot be remembered over a restart: the '
                                              'ROS master does not answer (%s).', error)
 
 
-def _write(record: Optional[RouteRecord], before: Optional[RouteRecord]) -> None:
-    if record is not None:
-        rospy.set_param(PARAMETER, {
-            'time': time.time(), 'route_id': record.route_id, 'edges': list(record.edges),
-            'completed': record.completed, 'target': record.target})
-    elif before is not None and rospy.has_param(PARAMETER):
-        rospy.delete_param(PARAMETER)
+def _content_of(record: RouteRecord) -> Dict[str, Any]:
+    return {'time': time.time(), 'route_id': record.route_id, 'edges': list(record.edges),
+            'stamp': str(record.stamp),  # more than the 32 bits of a parameter
+            'phase': record.phase.value, 'reason': record.reason, 'completed': record.completed,
+            'target': -1 if record.target is None else record.target, 'goal': record.goal,
+            'owes_stop': record.owes_stop}
 
 
-def _record_of(content: Dict[str, Any]) -> Optional[RouteRecord]:
-    try:
-        if not 0.0 <= time.time() - content['time'] <= LONGEST_GAP:
-            return None
-        return RouteRecord(int(content['route_id']), tuple(int(id) for id in content['edges']),
-                           int(content['completed']), int(content['target']))
-    except (KeyError, TypeError, ValueError):
-        return None
+def _record_of(content: Dict[str, Any]) -> RouteRecord:
+    """The record in a parameter; raises KeyError, TypeError or ValueError where it holds none."""
+    target = int(content['target'])
+    return RouteRecord(int(content['route_id']), tuple(int(id) for id in content['edges']),
+                       int(content['stamp']), Phase(content['phase']), str(content['reason']),
+                       int(content['completed']), None if target < 0 else target,
+                       str(content['goal']), bool(content['owes_stop']))

@@ -4,7 +4,8 @@ Topics out, each line byte for byte (std_msgs/String):
   status/state, status/extended_status, status/state_of_charge, status/battery_voltage,
   status/location, status/localization_score, status/temperature
   laser_points: `RangeDeviceGetCurrent: <device> x y ...`, of every device
-Topics out, typed, in SI units, stamped when received:
+Topics out, typed, in SI units, stamped when received (nothing is published of what has waited
+while this node stood still):
   robot_status (omron_ld90_msgs/RobotStatus), battery_state (sensor_msgs/BatteryState)
   laser_cloud (sensor_msgs/PointCloud2, frame `~map_frame`): scans of `~laser_device`
   laser_cloud/<device>: scans of each other device; laser_cloud/<device>_cumulative
@@ -17,41 +18,41 @@ Parameters:
       else every address
   ~map_frame (map), ~laser_device (Laser_1)
   ~laser_height (0.203 m): of the laser above the floor
-  ~silence (4.0 s): without a byte after which the link counts as dead
+  ~silence (4.0 s): without a line after which the link counts as dead
   ~session_log (''): file for all that the robot sends; an older one is kept as <file>.old
 """
 from __future__ import annotations
 
 import re
-import socket
-from typing import Callable, Dict, Optional
+from typing import Any, Callable, Dict, Optional
 
 import rospy
 from sensor_msgs.msg import BatteryState, PointCloud2
 
-from omron_arcl import (
+from omron_arcl import Link, Listener, Received, Reply, SessionLog, StatusAssembler, read_activity
+from omron_arcl.connection import resolve
+from omron_arcl.replies import (
     BatteryVoltage,
     DockingStatus,
     ExtendedStatus,
-    Link,
-    Listener,
     LocalizationScore,
     Location,
     OneLineStatus,
     RangeReading,
-    Received,
-    Reply,
-    SessionLog,
     StateOfCharge,
-    StatusAssembler,
     StatusText,
     Temperature,
-    parse_line,
 )
 from omron_ld90.nodes.receiver_messages import battery_state, point_cloud, robot_status
 from omron_ld90.nodes.support.diagnostics import publish_diagnostics
-from omron_ld90.nodes.support.link_line import LineMessage
-from omron_ld90.nodes.support.link_reports import LinkReporter, misconfigured, session_log
+from omron_ld90.nodes.support.link_reports import (
+    LinkReporter,
+    misconfigured,
+    robot_host,
+    session_log,
+)
+from omron_ld90.nodes.support.log_throttle import warn
+from omron_ld90.nodes.support.publishing import LineMessage, publish_checked
 from omron_ld90.nodes.support.robot_health import RobotHealth
 from omron_ld90.nodes.support.startup import ConfigurationError, number, parameter, run
 from omron_ld90_msgs.msg import LinkState, RobotStatus
@@ -67,7 +68,7 @@ _LINE_TOPICS = {
     Temperature: 'status/temperature',
 }
 _DEVICE_NAME = re.compile(r'[A-Za-z]\w{0,40}$', re.ASCII)
-_MOST_DEVICES = 16
+_MAXIMUM_DEVICES = 16
 
 
 class ConnectionReceiver:
@@ -103,49 +104,58 @@ class ConnectionReceiver:
             self._log.close()
 
     def _on_link(self, link: Link) -> None:
-        self._assembler = StatusAssembler()
+        self._assembler.drop()
         self._docking = None
         self._health.forget()
         self._reporter.report(link)
 
     def _on_line(self, line: Received) -> None:
-        stamp = rospy.Time.now()
         reply = line.reply
-        publisher = self._lines.get(type(reply))
-        if publisher:
-            publisher.publish(LineMessage(line.raw))
-        elif isinstance(reply, RangeReading):
-            self._on_scan(line.raw, reply, stamp)
-        elif isinstance(reply, DockingStatus):
+        if line.late:  # nobody knows when it was sent: it must not be taken for news
+            self._assembler.drop()
+            warn('late', 'This node stood still for a while. What the robot sent meanwhile is '
+                 'not published, for its time is not known.')
+        else:
+            self._publish(line, rospy.Time.now())
+        if isinstance(reply, DockingStatus):
             self._docking = reply
         self._reporter.line()
         self._health.observe(reply)
-        self._on_status(reply, stamp)
+
+    def _publish(self, line: Received, stamp: rospy.Time) -> None:
+        publisher = self._lines.get(type(line.reply))
+        if publisher:
+            publisher.publish(LineMessage(line.raw))
+        elif isinstance(line.reply, RangeReading):
+            self._on_scan(line.raw, line.reply, stamp)
+        self._on_status(line.reply, stamp)
 
     def _on_status(self, reply: Reply, stamp: rospy.Time) -> None:
         status = self._assembler.add(reply, stamp)
         if status is None:
             return
-        doing = parse_line(status.status)
-        if isinstance(doing, DockingStatus):
-            self._docking = doing
+        activity = read_activity(status.status)
+        if isinstance(activity.reply, DockingStatus):
+            self._docking = activity.reply
         if status.location:
             stamp = self._assembler.located
-        self._statuses.publish(robot_status(status, self._docking, stamp, self._map_frame))
+        publish_checked(self._statuses, robot_status(status, activity, self._docking, stamp,
+                                                     self._map_frame))
         if status.state_of_charge or status.battery_voltage:
-            self._batteries.publish(battery_state(status, self._docking, stamp))
+            publish_checked(self._batteries, battery_state(status, self._docking, stamp))
 
     def _on_scan(self, raw: bytes, reading: RangeReading, stamp: rospy.Time) -> None:
         name = reading.device + ('_cumulative' if reading.cumulative else '')
         if not reading.cumulative:
             self._laser_lines.publish(LineMessage(raw))
         if name not in self._clouds:
-            if len(self._clouds) >= _MOST_DEVICES or not _DEVICE_NAME.match(name):
+            if len(self._clouds) >= _MAXIMUM_DEVICES or not _DEVICE_NAME.match(name):
                 return
             self._clouds[name] = _publisher(f'laser_cloud/{name}', PointCloud2)
         publisher = self._clouds[name]
         if publisher.get_num_connections():
-            publisher.publish(point_cloud(reading, stamp, self._map_frame, self._laser_height))
+            publish_checked(publisher, point_cloud(reading, stamp, self._map_frame,
+                                                   self._laser_height))
 
 
 def _publisher(topic: str, kind: type) -> rospy.Publisher:
@@ -153,30 +163,31 @@ def _publisher(topic: str, kind: type) -> rospy.Publisher:
 
 
 def _on_refused(address: str) -> None:
-    rospy.logwarn('A connection from %s was refused: only the robot (~robot_ip) may connect.',
-                  address)
+    warn('stranger', f'A connection from {address} was refused: only the robot (~robot_ip) may '
+         'connect.')
 
 
 def _bind_address(robot: str) -> str:
     """Loopback for a robot on this computer, so that nobody else can even knock."""
     try:
-        address = socket.gethostbyname(robot)
+        addresses = {entry[4][0] for entry in resolve(robot)}
     except OSError:
         return ''
-    return '127.0.0.1' if address.startswith('127.') else ''
+    local = all(address.startswith('127.') or address == '::1' for address in addresses)
+    return '127.0.0.1' if local else ''
 
 
 def start() -> ConnectionReceiver:
     """Reads the parameters and builds the node."""
-    robot = parameter('~robot_ip')
+    robot = robot_host()
     port = int(number('~port', 7179, 0, 65535))
     bind = parameter('~bind_address', '') or _bind_address(robot)
     silence = number('~silence', 4.0, 0.2, 120.0)
     log = session_log()
 
-    def make_listener(**callbacks) -> Listener:
+    def make_listener(**callbacks: Any) -> Listener:
         try:
-            return Listener(bind, port, robot, silence=silence, log=log, **callbacks)
+            return Listener(bind, port, robot, timeout=silence, log=log, **callbacks)
         except OSError as error:
             raise ConfigurationError(f'Cannot listen on {bind or "every address"}, port {port}: '
                                      f'{error.strerror}. Choose another ~port or '

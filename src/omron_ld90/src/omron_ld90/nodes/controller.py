@@ -2,11 +2,11 @@
 
 Topics in:
   send_command (std_msgs/String): one ARCL command, e.g. `goto 12`
-  move_base_simple/goal (geometry_msgs/PoseStamped): drive there (`gotoPoint`)
+  move_base_simple/goal (geometry_msgs/PoseStamped): drive there; becomes a goal of `move_base`
   initialpose (geometry_msgs/PoseWithCovarianceStamped): the robot is there (`localizeToPoint`)
 Topics out:
   arcl_response (std_msgs/String): every line that the robot sends after the login, byte for byte
-  command_refused (omron_ld90_msgs/CommandRefused): a message on a topic in that was not sent
+  command_refused (omron_ld90_msgs/CommandRefused): what came by topic and came to nothing
   link_state (omron_ld90_msgs/LinkState, latched): link `commands`
   /diagnostics
 Actions:
@@ -15,14 +15,16 @@ Actions:
 Parameters:
   ~robot_ip (required), ~port (7171): where the robot's ARCL server is
   ~password_file (''): file that holds its password, and nothing else; '' takes the environment
-      variable OMRON_LD90_PASSWORD
+      variable OMRON_LD90_PASSWORD, which roslaunch writes into its own log
   ~map_file (''): `.map` file whose goals are compared with the robot's
   ~base_map (''), ~graph_file (''): when base_map is set, map_file is first waited for
   ~map_frame (map): frame of poses in
   ~allowed_commands ([motion, query]): kinds and names of commands that may be sent; the kinds are
       query, motion, device, configuration, dangerous, unknown
-  ~session_log (''): file for all that both sides say, passwords blanked; an older one is kept as
+  ~session_log (''): file for all that both sides say, passwords redacted; an older one is kept as
       <file>.old; ld90_sim --replay serves it
+  ~stop_on_shutdown (false): send `stop` when the node is ended, as by Ctrl-C; without it the robot
+      drives on to its goal
   ~heartbeat (1.5 s): between signs of life asked of the robot
   ~silence (4.0 s): without a line after which the link counts as dead
   ~reconnect_first (0.5 s), ~reconnect_most (10.0 s), ~reconnect_jitter (0.2): tries to connect
@@ -31,23 +33,18 @@ Parameters:
 """
 from __future__ import annotations
 
-import os
-from typing import Callable, List, Optional
+from typing import Any, Callable, List, Optional
 
 import rospy
-from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
-from std_msgs.msg import String
+from geometry_msgs.msg import PoseStamped
 
 from omron_arcl import (
     ArclError,
     Backoff,
     Client,
     Execution,
-    Goal,
     HelpList,
     Link,
-    MapChanged,
-    OneLineStatus,
     Outcome,
     Received,
     Result,
@@ -56,97 +53,81 @@ from omron_arcl import (
     printable,
 )
 from omron_arcl.guard import Guard
-from omron_ld90.nodes.controller_actions import (
-    ExecuteCommandServer,
-    MoveBaseServer,
-    Refused,
-    robot_pose,
-)
+from omron_arcl.replies import Goal, MapChanged, OneLineStatus
+from omron_ld90.nodes.controller_actions import ExecuteCommandServer, MoveBaseServer
 from omron_ld90.nodes.controller_goals import GoalComparison
+from omron_ld90.nodes.controller_help import HelpReport
+from omron_ld90.nodes.controller_password import read_password
+from omron_ld90.nodes.controller_refusals import OldMessages, Refusals, publishers_by_master
+from omron_ld90.nodes.controller_topics import TopicCommands
 from omron_ld90.nodes.support.diagnostics import publish_diagnostics
-from omron_ld90.nodes.support.link_line import LineMessage
-from omron_ld90.nodes.support.link_reports import LinkReporter, misconfigured, session_log
+from omron_ld90.nodes.support.link_reports import (
+    LinkReporter,
+    misconfigured,
+    robot_host,
+    session_log,
+)
 from omron_ld90.nodes.support.poses import pose_from_robot
+from omron_ld90.nodes.support.publishing import LineMessage
 from omron_ld90.nodes.support.robot_health import RobotHealth
 from omron_ld90.nodes.support.shared_parameters import map_sources
 from omron_ld90.nodes.support.startup import ConfigurationError, number, parameter, run
-from omron_ld90_msgs.msg import CommandRefused, LinkState
+from omron_ld90_msgs.msg import LinkState
 
-PASSWORD_VARIABLE = 'OMRON_LD90_PASSWORD'
+STOP_WITHIN = 1.5  # s that a stop may take at shutdown
 
 
 class Controller:
     """The node; `make_client` makes its client from the callbacks that it is given."""
 
     def __init__(self, make_client: Callable[..., Client], guard: Guard, goals: GoalComparison,
-                 map_frame: str, log: Optional[SessionLog]) -> None:
+                 map_frame: str, log: Optional[SessionLog], stop_on_shutdown: bool) -> None:
         self._guard = guard
         self._goals = goals
         self._map_frame = map_frame
         self._log = log
+        self._stop_on_shutdown = stop_on_shutdown
+        self._help = HelpReport()
         self._reporter = LinkReporter(LinkState.COMMANDS, log)
         self._health = RobotHealth()
         self._responses = rospy.Publisher('arcl_response', LineMessage, queue_size=1000,
                                           tcp_nodelay=True)
-        self._refusals = rospy.Publisher('command_refused', CommandRefused, queue_size=20,
-                                         tcp_nodelay=True)
         self._client: Client = make_client(on_line=self._on_line, on_link=self._on_link,
                                            on_login=self._on_login)
-        ExecuteCommandServer(self._execute, self._client.cancel)
-        self._move_base = MoveBaseServer(self._execute, self._client.cancel, map_frame)
-        rospy.Subscriber('send_command', String, self._on_command, queue_size=100,
-                         tcp_nodelay=True)
-        rospy.Subscriber('move_base_simple/goal', PoseStamped, self._on_goal_pose, queue_size=1)
-        rospy.Subscriber('initialpose', PoseWithCovarianceStamped, self._on_initial_pose,
-                         queue_size=1)
+        refusals, old = Refusals(), OldMessages(publishers_by_master).start()
+        ExecuteCommandServer(self._execute, self._client.cancel, old)
+        self._move_base = MoveBaseServer(self._execute, self._client.cancel, old, refusals,
+                                         map_frame)
+        TopicCommands(self._execute, self._move_base, refusals, old, map_frame)
         publish_diagnostics(self._client.peer, {'link to the robot': self._reporter.diagnose,
                                                 'robot': self._health.diagnose,
-                                                'goals': goals.diagnose})
+                                                'goals': goals.diagnose,
+                                                'help list': self._help.diagnose})
         self._client.start()
 
     def close(self) -> None:
         """Ends the connection."""
+        if self._stop_on_shutdown:
+            self._stop()
         self._client.close()
         self._goals.close()
         if self._log:
             self._log.close()
 
-    # --- from ROS ------------------------------------------------------------------------------
-
-    def _on_command(self, message: String) -> None:
-        self._send(message.data, message)
-
-    def _on_goal_pose(self, message: PoseStamped) -> None:
-        self._send_pose('gotoPoint', message, message)
-
-    def _on_initial_pose(self, message: PoseWithCovarianceStamped) -> None:
-        pose = PoseStamped(header=message.header, pose=message.pose.pose)
-        self._send_pose('localizeToPoint', pose, message)
-
-    def _send_pose(self, command: str, pose: PoseStamped, message: rospy.Message) -> None:
+    def _stop(self) -> None:
         try:
-            self._send('{} {} {} {}'.format(command, *robot_pose(pose, self._map_frame)), message)
-        except Refused as error:
-            self._refuse(command, message, str(error))
-
-    def _send(self, text: str, message: rospy.Message) -> None:
-        """Sends a command that came by topic: nobody waits for its end, so failures are logged."""
-        try:
-            self._execute(text, on_end=lambda result: _log_failure(text, result))
+            result = self._client.execute('stop').wait(STOP_WITHIN)
         except ArclError as error:
-            self._refuse(text, message, str(error))
+            rospy.logwarn('The robot was not stopped at the end: %s', error)
+        else:
+            if result is None:
+                rospy.logwarn('A stop was sent at the end; the robot has not said that it stands.')
 
-    def _refuse(self, text: str, message: rospy.Message, reason: str) -> None:
-        caller = getattr(message, '_connection_header', {}).get('callerid', 'unknown')
-        rospy.logwarn('%s Asked by %s.', reason, caller)
-        refusal = CommandRefused(command=printable(text), caller=caller, reason=reason)
-        refusal.header.stamp = rospy.Time.now()
-        self._refusals.publish(refusal)
-
-    def _execute(self, text: str, **options) -> Execution:
+    def _execute(self, text: str, **options: Any) -> Execution:
         """Gives a command once it is allowed; raises ArclError."""
-        self._guard.check(text)
-        return self._client.execute(text, **options)
+        execution = self._client.execute(text, check=self._guard.check, **options)
+        self._help.sent(execution.command)
+        return execution
 
     # --- from the robot ---------------------------------------------------------------------------
 
@@ -156,7 +137,8 @@ class Controller:
         self._health.observe(line.reply)
         if isinstance(line.reply, MapChanged):
             self._ask_goals()
-        elif isinstance(line.reply, OneLineStatus) and line.reply.location:
+        elif (isinstance(line.reply, OneLineStatus) and line.reply.location
+                and not line.late):
             location = line.reply.location
             pose = PoseStamped(pose=pose_from_robot(location.x, location.y, location.heading))
             pose.header.stamp = rospy.Time.now()
@@ -170,7 +152,7 @@ class Controller:
         self._reporter.report(link)
 
     def _on_login(self, help_list: HelpList) -> None:
-        self._guard.help = help_list
+        self._help.listed(help_list)
         self._ask_goals()
 
     def _ask_goals(self) -> None:
@@ -179,44 +161,14 @@ class Controller:
         self._client.execute('getGoals', on_end=self._on_goals)
 
     def _on_goals(self, result: Result) -> None:
-        if result.outcome is not Outcome.SUCCEEDED:
-            rospy.logwarn('The robot did not list its goals: %s.', result.words)
+        if result.outcome is not Outcome.SUCCEEDED or result.left_out:
+            reason = printable(result.words) or result.outcome.value
+            rospy.logwarn('The robot did not list all its goals: %s.', reason)
             return
         replies = [parse_line(line) for line in result.lines]
         names = frozenset(reply.name for reply in replies if isinstance(reply, Goal))
-        self._guard.goals = frozenset(name.casefold() for name in names)
+        self._guard.list_goals(names)
         self._goals.robot_goals(names)
-
-
-def _log_failure(text: str, result: Result) -> None:
-    if result.outcome is Outcome.INTERRUPTED:
-        rospy.loginfo('Command "%s" was interrupted: %s', printable(text), result.words)
-    elif result.outcome is not Outcome.SUCCEEDED:
-        rospy.logwarn('Command "%s": %s (%s).', printable(text), result.outcome.value,
-                      result.words)
-
-
-def read_password(path: str) -> bytes:
-    """The password from `path`, or from the environment; raises ConfigurationError.
-
-    No message ever holds it.
-    """
-    source = f'file {path}' if path else f'environment variable {PASSWORD_VARIABLE}'
-    try:
-        if path:
-            with open(path, 'rb') as file:
-                password = file.read(1000).strip()
-        else:
-            password = os.environb.get(PASSWORD_VARIABLE.encode(), b'')
-    except OSError as error:
-        raise ConfigurationError(
-            f'The ARCL password cannot be read from {source}: {error.strerror}.') from None
-    if not password or not all(0x20 <= byte < 0x7f for byte in password):
-        what = 'holds control or non-ASCII characters' if password else 'is empty or not set'
-        raise ConfigurationError(
-            f'There is no usable ARCL password: {source} {what}. Set ~password_file to a file '
-            f'that holds nothing but the password, or set {PASSWORD_VARIABLE}.')
-    return password
 
 
 def _allowed_commands() -> List[str]:
@@ -230,7 +182,7 @@ def _allowed_commands() -> List[str]:
 
 def start() -> Controller:
     """Reads the parameters and builds the node."""
-    host = parameter('~robot_ip')
+    host = robot_host()
     port = int(number('~port', 7171, 1, 65535))
     password = read_password(parameter('~password_file', ''))
     backoff = Backoff(number('~reconnect_first', 0.5, 0.05, 600.0),
@@ -249,11 +201,12 @@ def start() -> Controller:
     log = session_log()
     goals = GoalComparison(parameter('~map_file', ''), map_sources())
 
-    def make_client(**callbacks) -> Client:
-        return Client(host, port, password, backoff=backoff, heartbeat=heartbeat, silence=silence,
+    def make_client(**callbacks: Any) -> Client:
+        return Client(host, port, password, backoff=backoff, heartbeat=heartbeat, timeout=silence,
                       log=log, **callbacks)
 
-    return Controller(make_client, guard, goals, parameter('~map_frame', 'map'), log)
+    return Controller(make_client, guard, goals, parameter('~map_frame', 'map'), log,
+                      parameter('~stop_on_shutdown', False, bool))
 
 
 def main() -> None:

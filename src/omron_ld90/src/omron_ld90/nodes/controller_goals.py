@@ -8,9 +8,10 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
+from omron_arcl import printable, readable
 from omron_map import MapDocument, MapError, wait_for_map
 
-_MOST_NAMES = 20  # told in one message
+_MAXIMUM_NAMES = 20  # told in one message
 
 
 class GoalComparison:
@@ -33,7 +34,7 @@ class GoalComparison:
 
     def robot_goals(self, names: FrozenSet[str]) -> None:
         """The robot has listed its goals."""
-        self._robot = names
+        self._robot = frozenset(names)
         self._due.set()
 
     def close(self) -> None:
@@ -46,8 +47,8 @@ class GoalComparison:
         """Task for diagnostic_updater."""
         status.summary(self._level, self._message)
         status.add('goals of the robot', str(len(self._robot or ())))
-        status.add('only in the robot', ', '.join(self._only_robot[:_MOST_NAMES]) or 'none')
-        status.add('only in the map file', ', '.join(self._only_map[:_MOST_NAMES]) or 'none')
+        status.add('only in the robot', ', '.join(self._only_robot[:_MAXIMUM_NAMES]) or 'none')
+        status.add('only in the map file', ', '.join(self._only_map[:_MAXIMUM_NAMES]) or 'none')
         return status
 
     def _run(self) -> None:
@@ -57,7 +58,7 @@ class GoalComparison:
             if self._closing:
                 return
             if self._map_file:
-                self._compare(self._robot)
+                self._compare(self._robot or frozenset())
             else:
                 self._message = 'not compared: ~map_file is not set'
 
@@ -67,8 +68,9 @@ class GoalComparison:
                 self._wait(self._map_file, self._made_from, say=rospy.loginfo,
                            given_up=lambda: self._closing)
                 self._made_from = ()
-            file = {goal.name for goal in MapDocument.load(self._map_file).goals}
-        except MapError as error:
+            file = frozenset(readable(goal.name)
+                             for goal in MapDocument.load(self._map_file).goals)
+        except (MapError, OSError, ValueError) as error:
             self._level, self._message = DiagnosticStatus.WARN, f'not compared: {error}'
             rospy.logwarn('The goals of robot and map file were not compared: %s', error)
             return
@@ -85,12 +87,12 @@ class GoalComparison:
 
 
 def _without(names: FrozenSet[str], others: FrozenSet[str]) -> List[str]:
-    """`names` that are not in `others`; the robot respects no case."""
+    """`names` that are not in `others`, for people; the robot respects no case."""
     folded = {name.casefold() for name in others}
-    return sorted(name for name in names if name.casefold() not in folded)
+    return sorted(printable(name) for name in names if name.casefold() not in folded)
 
 
 def _listed(names: List[str]) -> str:
-    shown = ', '.join(f'"{name}"' for name in names[:_MOST_NAMES])
-    more = len(names) - _MOST_NAMES
+    shown = ', '.join(f'"{name}"' for name in names[:_MAXIMUM_NAMES])
+    more = len(names) - _MAXIMUM_NAMES
     return (shown + f' and {more} more' if more > 0 else shown) or 'none'

@@ -7,17 +7,17 @@ Subscribes
     target_route (itrci_nav_msgs/TargetRoute): the route to drive
     /graph (itrci_nav_msgs/Graph): replaces the graph of ~graph_file
     robot_status (omron_ld90_msgs/RobotStatus), link_state (omron_ld90_msgs/LinkState)
-    arcl_response (std_msgs/String): what the robot says
-    command_refused (omron_ld90_msgs/CommandRefused): a refused command of ours ends the route
     send_command (std_msgs/String): a motion command of somebody else ends the route
 Publishes
-    send_command (std_msgs/String): goto, dock, stop
     execution_route_states (itrci_nav_msgs/ExecutionRouteStates, latched): 10 Hz and on change
         while a route runs, else 1 Hz
+    route_refused (itrci_nav_msgs/RouteRefused): a route, or a change, that was not taken up
     /diagnostics
+Client of
+    execute_command (omron_ld90_msgs/ExecuteCommand): goto, dock, stop
 Parameters
     ~graph_file        string  (empty)  trajectory graph (YAML); empty: wait for /graph
-    ~dock_vertex       int     16       vertex that is reached by `dock`; 0: none
+    ~dock_vertex       int     0        vertex that is reached by `dock`; 0: none
     ~strategy          string  rolling  or vertex_by_vertex, direct, native
     ~native_command    string  (empty)  of strategy native: {goals} = names in order, {last}
     ~vertex_tolerance  float   0.3 m    a vertex is passed within this distance
@@ -25,6 +25,8 @@ Parameters
     ~stall_timeout     float   30 s     without progress, the route fails
     ~location_timeout  float   5 s      without a location, the route fails
     ~link_timeout      float   2 s      without a link to the robot, the route fails
+    ~restart_timeout   float   20 s     so long omron_controller or the receiver may be away, or
+                                        this node, before the route fails
     ~top_speed         float   1.35 m/s
     ~acceleration      float   0.5 m/s2
     ~braking           float   0.2 m/s2, deceleration towards a goal
@@ -32,156 +34,182 @@ Uses ~route_record, a parameter of its own, to go on with a route after a restar
 """
 from __future__ import annotations
 
+import queue
 import threading
 import time
-from typing import Iterable, Optional
+from typing import Callable, Dict, Iterable, Optional, Tuple
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 from std_msgs.msg import String
 
-from itrci_nav_msgs.msg import ExecutionRouteStates, TargetRoute
-from itrci_nav_msgs.msg import Graph as GraphMessage
+from itrci_nav_msgs.msg import ExecutionRouteStates, RouteRefused, TargetRoute
 from omron_ld90.bridge import route_protocol as p
-from omron_ld90.bridge.bridge_words import RobotWords, is_motion, status_events
-from omron_ld90.bridge.report_schedule import TICK, ReportSchedule
+from omron_ld90.bridge.robot_monitor import moves_robot
 from omron_ld90.bridge.route_follower import RouteFollower
-from omron_ld90.bridge.route_settings import Settings
-from omron_ld90.bridge.route_strategies import STRATEGIES
+from omron_ld90.bridge.route_strategies import STRATEGIES, Settings
+from omron_ld90.bridge.running_clock import RunningClock
 from omron_ld90.nodes.bridge_memory import RouteMemory
+from omron_ld90.nodes.bridge_messages import command_ended, link_reported, robot_seen
 from omron_ld90.nodes.support import fleet_messages, shared_parameters, startup
+from omron_ld90.nodes.support.command_client import CommandClient
 from omron_ld90.nodes.support.diagnostics import publish_diagnostics
-from omron_ld90.nodes.support.link_reports import words_of
-from omron_ld90_msgs.msg import CommandRefused, LinkState, RobotStatus
-from trajectory_graph import Graph, GraphError
+from omron_ld90.nodes.support.followed_graph import FollowedGraph
+from omron_ld90_msgs.msg import ExecuteCommandResult, LinkState, RobotStatus
+from trajectory_graph import Graph
 
-RESTART = 20.0  # s after a restart in which the route that ran can be gone on with
+TICK = 0.1          # s between two looks at the clock, and two reports while a route runs
+IDLE_PERIOD = 1.0   # s between two reports without a route
+QUEUE_SIZE = 1000   # events; beyond that the topics wait, and drop what is oldest
+
+Call = Callable[[float], Iterable[p.Action]]  # of the follower, with the time
 
 
 class EdgesToVertices:
-    """The node: see the module's text."""
+    """The node: see the module's text.
+
+    One thread has the follower and calls rospy and actionlib; callbacks only queue events for it.
+    So nothing is ever done while a lock is held.
+    """
 
     def __init__(self) -> None:
         graph = shared_parameters.trajectory_graph()
-        self._lock = threading.RLock()
-        self._follower = RouteFollower(
-            _read_settings(graph), graph, links=(LinkState.COMMANDS, LinkState.OUTGOING))
-        self._words = RobotWords()
+        self._clock = RunningClock()
+        settings = _read_settings(graph)
+        self._follower = RouteFollower(settings, graph, links=tuple(p.Link))
         self._memory = RouteMemory()
-        self._schedule = ReportSchedule()
-        record = self._memory.recall()
+        record, age = self._memory.recall()
         if record:
-            self._follower.restore(record, time.monotonic() + RESTART)
+            self._follower.restore(record, age < settings.restart_timeout, self._clock.read())
+        self._calls: queue.SimpleQueue[Call] = queue.SimpleQueue()
+        self._reported = self._diagnosed = -IDLE_PERIOD
+        self._ending = threading.Event()
+        self._diagnosis = (DiagnosticStatus.WARN, 'starting', {})
 
-        self._command = rospy.Publisher('send_command', String, queue_size=10, tcp_nodelay=True)
         self._states = rospy.Publisher('execution_route_states', ExecutionRouteStates,
                                        queue_size=10, latch=True, tcp_nodelay=True)
+        self._refusals = rospy.Publisher('route_refused', RouteRefused, queue_size=10,
+                                         tcp_nodelay=True)
+        self._commands = CommandClient(self._on_end)
         for topic, kind, callback in (
                 ('link_state', LinkState, self._on_link),
                 ('robot_status', RobotStatus, self._on_status),
-                ('arcl_response', String, self._on_line),
-                ('command_refused', CommandRefused, self._on_refused),
                 ('send_command', String, self._on_command),
-                ('/graph', GraphMessage, self._on_graph),
                 ('target_route', TargetRoute, self._on_route)):
             rospy.Subscriber(topic, kind, callback, queue_size=100, tcp_nodelay=True)
-        self._timer = rospy.Timer(rospy.Duration(TICK), self._tick)
+        FollowedGraph(graph, self._on_graph).subscribe()
         publish_diagnostics('none', {'route': self._diagnose})
+        self._thread = threading.Thread(target=self._run, name='route-follower', daemon=True)
+        self._thread.start()
         if graph is None:
             rospy.logwarn('%s idles: ~graph_file is empty, and no /graph has come yet.',
                           rospy.get_name())
 
     def close(self) -> None:
-        """Ends the timer."""
-        self._timer.shutdown()
+        """Ends the thread."""
+        self._ending.set()
+        self._thread.join(0.5)
 
     # --- callbacks -------------------------------------------------------------------------------
 
+    def _tell(self, event: p.Event) -> None:
+        """Queues an event from a topic; waits while very many wait, so that the topic drops some.
+        """
+        while self._calls.qsize() > QUEUE_SIZE and not self._ending.wait(TICK):
+            rospy.logwarn_throttle(10.0, '%s cannot keep up with its topics.', rospy.get_name())
+        self._calls.put(lambda now: self._follower.handle(event, now))
+
+    def _on_end(self, number: int, result: ExecuteCommandResult) -> None:
+        event = command_ended(number, result)
+        self._calls.put(lambda now: self._follower.handle(event, now))
+
     def _on_route(self, message: TargetRoute) -> None:
-        self._handle([fleet_messages.order_of(message)])
+        self._tell(fleet_messages.order_of(message, rospy.Time.now()))
 
     def _on_status(self, message: RobotStatus) -> None:
-        self._handle(status_events(message))
-
-    def _on_line(self, message: String) -> None:
-        with self._lock:
-            self._handle(self._words.line(message.data, time.monotonic()))
+        self._tell(robot_seen(message))
 
     def _on_link(self, message: LinkState) -> None:
-        up = message.state == LinkState.CONNECTED
-        reason = message.reason or words_of(message.state)
-        self._handle([p.LinkChanged(message.link, up, '' if up else reason)])
-
-    def _on_refused(self, message: CommandRefused) -> None:
-        if message.caller == rospy.get_name():
-            self._handle([p.CommandRefused(message.command, message.reason)])
+        event = link_reported(message)
+        if event is not None:
+            self._tell(event)
 
     def _on_command(self, message: String) -> None:
-        caller = message._connection_header['callerid']
-        if caller != rospy.get_name() and is_motion(message.data):
-            self._handle([p.ForeignCommand(message.data, caller)])
+        if moves_robot(message.data):
+            self._tell(p.ForeignCommand(message.data, message._connection_header['callerid']))
 
-    def _on_graph(self, message: GraphMessage) -> None:
-        try:
-            graph = fleet_messages.graph_of(message)
-        except GraphError as error:
-            rospy.logerr('%s keeps its graph, because the one on /graph is not valid: %s',
-                         rospy.get_name(), error)
-            return
-        with self._lock:
-            self._act(self._follower.use_graph(graph, time.monotonic()))
+    def _on_graph(self, graph: Graph) -> None:
+        self._calls.put(lambda now: self._follower.use_graph(graph, now))
         rospy.loginfo('The graph of /graph is used: %d vertices, %d edges.',
                       len(graph.vertices), len(graph.edges))
 
-    def _tick(self, _event: Optional[rospy.timer.TimerEvent]) -> None:
-        now = time.monotonic()
-        with self._lock:
-            self._handle(self._words.overdue(now))
-            self._act(self._follower.tick(now))
-            if self._schedule.is_due(self._follower.running, now):
-                self._states.publish(fleet_messages.states_of(self._follower.report()))
+    # --- the thread that has the follower --------------------------------------------------------
 
-    # --- actions ---------------------------------------------------------------------------------
+    def _run(self) -> None:
+        next_tick = time.monotonic()
+        while not self._ending.is_set():
+            try:
+                call = self._calls.get(timeout=max(next_tick - time.monotonic(), 0.0))
+                self._act(call(self._clock.read()))
+            except queue.Empty:
+                next_tick = max(next_tick + TICK, time.monotonic())
+                self._tick(self._clock.read())
 
-    def _handle(self, events: Iterable[p.Event]) -> None:
-        with self._lock:
-            for event in events:
-                self._act(self._follower.handle(event, time.monotonic()))
+    def _tick(self, now: float) -> None:
+        self._commands.check()
+        self._act(self._follower.tick(now))
+        if now - self._diagnosed >= IDLE_PERIOD:
+            self._diagnosed = now
+            self._diagnosis = _diagnosis(self._follower)
+        period = TICK if self._follower.running else IDLE_PERIOD
+        if now - self._reported >= period - TICK / 2.0:
+            self._reported = now
+            self._states.publish(fleet_messages.states_of(self._follower.report()))
 
     def _act(self, actions: Iterable[p.Action]) -> None:
         for action in actions:
-            if isinstance(action, p.Send):
-                self._command.publish(String(action.command))
+            if isinstance(action, p.Give):
+                self._commands.give(action.number, action.command)
             elif isinstance(action, p.RouteReport):
                 self._states.publish(fleet_messages.states_of(action))
+            elif isinstance(action, p.RouteRefusal):
+                self._refusals.publish(fleet_messages.refusal_of(action, rospy.Time.now()))
             else:
                 rospy.logwarn('%s', action.text)
         self._memory.keep(self._follower.record)
 
     def _diagnose(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
-        with self._lock:
-            follower, report = self._follower, self._follower.report()
-            route = follower.route
-        if follower.graph is None:
-            status.summary(DiagnosticStatus.WARN, 'Idle: there is no graph.')
-        elif route is None:
-            status.summary(DiagnosticStatus.OK, 'No route yet.')
-        elif report.reason:
-            status.summary(DiagnosticStatus.ERROR,
-                           f'Route {report.route_id} failed: {report.reason}')
-        else:
-            status.summary(DiagnosticStatus.OK, f'Route {report.route_id}: {route.phase.value}')
-        status.add('edges done', f'{list(report.states).count(p.EdgeState.COMPLETE)} of '
-                                 f'{len(report.edges)}')
-        status.add('edge', str(report.pose.edge))
-        status.add('percentage', f'{report.pose.percentage:.1f}')
-        status.add('going to', str(follower.robot.errand.goal))
+        level, summary, values = self._diagnosis
+        status.summary(level, summary)
+        for name, value in values.items():
+            status.add(name, value)
         return status
 
 
+def _diagnosis(follower: RouteFollower) -> Tuple[bytes, str, Dict[str, str]]:
+    """Level, summary and values of the diagnostic `route`."""
+    report, route, duty = follower.report(), follower.route, follower.robot.stop_duty
+    if duty.owed and duty.problem:
+        level, summary = DiagnosticStatus.ERROR, (
+            f'The robot has not obeyed a stop yet: {duty.problem}')
+    elif follower.graph is None:
+        level, summary = DiagnosticStatus.WARN, 'Idle: there is no graph.'
+    elif route is None:
+        level, summary = DiagnosticStatus.OK, 'No route yet.'
+    elif report.reason:
+        level, summary = DiagnosticStatus.ERROR, f'Route {report.route_id} failed: {report.reason}'
+    else:
+        level, summary = DiagnosticStatus.OK, f'Route {report.route_id}: {route.phase.value}'
+    return level, summary, {
+        'edges done': f'{list(report.states).count(p.EdgeState.COMPLETE)} of {len(report.edges)}',
+        'edge': str(report.pose.edge), 'percentage': f'{report.pose.percentage:.1f}',
+        'going to': str(follower.robot.tracker.goal),
+        'command': follower.robot.tracker.knowledge.value}
+
+
 def _read_settings(graph: Optional[Graph]) -> Settings:
-    dock = startup.parameter('~dock_vertex', 16, int)
+    dock = startup.parameter('~dock_vertex', 0, int)
     if graph is not None and dock and dock not in graph.vertices:
         raise startup.ConfigurationError(
             f'~dock_vertex is {dock}, which is no vertex of the graph: set it to the id of the '
@@ -199,6 +227,7 @@ def _read_settings(graph: Optional[Graph]) -> Settings:
         stall_timeout=startup.number('~stall_timeout', 30.0, 1.0, 3600.0),
         location_timeout=startup.number('~location_timeout', 5.0, 0.5, 60.0),
         link_timeout=startup.number('~link_timeout', 2.0, 0.0, 60.0),
+        restart_timeout=startup.number('~restart_timeout', 20.0, 0.0, 600.0),
         top_speed=startup.number('~top_speed', 1.35, 0.1, 10.0),
         acceleration=startup.number('~acceleration', 0.5, 0.05, 10.0),
         braking=startup.number('~braking', 0.2, 0.05, 10.0))

@@ -3,18 +3,19 @@
 A click of the Publish Point tool means the nearest goal or dock within `~click_tolerance`; the
 handles of `interactive_goals` mean their own. Both go by the map that `map_visualisation` says it
 displays, never by another. While the fleet drives a route, only stop is taken, unless
-`~allow_takeover` is true: then the route ends as `taken over`. A command is sent once; what became
-of it is told in words, where the person looks: sent, accepted, refused, arrived, failed.
+`~allow_takeover` is true: then the route ends as `taken over`. A command is given once, and not
+again while the robot obeys it; what becomes of it is told where the person looks.
 
 Subscribes
     clicked_point (geometry_msgs/PointStamped), in any frame that TF knows
     map_file (std_msgs/String, latched): path of the displayed map
     execution_route_states (itrci_nav_msgs/ExecutionRouteStates)
-    arcl_response (std_msgs/String), command_refused (omron_ld90_msgs/CommandRefused)
+    command_refused (omron_ld90_msgs/CommandRefused)
     link_state (omron_ld90_msgs/LinkState), pose (geometry_msgs/PoseStamped)
     interactive_goals/feedback (visualization_msgs/InteractiveMarkerFeedback)
+Client of
+    execute_command (omron_ld90_msgs/ExecuteCommand)
 Publishes
-    send_command (std_msgs/String)
     user_feedback (std_msgs/String): what happened, in a sentence
     feedback_markers (visualization_msgs/MarkerArray): the same as text in RViz
     interactive_goals/update, update_full (visualization_msgs/InteractiveMarker...)
@@ -30,34 +31,66 @@ from __future__ import annotations
 import math
 import threading
 import time
-from typing import List, Optional, Tuple
+from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
 
 import rospy
 import tf2_geometry_msgs  # noqa: F401  registers PointStamped with tf2
 import tf2_ros
 from geometry_msgs.msg import PointStamped, PoseStamped
-from std_msgs.msg import String
 
 from itrci_nav_msgs.msg import ExecutionRouteStates
+from omron_arcl import InvalidCommand, parse_line
+from omron_arcl.replies import driving
 from omron_ld90.bridge.route_watch import RouteWatch
 from omron_ld90.nodes.rviz.interactive_goals import Action, InteractiveGoals
 from omron_ld90.nodes.rviz.user_feedback import UserFeedback
 from omron_ld90.nodes.support import shared_parameters, startup
+from omron_ld90.nodes.support.command_client import CommandClient
+from omron_ld90.nodes.support.displayed_map import DisplayedMap
 from omron_ld90.nodes.support.poses import yaw_from_quaternion
-from omron_ld90.operator.arcl_news import NewsReader, Tone
 from omron_ld90.operator.goal_clicks import (
     Target,
     explain_miss,
     extent_in_x,
     resolve_click,
-    target_named,
     targets_of,
 )
+from omron_ld90.operator.notices import Notice, Severity
 from omron_ld90.units import millimetres
-from omron_ld90_msgs.msg import CommandRefused, LinkState
-from omron_map import MapDocument, MapError
+from omron_ld90_msgs.msg import CommandRefused, ExecuteCommandResult, LinkState
+from omron_map import MapDocument
 
-TRANSFORM_PATIENCE = rospy.Duration(0.3)
+TRANSFORM_TIMEOUT = rospy.Duration(0.3)
+CHECK_PERIOD = rospy.Duration(0.5)
+
+# What each entry of the menus makes the robot do, as far as it is the same everywhere.
+COMMANDS = {Action.DOCK: 'dock', Action.UNDOCK: 'undock', Action.STOP: 'stop'}
+
+# What the person is told of a command's end.
+ENDINGS: Dict[int, Callable[[str, str], Notice]] = {
+    ExecuteCommandResult.SUCCEEDED: lambda command, words: Notice(Severity.GOOD, words or command),
+    ExecuteCommandResult.FAILED: lambda command, words: Notice(
+        Severity.BAD, f'{command} failed: {words}'),
+    ExecuteCommandResult.INTERRUPTED: lambda command, words: Notice(
+        Severity.INFO, f'{command} was interrupted: {words}'),
+    ExecuteCommandResult.LOST: lambda command, words: Notice(
+        Severity.BAD, f'{command} was lost: {words}'),
+    ExecuteCommandResult.TIMED_OUT: lambda command, words: Notice(
+        Severity.BAD, f'{command} was given up: {words}'),
+    ExecuteCommandResult.REFUSED: lambda command, words: Notice(
+        Severity.BAD, f'{command} refused: {words}'),
+    ExecuteCommandResult.CANCELLED: lambda command, words: Notice(
+        Severity.INFO, f'{command} was cancelled'),
+    ExecuteCommandResult.EMERGENCY_STOPPED: lambda command, words: Notice(
+        Severity.BAD, f'{command}: emergency stop'),
+}
+
+
+class Given(NamedTuple):
+    """A command that was given, and where to tell what becomes of it (m, in the map)."""
+
+    command: str
+    place: Optional[Tuple[float, float]]
 
 
 class GoalSender:
@@ -71,7 +104,8 @@ class GoalSender:
         self._lock = threading.RLock()
         self._targets: Optional[List[Target]] = None  # None: no map is displayed
         self._routes = RouteWatch()
-        self._news = NewsReader()
+        self._given: Dict[int, Given] = {}  # by number, until it has ended
+        self._count = 0
         self._heading: Optional[float] = None  # degrees
 
         self._feedback = UserFeedback(self._map_frame)
@@ -80,31 +114,30 @@ class GoalSender:
             startup.number('~handle_size', 0.7, 0.3, 3.0), self._on_handle)
         self._buffer = tf2_ros.Buffer()
         self._listener = tf2_ros.TransformListener(self._buffer)
-        self._commands = rospy.Publisher('send_command', String, queue_size=10, tcp_nodelay=True)
+        self._commands = CommandClient(self._on_end, self._on_line)
         for topic, message, callback in (
-                ('map_file', String, self._on_map),
                 ('execution_route_states', ExecutionRouteStates, self._on_route),
-                ('arcl_response', String, self._on_line),
                 ('command_refused', CommandRefused, self._on_refused),
                 ('link_state', LinkState, self._on_link),
                 ('pose', PoseStamped, self._on_pose),
                 ('clicked_point', PointStamped, self._on_click)):
             rospy.Subscriber(topic, message, callback, queue_size=10, tcp_nodelay=True)
+        DisplayedMap(self._on_map, without='Clicks do nothing').subscribe()
+        self._timer = rospy.Timer(CHECK_PERIOD, lambda _: self._commands.check())
+
+    def close(self) -> None:
+        """Ends the threads."""
+        self._timer.shutdown()
+        self._commands.close()
 
     # What is known of the map, the fleet and the robot
 
-    def _on_map(self, message: String) -> None:
-        targets = None
-        if message.data:
-            try:
-                document = MapDocument.load(message.data)
-                targets = targets_of(document)
-                self._feedback.stay_within(*extent_in_x(document))
-            except MapError as error:
-                rospy.logerr('Clicks do nothing: %s', error)
+    def _on_map(self, document: Optional[MapDocument], path: str) -> None:
         with self._lock:
-            self._targets = targets
-            self._handles.show(targets or ())
+            self._targets = None if document is None else targets_of(document)
+            if document is not None:
+                self._feedback.stay_within(*extent_in_x(document))
+            self._handles.show(self._targets or ())
 
     def _on_route(self, message: ExecutionRouteStates) -> None:
         with self._lock:
@@ -129,24 +162,24 @@ class GoalSender:
             return
         with self._lock:
             if self._targets is None:
-                self._feedback.say(Tone.BAD, 'No map is displayed yet: the click did nothing.',
+                self._feedback.say(Severity.BAD, 'No map is displayed yet: the click did nothing.',
                                    point)
                 return
             click = resolve_click(self._targets, point[0], point[1], self._tolerance)
             if click.hit:
-                self._drive(click.target.command, click.target)
+                self._drive_to(click.target)
             else:
-                self._feedback.say(Tone.NEWS, explain_miss(click, self._tolerance), point)
+                self._feedback.say(Severity.INFO, explain_miss(click, self._tolerance), point)
 
     def _in_map(self, message: PointStamped) -> Optional[Tuple[float, float]]:
         x, y = message.point.x, message.point.y
         if message.header.frame_id not in ('', self._map_frame):
             try:
-                point = self._buffer.transform(message, self._map_frame, TRANSFORM_PATIENCE).point
+                point = self._buffer.transform(message, self._map_frame, TRANSFORM_TIMEOUT).point
                 x, y = point.x, point.y
             except tf2_ros.TransformException as error:
                 self._feedback.say(
-                    Tone.BAD, f'The click did nothing: {message.header.frame_id} has no '
+                    Severity.BAD, f'The click did nothing: {message.header.frame_id} has no '
                               f'transform to {self._map_frame} ({error}).')
                 return None
         if not (math.isfinite(x) and math.isfinite(y)):
@@ -156,20 +189,20 @@ class GoalSender:
 
     def _on_handle(self, action: Action, target: Optional[Target]) -> None:
         with self._lock:
-            if action is Action.STOP:
-                self._send('stop', None)
-            elif action is Action.GO:
-                self._drive(target.command, target)
-            elif action is Action.LOCALIZE:
+            if action is Action.LOCALIZE:
                 self._localize(target)
+            elif action is Action.STOP:
+                self._give(COMMANDS[action], None)
+            elif action is Action.GO:
+                self._drive_to(target)
             else:
-                self._drive(action.value.lower(), target)
+                self._drive(COMMANDS[action], target)
 
     def _localize(self, target: Target) -> None:
         heading = self._heading if target.heading is None else target.heading
         if heading is None:
             self._feedback.say(
-                Tone.BAD, f'Which way does the robot face at {target}? Use 2D Pose Estimate.',
+                Severity.BAD, f'Which way does the robot face at {target}? Use 2D Pose Estimate.',
                 target.place)
             return
         self._drive(f'localizeToPoint {millimetres(target.x)} {millimetres(target.y)} '
@@ -177,36 +210,50 @@ class GoalSender:
 
     # What is done about it
 
+    def _drive_to(self, target: Target) -> None:
+        try:
+            self._drive(target.command, target)
+        except InvalidCommand as error:
+            self._feedback.say(Severity.BAD, str(error), target.place)
+
     def _drive(self, command: str, target: Optional[Target]) -> None:
         route = self._routes.running(time.monotonic())
         if route is not None and not self._allow_takeover:
             self._feedback.say(
-                Tone.BAD, f'Not sent: the fleet drives route {route}. Stop it first.',
+                Severity.BAD, f'Not sent: the fleet drives route {route}. Stop it first.',
                 _place(target))
-            return
-        self._send(command, target)
+        elif any(given.command == command for given in self._given.values()):
+            self._feedback.show(Notice(Severity.INFO, f'{command}: already under way.'),
+                                _place(target))
+        else:
+            self._give(command, target)
 
-    def _send(self, command: str, target: Optional[Target]) -> None:
-        if self._commands.get_num_connections() == 0:
-            self._feedback.say(
-                Tone.BAD, f'Not sent: nobody listens on {self._commands.resolved_name}. '
-                          'Is omron_controller running?', _place(target))
-            return
-        self._commands.publish(command)
-        self._feedback.say(Tone.NEWS, f'{command} ...', _place(target))
+    def _give(self, command: str, target: Optional[Target]) -> None:
+        self._count += 1
+        self._given[self._count] = Given(command, _place(target))
+        self._feedback.say(Severity.INFO, f'{command} ...', _place(target))
+        self._commands.give(self._count, command)
 
     # What became of it
 
-    def _on_line(self, message: String) -> None:
+    def _on_line(self, number: int, line: str) -> None:
+        """The robot says that it sets out."""
         with self._lock:
-            news = self._news.read(message.data)
-            if news is not None:
-                target = target_named(news.goal, self._targets or ()) if news.goal else None
-                self._feedback.say(news.tone, news.text, _place(target))
+            given = self._given.get(number)
+            if given and isinstance(parse_line(line), (driving.GoingTo, driving.GoingToPoint)):
+                self._feedback.show(Notice(Severity.INFO, line), given.place)
+
+    def _on_end(self, number: int, result: ExecuteCommandResult) -> None:
+        with self._lock:
+            given = self._given.pop(number)
+            tell = ENDINGS.get(result.outcome, ENDINGS[ExecuteCommandResult.FAILED])
+            notice = tell(given.command, result.message)
+            self._feedback.say(notice.severity, notice.text, given.place)
 
     def _on_refused(self, message: CommandRefused) -> None:
-        """The controller refused a command, of whomever; it has logged that already."""
-        self._feedback.show(Tone.BAD, f'{message.command} refused: {message.reason}')
+        """The controller refused what somebody sent by topic; it has logged that already."""
+        self._feedback.show(Notice(
+            Severity.BAD, f'{message.command} refused: {message.reason}'))
 
 
 def _place(target: Optional[Target]) -> Optional[Tuple[float, float]]:

@@ -1,7 +1,7 @@
 """Shows a `.map` file: markers for RViz and an occupancy grid for navigation software.
 
-The file is loaded again when it changes. A bad new file leaves the old map up: /diagnostics and the
-log say why.
+The file is loaded again when it has changed and settled. A bad new file leaves the old map up:
+/diagnostics and the log say why.
 
 Topics out, all latched but for `laser_markers`, all in the frame `~frame_id`:
   map (nav_msgs/OccupancyGrid), map_metadata (nav_msgs/MapMetaData): cells of the map's own pitch,
@@ -9,10 +9,10 @@ Topics out, all latched but for `laser_markers`, all in the frame `~frame_id`:
   map_file (std_msgs/String): path of the displayed file, told again whenever it was (re)loaded
   map_markers/points, lines, goals, docks (visualization_msgs/Marker)
   map_markers/goal_names, goal_headings, forbidden_areas, sectors (visualization_msgs/MarkerArray)
-  laser_markers (visualization_msgs/Marker)
+  laser_markers (visualization_msgs/Marker): in the frame of the cloud
   /diagnostics
 Topics in:
-  laser_points (std_msgs/String): lines `RangeDeviceGetCurrent: <device> x y ...`
+  laser_cloud (sensor_msgs/PointCloud2)
 Services:
   static_map (nav_msgs/GetMap)
   change_map (nav_msgs/LoadMap): shows another file; `map_url` is a path, file:// or package:// URL
@@ -32,7 +32,7 @@ import os
 import threading
 import time
 from dataclasses import dataclass
-from typing import Dict, Optional, Tuple
+from typing import Mapping, Optional, Tuple
 from urllib.parse import unquote, urlparse
 
 import rospkg
@@ -41,12 +41,13 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 from nav_msgs.msg import MapMetaData, OccupancyGrid
 from nav_msgs.srv import GetMap, LoadMap, LoadMapRequest, LoadMapResponse
+from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import Header, String
 from visualization_msgs.msg import Marker, MarkerArray
 
-from omron_arcl import RangeReading, parse_line
 from omron_ld90.nodes.rviz import map_markers
 from omron_ld90.nodes.rviz.fast_messages import GetGridResponse, GridMessage, LoadGridResponse
+from omron_ld90.nodes.support.clouds import places_in
 from omron_ld90.nodes.support.diagnostics import publish_diagnostics
 from omron_ld90.nodes.support.poses import pose_from_robot
 from omron_ld90.nodes.support.shared_parameters import map_sources
@@ -59,6 +60,7 @@ from omron_map import (
     MapError,
     MapWatcher,
     fitting_resolution,
+    printable_path,
     wait_for_map,
 )
 from omron_map import (
@@ -66,7 +68,8 @@ from omron_map import (
 )
 
 POLL_PERIOD = 0.5  # s, between two looks at the file
-MOST_WARNINGS = 10  # in the log, about one file
+MAX_WARNINGS = 10  # in the log, about one file
+REFUSALS_TOLD = 60.0  # s between two words about them
 BACKGROUNDS = {'unknown': UNKNOWN, 'free': FREE}
 MARKERS = {
     'map_markers/points': map_markers.points,
@@ -93,16 +96,28 @@ class Settings:
     laser_lifetime: float
 
 
+@dataclass(frozen=True)
+class ShownMap:
+    """The map on display: its grid, and what is said of it."""
+
+    grid: GridMessage
+    facts: Mapping[str, object]
+
+
 class MapVisualisation:
-    """The displayed map, its topics and services."""
+    """The displayed map, its topics and services.
+
+    Whoever asks for the displayed map gets it at once: it is replaced as a whole, and no lock is
+    held for it. `_loading` is held while a map is loaded and shown, so that of two maps the later
+    one stays.
+    """
 
     def __init__(self, settings: Settings, path: str, made_from: Tuple[str, ...] = ()) -> None:
         self._settings = settings
-        self._lock = threading.Lock()
-        self._watcher = MapWatcher(path)
-        self._grid: Optional[GridMessage] = None
-        self._shown: Dict[str, object] = {}  # what is said of the displayed map; empty: none
-        self._problem = f'{path} was not loaded yet'
+        self._loading = threading.Lock()
+        self._watcher: Optional[MapWatcher] = None
+        self._shown: Optional[ShownMap] = None
+        self._problem = f'{printable_path(path)} was not loaded yet'
         self._markers = {
             build: rospy.Publisher(topic, message, queue_size=1, latch=True)
             for table, message in ((MARKERS, Marker), (MARKER_ARRAYS, MarkerArray))
@@ -113,7 +128,8 @@ class MapVisualisation:
         self._laser = rospy.Publisher('laser_markers', Marker, queue_size=5, tcp_nodelay=True)
         # Not in the main thread: it must be free for signals, or shutting down could wait for ever.
         threading.Thread(target=self._follow_file, args=(path, made_from), daemon=True).start()
-        rospy.Subscriber('laser_points', String, self._draw_laser, queue_size=5, tcp_nodelay=True)
+        rospy.Subscriber('laser_cloud', PointCloud2, self._draw_laser, queue_size=2,
+                         tcp_nodelay=True)
         rospy.Service('static_map', GetMap, self._static_map)
         rospy.Service('change_map', LoadMap, self._change_map)
         publish_diagnostics('none', {'map': self._diagnose})
@@ -121,26 +137,27 @@ class MapVisualisation:
     def _follow_file(self, path: str, made_from: Tuple[str, ...]) -> None:
         """Show the first map, then each new one; a map that cannot be shown is waited for."""
         try:
-            with self._lock:
-                self._begin(path, made_from)
+            if made_from:
+                self._wait_for(path, made_from)
+            with self._loading:
+                if self._watcher is None:  # else change_map was faster
+                    self._watcher = MapWatcher(path)
+                    if not self._watcher.unfinished:
+                        self._try_to_show(path)
             while not rospy.is_shutdown():
                 time.sleep(POLL_PERIOD)
-                with self._lock:
+                with self._loading:
                     if self._watcher.changed():
                         self._try_to_show(self._watcher.path)
         except rospy.ROSException:
             if not rospy.is_shutdown():  # else topics were closed while they were published on
                 raise
 
-    def _begin(self, path: str, made_from: Tuple[str, ...]) -> None:
-        if made_from:
-            try:
-                wait_for_map(path, made_from, say=rospy.loginfo, given_up=rospy.is_shutdown)
-            except MapError as error:
-                self._report(error)
-                return
-            self._watcher = MapWatcher(path)
-        self._try_to_show(path)
+    def _wait_for(self, path: str, made_from: Tuple[str, ...]) -> None:
+        try:
+            wait_for_map(path, made_from, say=rospy.loginfo, given_up=rospy.is_shutdown)
+        except MapError as error:
+            self._report(error)
 
     def _try_to_show(self, path: str) -> None:
         try:
@@ -154,80 +171,95 @@ class MapVisualisation:
             shown = 'The old map stays up' if self._shown else 'No map is shown'
             rospy.logerr('%s until the file is mended: %s', shown, error)
 
-    def _show(self, path: str) -> None:
+    def _show(self, path: str) -> ShownMap:
         """Load `path` and publish everything, or raise MapError and publish nothing."""
         document = MapDocument.load(path)
+        frame_id, file = self._settings.frame_id, os.path.abspath(path)
+        shown = ShownMap(self._grid_of(document), {
+            'file': file, 'points': len(document.points), 'lines': len(document.lines),
+            'goals': len(document.goals), 'docks': len(document.docks),
+            'forbidden areas': len(document.forbidden_areas)})
+        markers = [(publisher, build(document, frame_id))
+                   for build, publisher in self._markers.items()]
+        self._shown, self._problem = shown, ''
+        self._map.publish(shown.grid)
+        self._metadata.publish(shown.grid.info)
+        for publisher, marker in markers:
+            publisher.publish(marker)
+        self._file.publish(file)
+        rospy.loginfo('Showing %s.', ', '.join(f'{what}: {n}' for what, n in shown.facts.items()))
+        _log_warnings(document, file)
+        return shown
+
+    def _grid_of(self, document: MapDocument) -> GridMessage:
         own_pitch = document.resolution or millimetres(self._settings.default_resolution)
         pitch = fitting_resolution(document, own_pitch)
         if pitch != own_pitch:
             rospy.logwarn('%s is so large that its grid has cells of %d mm instead of %d mm.',
-                          path, pitch, own_pitch)
+                          document.name, pitch, own_pitch)
         grid = Grid.from_map(document, pitch, areas=self._settings.areas_in_grid,
                              background=self._settings.background)
-        frame_id, now = self._settings.frame_id, rospy.Time.now()
+        now = rospy.Time.now()
         info = MapMetaData(
             map_load_time=now, resolution=metres(pitch), width=grid.width,
             height=grid.height, origin=pose_from_robot(grid.origin[0], grid.origin[1], 0.0))
-        self._grid = GridMessage(grid.cells, header=Header(stamp=now, frame_id=frame_id), info=info)
-        self._shown = {
-            'file': os.path.abspath(path), 'points': len(document.points),
-            'lines': len(document.lines), 'goals': len(document.goals),
-            'docks': len(document.docks), 'forbidden areas': len(document.forbidden_areas)}
-        self._problem = ''
-        self._map.publish(self._grid)
-        self._metadata.publish(info)
-        for build, publisher in self._markers.items():
-            publisher.publish(build(document, frame_id))
-        self._file.publish(self._shown['file'])
-        rospy.loginfo('Showing %s.', ', '.join(f'{what}: {n}' for what, n in self._shown.items()))
-        warnings = document.warnings
-        for warning in warnings[:MOST_WARNINGS]:
-            rospy.logwarn('%s, %s', path, warning)
-        if len(warnings) > MOST_WARNINGS:
-            rospy.logwarn('%d more warnings: ld_map check %s', len(warnings) - MOST_WARNINGS, path)
+        header = Header(stamp=now, frame_id=self._settings.frame_id)
+        return GridMessage(grid.cells, header=header, info=info)
 
     def _static_map(self, request: object) -> GetGridResponse:
-        with self._lock:
-            if self._grid is None:
-                raise rospy.ServiceException(f'no map is shown: {self._problem}')
-            return GetGridResponse(self._grid)
+        shown = self._shown
+        if shown is None:
+            raise rospy.ServiceException(f'no map is shown: {self._problem}')
+        return GetGridResponse(shown.grid)
 
     def _change_map(self, request: LoadMapRequest) -> LoadMapResponse:
         try:
             path = _path(request.map_url)
         except (ValueError, rospkg.ResourceNotFound) as error:
-            rospy.logerr('change_map: %s cannot be resolved: %s', request.map_url, error)
+            rospy.logerr('change_map: %s cannot be resolved: %s', printable_path(request.map_url),
+                         printable_path(str(error)))
             return LoadMapResponse(result=LoadMapResponse.RESULT_MAP_DOES_NOT_EXIST)
-        with self._lock:
+        with self._loading:
             watcher = MapWatcher(path)
             try:
-                self._show(path)
+                shown = self._show(path)
             except MapError as error:
                 rospy.logerr('change_map: the old map stays up: %s', error)
                 return LoadMapResponse(
                     result=LoadMapResponse.RESULT_INVALID_MAP_DATA if os.path.exists(path)
                     else LoadMapResponse.RESULT_MAP_DOES_NOT_EXIST)
             self._watcher = watcher
-            return LoadGridResponse(self._grid, LoadMapResponse.RESULT_SUCCESS)
+        return LoadGridResponse(shown.grid, LoadMapResponse.RESULT_SUCCESS)
 
-    def _draw_laser(self, message: String) -> None:
-        reading = parse_line(message.data)
-        if isinstance(reading, RangeReading):
-            header = Header(stamp=rospy.Time.now(), frame_id=self._settings.frame_id)
-            self._laser.publish(
-                map_markers.laser(reading, header, self._settings.laser_lifetime))
+    def _draw_laser(self, cloud: PointCloud2) -> None:
+        try:
+            places = places_in(cloud)
+        except ValueError as error:
+            rospy.logwarn_throttle(REFUSALS_TOLD, 'A laser_cloud is not drawn: %s.', error)
+            return
+        self._laser.publish(
+            map_markers.laser(places, cloud.header, self._settings.laser_lifetime))
 
     def _diagnose(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
         shown, problem = self._shown, self._problem
-        if not shown:
+        if shown is None:
             status.summary(DiagnosticStatus.ERROR, f'No map is shown: {problem}')
-        elif problem:
+            return status
+        if problem:
             status.summary(DiagnosticStatus.WARN, f'The old map is shown: {problem}')
         else:
-            status.summary(DiagnosticStatus.OK, f'Showing {shown["file"]}')
-        for name, value in shown.items():
+            status.summary(DiagnosticStatus.OK, f'Showing {shown.facts["file"]}')
+        for name, value in shown.facts.items():
             status.add(name, str(value))
         return status
+
+
+def _log_warnings(document: MapDocument, file: str) -> None:
+    warnings = document.warnings
+    for warning in warnings[:MAX_WARNINGS]:
+        rospy.logwarn('%s, %s', file, warning)
+    if len(warnings) > MAX_WARNINGS:
+        rospy.logwarn('%d more warnings: ld_map check %s', len(warnings) - MAX_WARNINGS, file)
 
 
 def _path(url: str) -> str:
@@ -248,8 +280,8 @@ def _start() -> MapVisualisation:
         frame_id=parameter('~frame_id', 'map'),
         background=BACKGROUNDS[choice('~background', 'unknown', tuple(BACKGROUNDS))],
         areas_in_grid=parameter('~areas_in_grid', False, bool),
-        default_resolution=number('~default_resolution', 0.05, least=0.005, most=1.0),
-        laser_lifetime=number('~laser_lifetime', 2.0, least=0.05, most=60.0))
+        default_resolution=number('~default_resolution', 0.05, 0.005, 1.0),
+        laser_lifetime=number('~laser_lifetime', 2.0, 0.05, 60.0))
     return MapVisualisation(settings, parameter('~map_file'), map_sources())
 
 

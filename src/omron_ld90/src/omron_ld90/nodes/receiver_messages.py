@@ -8,11 +8,14 @@ import numpy as np
 import rospy
 from sensor_msgs.msg import BatteryState, PointCloud2, PointField
 
-from omron_arcl import DockingStatus, EStop, OneLineStatus, RangeReading, parse_line
+from omron_arcl import Activity, ActivityKind, printable
+from omron_arcl.replies import DockingStatus, OneLineStatus, RangeReading
 from omron_ld90.nodes.support.poses import pose_from_robot
 from omron_ld90.units import MM_PER_M
 from omron_ld90_msgs.msg import RobotStatus
 
+ACTIVITIES = {kind: getattr(RobotStatus, kind.name) for kind in ActivityKind}
+_LONGEST_TEXT = 1000  # characters
 _FIELDS = [PointField(name, offset, PointField.FLOAT32, 1)
            for name, offset in (('x', 0), ('y', 4), ('z', 8))]
 _CHARGING = {
@@ -23,16 +26,21 @@ _CHARGING = {
 }
 
 
-def robot_status(status: OneLineStatus, docking: Optional[DockingStatus], stamp: rospy.Time,
-                 frame: str) -> RobotStatus:
-    """The typed status; `docking` is the last word on docking, `stamp` when the location came."""
-    message = RobotStatus(status=status.status, extended_status=status.extended_status or '')
+def robot_status(status: OneLineStatus, activity: Activity, docking: Optional[DockingStatus],
+                 stamp: rospy.Time, frame: str) -> RobotStatus:
+    """The typed status; `activity` is what its text says, `docking` the last word on docking.
+
+    `stamp` is when the location came.
+    """
+    message = RobotStatus(
+        status=_text(status.status), activity=ACTIVITIES[activity.kind],
+        goal=_text(activity.goal), extended_status=_text(status.extended_status or ''),
+        emergency_stop=activity.kind is ActivityKind.EMERGENCY_STOP)
     message.header.stamp = stamp
     message.header.frame_id = frame
     if docking:
         message.docking_state = docking.docking.value
-        message.charge_state = docking.charge
-    message.emergency_stop = isinstance(parse_line(status.status), EStop)
+        message.charge_state = _text(docking.charge)
     message.has_pose = status.location is not None
     if status.location:
         message.pose = pose_from_robot(status.location.x, status.location.y,
@@ -73,6 +81,11 @@ def point_cloud(reading: RangeReading, stamp: rospy.Time, frame: str,
     message.header.stamp = stamp
     message.header.frame_id = frame
     return message
+
+
+def _text(text: str) -> str:
+    """A robot's words, without what a terminal would take for commands."""
+    return printable(text, _LONGEST_TEXT)
 
 
 def _share(status: OneLineStatus) -> float:

@@ -5,24 +5,26 @@ It only looks: it sends no command, so it may be stopped or changed at any time,
 why it is a node of its own.
 
 Subscribes
+    /graph (itrci_nav_msgs/Graph, latched): replaces the graph of ~graph_file
     execution_route_states (itrci_nav_msgs/ExecutionRouteStates)
     robot_status (omron_ld90_msgs/RobotStatus), link_state (omron_ld90_msgs/LinkState)
     pose (geometry_msgs/PoseStamped), move_base_simple/goal (geometry_msgs/PoseStamped)
-    map_file (std_msgs/String, latched), map_metadata (nav_msgs/MapMetaData, latched)
+    map_file (std_msgs/String, latched) of map_visualisation, map_metadata (nav_msgs/MapMetaData,
+        latched)
 Publishes
     graph_markers (visualization_msgs/MarkerArray, latched, complete): the trajectory graph
     route_markers (visualization_msgs/MarkerArray, latched, complete): the route, by state
-    status_markers (visualization_msgs/MarkerArray): body, arrow, destination, words; short-lived
+    status_markers (visualization_msgs/MarkerArray): body, arrow, destination, banner; short-lived
     driven_path (nav_msgs/Path, latched): where the robot drove
 Parameters
     robot_description  (URDF of the body, in the robot's namespace; without it no body is shown)
-    ~graph_file   string  (empty)  trajectory graph (YAML); empty: no graph and no route is shown
-    ~dock_vertex  int     16       id of the graph's dock vertex
+    ~graph_file   string  (empty)  trajectory graph (YAML); empty: none is shown until a /graph
+    ~dock_vertex  int     0        id of the graph's dock vertex; 0: none
     ~map_frame    string  map
     ~silence      float   3.0 s    without a status for so long, the robot counts as lost
     ~path_length  int     400      poses kept of the driven path, at least ~path_step apart
     ~path_step    float   0.1 m
-    ~status_row   int     0        line above the map for this robot's words; one for each robot
+    ~status_row   int     0        line above the map for this robot's banner; one for each robot
 """
 from __future__ import annotations
 
@@ -30,28 +32,32 @@ import math
 import threading
 import time
 import xml.etree.ElementTree as ElementTree
-from typing import Dict, List, Optional
+from typing import Dict, List, Optional, Tuple
 
 import rospy
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import MapMetaData, Path
-from std_msgs.msg import String
 from visualization_msgs.msg import Marker, MarkerArray
 
-import omron_arcl as arcl
-from itrci_nav_msgs.msg import ExecutionRouteStates
 from omron_ld90.bridge.route_watch import EdgeProgress, RouteView
 from omron_ld90.nodes.driven_path import DrivenPath
 from omron_ld90.nodes.rviz import drawing
 from omron_ld90.nodes.rviz.body_markers import body_markers
-from omron_ld90.nodes.rviz.route_markers import graph_markers, route_markers
-from omron_ld90.nodes.rviz.status_markers import status_markers, status_words
+from omron_ld90.nodes.rviz.route_markers import GraphPicture
+from omron_ld90.nodes.rviz.status_markers import banner, status_markers
 from omron_ld90.nodes.support import shared_parameters, startup
+from omron_ld90.nodes.support.displayed_map import DisplayedMap
+from omron_ld90.nodes.support.followed_graph import FollowedGraph
+from omron_ld90.nodes.support.poses import is_plausible
+from omron_ld90.nodes.support.route_states import MAX_EDGES, RouteStates
 from omron_ld90.operator.goal_clicks import Target, TargetKind, target_named, targets_of
 from omron_ld90_msgs.msg import LinkState, RobotStatus
-from omron_map import MapDocument, MapError
+from omron_map import MapDocument
+from trajectory_graph import Graph
 
 ROW_HEIGHT = 0.8  # m
+LINKS = (LinkState.COMMANDS, LinkState.OUTGOING)
+REFUSALS_TOLD = 60.0  # s between two words about them
 
 
 class RouteVisualisation:
@@ -60,12 +66,12 @@ class RouteVisualisation:
     def __init__(self) -> None:
         self._robot = rospy.get_namespace().strip('/') or 'robot'
         self._frame = startup.parameter('~map_frame', 'map')
-        self._dock_vertex = startup.parameter('~dock_vertex', 16, int)
+        self._dock_vertex = startup.parameter('~dock_vertex', 0, int)
         self._silence = startup.number('~silence', 3.0, 0.5, 60.0)
         self._path = DrivenPath(self._frame, int(startup.number('~path_length', 400, 2, 10000)),
                                 startup.number('~path_step', 0.1, 0.01, 10.0))
         self._row = startup.parameter('~status_row', 0, int)
-        self._graph = shared_parameters.trajectory_graph()
+        graph = shared_parameters.trajectory_graph()
         self._body = _body_of(startup.parameter('robot_description', ''))
 
         self._lock = threading.Lock()
@@ -73,10 +79,12 @@ class RouteVisualisation:
         self._heard = -math.inf
         self._links: Dict[str, LinkState] = {}
         self._map_file = ''
+        self._picture = GraphPicture(graph, self._dock_vertex, self._frame)
         self._targets: List[Target] = []
         self._point: Optional[drawing.XY] = None
         self._banner_at = (0.0, 0.0)
         self._route = RouteView()
+        self._reported: Tuple[bytes, Tuple[EdgeProgress, ...]] = (b'', ())
 
         self._publish_status = rospy.Publisher(
             'status_markers', MarkerArray, queue_size=2, tcp_nodelay=True)
@@ -86,11 +94,12 @@ class RouteVisualisation:
         self._publish_graph = rospy.Publisher(
             'graph_markers', MarkerArray, queue_size=1, latch=True)
         self._show_graph()
-        self._publish_route.publish(route_markers(self._graph, (), self._frame))
+        self._show_route()
+        FollowedGraph(graph, self._on_graph).subscribe()
+        DisplayedMap(self._on_map, 'Destinations are not shown').subscribe()
         for topic, message, callback in (
-                ('map_file', String, self._on_map),
                 ('map_metadata', MapMetaData, self._on_metadata),
-                ('execution_route_states', ExecutionRouteStates, self._on_route),
+                ('execution_route_states', RouteStates, self._on_route),
                 ('link_state', LinkState, self._on_link),
                 ('move_base_simple/goal', PoseStamped, self._on_point),
                 ('pose', PoseStamped, self._on_pose),
@@ -98,47 +107,61 @@ class RouteVisualisation:
             rospy.Subscriber(topic, message, callback, queue_size=10, tcp_nodelay=True)
         self._timer = rospy.Timer(rospy.Duration(1.0), self._on_timer)
 
-    def _on_map(self, message: String) -> None:
-        targets = []
-        if message.data:
-            try:
-                targets = targets_of(MapDocument.load(message.data))
-            except MapError as error:
-                rospy.logerr('Destinations are not shown: %s', error)
+    def _on_graph(self, graph: Graph) -> None:
+        picture = GraphPicture(graph, self._dock_vertex, self._frame)
+        with self._lock:
+            self._picture = picture
+            self._show_graph()
+            self._show_route()
+
+    def _on_map(self, document: Optional[MapDocument], path: str) -> None:
+        targets = targets_of(document) if document else []
         with self._lock:
             self._targets = targets
             self._show_graph()
-            if message.data != self._map_file:  # another map: the path was not driven on it
-                self._map_file = message.data
+            if path != self._map_file:  # another map: the path was not driven on it
+                self._map_file = path
                 self._path.clear()
                 self._publish_path.publish(self._path.message)
 
     def _show_graph(self) -> None:
         named = {target.name: target.place for target in self._targets}
-        self._publish_graph.publish(
-            graph_markers(self._graph, self._dock_vertex, self._frame, named))
+        self._publish_graph.publish(self._picture.graph_markers(named))
+
+    def _show_route(self) -> None:
+        self._publish_route.publish(self._picture.route_markers(self._route.shown))
 
     def _on_metadata(self, metadata: MapMetaData) -> None:
+        if not is_plausible(metadata.origin):
+            return
         origin = metadata.origin.position
         x = origin.x + metadata.width * metadata.resolution / 2
         top = origin.y + metadata.height * metadata.resolution
         with self._lock:
             self._banner_at = (x, top + ROW_HEIGHT * (self._row + 1))
 
-    def _on_route(self, message: ExecutionRouteStates) -> None:
+    def _on_route(self, message: RouteStates) -> None:
+        if message.too_long:
+            rospy.logwarn_throttle(REFUSALS_TOLD, 'A report of route %d is not shown: it has more '
+                                   'than %d edges.', message.route_id, MAX_EDGES)
+            return
         with self._lock:
-            edges = [EdgeProgress(edge.edge_id, edge.state) for edge in message.edge_states]
-            if self._route.update(message.route_id, edges, time.monotonic()):
-                self._publish_route.publish(
-                    route_markers(self._graph, self._route.shown, self._frame))
+            content = message.edges.tobytes()
+            if content != self._reported[0]:
+                self._reported = content, tuple(
+                    EdgeProgress(*edge) for edge in message.edges.tolist())
+            if self._route.update(message.route_id, self._reported[1], time.monotonic()):
+                self._show_route()
 
     def _on_link(self, message: LinkState) -> None:
+        if message.link not in LINKS:
+            return
         with self._lock:
             self._links[message.link] = message
             self._show_status()
 
     def _on_point(self, message: PoseStamped) -> None:
-        if message.header.frame_id in ('', self._frame):
+        if message.header.frame_id in ('', self._frame) and is_plausible(message.pose):
             with self._lock:
                 self._point = (message.pose.position.x, message.pose.position.y)
 
@@ -148,6 +171,8 @@ class RouteVisualisation:
             self._show_status()
 
     def _on_pose(self, message: PoseStamped) -> None:
+        if not is_plausible(message.pose):
+            return
         with self._lock:
             if self._path.add(message):
                 self._publish_path.publish(self._path.message)
@@ -158,29 +183,29 @@ class RouteVisualisation:
             if now - self._heard > 1.0:
                 self._show_status()
             if self._route.expire(now):
-                self._publish_route.publish(route_markers(self._graph, (), self._frame))
+                self._show_route()
 
     def _show_status(self) -> None:
+        status = self._status
         silent_for = time.monotonic() - self._heard
-        words = status_words(self._robot, self._status, silent_for, list(self._links.values()),
-                             self._silence)
-        pose = self._status.pose if self._status and self._status.has_pose else None
+        words = banner(self._robot, status, silent_for, list(self._links.values()), self._silence)
+        pose = status.pose if status and status.has_pose and is_plausible(status.pose) else None
         self._publish_status.publish(status_markers(
             self._frame, words, self._banner_at, pose, silent_for <= self._silence,
-            self._destination(), self._body))
+            destination(status, self._targets, self._point) if status else None, self._body))
 
-    def _destination(self) -> Optional[drawing.XY]:
-        if self._status is None:
-            return None
-        doing = arcl.parse_line(self._status.status)
-        if isinstance(doing, arcl.GoingToPoint):
-            return self._point
-        target = None
-        if isinstance(doing, arcl.GoingTo):
-            target = target_named(doing.goal, self._targets)
-        elif self._status.docking_state == arcl.DockingState.DOCKING.value:
-            target = next((t for t in self._targets if t.kind is TargetKind.DOCK), None)
-        return target.place if target else None
+
+def destination(status: RobotStatus, targets: List[Target], point: Optional[drawing.XY]
+                ) -> Optional[drawing.XY]:
+    """Where the robot is going (m), as far as that is known; `point` is the last one ordered."""
+    target = None
+    if status.activity == RobotStatus.GOING_TO_POINT:
+        return point
+    if status.activity == RobotStatus.GOING_TO_GOAL:
+        target = target_named(status.goal, targets)
+    elif status.activity == RobotStatus.DOCKING:
+        target = next((t for t in targets if t.kind is TargetKind.DOCK), None)
+    return target.place if target else None
 
 
 def _body_of(urdf: str) -> List[Marker]:

@@ -4,29 +4,31 @@
 
 Where the map fits the view of the configuration, and its window the screen, RViz gets that file as
 it is; else a copy in which the view's scale and middle, and the window's size, are changed. A view
-that is not from above is left alone. Where a program draws instead of a graphics card, RViz is told
-to leave out anti-aliasing, which then costs more than all the rest. No ROS node: it becomes RViz.
+that is not from above is left alone, and so is one that cannot be read: that is said. Where a
+program draws instead of a graphics card, RViz is told to leave out anti-aliasing, which then costs
+more than all the rest. No ROS node: it becomes RViz.
 """
 from __future__ import annotations
 
 import ctypes
 import glob
+import math
 import os
-import re
 import sys
 import tempfile
-from typing import List, NamedTuple, Optional
+from typing import Any, Dict, List, NamedTuple, Optional
 
-import numpy as np
+import yaml
 
 from omron_ld90.units import MM_PER_M
-from omron_map import MapDocument, MapError
+from omron_map import MapDocument, MapError, bounds_of
 
 WIDTH, HEIGHT = 1248, 808  # pixels of the 3D view in the configuration's window
 FRAME = (32, 92)  # pixels of the window around the view: bars and tools
 DESKTOP = 60  # pixels that a title and the desktop's bars take of a screen that is smaller
-WORDS_ABOVE = 1.2  # m above the map for the robot's words
+BANNER = 1.2  # m above the map for the robot's banner
 BORDER = 0.5  # m around it all
+FROM_ABOVE = 'rviz/TopDownOrtho'
 
 
 class Size(NamedTuple):
@@ -47,11 +49,6 @@ class View(NamedTuple):
     y: float
 
     @classmethod
-    def in_configuration(cls, text: str) -> View:
-        """The view that an RViz configuration opens with."""
-        return cls(*(float(_line(name).search(_current(text))[1]) for name in ('Scale', 'X', 'Y')))
-
-    @classmethod
     def on(cls, west: float, south: float, east: float, north: float, size: Size = FULL) -> View:
         """The view that shows this rectangle (m) as large as it can be."""
         scale = min(size.width / (east - west), size.height / (north - south))
@@ -64,13 +61,52 @@ class View(NamedTuple):
         return (west >= self.x - half_width and east <= self.x + half_width
                 and south >= self.y - half_height and north <= self.y + half_height)
 
-    def put_into(self, text: str) -> str:
-        """The RViz configuration `text` with this view."""
-        view = _current(text)
-        changed = view
-        for name, value in zip(('Scale', 'X', 'Y'), self):
-            changed = _line(name).sub(f'      {name}: {value:.3f}', changed, count=1)
-        return text.replace(view, changed)
+
+class ConfigurationError(Exception):
+    """An RViz configuration whose view cannot be fitted to a map; the text is a clause."""
+
+
+class Configuration:
+    """An RViz configuration: what its view from above shows, and how large its window is."""
+
+    def __init__(self, text: str) -> None:
+        """Raises ConfigurationError for a text that is no configuration with a view."""
+        try:
+            self._root = yaml.safe_load(text)
+            self._view: Dict[str, Any] = self._root['Visualization Manager']['Views']['Current']
+            self.is_from_above = self._view.get('Class') == FROM_ABOVE
+        except yaml.YAMLError:
+            raise ConfigurationError('it is not YAML') from None
+        except (KeyError, TypeError, AttributeError):
+            raise ConfigurationError('it has no current view') from None
+
+    @property
+    def view(self) -> View:
+        """The view from above; raises ConfigurationError where one of its numbers is none."""
+        try:
+            view = View(*(float(self._view[name]) for name in ('Scale', 'X', 'Y')))
+        except (KeyError, TypeError, ValueError):
+            view = View(math.nan, 0.0, 0.0)
+        if not (view.scale > 0.0 and math.isfinite(sum(view))):
+            raise ConfigurationError('its view from above has no Scale, X and Y')
+        return view
+
+    @view.setter
+    def view(self, view: View) -> None:
+        self._view.update(zip(('Scale', 'X', 'Y'), (round(value, 3) for value in view)))
+
+    def fit_window(self, size: Size) -> bool:
+        """Make the window no larger than a view of that size needs; whether it was larger."""
+        window = self._root.get('Window Geometry')
+        narrow = {name: pixels + frame for name, pixels, full, frame
+                  in zip(('Width', 'Height'), size, FULL, FRAME) if pixels < full}
+        if isinstance(window, dict):
+            window.update(narrow)
+        return bool(narrow)
+
+    def text(self) -> str:
+        """The configuration as RViz reads it."""
+        return yaml.safe_dump(self._root, sort_keys=False, allow_unicode=True, width=math.inf)
 
 
 def view_size(screen: Size) -> Size:
@@ -83,18 +119,20 @@ def view_size(screen: Size) -> Size:
 def configuration_for(document: MapDocument, text: str, size: Size = FULL) -> Optional[str]:
     """The RViz configuration `text` with a view of that size that shows all of the map.
 
-    None if it does so, or if its view is not from above.
+    None if it does so, or if its view is not from above. Raises ConfigurationError.
     """
-    places = np.concatenate([document.points, document.lines.reshape(-1, 2)]) / MM_PER_M
-    if not len(places) or 'Class: rviz/TopDownOrtho\n' not in _current(text):
+    configuration = Configuration(text)
+    bounds = bounds_of(document.points, document.lines)
+    if bounds is None or not configuration.is_from_above:
         return None
-    (west, south), (east, north) = places.min(axis=0), places.max(axis=0)
-    north += WORDS_ABOVE
-    fitted = _with_window_around(size, text)
-    if not View.in_configuration(text).shows(west, south, east, north, size):
-        view = View.on(west - BORDER, south - BORDER, east + BORDER, north + BORDER, size)
-        fitted = view.put_into(fitted)
-    return None if fitted == text else fitted
+    (west, south), (east, north) = ((corner / MM_PER_M).tolist() for corner in bounds)
+    north += BANNER
+    changed = configuration.fit_window(size)
+    if not configuration.view.shows(west, south, east, north, size):
+        configuration.view = View.on(
+            west - BORDER, south - BORDER, east + BORDER, north + BORDER, size)
+        changed = True
+    return configuration.text() if changed else None
 
 
 def rendering_arguments() -> List[str]:
@@ -105,7 +143,11 @@ def rendering_arguments() -> List[str]:
 
 
 def screen_size() -> Size:
-    """The screen's; ends the program with a sentence where there is none: Qt speaks in riddles."""
+    """The screen's; ends the program with a sentence where there is none: Qt speaks in riddles.
+
+    libX11 is asked because RViz opens the display with it, too: so this is RViz's own answer,
+    without one more package (python3-xlib reads XAUTHORITY in a way of its own).
+    """
     library = ctypes.CDLL('libX11.so.6')
     library.XOpenDisplay.restype = ctypes.c_void_p
     screen = library.XOpenDisplay(None)
@@ -119,35 +161,34 @@ def screen_size() -> Size:
     return size
 
 
-def main() -> None:
-    """Become RViz."""
-    size = view_size(screen_size())
-    map_file, path, *arguments = sys.argv[1:]
+def fitted_copy(map_file: str, path: str, size: Size) -> str:
+    """A copy of the configuration `path` that shows all of the map, or `path` where none is needed.
+
+    What keeps it from being fitted is said on standard error.
+    """
     try:
         with open(path, encoding='utf-8') as file:
             fitted = configuration_for(MapDocument.load(map_file), file.read(), size)
+    except (OSError, UnicodeDecodeError) as error:
+        sys.exit(f'RViz is not opened: its configuration {path} cannot be read ({error}).')
+    except ConfigurationError as error:
+        print(f'RViz opens as {path} says, not fitted to the map: {error}.', file=sys.stderr)
+        return path
     except MapError as error:
         print(f'RViz opens with the view of {path}: {error}', file=sys.stderr)
-        fitted = None
-    if fitted is not None:
-        path = os.path.join(tempfile.mkdtemp(prefix='rviz_view_'), os.path.basename(path))
-        with open(path, 'w', encoding='utf-8') as file:
-            file.write(fitted)
+        return path
+    if fitted is None:
+        return path
+    copy = os.path.join(tempfile.mkdtemp(prefix='rviz_view_'), os.path.basename(path))
+    with open(copy, 'w', encoding='utf-8') as file:
+        file.write(fitted)
+    return copy
+
+
+def main() -> None:
+    """Become RViz."""
+    if len(sys.argv) < 3:
+        sys.exit('usage: rviz_view MAP_FILE CONFIGURATION [more arguments of rviz]')
+    map_file, path, *arguments = sys.argv[1:]
+    path = fitted_copy(map_file, path, view_size(screen_size()))
     os.execvp('rviz', ['rviz', '-d', path, *rendering_arguments(), *arguments])
-
-
-def _with_window_around(size: Size, text: str) -> str:
-    """`text` with a window that is no larger than a view of that size needs."""
-    head, title, window = text.rpartition('Window Geometry:\n')
-    for name, pixels, full, frame in zip(('Width', 'Height'), size, FULL, FRAME):
-        if pixels < full:
-            window = re.sub(rf'(?m)^  {name}: \d+$', f'  {name}: {pixels + frame}', window)
-    return head + title + window
-
-
-def _current(text: str) -> str:
-    return text[text.index('  Views:\n    Current:\n'):]
-
-
-def _line(name: str) -> re.Pattern:
-    return re.compile(rf'(?m)^      {name}: (\S+)$')

@@ -22,7 +22,10 @@ class TargetKind(enum.Enum):
 
 @dataclass(frozen=True)
 class Target:
-    """A goal or dock of the map, in metres and degrees; `heading` is None where any will do."""
+    """A goal or dock of the map, in metres and degrees; `heading` is None where any will do.
+
+    `name` is what people read, in whichever encoding the map file has it.
+    """
 
     kind: TargetKind
     name: str
@@ -32,7 +35,10 @@ class Target:
 
     @property
     def command(self) -> str:
-        """The ARCL command that brings the robot here; a dock is reached with `dock` only."""
+        """The ARCL command that brings the robot here; a dock is reached with `dock` only.
+
+        Raises InvalidCommand for a name that no ARCL command can hold, e.g. one with a quote.
+        """
         return 'dock' if self.kind is TargetKind.DOCK else f'goto {quote(self.name)}'
 
     @property
@@ -47,7 +53,7 @@ class Target:
 def targets_of(document: MapDocument) -> List[Target]:
     """Every goal and dock of a map, in file order."""
     return [
-        Target(TargetKind.DOCK if item.is_dock else TargetKind.GOAL, item.name,
+        Target(TargetKind.DOCK if item.is_dock else TargetKind.GOAL, item.label,
                metres(item.x), metres(item.y), item.theta if item.has_heading else None)
         for item in document.objects if item.is_goal or item.is_dock]
 

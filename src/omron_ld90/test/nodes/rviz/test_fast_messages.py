@@ -5,15 +5,16 @@ import io
 
 import genpy
 import numpy as np
-from geometry_msgs.msg import Pose, Quaternion, Vector3
+from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
 from hypothesis import given
 from hypothesis import strategies as st
 from nav_msgs.msg import MapMetaData, OccupancyGrid
 from nav_msgs.srv import GetMapResponse, LoadMapResponse
 from std_msgs.msg import ColorRGBA, Header
-from visualization_msgs.msg import Marker
+from visualization_msgs.msg import Marker, MarkerArray
 
 from omron_ld90.nodes.rviz.fast_messages import (
+    FastMarkerArray,
     GetGridResponse,
     GridMessage,
     LoadGridResponse,
@@ -30,15 +31,22 @@ def written(message) -> bytes:
     return buffer.getvalue()
 
 
+def plain_marker(marker: PointsMarker) -> Marker:
+    """The same marker with a list of Point objects."""
+    fields = {name: getattr(marker, name) for name in Marker.__slots__}
+    return Marker(**{**fields, 'points': [Point(*row) for row in marker.array.tolist()]})
+
+
 @given(st.lists(st.tuples(*[st.floats(allow_nan=False)] * 3), max_size=20))
 def test_a_marker_of_many_points(rows):
     marker = PointsMarker(
         np.array(rows), header=HEADER, ns='wörds', id=3, type=Marker.POINTS, action=Marker.ADD,
         pose=Pose(orientation=Quaternion(0, 0, 0, 1)), scale=Vector3(1, 2, 3),
         color=ColorRGBA(0.1, 0.2, 0.3, 1.0), lifetime=genpy.Duration(2), frame_locked=True)
-    plain = marker.to_plain()
-    assert [(point.x, point.y, point.z) for point in plain.points] == rows
+    plain = plain_marker(marker)
     assert written(marker) == written(plain)
+    other = Marker(text='plain', ns='beside')
+    assert written(FastMarkerArray([other, marker])) == written(MarkerArray([other, plain]))
 
 
 def grid(cells: np.ndarray, kind=GridMessage):
@@ -66,4 +74,5 @@ def test_a_view_of_another_array_is_written_in_its_own_order():
 
 def test_subscribers_see_the_plain_types():
     assert PointsMarker(np.empty((0, 3)))._md5sum == Marker._md5sum
+    assert FastMarkerArray()._md5sum == MarkerArray._md5sum
     assert GridMessage(CELLS)._md5sum == OccupancyGrid._md5sum

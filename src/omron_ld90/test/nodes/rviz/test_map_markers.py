@@ -6,10 +6,10 @@ import math
 import numpy as np
 import pytest
 from genpy import Time
+from marker_reader import drawn, received
 from std_msgs.msg import Header
 from visualization_msgs.msg import Marker
 
-from omron_arcl import RangeReading
 from omron_ld90.nodes.rviz import map_markers
 from omron_map import MapDocument, MapObject, RotatedRectangle
 
@@ -28,11 +28,6 @@ def document(*objects: MapObject, data: bytes = b'2D-Map\nDATA\n0 0\n40 20\n') -
     for obj in objects:
         result.add(obj)
     return result
-
-
-def drawn(array) -> list:
-    assert array.markers[0].action == Marker.DELETEALL
-    return array.markers[1:]
 
 
 def colour(marker: Marker) -> tuple:
@@ -93,15 +88,16 @@ def test_sectors_are_outlined_and_configuration_is_not_drawn():
         (3.0, 1.0), (3.0, 4.0), (1.0, 4.0), (1.0, 1.0), (3.0, 1.0)]
 
 
-def test_a_name_that_is_not_utf8_can_be_sent():
-    shown = document(data=b'2D-Map\nCairn: Goal 0 0 0 "" ICON "K\xfcche"\nDATA\n')
-    text, = drawn(map_markers.goal_names(shown, 'map'))
-    assert text.text.encode('utf-8') == 'K\ufffdche'.encode()
+def test_a_name_is_shown_right_in_whichever_encoding_the_file_is():
+    for encoding in ('utf-8', 'latin-1'):
+        data = '2D-Map\nCairn: Goal 0 0 0 "" ICON "Küche"\nDATA\n'.encode(encoding)
+        text, = drawn(map_markers.goal_names(document(data=data), 'map'))
+        assert text.text == 'Küche', encoding
 
 
 def test_a_laser_reading_lives_for_its_limit_and_an_empty_one_clears_the_last():
-    marker = map_markers.laser(RangeReading('Laser_1', np.array([[1500, -250]])), HEADER, 0.5)
-    assert marker.array[:, :2].tolist() == [[1.5, -0.25]]
-    assert (marker.ns, marker.lifetime.to_sec()) == ('Laser_1', 0.5)
-    empty = map_markers.laser(RangeReading('Laser_1', np.empty((0, 2))), HEADER, 0.5)
+    marker = received(map_markers.laser(np.array([[1.5, -0.25]]), HEADER, 0.5))
+    assert [(point.x, point.y) for point in marker.points] == [(1.5, -0.25)]
+    assert (marker.header, marker.lifetime.to_sec()) == (HEADER, 0.5)
+    empty = map_markers.laser(np.empty((0, 2)), HEADER, 0.5)
     assert empty.action == Marker.DELETE

@@ -13,8 +13,8 @@ from omron_ld90.nodes.rviz.status_markers import (
     LIFETIME,
     WELL,
     WRONG,
+    banner,
     status_markers,
-    status_words,
 )
 from omron_ld90_msgs.msg import LinkState, RobotStatus
 
@@ -28,7 +28,7 @@ def status(**fields) -> RobotStatus:
 
 
 def words(message, silent_for=0.1, links=UP):
-    return status_words('ld', message, silent_for, links, SILENCE)
+    return banner('ld', message, silent_for, links, SILENCE)
 
 
 def test_name_battery_state_and_link_stand_in_one_line():
@@ -41,8 +41,14 @@ def test_a_charge_that_the_robot_did_not_send_is_left_out():
 
 def test_a_docked_robot_is_told_in_short():
     docked = status(status='DockingState: Docked ForcedState: Unforced ChargeState: Float',
-                    docking_state='Docked', charge_state='Float')
+                    activity=RobotStatus.DOCKED, docking_state='Docked', charge_state='Float')
     assert words(docked).text == 'ld | battery 79 % | Docked, charger Float | link ok'
+
+
+def test_what_a_robot_does_away_from_the_dock_is_told_in_its_own_words():
+    driving = status(activity=RobotStatus.GOING_TO_GOAL, docking_state='Undocked',
+                     charge_state='Not')
+    assert words(driving).text == 'ld | battery 79 % | Going to 12 | link ok'
 
 
 @pytest.mark.parametrize('message, text, paint', [

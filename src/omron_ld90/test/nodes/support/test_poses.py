@@ -40,3 +40,15 @@ def test_odometry_hung_below_the_map_puts_the_robot_where_it_says_it_is(x, y, ya
     assert seen_from_map(odom, ox, oy) == pytest.approx((x, y), abs=1e-9)
     turned = yaw_from_quaternion(odom.orientation) + oyaw - yaw
     assert math.cos(turned) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize('x, y, yaw', [(0.0, 0.0, 0.0), (-2e6, 2e6, 3.0)])
+def test_a_robot_can_be_anywhere_on_a_map(x, y, yaw):
+    assert poses.is_plausible(pose(x, y, yaw))
+
+
+@pytest.mark.parametrize('wrong', [
+    pose(math.nan, 0.0, 0.0), pose(0.0, math.inf, 0.0), pose(1e305, 0.0, 0.0),
+    pose(0.0, 0.0, math.nan), Pose()])
+def test_no_robot_is_nowhere_or_beyond_every_map(wrong):
+    assert not poses.is_plausible(wrong)

@@ -12,10 +12,10 @@ from omron_ld90_sim.motion.planner import Blocked, NoWay
 from omron_ld90_sim.motion.track import straight_track
 from omron_map import MapObject
 
-BLOCKED_PATIENCE = 30.0     # s of waiting for a blocked way before giving up
+BLOCKED_TIMEOUT = 30.0      # s of waiting for a blocked way before giving up
 RETRY = 2.0                 # s between two attempts to find a way
-PROGRESS = 1000.0           # mm nearer, and it is patient again
-THERE = 1.0                 # mm from a place, and deg from a heading, that count as there
+PROGRESS = 1000.0           # mm nearer, and the timeout begins anew
+ARRIVED_WITHIN = 1.0        # mm from a place, and deg from a heading, that count as there
 SETTLE = 0.5                # s between two docking states
 _WAVERING_ON_GOTO = (ChargeState.NOT, ChargeState.OVERCHARGE, ChargeState.BULK)
 _WAVERING_ON_UNDOCK = (ChargeState.NOT, ChargeState.OVERCHARGE, ChargeState.NOT, ChargeState.BULK,
@@ -24,7 +24,7 @@ _WAVERING_ON_UNDOCK = (ChargeState.NOT, ChargeState.OVERCHARGE, ChargeState.NOT,
 
 def go_to_goal(robot: Robot, goal: MapObject, heading: Optional[float] = None) -> Activity:
     """`goto`: leaves the dock first, drives to the goal, turns where the goal has a heading."""
-    return _go(robot, goal.name, *_place(goal, heading))
+    return _go(robot, goal.name, *_place(goal, heading), goal=True)
 
 
 def go_to_point(robot: Robot, x: float, y: float, heading: Optional[float]) -> Activity:
@@ -32,7 +32,8 @@ def go_to_point(robot: Robot, x: float, y: float, heading: Optional[float]) -> A
     return _go(robot, 'point', x, y, heading)
 
 
-def _go(robot: Robot, name: str, x: float, y: float, heading: Optional[float]) -> Activity:
+def _go(robot: Robot, name: str, x: float, y: float, heading: Optional[float],
+        goal: bool = False) -> Activity:
     def script() -> Script:
         yield from leave_dock(robot)
         robot.status = robot.extended = f'Going to {name}'
@@ -41,7 +42,7 @@ def _go(robot: Robot, name: str, x: float, y: float, heading: Optional[float]) -
         robot.status = robot.extended = f'Arrived at {name}'
         robot.announce(f'Arrived at {name}')
 
-    return Activity(f'Going to {name}', f'Going to {name}', script())
+    return Activity(f'Going to {name}', f'Going to {name}', script(), (x, y), goal)
 
 
 def pass_goal(robot: Robot, goal: MapObject) -> Script:
@@ -101,12 +102,12 @@ def _until_there(robot: Robot, x: float, y: float, heading: Optional[float],
         else:
             yield STANDING
             left = robot.true_pose.distance_to(x, y)
-            turned = heading is None or abs(normalise(robot.true_pose.theta - heading)) < THERE
-            if left < THERE and turned:
+            turn = 0.0 if heading is None else normalise(robot.true_pose.theta - heading)
+            if left < ARRIVED_WITHIN and abs(turn) < ARRIVED_WITHIN:
                 return
             if left < nearest - PROGRESS:
                 waited, nearest = 0.0, left
-        if waited >= BLOCKED_PATIENCE:
+        if waited >= BLOCKED_TIMEOUT:
             raise Failure('Failed going to goal', failed)
         pause = robot.random.uniform(0.5, 1.5) * RETRY      # two robots must not wait in step
         yield pause
@@ -119,7 +120,7 @@ def _straight_to(robot: Robot, x: float, y: float) -> None:
     distance = here.distance_to(x, y)
     if here.ahead(distance).distance_to(x, y) > distance:
         distance = -distance
-    if abs(distance) >= THERE:
+    if abs(distance) >= ARRIVED_WITHIN:
         robot.follow([straight_track(here, distance, limits, limits.docking_speed)])
 
 
@@ -152,16 +153,31 @@ def leave_dock(robot: Robot, wavering: Sequence[ChargeState] = _WAVERING_ON_GOTO
 
 
 def dock(robot: Robot, station: MapObject) -> Activity:
-    """`dock`: drives to the dock's pose, then into the station, and charges."""
-    def script() -> Script:
+    """`dock`: drives to the dock's pose, then into the station, and charges.
+
+    A robot that does not get hold of the charger backs out and tries again; that is one dock, with
+    Undocking and Undocked in between (ARCL manual I617-E-02 p. 71).
+    """
+    failed = f'Failed going to dock at {station.name}'
+
+    def straight_to(x: float, y: float) -> Script:
+        yield from _until_there(robot, x, y, None, lambda: _straight_to(robot, x, y), failed)
+
+    def drive_in() -> Script:
         robot.docking.enter(DockingState.UNDOCKED, ChargeState.NOT)
         robot.docking.enter(DockingState.DOCKING, ChargeState.NOT)
-        failed = f'Failed going to dock at {station.name}'
         yield from drive(robot, station.x, station.y, station.theta, failed)
         robot.extended = 'Driving into dock'
         inside = docked_pose(robot.floor, station)
-        yield from _until_there(robot, inside.x, inside.y, None,
-                                lambda: _straight_to(robot, inside.x, inside.y), failed)
+        yield from straight_to(inside.x, inside.y)
+
+    def script() -> Script:
+        yield from drive_in()
+        while robot.failing_docks > 0:
+            robot.failing_docks -= 1
+            robot.docking.enter(DockingState.UNDOCKING, ChargeState.NOT)
+            yield from straight_to(station.x, station.y)
+            yield from drive_in()
         robot.docking.enter(DockingState.DOCKING, ChargeState.BULK)
         yield SETTLE
         robot.docking.update()
@@ -187,5 +203,5 @@ def undock(robot: Robot) -> Activity:
 
 def nearest_dock(robot: Robot) -> Optional[MapObject]:
     """The dock nearest to the robot, None when the map has none."""
-    pose = robot.true_pose
-    return min(robot.document.docks, key=lambda d: pose.distance_to(d.x, d.y), default=None)
+    pose, docks = robot.true_pose, robot.document.docks
+    return min(docks, key=lambda d: pose.distance_to(d.x, d.y)) if docks else None

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Callable, List, Optional
 
-from omron_ld90_sim.behaviour.states import STANDING, Activity, Failure
+from omron_ld90_sim.behaviour.states import Activity, Failure, Standing
 from omron_ld90_sim.clock import Clock, Timer
 from omron_ld90_sim.motion.base import STEP
 from omron_ld90_sim.motion.navigation import Navigation
@@ -68,11 +68,11 @@ class Executive:
             self.brake()
             self._failed(failure)
         else:
-            if request is STANDING:
+            if isinstance(request, Standing):
                 self._when_still = self._resume
                 self._keep_stepping()
             else:
-                self._wait_timer = self._clock.after(float(request), self._resume)
+                self._wait_timer = self._clock.after(request, self._resume)
         finally:
             self._in_script = False
         actions, self._afterwards = self._afterwards, []

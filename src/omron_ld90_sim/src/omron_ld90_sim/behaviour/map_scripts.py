@@ -46,7 +46,7 @@ def _task(words: List[str]) -> Task:
 
 
 def routes(document: MapDocument) -> List[Route]:
-    """The map's routes, in file order."""
+    """The map's routes that can be driven, in file order: those that have a goal."""
     found = []
     for name, rows in _blocks(document, 'RouteInfo:', 'Route'):
         goals: List[str] = []
@@ -56,7 +56,8 @@ def routes(document: MapDocument) -> List[Route]:
                 goals.append(words[0])
             elif words and goals:
                 tasks.setdefault(len(goals) - 1, []).append(_task(words))
-        found.append(Route(name, tuple(goals), tasks))
+        if goals:
+            found.append(Route(name, tuple(goals), tasks))
     return found
 
 

@@ -13,7 +13,13 @@ import numpy as np
 from omron_ld90_sim.behaviour.docking import Docking
 from omron_ld90_sim.behaviour.executive import Executive
 from omron_ld90_sim.behaviour.state_times import StateTimes, WorkState
-from omron_ld90_sim.behaviour.states import Activity, DockingState, Failure, Motors
+from omron_ld90_sim.behaviour.states import (
+    Activity,
+    DockingState,
+    Failure,
+    InterruptedWords,
+    Motors,
+)
 from omron_ld90_sim.clock import Clock
 from omron_ld90_sim.devices import laser
 from omron_ld90_sim.devices.battery import ChargeState
@@ -47,6 +53,8 @@ class Robot:
         self.status = self.extended = 'Stopped'
         self.blocked_by: List[Tuple[str, str]] = []     # what forbids driving: kind and name
         self.failing_goals: Set[str] = set()    # names in lower case
+        self.failing_docks = 0                  # so many of the next drives into a dock fail
+        self.interrupted_words = InterruptedWords.NAME
         self.speed_limit: Optional[float] = None    # mm/s, of every drive
         self.last_goal = ''
         self.waiting = ''                       # what a running wait task says
@@ -144,9 +152,10 @@ class Robot:
 
     def _interrupt(self) -> None:
         if self.activity is not None:
-            text = self.activity.status
+            line = self.activity.interrupted(self.interrupted_words)
             self._drop_activity()
-            self.announce(f'Interrupted: {text}')
+            if line is not None:
+                self.announce(line)
 
     def _drop_activity(self) -> None:
         self.executive.drop()

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Generator, Union
+from typing import Generator, Optional, Tuple, Union
 
 
 class DockingState(Enum):
@@ -24,6 +24,14 @@ class Motors(Enum):
     RELIEVED = 'EStop relieved but motors still disabled'
 
 
+class InterruptedWords(Enum):
+    """What the `Interrupted:` line says of a drive to a goal that something ended."""
+
+    NAME = 'name'                   # the goal's name (ARCL manual I617-E-01 p. 242)
+    COORDINATES = 'coordinates'     # where the goal is (I617-E-02 p. 243)
+    NOTHING = 'nothing'             # there is no such line
+
+
 class Failure(Exception):
     """An activity cannot go on: the `Error:` text, and the status that remains."""
 
@@ -32,18 +40,29 @@ class Failure(Exception):
         self.status = status
 
 
-class _Standing:
+class Standing:
     """What an activity yields to wait until the base stands."""
 
 
-STANDING = _Standing()
-Script = Generator[Union[float, _Standing], None, None]
+STANDING = Standing()
+Script = Generator[Union[float, Standing], None, None]
 
 
 @dataclass
 class Activity:
     """Something the robot is doing."""
 
-    status: str         # the Status text while it runs, and the text behind `Interrupted:`
+    status: str         # the Status text while it runs
     extended: str
     script: Script
+    point: Optional[Tuple[float, float]] = None     # mm, where it drives to
+    goal: bool = False                              # that is a goal, whose name stands in status
+
+    def interrupted(self, words: InterruptedWords) -> Optional[str]:
+        """What is told of its early end, if anything; a point has no name but its place."""
+        if words is InterruptedWords.NOTHING:
+            return None
+        if self.point is None or (self.goal and words is InterruptedWords.NAME):
+            return f'Interrupted: {self.status}'
+        x, y = self.point
+        return f'Interrupted: Going to {x:.0f} {y:.0f}'

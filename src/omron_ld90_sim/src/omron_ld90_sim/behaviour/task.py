@@ -8,11 +8,12 @@ from typing import List, Optional
 
 from omron_map import MapDocument, MapObject
 
-_WORD = re.compile(r'"([^"]*)"|(\S+)')
+_WORD = re.compile(r'"([^"]*)"?|(\S+)')
 
 
 def split_words(text: str) -> List[str]:
-    """The words of a text, those in double quotes as one and without them."""
+    """The words of a text, those in double quotes as one and without them; an open quote reaches
+    to the end."""
     return [m.group(1) if m.group(2) is None else m.group(2) for m in _WORD.finditer(text)]
 
 

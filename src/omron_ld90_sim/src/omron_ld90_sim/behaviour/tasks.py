@@ -16,8 +16,8 @@ from omron_ld90_sim.motion.kinematics import normalise
 from omron_ld90_sim.motion.track import Turn, straight_track
 
 LONGEST_LEG = 100_000.0     # mm that a move looks ahead
-SLOWEST_MOVE = 10.0         # mm/s
-SLOWEST_TURN = 1.0          # deg/s
+MINIMUM_SPEED = 10.0        # mm/s
+MINIMUM_ROTATION = 1.0      # deg/s
 LOOK_AGAIN = 1.0            # s between two looks whether the way of a move is free now
 SPEECH = 12.0               # characters a second
 SOUND = 2.0                 # s, how long every sound file is
@@ -26,7 +26,7 @@ SOUND = 2.0                 # s, how long every sound file is
 class Arguments(NamedTuple):
     """How many words a task needs, and at which places there are numbers."""
 
-    least: int
+    required: int
     numbers: range = range(0)
 
 
@@ -51,7 +51,7 @@ def parse(text: str) -> Task:
     if name.lower() not in SCRIPTS and name.lower() not in INSTANT:
         raise BadTask(f"No task '{name}'")
     wanted = ARGUMENTS.get(name.lower(), Arguments(0))
-    if len(task.words) < wanted.least:
+    if len(task.words) < wanted.required:
         raise task.bad_arguments()
     for index in wanted.numbers:
         if index < len(task.words):
@@ -71,8 +71,8 @@ def script(robot: Robot, task: Task) -> Script:
 
 def _move(robot: Robot, task: Task) -> Script:
     """`<mm> <mm/s> <front clearance> <side clearance> <s without progress before it fails>`."""
-    left, speed = task.number(0, 1000.0), max(abs(task.number(1, 400.0)), SLOWEST_MOVE)
-    clearance, patience = task.number(2, 200.0), task.number(4, 30.0)
+    left, speed = task.number(0, 1000.0), max(abs(task.number(1, 400.0)), MINIMUM_SPEED)
+    clearance, timeout = task.number(2, 200.0), task.number(4, 30.0)
     yield from activities.come_to_rest(robot)
     yield from activities.leave_dock(robot)
     waited = 0.0
@@ -85,7 +85,7 @@ def _move(robot: Robot, task: Task) -> Script:
         driven = here.distance_to(robot.true_pose.x, robot.true_pose.y)
         if driven >= 1.0:
             left, waited = left - math.copysign(driven, left), 0.0
-        elif waited >= patience:
+        elif waited >= timeout:
             raise Failure('Failed to move', 'Failed to move')
         else:
             yield LOOK_AGAIN
@@ -122,7 +122,8 @@ def _turn(robot: Robot, turn: Callable[[], Turn]) -> Script:
 def _delta_heading(robot: Robot, task: Task) -> Script:
     """`<deg, left positive> <deg/s>`: more than a whole turn, too."""
     limits, angle = robot.base.limits, task.number(0)
-    rate = min(max(abs(task.number(1, limits.goal_rotation)), SLOWEST_TURN), limits.path_rotation)
+    wanted = abs(task.number(1, limits.goal_rotation))
+    rate = min(max(wanted, MINIMUM_ROTATION), limits.path_rotation)
     yield from _turn(robot, lambda: Turn(normalise(robot.true_pose.theta + angle), rate, angle))
 
 

@@ -36,15 +36,16 @@ class ApplicationFault:
 class AnalogInput:
     """An analog input: range in volts, counts at full scale, present voltage."""
 
-    least: float = 0.0
-    most: float = 10.0
-    most_raw: int = 4095
+    minimum: float = 0.0
+    maximum: float = 10.0
+    maximum_raw: int = 4095
     voltage: float = 0.0
 
     @property
     def raw(self) -> int:
         """The voltage in counts."""
-        return round((self.voltage - self.least) / (self.most - self.least) * self.most_raw)
+        fraction = (self.voltage - self.minimum) / (self.maximum - self.minimum)
+        return round(fraction * self.maximum_raw)
 
 
 @dataclass(frozen=True)

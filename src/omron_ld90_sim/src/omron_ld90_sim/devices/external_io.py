@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-MOST_BITS = 4096            # of one bank
+MAXIMUM_BITS = 4096         # of one bank
 DECIMAL_BITS = 32           # a decimal value says nothing of the bits above
 
 

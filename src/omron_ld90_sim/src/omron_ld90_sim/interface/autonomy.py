@@ -9,7 +9,7 @@ from omron_ld90_sim.behaviour import activities
 from omron_ld90_sim.behaviour.states import DockingState
 from omron_ld90_sim.clock import Ticker
 from omron_ld90_sim.devices.battery import ChargeState
-from omron_ld90_sim.interface.configuration import DOCKING, OUTGOING
+from omron_ld90_sim.interface.configuration_table import DOCKING, OUTGOING
 from omron_ld90_sim.interface.server import ArclServer
 
 PERIOD = 1.0                # s between two looks
@@ -63,9 +63,9 @@ class Autonomy:
         idle = self._server.clock.now - self._idle_since
         if not settings.flag(DOCKING, 'AutoDock') or robot.activity or not robot.can_drive:
             return
-        low = robot.docking.percent < settings.number(DOCKING, 'AutoDockCharge')
+        low = robot.docking.percent < settings.number(DOCKING, 'AutoDockStateOfCharge')
         station = activities.nearest_dock(robot)
-        if station and (low or idle >= 60.0 * settings.number(DOCKING, 'AutoDockIdleMins')):
+        if station and (low or idle >= 60.0 * settings.number(DOCKING, 'AutoDockIdleTime')):
             self._docked_by_itself = True
             robot.start(activities.dock(robot, station))
 

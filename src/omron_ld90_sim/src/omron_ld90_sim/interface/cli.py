@@ -5,22 +5,29 @@ import argparse
 import signal
 import sys
 from contextlib import ExitStack
-from typing import List, Optional, Tuple
+from typing import Callable, List, Optional, Tuple, TypeVar
 
 from omron_ld90_sim.interface.faults import help_text, run_script
 from omron_ld90_sim.interface.fleet import RobotSpec, address, read_fleet
+from omron_ld90_sim.interface.numbers import number, percent, seconds, start_pose
 from omron_ld90_sim.interface.recording import read_log
 from omron_ld90_sim.interface.simulator import ARRIVAL_ERROR, DEFAULT_LISTS, Replay, Simulator
 from omron_ld90_sim.interface.transport import PortTaken
 from omron_ld90_sim.motion.planner import NoWay
 from omron_map import MapError, wait_for_map
 
+_Value = TypeVar('_Value')
 
-def _address(text: str) -> Tuple[str, int]:
-    try:
-        return address(text)
-    except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from error
+
+def _argument(read: Callable[[str], _Value]) -> Callable[[str], _Value]:
+    """`read` for argparse, which shows the sentence of its own kind of error only."""
+    def checked(text: str) -> _Value:
+        try:
+            return read(text)
+        except ValueError as error:
+            raise argparse.ArgumentTypeError(str(error)) from error
+
+    return checked
 
 
 def _port(text: str) -> int:
@@ -31,37 +38,25 @@ def _port(text: str) -> int:
 
 def _pose(text: str) -> Tuple[float, float, float]:
     try:
-        x, y, theta = (float(part) for part in text.split(','))
-    except ValueError:
+        return start_pose(*text.split(','))
+    except (TypeError, ValueError):
         raise argparse.ArgumentTypeError(f"'{text}' is not X,Y,DEG (metres, metres, degrees)"
                                          ) from None
-    return x * 1000.0, y * 1000.0, theta
 
 
 def _error(text: str) -> Tuple[float, float]:
+    distance, _, turn = text.partition(',')
     try:
-        distance, angle = (float(part) for part in text.split(','))
+        return number(distance, 0.0, 100.0), number(turn, 0.0, 10.0)
     except ValueError:
-        distance = angle = -1.0
-    if not (0.0 <= distance <= 100.0 and 0.0 <= angle <= 10.0):
-        raise argparse.ArgumentTypeError(f"'{text}' is not MM,DEG (up to 100 mm and 10 degrees)")
-    return distance, angle
-
-
-def _speed(text: str) -> float:
-    try:
-        speed = float(text)
-    except ValueError:
-        speed = 0.0
-    if not 0.1 <= speed <= 20.0:
-        raise argparse.ArgumentTypeError(f"'{text}' is not a factor from 0.1 to 20")
-    return speed
+        raise argparse.ArgumentTypeError(f"'{text}' is not MM,DEG (up to 100 mm and 10 degrees)"
+                                         ) from None
 
 
 def _list(text: str) -> Tuple[float, str]:
-    seconds, colon, commands = text.partition(':')
+    interval, colon, commands = text.partition(':')
     try:
-        return float(seconds), commands if colon else ''
+        return seconds(interval), commands if colon else ''
     except ValueError:
         raise argparse.ArgumentTypeError(
             f"'{text}' is not SECONDS:COMMAND|COMMAND...") from None
@@ -97,16 +92,19 @@ def parser() -> argparse.ArgumentParser:
     secret.add_argument('--password', help='ARCL password; the process list shows it')
     secret.add_argument('--password-file', metavar='FILE',
                         help='file that holds the ARCL password and nothing else')
-    add('--outgoing', type=_address, metavar='HOST:PORT', help='where the robot dials out to')
+    add('--outgoing', type=_argument(address), metavar='HOST:PORT',
+        help='where the robot dials out to')
     add('--outgoing-commands', type=_list, action='append', metavar='SECONDS:LIST',
         help='command list of the outgoing connection, commands separated by |, up to five '
              '(0.5:Status and 0.5:RangeDeviceGetCurrent Laser_1)')
     add('--set', type=_setting, action='append', default=[], metavar='SECTION/PARAMETER=VALUE',
         help='configuration of the robot, e.g. "Docking/AutoDock=true"')
-    add('--speed', type=_speed, default=1.0, help="factor on the robot's whole clock, 0.1 to 20")
+    add('--speed', type=_argument(lambda text: number(text, 0.1, 20.0)), default=1.0,
+        help="factor on the robot's whole clock, 0.1 to 20")
     add('--start', type=_pose, metavar='X,Y,DEG',
         help='start pose in metres and degrees (the dock, RobotHome, a goal, or a free place)')
-    add('--battery', type=float, default=100.0, metavar='PERCENT', help='state of charge (100)')
+    add('--battery', type=_argument(percent), default=100.0, metavar='PERCENT',
+        help='state of charge (100)')
     add('--arrival-error', type=_error, default=ARRIVAL_ERROR, metavar='MM,DEG',
         help='how far from a goal the robot may come to rest (30,1); 0,0 is exact')
     add('--seed', type=int, default=0, help='seed of everything random (0)')
@@ -160,7 +158,7 @@ def _simulator(arguments: argparse.Namespace, stack: ExitStack) -> Simulator:
         with open(arguments.fault_script, encoding='utf-8') as file:
             run_script(file, simulator.inject)
     if arguments.log is not None:
-        file = open(arguments.log, 'w', encoding='utf-8')   # noqa: SIM115 - closed by the stack
+        file = open(arguments.log, 'w', encoding='ascii')   # noqa: SIM115 - closed by the stack
         simulator.log_to(stack.enter_context(file))
     if arguments.control is not None:
         print(f'faults on 127.0.0.1:{simulator.control_on(arguments.control)}', flush=True)

@@ -1,22 +1,14 @@
 """The robot's configuration as ARCL shows it: sections of named parameters.
 
-Only parameters that change what the simulator does are here, or that clients ask every robot for,
-each with the section and name that a robot has (docs/sources.md). `configAdd` lines are collected
-and parsed at `configParse`, as on the robot.
+Which there are stands in `configuration_table`. `configAdd` lines are collected and parsed at
+`configParse`, as on the robot.
 """
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
-from functools import partial
 from typing import Dict, List, Optional, Tuple
 
-FILES = 'Files'
-SERVER = 'ARCL server setup'
-OUTGOING = 'Outgoing ARCL connection setup'
-OUTGOING_COMMANDS = 'Outgoing ARCL commands'
-DOCKING = 'Docking'
-FLEET = 'Enterprise Manager Connection'
-LISTS = range(1, 6)
 ADDED = 'CENTRAL_SECTION'       # flags of a section that a client has added (I617-E-02 p. 148)
 TEXT, WHOLE, REAL, FLAG, SEPARATOR = 'String', 'Int', 'Double', 'Bool', 'Separator'
 Change = Tuple[str, str, str]       # section, name, value
@@ -31,17 +23,18 @@ class Parameter:
     type: str
     value: str
     description: str
-    least: Optional[float] = None
-    most: Optional[float] = None
+    minimum: Optional[float] = None
+    maximum: Optional[float] = None
     priority: str = 'Intermediate'
     hint: str = ''
 
     @property
     def info(self) -> str:
         """What `getConfigSectionInfo` tells about it, the empty delimiter field included."""
-        least, most = (unbounded if bound is None else f'{bound:.15g}' for bound, unbounded
-                       in zip((self.least, self.most), _BOUNDS.get(self.type, ('None', 'None'))))
-        return (f'{self.type} {self.name} {self.priority} {least} {most} '
+        unbounded = _BOUNDS.get(self.type, ('None', 'None'))
+        minimum, maximum = (other if bound is None else f'{bound:.15g}' for bound, other
+                            in zip((self.minimum, self.maximum), unbounded))
+        return (f'{self.type} {self.name} {self.priority} {minimum} {maximum} '
                 f'"{self.description}" "{self.hint}" ""')
 
     def check(self, value: str) -> None:
@@ -53,10 +46,12 @@ class Parameter:
         if self.type in _BOUNDS:
             try:
                 number = int(value) if self.type == WHOLE else float(value)
+                if not math.isfinite(number):
+                    raise ValueError
             except ValueError:
                 raise ValueError(f"{self.name} must be a number, not '{value}'") from None
-            if (self.least is not None and not number >= self.least
-                    or self.most is not None and not number <= self.most):
+            if (self.minimum is not None and not number >= self.minimum
+                    or self.maximum is not None and not number <= self.maximum):
                 raise ValueError(f"{self.name} is out of range: '{value}'")
 
 
@@ -73,54 +68,11 @@ class Section:
         return next((p for p in self.parameters if p.name == name), None)
 
 
-def _sections() -> Dict[str, Section]:
-    """Texts and priorities as far as known from I617-E-02 p. 105 and the maps of real robots."""
-    advanced = partial(Parameter, priority='Advanced')
-    commands = [advanced('LogOutgoingCommands', FLAG, 'false',
-                         'Log the commands sent on the Outgoing ARCL connection.')]
-    for n in LISTS:
-        commands += [
-            advanced(f'OutgoingCommands{n}', TEXT, '',
-                     'ARCL commands to send on the Outgoing ARCL connection. Multiple commands '
-                     'may be separated by |. Spaces are permitted.'),
-            advanced(f'OutgoingCommands{n}Seconds', REAL, '0',
-                     f'Interval (in sec.) at which to send the OutgoingCommands{n}. Fractional '
-                     'seconds are allowed. 0 to disable.', 0.0)]
-    connection = [
-        advanced('OutgoingHostname', TEXT, '', 'Where to connect to, empty is off'),
-        advanced('OutgoingPort', WHOLE, '0', 'Port to connect to, 0 is off', 0, 65535),
-        advanced('OutgoingSocketTimeoutInMins', REAL, '-1',
-                 'Minutes of silence after which the robot connects again, -1 is off'),
-        advanced('SendStatusInterval', WHOLE, '0',
-                 'Milliseconds between two status lines, 0 is off', 0),
-        advanced('RequireConnectionToPathPlan', FLAG, 'false',
-                 'Whether the robot drives only while connected')]
-    return {
-        SERVER: Section('The ARCL server', [
-            Parameter('ArclConfig', FLAG, 'true', 'Whether ARCL may read and change this',
-                      priority='Expert'),
-            Parameter('SessionTimeoutMins', REAL, '-1',
-                      'Minutes of silence after which a client is dropped, -1 is off')]),
-        OUTGOING: Section('The connection that the robot opens', connection),
-        OUTGOING_COMMANDS: Section('Setup of commands that can be automatically sent on the '
-                                   'Outgoing ARCL connection.', commands),
-        FILES: Section('The files the robot uses', [
-            Parameter('Map', TEXT, '', 'The map the robot drives on')]),
-        DOCKING: Section('When the robot docks by itself', [
-            Parameter('AutoDock', FLAG, 'false', 'Whether the robot docks by itself'),
-            Parameter('AutoDockCharge', REAL, '25', 'Percent below which it docks', 0, 100),
-            Parameter('AutoDockIdleMins', REAL, '15', 'Idle minutes after which it docks', 0)]),
-        FLEET: Section('The fleet manager, which this robot has none of', [
-            Parameter('Identifier', TEXT, 'robot', 'What the robot is called'),
-            Parameter('ConnectToEnterpriseManager', FLAG, 'false', 'Always false')]),
-    }
-
-
 class Configuration:
     """All sections, and a change being imported."""
 
-    def __init__(self) -> None:
-        self.sections = _sections()
+    def __init__(self, sections: Dict[str, Section]) -> None:
+        self.sections = sections
         self._import: Optional[List[Tuple[str, str]]] = None
 
     def text(self, section: str, name: str) -> str:

@@ -1,20 +1,24 @@
-"""The control socket: faults on demand for a simulation that runs."""
+"""The control socket of a running simulation: faults on demand, and where its robots truly are."""
 from __future__ import annotations
 
+import errno
+import json
 import selectors
 import socket
-from typing import Callable
+from typing import Callable, Mapping
 
-from omron_ld90_sim.interface.transport import Loop, PortTaken
+from omron_ld90_sim.interface.transport import RECONNECT, Loop, PortTaken
 
 
 class ControlServer:
-    """A line protocol on loopback for faults: `ok` or `error: <sentence>` for each line."""
+    """A line protocol on loopback: each line is a fault, answered with `ok` or `error: <sentence>`,
+    or `where`, answered with one line of JSON."""
 
     MAX_LINE = 1000
 
-    def __init__(self, loop: Loop, port: int, inject: Callable[[str], None]) -> None:
-        self._loop, self._inject = loop, inject
+    def __init__(self, loop: Loop, port: int, inject: Callable[[str], None],
+                 where: Callable[[], Mapping[str, object]]) -> None:
+        self._loop, self._inject, self._where = loop, inject, where
         listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
@@ -27,12 +31,18 @@ class ControlServer:
         listener.setblocking(False)
         self.port: int = listener.getsockname()[1]
         self._listener = listener
-        loop.selector.register(listener, selectors.EVENT_READ, self._accept)
+        self._listen()
+
+    def _listen(self) -> None:
+        self._loop.selector.register(self._listener, selectors.EVENT_READ, self._accept)
 
     def _accept(self, mask: int) -> None:
         try:
             sock, _ = self._listener.accept()
-        except OSError:
+        except OSError as error:
+            if error.errno in (errno.EMFILE, errno.ENFILE):     # ready for ever, and never taken
+                self._loop.selector.unregister(self._listener)
+                self._loop.clock.after(RECONNECT, self._listen)
             return
         sock.setblocking(False)
         pending = bytearray()
@@ -59,8 +69,11 @@ class ControlServer:
         self._loop.selector.register(sock, selectors.EVENT_READ, ready)
 
     def _answer(self, line: bytes) -> bytes:
+        words = line.decode('utf-8', 'replace').strip()
+        if words.lower() == 'where':
+            return json.dumps(self._where()).encode() + b'\n'
         try:
-            self._inject(line.decode('utf-8', 'replace').strip())
+            self._inject(words)
         except ValueError as error:
             return f'error: {error}\n'.encode()
         return b'ok\n'

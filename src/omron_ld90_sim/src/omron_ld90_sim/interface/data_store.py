@@ -41,7 +41,7 @@ class Field:
     type: str
     description: str
     read: Callable[[DataStore], object]
-    range: str = ''         # least and most, where they are not its type's
+    range: str = ''         # minimum and maximum, where they are not its type's
 
     @property
     def info(self) -> str:

@@ -10,14 +10,17 @@ import sys
 from typing import Callable, Dict, Iterable, Tuple
 
 from omron_ld90_sim.behaviour.states import Motors
-from omron_ld90_sim.interface.configuration import DOCKING
+from omron_ld90_sim.interface import numbers
+from omron_ld90_sim.interface.configuration_table import DOCKING
+from omron_ld90_sim.interface.dialect import PROMPT, SWITCHES
 from omron_ld90_sim.interface.server import ArclServer
-from omron_ld90_sim.interface.session import PROMPT, Session
+from omron_ld90_sim.interface.session import Session
 from omron_ld90_sim.motion.kinematics import Pose
 from omron_ld90_sim.motion.space import Disc
 
 BLOCK_AHEAD = 1500.0        # mm in front of the robot where `block` puts its obstacle
 BLOCK_RADIUS = 300.0
+LARGEST_BLOCK = 10_000.0    # mm
 
 
 class UnknownFault(ValueError):
@@ -39,19 +42,28 @@ class Faults:
         name, *arguments = words.split() or ['']
         method = _method(name)
         try:
+            inspect.signature(method).bind(self, *arguments)
+        except TypeError as error:
+            raise UnknownFault(f"'{words}' is no fault, expected: {_usage(method)}") from error
+        try:
             method(self, *arguments)
-        except (TypeError, ValueError, KeyError) as error:
-            usage = inspect.getdoc(method).splitlines()[0]
-            raise UnknownFault(f"'{words}' is no fault, expected: {usage}") from error
+        except (ValueError, KeyError) as error:
+            reason = f' ({error})' if isinstance(error, ValueError) else ''
+            raise UnknownFault(
+                f"'{words}' is no fault, expected: {_usage(method)}{reason}") from error
 
     def schedule(self, line: str) -> None:
         """Brings about `[SECONDS] FAULT`, at that time of the simulated clock or at once."""
         first, _, rest = line.strip().partition(' ')
         try:
-            seconds = float(first)
+            float(first)
         except ValueError:
             self.inject(line)
             return
+        try:
+            seconds = numbers.seconds(first)
+        except ValueError as error:
+            raise UnknownFault(f"'{line}' has no time ({error})") from error
         _method(*rest.split()[:1])
 
         def later() -> None:
@@ -83,20 +95,21 @@ class Faults:
 
         The robot believes to be somewhere else, until localizeToPoint tells it the truth.
         """
-        self._robot.lose(Pose(float(dx), float(dy), float(turn)))
+        self._robot.lose(Pose(numbers.length(dx), numbers.length(dy), numbers.angle(turn)))
 
     def block(self, x: str = '', y: str = '', radius: str = str(BLOCK_RADIUS)) -> None:
         """block [X_MM Y_MM [RADIUS_MM]]
 
         A round obstacle that is not on the map; without arguments 1.5 m ahead on the robot's way.
         """
+        size = numbers.number(radius, 1.0, LARGEST_BLOCK)
         if x:
-            place = Pose(float(x), float(y), 0.0)
+            place = Pose(numbers.length(x), numbers.length(y), 0.0)
         else:
             track = self._robot.base.track
             place = (track.pose_at(min(self._robot.base.place + BLOCK_AHEAD, track.length))
                      if track else self._robot.true_pose.ahead(BLOCK_AHEAD))
-        self._robot.navigation.blocks.append(Disc(place.x, place.y, float(radius)))
+        self._robot.navigation.blocks.append(Disc(place.x, place.y, size))
 
     def unblock(self) -> None:
         """unblock
@@ -119,13 +132,20 @@ class Faults:
         """
         self._robot.failing_goals.discard(_name(goal))
 
+    def faildock(self, times: str = '1') -> None:
+        """faildock [TIMES]
+
+        So many of the next drives into a dock miss the charger: the robot backs out and tries anew.
+        """
+        self._robot.failing_docks = int(numbers.number(times, 0, 100))
+
     def battery(self, percent: str) -> None:
         """battery PERCENT
 
         The state of charge from now on; at 0 the robot goes off until it has some and a reboot.
         """
         self._robot.docking.update()
-        self._robot.docking.battery.percent = min(max(float(percent), 0.0), 100.0)
+        self._robot.docking.battery.percent = numbers.percent(percent)
 
     def other(self, *command: str) -> None:
         """other COMMAND
@@ -173,35 +193,44 @@ class Faults:
 
         What new clients are greeted with; without a text the right prompt again.
         """
-        self._server.impairment.prompt = ' '.join(text) or PROMPT
+        self._server.dialect.prompt = (' '.join(text) or PROMPT).encode() + b'\r\n'
+
+    def dialect(self, what: str, *value: str) -> None:
+        """dialect WHAT VALUE
+
+        Speaks like a robot that is less exact: prompt TEXT (without a line end), welcome [TEXT],
+        help left|names|none|right, unlisted COMMAND..., missing COMMAND...,
+        encoding raw|ascii|latin-1, goals quoted|plain, interrupted name|coordinates|nothing.
+        """
+        SWITCHES[what](self._server.dialect, self._robot, ' '.join(value))
 
     def silence(self, seconds: str) -> None:
         """silence SECONDS
 
         Nothing is sent for so long; then everything comes at once.
         """
-        self._server.impairment.silent_until = self._server.clock.now + float(seconds)
+        self._server.impairment.silent_until = self._server.clock.now + numbers.seconds(seconds)
 
     def delay(self, seconds: str) -> None:
         """delay SECONDS
 
         Every line comes so much later; 0 ends it.
         """
-        self._server.impairment.delay = float(seconds)
+        self._server.impairment.delay = numbers.seconds(seconds)
 
     def halfline(self, seconds: str = '1') -> None:
         """halfline [SECONDS]
 
         The next line is cut in two; its second half comes so much later.
         """
-        self._server.impairment.half_line = float(seconds)
+        self._server.impairment.half_line = numbers.seconds(seconds)
 
     def reboot(self, seconds: str = '5') -> None:
         """reboot [SECONDS]
 
         The robot's computer is gone for so long: no port, no connection, nothing runs.
         """
-        self._server.restart(float(seconds), abort=True)
+        self._server.restart(numbers.seconds(seconds), abort=True)
 
     def outgoing(self, action: str) -> None:
         """outgoing on|off
@@ -216,13 +245,13 @@ class Faults:
 
 def run_script(lines: Iterable[str], schedule: Callable[[str], None]) -> None:
     """Schedules every line of a script; `UnknownFault` names the line that means none."""
-    for number, line in enumerate(lines, 1):
+    for count, line in enumerate(lines, 1):
         line = line.partition('#')[0].strip()
         if line:
             try:
                 schedule(line)
             except UnknownFault as error:
-                raise UnknownFault(f'line {number}: {error}') from error
+                raise UnknownFault(f'line {count}: {error}') from error
 
 
 def _name(words: Tuple[str, ...]) -> str:
@@ -244,10 +273,14 @@ def _method(name: str = '') -> Callable[..., None]:
     return method
 
 
+def _usage(method: Callable[..., None]) -> str:
+    return (inspect.getdoc(method) or '').splitlines()[0]
+
+
 def help_text() -> str:
     """The faults, one paragraph each."""
     paragraphs = []
     for _, method in sorted(_methods().items()):
-        usage, *meaning = inspect.getdoc(method).splitlines()
+        usage, *meaning = (inspect.getdoc(method) or '').splitlines()
         paragraphs.append('  '.join([f'{usage:<34}', ' '.join(meaning).strip()]))
     return '\n'.join(paragraphs)

@@ -14,6 +14,8 @@ from typing import List, Optional, Tuple
 
 import yaml
 
+from omron_ld90_sim.interface.numbers import percent, start_pose
+
 
 class FleetError(ValueError):
     """The file describes no fleet; the sentence names robot and field."""
@@ -72,11 +74,10 @@ def _spec(path: str, number: int, row: object) -> RobotSpec:
             raise ValueError(f'port {port} is out of range')
         start = row.get('start')
         if start is not None:
-            x, y, theta = (float(value) for value in start)
-            start = (x * 1000.0, y * 1000.0, theta)
+            start = start_pose(*start)
         outgoing = address(row['outgoing']) if row.get('outgoing') else None
         return RobotSpec(str(row.get('name', f'robot{number}')), port, outgoing, start,
-                         float(row.get('battery', 100.0)))
+                         percent(row.get('battery', 100.0)))
     except KeyError:
         raise FleetError(f'{where}: has no port') from None
     except (TypeError, ValueError) as error:

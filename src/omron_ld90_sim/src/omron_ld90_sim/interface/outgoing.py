@@ -4,17 +4,18 @@ Times are multiples of each interval on the robot's clock, so that nothing drift
 """
 from __future__ import annotations
 
-from typing import List
+from functools import partial
+from typing import Callable, List
 
 from omron_ld90_sim.clock import Ticker
 from omron_ld90_sim.interface.commands.state import one_line_status
-from omron_ld90_sim.interface.configuration import LISTS, OUTGOING, OUTGOING_COMMANDS
+from omron_ld90_sim.interface.configuration_table import LISTS, OUTGOING, OUTGOING_COMMANDS
 from omron_ld90_sim.interface.server import ArclServer
 from omron_ld90_sim.interface.session import Session
 
-FASTEST_STATUS = 0.1        # s, SendStatusInterval is never faster
-FASTEST_LIST = 0.01         # s, not in the sources; keeps the simulator from doing nothing else
-LEAST_TIMEOUT = 5.0         # s, OutgoingSocketTimeoutInMins never means less
+MINIMUM_STATUS_INTERVAL = 0.1   # s, SendStatusInterval is never faster
+MINIMUM_LIST_INTERVAL = 0.01    # s, not in the sources; leaves time for everything else
+MINIMUM_TIMEOUT = 5.0           # s, OutgoingSocketTimeoutInMins never means less
 
 
 class OutgoingLink:
@@ -29,19 +30,18 @@ class OutgoingLink:
             commands = [part.strip() for part in
                         settings.text(OUTGOING_COMMANDS, f'OutgoingCommands{n}').split('|')]
             if seconds > 0 and any(commands):
-                self._every(max(seconds, FASTEST_LIST),
-                            lambda commands=commands: self._run(commands))
+                self._every(max(seconds, MINIMUM_LIST_INTERVAL), partial(self._run, commands))
         interval = settings.number(OUTGOING, 'SendStatusInterval') / 1000.0
         if interval > 0:
-            self._every(max(interval, FASTEST_STATUS),
+            self._every(max(interval, MINIMUM_STATUS_INTERVAL),
                         lambda: session.send(one_line_status(server.robot)))
         minutes = settings.number(OUTGOING, 'OutgoingSocketTimeoutInMins')
         if minutes >= 0:
-            self._limit = max(minutes * 60.0, LEAST_TIMEOUT)
+            self._limit = max(minutes * 60.0, MINIMUM_TIMEOUT)
             session.last_received = clock.now
             self._every(1.0, self._drop_when_silent)
 
-    def _every(self, seconds: float, action) -> None:
+    def _every(self, seconds: float, action: Callable[[], None]) -> None:
         def run() -> None:
             if self._session.closed:
                 self.stop()

@@ -1,13 +1,6 @@
 """Session logs: written by `--log`, served again by `--replay`.
 
-One line per transferred line of text, UTF-8:
-
-    <seconds since start> C> <text>      the client sent it
-    <seconds since start> S> <text>      the robot sent it
-
-Seconds have three decimals. A log of several connections numbers them, `C2>` and `S2>` for the
-second one; without a number it is the first, and 0 is the robot's outgoing connection. The password
-is written as `********`. The controller's `~session_log` writes the same format.
+The format is docs/interface/session_log.md; the controller's `~session_log` is written in it, too.
 """
 from __future__ import annotations
 
@@ -18,9 +11,24 @@ from typing import Deque, Dict, List, Optional, TextIO
 
 from omron_ld90_sim.clock import Clock
 from omron_ld90_sim.interface.configuration import Configuration
-from omron_ld90_sim.interface.session import HIDDEN, text_of
+from omron_ld90_sim.interface.configuration_table import default_configuration
+from omron_ld90_sim.interface.session import HIDDEN, said
 
 _LINE = re.compile(r'^(\d+(?:\.\d+)?) ([CS])(\d*)> ?(.*)$')
+_ESCAPE = re.compile(rb'\\(?:\\|x([0-9a-f]{2}))')
+_ESCAPED = {byte: f'\\x{byte:02x}' for byte in (*range(32), *range(127, 256))}
+_ESCAPED[ord('\\')] = '\\\\'
+
+
+def escape(line: bytes) -> str:
+    """The text of a line in a log."""
+    return line.decode('latin-1').translate(_ESCAPED)
+
+
+def unescape(text: str) -> bytes:
+    """The line that a log's text stands for."""
+    return _ESCAPE.sub(lambda match: bytes.fromhex(match.group(1).decode()) if match.group(1)
+                       else b'\\', text.encode('ascii', 'replace'))
 
 
 class LogError(ValueError):
@@ -34,7 +42,7 @@ class Transfer:
     time: float
     direction: str      # 'C' from the client, 'S' from the robot
     connection: int     # 1, 2, ... in order of connecting; 0 the outgoing one
-    text: str
+    text: str           # escaped: printable ASCII
 
     def __str__(self) -> str:
         number = '' if self.connection == 1 else str(self.connection)
@@ -62,10 +70,11 @@ class SessionLog:
     def __init__(self, clock: Clock, file: TextIO) -> None:
         self._clock, self._file = clock, file
 
-    def __call__(self, connection: int, direction: str, text: str) -> None:
+    def __call__(self, connection: int, direction: str, line: bytes) -> None:
         """Writes one line; connections below 0 are not real ones."""
         if connection >= 0:
-            self._file.write(f'{Transfer(self._clock.now, direction, connection, text)}\n')
+            transfer = Transfer(self._clock.now, direction, connection, escape(line))
+            self._file.write(f'{transfer}\n')
             self._file.flush()
 
 
@@ -77,7 +86,7 @@ class ReplaySession:
         self.output = bytearray()
         self.closed = self.aborted = False
         self._script: Deque[Transfer] = deque(script)
-        self._asked: Deque[str] = deque()
+        self._asked: Deque[bytes] = deque()
         self._input = b''
         self._shift = server.clock.now - (script[0].time if script else 0.0)
         self._go_on()
@@ -90,7 +99,7 @@ class ReplaySession:
     def receive(self, data: bytes) -> None:
         """Takes bytes from the client; its lines call up what the robot answered to them."""
         *lines, self._input = (self._input + data.replace(b'\r', b'\n')).split(b'\n')
-        self._asked.extend(filter(None, map(text_of, lines)))
+        self._asked.extend(filter(None, map(said, lines)))
         self._go_on()
 
     def _go_on(self) -> None:
@@ -103,23 +112,23 @@ class ReplaySession:
                 if due > clock.now:
                     clock.at(due, self._go_on)
                     return
-                self.output += head.text.encode('ascii', 'replace') + b'\r\n'
+                self.output += unescape(head.text) + b'\r\n'
                 self._script.popleft()
             elif self._asked:
                 self._answer(self._asked.popleft())
             else:
                 return
 
-    def _answer(self, line: str) -> None:
+    def _answer(self, line: bytes) -> None:
         """Goes on behind the recorded `line`; a line that was not recorded is unknown."""
         for skipped, transfer in enumerate(self._script):
-            said = transfer.text
-            if transfer.direction == 'C' and said.lower() in (line.lower(), HIDDEN):
+            recorded = unescape(transfer.text)
+            if transfer.direction == 'C' and recorded.lower() in (line.lower(), HIDDEN):
                 self._shift = self.server.clock.now - transfer.time
                 for _ in range(skipped + 1):
                     self._script.popleft()
                 return
-        self.output += f'Unknown command {line.split()[0]}\r\n'.encode('ascii', 'replace')
+        self.output += b'Unknown command ' + line.split()[0] + b'\r\n'
 
     def close(self, abort: bool = False) -> None:
         """Ends the session."""
@@ -132,7 +141,7 @@ class ReplayServer:
 
     def __init__(self, clock: Clock, transfers: List[Transfer],
                  configuration: Optional[Configuration] = None) -> None:
-        self.clock, self.configuration = clock, configuration or Configuration()
+        self.clock, self.configuration = clock, configuration or default_configuration()
         self.online = self.accepting = self.outgoing_wanted = True
         self.sessions: List[ReplaySession] = []
         self._scripts: Dict[int, List[Transfer]] = {}

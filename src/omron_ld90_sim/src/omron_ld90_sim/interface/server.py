@@ -11,13 +11,15 @@ from typing import Callable, List, Optional
 
 from omron_ld90_sim.behaviour.robot import Robot
 from omron_ld90_sim.clock import Clock, Ticker
-from omron_ld90_sim.interface.configuration import FILES, FLEET, SERVER, Configuration
+from omron_ld90_sim.interface.configuration import Configuration
+from omron_ld90_sim.interface.configuration_table import FILES, FLEET, SERVER, default_configuration
 from omron_ld90_sim.interface.data_store import DataStore
+from omron_ld90_sim.interface.dialect import Dialect
 from omron_ld90_sim.interface.session import Impairment, Phase, Session
 from omron_ld90_sim.motion.floor import Floor
 from omron_map import MapDocument, MapError
 
-LEAST_TIMEOUT = 60.0        # s, SessionTimeoutMins never means less
+MINIMUM_TIMEOUT = 60.0      # s, SessionTimeoutMins never means less
 
 
 class ArclServer:
@@ -32,19 +34,21 @@ class ArclServer:
         """
         self.clock, self.robot, self.password = clock, robot, password
         self._interpreter = interpreter
-        self.configuration = configuration or Configuration()
+        self.configuration = configuration or default_configuration()
         self.map_folder = map_folder
         self.sessions: List[Session] = []
         self.impairment = Impairment()
+        self.dialect = Dialect()
         self.online = True              # off: no listener and no outgoing connection
         self.accepting = True           # off: new connections are refused
         self.outgoing_wanted = True     # off: the outgoing connection stays away
-        self.log: Callable[[int, str, str], None] = lambda number, direction, text: None
+        self.log: Callable[[int, str, bytes], None] = lambda number, direction, line: None
+        self.outgoing_begins: Callable[[Session], object] = lambda session: None
         self.wall_time = time.localtime
         self.data_store = DataStore(robot, lambda: self.wall_time())
         self._count = 0
         robot.announce = self.broadcast
-        Ticker(clock, LEAST_TIMEOUT / 4, self._drop_silent)
+        Ticker(clock, MINIMUM_TIMEOUT / 4, self._drop_silent)
 
     @property
     def robot_name(self) -> str:
@@ -67,6 +71,7 @@ class ArclServer:
         """The robot's outgoing connection stands: no login, and every broadcast goes there too."""
         session = Session(self, 0, outgoing=True)
         self.sessions.append(session)
+        self.outgoing_begins(session)
         return session
 
     def forget(self, session: Session) -> None:
@@ -87,6 +92,12 @@ class ArclServer:
         self.online = False
         self.drop_all()
 
+    def switch_off(self) -> None:
+        """The robot is switched off: it stops, and every connection ends without a word."""
+        self.robot.halt()
+        self.online = False
+        self.drop_all()
+
     def restart(self, seconds: float, abort: bool = False) -> None:
         """The robot's software is gone for so long, with a farewell or without (`abort`)."""
         if abort:
@@ -104,7 +115,7 @@ class ArclServer:
     def _drop_silent(self) -> None:
         minutes = self.configuration.number(SERVER, 'SessionTimeoutMins')
         if minutes >= 0:
-            limit = max(minutes * 60.0, LEAST_TIMEOUT)
+            limit = max(minutes * 60.0, MINIMUM_TIMEOUT)
             for session in list(self.sessions):
                 if not session.outgoing and self.clock.now - session.last_received >= limit:
                     session.close()

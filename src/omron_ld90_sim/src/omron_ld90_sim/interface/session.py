@@ -10,21 +10,21 @@ import re
 from collections import deque
 from dataclasses import dataclass
 from enum import Enum
-from typing import Callable, Deque, Optional, Protocol, Tuple
+from typing import Deque, Optional, Protocol, Tuple
 
 from omron_ld90_sim.clock import Clock
+from omron_ld90_sim.interface.dialect import Dialect, HelpLayout
 
 MAX_COMMAND = 5000
 CYCLE = 0.1                 # s between two looks of the server at what its clients have sent
-PROMPT = 'Enter password:'
-HIDDEN = '********'         # what a log shows in place of the password
-BLANK = ' \t\0'            # around a line; telnet sends a NUL behind a CR
+HIDDEN = b'********'        # what a log shows in place of the password
+BLANK = b' \t\0'           # around a line; telnet sends a NUL behind a CR
 _TELNET = re.compile(rb'^(?:\xff[\xfb-\xfe].|[\x80-\xff])+', re.DOTALL)
 
 
-def text_of(line: bytes) -> str:
-    """What a client's line says, without telnet negotiation and what is not ASCII."""
-    return _TELNET.sub(b'', line).decode('ascii', 'ignore').strip(BLANK)
+def said(line: bytes) -> bytes:
+    """What a client's line says: without telnet negotiation and the blanks around it."""
+    return _TELNET.sub(b'', line).strip(BLANK)
 
 
 class Phase(Enum):
@@ -42,7 +42,6 @@ class Impairment:
     delay: float = 0.0                  # s that every line comes late
     silent_until: float = 0.0           # nothing is sent before
     half_line: Optional[float] = None   # the next line is cut, its rest comes this much later
-    prompt: str = PROMPT
 
 
 class Host(Protocol):
@@ -51,7 +50,10 @@ class Host(Protocol):
     clock: Clock
     password: str
     impairment: Impairment
-    log: Callable[[int, str, str], None]
+    dialect: Dialect
+
+    def log(self, number: int, direction: str, line: bytes) -> None:
+        """A line was sent: by whom (`C` or `S`), over which connection."""
 
     def execute(self, session: Session, line: str) -> None:
         """Carries out a command line."""
@@ -75,7 +77,8 @@ class Session:
         self._echoed = 0                # bytes of it that went back
         self._held: Deque[Tuple[float, bytes]] = deque()
         if not outgoing:
-            self.send(server.impairment.prompt)
+            self.server.log(number, 'S', server.dialect.prompt.rstrip(b'\r\n'))
+            self._put(server.dialect.prompt)
 
     @property
     def closed(self) -> bool:
@@ -91,8 +94,9 @@ class Session:
         """Queues one line."""
         if self.closed:
             return
-        self.server.log(self.number, 'S', line)
-        data = line.encode('ascii', 'replace') + b'\r\n'
+        data = self.server.dialect.encoding.encode(line)
+        self.server.log(self.number, 'S', data)
+        data += b'\r\n'
         fault = self.server.impairment
         if fault.half_line is not None and self.phase is Phase.OPEN:
             half, rest, fault.half_line = len(data) // 2, fault.half_line, None
@@ -133,7 +137,7 @@ class Session:
                 self._put(b'\n\r')
                 self._echoed = 0
             if self._accepts(line):
-                self._take(text_of(line))
+                self._take(said(line))
         if self._accepts(self._input) and self._input:
             self.server.clock.after(CYCLE, self._echo_typed)
 
@@ -150,10 +154,10 @@ class Session:
         """Gives back what stands of an unfinished line, as the server does until `echo` is set."""
         if self.echo is None and not self.closed:
             typed = self._input[self._echoed:].decode('ascii', 'ignore')
-            self._put(typed.encode())
+            self._put(typed.encode('ascii'))
             self._echoed = len(self._input)
 
-    def _take(self, line: str) -> None:
+    def _take(self, line: bytes) -> None:
         if not line:
             return
         if self.phase is Phase.LOGIN:
@@ -161,15 +165,17 @@ class Session:
             self._log_in(line)
         else:
             self.server.log(self.number, 'C', line)
+            text = self.server.dialect.encoding.decode(line)
             if self.echo:
-                self.send(line)
-            self.server.execute(self, line)
+                self.send(text)
+            self.server.execute(self, text)
 
-    def _log_in(self, password: str) -> None:
-        if not hmac.compare_digest(password.encode(), self.server.password.encode()):
+    def _log_in(self, password: bytes) -> None:
+        if not hmac.compare_digest(password, self.server.password.encode()):
             self.close()
             return
         self.phase = Phase.OPEN
-        self.send('Welcome to the server.')
-        self.send("You can type 'help' at any time for the following help list.")
-        self.server.execute(self, 'help')
+        for line in self.server.dialect.welcome:
+            self.send(line)
+        if self.server.dialect.help_layout is not HelpLayout.NONE:
+            self.server.execute(self, 'help')

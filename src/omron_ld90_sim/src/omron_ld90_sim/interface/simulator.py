@@ -5,6 +5,7 @@ In a test: `with Simulator(map_path, speed=10) as robot: ... robot.port`.
 from __future__ import annotations
 
 import threading
+from functools import partial
 from pathlib import Path
 from typing import Callable, Dict, List, Optional, Sequence, TextIO, Tuple, Union
 
@@ -12,16 +13,18 @@ from omron_ld90_sim.behaviour.robot import Robot
 from omron_ld90_sim.clock import Clock
 from omron_ld90_sim.interface.autonomy import Autonomy
 from omron_ld90_sim.interface.commands import execute
-from omron_ld90_sim.interface.configuration import (
+from omron_ld90_sim.interface.configuration import Configuration
+from omron_ld90_sim.interface.configuration_table import (
     FILES,
     FLEET,
     OUTGOING,
     OUTGOING_COMMANDS,
-    Configuration,
+    default_configuration,
 )
 from omron_ld90_sim.interface.control import ControlServer
 from omron_ld90_sim.interface.faults import Faults, UnknownFault
 from omron_ld90_sim.interface.fleet import RobotSpec
+from omron_ld90_sim.interface.outgoing import OutgoingLink
 from omron_ld90_sim.interface.recording import ReplayServer, SessionLog, Transfer
 from omron_ld90_sim.interface.server import ArclServer
 from omron_ld90_sim.interface.transport import Loop, TcpServer
@@ -46,6 +49,7 @@ class Unit:
         self.robot = Robot(loop.clock, document, floor, place, seed, spec.battery,
                            arrival_error=arrival_error)
         self.server = ArclServer(loop.clock, self.robot, password, execute, settings, folder)
+        self.server.outgoing_begins = partial(OutgoingLink, self.server)
         self.faults = Faults(self.server)
         self.autonomy = Autonomy(self.server)
         self.tcp = TcpServer(loop, self.server, host, spec.port)
@@ -54,7 +58,7 @@ class Unit:
 def settings_for(map_name: str, outgoing: Optional[Tuple[str, int]], lists: CommandLists,
                  changes: Sequence[Tuple[str, str, str]] = ()) -> Configuration:
     """A robot's configuration; ValueError when a change (section, name, value) does not fit."""
-    settings = Configuration()
+    settings = default_configuration()
     settings.set(FILES, 'Map', map_name)
     if outgoing is not None:
         settings.set(OUTGOING, 'OutgoingHostname', outgoing[0])
@@ -126,7 +130,14 @@ class Simulator:
 
     def control_on(self, port: int) -> int:
         """Opens the control socket on loopback; returns its port."""
-        return ControlServer(self.loop, port, self._inject_here).port
+        return ControlServer(self.loop, port, self._inject_here, self.where).port
+
+    def where(self) -> Dict[str, object]:
+        """The simulated time (s), and by name where every robot really is (m, m, degrees)."""
+        poses = {unit.name: unit.robot.true_pose for unit in self.units}
+        return {'time': self.loop.clock.now,
+                'robots': {name: {'x': pose.x / 1000.0, 'y': pose.y / 1000.0, 'heading': pose.theta}
+                           for name, pose in poses.items()}}
 
     def inject(self, fault: str) -> None:
         """Brings about a fault, e.g. `estop press`; `@NAME fault` in a fleet.

@@ -15,13 +15,11 @@ import socket
 import struct
 import time
 from collections import deque
-from typing import Callable, Deque, List, Optional, Tuple
+from typing import Callable, Deque, List, Optional, Protocol, Tuple
 
 from omron_ld90_sim.clock import Clock
-from omron_ld90_sim.interface.configuration import OUTGOING
-from omron_ld90_sim.interface.outgoing import OutgoingLink
-from omron_ld90_sim.interface.server import ArclServer
-from omron_ld90_sim.interface.session import Session
+from omron_ld90_sim.interface.configuration import Configuration
+from omron_ld90_sim.interface.configuration_table import OUTGOING
 
 RECONNECT = 1.0         # s between two attempts of the outgoing connection
 INPUT_CYCLE = 0.02      # s of wall time in which what comes in counts as simultaneous, at most
@@ -33,6 +31,46 @@ MAX_OUTPUT = 8_000_000  # bytes a client may leave unread before it is dropped
 
 class PortTaken(Exception):
     """The ARCL port cannot be listened on."""
+
+
+class Session(Protocol):
+    """What a connection needs of its session."""
+
+    output: bytearray
+    outgoing: bool
+    aborted: bool
+
+    @property
+    def closed(self) -> bool:
+        """Whether nothing more is taken or said."""
+
+    @property
+    def finished(self) -> bool:
+        """Whether it is closed and everything has been sent."""
+
+    def receive(self, data: bytes) -> None:
+        """Takes bytes from the other side."""
+
+    def close(self) -> None:
+        """The other side has gone."""
+
+
+class Server(Protocol):
+    """What a port needs of its server: a robot, or a recording of one."""
+
+    configuration: Configuration
+    online: bool
+    accepting: bool
+    outgoing_wanted: bool
+
+    def connect(self) -> Session:
+        """A client has connected."""
+
+    def connect_outgoing(self) -> Session:
+        """The outgoing connection stands."""
+
+    def shut_down(self) -> None:
+        """Says good-bye to everybody."""
 
 
 class Loop:
@@ -147,21 +185,21 @@ class Connection:
         if self.sock.fileno() >= 0:
             self.loop.selector.unregister(self.sock)
             self.sock.close()
-            self.session.server.forget(self.session)
+            self.session.close()
             self._gone(self)
 
 
 class TcpServer:
     """One robot's listening port and outgoing connection, as its server wants them."""
 
-    def __init__(self, loop: Loop, server: ArclServer, host: str, port: int) -> None:
+    def __init__(self, loop: Loop, server: Server, host: str, port: int) -> None:
         self.loop, self.server = loop, server
         self._host = host
         self._connections: List[Connection] = []
         self._listener: Optional[socket.socket] = self._listen(port)
         self.port: int = self._listener.getsockname()[1]
         self._dialling: Optional[socket.socket] = None
-        self._next_dial = 0.0
+        self._next_dial = self._next_listen = 0.0
         self._closing = False
         loop.after_step.append(self._maintain)
         loop.clock.after(0.0, self._maintain)
@@ -195,9 +233,17 @@ class TcpServer:
             return
         try:
             sock, _ = self._listener.accept()
-        except OSError:
+        except OSError as error:
+            if error.errno in (errno.EMFILE, errno.ENFILE):     # ready for ever, and never taken
+                self._close_listener()
+                self._listen_later()
             return
         self._add(sock, self.server.connect())
+
+    def _listen_later(self) -> None:
+        """Leaves the port closed for a while."""
+        self._next_listen = self.loop.clock.now + RECONNECT
+        self.loop.clock.at(self._next_listen, self._maintain)
 
     def _add(self, sock: socket.socket, session: Session) -> None:
         sock.setblocking(False)
@@ -223,7 +269,10 @@ class TcpServer:
             return
         self._next_dial = now + RECONNECT
         self.loop.clock.at(self._next_dial, self._maintain)
-        sock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+        try:
+            sock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+        except OSError:         # no free descriptor
+            return
         sock.setblocking(False)
         try:
             error = sock.connect_ex(target)
@@ -244,20 +293,18 @@ class TcpServer:
                 or sock.getsockname() == sock.getpeername()):   # TCP can connect to itself
             sock.close()
             return
-        session = self.server.connect_outgoing()
-        OutgoingLink(self.server, session)
-        self._add(sock, session)
+        self._add(sock, self.server.connect_outgoing())
 
     # -- upkeep --------------------------------------------------------------------------------
 
     def _maintain(self) -> None:
         """Does what the server wants: port open or not, outgoing connection, queued bytes."""
         open_port = self.server.online and self.server.accepting and not self._closing
-        if open_port and self._listener is None:
+        if open_port and self._listener is None and self.loop.clock.now >= self._next_listen:
             try:
                 self._listener = self._listen(self.port)
-            except PortTaken:       # by somebody else meanwhile: try again
-                self.loop.clock.after(RECONNECT, self._maintain)
+            except (PortTaken, OSError):    # by somebody else meanwhile; no free descriptor
+                self._listen_later()
         elif not open_port:
             self._close_listener()
         for connection in list(self._connections):

@@ -67,8 +67,8 @@ class Floor:
     @classmethod
     def from_map(cls, document: MapDocument) -> Floor:
         """The floor that a `.map` file describes."""
-        lines = [[o.extent.from_x, o.extent.from_y, o.extent.to_x, o.extent.to_y]
-                 for o in document.forbidden_lines]
+        extents = [line.extent for line in document.forbidden_lines if line.extent is not None]
+        lines = [[e.from_x, e.from_y, e.to_x, e.to_y] for e in extents]
         places = [[o.x, o.y] for o in (*document.goals, *document.docks)]
         return cls(np.asarray(document.points, float).reshape(-1, 2),
                    np.asarray(document.lines, float).reshape(-1, 4),

@@ -131,8 +131,8 @@ def _corner(a: np.ndarray, v: np.ndarray, b: np.ndarray, at: np.ndarray, space: 
     into = float(np.hypot(*(v - at)))
     out = float(np.hypot(*outward))
     i, o = inward / np.hypot(*inward), outward / out
-    most = min(into, out / 2, CORNER_REACHES[0])
-    for reach in (*(r for r in CORNER_REACHES if r < most), most):
+    longest = min(into, out / 2, CORNER_REACHES[0])
+    for reach in (*(r for r in CORNER_REACHES if r < longest), longest):
         samples = _bezier(v, i, o, reach)
         if reach >= SHORTEST_REACH and space.clearance_at(samples[:, :2]).min() >= clearance:
             return samples

@@ -1,6 +1,7 @@
 """The robot's body as markers, out of its URDF: RViz's RobotModel keeps a body whose robot is gone.
 
 RobotModel goes by the last transform it knows, however old. Markers with a lifetime go away.
+The few shapes are read by hand: urdf_parser_py is part of Noetic, but not of Debian 12.
 """
 from __future__ import annotations
 
@@ -25,7 +26,7 @@ def body_markers(urdf: str) -> List[Marker]:
     robot = ElementTree.fromstring(urdf)
     paints = {material.get('name', ''): ColorRGBA(*_numbers(colour.attrib['rgba']))
               for material in robot.findall('material') for colour in material.findall('color')}
-    markers = []
+    markers: List[Marker] = []
     for link in robot.findall('link'):
         for visual in link.findall('visual'):
             marker = _marker(link.get('name', ''), visual, paints, len(markers))
@@ -41,7 +42,7 @@ def _marker(frame: str, visual: ElementTree.Element, paints: Dict[str, ColorRGBA
     if origin is not None and any(_numbers(origin.get('rpy', '0 0 0'))):
         return None
     if box is not None:
-        kind, size = Marker.CUBE, _numbers(box.attrib['size'])
+        kind, size = Marker.CUBE, _triple(box.attrib['size'])
     elif cylinder is not None:
         width = 2.0 * float(cylinder.attrib['radius'])
         kind, size = Marker.CYLINDER, (width, width, float(cylinder.attrib['length']))
@@ -51,9 +52,14 @@ def _marker(frame: str, visual: ElementTree.Element, paints: Dict[str, ColorRGBA
     paint = PLAIN if material is None else paints.get(material.get('name', ''), PLAIN)
     marker = drawing.shape(kind, frame, 'body', paint, size, number)
     if origin is not None:
-        marker.pose.position = Point(*_numbers(origin.get('xyz', '0 0 0')))
+        marker.pose.position = Point(*_triple(origin.get('xyz', '0 0 0')))
     marker.frame_locked = True
     return marker
+
+
+def _triple(text: str) -> Tuple[float, float, float]:
+    x, y, z = _numbers(text)
+    return x, y, z
 
 
 def _numbers(text: str) -> Tuple[float, ...]:

@@ -2,15 +2,25 @@
 from __future__ import annotations
 
 import math
+import unicodedata
 from typing import Iterable, Tuple
 
-from geometry_msgs.msg import Point, Pose
-from std_msgs.msg import ColorRGBA
-from visualization_msgs.msg import Marker, MarkerArray
+import numpy as np
+from geometry_msgs.msg import Point, Pose, Vector3
+from std_msgs.msg import ColorRGBA, Header
+from visualization_msgs.msg import Marker
 
+from omron_ld90.nodes.rviz.fast_messages import FastMarkerArray, PointsMarker
 from omron_ld90.nodes.support.poses import quaternion_from_yaw
 
 XY = Tuple[float, float]
+
+LAST_LETTER = 999  # code point; RViz's font ends there, with the Latin and Greek letters
+LONGEST_TEXT = 400  # characters
+_SUBSTITUTES = str.maketrans({
+    '\u2018': "'", '\u2019': "'", '\u201c': '"', '\u201d': '"', '\u201e': '"',
+    '\u2010': '-', '\u2011': '-', '\u2013': '-', '\u2014': '-', '\u2026': '...',
+    '\u20ac': 'EUR', '\u2192': '->'})
 
 
 def colour(red: float, green: float, blue: float, alpha: float = 1.0) -> ColorRGBA:
@@ -30,11 +40,33 @@ def shape(kind: int, frame: str, namespace: str, paint: ColorRGBA,
 
 def text(frame: str, namespace: str, words: str, place: XY, height: float, paint: ColorRGBA,
          number: int = 0, z: float = 1.5) -> Marker:
-    """`words` that face the viewer, their middle at `place`; `height` of a capital letter in m."""
+    """`words` that face the viewer, their middle at `place`; `height` of a capital letter in m.
+
+    Letters that RViz does not have become others, see `drawable`.
+    """
     marker = shape(Marker.TEXT_VIEW_FACING, frame, namespace, paint, (0.0, 0.0, height), number)
-    marker.text = words
+    marker.text = drawable(words)
     marker.pose.position.x, marker.pose.position.y, marker.pose.position.z = place[0], place[1], z
     return marker
+
+
+def drawable(words: str) -> str:
+    """`words` in letters that RViz has, of bounded length.
+
+    RViz draws nothing at all for a letter that its font lacks: so accents that it does not know
+    are left off, typographic signs become plain ones, and all else becomes `?`.
+    """
+    drawn = ''.join(map(_drawable_letter, words[:LONGEST_TEXT + 1].translate(_SUBSTITUTES)))
+    return drawn if len(drawn) <= LONGEST_TEXT else drawn[:LONGEST_TEXT] + ' ...'
+
+
+def _drawable_letter(letter: str) -> str:
+    if letter == '\n' or (letter.isprintable() and ord(letter) <= LAST_LETTER):
+        return letter
+    if letter.isspace():
+        return ' '
+    base = unicodedata.normalize('NFKD', letter)[0]
+    return base if base.isprintable() and ord(base) <= LAST_LETTER else '?'
 
 
 def pose_at(place: XY, yaw: float = 0.0, z: float = 0.0) -> Pose:
@@ -42,35 +74,44 @@ def pose_at(place: XY, yaw: float = 0.0, z: float = 0.0) -> Pose:
     return Pose(position=Point(place[0], place[1], z), orientation=quaternion_from_yaw(yaw))
 
 
-def points(places: Iterable[XY], z: float) -> list[Point]:
-    """Points at height `z`."""
-    return [Point(float(x), float(y), z) for x, y in places]
+def many(kind: int, frame: str, namespace: str, paint: ColorRGBA,
+         size: Tuple[float, float, float], places: np.ndarray, number: int = 0) -> PointsMarker:
+    """A marker of many `places` (N, 3) in m; without any it takes an older one away."""
+    return PointsMarker(
+        places, header=Header(frame_id=frame), ns=namespace, id=number, type=kind, color=paint,
+        scale=Vector3(*size), action=Marker.ADD if len(places) else Marker.DELETE,
+        pose=pose_at((0.0, 0.0)))
 
 
-def segments(places: list[XY], z: float) -> list[Point]:
-    """The pairs of points that draw a polyline as LINE_LIST."""
-    line = points(places, z)
-    return [end for pair in zip(line, line[1:]) for end in pair]
+def at_height(places: np.ndarray, z: float) -> np.ndarray:
+    """Places (N, 2) on the floor as (N, 3), `z` above it."""
+    lifted = np.full((len(places), 3), z)
+    lifted[:, :2] = np.asarray(places, float).reshape(-1, 2)
+    return lifted
 
 
-def circle(centre: XY, radius: float, corners: int = 24) -> list[XY]:
-    """A closed polyline around `centre`."""
-    return [(centre[0] + radius * math.cos(2 * math.pi * i / corners),
-             centre[1] + radius * math.sin(2 * math.pi * i / corners))
-            for i in range(corners + 1)]
+def segments(places: np.ndarray, z: float) -> np.ndarray:
+    """The pairs of ends (2 (N - 1), 3) that draw a polyline of N `places` as LINE_LIST."""
+    return np.repeat(at_height(places, z), 2, axis=0)[1:-1]
 
 
-def arrowhead(tip: XY, yaw: float, length: float, z: float) -> list[Point]:
-    """The triangle (for TRIANGLE_LIST) of an arrow that points along `yaw` and ends at `tip`.
+def circle(centre: XY, radius: float, corners: int = 24) -> np.ndarray:
+    """A closed polyline (corners + 1, 2) around `centre`."""
+    angles = np.linspace(0.0, 2.0 * math.pi, corners + 1)
+    return np.array(centre) + radius * np.column_stack((np.cos(angles), np.sin(angles)))
+
+
+def arrowhead(tip: XY, yaw: float, length: float, z: float) -> np.ndarray:
+    """The triangle (3, 3), for TRIANGLE_LIST, of an arrow along `yaw` that ends at `tip`.
 
     Counter-clockwise seen from above: RViz leaves the other side in the dark.
     """
-    back = [(tip[0] - length * math.cos(yaw) + side * 0.5 * length * math.sin(yaw),
-             tip[1] - length * math.sin(yaw) - side * 0.5 * length * math.cos(yaw))
-            for side in (-1.0, 1.0)]
-    return points([tip, *back], z)
+    along = length * np.array((math.cos(yaw), math.sin(yaw)))
+    across = 0.5 * np.array((-along[1], along[0]))
+    back = np.array(tip) - along
+    return at_height(np.array((tip, back + across, back - across)), z)
 
 
-def complete(markers: Iterable[Marker]) -> MarkerArray:
+def complete(markers: Iterable[Marker]) -> FastMarkerArray:
     """All there is to see: whatever the display showed before is taken away first."""
-    return MarkerArray(markers=[Marker(action=Marker.DELETEALL), *markers])
+    return FastMarkerArray(markers=[Marker(action=Marker.DELETEALL), *markers])

@@ -1,8 +1,10 @@
 """Messages whose long arrays numpy writes.
 
-A list of 100,000 Point objects takes some 100 ms to serialise, and a grid's cells as a list of
-numbers not much less; an array's bytes take 0.1 ms. On the wire nothing differs: each class here
-writes the same type, with its array in the place of the plain message's empty one.
+Why not plain messages: the 44,440 points of a real map take 120 ms to serialise as Point objects
+and 2 ms from an array, a grid of 2 million cells 50 ms and 0.2 ms, and a list of numbers needs
+eight times the memory: a node that shows a large map would stand still for seconds. On the wire
+nothing differs: each class here writes the same type, with its array in the place of the plain
+message's empty one.
 """
 from __future__ import annotations
 
@@ -10,10 +12,9 @@ import io
 import struct
 
 import numpy as np
-from geometry_msgs.msg import Point
 from nav_msgs.msg import OccupancyGrid
 from nav_msgs.srv import GetMapResponse, LoadMapResponse
-from visualization_msgs.msg import Marker
+from visualization_msgs.msg import Marker, MarkerArray
 
 _LENGTH = struct.Struct('<I')
 #: What follows the points of a marker without colours, text and mesh: three lengths and a bool.
@@ -33,11 +34,15 @@ class PointsMarker(Marker):
         super().serialize(plain)
         _write(buff, plain.getbuffer(), _AFTER_POINTS, self.array)
 
-    def to_plain(self) -> Marker:
-        """The same marker with a list of Point objects, as a MarkerArray needs it."""
-        fields = {name: getattr(self, name) for name in self.__slots__}
-        fields['points'] = [Point(*row) for row in self.array.tolist()]
-        return Marker(**fields)
+
+class FastMarkerArray(MarkerArray):
+    """Markers of which any may be a PointsMarker: each writes itself."""
+
+    def serialize(self, buff: io.BytesIO) -> None:
+        """Write the message to `buff`."""
+        buff.write(_LENGTH.pack(len(self.markers)))
+        for marker in self.markers:
+            marker.serialize(buff)
 
 
 class GridMessage(OccupancyGrid):

@@ -11,17 +11,14 @@ from typing import List, Sequence, Tuple
 
 import numpy as np
 import rospy
-from geometry_msgs.msg import Vector3
 from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
-from omron_arcl import RangeReading
 from omron_ld90.nodes.rviz import drawing
 from omron_ld90.nodes.rviz.fast_messages import PointsMarker
 from omron_ld90.nodes.support.poses import pose_from_robot
 from omron_ld90.units import MM_PER_M, metres
 from omron_map import MapDocument, MapObject
-from omron_map.objects import printable
 
 BLACK = drawing.colour(0.0, 0.0, 0.0)
 RED = drawing.colour(0.85, 0.05, 0.05)
@@ -75,7 +72,7 @@ def docks(document: MapDocument, frame: str) -> Marker:
 
 def goal_names(document: MapDocument, frame: str) -> MarkerArray:
     """The names of goals and docks, white, each ending left of its square, or of its arrow."""
-    names = []
+    names: List[Marker] = []
     for obj in document.goals + document.docks:
         if not obj.label:
             continue
@@ -89,7 +86,7 @@ def goal_names(document: MapDocument, frame: str) -> MarkerArray:
 
 def goal_headings(document: MapDocument, frame: str) -> MarkerArray:
     """Which way the robot faces at goals with heading and at docks: black arrows."""
-    arrows = []
+    arrows: List[Marker] = []
     for obj in document.goals + document.docks:
         if obj.has_heading:
             marker = drawing.shape(Marker.ARROW, frame, 'goal_headings', BLACK, ARROW, len(arrows))
@@ -109,12 +106,10 @@ def forbidden_areas(document: MapDocument, frame: str) -> MarkerArray:
         marker.pose = pose_from_robot(box.centre_x, box.centre_y, box.yaw)
         marker.pose.position.z = AREA_Z
         markers.append(marker)
-    ends = [((line.extent.from_x, line.extent.from_y), (line.extent.to_x, line.extent.to_y))
-            for line in document.forbidden_lines]
+    ends = [line.ends for line in document.forbidden_lines]
     if ends:
-        fence = _many(frame, 'forbidden_lines', Marker.LINE_LIST, ORANGE_EDGE,
-                      (FENCE_WIDTH, 0.0, 0.0), np.reshape(ends, (-1, 2)), AREA_Z)
-        markers.append(fence.to_plain())
+        markers.append(_many(frame, 'forbidden_lines', Marker.LINE_LIST, ORANGE_EDGE,
+                             (FENCE_WIDTH, 0.0, 0.0), np.reshape(ends, (-1, 2)), AREA_Z))
     return drawing.complete(markers)
 
 
@@ -123,9 +118,8 @@ def sectors(document: MapDocument, frame: str) -> MarkerArray:
     markers: List[Marker] = []
     for number, sector in enumerate(document.sectors):
         outline = sector.outline
-        edge = _many(frame, 'sectors', Marker.LINE_STRIP, VIOLET, (LINE_WIDTH, 0.0, 0.0),
-                     np.concatenate((outline, outline[:1])), AREA_Z, number)
-        markers.append(edge.to_plain())
+        markers.append(_many(frame, 'sectors', Marker.LINE_STRIP, VIOLET, (LINE_WIDTH, 0.0, 0.0),
+                             np.concatenate((outline, outline[:1])), AREA_Z, number))
         if sector.label:
             x, y = outline.mean(axis=0)
             markers.append(drawing.text(frame, 'sector_names', sector.label,
@@ -134,10 +128,10 @@ def sectors(document: MapDocument, frame: str) -> MarkerArray:
     return drawing.complete(markers)
 
 
-def laser(reading: RangeReading, header: Header, lifetime: float) -> Marker:
-    """What a range device sees, light blue; RViz drops it after `lifetime` seconds."""
-    marker = _many(header.frame_id, printable(reading.device), Marker.POINTS, LIGHT_BLUE,
-                   (LASER_SIZE, LASER_SIZE, 0.0), reading.points, LASER_Z)
+def laser(places: np.ndarray, header: Header, lifetime: float) -> Marker:
+    """What the laser sees at `places` (N, 2), m, light blue; gone after `lifetime` seconds."""
+    marker = drawing.many(Marker.POINTS, header.frame_id, 'laser', LIGHT_BLUE,
+                          (LASER_SIZE, LASER_SIZE, 0.0), drawing.at_height(places, LASER_Z))
     marker.header = header
     marker.lifetime = rospy.Duration.from_sec(lifetime)
     return marker
@@ -147,12 +141,8 @@ def _many(frame: str, namespace: str, kind: int, paint: ColorRGBA,
           size: Tuple[float, float, float], positions: np.ndarray, z: float,
           number: int = 0) -> PointsMarker:
     """A marker of many `positions` (N, 2) in mm; without any it takes an older one away."""
-    array = np.full((len(positions), 3), z)
-    array[:, :2] = np.asarray(positions).reshape(-1, 2) / MM_PER_M
-    return PointsMarker(
-        array, header=Header(frame_id=frame), ns=namespace, id=number, type=kind, color=paint,
-        scale=Vector3(*size), action=Marker.ADD if len(array) else Marker.DELETE,
-        pose=drawing.pose_at((0.0, 0.0)))
+    places = drawing.at_height(positions / MM_PER_M, z)
+    return drawing.many(kind, frame, namespace, paint, size, places, number)
 
 
 def _positions(objects: Sequence[MapObject]) -> np.ndarray:

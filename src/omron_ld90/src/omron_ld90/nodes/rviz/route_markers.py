@@ -1,90 +1,143 @@
-"""The trajectory graph and the route on it, as RViz draws them. Metres, in the map frame."""
+"""The trajectory graph and the route on it, as RViz draws them. Metres, in the map frame.
+
+However long a route is, each edge of the graph is drawn at most once per direction; however large
+a graph is, a curve has at most MAX_SAMPLES points.
+"""
 from __future__ import annotations
 
 import math
-from typing import List, Mapping, Optional, Sequence
+from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence
 
-from geometry_msgs.msg import Point
+import numpy as np
+from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
 from omron_ld90.bridge.route_protocol import EdgeState
 from omron_ld90.bridge.route_watch import EdgeProgress
 from omron_ld90.nodes.rviz import drawing
+from omron_ld90.nodes.rviz.fast_messages import PointsMarker
 from trajectory_graph import Curve, Graph
 
 STEP = 0.1  # m between the points of a drawn curve
+MAX_SAMPLES = 200  # of a curve
 GRAPH_Z, ROUTE_Z = 0.02, 0.03
 EDGE_WIDTH, ROUTE_WIDTH = 0.05, 0.09  # m; thinner ones vanish on a small screen
+GRAPH_HEAD, ROUTE_HEAD = 0.25, 0.4  # m, arrowheads
 RING, END_RING, DOCK_RING = 0.22, 0.29, 0.36  # m, radii around vertices
 NAMED_WITHIN = 0.3  # m from a vertex: what stands there names it
 GRAPH = drawing.colour(0.74, 0.68, 1.0)
-CURRENT = drawing.colour(1.0, 0.85, 0.15)
+
+COMPLETE = drawing.colour(0.25, 0.75, 0.35)
 COMING = drawing.colour(0.30, 0.60, 1.0)
-ENDED = {
-    EdgeState.COMPLETE: drawing.colour(0.25, 0.75, 0.35),
-    EdgeState.FAILED: drawing.colour(1.0, 0.25, 0.2),
-}
+FAILED = drawing.colour(1.0, 0.25, 0.2)
+CURRENT = drawing.colour(1.0, 0.85, 0.15)
+#: Of an edge that a route passes more than once, the last of these is what is seen.
+_LAYERS = (COMPLETE, COMING, FAILED, CURRENT)
 
 
-def graph_markers(graph: Optional[Graph], dock_vertex: int, frame: str,
-                  named: Optional[Mapping[str, drawing.XY]] = None) -> MarkerArray:
-    """Edges as their curves with an arrowhead from origin to destination, vertices with their ids.
+class _Shape(NamedTuple):
+    """A signed edge as it is drawn: (N, 3) ends of segments and (3, 3) corners of an arrowhead."""
 
-    A vertex is a ring, an end vertex two, the dock three. `named` are the places (m) of the map's
-    goals and docks by name: where one of them shows a vertex's id already, it is not drawn twice.
-    """
-    if graph is None:
-        return drawing.complete([])
-    edges = drawing.shape(Marker.LINE_LIST, frame, 'edges', GRAPH, (EDGE_WIDTH, 0.0, 0.0))
-    heads = drawing.shape(Marker.TRIANGLE_LIST, frame, 'directions', GRAPH, (1.0, 1.0, 1.0))
-    rings = drawing.shape(Marker.LINE_LIST, frame, 'vertices', GRAPH, (EDGE_WIDTH, 0.0, 0.0))
-    for edge_id in graph.edges:
-        curve = graph.curve(edge_id)
-        edges.points += drawing.segments(curve.sample(STEP).tolist(), GRAPH_Z)
-        heads.points += _head_at_middle(curve, 0.25, GRAPH_Z)
-    names = []
-    for vertex in graph.vertices.values():
-        radii = [RING]
-        if graph.is_end_vertex(vertex.id):
-            radii.append(END_RING)
-        if vertex.id == dock_vertex:
-            radii.append(DOCK_RING)
-        for radius in radii:
-            rings.points += drawing.segments(drawing.circle(vertex.position, radius), GRAPH_Z)
-        goal = (named or {}).get(str(vertex.id))
-        if goal and math.hypot(goal[0] - vertex.x, goal[1] - vertex.y) <= NAMED_WITHIN:
-            continue
-        place = (vertex.x + radii[-1] + 0.12, vertex.y - radii[-1] - 0.05)  # off most edges
-        names.append(drawing.text(frame, 'vertex_ids', str(vertex.id), place, 0.3, GRAPH,
-                                  vertex.id, z=0.5))
-    return drawing.complete([edges, heads, rings, *names])
+    segments: np.ndarray
+    head: np.ndarray
 
 
-def route_markers(graph: Optional[Graph], route: Sequence[EdgeProgress], frame: str) -> MarkerArray:
-    """The route's edges in driving direction: done green, current yellow, coming blue, failed red.
+class GraphPicture:
+    """What is seen of one graph, and of routes on it; without a graph, nothing."""
 
-    The current edge is the first that is not complete. Edges that the graph does not know are left
-    out.
-    """
-    if graph is None:
-        return drawing.complete([])
-    markers: List[Marker] = []
-    current = next((edge for edge in route if edge.state != EdgeState.COMPLETE), None)
-    for index, edge in enumerate(route):
-        if abs(edge.edge) not in graph.edges:
-            continue
-        paint = ENDED.get(edge.state, CURRENT if edge is current else COMING)
-        curve = graph.curve(edge.edge)
-        line = drawing.shape(Marker.LINE_STRIP, frame, 'route', paint, (ROUTE_WIDTH, 0.0, 0.0),
-                             index)
-        line.points = drawing.points(curve.sample(STEP).tolist(), ROUTE_Z)
-        head = drawing.shape(Marker.TRIANGLE_LIST, frame, 'route_directions', paint,
-                             (1.0, 1.0, 1.0), index)
-        head.points = _head_at_middle(curve, 0.4, ROUTE_Z)
-        markers += [line, head]
-    return drawing.complete(markers)
+    def __init__(self, graph: Optional[Graph], dock_vertex: int, frame: str) -> None:
+        self._graph = graph
+        self._dock_vertex = dock_vertex
+        self._frame = frame
+        self._route_shapes: Dict[int, _Shape] = {}
+
+    def graph_markers(self, named: Optional[Mapping[str, drawing.XY]] = None) -> MarkerArray:
+        """Edges as their curves with an arrowhead to the destination, vertices with their ids.
+
+        A vertex is a ring, an end vertex two, the dock three. `named` are the places (m) of the
+        map's goals and docks by name: where one of them shows a vertex's id already, it is not
+        drawn twice.
+        """
+        if self._graph is None:
+            return drawing.complete([])
+        shapes = [_shape(self._graph.curve(edge), GRAPH_HEAD, GRAPH_Z)
+                  for edge in self._graph.edges]
+        rings: List[np.ndarray] = []
+        names: List[Marker] = []
+        for vertex in self._graph.vertices.values():
+            radii = [RING]
+            if self._graph.is_end_vertex(vertex.id):
+                radii.append(END_RING)
+            if vertex.id == self._dock_vertex:
+                radii.append(DOCK_RING)
+            rings += [drawing.segments(drawing.circle(vertex.position, radius), GRAPH_Z)
+                      for radius in radii]
+            goal = (named or {}).get(str(vertex.id))
+            if goal and math.dist(goal, vertex.position) <= NAMED_WITHIN:
+                continue
+            place = (vertex.x + radii[-1] + 0.12, vertex.y - radii[-1] - 0.05)  # off most edges
+            names.append(drawing.text(self._frame, 'vertex_ids', str(vertex.id), place, 0.3, GRAPH,
+                                      vertex.id, z=0.5))
+        return drawing.complete([
+            *self._edges('edges', 'directions', shapes, GRAPH, EDGE_WIDTH, 0),
+            self._lines('vertices', rings, GRAPH, EDGE_WIDTH, 0), *names])
+
+    def route_markers(self, route: Sequence[EdgeProgress]) -> MarkerArray:
+        """The route's edges, each with an arrowhead the way it is driven.
+
+        Done ones are green, the current one (the first that is not complete) yellow, those to come
+        blue, failed ones red. Edges that the graph does not know are left out.
+        """
+        graph = self._graph
+        if graph is None:
+            return drawing.complete([])
+        layers: Dict[int, int] = {}
+        current = next((edge for edge in route if edge.state != EdgeState.COMPLETE), None)
+        for edge in route:
+            if abs(edge.edge) in graph.edges:
+                layer = _LAYERS.index(_paint(edge, current))
+                layers[edge.edge] = max(layer, layers.get(edge.edge, 0))
+        markers: List[Marker] = []
+        for number, paint in enumerate(_LAYERS):
+            shapes = [self._route_shape(graph, edge) for edge, layer in layers.items()
+                      if layer == number]
+            if shapes:
+                markers += self._edges('route', 'route_directions', shapes, paint, ROUTE_WIDTH,
+                                       number)
+        return drawing.complete(markers)
+
+    def _route_shape(self, graph: Graph, edge: int) -> _Shape:
+        if edge not in self._route_shapes:
+            self._route_shapes[edge] = _shape(graph.curve(edge), ROUTE_HEAD, ROUTE_Z)
+        return self._route_shapes[edge]
+
+    def _edges(self, lines: str, heads: str, shapes: Sequence[_Shape], paint: ColorRGBA,
+               width: float, number: int) -> List[Marker]:
+        """Two markers, of these namespaces, for many edges."""
+        return [self._lines(lines, [shape.segments for shape in shapes], paint, width, number),
+                drawing.many(Marker.TRIANGLE_LIST, self._frame, heads, paint, (1.0, 1.0, 1.0),
+                                _joined(shape.head for shape in shapes), number)]
+
+    def _lines(self, namespace: str, segments: Sequence[np.ndarray], paint: ColorRGBA,
+               width: float, number: int) -> PointsMarker:
+        return drawing.many(Marker.LINE_LIST, self._frame, namespace, paint, (width, 0.0, 0.0),
+                               _joined(segments), number)
 
 
-def _head_at_middle(curve: Curve, length: float, z: float) -> List[Point]:
-    middle = min((curve.length + length) / 2, curve.length)
-    return drawing.arrowhead(curve.point_at(middle), curve.heading_at(middle), length, z)
+def _paint(edge: EdgeProgress, current: Optional[EdgeProgress]) -> ColorRGBA:
+    if edge.state == EdgeState.FAILED:
+        return FAILED
+    if edge.state == EdgeState.COMPLETE:
+        return COMPLETE
+    return CURRENT if edge is current else COMING
+
+
+def _shape(curve: Curve, head: float, z: float) -> _Shape:
+    samples = curve.sample(max(STEP, curve.length / MAX_SAMPLES))
+    middle = min((curve.length + head) / 2, curve.length)
+    return _Shape(drawing.segments(samples, z),
+                  drawing.arrowhead(curve.point_at(middle), curve.heading_at(middle), head, z))
+
+
+def _joined(blocks: Iterable[np.ndarray]) -> np.ndarray:
+    return np.concatenate([np.empty((0, 3)), *blocks])

@@ -1,18 +1,23 @@
-"""The robot's state as RViz shows it: body, red arrow, destination, a line of words.
+"""The robot's state as RViz shows it: body, red arrow, destination, and a banner above the map.
 
 Everything lives for `LIFETIME` and is sent again before that, so that nothing stays behind when the
 robot, its link or this program is gone. Metres, in the map frame.
 """
 from __future__ import annotations
 
+import copy
 import math
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
+import numpy as np
 import rospy
 from geometry_msgs.msg import Pose
+from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
+from omron_ld90 import robot_model
 from omron_ld90.nodes.rviz import drawing
+from omron_ld90.nodes.rviz.fast_messages import FastMarkerArray
 from omron_ld90.nodes.support.link_reports import words_of
 from omron_ld90.nodes.support.robot_health import LOW_CHARGE
 from omron_ld90_msgs.msg import LinkState, RobotStatus
@@ -24,18 +29,21 @@ GHOST = drawing.colour(0.6, 0.6, 0.65, 0.6)
 WELL = drawing.colour(0.92, 0.94, 0.97)
 CARE = drawing.colour(1.0, 0.80, 0.25)
 WRONG = drawing.colour(1.0, 0.38, 0.30)
-GHOST_SIZE = (0.70, 0.50, 0.40)  # m, the robot's
+GHOST_SIZE = (robot_model.LENGTH, robot_model.WIDTH, robot_model.HEIGHT)
+ARROW_Z = robot_model.HEIGHT + 0.07  # m, on top of the body
+AT_THE_DOCK = (RobotStatus.DOCKING, RobotStatus.DOCKED, RobotStatus.UNDOCKING,
+               RobotStatus.UNDOCKED)
 
 
-class Words(NamedTuple):
+class Banner(NamedTuple):
     """A line of text and its colour."""
 
     text: str
-    paint: object
+    paint: ColorRGBA
 
 
-def status_words(robot: str, status: Optional[RobotStatus], silent_for: float,
-                 links: List[LinkState], silence_limit: float) -> Words:
+def banner(robot: str, status: Optional[RobotStatus], silent_for: float,
+           links: Sequence[LinkState], silence_limit: float) -> Banner:
     """Name, battery, state and link of a robot in one line, and a reason when a link is not there.
 
     `silent_for` are the seconds since the last status.
@@ -43,7 +51,7 @@ def status_words(robot: str, status: Optional[RobotStatus], silent_for: float,
     broken = [link for link in links if link.state != LinkState.CONNECTED]
     parts, paint = [robot], WELL
     if status is not None and silent_for <= silence_limit:
-        if not math.isnan(status.state_of_charge):
+        if math.isfinite(status.state_of_charge):
             parts.append(f'battery {100 * status.state_of_charge:.0f} %')
             if 100 * status.state_of_charge < LOW_CHARGE:
                 paint = CARE
@@ -64,45 +72,47 @@ def status_words(robot: str, status: Optional[RobotStatus], silent_for: float,
         parts += [f'{link.link} link {words_of(link.state)}' for link in broken]
         reasons = [link.reason for link in broken if link.reason]
         if reasons:
-            return Words(' | '.join(parts) + '\n' + reasons[0], paint)
+            return Banner(' | '.join(parts) + '\n' + reasons[0], paint)
     elif links:
         parts.append('link ok')
-    return Words(' | '.join(parts), paint)
+    return Banner(' | '.join(parts), paint)
 
 
 def _doing(status: RobotStatus) -> str:
-    """The robot's words; a docked robot's, which are a record, in short."""
-    if status.docking_state and status.status.startswith('DockingState:'):
+    """The robot's words; at the dock, where they are a record of four fields, in short."""
+    if status.activity in AT_THE_DOCK and status.docking_state:
         return f'{status.docking_state}, charger {status.charge_state}'
     return status.status
 
 
-def status_markers(frame: str, words: Words, banner_at: drawing.XY, pose: Optional[Pose],
+def status_markers(frame: str, words: Banner, banner_at: drawing.XY, pose: Optional[Pose],
                    alive: bool, destination: Optional[Tuple[float, float]],
                    body: Sequence[Marker] = ()) -> MarkerArray:
-    """The words at `banner_at`; the robot's body and arrow, or a grey patch: last seen here."""
+    """The banner `words` at `banner_at`, and the robot at `pose`.
+
+    An `alive` robot is its body with an arrow, else a grey patch: last seen here.
+    """
     markers = [drawing.text(frame, 'status', words.text, banner_at, 0.42, words.paint)]
     if pose is not None and alive:
         arrow = drawing.shape(Marker.ARROW, frame, 'robot', ARROW, (0.9, 0.18, 0.1))
-        arrow.pose = Pose(position=pose.position, orientation=pose.orientation)
-        arrow.pose.position.z = 0.45
+        arrow.pose = copy.deepcopy(pose)
+        arrow.pose.position.z = ARROW_Z
         markers += [arrow, *body]
         if destination is not None:
             markers += _destination(frame, destination)
     elif pose is not None:
         ghost = drawing.shape(Marker.CUBE, frame, 'last_seen', GHOST, GHOST_SIZE)
-        ghost.pose = Pose(position=pose.position, orientation=pose.orientation)
+        ghost.pose = copy.deepcopy(pose)
         ghost.pose.position.z = GHOST_SIZE[2] / 2
         place = (pose.position.x, pose.position.y - 0.75)
         markers += [ghost, drawing.text(frame, 'last_seen_words', 'last seen here', place, 0.34,
                                         WRONG)]
     for marker in markers:
         marker.lifetime = rospy.Duration(LIFETIME)
-    return MarkerArray(markers=markers)
+    return FastMarkerArray(markers=markers)
 
 
 def _destination(frame: str, place: Tuple[float, float]) -> List[Marker]:
-    rings = drawing.shape(Marker.LINE_LIST, frame, 'destination', DESTINATION, (0.06, 0.0, 0.0))
-    for radius in (0.48, 0.62):
-        rings.points += drawing.segments(drawing.circle(place, radius), 0.05)
-    return [rings]
+    rings = [drawing.segments(drawing.circle(place, radius), 0.05) for radius in (0.48, 0.62)]
+    return [drawing.many(Marker.LINE_LIST, frame, 'destination', DESTINATION, (0.06, 0.0, 0.0),
+                         np.concatenate(rings))]

@@ -7,14 +7,14 @@ from __future__ import annotations
 
 import math
 import textwrap
-from typing import Optional, Tuple
+from typing import List, Optional, Tuple
 
 import rospy
 from std_msgs.msg import String
 from visualization_msgs.msg import Marker, MarkerArray
 
 from omron_ld90.nodes.rviz import drawing
-from omron_ld90.operator.arcl_news import Tone
+from omron_ld90.operator.notices import Notice, Severity
 
 TEXT_HEIGHT = 0.38  # m
 LINE_PITCH, CHARACTER_PITCH = 1.2, 0.48  # of the text's height
@@ -24,9 +24,9 @@ Z = 2.0  # m, above all else
 SHOWN_FOR = rospy.Duration(8.0)
 PANEL = drawing.colour(0.08, 0.09, 0.11, 0.85)
 COLOURS = {
-    Tone.NEWS: drawing.colour(1.0, 0.95, 0.6),
-    Tone.GOOD: drawing.colour(0.4, 1.0, 0.45),
-    Tone.BAD: drawing.colour(1.0, 0.5, 0.35),
+    Severity.INFO: drawing.colour(1.0, 0.95, 0.6),
+    Severity.GOOD: drawing.colour(0.4, 1.0, 0.45),
+    Severity.BAD: drawing.colour(1.0, 0.5, 0.35),
 }
 
 
@@ -45,21 +45,22 @@ class UserFeedback:
         """Keep the text between these x coordinates (m), as far as it fits."""
         self._west, self._east = west, east
 
-    def say(self, tone: Tone, text: str, place: Optional[Tuple[float, float]] = None) -> None:
-        """Show `text`, and log it."""
-        (rospy.logwarn if tone is Tone.BAD else rospy.loginfo)('%s', text)
-        self.show(tone, text, place)
+    def say(self, severity: Severity, text: str,
+            place: Optional[Tuple[float, float]] = None) -> None:
+        """Shows `text`, and logs it."""
+        (rospy.logwarn if severity is Severity.BAD else rospy.loginfo)('%s', text)
+        self.show(Notice(severity, text), place)
 
-    def show(self, tone: Tone, text: str, place: Optional[Tuple[float, float]] = None) -> None:
-        """Tell `text` at `place` (m, in the map), or where the robot was last."""
-        self._text.publish(text)
-        markers = self._draw(tone, text, place)
+    def show(self, notice: Notice, place: Optional[Tuple[float, float]] = None) -> None:
+        """Shows the notice at `place` (m, in the map), or where the robot was last."""
+        self._text.publish(notice.text)
+        markers = self._draw(notice, place)
         for marker in markers:
             marker.lifetime = SHOWN_FOR
         self._markers.publish(MarkerArray(markers=markers))
 
-    def _draw(self, tone: Tone, text: str, place: Optional[Tuple[float, float]]) -> list[Marker]:
-        lines = textwrap.wrap(text, COLUMNS)
+    def _draw(self, notice: Notice, place: Optional[Tuple[float, float]]) -> List[Marker]:
+        lines = textwrap.wrap(notice.text, COLUMNS) or ['']
         width = (max(map(len, lines)) + 2) * CHARACTER_PITCH * TEXT_HEIGHT
         height = (len(lines) * LINE_PITCH + 0.5) * TEXT_HEIGHT
         x, y = place or self.robot
@@ -69,4 +70,4 @@ class UserFeedback:
                               (width, height, 0.01))
         panel.pose = drawing.pose_at(middle, z=Z - 0.2)
         return [panel, drawing.text(self._frame, 'feedback', '\n'.join(lines), middle,
-                                    TEXT_HEIGHT, COLOURS[tone], z=Z)]
+                                    TEXT_HEIGHT, COLOURS[notice.severity], z=Z)]

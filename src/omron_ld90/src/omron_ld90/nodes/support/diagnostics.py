@@ -4,7 +4,10 @@ from __future__ import annotations
 from typing import Callable, Mapping
 
 import rospy
+from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper, Updater
+
+from omron_ld90.nodes.support.log_throttle import warn
 
 PERIOD = rospy.Duration(1.0)
 Task = Callable[[DiagnosticStatusWrapper], DiagnosticStatusWrapper]
@@ -18,6 +21,28 @@ def publish_diagnostics(hardware_id: str, tasks: Mapping[str, Task]) -> None:
     updater = Updater()
     updater.setHardwareID(hardware_id)
     for name, task in tasks.items():
-        updater.add(name, task)
+        updater.add(name, guarded(task))
     timer = rospy.Timer(PERIOD, lambda _: updater.force_update())
     rospy.on_shutdown(timer.shutdown)
+
+
+def guarded(task: Task) -> Task:
+    """The task, but one that fails says so itself, for an exception would end all diagnostics.
+
+    Text that is no Unicode, as some names in files are, is escaped for the same reason.
+    """
+    def ask(status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
+        try:
+            task(status)
+        except Exception as error:
+            warn('diagnostics', f'A part of the diagnostics failed: {error!r}')
+            status.summary(DiagnosticStatus.ERROR, f'this diagnosis failed: {error!r}')
+        status.message = _encodable(status.message)
+        for value in status.values:
+            value.value = _encodable(value.value)
+        return status
+    return ask
+
+
+def _encodable(text: str) -> str:
+    return text.encode('utf-8', 'backslashreplace').decode('utf-8')

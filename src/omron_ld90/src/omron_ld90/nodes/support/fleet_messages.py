@@ -1,20 +1,34 @@
-"""The one place where the fleet manager's messages (itrci_nav_msgs) become ours and back.
+"""The one place where the fleet manager's messages about routes become ours and back.
 
-The original definitions of INESC TEC are not public; adapting to another one is this file.
+The original definitions of INESC TEC (itrci_nav_msgs) are not public; adapting to another one is
+this file, and `trajectory_graph.messages` for the graph.
 """
 from __future__ import annotations
 
 import genpy
 
-from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, SymbolicPose, TargetRoute
-from itrci_nav_msgs.msg import Graph as GraphMessage
-from omron_ld90.bridge.route_protocol import RouteOrder, RouteReport
-from trajectory_graph import CurveType, Edge, Graph, GraphError, Vertex
+from itrci_nav_msgs.msg import (
+    EdgeState,
+    ExecutionRouteStates,
+    RouteRefused,
+    SymbolicPose,
+    TargetRoute,
+)
+from omron_ld90.bridge.route_protocol import RouteOrder, RouteRefusal, RouteReport
 
 
-def order_of(message: TargetRoute) -> RouteOrder:
-    """What a target route orders."""
-    return RouteOrder(message.route_id, tuple(message.edges), message.header.stamp.to_nsec())
+def order_of(message: TargetRoute, received: genpy.Time) -> RouteOrder:
+    """What a target route orders that was `received` now."""
+    return RouteOrder(message.route_id, tuple(message.edges), message.header.stamp.to_nsec(),
+                      received.to_nsec())
+
+
+def refusal_of(refusal: RouteRefusal, now: genpy.Time) -> RouteRefused:
+    """An order that is not taken up, as the fleet manager reads it."""
+    message = RouteRefused(route_id=refusal.route_id, edges=list(refusal.edges),
+                           reason=refusal.reason)
+    message.header.stamp = now
+    return message
 
 
 def states_of(report: RouteReport) -> ExecutionRouteStates:
@@ -29,20 +43,3 @@ def states_of(report: RouteReport) -> ExecutionRouteStates:
     message.symbolic_pose = SymbolicPose(report.pose.edge, report.pose.percentage)
     message.reason = report.reason
     return message
-
-
-def graph_of(message: GraphMessage) -> Graph:
-    """The graph in a message; raises GraphError when it is not valid."""
-    vertices = [Vertex(v.id, v.x, v.y, v.theta, v.theta_holonomic, v.label, v.frame_id)
-                for v in message.vertices]
-    return Graph(vertices, [
-        Edge(e.id, e.origin_id, e.destination_id, _curve_type(e), e.param_f, e.param_b,
-             e.velocity_forward, e.velocity_backwards) for e in message.edges])
-
-
-def _curve_type(edge) -> CurveType:
-    try:
-        return CurveType(edge.curve_type)
-    except ValueError:
-        raise GraphError(f'curve_type is {edge.curve_type!r}, but must be spline or line',
-                         'edge', edge.id) from None

@@ -1,10 +1,12 @@
 """Tells what a link does: latched on `link_state`, in /diagnostics, and in the log when it changes.
 
 Topics out:
-  link_state (omron_ld90_msgs/LinkState, latched): one message per link
+  link_state (omron_ld90_msgs/LinkState, latched): one message per link, again every second, so
+      that others know that the node is alive
 """
 from __future__ import annotations
 
+import threading
 import time
 from typing import Callable, Dict, Optional
 
@@ -12,7 +14,9 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
-from omron_arcl import Link, LinkPhase, SessionLog
+from omron_arcl import Link, LinkPhase, SessionLog, printable
+from omron_arcl.connection import is_host
+from omron_ld90.nodes.support.log_throttle import warn
 from omron_ld90.nodes.support.startup import ConfigurationError, parameter
 from omron_ld90_msgs.msg import LinkState
 
@@ -25,12 +29,22 @@ _STATES: Dict[LinkPhase, int] = {
 }
 _WORDS = {**{state: phase.value for phase, state in _STATES.items()},
           LinkState.MISCONFIGURED: 'misconfigured'}
+REPEATED = 1.0  # s between two messages about a link that has not changed
 _LASTING = (LinkPhase.DISCONNECTED, LinkPhase.WRONG_PASSWORD, LinkPhase.CONNECTED)
 
 
 def words_of(state: int) -> str:
     """A LinkState's `state`, for people."""
     return _WORDS.get(state, f'state {state}')
+
+
+def robot_host() -> str:
+    """`~robot_ip`: a name or an address; raises ConfigurationError for what can be neither."""
+    host = parameter('~robot_ip')
+    if not is_host(host):
+        raise ConfigurationError(f'Parameter {rospy.resolve_name("~robot_ip")} is '
+                                 f'"{printable(host)}", which is neither an address nor a name.')
+    return host
 
 
 def session_log() -> Optional[SessionLog]:
@@ -65,18 +79,27 @@ class LinkReporter:
         self._name = name
         self._log = log
         self._publisher = _publisher()
+        self._lock = threading.Lock()  # guards _message, so that no old one follows a newer one
+        self._message: Optional[LinkState] = None
         self._link: Optional[Link] = None
-        self._said: Optional[Link] = None
+        self._last_reported: Optional[Link] = None
         self._since = rospy.Time.now()
         self._connections = 0
         self._last_line: Optional[float] = None
         self._lines = 0
         self._counted = (time.monotonic(), 0)
+        timer = rospy.Timer(rospy.Duration(REPEATED), self._repeat)
+        rospy.on_shutdown(timer.shutdown)
 
     def line(self) -> None:
         """A line came."""
         self._last_line = time.monotonic()
         self._lines += 1
+
+    def _repeat(self, _event: rospy.timer.TimerEvent) -> None:
+        with self._lock:
+            if self._message is not None:
+                self._publisher.publish(self._message)
 
     def report(self, link: Link) -> None:
         """The link changed."""
@@ -86,15 +109,17 @@ class LinkReporter:
         message = LinkState(link=self._name, state=_STATES[link.phase], address=link.peer,
                             reason=link.reason)
         message.header.stamp = self._since
-        self._publisher.publish(message)
+        with self._lock:
+            self._message = message
+            self._publisher.publish(message)
         if link.connected:
             self._connections += 1
-        if link.phase in _LASTING and link != self._said:
-            self._said = link
+        if link.phase in _LASTING and link != self._last_reported:
+            self._last_reported = link
             if link.connected:
                 rospy.loginfo('Link "%s" to %s stands.', self._name, link.peer)
             else:
-                rospy.logwarn('Link "%s" to %s is down: %s.', self._name, link.peer, link.reason)
+                warn('link', f'Link "{self._name}" to {link.peer} is down: {link.reason}.')
 
     def diagnose(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
         """Task for diagnostic_updater."""
@@ -117,5 +142,7 @@ class LinkReporter:
         status.add('age of last line [s]',
                    'none yet' if self._last_line is None else f'{now - self._last_line:.2f}')
         if self._log:
+            if self._log.failure:
+                status.mergeSummary(DiagnosticStatus.WARN, f'session log: {self._log.failure}')
             status.add('session log', self._log.failure or self._log.path)
         return status

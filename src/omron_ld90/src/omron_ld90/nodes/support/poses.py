@@ -8,6 +8,9 @@ from geometry_msgs.msg import Pose, Quaternion, Transform
 
 from omron_ld90.units import metres, millimetres
 
+FARTHEST = metres(2 ** 31)  # m from the map's origin: ARCL and maps hold 32 bits of mm
+UNIT_TOLERANCE = 0.01  # of the square of a quaternion's length
+
 
 def quaternion_from_yaw(yaw: float) -> Quaternion:
     """Rotation about z by `yaw` radians."""
@@ -17,6 +20,14 @@ def quaternion_from_yaw(yaw: float) -> Quaternion:
 def yaw_from_quaternion(q: Quaternion) -> float:
     """Yaw in radians, in (-pi, pi], of any rotation."""
     return math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
+
+
+def is_plausible(pose: Pose) -> bool:
+    """Can a robot be there? Not at NaN, nor farther away than ARCL and maps can say."""
+    place, turn = pose.position, pose.orientation
+    norm = turn.x ** 2 + turn.y ** 2 + turn.z ** 2 + turn.w ** 2
+    return all(abs(value) <= FARTHEST for value in (place.x, place.y, place.z)) and (
+        abs(norm - 1.0) <= UNIT_TOLERANCE)
 
 
 def pose_from_robot(x_mm: float, y_mm: float, heading_deg: float) -> Pose:

@@ -7,17 +7,16 @@ from typing import Dict, Optional
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
-from omron_arcl import (
+from omron_arcl import ActivityKind, Reply, printable, read_activity
+from omron_arcl.replies import (
     DockingStatus,
     EStop,
     Fault,
     LocalizationScore,
     Motors,
     OneLineStatus,
-    Reply,
     StateOfCharge,
     StatusText,
-    parse_line,
 )
 
 LOW_CHARGE = 25.0  # %, where the robot's auto-dock begins by default
@@ -30,18 +29,19 @@ class RobotHealth:
     """Keeps the last word on each matter; `observe` every reply."""
 
     def __init__(self) -> None:
+        self.forget()
+
+    def forget(self) -> None:
+        """Nothing is known, as in the beginning and after the link broke."""
         self._observed: Optional[float] = None
         self._status = ''
+        self._lost = False
         self._charge: Optional[float] = None
         self._score: Optional[float] = None
         self._docking = ''
         self._emergency_stop = False
         self._motors: Optional[bool] = None
         self._faults: Dict[str, Fault] = {}
-
-    def forget(self) -> None:
-        """The link broke: what was known is history."""
-        self.__init__()
 
     def observe(self, reply: Reply) -> None:
         """Takes what a line tells of the robot's condition."""
@@ -57,7 +57,7 @@ class RobotHealth:
         elif isinstance(reply, LocalizationScore):
             self._score = reply.score
         elif isinstance(reply, DockingStatus):
-            self._docking = f'{reply.docking.value}, charge {reply.charge}'
+            self._docking = f'{reply.docking.value}, charge {printable(reply.charge)}'
         elif isinstance(reply, EStop):
             self._emergency_stop = reply.pressed or self._emergency_stop
             self._motors = False
@@ -74,11 +74,12 @@ class RobotHealth:
         self._observed = time.monotonic()
 
     def _observe_status(self, text: str) -> None:
-        self._status = text
-        doing = parse_line(text)
-        self._emergency_stop = isinstance(doing, EStop)
-        if isinstance(doing, (EStop, Motors, DockingStatus)):
-            self.observe(doing)
+        activity = read_activity(text)
+        self._status = printable(text)
+        self._lost = activity.kind is ActivityKind.LOST
+        self._emergency_stop = activity.kind is ActivityKind.EMERGENCY_STOP
+        if isinstance(activity.reply, (EStop, Motors, DockingStatus)):
+            self.observe(activity.reply)
 
     def diagnose(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
         """Task for diagnostic_updater: the worst of all."""
@@ -90,10 +91,10 @@ class RobotHealth:
                 (self._emergency_stop, DiagnosticStatus.ERROR, 'emergency stop'),
                 (self._motors is False and not self._emergency_stop, DiagnosticStatus.WARN,
                  'motors disabled'),
-                (self._status.lower().startswith('robot lost'), DiagnosticStatus.ERROR,
+                (self._lost, DiagnosticStatus.ERROR,
                  'the robot does not know where it is'),
                 (bool(self._faults), DiagnosticStatus.ERROR,
-                 'faults: ' + ', '.join(self._faults)),
+                 printable('faults: ' + ', '.join(list(self._faults)))),
                 (_below(self._score, LOW_SCORE), DiagnosticStatus.WARN, 'poorly localized'),
                 (_below(self._charge, EMPTY_CHARGE), DiagnosticStatus.ERROR, 'battery empty'),
                 (_below(self._charge, LOW_CHARGE), DiagnosticStatus.WARN, 'battery low')):

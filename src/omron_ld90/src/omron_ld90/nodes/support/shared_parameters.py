@@ -11,8 +11,17 @@ from trajectory_graph import Graph, GraphError, load_graph
 
 def base_frame() -> str:
     """`~base_frame`: the robot's frame, by default `<namespace>/base_link`."""
+    return parameter('~base_frame', _frame_of_robot('base_link'))
+
+
+def laser_frame() -> str:
+    """`~laser_frame`: the laser's frame, by default `<namespace>/laser_link`."""
+    return parameter('~laser_frame', _frame_of_robot('laser_link'))
+
+
+def _frame_of_robot(link: str) -> str:
     namespace = rospy.get_namespace().strip('/')
-    return parameter('~base_frame', f'{namespace}/base_link' if namespace else 'base_link')
+    return f'{namespace}/{link}' if namespace else link
 
 
 def trajectory_graph() -> Optional[Graph]:

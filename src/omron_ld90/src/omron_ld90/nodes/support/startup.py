@@ -1,7 +1,8 @@
-"""How every node starts: parameters are read strictly; a wrong one is said, shown, waited out.
+"""How every node starts: parameters are read strictly; a wrong one is logged and reported.
 
 Under `respawn` a node that exits on a wrong configuration would come back for ever. So it stays: it
-says what is wrong once, shows it as ERROR in /diagnostics, and waits for a restart.
+logs once what is wrong, shows it as ERROR in /diagnostics, and waits for its restart. Every node
+is watched for threads that stand still, and registers anew with a ROS master that was restarted.
 """
 from __future__ import annotations
 
@@ -16,6 +17,7 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
+from omron_ld90.nodes.support import master_watch, watchdog
 from omron_ld90.nodes.support.diagnostics import Task, publish_diagnostics
 
 REQUIRED = object()
@@ -46,12 +48,14 @@ def parameter(name: str, default: Any = REQUIRED, kind: Type = str) -> Any:
     return value
 
 
-def number(name: str, default: float, least: float = -math.inf, most: float = math.inf) -> float:
-    """A float parameter within `least`..`most`; raises ConfigurationError outside, or on nan."""
+def number(name: str, default: float, minimum: float = -math.inf,
+           maximum: float = math.inf) -> float:
+    """A float parameter within `minimum`..`maximum`; raises ConfigurationError outside, on nan."""
     value = parameter(name, default, float)
-    if not least <= value <= most:
+    if not minimum <= value <= maximum:
         raise ConfigurationError(
-            f'Parameter {rospy.resolve_name(name)} is {value}, but must lie in {least}..{most}.')
+            f'Parameter {rospy.resolve_name(name)} is {value}, but must lie in '
+            f'{minimum}..{maximum}.')
     return value
 
 
@@ -83,6 +87,8 @@ def run(name: str, start: Callable[[], Any],
     ending = threading.Event()
     rospy.on_shutdown(ending.set)
     _end_quietly(ending)
+    watchdog.Watchdog()
+    master_watch.watch_master()
     try:
         node = start()
     except ConfigurationError as error:

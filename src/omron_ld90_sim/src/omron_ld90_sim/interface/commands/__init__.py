@@ -13,6 +13,7 @@ from omron_ld90_sim.interface.commands import (
     inputs_outputs,
     map_objects,
     payload,
+    queuing,
     session,
     state,
     tasks,
@@ -21,4 +22,5 @@ from omron_ld90_sim.interface.commands.interpreter import execute
 from omron_ld90_sim.interface.commands.table import TABLE
 
 __all__ = ['TABLE', 'application_faults', 'configuration', 'data_store', 'driving', 'execute',
-           'external_io', 'inputs_outputs', 'map_objects', 'payload', 'session', 'state', 'tasks']
+           'external_io', 'inputs_outputs', 'map_objects', 'payload', 'queuing',
+           'session', 'state', 'tasks']

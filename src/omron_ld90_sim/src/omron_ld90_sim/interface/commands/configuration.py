@@ -14,17 +14,16 @@ from omron_ld90_sim.interface.commands.table import (
 )
 from omron_ld90_sim.interface.configuration import (
     ADDED,
-    FILES,
     FLAG,
     REAL,
     SEPARATOR,
-    SERVER,
     TEXT,
     WHOLE,
     Change,
     Parameter,
     Section,
 )
+from omron_ld90_sim.interface.configuration_table import FILES, SERVER
 
 NOT_STARTED = 'You need to start a config before you can {} it.'
 MAP = (FILES, 'Map')
@@ -154,8 +153,9 @@ def new_config_parameter(call: Call) -> None:
     if kind.lower() not in TYPES:
         raise CommandFailed(f"Bad type '{kind}'")
     try:
-        least, most = (None if bound.lower() == 'none' else float(bound) for bound in (low, high))
-        parameter = Parameter(name, TYPES[kind.lower()], default, description, least, most,
+        minimum, maximum = (None if bound.lower() == 'none' else float(bound)
+                            for bound in (low, high))
+        parameter = Parameter(name, TYPES[kind.lower()], default, description, minimum, maximum,
                               priority, '' if hint.lower() == 'none' else hint)
         parameter.check(default)
     except ValueError as error:

@@ -5,7 +5,7 @@ from omron_ld90_sim.interface.commands.table import Call, command
 from omron_ld90_sim.interface.data_store import FIELDS, GROUPS
 
 
-@command('getDataStoreFieldInfo', 'Gets the info on a field in the DataStore', '<field>', 1,
+@command('getDataStoreFieldInfo', 'Gets the info on a field in the Data Store', '<field>', 1,
          'dsfi')
 def field_info(call: Call) -> None:
     """Describes one field."""
@@ -13,7 +13,7 @@ def field_info(call: Call) -> None:
     call.reply('EndOfGetDataStoreFieldInfo')
 
 
-@command('getDataStoreFieldList', 'Gets the list of field names in the DataStore', shortcut='dsfl')
+@command('getDataStoreFieldList', 'Gets the list of field names in the Data Store', shortcut='dsfl')
 def field_list(call: Call) -> None:
     """Lists all fields of all groups."""
     for name in FIELDS:
@@ -21,7 +21,7 @@ def field_list(call: Call) -> None:
     call.reply('EndOfGetDataStoreFieldList')
 
 
-@command('getDataStoreFieldValues', 'Gets the values of a field in the DataStore', '<field>', 1,
+@command('getDataStoreFieldValues', 'Gets the values of a field in the Data Store', '<field>', 1,
          'dsfv')
 def field_values(call: Call) -> None:
     """Answers one field's value."""
@@ -30,7 +30,7 @@ def field_values(call: Call) -> None:
     call.reply('EndOfGetDataStoreFieldValues')
 
 
-@command('getDataStoreGroupInfo', 'Gets the info on a group in the DataStore', '<group>', 1,
+@command('getDataStoreGroupInfo', 'Gets the info on a group in the Data Store', '<group>', 1,
          'dsgi')
 def group_info(call: Call) -> None:
     """Describes one group and its fields."""
@@ -41,7 +41,7 @@ def group_info(call: Call) -> None:
     call.reply('EndOfGetDataStoreGroupInfo')
 
 
-@command('getDataStoreGroupList', 'Gets the list of groups in the DataStore', shortcut='dsgl')
+@command('getDataStoreGroupList', 'Gets the list of groups in the Data Store', shortcut='dsgl')
 def group_list(call: Call) -> None:
     """Lists the groups."""
     for name in GROUPS:
@@ -49,7 +49,7 @@ def group_list(call: Call) -> None:
     call.reply('EndOfGetDataStoreGroupList')
 
 
-@command('getDataStoreGroupValues', 'Gets the values of a group in the DataStore', '<group>', 1,
+@command('getDataStoreGroupValues', 'Gets the values of a group in the Data Store', '<group>', 1,
          'dsgv')
 def group_values(call: Call) -> None:
     """Answers the values of one group's fields."""
@@ -58,7 +58,7 @@ def group_values(call: Call) -> None:
     call.reply('EndOfGetDataStoreGroupValues')
 
 
-@command('getDataStoreTripGroupList', 'Gets the list of groups in the DataStore with trip values',
+@command('getDataStoreTripGroupList', 'Gets the list of groups in the Data Store with trip values',
          shortcut='dstgl')
 def trip_group_list(call: Call) -> None:
     """Lists the groups that a trip reset concerns."""
@@ -68,7 +68,7 @@ def trip_group_list(call: Call) -> None:
     call.reply('EndOfGetDataStoreTripGroupList')
 
 
-@command('tripReset', 'Resets the trip values in the DataStore', shortcut='tr')
+@command('tripReset', 'Resets the trip values in the Data Store', shortcut='tr')
 def trip_reset(call: Call) -> None:
     """Begins a new trip and answers its values, now zero."""
     store = call.server.data_store

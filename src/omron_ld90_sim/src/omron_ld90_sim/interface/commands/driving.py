@@ -56,6 +56,13 @@ def stop(call: Call) -> None:
     call.robot.stop()
 
 
+@command('go', 'Lets the robot go on')
+@command('stay', 'Lets the robot stay')
+def known_by_name(call: Call) -> None:
+    """Stands in the help lists of real robots; nobody has written down what it does or answers, so
+    it does and answers nothing."""
+
+
 @command('dock', 'Sends the robot to the dock')
 def dock(call: Call) -> None:
     """Drives to the nearest dock and into it; a docked robot stays."""
@@ -86,11 +93,9 @@ def query_dock_status(call: Call) -> None:
 
 @command('enableMotors', 'Enables the motors so the robot can drive again')
 def enable_motors(call: Call) -> None:
-    """Switches the motors on again."""
-    if call.robot.motors is Motors.ENABLED:
-        call.reply('Motors are enabled')
-    elif not call.robot.enable_motors():
-        call.reply('Estop pressed, cannot enable motors')
+    """Switches the motors on again; the answers are those of ARCL manual I617-E-02 p. 79."""
+    call.reply('Motors are enabled' if call.robot.enable_motors()
+               else 'Estop pressed cannot enable motors')
 
 
 @command('queryMotors', 'Queries the state of the motors')
@@ -130,12 +135,22 @@ def _localize(call: Call, pose: Pose, xy_spread: float, angle_spread: float, wha
 def distance_between(call: Call) -> None:
     """Answers the length of the way from one goal to another."""
     first, second = (find_goal(call, name) for name in call.arguments[:2])
-    start = Pose(first.x, first.y, first.theta)
+    length = _length(call, Pose(first.x, first.y, first.theta), second)
+    call.reply(f'DistanceBetween: {length:.0f} "{first.name}" "{second.name}"')
+
+
+@command('distanceFromHere', 'Gets the distance from here to a goal', '<goal>', 1)
+def distance_from_here(call: Call) -> None:
+    """Answers the length of the way to a goal, as clients of real robots read it."""
+    goal = find_goal(call, call.arguments[0])
+    call.reply(f'DistanceFromHere: {_length(call, call.robot.pose, goal):.0f} "{goal.name}"')
+
+
+def _length(call: Call, start: Pose, goal: MapObject) -> float:
     try:
-        way = call.robot.planner.plan(start, second.x, second.y)
+        return call.robot.planner.plan(start, goal.x, goal.y).length
     except NoWay as error:
         raise CommandFailed('Cannot find path') from error
-    call.reply(f'DistanceBetween: {way.length:.0f} "{first.name}" "{second.name}"')
 
 
 @command('applicationBlockDrivingSet', 'Sets an application blockDriving',

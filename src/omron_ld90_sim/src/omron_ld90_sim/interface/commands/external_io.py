@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Tuple
 
 from omron_ld90_sim.devices.equipment import find_name
-from omron_ld90_sim.devices.external_io import MOST_BITS, Bank, IoSet, parse_value
+from omron_ld90_sim.devices.external_io import MAXIMUM_BITS, Bank, IoSet, parse_value
 from omron_ld90_sim.interface.commands.table import Call, CommandFailed, command
 
 RESTART = 5.0       # s that the robot's software is gone after a set was removed
@@ -21,7 +21,7 @@ def _find(call: Call) -> IoSet:
 
 def _count(call: Call, index: int) -> int:
     count = call.number(index)
-    if not 0 <= count <= MOST_BITS or count != int(count):
+    if not 0 <= count <= MAXIMUM_BITS or count != int(count):
         raise CommandFailed(f"Bad number '{call.arguments[index]}'")
     return int(count)
 

@@ -65,7 +65,8 @@ def analog_input_list(call: Call) -> None:
     for line in ANALOG_HELP:
         call.reply(f'AnalogInputListHelper: {line}')
     for name, analog in call.robot.equipment.analog_inputs.items():
-        call.reply(f'AnalogInputList: {analog.least:g} {analog.most:g} {analog.most_raw} {name}')
+        call.reply(f'AnalogInputList: {analog.minimum:g} {analog.maximum:g} '
+                   f'{analog.maximum_raw} {name}')
     call.reply('End of AnalogInputList')
 
 

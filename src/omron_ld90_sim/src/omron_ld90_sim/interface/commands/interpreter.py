@@ -8,7 +8,7 @@ from omron_ld90_sim.interface.commands.table import TABLE, Call, CommandFailed, 
 from omron_ld90_sim.interface.server import ArclServer
 from omron_ld90_sim.interface.session import Session
 
-_VARIABLE = re.compile(r'\$([gymdHMSTXY])')
+_VARIABLE = re.compile(r'\$([gymdHMSTXYhstx])')
 
 
 def execute(server: ArclServer, session: Session, line: str) -> None:
@@ -17,11 +17,11 @@ def execute(server: ArclServer, session: Session, line: str) -> None:
     line = _VARIABLE.sub(lambda match: variables[match.group(1)], line)
     name, rest = [*line.split(None, 1), '', ''][:2]
     row = TABLE.get(name.lower())
-    if row is None:
+    if row is None or row.name.lower() in server.dialect.missing:
         session.send(f'Unknown command {name}')
         return
     call = Call(server, session, line, rest)
-    if len(call.arguments) < row.least:
+    if len(call.arguments) < row.required:
         session.send(f'usage: {row.usage}')
         return
     try:
@@ -34,9 +34,14 @@ def execute(server: ArclServer, session: Session, line: str) -> None:
 
 
 def _variables(server: ArclServer) -> Dict[str, str]:
-    """What `$g`, `$y` and so on in a command line stand for (ARCL manual I617-E-01 p. 51)."""
+    """What `$g`, `$y` and so on in a command line stand for (ARCL manual I617-E-01 p. 51).
+
+    I617-E-02 p. 45 has them in lower case; so they are understood, too, but for `$m` and `$y`,
+    which are the month and the year.
+    """
     robot, now = server.robot, server.wall_time()
     x, y, theta = (int(round(value)) for value in (robot.pose.x, robot.pose.y, robot.pose.theta))
-    return {'g': robot.last_goal, 'y': f'{now.tm_year}', 'm': f'{now.tm_mon:02d}',
-            'd': f'{now.tm_mday:02d}', 'H': f'{now.tm_hour:02d}', 'M': f'{now.tm_min:02d}',
-            'S': f'{now.tm_sec:02d}', 'T': f'{theta}', 'X': f'{x}', 'Y': f'{y}'}
+    values = {'g': robot.last_goal, 'y': f'{now.tm_year}', 'm': f'{now.tm_mon:02d}',
+              'd': f'{now.tm_mday:02d}', 'H': f'{now.tm_hour:02d}', 'M': f'{now.tm_min:02d}',
+              'S': f'{now.tm_sec:02d}', 'T': f'{theta}', 'X': f'{x}', 'Y': f'{y}'}
+    return {**{name.lower(): value for name, value in values.items()}, **values}

@@ -2,13 +2,13 @@
 from __future__ import annotations
 
 from omron_ld90_sim.interface.commands.table import Call, CommandFailed, command, help_lines
-from omron_ld90_sim.interface.configuration import OUTGOING
+from omron_ld90_sim.interface.configuration_table import OUTGOING
 
 
 @command('help', 'gives the listing of available commands')
 def show_help(call: Call) -> None:
     """Prints the command list again."""
-    for line in help_lines():
+    for line in help_lines(call.server.dialect):
         call.reply(line)
 
 
@@ -56,6 +56,6 @@ def connect_outgoing(call: Call) -> None:
 
 @command('shutDown', 'Shuts down the robot')
 def shut_down(call: Call) -> None:
-    """Switches the robot off; the program goes on without answering until it is ended."""
-    call.robot.halt()
-    call.server.shut_down()
+    """Switches the robot off, without a word (ARCL manual I617-E-02 p. 240); the program goes on
+    without answering until it is ended."""
+    call.server.switch_off()

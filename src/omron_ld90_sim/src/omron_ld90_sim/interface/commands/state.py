@@ -9,10 +9,20 @@ from omron_ld90_sim.interface.commands.table import Call, CommandFailed, command
 LASER = 'Laser_1'
 TEMPERATURE = 36        # deg C
 
-# A robot's own infos, of those in I617-E-02 p. 126 the ones whose form is known (p. 124 and the
-# manual of a public client). Not here: laser, fault flags, packets and load of the processor.
+# A robot's own infos: those of I617-E-02 p. 124 and 126, and those that clients of real robots ask
+# for, who read numbers from them. Of what is not simulated the values are plausible constants.
 INFOS: Dict[str, Callable[[Robot], object]] = {
+    'WirelessLink': lambda robot: 100,
+    'WirelessQuality': lambda robot: 70,
     'Odometer(KM)': lambda robot: int(robot.base.driven / 1e6),
+    'HourMeter': lambda robot: int(robot.clock.now / 3600.0),
+    'Temperature(C)': lambda robot: TEMPERATURE,
+    'LaserScore': lambda robot: round(robot.localization.score * 100.0),
+    'LaserLock': lambda robot: int(not robot.lost),
+    'LaserNumSamples': lambda robot: 2000,
+    'LaserNumPeaks': lambda robot: 1,
+    'MPacs': lambda robot: 10,
+    'Laser_1 Pacs': lambda robot: 15,
     'Flags': lambda robot: 400,
     'SBC Uptime': lambda robot: int(robot.clock.now),
     'ARAM Uptime': lambda robot: int(robot.clock.now),
@@ -75,7 +85,8 @@ def odometer_reset(call: Call) -> None:
 def get_goals(call: Call) -> None:
     """Lists the goals in map order; docks are not goals."""
     for goal in call.robot.document.goals:
-        call.reply(f'Goal: {goal.name}')
+        name = f'"{goal.name}"' if call.server.dialect.quoted_goals else goal.name
+        call.reply(f'Goal: {name}')
     call.reply('End of goals')
 
 

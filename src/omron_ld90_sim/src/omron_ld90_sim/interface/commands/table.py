@@ -1,16 +1,15 @@
 """The command table: every ARCL command with its help text, arguments and handler."""
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from typing import Callable, Dict, Iterable, List, Optional
 
 from omron_ld90_sim.behaviour.robot import Robot
+from omron_ld90_sim.behaviour.task import split_words
 from omron_ld90_sim.devices.equipment import find_name
+from omron_ld90_sim.interface.dialect import Dialect, HelpLayout
 from omron_ld90_sim.interface.server import ArclServer
 from omron_ld90_sim.interface.session import Session
-
-_ARGUMENT = re.compile(r'"([^"]*)"?|(\S+)')
 
 
 class CommandFailed(Exception):
@@ -38,8 +37,7 @@ class Call:
     @property
     def arguments(self) -> List[str]:
         """The arguments, without their quotes."""
-        return [m.group(1) if m.group(2) is None else m.group(2)
-                for m in _ARGUMENT.finditer(self.rest)]
+        return split_words(self.rest)
 
     @property
     def text(self) -> str:
@@ -85,25 +83,24 @@ class Command:
     name: str
     description: str
     usage: str
-    least: int          # arguments without which the usage is answered
+    required: int          # arguments without which the usage is answered
     shortcut: str
     handler: Handler
 
-    @property
-    def help_line(self) -> str:
-        """The row in the help list: name right-aligned in 15, 10 blanks, description."""
+    def help_line(self, layout: HelpLayout) -> str:
+        """The row in the help list."""
         shortcut = f' [{self.shortcut}]' if self.shortcut else ''
-        return f'{self.name:>15s}{"":10s}{self.description}{shortcut}'
+        return layout.value.format(self.name, self.description + shortcut)
 
 
 TABLE: Dict[str, Command] = {}
 
 
-def command(name: str, description: str, usage: str = '', least: int = 0,
+def command(name: str, description: str, usage: str = '', required: int = 0,
             shortcut: str = '') -> Callable[[Handler], Handler]:
     """Enters a handler into the table under its name and shortcut, both case-insensitive."""
     def enter(handler: Handler) -> Handler:
-        row = Command(name, description, f'{name} {usage}'.strip(), least, shortcut, handler)
+        row = Command(name, description, f'{name} {usage}'.strip(), required, shortcut, handler)
         for key in filter(None, (name.lower(), shortcut.lower())):
             assert key not in TABLE, f'two commands named {key}'
             TABLE[key] = row
@@ -112,7 +109,11 @@ def command(name: str, description: str, usage: str = '', least: int = 0,
     return enter
 
 
-def help_lines() -> List[str]:
+def help_lines(dialect: Dialect) -> List[str]:
     """The command list as the server prints it."""
-    rows = sorted(set(TABLE.values()), key=lambda row: row.name.lower())
-    return ['Commands:', *(row.help_line for row in rows), 'End of commands']
+    hidden = dialect.unlisted | dialect.missing
+    rows = sorted((row for row in set(TABLE.values()) if row.name.lower() not in hidden),
+                  key=lambda row: row.name.lower())
+    if dialect.help_layout is HelpLayout.NONE:
+        rows = []
+    return ['Commands:', *(row.help_line(dialect.help_layout) for row in rows), 'End of commands']

@@ -1,0 +1,118 @@
+"""route_visualisation under long routes and forged reports: its memory and its share of a core.
+
+The floor is the same node with the report of an ordinary route at the same rate.
+"""
+from __future__ import annotations
+
+import os
+import signal
+import statistics
+import subprocess
+import time
+from pathlib import Path
+from typing import Callable, Iterator, List, NamedTuple, Tuple
+
+import rosgraph
+import rospy
+from stack import cpu_seconds
+
+from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates
+from ports import free_port
+
+ROOT = Path(__file__).resolve().parents[2]
+RATE, SECONDS, RUNS = 10.0, 10.0, 3
+SHORT, LONG, FORGED = 24, 10_000, 1_000_000  # edges
+Reports = Iterator[ExecutionRouteStates]
+
+
+class Load(NamedTuple):
+    """What the node needs for some reports: MB it grew by at most, and its share of a core."""
+
+    growth: float
+    share: float
+
+
+def advancing(edges: int) -> Reports:
+    """Reports of one route, each with one more edge complete."""
+    ids = [3, 4, 31, -31, -4, -3]
+    states = [EdgeState(ids[index % len(ids)], EdgeState.PROCESSING) for index in range(edges)]
+    done = 0
+    while True:
+        yield ExecutionRouteStates(route_id=1, edge_states=states)
+        states[done % edges].state = EdgeState.COMPLETE
+        done += 1
+
+
+def with_forged(edges: int) -> Reports:
+    """The same, and one in twenty is of a million edges."""
+    forged = ExecutionRouteStates(route_id=2, edge_states=[EdgeState(3, 1)] * FORGED)
+    for number, report in enumerate(advancing(edges)):
+        yield forged if number % 20 == 19 else report
+
+
+def resident(pid: int) -> float:
+    """Memory of a process, MB."""
+    status = Path(f'/proc/{pid}/status').read_text()
+    return int(status.split('VmRSS:')[1].split()[0]) / 1000.0
+
+
+def measure(reports: Callable[[], Reports]) -> Load:
+    """A new node, shown `reports` for a while."""
+    node = subprocess.Popen(
+        [str(ROOT / 'src/omron_ld90/nodes/route_visualisation'), '__ns:=omron_ld90',
+         f'_graph_file:={ROOT}/maps/lab_graph.yaml', '_dock_vertex:=16'],
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    publisher = rospy.Publisher('/omron_ld90/execution_route_states', ExecutionRouteStates,
+                                queue_size=2)
+    try:
+        while publisher.get_num_connections() == 0:
+            time.sleep(0.05)
+        before, largest = resident(node.pid), 0.0
+        used, begin = cpu_seconds(node.pid)[1], time.monotonic()
+        for report in reports():
+            publisher.publish(report)
+            largest = max(largest, resident(node.pid))
+            if time.monotonic() - begin > SECONDS:
+                break
+            time.sleep(1.0 / RATE)
+        share = (cpu_seconds(node.pid)[1] - used) / (time.monotonic() - begin)
+        return Load(largest - before, share)
+    finally:
+        publisher.unregister()
+        node.send_signal(signal.SIGINT)
+        node.wait(10)
+
+
+def median(reports: Callable[[], Reports]) -> Load:
+    """Of several runs."""
+    growths, shares = zip(*(measure(reports) for _ in range(RUNS)))
+    return Load(statistics.median(growths), statistics.median(shares))
+
+
+def main() -> None:
+    """Print the table."""
+    port = free_port()
+    os.environ['ROS_MASTER_URI'] = f'http://127.0.0.1:{port}'
+    core = subprocess.Popen(['roscore', '-p', str(port)], stdout=subprocess.DEVNULL,
+                            stderr=subprocess.DEVNULL)
+    try:
+        while not rosgraph.Master('/bench').is_online():
+            time.sleep(0.05)
+        rospy.init_node('bench', disable_signals=True)
+        rows: List[Tuple[str, Load]] = [
+            (name, median(reports)) for name, reports in (
+                (f'a route of {SHORT} edges (floor)', lambda: advancing(SHORT)),
+                (f'a route of {LONG:,} edges', lambda: advancing(LONG)),
+                (f'the same, and a forged report of {FORGED:,} edges every 2 s',
+                 lambda: with_forged(LONG)))]
+    finally:
+        core.send_signal(signal.SIGINT)
+        core.wait(10)
+    print(f'| `route_visualisation`, reports at {RATE:g} Hz for {SECONDS:g} s '
+          '| memory grew by | share of a core |\n|---|---|---|')
+    for name, load in rows:
+        print(f'| {name} | {load.growth:.0f} MB | {100 * load.share:.0f} % |')
+
+
+if __name__ == '__main__':
+    main()

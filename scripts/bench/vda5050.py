@@ -1,0 +1,389 @@
+#!/usr/bin/env python3
+"""VDA 5050: latencies through the adapter beside bare MQTT, many vehicles on one broker, driving.
+
+A mosquitto of its own on loopback; the stack with a simulated LD-90; the ARCL line goes through a
+relay that notes when the first command of an order passes.
+"""
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import signal
+import socket
+import statistics
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import uuid
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Callable, Dict, Iterator, List, Sequence, Tuple
+
+import rosgraph
+import rospy
+from stack import cpu_seconds, descendants
+from std_msgs.msg import Bool
+
+from ports import free_port
+from trajectory_graph import load_graph
+from vda5050_vehicle.conformance.bench import OwnBroker
+from vda5050_vehicle.conformance.layout import track_on
+from vda5050_vehicle.conformance.master import Master
+from vda5050_vehicle.conformance.track import Track
+from vda5050_vehicle.mqtt.link import Broker, MqttLink, make_client
+
+ROOT = Path(__file__).resolve().parents[2]
+PREFIX = 'uagv/v2/OMRON/omron_ld90'
+DOCK = 16
+MISSION = (DOCK, 18, 39, 52, 6, DOCK)
+RUNS = 5
+CHANGES = 200
+ORDERS = 15
+VEHICLES, RATE, SECONDS = 50, 2.0, 20.0
+AHEAD = 8.0  # m that the base is kept ahead
+
+
+class Relay:
+    """Carries TCP to the robot and back; `seen` has the times at which a driving command passed."""
+
+    def __init__(self, robot_port: int) -> None:
+        self.port = free_port()
+        self.seen: List[float] = []
+        self._robot_port = robot_port
+        self._listener = socket.create_server(('127.0.0.1', self.port))
+        threading.Thread(target=self._serve, daemon=True).start()
+
+    def _serve(self) -> None:
+        while True:
+            near, _ = self._listener.accept()
+            try:
+                far = socket.create_connection(('127.0.0.1', self._robot_port))
+            except OSError:
+                near.close()
+                continue
+            for sock in (near, far):
+                sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            for source, target, watch in ((near, far, True), (far, near, False)):
+                threading.Thread(target=self._carry, args=(source, target, watch),
+                                 daemon=True).start()
+
+    def _carry(self, source: socket.socket, target: socket.socket, watch: bool) -> None:
+        try:
+            while True:
+                data = source.recv(65536)
+                if watch and (b'goto' in data or b'dock' in data):
+                    self.seen.append(time.monotonic())
+                if not data:
+                    break
+                target.sendall(data)
+        except OSError:
+            pass  # one side has closed: so does the other
+        for sock in (source, target):
+            sock.close()
+
+
+@contextmanager
+def stack(broker: Broker, sim_speed: float, folder: Path) -> Iterator[Tuple[Relay, int]]:
+    """The stack under a ROS master of its own; yields the relay and roslaunch's process id."""
+    master_port, robot_port, outgoing = free_port(), free_port(), free_port()
+    relay = Relay(robot_port)
+    launch, vehicle = folder / 'bench.launch', folder / 'vehicle.yaml'
+    vehicle.write_text((ROOT / 'src/vda5050_vehicle/config/ld90/vehicle.yaml').read_text()
+                       + '  field_violation: {topic: bench, type: std_msgs/Bool, field: data}\n')
+    launch.write_text(f'''<launch>
+  <include file="{ROOT}/launch/sim.launch">
+    <arg name="arcl_port" value="{robot_port}"/><arg name="outgoing_port" value="{outgoing}"/>
+    <arg name="sim_speed" value="{sim_speed}"/>
+  </include>
+  <include file="{ROOT}/launch/robot.launch">
+    <arg name="arcl_port" value="{relay.port}"/><arg name="outgoing_port" value="{outgoing}"/>
+    <arg name="password_file" value="$(find omron_ld90_sim)/config/simulator_password"/>
+    <arg name="map_file" value="{ROOT}/maps/lab.map"/>
+    <arg name="graph_file" value="{ROOT}/maps/lab_graph.yaml"/>
+    <arg name="dock_vertex" value="{DOCK}"/>
+  </include>
+  <group ns="omron_ld90">
+    <node name="robot_state_publisher" pkg="omron_ld90" type="robot_state_publisher"/>
+  </group>
+  <include file="{ROOT}/launch/vda5050.launch">
+    <arg name="broker" value="{broker.host}:{broker.port}"/>
+    <arg name="graph_file" value="{ROOT}/maps/lab_graph.yaml"/>
+    <arg name="vehicle_file" value="{vehicle}"/>
+    <arg name="journal" value="{folder}/journal_{uuid.uuid4().hex}.json"/>
+  </include>
+</launch>''')
+    os.environ['ROS_MASTER_URI'] = f'http://127.0.0.1:{master_port}'
+    process = subprocess.Popen(['roslaunch', '-p', str(master_port), str(launch)],
+                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    try:
+        yield relay, process.pid
+    finally:
+        process.send_signal(signal.SIGINT)
+        process.wait(30)
+
+
+def percentile(values: Sequence[float], share: float) -> float:
+    """E.g. share 0.99; in the values' unit."""
+    return sorted(values)[min(int(len(values) * share), len(values) - 1)]
+
+
+def milliseconds(values: Sequence[float]) -> str:
+    """p50 and p99 for a table."""
+    return f'{1e3 * statistics.median(values):.2f} ms, {1e3 * percentile(values, 0.99):.2f} ms'
+
+
+def ready(master: Master) -> None:
+    """The vehicle is well, at the dock."""
+    master.wait(lambda s: s['lastNodeId'] and not s['errors'], 60, 'a vehicle that is well')
+
+
+def bare_mqtt(broker: Broker, payload: bytes) -> List[float]:
+    """The floor: a message of the same size from one client to another."""
+    arrived: List[float] = []
+    event = threading.Event()
+    clients = [make_client(f'bare_{uuid.uuid4().hex[:8]}') for _ in range(2)]
+    clients[1].on_message = lambda *_: (arrived.append(time.monotonic()), event.set())
+    for client in clients:
+        client.connect(broker.host, broker.port)
+        client.loop_start()
+    clients[1].subscribe('bare')
+    time.sleep(0.5)  # the subscription has no acknowledgement here that both paho versions share
+    latencies = []
+    for _ in range(CHANGES):
+        event.clear()
+        begun = time.monotonic()
+        clients[0].publish('bare', payload)
+        event.wait(2.0)
+        latencies.append(arrived[-1] - begun)
+        time.sleep(0.01)
+    for client in clients:
+        client.loop_stop()
+        client.disconnect()
+    return latencies
+
+
+def ros_to_mqtt(master: Master) -> List[float]:
+    """From publishing a field violation on ROS to the state at a subscriber of MQTT."""
+    publisher = rospy.Publisher('/omron_ld90/bench', Bool, queue_size=1, tcp_nodelay=True)
+    deadline = time.monotonic() + 30.0
+    while not any(info[1].endswith('vda5050_vehicle')
+                  for info in publisher.impl.get_stats_info()):
+        if time.monotonic() > deadline:
+            raise SystemExit('the adapter does not subscribe its signal')
+        time.sleep(0.05)
+    latencies = []
+    for number in range(CHANGES):
+        pressed = number % 2 == 0
+        heard = master.count()
+        begun = time.monotonic()
+        publisher.publish(pressed)
+        master.wait(lambda s, wanted=pressed: s['safetyState']['fieldViolation'] == wanted, 5.0,
+                    'the change', after=heard)
+        latencies.append(first_with(master, heard, pressed) - begun)
+        time.sleep(0.02)
+    publisher.unregister()
+    return latencies
+
+
+def first_with(master: Master, heard: int, pressed: bool) -> float:
+    """When the first state with this field violation came."""
+    for state, moment in zip(master.messages['state'][heard:], master.arrivals['state'][heard:]):
+        if state['safetyState']['fieldViolation'] == pressed:
+            return moment
+    raise SystemExit('the change was lost')
+
+
+def drive(master: Master, track: Track, send: Callable[[str], int]) -> float:
+    """Seconds from an order, sent by `send`, to its end."""
+    order_id = uuid.uuid4().hex[:8]
+    begun = time.monotonic()
+    heard = send(order_id)
+    master.wait(lambda s: s['orderId'] == order_id and not s['nodeStates'] and not s['driving'],
+                400.0, 'the end of the order', after=heard)
+    return time.monotonic() - begun
+
+
+def whole(master: Master, track: Track) -> Callable[[str], int]:
+    """The order in one message."""
+    return lambda order_id: master.send('order', track.order(order_id))
+
+
+def by_single_edges(master: Master, track: Track, lengths: Sequence[float],
+                    ) -> Callable[[str], int]:
+    """The order edge by edge, so that the base ends `AHEAD` m or more ahead of the vehicle."""
+    def send(order_id: str) -> int:
+        base, update = 1, 0
+        heard = master.send('order', track.part(0, 1).order(order_id))
+        while base < len(track.edges):
+            state = master.state
+            if state['orderId'] == order_id:
+                passed = state['lastNodeSequenceId'] // 2
+                ahead = sum(lengths[passed:base]) - state.get('distanceSinceLastNode', 0.0)
+                if ahead < AHEAD + max(lengths) and base - passed < 40:
+                    update += 1
+                    master.send('order', track.part(base, base + 1).order(
+                        order_id, update, first_sequence=2 * base))
+                    base += 1
+                    continue
+            time.sleep(0.02)
+        return heard
+    return send
+
+
+def order_to_arcl(master: Master, relay: Relay, graph) -> List[float]:
+    """From sending an order to the first byte of its command on the ARCL line."""
+    latencies = []
+    there = track_on(graph, (8, 10), 'map')
+    for track in (there, there.reversed()) * (ORDERS // 2 + 1):
+        passed = len(relay.seen)
+        begun = time.monotonic()
+        drive(master, track, whole(master, track))
+        latencies.append(relay.seen[passed] - begun)
+    return latencies[:ORDERS]
+
+
+def many_vehicles(broker: Broker, payload: Dict[str, object]) -> Tuple[int, int, List[float]]:
+    """Sent, received, latencies of states of many vehicles on one broker."""
+    arrived: List[float] = []
+    subscriber = make_client('many')
+    subscriber.on_message = lambda _c, _u, message: arrived.append(
+        time.monotonic() - json.loads(message.payload)['sent'])
+    subscriber.connect(broker.host, broker.port)
+    subscriber.subscribe('uagv/v2/+/+/state')
+    subscriber.loop_start()
+    links = [MqttLink(broker, f'uagv/v2/bench/{n}', f'bench_{n}', lambda state: b'{}',
+                      lambda *_: None, lambda *_: None) for n in range(VEHICLES)]
+    for link in links:
+        link.start()
+    while not all(link.connected for link in links):
+        time.sleep(0.05)
+    sent, begun = 0, time.monotonic()
+    while time.monotonic() - begun < SECONDS:
+        due = begun + sent / (VEHICLES * RATE)
+        time.sleep(max(due - time.monotonic(), 0.0))
+        message = json.dumps({**payload, 'sent': time.monotonic()}).encode()
+        links[sent % VEHICLES].publish('state', message)
+        sent += 1
+    time.sleep(1.0)
+    received = list(arrived)
+    for link in links:
+        link.close()
+    subscriber.loop_stop()
+    subscriber.disconnect()
+    return sent, len(received), received
+
+
+def returns(master: Master, own_broker: OwnBroker) -> List[float]:
+    """Seconds from the broker's return to ONLINE."""
+    found = []
+    for _ in range(RUNS):
+        heard = master.count('connection')
+        own_broker.kill()
+        time.sleep(2.0)
+        own_broker.start()
+        begun = time.monotonic()
+        master.wait(lambda m: m['connectionState'] == 'ONLINE', 20.0, 'ONLINE', 'connection',
+                    heard)
+        found.append(time.monotonic() - begun)
+    return found
+
+
+def share_of_core(pid: int, seconds: float) -> float:
+    """CPU of the adapter, as a share of one core."""
+    adapter = next(child for child in descendants(pid)
+                   if cpu_seconds(child)[0] == 'vda5050_vehicle')
+    before = cpu_seconds(adapter)[1]
+    time.sleep(seconds)
+    return (cpu_seconds(adapter)[1] - before) / seconds
+
+
+def wait_for_master() -> None:
+    """Until roscore answers."""
+    while not rosgraph.Master('/bench').is_online():
+        time.sleep(0.05)
+
+
+def part_latency(broker: Broker, own_broker: OwnBroker, folder: Path) -> None:
+    """Latencies, many vehicles, return of the broker, CPU; robot in its own time."""
+    graph = load_graph(ROOT / 'maps' / 'lab_graph.yaml')
+    master = Master(broker, PREFIX)
+    with stack(broker, 1.0, folder) as (_, pid):
+        wait_for_master()
+        rospy.init_node('vda5050_bench', anonymous=True, disable_signals=True)
+        ready(master)
+        changes = ros_to_mqtt(master)
+        bare = bare_mqtt(broker, json.dumps(master.state).encode())
+        row('ROS change to MQTT subscriber, p50, p99', milliseconds(changes), milliseconds(bare),
+            'p50 < 1.5 ms, p99 < 10 ms')
+        way = track_on(graph, (DOCK, 35), 'map')
+        master.send('order', way.order('cpu'))
+        master.wait(lambda s: s['driving'], 20.0, 'driving')
+        row('adapter while driving, share of a core', f'{100 * share_of_core(pid, 15.0):.1f} %',
+            '', '< 3 %')
+        back = returns(master, own_broker)
+        row(f'back after the broker, median and longest of {RUNS}',
+            f'{statistics.median(back):.1f} s, {max(back):.1f} s', '', '< 3 s')
+    master.close()
+    state = json.dumps(master.state)
+    payload = {'filling': state + 'x' * max(3000 - len(state), 0)}
+    sent, received, latencies = many_vehicles(broker, payload)
+    row(f'{VEHICLES} vehicles at {RATE:g} Hz, 3 kB: lost of {sent}; p50, p99',
+        f'{sent - received}; {milliseconds(latencies)}', milliseconds(bare),
+        'none, p99 < 20 ms')
+
+
+def part_mission(broker: Broker, folder: Path) -> None:
+    """Orders to the ARCL line; the mission of the laboratory at once, and by single edges."""
+    graph = load_graph(ROOT / 'maps' / 'lab_graph.yaml')
+    track = track_on(graph, MISSION, 'map')
+    lengths = [graph.curve(int(edge)).length for edge in track.edges]
+    master = Master(broker, PREFIX)
+    speed = 4.0
+    times: Dict[str, List[float]] = {'whole': [], 'single': []}
+    with stack(broker, speed, folder) as (relay, _):
+        ready(master)
+        way = track_on(graph, (DOCK, 8), 'map')
+        drive(master, way, whole(master, way))
+        first = order_to_arcl(master, relay, graph)
+        row('order to first ARCL byte, p50, p99', milliseconds(first), '', 'p50 < 10 ms')
+        drive(master, way, whole(master, way.reversed()))
+        for _ in range(2):
+            times['whole'].append(speed * drive(master, track, whole(master, track)))
+            times['single'].append(speed * drive(master, track,
+                                                 by_single_edges(master, track, lengths)))
+    master.close()
+    base, single = (statistics.median(times[name]) for name in ('whole', 'single'))
+    row(f'mission of {len(track.edges)} edges by single-edge updates, base kept {AHEAD:g} m ahead '
+        '(robot\'s seconds)', f'{single:.1f} s', f'{base:.1f} s, one order',
+        f'within 3 %: {100 * (single / base - 1):+.1f} %')
+
+
+def row(figure: str, value: str, floor: str, goal: str) -> None:
+    """A line of the table."""
+    print(f'| {figure} | {value} | {floor} | {goal} |', flush=True)
+
+
+def main() -> None:
+    """Prints the table."""
+    options = argparse.ArgumentParser(description=__doc__)
+    options.add_argument('--markdown', action='store_true', help='as everywhere; it is one anyway')
+    options.add_argument('--only', choices=('latency', 'mission'), help='a part of it')
+    only = options.parse_args().only
+    port = free_port()
+    own_broker = OwnBroker(port)
+    print('| figure | measured | floor: bare MQTT | goal |\n|---|---|---|---|')
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            if only != 'mission':
+                part_latency(Broker('127.0.0.1', port), own_broker, Path(folder))
+            if only != 'latency':
+                part_mission(Broker('127.0.0.1', port), Path(folder))
+        finally:
+            own_broker.close()
+
+
+if __name__ == '__main__':
+    sys.exit(main())

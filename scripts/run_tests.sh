@@ -1,0 +1,104 @@
+#!/usr/bin/env bash
+# Runs tests of a built workspace, one after the other, and leaves JUnit files in a folder. scripts/test.sh and
+# `catkin_make run_tests` both call it; people call scripts/test.sh.
+#
+#   run_tests.sh RESULTS unit             the unit tests, also under Python 3.8 where there is one
+#   run_tests.sh RESULTS system NAME...   the system tests test/NAME.test, each under its own ROS master
+set -euo pipefail
+. "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+[ $# -ge 2 ] || { sed -n '2,6s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 1; }
+results="$1" kind="$2"; shift 2
+cd "$root"
+export PATH="/usr/bin:$PATH"
+mkdir -p "$results" build/artefacts
+export SYSTEM_TEST_ARTEFACTS="$root/build/artefacts" ROS_IP=127.0.0.1 ROS_HOME="$root/build/ros_home"
+unset ROS_HOSTNAME DISPLAY
+if [ -n "${FKIE_ARCHIVE:-}" ]; then FKIE_ARCHIVE="$(realpath -m -- "$FKIE_ARCHIVE")"; fi
+
+unit_tests() {  # under both Pythons at once, for the sake of time
+  local log38="$results/unit38.log"
+  unit_tests_of_python38 >"$log38" 2>&1 &
+  local other=$!
+  say "Unit tests, $(/usr/bin/python3 --version)"
+  /usr/bin/python3 -m pytest -q --junitxml="$results/unit.xml" src || true
+  [ -f "$results/unit.xml" ] || record "$results" failed unit-tests "pytest did not finish"
+  wait "$other"
+  cat "$log38"
+}
+
+find_python38() {
+  local candidate
+  for candidate in python3.8 "${HOME:-/root}"/.pyenv/versions/3.8*/bin/python3.8; do
+    if "$candidate" -c '' 2>/dev/null; then echo "$candidate"; return; fi
+  done
+}
+
+unit_tests_of_python38() {
+  if [ "$(/usr/bin/python3 -c 'import sys; print(sys.version_info[:2])')" = '(3, 8)' ]; then return; fi
+  local python38; python38="$(find_python38)"
+  if [ -z "$python38" ]; then
+    record "$results" skipped python3.8 "no Python 3.8 on this machine"
+  elif ! virtual_environment python3.8 "$python38" -r scripts/requirements-focal.txt; then
+    record "$results" skipped python3.8 "its packages could not be installed from PyPI (offline?): see build/pip.log"
+  else
+    say "Unit tests without ROS, Python 3.8 and the library versions of Ubuntu 20.04"
+    # nothing of this system's ROS may be found
+    env -u LD90_LONG_TESTS HYPOTHESIS_PROFILE=compatibility PYTHONPATH="$(printf '%s:' src/*/src)" \
+      build/python3.8/bin/python -m pytest -q --junitxml="$results/unit38.xml" \
+      --ignore-glob='*/test/nodes/*' src || true
+    [ -f "$results/unit38.xml" ] || record "$results" failed unit-tests-python3.8 "pytest did not finish"
+  fi
+}
+
+# provide_multimaster: fkie multimaster in this environment, in a workspace of its own (build/multimaster, kept between
+# runs) unless scripts/multimaster.sh has put it into this one. Where it cannot be had, the test says why.
+provide_multimaster() {
+  ! rospack find fkie_master_sync >/dev/null 2>&1 || return 0
+  local workspace="$root/build/multimaster" log="$root/build/multimaster_build.log" made_of
+  made_of="$root $(sha256sum <catkin_ws.repos)"  # a build says where it is, so it does not move with the folder
+  if [ "$(cat "$workspace/.made_of" 2>/dev/null)" != "$made_of" ]; then
+    say "Building fkie multimaster in build/multimaster"
+    rm -rf "$workspace"
+    mkdir -p "$workspace/src"
+    MULTIMASTER_MISSING="$(import_multimaster "$workspace/src/multimaster_fkie" 2>&1 | tail -1)" || true
+    export MULTIMASTER_MISSING
+    [ -d "$workspace/src/multimaster_fkie" ] || return 0
+    if ! catkin_make -C "$workspace" -DPYTHON_EXECUTABLE=/usr/bin/python3 >"$log" 2>&1; then
+      record "$results" failed build-of-multimaster "see $log"
+      MULTIMASTER_MISSING="it could not be built"
+      return 0
+    fi
+    echo "$made_of" >"$workspace/.made_of"
+  fi
+  _source "$workspace/devel/setup.bash"
+}
+
+system_test() {  # one rostest on free ports, under its own ROS master
+  local name="$1" log="$results/$1.log" begun=$SECONDS verdict=passed file
+  export LD90_ARCL_PORT LD90_OUTGOING_PORT
+  LD90_ARCL_PORT="$(free_port)" LD90_OUTGOING_PORT="$(free_port)"
+  timeout --kill-after=20 600 rostest --pkgdir="$root/src/omron_ld90" --package=omron_ld90 \
+    "$root/test/$name.test" >"$log" 2>&1 || verdict=failed
+  for file in "$results"/ros/omron_ld90/*.xml; do
+    [ ! -f "$file" ] || mv "$file" "$results"
+  done
+  if grep -q '<skipped' "$results/rosunit-$name.xml" 2>/dev/null; then verdict="$verdict, some skipped"; fi
+  say "  $name: $verdict ($((SECONDS - begun)) s)"
+  case "$verdict" in
+    failed*)
+      tail -40 "$log"
+      grep -qE '<(failure|error)' "$results"/ros{unit,test}-*"$name.xml" ||
+        record "$results" failed "$name" "see $log" ;;
+  esac
+}
+
+case "$kind" in
+  unit) unit_tests ;;
+  system)
+    case " $*" in *' multimaster'*) provide_multimaster ;; esac
+    export PYTHONPATH="$root/test:${PYTHONPATH:-}" ROS_TEST_RESULTS_DIR="$results/ros"
+    for name in "$@"; do system_test "$name"; done
+    rm -rf "$results/ros" ;;
+  *) die "there are unit and system tests, and no '$kind' tests" ;;
+esac

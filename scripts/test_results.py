@@ -1,0 +1,66 @@
+"""Test results: JUnit files in catkin's folder, written where nothing else does, and added up.
+
+    test_results.py record FOLDER passed|failed|skipped NAME [REASON]
+    test_results.py summary FOLDER
+
+`catkin_test_results` reads the same files. It is no substitute for `summary`, for it does not tell
+what was skipped and why, and counts each rostest file once more.
+"""
+from __future__ import annotations
+
+import sys
+import xml.etree.ElementTree as ElementTree
+from collections import Counter
+from pathlib import Path
+from typing import Iterator, Tuple
+
+Result = Tuple[str, str, str]  # verdict, name, reason
+ELEMENTS = {'failed': 'failure', 'skipped': 'skipped'}
+
+
+def record(folder: Path, verdict: str, name: str, reason: str = '') -> None:
+    """Writes the result of something that is no test of pytest or rostest, e.g. of the lint."""
+    suite = ElementTree.Element('testsuite', name=name, tests='1', errors='0',
+                                failures=str(int(verdict == 'failed')),
+                                skipped=str(int(verdict == 'skipped')))
+    case = ElementTree.SubElement(suite, 'testcase', classname='checks', name=name, time='0')
+    if verdict in ELEMENTS:
+        ElementTree.SubElement(case, ELEMENTS[verdict], message=reason)
+    ElementTree.ElementTree(suite).write(folder / f'check-{name}.xml', encoding='utf-8')
+
+
+def results(folder: Path) -> Iterator[Result]:
+    """Every test of every JUnit file below `folder`."""
+    for file in sorted(folder.rglob('*.xml')):
+        for case in ElementTree.parse(file).getroot().iter('testcase'):
+            name = f'{case.get("classname")}.{case.get("name")}'
+            skipped, failure = case.find('skipped'), case.find('failure')
+            if skipped is not None:
+                yield 'skipped', name, skipped.get('message', '')
+            elif failure is not None:
+                yield 'failed', name, failure.get('message') or 'see above'
+            elif case.find('error') is not None:
+                yield 'failed', name, 'see above'
+            elif not file.name.startswith('rostest-'):    # these say only that a test has run
+                yield 'passed', name, ''
+
+
+def summary(folder: Path) -> int:
+    """Prints skips, failures and the one last line; 0 when nothing failed and something passed."""
+    found = list(results(folder))
+    counts = Counter(verdict for verdict, _, _ in found)
+    print()
+    for wanted in ('skipped', 'failed'):
+        for verdict, name, reason in found:
+            if verdict == wanted:
+                print(f'{verdict}: {name}: {reason.splitlines()[0] if reason else ""}')
+    print(f'{counts["passed"]} passed, {counts["failed"]} failed, {counts["skipped"]} skipped')
+    return 0 if counts['passed'] and not counts['failed'] else 1
+
+
+if __name__ == '__main__':
+    command, folder_name, *rest = sys.argv[1:]
+    if command == 'record':
+        record(Path(folder_name), *rest)
+    else:
+        sys.exit(summary(Path(folder_name)))

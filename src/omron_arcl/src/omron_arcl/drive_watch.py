@@ -1,0 +1,210 @@
+"""Whether a drive still goes on, by what the robot says of itself.
+
+Not every end of a drive is said in words that name it: a robot that somebody else stops may say no
+more than `Stopping`, `Stopped`, or name a point instead of the goal. So every line and status that
+tells what the robot does is held against what it was told to do. What contradicts a drive for some
+seconds ends it. One word to the contrary does not: right after a command the status may still be
+the one before, or `Stopping`, `Stopped` for an instant.
+"""
+from __future__ import annotations
+
+from enum import Enum
+from typing import Dict, Mapping, NamedTuple, Tuple, Union
+
+from omron_arcl.activity import MOVING, STANDING, Activity, ActivityKind
+from omron_arcl.command_queue import CommandQueue
+from omron_arcl.commands import Course
+from omron_arcl.execution import Doubt, Execution, Outcome
+from omron_arcl.replies import driving
+from omron_arcl.replies.reply import coordinates
+
+# s after which what was said at least twice to the contrary ends the command
+SETTLE: Mapping[Course, float] = {
+    Course.TO_A_PLACE: 4.0,
+    Course.INTO_THE_DOCK: 30.0,  # between two attempts the robot stands, and is undocked
+    Course.OUT_OF_THE_DOCK: 10.0,
+    Course.OF_TASKS: 30.0,  # between two steps it may stand
+}
+SETTLE_CERTAIN = 4.0  # s likewise for an arrival and for an emergency stop
+SETTLE_STOP = 2.0  # s for which the robot stands, until a stop without `Stopped` was obeyed
+SETTLE_OVERTAKEN = 6.0  # s for which it drives elsewhere, until a stop was overtaken
+SETTLE_ONCE = 5.0  # s more where it was said only once, for the robot answers no status
+LAG = 1.0  # s after sending in which a status may be older than the command
+
+
+class Sign(Enum):
+    """What an activity says of a command, beside how it ends."""
+
+    CONFIRMED = 'it is being carried out'
+    NONE = 'nothing'
+
+
+Verdict = Union[Sign, Outcome]
+
+_K = ActivityKind
+_STANDS_OR_DRIVES_ELSEWHERE: Dict[ActivityKind, Verdict] = {
+    **dict.fromkeys((
+        _K.STOPPED, _K.STOPPING, _K.ARRIVED_AT_GOAL, _K.ARRIVED_AT_POINT, _K.INTERRUPTED,
+        _K.PARKING, _K.PARKED, _K.TELEOPERATED, _K.PATROLLING, _K.GOING_TO_GOAL,
+        _K.GOING_TO_POINT, _K.DOCKING, _K.DOCKED), Outcome.INTERRUPTED),
+    _K.FAILED: Outcome.FAILED,
+    _K.LOST: Outcome.FAILED,
+}
+# What an activity says of a drive that has begun, where the command's own predicates know nothing.
+_VERDICTS: Mapping[Course, Mapping[ActivityKind, Verdict]] = {
+    Course.TO_A_PLACE: {
+        **_STANDS_OR_DRIVES_ELSEWHERE, _K.UNDOCKING: Sign.CONFIRMED},
+    Course.INTO_THE_DOCK: {
+        **_STANDS_OR_DRIVES_ELSEWHERE, _K.DOCKING: Sign.CONFIRMED, _K.DOCKED: Outcome.SUCCEEDED,
+        _K.UNDOCKING: Outcome.INTERRUPTED, _K.UNDOCKED: Outcome.INTERRUPTED},
+    Course.OUT_OF_THE_DOCK: {
+        **_STANDS_OR_DRIVES_ELSEWHERE, _K.UNDOCKING: Sign.CONFIRMED,
+        _K.UNDOCKED: Outcome.SUCCEEDED},
+    Course.OF_TASKS: {
+        **dict.fromkeys((
+            _K.GOING_TO_GOAL, _K.GOING_TO_POINT, _K.PATROLLING, _K.DOING_TASK, _K.DOCKING,
+            _K.UNDOCKING), Sign.CONFIRMED),
+        **dict.fromkeys((
+            _K.STOPPED, _K.INTERRUPTED, _K.TELEOPERATED, _K.PARKING, _K.PARKED),
+            Outcome.INTERRUPTED),
+        _K.FAILED: Outcome.FAILED, _K.LOST: Outcome.FAILED},
+}
+_POWERLESS: Mapping[ActivityKind, Verdict] = {
+    _K.EMERGENCY_STOP: Outcome.EMERGENCY_STOPPED, _K.MOTORS_DISABLED: Outcome.FAILED}
+
+
+class Observation(NamedTuple):
+    """What the robot says that it does: as a status, or as a line of its own when it changes."""
+
+    activity: Activity
+    text: str
+    is_status: bool
+
+    @property
+    def words(self) -> str:
+        """What is told to the one who gave the command."""
+        return f'the robot\'s status is "{self.text}"' if self.is_status else self.text
+
+
+class DriveWatch:
+    """Holds what the robot does against the motions that a queue has sent."""
+
+    def __init__(self, commands: CommandQueue) -> None:
+        self._commands = commands
+        self.shown = ''  # the last status text
+
+    @property
+    def in_doubt(self) -> bool:
+        """Whether a status would tell more about a motion under way."""
+        return any(execution.doubt for execution in self._commands.motion_executions)
+
+    def observe(self, seen: Observation, now: float) -> None:
+        """The robot says what it does."""
+        if seen.is_status:
+            self.shown = seen.text
+        for execution in self._commands.motion_executions:
+            if seen.is_status and now - execution.sent_at < LAG:
+                continue
+            if execution.command.spec.stops:
+                self._observe_stop(execution, seen, now)
+            else:
+                self._observe_drive(execution, seen, now)
+
+    def on_time(self, now: float) -> None:
+        """Time has passed: ends what has been contradicted for long enough."""
+        for execution in self._commands.motion_executions:
+            doubt = execution.doubt
+            if doubt is None or execution not in self._commands.sent:  # ended with another
+                continue
+            since, settle = now - doubt.since, _settle_time(execution, doubt)
+            if since >= settle and (doubt.count > 1 or since >= settle + SETTLE_ONCE):
+                if execution.command.spec.stops and doubt.outcome is Outcome.SUCCEEDED:
+                    self._commands.end_before(execution, doubt.words)
+                self._commands.end(execution, doubt.outcome, doubt.words)
+
+    def _observe_drive(self, execution: Execution, seen: Observation, now: float) -> None:
+        kind = seen.activity.kind
+        if (kind is ActivityKind.STOPPED and not seen.is_status and execution.doubt
+                and execution.doubt.broken_off):
+            self._commands.end(execution, Outcome.INTERRUPTED, execution.doubt.words)
+            return
+        verdict = _judge(execution, seen)
+        if verdict is Sign.CONFIRMED:
+            execution.doubt = None
+            if seen.is_status:
+                execution.heard = now
+                if _acknowledges(execution, seen.activity):
+                    self._commands.begin(execution)
+        elif isinstance(verdict, Outcome):
+            _doubt(execution, verdict, seen, now)
+
+    def _observe_stop(self, stop: Execution, seen: Observation, now: float) -> None:
+        """A stop is obeyed once the robot stands, and overtaken once it drives elsewhere."""
+        kind = seen.activity.kind
+        if not seen.is_status:
+            return
+        if kind in STANDING:
+            _doubt(stop, Outcome.SUCCEEDED, seen, now)
+        elif kind in MOVING and seen.text != stop.shown_when_sent and not any(
+                _acknowledges(drive, seen.activity) for drive in self._commands.drives):
+            _doubt(stop, Outcome.INTERRUPTED, seen, now)
+        elif kind in MOVING:
+            stop.doubt = None
+
+
+def _judge(execution: Execution, seen: Observation) -> Verdict:
+    """What the robot's activity says of a drive."""
+    command, spec, activity = execution.command, execution.command.spec, seen.activity
+    course = spec.course
+    if activity.kind in _POWERLESS:
+        return _POWERLESS[activity.kind]
+    if seen.is_status and spec.completed_by and spec.completed_by(command, activity.reply):
+        return Outcome.SUCCEEDED
+    if _acknowledges(execution, activity):
+        return Sign.CONFIRMED
+    if execution.begun and course:
+        if course is Course.TO_A_PLACE and activity.kind in (
+                ActivityKind.GOING_TO_POINT, ActivityKind.ARRIVED_AT_POINT):
+            return _judge_point(execution, seen)
+        return _VERDICTS[course].get(activity.kind, Sign.NONE)
+    # The robot drives to its dock before it says that it docks.
+    on_its_way = course is Course.INTO_THE_DOCK and activity.kind in MOVING
+    return Sign.CONFIRMED if on_its_way else Sign.NONE
+
+
+def _judge_point(execution: Execution, seen: Observation) -> Verdict:
+    """Some robots show where a goal is, not its name (ARCL manual I617-E-02 p. 243)."""
+    point = coordinates(getattr(seen.activity.reply, 'goal', ''))
+    if point and not execution.command.goals:
+        return Outcome.INTERRUPTED  # the command names a point, and this is another
+    if seen.activity.kind is ActivityKind.GOING_TO_POINT:
+        execution.points.add(point)
+        return Sign.CONFIRMED
+    return Outcome.SUCCEEDED if point in execution.points else Outcome.INTERRUPTED
+
+
+def _acknowledges(execution: Execution, activity: Activity) -> bool:
+    spec = execution.command.spec
+    return bool(spec.acknowledged_by and spec.acknowledged_by(execution.command, activity.reply))
+
+
+def _doubt(execution: Execution, outcome: Outcome, seen: Observation, now: float) -> None:
+    broken_off = (isinstance(seen.activity.reply, driving.Interrupted) and not seen.is_status
+                  and not seen.activity.goal)
+    doubt = execution.doubt
+    if doubt is None or (outcome is not doubt.outcome
+                         and Outcome.SUCCEEDED in (outcome, doubt.outcome)):
+        execution.doubt = Doubt(outcome, seen.words, now, broken_off=broken_off)
+        return
+    doubt.count += 1
+    doubt.broken_off = doubt.broken_off or broken_off
+    if outcome is not doubt.outcome or broken_off:
+        doubt.outcome, doubt.words = outcome, seen.words
+
+
+def _settle_time(execution: Execution, doubt: Doubt) -> float:
+    course = execution.command.spec.course
+    if course is None:
+        return SETTLE_STOP if doubt.outcome is Outcome.SUCCEEDED else SETTLE_OVERTAKEN
+    certain: Tuple[Outcome, ...] = (Outcome.SUCCEEDED, Outcome.EMERGENCY_STOPPED)
+    return SETTLE_CERTAIN if doubt.outcome in certain else SETTLE[course]

@@ -1,0 +1,42 @@
+"""The commands that the robot says it has."""
+from __future__ import annotations
+
+import re
+from typing import Mapping, Optional, Tuple
+
+_SHORTCUT = re.compile(r'\[(\w+)\]\s*$')
+# Names begin with a small letter; one that is too long for its column touches its description.
+_ENTRY = re.compile(r'\s*([A-Za-z]\w*)(?:\s+(\S.*))?$')
+
+
+class HelpList:
+    """The robot's own help list; names are compared without case.
+
+    It informs and forbids nothing: a robot may take commands that it does not list, and lists may
+    be laid out in ways that are read in part only. `complete` tells whether its end was seen.
+    """
+
+    def __init__(self, descriptions: Mapping[str, str], complete: bool = True) -> None:
+        self.descriptions = dict(descriptions)
+        self.complete = complete
+        self._names = {name.lower(): name for name in descriptions}
+        for name, description in descriptions.items():
+            shortcut = _SHORTCUT.search(description)
+            if shortcut:
+                self._names.setdefault(shortcut.group(1).lower(), name)
+
+    def full_name(self, name: str) -> Optional[str]:
+        """The command that `name`, or the shortcut `name`, stands for; None if there is none."""
+        return self._names.get(name.lower())
+
+    def __len__(self) -> int:
+        return len(self.descriptions)
+
+
+def read_entry(text: str) -> Optional[Tuple[str, str]]:
+    """Name and description in a line of the list, however it is laid out; None if it is none.
+
+    By the robots known it is a name right-aligned in 15 columns, 10 blanks, and the description.
+    """
+    match = _ENTRY.match(text)
+    return (match.group(1), match.group(2) or '') if match else None

@@ -1,0 +1,142 @@
+"""Whatever a robot says, in whatever order and pieces, with cancels and stops between: a command
+given ends within its bound, has one outcome, no motion is sent twice, and a stop goes first.
+300 histories by default, 10,000 with LD90_LONG_TESTS=1.
+"""
+from __future__ import annotations
+
+import os
+from collections import Counter
+from typing import Dict, List, Optional
+
+from arcl_builders import lines
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from omron_arcl import COMMANDS, Execution, Result, parse_command
+from omron_arcl.dispatcher import Dispatcher
+from omron_arcl.parser import _TABLE
+from omron_arcl.session import Received, Session
+
+EXAMPLES = 10_000 if os.environ.get('LD90_LONG_TESTS') == '1' else 300
+NAMES = sorted(COMMANDS)
+DRIVES = sorted(name for name, spec in COMMANDS.items() if spec.drives)
+# A command may wait for others of its name, each of which may take so long (s).
+LONGEST_WAIT = 61.0
+
+STATUS = 'Status: {} StateOfCharge: 79.4 Location: 1 2 3 Temperature: 36'
+ACTIVITIES = (
+    'Going to 1', 'Arrived at 1', 'Going to point', 'Arrived at point', 'Going to 7', 'Stopping',
+    'Arrived at 7', 'Going to 1 1', 'Arrived at 1 1', 'Failed going to 1', 'Stopped', 'Parked',
+    'Interrupted: Going to 1', 'Interrupted: Going to -5 -6', 'Error: Failed going to goal',
+    'Cannot find path', 'EStop pressed', 'Motors disabled', 'Motors enabled', 'Robot lost',
+    'Patrolling route 1', 'Doing task 1', 'Completed doing task 1', 'Executing macro 1',
+    *(f'DockingState: {state} ForcedState: Unforced ChargeState: Not'
+      for state in ('Docked', 'Undocking', 'Undocked', 'Docking')))
+SAID = [line.encode() for line in (
+    *ACTIVITIES, *(STATUS.format(activity) for activity in ACTIVITIES), STATUS.format('Waiting'),
+    'CommandError: goto 1', "CommandErrorDescription: No goal '1'", 'CommandError: stop',
+    'Unknown command stop', 'SetUpError: no', "No goal '1'", 'Goal: 1', 'End of goals',
+    *(f'{head} 1' for head, _ in _TABLE))] + [b'caf\xe9', b'\xff\xfe\x00', b'']
+# What a robot may go on saying for ever without confirming any command.
+NOISE = [line.encode() for line in (
+    'Stopping', 'Stopped', 'Interrupted: Going to -5 -6', 'hello', 'Goal: 1', 'Temperature: 36',
+    'EStop relieved but motors still disabled', 'Motors enabled', 'Charge requested',
+    'DockingState: Docked ForcedState: Unforced ChargeState: Not',
+    *(STATUS.format(text) for text in ('Stopped', 'Waiting', 'Arrived at 7', 'Parked',
+                                       'Interrupted: x', 'Driving', '')))] + [b'\xff\xfe', b'']
+
+
+class History:
+    """A robot and its commands, by a script of bytes; two bytes a step."""
+
+    def __init__(self) -> None:
+        self.now = 100.0
+        self.given: List[Execution] = []
+        self.ends: Dict[int, List[float]] = {}
+        self._dispatcher = Dispatcher()
+        self._session = Session(None)
+        self._sent: Counter = Counter()
+        self._pending = b''
+
+    def play(self, script: bytes) -> None:
+        for what, which in zip(script[::2], script[1::2]):
+            if what < 30:
+                self.give('stop')
+            elif what < 90:
+                self.give(DRIVES[which % len(DRIVES)])
+            elif what < 110:
+                self.give(NAMES[which % len(NAMES)])
+            elif what < 130 and self.given:
+                self._dispatcher.cancel(self.given[which % len(self.given)], self.now)
+            elif what < 150:
+                self.wait(which / 20.0)
+            else:
+                self.say(SAID[which % len(SAID)], cut=what)
+            if what % 3:
+                self.send()
+
+    def give(self, name: str) -> None:
+        text = ' '.join([name, *['1'] * COMMANDS[name].required])
+        number = len(self.given)
+        self.ends[number] = []
+
+        def on_end(_: Result) -> None:
+            self.ends[number].append(self.now)
+        self.given.append(self._dispatcher.start(parse_command(text), on_end=on_end))
+
+    def say(self, line: bytes, cut: int = 0) -> None:
+        """The robot says a line, of which a part may come with the next one only."""
+        self._pending += lines(line)
+        size = len(self._pending) - cut % 7
+        piece, self._pending = self._pending[:size], self._pending[size:]
+        for event in self._session.receive(piece):
+            assert isinstance(event, Received)
+            self._dispatcher.on_reply(event.reply, event.text, self.now)
+        self.tell()
+
+    def wait(self, seconds: float) -> None:
+        self.now += seconds
+        self._dispatcher.on_time(self.now)
+        self.tell()
+
+    def send(self) -> None:
+        stop_waits = any(e.command.spec.stops and not e.sent and e.result is None
+                         for e in self.given)
+        first: Optional[bytes] = None
+        while True:
+            line = self._dispatcher.next_to_send(self.now)
+            if line is None:
+                break
+            first = first or line
+            self._sent[line] += 1
+        assert not stop_waits or first == b'stop', f'{first!r} went before the stop'
+
+    def tell(self) -> None:
+        for callback in self._dispatcher.pop_callbacks():
+            callback()
+
+    def check_sent(self) -> None:
+        asked = Counter(execution.command.line for execution in self.given)
+        for line, times in self._sent.items():
+            assert line == b'stop' or times <= asked[line], f'{line!r} was sent {times} times'
+
+
+@settings(max_examples=EXAMPLES, database=None, suppress_health_check=list(HealthCheck))
+@given(st.binary(min_size=80, max_size=80), st.sampled_from([None, *NOISE]))
+def test_every_command_ends_once_and_within_its_bound(script, noise):
+    history = History()
+    history.play(script)
+    history.send()
+    quiet = history.now
+    for seconds in (*[1.0] * 100, *[30.0] * (len(history.given) * 3 + 125)):
+        history.wait(seconds)
+        if noise is not None:
+            history.say(noise)
+        history.send()
+    for number, execution in enumerate(history.given):
+        ends, spec = history.ends[number], execution.command.spec
+        assert len(ends) == 1, f'"{execution.command.text}" has {len(ends)} outcomes'
+        bound = (max(spec.timeout, 300.0) + 60.0 if spec.drives
+                 else LONGEST_WAIT * len(history.given))
+        assert ends[0] - quiet <= bound, f'"{execution.command.text}" took {ends[0] - quiet:.0f} s'
+    history.check_sent()

@@ -1,0 +1,142 @@
+"""Connecting, address by address; and whether a peer is alive, and what it says is new."""
+from __future__ import annotations
+
+import errno
+import socket
+import time
+from typing import Iterator, List, Tuple
+
+import pytest
+from arcl_builders import lines
+
+from omron_arcl import connection
+from omron_arcl.connection import Connection, Peer, is_host, reason_of, resolve
+from omron_arcl.errors import ConnectionLost, PeerSilent
+from omron_arcl.session import Received, Session
+
+
+def never() -> bool:
+    return False
+
+
+# --- connecting -----------------------------------------------------------------------------------
+
+@pytest.mark.parametrize('host', ['10.0..5', 'a' * 64 + '.b', 'ro\x00bot', 'a b'])
+def test_a_text_that_can_be_no_host_has_no_address_and_the_reason_names_it(host):
+    with pytest.raises(OSError) as failure:
+        Connection.open(host, 7171, 1.0, never)
+    assert 'neither an address nor a name' in reason_of(failure.value)
+
+
+@pytest.mark.parametrize(('host', 'possible'), [
+    ('10.0.0.5', True), ('robot-7.site', True), ('::1', True), ('k\xfcche', True),
+    ('10.0..5', False), ('', False), ('a b', False), ('a\nb', False), ('a' * 64, False)])
+def test_what_can_be_a_host(host, possible):
+    assert is_host(host) is possible
+
+
+def test_the_next_address_is_tried_where_one_cannot_be_reached(monkeypatch):
+    with socket.create_server(('127.0.0.1', 0)) as server:
+        port = server.getsockname()[1]
+        good = (socket.AF_INET, socket.SOCK_STREAM, 0, '', ('127.0.0.1', port))
+        bad = (socket.AF_INET, socket.SOCK_STREAM, 0, '', ('127.0.0.1', 1))
+        monkeypatch.setattr(connection, 'resolve', lambda host, port: [bad, good])
+        with Connection.open('robot', port, 1.0, never) as opened:
+            assert opened.socket.getpeername() == ('127.0.0.1', port)
+
+
+def test_an_address_that_fails_at_once_is_not_connected(monkeypatch):
+    """As where there is no way to a network: `connect_ex` says so, and nothing ever follows."""
+    class Unreachable(socket.socket):
+        def connect_ex(self, address: object) -> int:
+            return errno.ENETUNREACH
+
+    monkeypatch.setattr(connection.socket, 'socket', Unreachable)
+    with pytest.raises(OSError) as failure:
+        Connection.open('127.0.0.1', 7171, 1.0, never)
+    assert failure.value.errno == errno.ENETUNREACH
+    assert reason_of(failure.value) == 'network is unreachable'
+
+
+def test_without_descriptors_it_fails_and_leaves_none(monkeypatch):
+    def none_left(*_: object) -> socket.socket:
+        raise OSError(errno.EMFILE, 'too many open files')
+    monkeypatch.setattr(connection.socket, 'socket', none_left)
+    with pytest.raises(OSError, match='too many'):
+        Connection.open('127.0.0.1', 7171, 1.0, never)
+
+
+def test_a_host_may_have_several_addresses():
+    assert all(entry[4][0] in ('127.0.0.1', '::1') for entry in resolve('localhost', 7171))
+
+
+# --- peers ----------------------------------------------------------------------------------------
+
+@pytest.fixture
+def pair() -> Iterator[Tuple[Peer, socket.socket]]:
+    ours, robot = socket.socketpair(socket.AF_UNIX, socket.SOCK_STREAM)
+    peer = Peer.__new__(Peer)
+    bare = Connection.__new__(Connection)  # a socket pair knows none of TCP's options
+    bare.socket, bare.unsent = ours, b''
+    ours.setblocking(False)
+    Peer.__init__(peer, bare, Session(None), timeout=2.0)
+    with ours, robot:
+        yield peer, robot
+
+
+def heard(peer: Peer, now: float, waited: float = 0.1) -> List[Received]:
+    return [event for event in peer.receive(now, waited) if isinstance(event, Received)]
+
+
+def test_a_byte_now_and_then_is_no_sign_of_life(pair):
+    peer, robot = pair
+    now = time.monotonic()
+    with pytest.raises(PeerSilent):
+        for tenth in range(100):
+            robot.sendall(b'x')
+            assert heard(peer, now + tenth / 10.0) == []
+    assert tenth >= 20
+
+
+def test_a_line_now_and_then_is_a_sign_of_life(pair):
+    peer, robot = pair
+    now = time.monotonic()
+    for second in range(100):
+        robot.sendall(lines(b'Stopped'))
+        assert len(heard(peer, now + second)) == 1
+
+
+def test_a_robot_that_takes_nothing_is_gone_though_it_talks(pair):
+    peer, robot = pair
+    now = time.monotonic()
+    peer.connection.send(b'x' * 10_000_000)
+    assert peer.connection.unsent
+    with pytest.raises(ConnectionLost, match='not taken what was sent'):
+        for tenth in range(100):
+            robot.sendall(lines(b'Stopped'))
+            heard(peer, now + tenth / 10.0)
+
+
+def test_what_waited_while_we_stood_still_is_late_and_what_comes_afterwards_is_not(pair):
+    peer, robot = pair
+    now = time.monotonic()
+    robot.sendall(lines(b'Location: 1 0 0'))
+    assert [line.late for line in heard(peer, now)] == [False]
+    robot.sendall(lines(*[b'Location: 2 0 0'] * 3))
+    assert [line.late for line in heard(peer, now + 10.0)] == [True] * 3
+    robot.sendall(lines(b'Location: 3 0 0'))  # from the buffers of the other side
+    assert [line.late for line in heard(peer, now + 10.001, waited=0.001)] == [True]
+    robot.sendall(lines(b'Location: 4 0 0'))
+    assert [line.late for line in heard(peer, now + 10.2, waited=0.1)] == [False]
+
+
+def test_a_stream_that_never_pauses_is_new_again_soon_after_we_stood_still(pair):
+    peer, robot = pair
+    now = time.monotonic() + 10.0
+    late = []
+    for hundredth in range(100):
+        robot.sendall(lines(b'Location: 1 0 0'))
+        late += [line.late for line in heard(peer, now + hundredth / 100, waited=0.009)]
+    assert late[0]
+    assert late == sorted(late, reverse=True)
+    assert 40 < sum(late) < 60

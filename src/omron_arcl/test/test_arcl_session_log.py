@@ -1,0 +1,57 @@
+"""The session log, in the format of docs/interface/session_log.md, which the simulator reads."""
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+import yaml
+
+from omron_arcl import SessionLog, session_log
+
+ROOT = Path(__file__).resolve().parents[3]
+VECTORS = yaml.safe_load((ROOT / 'test' / 'vectors' / 'session_log.yaml').read_text())
+
+
+@pytest.mark.parametrize('row', VECTORS, ids=lambda row: row['line'])
+def test_a_line_is_written_as_documented(row, tmp_path, monkeypatch):
+    monkeypatch.setattr(session_log.time, 'time', lambda: row['time'])
+    log = SessionLog(str(tmp_path / 'session.log'))
+    traces = [log.outgoing(), *(log.connection() for _ in range(3))]
+    traces[row['connection']](row['side'], bytes(row['bytes']))
+    log.close()
+    assert (tmp_path / 'session.log').read_text(encoding='ascii') == row['line'] + '\n'
+
+
+def test_an_older_log_is_kept(tmp_path):
+    (tmp_path / 'log').write_text('an older one')
+    SessionLog(str(tmp_path / 'log')).close()
+    assert (tmp_path / 'log.old').read_text() == 'an older one'
+
+
+def test_a_folder_is_refused_and_keeps_its_name(tmp_path):
+    folder = tmp_path / 'folder'
+    folder.mkdir()
+    with pytest.raises(OSError, match='no regular file'):
+        SessionLog(str(folder))
+    assert folder.is_dir()
+    assert not (tmp_path / 'folder.old').exists()
+
+
+def test_a_pipe_is_refused_at_once(tmp_path):
+    os.mkfifo(tmp_path / 'pipe')
+    with pytest.raises(OSError, match='no regular file'):
+        SessionLog(str(tmp_path / 'pipe'))
+
+
+def test_a_full_disk_ends_the_log_with_a_reason_and_nothing_else(tmp_path):
+    log = SessionLog(str(tmp_path / 'log'))
+    full = open('/dev/full', 'w', encoding='ascii', buffering=1)  # noqa: SIM115  the log closes it
+    log._file.close()
+    log._file = full
+    trace = log.connection()
+    trace('S', b'Stopped')
+    trace('S', b'Stopped')
+    assert 'No space left on device' in log.failure
+    assert str(tmp_path / 'log') in log.failure
+    log.close()

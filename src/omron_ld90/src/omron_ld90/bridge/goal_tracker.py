@@ -1,0 +1,259 @@
+"""The goal that the robot was last sent to by us, and what is known of its way there.
+
+Normally the controller tells how a command ends. Where it cannot (its link or the controller itself
+was lost, or this program was restarted), the robot's status says what the robot does, and only a
+command that did not reach the robot is given again.
+"""
+from __future__ import annotations
+
+import math
+from enum import Enum
+from typing import FrozenSet, Iterable, Optional, Tuple
+
+from omron_ld90.bridge.route_protocol import CommandEnded, Ending, Motion, RobotSeen
+
+STOP = 'stop'
+DOCK = 'dock'
+REASON_DELAY = 0.5  # s for an emergency stop to be told after the motion that it interrupted
+UNMOVED = 0.1       # m, that a standing robot may seem to move
+STATUS_LAG = 1.0    # s that a status may be older than what the robot was told
+
+_DOCK_MOTIONS = (Motion.DOCKING, Motion.DOCKED)
+_AT_REST = (Motion.STANDING, Motion.ARRIVED, Motion.DOCKED, Motion.UNKNOWN)
+
+
+class Knowledge(Enum):
+    """How the end of the command will be known."""
+
+    NOTHING = 'no goal was sent'
+    AWAITED = 'the controller will tell how it ends'
+    DOUBTFUL = 'nobody can tell yet whether the robot obeys it'
+    WATCHED = 'the robot is on its way; its status will tell'
+
+
+class RouteFailed(Exception):
+    """The route cannot go on; `reason` is for the fleet manager, the text for people."""
+
+    def __init__(self, reason: str, detail: str = '') -> None:
+        super().__init__(reason, detail)
+        self.reason = reason
+        self.detail = detail
+
+    def __str__(self) -> str:
+        return f'{self.reason.rstrip(".")}. {self.detail}'.rstrip()
+
+
+class TakenOver(RouteFailed):
+    """The robot obeys somebody else already, so that it is not ours to stop."""
+
+    def __init__(self, how: str) -> None:
+        super().__init__('taken over', how)
+
+
+class GoalTracker:
+    """The last goal, from the command to the arrival."""
+
+    def __init__(self) -> None:
+        self.goal: Optional[str] = None
+        """Name of the goal last sent; DOCK for the dock, None when we have sent it nowhere."""
+        self.reached = False
+        """Whether the robot has said that it is there."""
+        self.knowledge = Knowledge.NOTHING
+        self.command = ''
+        self.number: Optional[int] = None  # of the command whose end is to come
+        self.give_again = False
+        """Whether the command did not reach the robot."""
+        self.failure: Optional[RouteFailed] = None
+        """What the robot did with the command instead of obeying it."""
+        self.locations_since_reached = 0
+        self._previous: Optional[str] = None
+        self._via: FrozenSet[str] = frozenset()
+        self._before: Optional[RobotSeen] = None  # the last status before the command
+        self._last: Optional[RobotSeen] = None
+        self._place: Optional[Tuple[float, float]] = None
+        self._place_before: Optional[Tuple[float, float]] = None
+        self._doubted_at = -math.inf
+        self._interruption: Optional[Tuple[float, str]] = None
+        self._never_sent = False
+        self._strange_since: Optional[float] = None  # since then each status contradicts the goal
+
+    @property
+    def our_goals(self) -> FrozenSet[str]:
+        """Names that the robot may show because of us."""
+        return self._via | {name for name in (self.goal, self._previous) if name is not None}
+
+    @property
+    def last_goal(self) -> str:
+        """Name of the last goal sent, whether or not we still have business with the robot."""
+        return self.goal or self._previous or ''
+
+    @property
+    def has_docked(self) -> bool:
+        """Whether the robot has said that it is docked, because we sent it there."""
+        return self.goal == DOCK and self.reached
+
+    @property
+    def is_doubtful(self) -> bool:
+        """Whether it is not known if the robot obeys the last command, or why it no longer does."""
+        return self.knowledge is Knowledge.DOUBTFUL or self._interruption is not None
+
+    # --- what we do ------------------------------------------------------------------------------
+
+    def send(self, goal: str, command: str, via: Iterable[str] = ()) -> None:
+        """The robot is to go to `goal` (a goal's name, or DOCK), over the goals `via`."""
+        if self.goal is not None:
+            self._previous = self.goal
+        self._reset(goal)
+        self.command = command
+        self._via = frozenset(via)
+        self._before, self._place_before = self._last, self._place
+        self.give_again = True
+
+    def given(self, number: int) -> None:
+        """The command was given with this number."""
+        self.number = number
+        self.give_again = False
+        self.knowledge = Knowledge.AWAITED
+
+    def resume(self, goal: Optional[str], now: float) -> None:
+        """Before a restart of this program the robot was sent to `goal`: see whether it goes."""
+        self._reset(goal)
+        if goal is not None:
+            self._doubt(now)
+
+    def remember(self, goal: str) -> None:
+        """Before a restart of this program the robot was sent to `goal`, which is over."""
+        self._previous = goal or None
+
+    def end(self) -> None:
+        """We have no more business with the robot."""
+        self._previous = self.goal or self._previous
+        self._reset(None)
+
+    def _reset(self, goal: Optional[str]) -> None:
+        self.goal = goal
+        self.reached = False
+        self.knowledge = Knowledge.NOTHING
+        self.number = None
+        self.give_again = False
+        self.failure = None
+        self._before = None
+        self._interruption = None
+        self._never_sent = False
+        self._strange_since = None
+        self._via = frozenset()
+
+    # --- what becomes of it ----------------------------------------------------------------------
+
+    def ended(self, event: CommandEnded, now: float) -> None:
+        """A command has ended; only the last one counts."""
+        if event.number != self.number:
+            return
+        self.number = None
+        if event.ending is Ending.SUCCEEDED:
+            self._arrive()
+        elif event.ending is Ending.INTERRUPTED:
+            self._interruption = (now, event.text)
+        elif event.ending is Ending.EMERGENCY_STOPPED:
+            self.failure = RouteFailed('emergency stop')
+        elif event.ending is Ending.FAILED:
+            self.failure = RouteFailed(event.text)
+        else:
+            self._never_sent = event.ending is Ending.NEVER_SENT
+            self._doubt(now)
+
+    def located(self, place: Tuple[float, float]) -> None:
+        """The robot was seen at a place (m)."""
+        self._place = place
+        if self.reached:
+            self.locations_since_reached += 1
+
+    def seen(self, status: RobotSeen, now: float, link_stands_since: float) -> None:
+        """The robot's status; `link_stands_since` is infinite while no command can reach it."""
+        self._last = status
+        if self.knowledge is Knowledge.DOUBTFUL:
+            self._resolve(status, now, link_stands_since)
+        elif self.knowledge is Knowledge.WATCHED:
+            self._watch(status, now)
+
+    def check_clock(self, now: float) -> None:
+        """An interruption whose cause was not told in time was somebody's doing."""
+        if self._interruption and now - self._interruption[0] > REASON_DELAY:
+            self.failure = TakenOver(self._interruption[1] or 'The motion was interrupted.')
+
+    def _arrive(self) -> None:
+        self.reached = True
+        self.knowledge = Knowledge.NOTHING
+        self.locations_since_reached = 0
+
+    def _doubt(self, now: float) -> None:
+        self.knowledge = Knowledge.DOUBTFUL
+        self._doubted_at = now
+
+    def _resolve(self, status: RobotSeen, now: float, link_stands_since: float) -> None:
+        """Finds out what became of a command whose end was lost."""
+        if status.motion is Motion.UNKNOWN and not self._is_as_before(status):
+            return
+        settled = now >= self._doubted_at + STATUS_LAG
+        if self._is_ours(status) and not self._never_sent:
+            if settled:
+                self.knowledge = Knowledge.WATCHED
+                self._watch(status, now)
+        elif not self._is_as_before(status):
+            self._contradict(status, now)
+        elif settled and now >= link_stands_since + STATUS_LAG:
+            self._strange_since = None
+            self.give_again = True
+
+    def _watch(self, status: RobotSeen, now: float) -> None:
+        """Takes the robot's status for the end of the command that nobody else will tell."""
+        if status.motion is Motion.UNKNOWN:
+            return
+        if (status.motion is Motion.ARRIVED and status.goal == self.goal) or (
+                self.goal == DOCK and status.motion is Motion.DOCKED):
+            self._arrive()
+        elif status.motion is Motion.FAILED and status.goal == self.goal:
+            self.failure = RouteFailed(f'Failed going to {status.goal}')
+        elif self._is_ours(status):
+            self._strange_since = None
+        else:
+            self._contradict(status, now)
+
+    def _contradict(self, status: RobotSeen, now: float) -> None:
+        """The robot does something else: for an instant that may be, for longer it is not ours.
+
+        A goal that is neither ours nor shown since before our command is somebody else's at once.
+        """
+        shown_before = self._before is not None and self._before.goal == status.goal
+        foreign = (status.motion is Motion.GOING and status.goal not in self.our_goals
+                   and not shown_before)
+        if self._strange_since is None and not foreign:
+            self._strange_since = now
+        elif foreign or now - self._strange_since >= STATUS_LAG:
+            self.failure = TakenOver(_what_it_does(status))
+
+    def _is_ours(self, status: RobotSeen) -> bool:
+        """Whether the status shows the robot obeying the command."""
+        if self.goal == DOCK:
+            return status.motion in _DOCK_MOTIONS or (
+                status.motion is Motion.GOING and not status.goal.isdecimal())
+        if status.motion is Motion.UNDOCKING:
+            return True  # it leaves the dock before it goes to its goal
+        return (status.motion in (Motion.GOING, Motion.ARRIVED, Motion.FAILED)
+                and status.goal in {self.goal, *self._via})
+
+    def _is_as_before(self, status: RobotSeen) -> bool:
+        """Whether the robot does what it did before the command, so that it never heard it."""
+        if (status.motion in (Motion.GOING, Motion.ARRIVED) and status.goal == self._previous
+                and self._previous is not None):
+            return True
+        before, now = self._place_before, self._place
+        return (self._before is not None and self._before.motion in _AT_REST
+                and status.motion in _AT_REST and before is not None and now is not None
+                and math.dist(before, now) <= UNMOVED)
+
+
+def _what_it_does(status: RobotSeen) -> str:
+    if status.motion is Motion.GOING:
+        return f'The robot is going to {status.goal or "another place"}.'
+    return f'The robot is {status.motion.value} {status.goal}'.rstrip() + '.'

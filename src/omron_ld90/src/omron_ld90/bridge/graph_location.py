@@ -1,0 +1,81 @@
+"""Where a robot is on the graph: which routes may begin there, and its symbolic pose."""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Optional, Sequence, Tuple
+
+from omron_ld90.bridge.route_protocol import Docking, SymbolicPose
+from trajectory_graph import Graph
+
+DOCK_ZONE = 2.0  # m around the dock vertex, in which the robot manoeuvres outside the corridors
+
+
+@dataclass(frozen=True)
+class GraphLocation:
+    """A location (m) on a graph, judged by the widths and tolerances of the bridge."""
+
+    graph: Graph
+    position: Tuple[float, float]
+    docking: Optional[Docking]
+    dock_vertex: Optional[int]
+    vertex_tolerance: float
+    corridor_width: float
+
+    @property
+    def is_docked(self) -> bool:
+        """A docked robot counts as standing on the dock vertex."""
+        return self.dock_vertex in self.graph.vertices and self.docking is Docking.DOCKED
+
+    @property
+    def is_about_the_dock(self) -> bool:
+        """Docked, or near the dock, where the robot's own manoeuvre decides where it is."""
+        if self.dock_vertex not in self.graph.vertices:
+            return False
+        return self.is_docked or self._distance_to(self.dock_vertex) <= DOCK_ZONE
+
+    def why_not_from(self, edge: int, being_driven: bool) -> str:
+        """Why a route cannot begin here with `edge`; empty when it can.
+
+        It can from the edge's first vertex and from anywhere on the edge. From its last vertex only
+        while the edge is `being_driven`: the order may have crossed with our report.
+        """
+        start, end = self.graph.start_vertex(edge).id, self.graph.end_vertex(edge).id
+        curve = self.graph.curve(edge)
+        if self.is_docked:
+            return '' if start == self.dock_vertex else (
+                f'edge {edge} starts at vertex {start}, but the robot is docked at vertex '
+                f'{self.dock_vertex}')
+        leaving = self.docking in (Docking.DOCKING, Docking.UNDOCKING)
+        if leaving and start == self.dock_vertex and self.is_about_the_dock:
+            return ''
+        if self._distance_to(start) <= self.vertex_tolerance:
+            return ''
+        projection = curve.project(*self.position)
+        if projection.distance > self.corridor_width / 2.0:
+            return (f'edge {edge} does not start where the robot is: the robot is '
+                    f'{projection.distance:.2f} m away from it')
+        if not being_driven and curve.length - projection.arc_length <= self.vertex_tolerance:
+            return f'edge {edge} does not start where the robot is, but ends there, at vertex {end}'
+        return ''
+
+    def nearest_of(self, edges: Sequence[int]) -> Optional[int]:
+        """Index of the nearest edge in whose corridor this location is; the first of equals."""
+        distances = [self.graph.curve(edge).project(*self.position).distance for edge in edges]
+        if not distances or min(distances) > self.corridor_width / 2.0:
+            return None
+        return next(index for index, distance in enumerate(distances)
+                    if distance <= min(distances) + 0.01)
+
+    def symbolic_pose(self) -> SymbolicPose:
+        """The nearest edge, driven forwards; edge 0 when it is in no corridor."""
+        if self.is_docked and self.graph.edges:
+            way_out = self.graph.edges_from(self.dock_vertex)[0]
+            return SymbolicPose(abs(way_out), 0.0 if way_out > 0 else 100.0)
+        nearest = self.graph.nearest_edge(*self.position)
+        if nearest is None or nearest[1].distance > self.corridor_width / 2.0:
+            return SymbolicPose()
+        return SymbolicPose(nearest[0], 100.0 * nearest[1].fraction)
+
+    def _distance_to(self, vertex: int) -> float:
+        return math.dist(self.position, self.graph.vertices[vertex].position)

@@ -1,0 +1,37 @@
+"""What the robot's activity is to a route: one table."""
+from __future__ import annotations
+
+from typing import Dict, Tuple
+
+from omron_arcl import ActivityKind
+from omron_ld90.bridge.route_protocol import Motion
+
+MOTIONS: Dict[ActivityKind, Motion] = {
+    ActivityKind.UNKNOWN: Motion.UNKNOWN,
+    ActivityKind.STOPPED: Motion.STANDING,
+    ActivityKind.STOPPING: Motion.UNKNOWN,
+    ActivityKind.GOING_TO_GOAL: Motion.GOING,
+    ActivityKind.ARRIVED_AT_GOAL: Motion.ARRIVED,
+    ActivityKind.GOING_TO_POINT: Motion.GOING,
+    ActivityKind.ARRIVED_AT_POINT: Motion.STANDING,
+    ActivityKind.FAILED: Motion.FAILED,
+    ActivityKind.INTERRUPTED: Motion.STANDING,
+    ActivityKind.PATROLLING: Motion.GOING,
+    ActivityKind.DOING_TASK: Motion.GOING,
+    ActivityKind.DOCKING: Motion.DOCKING,
+    ActivityKind.DOCKED: Motion.DOCKED,
+    ActivityKind.UNDOCKING: Motion.UNDOCKING,
+    ActivityKind.UNDOCKED: Motion.STANDING,
+    ActivityKind.PARKING: Motion.GOING,
+    ActivityKind.PARKED: Motion.STANDING,
+    ActivityKind.TELEOPERATED: Motion.GOING,
+    ActivityKind.EMERGENCY_STOP: Motion.STANDING,
+    ActivityKind.MOTORS_DISABLED: Motion.STANDING,
+    ActivityKind.LOST: Motion.UNKNOWN,
+}
+_NAMING_A_GOAL = (ActivityKind.GOING_TO_GOAL, ActivityKind.ARRIVED_AT_GOAL, ActivityKind.FAILED)
+
+
+def motion_of(kind: ActivityKind, goal: str) -> Tuple[Motion, str]:
+    """The motion, and the goal where it names one: not the name of a task, or of a route."""
+    return MOTIONS[kind], goal if kind in _NAMING_A_GOAL else ''

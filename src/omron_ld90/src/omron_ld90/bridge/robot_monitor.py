@@ -1,0 +1,143 @@
+"""The robot's side of a route: what the robot, its links and others do, and what we told it."""
+from __future__ import annotations
+
+import math
+from typing import Callable, Dict, Iterable, List, Optional, Type
+
+from omron_arcl import InvalidCommand, parse_command
+from omron_ld90.bridge import route_protocol as p
+from omron_ld90.bridge.goal_tracker import STOP, GoalTracker, RouteFailed, TakenOver
+from omron_ld90.bridge.robot_state import Located, RobotLinks, RobotLocation
+from omron_ld90.bridge.route_strategies import Settings
+from omron_ld90.bridge.stop_duty import StopDuty
+
+
+class RobotMonitor:
+    """Takes every event but orders; `check` raises what must end the running route."""
+
+    def __init__(self, settings: Settings, links: Iterable[p.Link] = ()) -> None:
+        """`links` are those that must stand before the robot can be driven."""
+        self.location = RobotLocation()
+        self.links = RobotLinks(links, settings.link_timeout, settings.restart_timeout)
+        self.tracker = GoalTracker()
+        self.stop_duty = StopDuty()
+        self.docking: Optional[p.Docking] = None
+        self.docking_changed = -math.inf
+        self.emergency = False
+        self.seen: Optional[p.RobotSeen] = None
+        """The last status."""
+        self._settings = settings
+        self._taken_over: Optional[TakenOver] = None
+        self._count = 0  # of commands given
+        self._handlers: Dict[Type[object], Callable[..., None]] = {
+            p.RobotSeen: self._on_seen, p.CommandEnded: self._on_ended,
+            p.ForeignCommand: self._on_foreign_command, p.LinkReported: self._on_link,
+        }
+
+    # --- what we do ------------------------------------------------------------------------------
+
+    def stop(self, now: float) -> None:
+        """Stops the robot, as soon as it can be reached."""
+        self.tracker.end()
+        self.stop_duty.require(now)
+
+    def leave(self) -> None:
+        """The robot is somebody else's: we have no more business with it."""
+        self.tracker.end()
+        self.stop_duty.forgive()
+
+    def begin(self) -> None:
+        """A new route begins: what happened before does not count any more."""
+        self.stop_duty.forgive()
+        self._taken_over = None
+        self.tracker.failure = None
+
+    def due_commands(self, now: float) -> List[p.Give]:
+        """The commands to give now; each counts as given."""
+        given: List[p.Give] = []
+        stands = self.links.stands(p.Link.COMMANDS, now)
+        if self.stop_duty.is_due(stands, now):
+            given.append(self._give(STOP))
+            self.stop_duty.given(given[-1].number, now)
+        if self.tracker.give_again:
+            given.append(self._give(self.tracker.command))
+            self.tracker.given(given[-1].number)
+        return given
+
+    def _give(self, command: str) -> p.Give:
+        self._count += 1
+        return p.Give(self._count, command)
+
+    # --- what is to be known ----------------------------------------------------------------------
+
+    def why_unknown(self, now: float) -> str:
+        """What must be known before anybody can say whether the robot can drive, and is not."""
+        if self.location.last is None:
+            return 'the robot has not told where it is'
+        if self.is_location_overdue(now):
+            return ('the robot has not told where it is for '
+                    f'{now - self.location.heard:.0f} s')
+        return self.links.why_unusable(now)
+
+    def is_location_overdue(self, now: float) -> bool:
+        """Whether the last location is too old, given that its link stands for as long."""
+        heard = max(self.location.heard, self.links.up_since(p.Link.OUTGOING))
+        return now - heard > self._settings.location_timeout
+
+    def check(self, now: float) -> None:
+        """Raises RouteFailed, or TakenOver, where something has ended the running route."""
+        self.tracker.check_clock(now)
+        if self.emergency:
+            raise RouteFailed('emergency stop')
+        for failure in (self._taken_over, self.tracker.failure):
+            if failure is not None:
+                raise failure
+        lost = self.links.why_lost(now)
+        if lost:
+            raise RouteFailed(lost)
+        if self.links.stands(p.Link.OUTGOING, now) and self.is_location_overdue(now):
+            raise RouteFailed('the robot has not told where it is for '
+                              f'{self._settings.location_timeout:.0f} s')
+
+    # --- what happens ----------------------------------------------------------------------------
+
+    def update(self, event: p.Event, now: float) -> bool:
+        """Takes an event; whether the robot has been seen at a new place."""
+        before = self.location.heard
+        self._handlers[type(event)](event, now)
+        return self.location.heard != before
+
+    def _on_seen(self, status: p.RobotSeen, now: float) -> None:
+        self.seen = status
+        self.emergency = status.emergency_stop
+        if status.docking is not None and status.docking is not self.docking:
+            self.docking, self.docking_changed = status.docking, now
+        if status.place is not None and self.location.update(
+                Located(status.stamp, *status.place), now):
+            self.tracker.located(status.place)
+        since = (self.links.up_since(p.Link.COMMANDS)
+                 if self.links.stands(p.Link.COMMANDS, now) else math.inf)
+        self.tracker.seen(status, now, since)
+        self.stop_duty.seen(status, self.tracker.our_goals, now)
+
+    def _on_ended(self, event: p.CommandEnded, now: float) -> None:
+        self.stop_duty.ended(event)
+        self.tracker.ended(event, now)
+        if self.tracker.has_docked:
+            self.docking, self.docking_changed = p.Docking.DOCKED, now
+
+    def _on_foreign_command(self, event: p.ForeignCommand, _: float) -> None:
+        self.stop_duty.forgive()
+        self._taken_over = TakenOver(f'{event.caller} sent {event.command!r}.')
+
+    def _on_link(self, event: p.LinkReported, now: float) -> None:
+        self.links.update(event, now)
+
+
+def moves_robot(command: str) -> bool:
+    """Does an ARCL command make the robot drive, or stop?"""
+    try:
+        spec = parse_command(command).spec
+    except InvalidCommand:
+        return False
+    return spec.drives or spec.name == STOP

@@ -1,0 +1,60 @@
+"""How a route goes on that ran when the bridge was restarted: the robot drove on meanwhile."""
+from __future__ import annotations
+
+from typing import Optional
+
+from omron_ld90.bridge.goal_tracker import DOCK, RouteFailed, TakenOver
+from omron_ld90.bridge.graph_location import GraphLocation
+from omron_ld90.bridge.route_protocol import Motion, RobotSeen, RouteRecord
+from omron_ld90.bridge.route_run import RouteRun
+from omron_ld90.goal_names import goal_name
+from trajectory_graph import Graph
+
+
+def current_edge(record: RouteRecord, here: GraphLocation, seen: RobotSeen) -> int:
+    """Index of the edge on which the robot is found; raises RouteFailed when it is elsewhere.
+
+    As long as it is found on the edges that lead to where it had been sent, those behind it were
+    driven.
+    """
+    last = record.completed if record.target is None else record.target
+    ahead = record.edges[record.completed:last + 1]
+    if not ahead or here.is_about_the_dock:
+        return record.completed
+    found = here.nearest_of(ahead)
+    if found is not None:
+        return record.completed + found
+    if seen.motion is Motion.GOING and seen.goal != record.goal:
+        raise TakenOver('While the bridge was restarted, somebody drove the robot elsewhere.')
+    raise RouteFailed('the robot was not on the route any more after a restart of the bridge')
+
+
+def resume(route: RouteRun, record: RouteRecord, graph: Graph, seen: RobotSeen,
+           now: float) -> None:
+    """Goes on with the route, whose progress is set: looks where the robot is going first."""
+    current = route.completed
+    if current >= len(record.edges):
+        return
+    target = _target_shown(graph, record, current, seen)
+    if target is None:
+        target = record.target
+    if target is None or target < current or _rests_at_start(graph, record, current, seen):
+        route.drive()
+    else:
+        route.resume(target, now)
+
+
+def _target_shown(graph: Graph, record: RouteRecord, current: int,
+                  seen: RobotSeen) -> Optional[int]:
+    """Index of the edge to whose end the robot says that it goes; None where it is none ahead."""
+    if seen.motion not in (Motion.GOING, Motion.ARRIVED):
+        return None
+    return next((index for index in range(current, len(record.edges))
+                 if goal_name(graph.end_vertex(record.edges[index])) == seen.goal), None)
+
+
+def _rests_at_start(graph: Graph, record: RouteRecord, current: int, seen: RobotSeen) -> bool:
+    """Whether the robot stands where the current edge begins, and was not sent on from there."""
+    start = goal_name(graph.start_vertex(record.edges[current]))
+    return (seen.motion is Motion.ARRIVED and seen.goal == start
+            ) or (seen.motion is Motion.DOCKED and record.goal != DOCK)

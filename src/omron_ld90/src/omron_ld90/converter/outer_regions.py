@@ -1,0 +1,100 @@
+"""What lies outside the floor, and the offset outline: what must be covered. mm, map frame.
+
+The floor's outside falls into *outer regions*: one for every block between corridors, and the one
+that surrounds all. The *offset outline* of each runs OUTLINE_DISTANCE off the floor; where it is
+covered by walls and fences, nothing leaves the floor.
+"""
+from __future__ import annotations
+
+from typing import Iterator, List, NamedTuple, Tuple
+
+import numpy as np
+from shapely.geometry import LinearRing, Polygon, box
+from shapely.geometry.base import BaseGeometry
+from shapely.geometry.polygon import orient
+
+from omron_ld90.converter.corridors import MITRE
+
+OUTLINE_DISTANCE = 15.0  # from the floor to the offset outline
+STEP = 40.0  # between the points that stand for the offset outline
+CLEARANCE = 2.0  # between fence and floor: more than the rounding to whole mm
+OUTSIDE = 30000.0  # of the world around the floor that is looked at
+LONGEST_EDGE = 1000.0
+SAME_DIRECTION = float(np.cos(np.radians(0.5)))
+
+
+class OuterRegion(NamedTuple):
+    """A connected piece of what lies outside the floor; it is at the left of its offset outline."""
+
+    points: np.ndarray
+    """(N,2), at most STEP apart along the offset outline."""
+    directions: np.ndarray
+    """(N,2), the outline's unit direction at each point."""
+    rings: List[np.ndarray]
+    """Indices of the points of each closed part of the outline, in order."""
+    edges: np.ndarray
+    """(M,2,2), segments of at most LONGEST_EDGE that no fence may cross."""
+
+
+def outer_regions(floor: BaseGeometry) -> Iterator[OuterRegion]:
+    """The outer regions around and inside `floor`.
+
+    Every version of GEOS gives the same regions: each makes the same shapes, but lists their
+    corners from another one on, so that they are put in order here.
+    """
+    everything = box(*floor.bounds).buffer(OUTSIDE, join_style=MITRE)
+    outside = everything.difference(floor.buffer(OUTLINE_DISTANCE, join_style=MITRE))
+    for piece in getattr(outside, 'geoms', [outside]):
+        piece = orient(piece)
+        outermost = piece.exterior.bounds == everything.bounds
+        rings = list(piece.interiors) if outermost else [piece.exterior, *piece.interiors]
+        outlines = sorted((_outline(ring) for ring in rings), key=lambda line: tuple(line[0]))
+        yield _region(piece, outlines)
+
+
+def sides(directions: np.ndarray) -> List[np.ndarray]:
+    """The stretches of a ring without a change of direction, as positions in order."""
+    turns = (directions * np.roll(directions, 1, axis=0)).sum(axis=1) < SAME_DIRECTION
+    corners = np.flatnonzero(turns)
+    if not len(corners):
+        return [np.arange(len(directions))]
+    around = np.roll(np.arange(len(directions)), -corners[0])
+    return np.split(around, corners[1:] - corners[0])
+
+
+def _region(piece: Polygon, outlines: List[np.ndarray]) -> OuterRegion:
+    points, directions = zip(*map(_resampled, outlines))
+    ends = np.cumsum([len(ring) for ring in points])
+    rings = [np.arange(end - len(ring), end) for end, ring in zip(ends, points)]
+    return OuterRegion(np.concatenate(points), np.concatenate(directions), rings,
+                _edges(piece.buffer(OUTLINE_DISTANCE - CLEARANCE / 2.0, join_style=MITRE)))
+
+
+def _outline(ring: LinearRing) -> np.ndarray:
+    """The corners (N,2) of a ring, from the lowest of the leftmost around to it again."""
+    corners = np.round(np.array(ring.coords)[:-1], 3)
+    first = np.lexsort(corners.T[::-1])[0]
+    around = np.roll(corners, -first, axis=0)
+    return np.concatenate((around, around[:1]))
+
+
+def _resampled(outline: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Points (N,2) at most STEP apart along a closed outline, and the unit direction at each."""
+    steps = np.diff(outline, axis=0)
+    lengths = np.hypot(*steps.T)
+    arc = np.concatenate(([0.0], np.cumsum(lengths)))
+    at = np.linspace(0.0, arc[-1], int(np.ceil(arc[-1] / STEP)) + 1)[:-1]
+    segment = np.searchsorted(arc, at, side='right') - 1
+    directions = (steps / lengths[:, None])[segment]
+    return outline[segment] + directions * (at - arc[segment])[:, None], directions
+
+
+def _edges(area: Polygon) -> np.ndarray:
+    pieces = []
+    for ring in [area.exterior, *area.interiors]:
+        corners = np.array(ring.coords)
+        for start, end in zip(corners, corners[1:]):
+            count = max(1, int(np.ceil(np.hypot(*(end - start)) / LONGEST_EDGE)))
+            ends = start + np.linspace(0.0, 1.0, count + 1)[:, None] * (end - start)
+            pieces.append(np.stack((ends[:-1], ends[1:]), axis=1))
+    return np.concatenate(pieces)

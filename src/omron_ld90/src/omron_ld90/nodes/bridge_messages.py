@@ -1,0 +1,59 @@
+"""What the robot's nodes say, as the events of the bridge."""
+from __future__ import annotations
+
+from typing import Dict, Optional
+
+from omron_arcl import ActivityKind
+from omron_ld90.bridge.motions import motion_of
+from omron_ld90.bridge.route_protocol import (
+    CommandEnded,
+    Docking,
+    Ending,
+    Link,
+    LinkReported,
+    RobotSeen,
+)
+from omron_ld90.nodes.support.command_client import NEVER_SENT
+from omron_ld90.nodes.support.link_reports import words_of
+from omron_ld90_msgs.msg import ExecuteCommandResult, LinkState, RobotStatus
+
+_KINDS: Dict[int, ActivityKind] = {getattr(RobotStatus, kind.name): kind for kind in ActivityKind}
+_ENDINGS: Dict[int, Ending] = {
+    ExecuteCommandResult.SUCCEEDED: Ending.SUCCEEDED,
+    ExecuteCommandResult.FAILED: Ending.FAILED,
+    ExecuteCommandResult.INTERRUPTED: Ending.INTERRUPTED,
+    ExecuteCommandResult.LOST: Ending.LOST,
+    ExecuteCommandResult.TIMED_OUT: Ending.FAILED,
+    ExecuteCommandResult.REFUSED: Ending.FAILED,
+    ExecuteCommandResult.CANCELLED: Ending.INTERRUPTED,
+    ExecuteCommandResult.EMERGENCY_STOPPED: Ending.EMERGENCY_STOPPED,
+}
+_DOCKING: Dict[str, Docking] = {state.value: state for state in Docking}
+_LINKS: Dict[str, Link] = {link.value: link for link in Link}
+
+
+def robot_seen(status: RobotStatus) -> RobotSeen:
+    """What a status shows."""
+    position = status.pose.position
+    kind = _KINDS.get(status.activity, ActivityKind.UNKNOWN)
+    return RobotSeen(
+        status.header.stamp.to_nsec(), *motion_of(kind, status.goal),
+        _DOCKING.get(status.docking_state), status.emergency_stop,
+        (position.x, position.y) if status.has_pose else None)
+
+
+def command_ended(number: int, result: ExecuteCommandResult) -> CommandEnded:
+    """How a command ended."""
+    ending = _ENDINGS.get(result.outcome, Ending.FAILED)
+    if ending is Ending.LOST and result.message.startswith(NEVER_SENT):
+        ending = Ending.NEVER_SENT
+    return CommandEnded(number, ending, result.message)
+
+
+def link_reported(message: LinkState) -> Optional[LinkReported]:
+    """How a link stands; None for what is no link of the robot."""
+    link = _LINKS.get(message.link)
+    if link is None:
+        return None
+    up = message.state == LinkState.CONNECTED
+    return LinkReported(link, up, '' if up else message.reason or words_of(message.state))

@@ -1,0 +1,47 @@
+"""The ARCL password: from a file, or from the environment."""
+from __future__ import annotations
+
+import os
+import stat
+
+import rospy
+
+from omron_ld90.nodes.support.startup import ConfigurationError
+
+PASSWORD_VARIABLE = 'OMRON_LD90_PASSWORD'
+_MAXIMUM_BYTES = 1000
+
+
+def read_password(path: str) -> bytes:
+    """The password from `path`, or from the environment; raises ConfigurationError.
+
+    No message ever holds it. The variable is taken out of this process's environment, so that no
+    program inherits it from here; but roslaunch has written it into its own log by then.
+    """
+    variable = os.environb.pop(PASSWORD_VARIABLE.encode(), b'')
+    source = f'file {path}' if path else f'environment variable {PASSWORD_VARIABLE}'
+    try:
+        password = _content(path).strip() if path else variable
+    except OSError as error:
+        raise ConfigurationError(
+            f'The ARCL password cannot be read from {source}: {error.strerror}.') from None
+    if not password or not all(0x20 <= byte < 0x7f for byte in password):
+        what = 'holds control or non-ASCII characters' if password else 'is empty or not set'
+        raise ConfigurationError(
+            f'There is no usable ARCL password: {source} {what}. Set ~password_file to a file '
+            f'that holds nothing but the password, or set {PASSWORD_VARIABLE}.')
+    if not path:
+        rospy.logwarn('The ARCL password was taken from the environment variable %s. roslaunch '
+                      'writes its whole environment into its log, where others may read it: name '
+                      'a file that only you can read in ~password_file instead.',
+                      PASSWORD_VARIABLE)
+    return password
+
+
+def _content(path: str) -> bytes:
+    """The beginning of a regular file; anything else might never end, or never begin."""
+    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    with open(descriptor, 'rb') as file:
+        if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+            raise OSError(0, 'it is no regular file')
+        return file.read(_MAXIMUM_BYTES)

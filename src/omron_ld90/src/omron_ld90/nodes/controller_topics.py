@@ -1,0 +1,82 @@
+"""The controller's topics in: commands and poses."""
+from __future__ import annotations
+
+from typing import Callable
+
+import rospy
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
+from std_msgs.msg import String
+
+from omron_arcl import ArclError, Execution, Result
+from omron_arcl.guard import is_stop
+from omron_ld90.nodes.controller_actions import MoveBaseServer, Refused, robot_pose
+from omron_ld90.nodes.controller_refusals import (
+    OldMessages,
+    Refusals,
+    failure,
+)
+
+
+class TopicCommands:
+    """Subscribes to the topics; `execute` gives a command and raises ArclError."""
+
+    def __init__(self, execute: Callable[..., Execution], move_base: MoveBaseServer,
+                 refusals: Refusals, old: OldMessages, map_frame: str) -> None:
+        self._execute = execute
+        self._move_base = move_base
+        self._refusals = refusals
+        self._map_frame = map_frame
+        self._old = old
+        for topic, kind, queue_size, callback in (
+                ('send_command', String, 100, self._on_command),
+                ('move_base_simple/goal', PoseStamped, 1, self._on_goal_pose),
+                ('initialpose', PoseWithCovarianceStamped, 1, self._on_initial_pose)):
+            old.watch(topic)
+            rospy.Subscriber(topic, kind, self._unless_old(callback, topic),
+                             queue_size=queue_size, tcp_nodelay=True)
+
+    def _unless_old(self, callback: Callable[[rospy.Message, str], None],
+                    topic: str) -> Callable[[rospy.Message], None]:
+        def receive(message: rospy.Message) -> None:
+            caller = getattr(message, '_connection_header', {}).get('callerid', 'unknown')
+            text = message.data if isinstance(message, String) else topic
+            reason = self._old.reason(message, topic, is_stop(text))
+            if reason:
+                self._refusals.tell(text, caller, reason)
+            else:
+                callback(message, caller)
+        return receive
+
+    def _on_command(self, message: String, caller: str) -> None:
+        self._send(message.data, caller)
+
+    def _on_goal_pose(self, message: PoseStamped, caller: str) -> None:
+        """As the real move_base does it, so that whoever watches the action sees a new goal."""
+        try:
+            robot_pose(message, self._map_frame)
+        except Refused as error:
+            self._refusals.tell('gotoPoint', caller, f'The goal was not sent: {error}.')
+        else:
+            self._move_base.forward(message, caller)
+
+    def _on_initial_pose(self, message: PoseWithCovarianceStamped, caller: str) -> None:
+        pose = PoseStamped(header=message.header, pose=message.pose.pose)
+        try:
+            x, y, heading = robot_pose(pose, self._map_frame)
+        except Refused as error:
+            self._refusals.tell('localizeToPoint', caller,
+                                f'The pose was not sent: {error}.')
+        else:
+            self._send(f'localizeToPoint {x} {y} {heading}', caller)
+
+    def _send(self, text: str, caller: str) -> None:
+        """Sends a command for whose end nobody waits, so failures are told."""
+        def on_end(result: Result) -> None:
+            reason = failure(text, result)
+            if reason:
+                self._refusals.tell(text, caller, reason)
+
+        try:
+            self._execute(text, on_end=on_end)
+        except ArclError as error:
+            self._refusals.tell(text, caller, str(error))

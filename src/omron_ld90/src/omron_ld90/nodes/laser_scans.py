@@ -1,0 +1,108 @@
+"""Makes sensor_msgs/LaserScan out of the receiver's laser cloud, a part of robot_state_publisher.
+
+Subscribes
+    laser_cloud (sensor_msgs/PointCloud2), in the map's frame
+Publishes
+    scan (sensor_msgs/LaserScan)
+"""
+from __future__ import annotations
+
+import math
+import threading
+from typing import NamedTuple, Optional
+
+import rospy
+import tf2_ros
+from geometry_msgs.msg import Pose
+from sensor_msgs.msg import LaserScan, PointCloud2
+
+from omron_ld90 import laser_scan, robot_model
+from omron_ld90.nodes.support import poses
+from omron_ld90.nodes.support.clouds import places_in
+
+MAX_SKEW = rospy.Duration(0.5)  # between a cloud and the location nearest in time
+REFUSALS_TOLD = 60.0  # s between two words about them
+
+
+class StampedPose(NamedTuple):
+    """Where the robot's base was in the map, and when."""
+
+    stamp: rospy.Time
+    pose: Pose
+
+
+class LaserScans:
+    """Publishes a scan for each cloud that has a location near enough in time.
+
+    A cloud waits for the first location that is not older than itself; of that one and the one
+    before, the nearer counts. The scan bears the location's stamp: so the transform of that time
+    puts every point back to where the robot said it was.
+    """
+
+    def __init__(self, map_frame: str, base_frame: str, laser_frame: str,
+                 transforms: tf2_ros.Buffer) -> None:
+        self._map_frame, self._base_frame, self._laser_frame = map_frame, base_frame, laser_frame
+        self._transforms = transforms
+        self._lock = threading.Lock()
+        self._waiting: Optional[PointCloud2] = None
+        self._last: Optional[StampedPose] = None
+        self._published = rospy.Time(0)
+        self._scans = rospy.Publisher('scan', LaserScan, queue_size=5, tcp_nodelay=True)
+        rospy.Subscriber('laser_cloud', PointCloud2, self._on_cloud, queue_size=2,
+                         tcp_nodelay=True)
+
+    def _on_cloud(self, cloud: PointCloud2) -> None:
+        if cloud.header.frame_id == self._map_frame:
+            with self._lock:
+                self._waiting = cloud
+
+    def on_location(self, stamp: rospy.Time, pose: Pose) -> None:
+        """The robot's base was at `pose` in the map."""
+        with self._lock:
+            before, self._last = self._last, StampedPose(stamp, pose)
+            cloud = self._waiting
+            if cloud is None or cloud.header.stamp > stamp:
+                return
+            self._waiting = None
+            nearest = nearest_in_time(cloud.header.stamp, before, self._last)
+            if nearest is None or nearest.stamp <= self._published:
+                return
+            scan = self._scan(cloud, nearest)
+            if scan is not None:
+                self._published = nearest.stamp
+                self._scans.publish(scan)
+
+    def _scan(self, cloud: PointCloud2, base: StampedPose) -> Optional[LaserScan]:
+        try:
+            laser = self._transforms.lookup_transform(
+                self._base_frame, self._laser_frame, rospy.Time(0)).transform
+            hits = places_in(cloud)
+        except (tf2_ros.TransformException, ValueError) as error:
+            rospy.logwarn_throttle(REFUSALS_TOLD, 'No scan is made of a laser_cloud: %s', error)
+            return None
+        yaw = poses.yaw_from_quaternion(base.pose.orientation)
+        ahead, left = laser.translation.x, laser.translation.y
+        place = laser_scan.LaserPlace(
+            base.pose.position.x + ahead * math.cos(yaw) - left * math.sin(yaw),
+            base.pose.position.y + ahead * math.sin(yaw) + left * math.cos(yaw),
+            yaw + poses.yaw_from_quaternion(laser.rotation))
+        return scan_of(laser_scan.ranges_of(hits, place).tolist(), base.stamp, self._laser_frame)
+
+
+def nearest_in_time(stamp: rospy.Time, *candidates: Optional[StampedPose]
+                    ) -> Optional[StampedPose]:
+    """The pose nearest to `stamp`, if one is within MAX_SKEW."""
+    known = [candidate for candidate in candidates if candidate is not None]
+    nearest = min(known, key=lambda pose: abs(pose.stamp - stamp), default=None)
+    return nearest if nearest is not None and abs(nearest.stamp - stamp) <= MAX_SKEW else None
+
+
+def scan_of(ranges: list, stamp: rospy.Time, frame: str) -> LaserScan:
+    """The message for ranges from right to left, infinite where nothing was hit (REP 117)."""
+    message = LaserScan(
+        angle_min=laser_scan.FIRST_ANGLE, angle_increment=laser_scan.INCREMENT,
+        angle_max=laser_scan.FIRST_ANGLE + (len(ranges) - 1) * laser_scan.INCREMENT,
+        range_min=laser_scan.NEAREST, range_max=robot_model.LASER_RANGE, ranges=ranges)
+    message.header.stamp = stamp
+    message.header.frame_id = frame
+    return message

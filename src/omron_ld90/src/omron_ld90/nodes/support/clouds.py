@@ -1,0 +1,32 @@
+"""The places in a PointCloud2, whoever made it."""
+from __future__ import annotations
+
+import numpy as np
+from sensor_msgs.msg import PointCloud2, PointField
+
+MAX_POINTS = 100_000
+
+
+def places_in(cloud: PointCloud2) -> np.ndarray:
+    """(N, 2) x, y in the cloud's frame, m; without the points that have none.
+
+    Raises ValueError, with a clause for people, for a cloud that is not laid out as it says, has no
+    float32 x and y, or more than MAX_POINTS points.
+    """
+    count = cloud.width * cloud.height
+    if count > MAX_POINTS:
+        raise ValueError(f'it has {count} points, and {MAX_POINTS} are the most')
+    offsets = {field.name: field.offset for field in cloud.fields
+               if field.datatype == PointField.FLOAT32}
+    if not {'x', 'y'} <= set(offsets):
+        raise ValueError('it has no x and y of type float32')
+    last = max(offsets['x'], offsets['y']) + 4
+    if last > cloud.point_step or count * cloud.point_step > len(cloud.data) or (
+            cloud.height > 1 and cloud.row_step != cloud.width * cloud.point_step):
+        raise ValueError('its data are not laid out as it says')
+    order = '>f4' if cloud.is_bigendian else '<f4'
+    layout = np.dtype({'names': ['x', 'y'], 'formats': [order, order],
+                       'offsets': [offsets['x'], offsets['y']], 'itemsize': cloud.point_step})
+    points = np.frombuffer(cloud.data, layout, count)
+    places = np.column_stack((points['x'], points['y'])).astype(float)
+    return places[np.isfinite(places).all(axis=1)]

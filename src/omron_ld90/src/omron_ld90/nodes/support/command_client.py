@@ -1,0 +1,115 @@
+"""Commands given to the controller by its action `execute_command`, each to its end.
+
+For whoever wants a command done and its outcome. actionlib calls back with its own lock held; here
+callbacks come from a thread of their own, so that they may take locks and give commands.
+"""
+from __future__ import annotations
+
+import threading
+from typing import Callable, Dict, Optional
+
+import actionlib
+from actionlib import ClientGoalHandle, CommState
+
+from omron_ld90.nodes.support.call_queue import CallQueue
+from omron_ld90_msgs.msg import (
+    ExecuteCommandAction,
+    ExecuteCommandFeedback,
+    ExecuteCommandGoal,
+    ExecuteCommandResult,
+)
+
+NEVER_SENT = 'never sent'  # how the message of a LOST outcome begins when the robot never heard it
+
+STATUSES_TO_ACKNOWLEDGE = 5  # of the server, five a second, in which a goal given must stand
+
+OnEnd = Callable[[int, ExecuteCommandResult], None]
+OnLine = Callable[[int, str], None]
+
+
+class CommandClient:
+    """Gives commands, and tells how each ends, exactly once: LOST where the controller is gone."""
+
+    def __init__(self, on_end: OnEnd, on_line: Optional[OnLine] = None) -> None:
+        """`on_end` and `on_line` (a line of the robot that belongs to it) get the number given."""
+        self._on_end = on_end
+        self._on_line = on_line
+        self._lock = threading.Lock()  # guards _open; not held while others are called
+        self._open: Dict[int, _Given] = {}
+        self._statuses = 0  # of the server, as far as `check` saw them
+        self._last_status: object = None
+        self._callbacks = CallQueue('execute_command')
+        self._client = actionlib.ActionClient('execute_command', ExecuteCommandAction)
+
+    @property
+    def controller_is_there(self) -> bool:
+        """Whether a command would reach the controller."""
+        return (self._client.status_sub.get_num_connections() > 0
+                and self._client.pub_goal.get_num_connections() > 0)
+
+    def give(self, number: int, command: str) -> None:
+        """Gives an ARCL command; `number` is its name in the callbacks, used once."""
+        given = _Given(self._statuses)
+        with self._lock:
+            self._open[number] = given
+        if not self.controller_is_there:
+            self._end_later(number, _lost(f'{NEVER_SENT}: omron_controller is not running'))
+            return
+        given.handle = self._client.send_goal(
+            ExecuteCommandGoal(command=command),
+            transition_cb=lambda handle: self._on_transition(number, handle),
+            feedback_cb=lambda handle, feedback: self._on_feedback(number, feedback))
+
+    def check(self) -> None:
+        """Ends what the controller will not end; to be called several times a second.
+
+        That is everything once it is gone, and a goal that got lost on its way to one just started.
+        """
+        gone = self._client.status_sub.get_num_connections() == 0
+        if self._client.last_status_msg is not self._last_status:
+            self._last_status = self._client.last_status_msg
+            self._statuses += 1
+        with self._lock:
+            opened = list(self._open.items())
+        for number, given in opened:
+            if gone:
+                self._end_later(number, _lost('omron_controller is gone'))
+            elif (self._statuses - given.statuses > STATUSES_TO_ACKNOWLEDGE and given.handle
+                  and given.handle.get_comm_state() == CommState.WAITING_FOR_GOAL_ACK):
+                self._end_later(number, _lost('omron_controller did not hear the command'))
+
+    def close(self) -> None:
+        """Ends the thread of the callbacks."""
+        self._callbacks.close()
+
+    def _on_transition(self, number: int, handle: ClientGoalHandle) -> None:
+        if handle.get_comm_state() == CommState.DONE:
+            self._end_later(number, handle.get_result() or _lost(
+                f'omron_controller lost the command: {handle.get_goal_status_text()}'))
+
+    def _on_feedback(self, number: int, feedback: ExecuteCommandFeedback) -> None:
+        on_line = self._on_line
+        if on_line:
+            self._callbacks.add(lambda: on_line(number, feedback.line), optional=True)
+
+    def _end_later(self, number: int, result: ExecuteCommandResult) -> None:
+        self._callbacks.add(lambda: self._end(number, result))
+
+    def _end(self, number: int, result: ExecuteCommandResult) -> None:
+        with self._lock:
+            if number not in self._open:
+                return
+            del self._open[number]
+        self._on_end(number, result)
+
+
+class _Given:
+    """A command given; actionlib forgets a goal whose handle nobody keeps."""
+
+    def __init__(self, statuses: int) -> None:
+        self.statuses = statuses
+        self.handle: Optional[ClientGoalHandle] = None
+
+
+def _lost(message: str) -> ExecuteCommandResult:
+    return ExecuteCommandResult(outcome=ExecuteCommandResult.LOST, message=message)

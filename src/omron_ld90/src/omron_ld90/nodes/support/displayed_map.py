@@ -1,0 +1,51 @@
+"""The map on display, for whoever draws on it or takes clicks on it.
+
+Subscribes
+    map_file (std_msgs/String, latched): path of the map that `map_visualisation` shows
+"""
+from __future__ import annotations
+
+from typing import Callable, Optional
+
+import rospy
+from std_msgs.msg import String
+
+from omron_map import MapDocument, MapError
+
+SHOWN_BY = 'map_visualisation'
+STRANGERS_TOLD = 60.0  # s between two words about them
+
+
+class DisplayedMap:
+    """Calls `on_map(document, path)` for every map that is displayed, or displayed anew.
+
+    `document` is None where no map is displayed, or its file cannot be read; `without` says, for
+    people, what is missing then. Only the node `map_visualisation` of the same namespace is
+    believed: the path of anybody else would make this node read, and tell of, any file.
+    `on_map` runs in a thread of the subscriber, and must take its own locks.
+    """
+
+    def __init__(self, on_map: Callable[[Optional[MapDocument], str], None], without: str) -> None:
+        self._on_map = on_map
+        self._without = without
+        self._shown_by = rospy.resolve_name(SHOWN_BY)
+
+    def subscribe(self) -> rospy.Subscriber:
+        """Follow `map_file` from now on."""
+        return rospy.Subscriber('map_file', String, self.take, queue_size=1, tcp_nodelay=True)
+
+    def take(self, message: String) -> None:
+        """Load what a message of `map_file` names."""
+        sender = message._connection_header['callerid']
+        if sender != self._shown_by:
+            rospy.logwarn_throttle(
+                STRANGERS_TOLD, 'A map_file from %s is ignored: only %s says which map is '
+                'displayed.', sender, self._shown_by)
+            return
+        document = None
+        if message.data:
+            try:
+                document = MapDocument.load(message.data)
+            except MapError as error:
+                rospy.logerr('%s: %s', self._without, error)
+        self._on_map(document, message.data)

@@ -1,0 +1,56 @@
+"""Log messages that a stranger or a robot can cause, so few that they fill no disk."""
+from __future__ import annotations
+
+import threading
+import time
+from typing import Callable, Dict, Optional
+
+import rospy
+
+BURST = 5  # messages of a kind that are logged within PERIOD
+PERIOD = 10.0  # s
+
+
+class LogThrottle:
+    """Lets few messages of each kind through, and counts what it left out."""
+
+    def __init__(self, burst: int = BURST, period: float = PERIOD,
+                 clock: Callable[[], float] = time.monotonic) -> None:
+        self._burst = burst
+        self._period = period
+        self._clock = clock
+        self._lock = threading.Lock()
+        self._kinds: Dict[str, _Kind] = {}
+
+    def pass_on(self, kind: str, message: str) -> Optional[str]:
+        """The message to log, or None; it says how many like it were left out before."""
+        with self._lock:
+            now = self._clock()
+            state = self._kinds.setdefault(kind, _Kind(now))
+            if now - state.since >= self._period:
+                state.since, state.logged = now, 0
+            if state.logged >= self._burst:
+                state.left_out += 1
+                return None
+            state.logged += 1
+            left_out, state.left_out = state.left_out, 0
+        return f'{message} ({left_out} more like it were left out.)' if left_out else message
+
+
+class _Kind:
+    """What was logged of a kind of messages."""
+
+    def __init__(self, since: float) -> None:
+        self.since = since
+        self.logged = 0
+        self.left_out = 0
+
+
+_throttle = LogThrottle()
+
+
+def warn(kind: str, message: str) -> None:
+    """Logs a warning of this kind, unless there were too many of late."""
+    passed = _throttle.pass_on(kind, message)
+    if passed is not None:
+        rospy.logwarn('%s', passed)

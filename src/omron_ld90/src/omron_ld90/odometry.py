@@ -1,0 +1,100 @@
+"""How a robot moves, told from its successive locations. No ROS; metres, radians, seconds.
+
+A robot of ARCL sends where its own localisation finds it, some two to ten times a second, and no
+wheel counts. Between two locations it drove an arc: its mean speed and turn rate are known, not
+what it does at this moment. The variances say so: they grow with the time between locations.
+"""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Optional
+
+from omron_ld90 import robot_model
+
+MAX_GAP = 2.0  # s between two locations; farther apart they tell of no velocity
+
+#: Standard deviations of one location: the localisation's own (data sheet: 100 mm, taken as two
+#: sigma), and what differs from one location to the next, with rounding to 1 mm and 1 degree.
+POSITION_SIGMA, HEADING_SIGMA = 0.05, math.radians(1.0)
+STEP_SIGMA, TURN_SIGMA = 0.005, math.radians(0.5)
+SIDEWAYS = 0.1  # m that a robot may seem to move to the side, which it cannot
+TURN_ACCELERATION = math.radians(180.0)  # rad/s2
+
+
+@dataclass(frozen=True)
+class Location:
+    """Where a robot was at a time: s, m and rad in the map."""
+
+    time: float
+    x: float
+    y: float
+    yaw: float
+
+
+@dataclass(frozen=True)
+class Motion:
+    """How a robot got to its last location: means since the one before, and their variances."""
+
+    speed: float
+    """m/s ahead, negative backwards; to the side it cannot drive."""
+    turn_rate: float
+    """rad/s, counter-clockwise."""
+    speed_variance: float
+    turn_rate_variance: float
+    position_variance: float
+    """m2, of x and of y of the location at its time."""
+    yaw_variance: float
+
+
+class Odometer:
+    """Tells the motion at each location that follows another one."""
+
+    def __init__(self) -> None:
+        self._last: Optional[Location] = None
+
+    def add(self, location: Location) -> Optional[Motion]:
+        """The motion since the location before.
+
+        None where there is none within MAX_GAP, and where the robot cannot have driven from there:
+        then it was relocalised.
+        """
+        last, self._last = self._last, location
+        if last is None or not 0.0 < location.time - last.time <= MAX_GAP:
+            return None
+        return _between(last, location)
+
+
+def _between(last: Location, location: Location) -> Optional[Motion]:
+    interval = location.time - last.time
+    turn = math.remainder(location.yaw - last.yaw, 2.0 * math.pi)
+    right, up = location.x - last.x, location.y - last.y
+    middle = last.yaw + turn / 2.0  # an arc's chord runs along its mean heading
+    chord = right * math.cos(middle) + up * math.sin(middle)
+    aside = abs(up * math.cos(middle) - right * math.sin(middle))
+    if aside > max(SIDEWAYS, abs(chord)):
+        return None
+    arc = chord * (turn / 2.0) / math.sin(turn / 2.0) if turn else chord
+    speed, turn_rate = arc / interval, turn / interval
+    # Within the interval the robot may have gained or lost what its acceleration allows, and the
+    # location may be as old as the interval is long.
+    motion = Motion(
+        speed, turn_rate,
+        speed_variance=2.0 * (STEP_SIGMA / interval) ** 2
+        + _uniform(robot_model.ACCELERATION * interval),
+        turn_rate_variance=2.0 * (TURN_SIGMA / interval) ** 2
+        + _uniform(TURN_ACCELERATION * interval),
+        position_variance=POSITION_SIGMA ** 2 + _uniform(arc),
+        yaw_variance=HEADING_SIGMA ** 2 + _uniform(turn))
+    return motion if _is_possible(motion) else None
+
+
+def _uniform(width: float) -> float:
+    """The variance of what lies anywhere in a range of `width`."""
+    return width ** 2 / 12.0
+
+
+def _is_possible(motion: Motion) -> bool:
+    return (abs(motion.speed) <= robot_model.TOP_SPEED + 3.0 * math.sqrt(motion.speed_variance)
+            and abs(motion.turn_rate) <= robot_model.TOP_TURN_RATE
+            + 3.0 * math.sqrt(motion.turn_rate_variance))

@@ -1,0 +1,162 @@
+"""What is known of the last goal, by the outcome and, where that is lost, by the status."""
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from omron_ld90.bridge.goal_tracker import DOCK, GoalTracker, Knowledge, TakenOver
+from omron_ld90.bridge.route_protocol import CommandEnded, Ending, Motion, RobotSeen
+
+HERE, THERE = (0.0, 0.0), (3.0, 0.0)
+LONG_AGO = -math.inf
+
+
+def sent(goal: str = '12', before: Motion = Motion.STANDING, previous: str = '') -> GoalTracker:
+    """A tracker whose command, number 1, was given at time 0 to a robot that did `before`."""
+    tracker = GoalTracker()
+    tracker.remember(previous)
+    tracker.located(HERE)
+    tracker.seen(RobotSeen(0, before, previous), 0.0, LONG_AGO)
+    tracker.send(goal, f'goto {goal}')
+    assert tracker.give_again
+    tracker.given(1)
+    return tracker
+
+
+def doubtful(ending: Ending = Ending.LOST, **how) -> GoalTracker:
+    tracker = sent(**how)
+    tracker.ended(CommandEnded(1, ending, 'the link broke'), 1.0)
+    assert tracker.is_doubtful
+    return tracker
+
+
+def show(tracker: GoalTracker, motion: Motion, goal: str = '', link_stands_since: float = LONG_AGO,
+         begin: float = 2.0, times: int = 4) -> None:
+    """The robot's status, twice a second."""
+    for count in range(times):
+        tracker.seen(RobotSeen(0, motion, goal), begin + 0.5 * count, link_stands_since)
+
+
+class TestOutcomes:
+    """What the controller tells."""
+
+    def test_the_arrival(self):
+        tracker = sent()
+        tracker.ended(CommandEnded(1, Ending.SUCCEEDED), 5.0)
+        assert tracker.reached
+        assert tracker.goal == '12'
+
+    def test_a_failure_in_its_own_words(self):
+        tracker = sent()
+        tracker.ended(CommandEnded(1, Ending.FAILED, 'Failed going to goal'), 5.0)
+        assert tracker.failure.reason == 'Failed going to goal'
+
+    def test_an_interruption_is_somebody_elses_unless_an_emergency_stop_follows(self):
+        tracker = sent()
+        tracker.ended(CommandEnded(1, Ending.INTERRUPTED, 'replaced by "goto 3"'), 5.0)
+        tracker.check_clock(5.4)
+        assert tracker.failure is None
+        tracker.check_clock(5.6)
+        assert isinstance(tracker.failure, TakenOver)
+
+    def test_only_the_last_command_counts(self):
+        tracker = sent()
+        tracker.send('14', 'goto 14')
+        tracker.given(2)
+        for ending in Ending:
+            tracker.ended(CommandEnded(1, ending), 5.0)
+        assert (tracker.reached, tracker.failure, tracker.knowledge) == (
+            False, None, Knowledge.AWAITED)
+
+    def test_as_long_as_the_outcome_is_awaited_the_status_decides_nothing(self):
+        tracker = sent()
+        for motion, goal in ((Motion.GOING, '99'), (Motion.STANDING, ''), (Motion.ARRIVED, '12')):
+            show(tracker, motion, goal)
+        assert (tracker.reached, tracker.failure) == (False, None)
+
+
+class TestLostOutcome:
+    """The link or the controller was lost: the robot's status tells."""
+
+    def test_a_robot_on_its_way_is_watched_until_it_arrives(self):
+        tracker = doubtful()
+        show(tracker, Motion.GOING, '12')
+        assert tracker.knowledge is Knowledge.WATCHED
+        show(tracker, Motion.ARRIVED, '12', begin=9.0, times=1)
+        assert tracker.reached
+        assert not tracker.give_again
+
+    def test_an_arrival_in_the_meantime_counts(self):
+        tracker = doubtful()
+        show(tracker, Motion.ARRIVED, '12')
+        assert tracker.reached
+
+    def test_a_robot_that_leaves_the_dock_is_on_its_way(self):
+        tracker = doubtful(before=Motion.DOCKED)
+        show(tracker, Motion.UNDOCKING)
+        assert tracker.knowledge is Knowledge.WATCHED
+
+    def test_a_robot_that_docks_is_watched_until_it_is_docked(self):
+        tracker = doubtful(goal=DOCK)
+        show(tracker, Motion.GOING, 'Charger 1')
+        show(tracker, Motion.DOCKING, begin=5.0)
+        assert not tracker.reached
+        show(tracker, Motion.DOCKED, begin=9.0, times=1)
+        assert tracker.reached
+
+    @pytest.mark.parametrize('motion, goal', [(Motion.GOING, '10'), (Motion.ARRIVED, '10')])
+    def test_a_robot_still_about_its_previous_goal_never_heard_of_it(self, motion, goal):
+        tracker = doubtful(before=Motion.GOING, previous='10')
+        show(tracker, motion, goal)
+        assert tracker.give_again
+
+    def test_a_robot_that_stands_where_it_stood_never_heard_of_it(self):
+        tracker = doubtful(before=Motion.ARRIVED)
+        show(tracker, Motion.STANDING)
+        assert tracker.give_again
+
+    def test_a_robot_that_stands_elsewhere_was_stopped_by_somebody(self):
+        tracker = doubtful(before=Motion.ARRIVED)
+        tracker.located(THERE)
+        show(tracker, Motion.STANDING)
+        assert isinstance(tracker.failure, TakenOver)
+        assert not tracker.give_again
+
+    def test_a_robot_going_to_a_goal_that_is_not_ours_obeys_somebody_else(self):
+        tracker = doubtful(before=Motion.GOING, previous='10')
+        show(tracker, Motion.GOING, '99', times=1)
+        assert isinstance(tracker.failure, TakenOver)
+
+    def test_nothing_is_given_before_the_link_stands_for_a_status(self):
+        tracker = doubtful(before=Motion.ARRIVED)
+        show(tracker, Motion.ARRIVED, link_stands_since=math.inf, times=20)
+        assert not tracker.give_again
+        show(tracker, Motion.ARRIVED, link_stands_since=20.0, begin=20.5, times=1)
+        assert not tracker.give_again
+        show(tracker, Motion.ARRIVED, link_stands_since=20.0, begin=21.0, times=1)
+        assert tracker.give_again
+
+    def test_a_status_from_before_the_loss_decides_nothing(self):
+        tracker = doubtful(before=Motion.ARRIVED)
+        show(tracker, Motion.ARRIVED, begin=1.5, times=1)
+        assert not tracker.give_again
+
+    def test_a_command_that_was_never_sent_cannot_be_under_way(self):
+        tracker = doubtful(ending=Ending.NEVER_SENT, before=Motion.GOING, previous='10')
+        show(tracker, Motion.GOING, '10')
+        assert tracker.give_again
+
+    def test_a_failed_drive_fails(self):
+        tracker = doubtful()
+        show(tracker, Motion.FAILED, '12')
+        assert tracker.failure.reason == 'Failed going to 12'
+
+    def test_a_watched_robot_that_shows_something_else_for_an_instant_is_still_ours(self):
+        tracker = doubtful()
+        show(tracker, Motion.GOING, '12')
+        show(tracker, Motion.STANDING, begin=5.0, times=1)
+        show(tracker, Motion.GOING, '12', begin=5.5)
+        assert tracker.failure is None
+        show(tracker, Motion.STANDING, begin=9.0)
+        assert isinstance(tracker.failure, TakenOver)

@@ -1,0 +1,174 @@
+"""The bridge dies and is back: the route goes on where the robot is, and nothing is sent twice."""
+from __future__ import annotations
+
+import pytest
+from bridge_builders import Bench, dissertation_graph, graph_of, yard
+from test_route_faults import end_of_drive
+
+from omron_ld90.bridge.route_follower import RouteFollower
+from omron_ld90.bridge.route_protocol import EdgeState, Ending, Motion, SymbolicPose
+
+
+def under_way(strategy: str = 'vertex_by_vertex') -> Bench:
+    """A bench whose robot is half way along the second edge of the dissertation's route."""
+    bench = Bench(dissertation_graph(), 1, strategy)
+    bench.order(7, 1, 4, 5, stamp=50.0)
+    bench.run(lambda bench: bench.last is not None and bench.last.pose.percentage > 50.0
+              and bench.states()[0] == EdgeState.COMPLETE)
+    return bench
+
+
+@pytest.mark.parametrize('strategy', ['vertex_by_vertex', 'direct', 'rolling'])
+@pytest.mark.parametrize('away', [0.0, 3.0, 15.0])
+def test_the_route_goes_on_by_itself_and_no_goal_is_given_twice(strategy, away):
+    bench = under_way(strategy)
+    bench.restart(away)
+    bench.run()
+    assert bench.states() == [2, 2, 2], bench.follower.report().reason
+    assert bench.follower.report().pose == SymbolicPose(5, 100.0)
+    assert len(set(bench.commands)) == len(bench.commands)
+
+
+@pytest.mark.parametrize('step', range(1, 140, 6))
+def test_whenever_it_happens_no_goal_is_given_twice(step):
+    bench = Bench(yard(), 1, 'rolling')
+    bench.order(7, 1, 5, 6)
+    for _ in range(step):
+        bench.step()
+    bench.restart(2.0)
+    bench.run()
+    assert bench.states() == [2, 2, 2], bench.follower.report().reason
+    assert len(set(bench.commands)) == len(bench.commands)
+
+
+def test_a_goal_that_was_decided_but_never_given_is_given():
+    bench = Bench(dissertation_graph(), 1)
+    bench.order(7, 1, 4)
+    heard, bench.give = bench.give, lambda give: None
+    bench.run(lambda bench: bench.robot.motion is Motion.ARRIVED)
+    end_of_drive(bench, Ending.SUCCEEDED)
+    bench.give = heard
+    bench.restart()
+    bench.run()
+    assert bench.states() == [2, 2]
+    assert bench.commands == ['goto 2', 'goto 7']
+
+
+def test_the_same_order_once_more_changes_nothing():
+    bench = under_way()
+    bench.restart()
+    bench.order(7, 1, 4, 5, stamp=50.0)
+    assert bench.states() == [2, 1, 1]
+    bench.run()
+    assert bench.states() == [2, 2, 2]
+    assert bench.commands == ['goto 2', 'goto 7', 'goto 6']
+
+
+def test_the_route_can_be_made_longer():
+    bench = Bench(dissertation_graph(), 1)
+    bench.order(7, 1, 4)
+    bench.run(lambda bench: bench.states() == [2, 1])
+    bench.restart()
+    bench.order(7, 1, 4, 5)
+    bench.run()
+    assert bench.states() == [2, 2, 2]
+
+
+def test_another_route_is_a_new_one():
+    bench = under_way()
+    bench.restart()
+    bench.order(8, 4, 5)
+    assert bench.states() == [1, 1]
+    bench.run()
+    assert bench.states() == [2, 2]
+
+
+def test_a_robot_that_was_carried_away_fails_the_route():
+    bench = under_way()
+    bench.robot.position = (10.0, 1.0)  # on an edge that it was not sent along
+    bench.restart()
+    report = bench.follower.report()
+    assert report.states == (2, 3, 3)
+    assert 'not on the route any more' in report.reason
+
+
+def test_a_robot_that_somebody_drove_off_meanwhile_is_left_to_them():
+    bench = under_way()
+    bench.robot.obey(None, 'goto 3')
+    bench.restart(4.0)
+    bench.run()
+    assert bench.follower.report().reason == 'taken over'
+    assert bench.commands[-1] == 'goto 3'
+
+
+@pytest.mark.parametrize('end', ['complete', 'failed', 'taken over', 'stopped'])
+def test_a_route_that_has_ended_is_not_driven_again(end):
+    bench = under_way()
+    if end == 'complete':
+        bench.run()
+    elif end == 'failed':
+        end_of_drive(bench, Ending.FAILED, 'Cannot find path')
+    elif end == 'taken over':
+        end_of_drive(bench, Ending.INTERRUPTED, 'replaced')
+        bench.wait(1.0)
+        bench.robot.obey(None, 'goto 3')
+    else:
+        bench.order(9)
+    before, commands = bench.follower.report(), list(bench.commands)
+    bench.restart(3.0)
+    bench.drive(8.0)
+    after = bench.follower.report()
+    assert (after.route_id, after.states, after.reason) == (before.route_id, before.states,
+                                                            before.reason)
+    if end != 'stopped':
+        bench.order(7, 1, 4, 5, stamp=50.0)
+        bench.order(7, 1, 4, 5, stamp=51.0)
+    bench.drive(2.0)
+    assert bench.commands == commands
+
+
+def test_a_complete_route_keeps_its_pose_and_can_be_made_longer():
+    bench = Bench(dissertation_graph(), 1)
+    bench.order(7, 1, 4)
+    bench.run()
+    bench.restart(3.0)
+    assert bench.follower.report().pose == SymbolicPose(4, 100.0)
+    bench.order(7, 1, 4, 5)
+    bench.run()
+    assert bench.states() == [2, 2, 2]
+
+
+def test_a_bridge_that_was_away_for_long_fails_the_route_and_stops_a_robot_on_our_way_only():
+    for foreign, stops in ((False, 1), (True, 0)):
+        bench = Bench(graph_of({1: (0, 0), 2: (90, 0), 3: (0, 90)}, {1: (1, 2), 2: (1, 3)}), 1)
+        bench.order(7, 1)
+        bench.drive(3.0)
+        if foreign:
+            bench.robot.obey(None, 'goto 3')
+        bench.restart(25.0)
+        assert bench.follower.report().reason == 'the bridge was away for too long'
+        bench.drive(3.0)
+        assert bench.commands.count('stop') == stops
+
+
+def test_a_stop_that_is_owed_survives_the_restart():
+    bench = under_way()
+    bench.give = lambda give: None  # the controller is gone
+    bench.order(9)
+    assert 'stop' not in bench.commands
+    del bench.give
+    bench.restart(2.0)
+    bench.drive(3.0)
+    assert bench.commands[-1] == 'stop'
+    assert bench.robot.speed == 0.0
+
+
+def test_a_robot_that_stays_silent_fails_the_route():
+    bench = under_way()
+    record = bench.follower.record
+    bench.follower = RouteFollower(bench.follower.settings, bench.follower.graph)
+    bench.follower.restore(record, True, bench.now)
+    bench.wait(19.0)
+    assert bench.follower.running
+    bench.wait(2.0)
+    assert bench.follower.report().reason == 'the robot has not told where it is'

@@ -1,0 +1,30 @@
+"""Markers as their subscribers get them: what was published is written and read again."""
+from __future__ import annotations
+
+import io
+from typing import List
+
+from visualization_msgs.msg import Marker, MarkerArray
+
+
+def received(message: Marker) -> Marker:
+    """A marker after its way over the wire."""
+    return _sent(message, Marker())
+
+
+def drawn(array: MarkerArray) -> List[Marker]:
+    """The markers of a complete array, which begins by taking away what was shown before."""
+    first, *markers = _sent(array, MarkerArray()).markers
+    assert first.action == Marker.DELETEALL, 'the array does not begin with DELETEALL'
+    return markers
+
+
+def of(array: MarkerArray, namespace: str) -> List[Marker]:
+    """Those of one namespace."""
+    return [marker for marker in drawn(array) if marker.ns == namespace]
+
+
+def _sent(message, empty):
+    buffer = io.BytesIO()
+    message.serialize(buffer)
+    return empty.deserialize(buffer.getvalue())

@@ -1,0 +1,52 @@
+"""Places out of clouds: the receiver's, others', and what is no cloud."""
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import rospy
+from sensor_msgs.msg import PointCloud2, PointField
+
+from omron_arcl.replies import RangeReading
+from omron_ld90.nodes.receiver_messages import point_cloud
+from omron_ld90.nodes.support import clouds
+from omron_ld90.nodes.support.clouds import places_in
+
+
+def test_the_receivers_cloud_gives_back_its_points():
+    reading = RangeReading('Laser_1', np.array([[1500, -250], [0, 2000]]))
+    cloud = point_cloud(reading, rospy.Time(1), 'map', 0.203)
+    assert places_in(cloud).tolist() == [[1.5, -0.25], [0.0, 2.0]]
+
+
+def cloud(**fields) -> PointCloud2:
+    """Two points of the layout y, x, intensity, big-endian; the second one is nowhere."""
+    data = np.array([[2.0, 1.0, 9.0], [0.0, np.nan, 9.0]], '>f4').tobytes()
+    layout = [PointField(name, offset, PointField.FLOAT32, 1)
+              for name, offset in (('y', 0), ('x', 4), ('intensity', 8))]
+    plain = {'height': 1, 'width': 2, 'fields': layout, 'is_bigendian': True, 'point_step': 12,
+             'row_step': 24, 'data': data}
+    return PointCloud2(**{**plain, **fields})
+
+
+def test_another_layout_is_read_and_a_point_without_a_place_is_left_out():
+    assert places_in(cloud()).tolist() == [[1.0, 2.0]]
+
+
+@pytest.mark.parametrize('wrong, reason', [
+    ({'width': 3}, 'laid out'), ({'point_step': 7}, 'laid out'), ({'data': b''}, 'laid out'),
+    ({'fields': []}, 'no x and y'), ({'width': 2**31}, 'the most'),
+    ({'fields': [PointField('x', 2**31, 7, 1), PointField('y', 4, 7, 1)]}, 'laid out'),
+    ({'fields': [PointField('x', 0, PointField.INT8, 1), PointField('y', 4, 7, 1)]}, 'no x and y'),
+    ({'height': 2, 'width': 1, 'row_step': 100}, 'laid out')])
+def test_what_is_no_cloud_is_refused_in_words(wrong, reason):
+    with pytest.raises(ValueError, match=reason):
+        places_in(cloud(**wrong))
+
+
+def test_no_points_are_no_places():
+    assert places_in(cloud(width=0, data=b'')).shape == (0, 2)
+
+
+def test_the_bound_is_on_points():
+    with pytest.raises(ValueError, match=str(clouds.MAX_POINTS + 1)):
+        places_in(cloud(width=clouds.MAX_POINTS + 1))

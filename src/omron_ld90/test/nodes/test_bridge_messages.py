@@ -1,0 +1,70 @@
+"""What the robot's nodes say becomes events of the bridge."""
+from __future__ import annotations
+
+import genpy
+import pytest
+
+from omron_ld90.bridge.route_protocol import (
+    CommandEnded,
+    Docking,
+    Ending,
+    Link,
+    LinkReported,
+    Motion,
+    RobotSeen,
+)
+from omron_ld90.nodes.bridge_messages import command_ended, link_reported, robot_seen
+from omron_ld90_msgs.msg import ExecuteCommandResult, LinkState, RobotStatus
+
+
+def test_a_status_tells_where_the_robot_is_and_what_it_does():
+    status = RobotStatus(activity=RobotStatus.GOING_TO_GOAL, goal='12', has_pose=True,
+                         docking_state='Undocked')
+    status.header.stamp = genpy.Time(12, 5)
+    status.pose.position.x, status.pose.position.y = 1.5, -2.0
+    assert robot_seen(status) == RobotSeen(12_000_000_005, Motion.GOING, '12', Docking.UNDOCKED,
+                                           False, (1.5, -2.0))
+
+
+def test_a_status_without_a_pose_has_no_place():
+    assert robot_seen(RobotStatus(emergency_stop=True)) == RobotSeen(
+        0, Motion.UNKNOWN, '', None, True, None)
+
+
+@pytest.mark.parametrize('activity, motion', [
+    (RobotStatus.GOING_TO_POINT, Motion.GOING), (RobotStatus.PATROLLING, Motion.GOING),
+    (RobotStatus.DOING_TASK, Motion.GOING), (RobotStatus.TELEOPERATED, Motion.GOING)])
+def test_a_drive_of_somebody_else_goes_to_no_goal_of_ours(activity, motion):
+    seen = robot_seen(RobotStatus(activity=activity, goal='12'))
+    assert (seen.motion, seen.goal) == (motion, '')
+
+
+def test_every_activity_is_some_motion():
+    names = [name for name in vars(RobotStatus) if name.isupper()]
+    assert len(names) == 21
+    for name in names:
+        robot_seen(RobotStatus(activity=getattr(RobotStatus, name)))
+
+
+@pytest.mark.parametrize('outcome, message, ending', [
+    ('SUCCEEDED', 'Arrived at 12', Ending.SUCCEEDED),
+    ('FAILED', 'Failed going to goal', Ending.FAILED),
+    ('INTERRUPTED', 'replaced', Ending.INTERRUPTED),
+    ('CANCELLED', 'cancelled', Ending.INTERRUPTED),
+    ('TIMED_OUT', 'silent', Ending.FAILED),
+    ('REFUSED', 'not allowed', Ending.FAILED),
+    ('EMERGENCY_STOPPED', 'EStop pressed', Ending.EMERGENCY_STOPPED),
+    ('LOST', 'the connection broke', Ending.LOST),
+    ('LOST', 'never sent: no link', Ending.NEVER_SENT),
+])
+def test_an_outcome_is_an_ending(outcome, message, ending):
+    result = ExecuteCommandResult(outcome=getattr(ExecuteCommandResult, outcome), message=message)
+    assert command_ended(3, result) == CommandEnded(3, ending, message)
+
+
+def test_a_link_is_up_or_down_for_a_reason_and_only_the_robots_two_count():
+    assert link_reported(LinkState(link='commands', state=LinkState.CONNECTED)) == LinkReported(
+        Link.COMMANDS, True)
+    assert link_reported(LinkState(link='outgoing', state=LinkState.CONNECTING)) == LinkReported(
+        Link.OUTGOING, False, 'connecting')
+    assert link_reported(LinkState(link='forged', state=LinkState.DISCONNECTED)) is None

@@ -1,0 +1,107 @@
+"""The sections of an LD robot's configuration, and the parameters that the simulator has of them.
+
+Sections, their order, and names, types, priorities and ranges of parameters are what the maps of
+real robots have in common, which hold the whole configuration; those maps win over I617-E-02.
+Parameters are here that change what the simulator does, or that clients ask every robot for.
+"""
+from __future__ import annotations
+
+from functools import partial
+from typing import Dict, List
+
+from omron_ld90_sim.interface.configuration import (
+    FLAG,
+    REAL,
+    TEXT,
+    WHOLE,
+    Configuration,
+    Parameter,
+    Section,
+)
+from omron_ld90_sim.motion.floor import PLANNING_PITCH
+from omron_ld90_sim.motion.kinematics import LD90_LIMITS
+
+FILES = 'Files'
+SERVER = 'ARCL server setup'
+OUTGOING = 'Outgoing ARCL connection setup'
+OUTGOING_COMMANDS = 'Outgoing ARCL commands'
+DOCKING = 'Docking'
+FLEET = 'Enterprise Manager Connection'
+LISTS = range(1, 6)
+SECTIONS = (
+    'Log Config', SERVER, 'A/V Config', 'Connection timeouts', 'Destination Drawing', 'Feedback',
+    OUTGOING_COMMANDS, OUTGOING, 'Payload Present Messages and Behavior',
+    'Robot joystick goal button', 'Language/Location', 'Local EtherNet/IP Device Setup', DOCKING,
+    'Driving problem response', 'Map Features', FILES, 'Localization Modules',
+    'Localization settings', 'Path Planning Settings', 'Patrol', 'Periodic Macros',
+    'Queuing Manager', 'Robot config', 'Standby', 'Teleop Settings', 'Task Features',
+    'Triangle Drive To', 'Robot Type', 'Absolute Movement Maximums', 'Payload',
+    'MARC Configuration', 'Custom Enterprise Queuing Tasks', FLEET,
+)
+_normal = partial(Parameter, priority='Normal')
+_detailed = partial(Parameter, priority='Detailed')
+
+
+def default_configuration() -> Configuration:
+    """A robot's configuration before anybody has changed it."""
+    known = _known()
+    return Configuration({name: known.get(name, Section('')) for name in SECTIONS})
+
+
+def _known() -> Dict[str, Section]:
+    return {
+        'Log Config': Section('What the robot logs', [
+            _detailed('MaxSingleFileSizeMegs', REAL, '50', 'MB of one log file, 0 is any', 0.0),
+            _detailed('LogTotalMaxMegs', REAL, '300', 'MB of all log files', 0.0),
+            _detailed('LogTotalNumFiles', WHOLE, '0', 'Log files kept, 0 is all', 0),
+            _detailed('Level', TEXT, 'Normal', 'How much is logged',
+                      hint='Choices:Terse;;Normal;;Verbose')]),
+        SERVER: Section('The ARCL server', [
+            Parameter('ArclConfig', FLAG, 'true', 'Whether ARCL may read and change this',
+                      priority='Expert'),
+            Parameter('SessionTimeoutMins', REAL, '-1',
+                      'Minutes of silence after which a client is dropped, -1 is off')]),
+        OUTGOING_COMMANDS: Section('Setup of commands that can be automatically sent on the '
+                                   'Outgoing ARCL connection.', _command_lists()),
+        OUTGOING: Section('The connection that the robot opens', [
+            _detailed('OutgoingHostname', TEXT, '', 'Where to connect to, empty is off'),
+            _detailed('OutgoingPort', WHOLE, '0', 'Port to connect to, 0 is off', 0, 65535),
+            _detailed('OutgoingSocketTimeoutInMins', REAL, '-1',
+                      'Minutes of silence after which the robot connects again, -1 is off', -1.0),
+            _detailed('SendStatusInterval', WHOLE, '0',
+                      'Milliseconds between two status lines, 0 is off', 0),
+            _detailed('RequireConnectionToPathPlan', FLAG, 'false',
+                      'Whether the robot drives only while connected')]),
+        DOCKING: Section('When the robot docks by itself', [
+            _normal('AutoDock', FLAG, 'false', 'Whether the robot docks by itself'),
+            _normal('AutoDockStateOfCharge', REAL, '25', 'Percent below which it docks', 0, 100),
+            _normal('AutoDockIdleTime', REAL, '15', 'Idle minutes after which it docks', 0)]),
+        FILES: Section('The files the robot uses', [
+            _normal('Map', TEXT, '', 'The map the robot drives on')]),
+        'Path Planning Settings': Section('How the robot plans its way', [
+            _detailed('MaxSpeed', REAL, f'{LD90_LIMITS.speed:g}', 'Speed on a path (mm/s)'),
+            _detailed('MaxRotSpeed', REAL, f'{LD90_LIMITS.path_rotation:g}',
+                      'Rotation on a path (deg/s)'),
+            _detailed('PlanRes', REAL, f'{PLANNING_PITCH:g}',
+                      'Cells of the grid that ways are planned on (mm)', 1.0)]),
+        FLEET: Section('The fleet manager, which this robot has none of', [
+            Parameter('Identifier', TEXT, 'robot', 'What the robot is called',
+                      priority='Calibration'),
+            _detailed('ConnectToEnterpriseManager', FLAG, 'false', 'Always false')]),
+    }
+
+
+def _command_lists() -> List[Parameter]:
+    """Texts and priorities as in I617-E-02 p. 105."""
+    advanced = partial(Parameter, priority='Advanced')
+    lists = [advanced('LogOutgoingCommands', FLAG, 'false',
+                      'Log the commands sent on the Outgoing ARCL connection.')]
+    for n in LISTS:
+        lists += [
+            advanced(f'OutgoingCommands{n}', TEXT, '',
+                     'ARCL commands to send on the Outgoing ARCL connection. Multiple commands '
+                     'may be separated by |. Spaces are permitted.'),
+            advanced(f'OutgoingCommands{n}Seconds', REAL, '0',
+                     f'Interval (in sec.) at which to send the OutgoingCommands{n}. Fractional '
+                     'seconds are allowed. 0 to disable.', 0.0)]
+    return lists

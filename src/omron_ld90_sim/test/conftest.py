@@ -1,0 +1,27 @@
+"""What the simulator's tests share; by standing here it puts this folder on their path."""
+from __future__ import annotations
+
+import socket
+from pathlib import Path
+from typing import Iterator
+
+import pytest
+from sim_builders import ROOM
+
+
+@pytest.fixture
+def map_file(tmp_path: Path) -> Path:
+    """A map with a room to drive in."""
+    path = tmp_path / 'room.map'
+    path.write_text(ROOM)
+    return path
+
+
+@pytest.fixture
+def listener() -> Iterator[socket.socket]:
+    """Somebody who listens, for the outgoing connection or in its way."""
+    with socket.socket() as sock:
+        sock.bind(('127.0.0.1', 0))
+        sock.listen(4)
+        sock.settimeout(20.0)
+        yield sock

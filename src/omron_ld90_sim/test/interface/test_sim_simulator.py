@@ -1,0 +1,54 @@
+"""A simulation in this process: its map, its robots, its end."""
+from __future__ import annotations
+
+import socket
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+from sim_builders import ROOM
+from sim_client import Talk
+
+from omron_ld90_sim import Simulator
+from omron_ld90_sim.interface.fleet import RobotSpec
+
+
+def test_a_map_on_the_robot_is_switched_to(map_file: Path) -> None:
+    (map_file.parent / 'other.map').write_text(ROOM.replace('"West"', '"Occident"'))
+    with Simulator(map_file) as robot, closing(Talk(robot.port)) as client:
+        for line in ('configStart', 'configAdd Section Files', 'configAdd Map other.map',
+                     'configParse'):
+            client.send(line)
+        assert client.until('Config ')[-4:] == ['Will parse config', 'Map changed',
+                                                'Configuration changed', 'Config parsed fine']
+        client.send('getGoals')
+        assert 'Goal: Occident' in client.until('End of goals')
+        for line in ('configStart', 'configAdd Section Files', 'configAdd Map ../room.map',
+                     'configParse'):
+            client.send(line)
+        assert 'did not exist' in client.until('Config had')[-1]
+
+
+def test_a_fleet_runs_in_one_process(map_file: Path) -> None:
+    robots = [RobotSpec('a', 0), RobotSpec('b', 0), RobotSpec('c', 0, start=(0.0, 2000.0, 90.0))]
+    with Simulator(map_file, speed=20.0, robots=robots) as fleet:
+        talks = {name: Talk(port) for name, port in fleet.ports.items()}
+        places = {(round(u.robot.true_pose.x), round(u.robot.true_pose.y)) for u in fleet.units}
+        assert len(places) == 3 and (0, 2000) in places
+        assert list(fleet.where()['robots']) == ['a', 'b', 'c']
+        assert fleet.where()['robots']['c'] == {'x': 0.0, 'y': 2.0, 'heading': 90.0}
+        fleet.inject('@b estop press')
+        talks['b'].until('EStop pressed')
+        talks['a'].send('queryMotors')
+        assert talks['a'].until('Motors')[-1] == 'Motors enabled'
+        for talk in talks.values():
+            talk.close()
+
+
+def test_a_simulation_that_ends_at_once_leaves_nothing_behind(map_file: Path) -> None:
+    for _ in range(5):
+        with Simulator(map_file) as robot:
+            port = robot.port
+        robot.stop()
+        with pytest.raises(ConnectionRefusedError):
+            socket.create_connection(('127.0.0.1', port), timeout=5.0)

@@ -1,0 +1,73 @@
+"""Opening files that somebody else named: a path may lead to anything, and reading must not wait.
+
+Only regular files are opened, directly or through links: a pipe would block the reader for ever,
+a device can deliver without end, and opening some devices does something.
+"""
+from __future__ import annotations
+
+import os
+import stat
+from typing import Callable, Optional, Union
+
+from omron_map.errors import MapError
+
+MAX_BYTES = 32 * 2**20  # of a map; the largest one seen of a real robot has 1.3 MB
+HEAD_BYTES = 65_536  # of a file, looked at before the rest is read
+
+_KINDS = (
+    (stat.S_ISDIR, 'a folder'), (stat.S_ISFIFO, 'a pipe'), (stat.S_ISSOCK, 'a socket'),
+    (stat.S_ISCHR, 'a device'), (stat.S_ISBLK, 'a device'),
+)
+
+
+def read_regular_file(path: Union[str, os.PathLike[str]], accept: Callable[[bytes], object],
+                      limit: int = MAX_BYTES) -> bytes:
+    """All bytes of the file `path`, at once or never; raises MapError.
+
+    `accept` gets the first HEAD_BYTES and raises MapError for a file of another kind, of which
+    nothing more is read then. More than `limit` bytes are refused.
+    """
+    name = os.fspath(path)
+    _check(name, status_or_error(name), limit)  # a device must not even be opened
+    try:
+        # A pipe may have taken the file's place by now: opening must not wait for a writer.
+        with open(os.open(name, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), 'rb') as file:
+            _check(name, os.fstat(file.fileno()), limit)
+            accept(file.read(HEAD_BYTES))
+            file.seek(0)
+            data = file.read(min(os.fstat(file.fileno()).st_size, limit) + 1)
+    except OSError as error:
+        raise MapError(name, f'it cannot be read ({error.strerror})') from error
+    if len(data) > limit:
+        raise _too_large(name, limit)
+    return data
+
+
+def status_of(path: str) -> Optional[os.stat_result]:
+    """What stands at `path`, links followed; None where nothing is, or nothing can be."""
+    try:
+        return os.stat(path)
+    except (OSError, ValueError):
+        return None
+
+
+def status_or_error(name: str) -> os.stat_result:
+    """The same; raises MapError where nothing is."""
+    try:
+        return os.stat(name)
+    except OSError as error:
+        raise MapError(name, f'it cannot be read ({error.strerror})') from error
+    except ValueError as error:  # a zero byte, or letters that the file system has not
+        raise MapError(name, 'no file can have this name') from error
+
+
+def _check(name: str, status: os.stat_result, limit: int) -> None:
+    if not stat.S_ISREG(status.st_mode):
+        kind = next((kind for is_kind, kind in _KINDS if is_kind(status.st_mode)), 'no file')
+        raise MapError(name, f'it is {kind}', expected='a regular file')
+    if status.st_size > limit:
+        raise _too_large(name, limit)
+
+
+def _too_large(name: str, limit: int) -> MapError:
+    return MapError(name, 'it is too large for a map', expected=f'at most {limit // 2**20} MiB')

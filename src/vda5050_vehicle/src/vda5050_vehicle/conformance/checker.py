@@ -1,0 +1,161 @@
+"""Looks at every message of a vehicle for what the JSON schemas let pass.
+
+Plain JSON in, sentences about broken rules out. Section numbers are those of VDA 5050 2.1.0.
+"""
+from __future__ import annotations
+
+import json
+import re
+from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple
+
+_TIMESTAMP = re.compile(r'\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{2,9}Z')
+_ENDED = ('FINISHED', 'FAILED')
+
+# Figure 16: what may follow what; a status may be left out where nothing is to be told of it.
+_FOLLOWING: Mapping[str, Sequence[str]] = {
+    'WAITING': ('INITIALIZING', 'RUNNING', 'PAUSED', 'FINISHED', 'FAILED'),
+    'INITIALIZING': ('RUNNING', 'PAUSED', 'FINISHED', 'FAILED'),
+    'RUNNING': ('PAUSED', 'FINISHED', 'FAILED'),
+    'PAUSED': ('INITIALIZING', 'RUNNING', 'FINISHED', 'FAILED'),
+    'FINISHED': (), 'FAILED': ()}
+_STATE_KEYS = frozenset((
+    'headerId', 'timestamp', 'version', 'manufacturer', 'serialNumber', 'maps', 'orderId',
+    'orderUpdateId', 'zoneSetId', 'lastNodeId', 'lastNodeSequenceId', 'driving', 'paused',
+    'newBaseRequest', 'distanceSinceLastNode', 'operatingMode', 'nodeStates', 'edgeStates',
+    'agvPosition', 'velocity', 'loads', 'actionStates', 'batteryState', 'errors', 'information',
+    'safetyState'))
+
+State = Dict[str, Any]
+
+
+class VehicleChecker:
+    """Follows one vehicle; `violations` collects what it did wrong, each once."""
+
+    def __init__(self, manufacturer: str, serial_number: str) -> None:
+        self._identity = {'manufacturer': manufacturer, 'serialNumber': serial_number}
+        self._last: Dict[str, Dict[str, Any]] = {}
+        self._restarted: Dict[str, bool] = {}
+        self.violations: List[str] = []
+        self.messages = 0
+
+    def feed(self, topic: str, payload: bytes) -> Optional[Dict[str, Any]]:
+        """A message; returns its JSON object, None where it is none."""
+        self.messages += 1
+        try:
+            message = json.loads(payload.decode('utf-8'), parse_constant=_refuse)
+        except ValueError as error:
+            self._violate(topic, f'no JSON in UTF-8: {error}')
+            return None
+        if not isinstance(message, dict):
+            self._violate(topic, 'no JSON object')
+            return None
+        last = self._last.get(topic)
+        for problem in self._header_problems(topic, message, last):
+            self._violate(topic, problem)
+        if topic == 'state':
+            for problem in (*state_problems(message), *(step_problems(last, message) if last
+                                                       else ())):
+                self._violate(topic, problem)
+        self._last[topic] = message
+        return message
+
+    def restarted(self) -> None:
+        """The vehicle's program was restarted: header ids may begin anew."""
+        self._restarted = dict.fromkeys(self._last, True)
+
+    def _violate(self, topic: str, problem: str) -> None:
+        text = f'{topic}: {problem}'
+        if text not in self.violations:
+            self.violations.append(text)
+
+    def _header_problems(self, topic: str, message: State, last: Optional[State],
+                         ) -> Iterator[str]:
+        for key, value in self._identity.items():
+            if message.get(key) != value:
+                yield f'{key} is {message.get(key)!r}, not {value!r}'
+        stamp, header_id = message.get('timestamp'), message.get('headerId')
+        if not isinstance(stamp, str) or not _TIMESTAMP.fullmatch(stamp):
+            yield f'timestamp {stamp!r} is not YYYY-MM-DDTHH:mm:ss.ffZ (6.4)'
+        will = message.get('connectionState') == 'CONNECTIONBROKEN'  # its header is an old one
+        if last is None or will or last.get('connectionState') == 'CONNECTIONBROKEN':
+            return
+        if isinstance(stamp, str) and stamp < last.get('timestamp', ''):
+            yield 'timestamp goes back'
+        if header_id != last.get('headerId', -1) + 1 and not self._restarted.pop(topic, False):
+            yield 'headerId does not count by one (6.4)'
+
+
+def state_problems(state: State) -> Iterator[str]:
+    """What is wrong with one state by itself."""
+    unknown = set(state) - _STATE_KEYS
+    if unknown:
+        yield f'unknown keys {sorted(unknown)}'
+    nodes, edges = state.get('nodeStates', []), state.get('edgeStates', [])
+    if len(nodes) != len(edges):
+        yield f'{len(nodes)} nodeStates beside {len(edges)} edgeStates (6.10.1)'
+    elements = [element for pair in zip(edges, nodes) for element in pair]
+    ids = [element['sequenceId'] for element in elements]
+    if ids and ids != list(range(ids[0], ids[0] + len(ids))):
+        yield f'sequenceIds of edges and nodes are {ids}, with gaps (6.6.2)'
+    if ids and state.get('lastNodeSequenceId') != ids[0] - 1:
+        yield 'lastNodeSequenceId is not that before the first edge (6.10.2)'
+    released = [element['released'] for element in elements]
+    if released != sorted(released, reverse=True):
+        yield 'a released element follows one that is not (6.6.1)'
+    action_ids = [action['actionId'] for action in state.get('actionStates', [])]
+    if len(action_ids) != len(set(action_ids)):
+        yield 'an action is in actionStates twice'
+    if not 0.0 <= state.get('batteryState', {}).get('batteryCharge', -1.0) <= 100.0:
+        yield 'batteryCharge is not within 0..100'
+    if state.get('newBaseRequest') and all(released):
+        yield 'newBaseRequest without a horizon'
+
+
+def step_problems(before: State, after: State) -> Iterator[str]:
+    """What is wrong with a state after the one before it."""
+    same_order = before['orderId'] == after['orderId']
+    if not same_order and before['nodeStates']:
+        yield 'orderId changes while nodeStates are left (figure 8)'
+    if same_order:
+        if after['orderUpdateId'] < before['orderUpdateId']:
+            yield 'orderUpdateId goes back'
+        yield from _element_problems(before, after)
+    yield from _action_problems(before, after, same_order)
+
+
+def _element_problems(before: State, after: State) -> Iterator[str]:
+    same_update = before['orderUpdateId'] == after['orderUpdateId']
+    old = _keys(before, only_base=not same_update)
+    new = _keys(after)
+    if not new:  # driven to the end, or cancelled
+        return
+    left = [old[passed:] for passed in range(len(old) + 1)]
+    if same_update:
+        if new not in left:
+            yield 'nodeStates and edgeStates do more than shrink without an update (6.10.1)'
+    elif not any(new[:len(rest)] == rest for rest in left):
+        yield 'the base changes (6.6.2)'
+
+
+def _keys(state: State, only_base: bool = False) -> List[Tuple[str, int, bool]]:
+    return [(element.get('edgeId', element.get('nodeId')), element['sequenceId'],
+             element['released'])
+            for pair in zip(state['edgeStates'], state['nodeStates']) for element in pair
+            if element['released'] or not only_base]
+
+
+def _action_problems(before: State, after: State, same_order: bool) -> Iterator[str]:
+    statuses = {action['actionId']: action['actionStatus'] for action in after['actionStates']}
+    for action in before['actionStates']:
+        name, was, now = action['actionId'], action['actionStatus'], None
+        now = statuses.get(action['actionId'])
+        if now is None:
+            replaced = after['orderUpdateId'] != before['orderUpdateId'] and was == 'WAITING'
+            if same_order and not replaced and was not in _ENDED:
+                yield f'action {name} is gone before it ended (6.10.6)'
+        elif now != was and now not in _FOLLOWING.get(was, ()):
+            yield f'action {name} was {was} and is {now} (figure 16)'
+
+
+def _refuse(constant: str) -> None:
+    raise ValueError(f'{constant} is no JSON number')

@@ -1,0 +1,163 @@
+"""A master over MQTT: sends what it is told to, keeps all that the vehicle says, and waits."""
+from __future__ import annotations
+
+import json
+import threading
+import time
+import uuid
+from datetime import datetime, timezone
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
+
+import paho.mqtt.client as mqtt
+
+from vda5050_vehicle.conformance.checker import VehicleChecker
+from vda5050_vehicle.conformance.track import action
+from vda5050_vehicle.mqtt.link import Broker, make_client, secure
+
+Message = Dict[str, Any]
+
+
+class TooLate(Exception):
+    """What was waited for did not come."""
+
+
+class Master:
+    """One vehicle's master. `messages[topic]` has what came, oldest first."""
+
+    def __init__(self, broker: Broker, prefix: str, version: str = '2.1.0',
+                 on_payload: Optional[Callable[[str, bytes], None]] = None) -> None:
+        """`on_payload` sees every payload, with its topic, before anything else does."""
+        self.prefix = prefix
+        self.manufacturer, self.serial_number = prefix.split('/')[-2:]
+        self.checker = VehicleChecker(self.manufacturer, self.serial_number)
+        self.messages: Dict[str, List[Message]] = {}
+        self.arrivals: Dict[str, List[float]] = {}
+        self.sent: List[Tuple[str, bytes]] = []
+        self._version = version
+        self._on_payload = on_payload
+        self._headers: Dict[str, int] = {}
+        self._changed = threading.Condition()
+        self._client = client = make_client(f'master_{uuid.uuid4().hex[:12]}')
+        client.on_connect = self._subscribe
+        client.on_message = self._receive
+        client.reconnect_delay_set(1, 1)
+        secure(client, broker)
+        client.connect_async(broker.host, broker.port, broker.keepalive)
+        client.loop_start()
+
+    def close(self) -> None:
+        """Leaves the broker."""
+        self._client.disconnect()
+        self._client.loop_stop()
+
+    def _subscribe(self, client: mqtt.Client, *_: Any) -> None:
+        client.subscribe([(f'{self.prefix}/{topic}', 1) for topic in (
+            'connection', 'state', 'factsheet', 'visualization')])
+
+    def _receive(self, _client: mqtt.Client, _userdata: Any, message: mqtt.MQTTMessage) -> None:
+        moment = time.monotonic()
+        topic = message.topic.rsplit('/', 1)[-1]
+        if self._on_payload:
+            self._on_payload(topic, message.payload)
+        with self._changed:
+            known = self.messages.setdefault(topic, [])
+            repeated = message.retain and known and json.loads(message.payload) in known
+            found = None if repeated else self.checker.feed(topic, message.payload)
+            if found is not None:
+                known.append(found)
+                self.arrivals.setdefault(topic, []).append(moment)
+            self._changed.notify_all()
+
+    # --- what the vehicle says --------------------------------------------------------------------
+
+    @property
+    def state(self) -> Message:
+        """The last state; raises TooLate before any."""
+        states = self.messages.get('state')
+        if not states:
+            raise TooLate('no state has come')
+        return states[-1]
+
+    def count(self, topic: str = 'state') -> int:
+        """How many messages came on a topic."""
+        return len(self.messages.get(topic, ()))
+
+    def wait(self, predicate: Callable[[Message], Any], seconds: float, what: str,
+             topic: str = 'state', after: Optional[int] = None) -> Message:
+        """The first message from index `after` on (None: the last one) with `predicate`."""
+        deadline = time.monotonic() + seconds
+        with self._changed:
+            seen = max(self.count(topic) - 1, 0) if after is None else after
+            while True:
+                while seen < self.count(topic):
+                    message = self.messages[topic][seen]
+                    if predicate(message):
+                        return message
+                    seen += 1
+                left = deadline - time.monotonic()
+                if left <= 0.0:
+                    raise TooLate(f'not within {seconds:g} s: {what}; '
+                                  f'{summary(topic, self.messages.get(topic))}')
+                self._changed.wait(left)
+
+    # --- what it is told --------------------------------------------------------------------------
+
+    def send(self, topic: str, body: Mapping[str, Any]) -> int:
+        """Sends a message with a header; returns how many states had come before."""
+        number = self._headers.get(topic, 0)
+        self._headers[topic] = number + 1
+        now = datetime.now(timezone.utc).isoformat(timespec='milliseconds')
+        header = {'headerId': number, 'timestamp': now.replace('+00:00', 'Z'),
+                  'version': self._version, 'manufacturer': self.manufacturer,
+                  'serialNumber': self.serial_number}
+        return self.send_bytes(topic, json.dumps({**header, **body}).encode())
+
+    def send_bytes(self, topic: str, payload: bytes) -> int:
+        """Sends whatever it is."""
+        before = self.count()
+        self.sent.append((topic, payload))
+        self._client.publish(f'{self.prefix}/{topic}', payload, 0)
+        return before
+
+    def act(self, action_type: str, action_id: str = '', **parameters: Any) -> str:
+        """Sends one instant action; returns its id."""
+        action_id = action_id or f'{action_type}-{uuid.uuid4().hex[:8]}'
+        self.act_all([action(action_type, action_id, **parameters)])
+        return action_id
+
+    def act_all(self, actions: Sequence[Message]) -> int:
+        """Sends instant actions."""
+        return self.send('instantActions', {'actions': list(actions)})
+
+    def ended(self, action_id: str, seconds: float = 10.0) -> Message:
+        """The state of an action once it has ended."""
+        state = self.wait(lambda state: status_of(state, action_id) in ('FINISHED', 'FAILED'),
+                          seconds, f'the end of action {action_id}')
+        return next(found for found in state['actionStates'] if found['actionId'] == action_id)
+
+
+def summary(topic: str, messages: Optional[Sequence[Message]]) -> str:
+    """The last message on a topic, in short."""
+    if not messages:
+        return f'no {topic} came'
+    last = messages[-1]
+    if topic != 'state':
+        return f'last {topic}: {json.dumps(last)[:300]}'
+    told = {key: last.get(key) for key in ('orderId', 'orderUpdateId', 'lastNodeId', 'driving',
+                                           'paused')}
+    told['nodes left'] = len(last['nodeStates'])
+    told['errors'] = [f'{error["errorType"]}: {error.get("errorDescription")}'
+                      for error in last['errors']]
+    told['actions'] = {a['actionId']: a['actionStatus'] for a in last['actionStates']}
+    return f'last state: {told}'
+
+
+def status_of(state: Message, action_id: str) -> Optional[str]:
+    """The status of an action in a state; None where it is not there."""
+    return next((found['actionStatus'] for found in state['actionStates']
+                 if found['actionId'] == action_id), None)
+
+
+def error_types(state: Message) -> List[str]:
+    """Of all errors of a state."""
+    return [error['errorType'] for error in state['errors']]

@@ -1,0 +1,173 @@
+"""The table of actions: what a vehicle can do beside driving, and how it is done on its robot.
+
+The table is a YAML file (`actions.yaml`), so that this package knows no robot. An action is a goal
+of a ROS action; its text fields may hold the action's parameters, e.g. `say {text}`.
+"""
+from __future__ import annotations
+
+import re
+import string
+from dataclasses import dataclass, field
+from typing import Any, Dict, FrozenSet, Mapping, Optional, Tuple
+
+from vda5050_vehicle.protocol.action_queue import Scope
+from vda5050_vehicle.protocol.values import Action, BlockingType
+
+TEXT_LIMIT = 200  # characters of a parameter
+PRINTABLE = r'[^\x00-\x1f\x7f]*'
+
+
+class WrongTable(Exception):
+    """A table that cannot be used; the text says which line and what to do."""
+
+
+class WrongAction(Exception):
+    """An action that the vehicle cannot do; `key` is what is wrong with it."""
+
+    def __init__(self, key: str, description: str) -> None:
+        super().__init__(description)
+        self.key = key
+
+
+_TYPES: Mapping[str, Tuple[type, ...]] = {
+    'BOOL': (bool,), 'NUMBER': (int, float), 'INTEGER': (int,), 'FLOAT': (int, float),
+    'STRING': (str,)}
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of an action; `pattern` must match all of a text, bounds hold for numbers."""
+
+    key: str
+    type: str
+    description: str = ''
+    optional: bool = False
+    pattern: str = PRINTABLE
+    least: float = -1e9
+    most: float = 1e9
+    default: Any = ''
+
+    def check(self, value: Any) -> None:
+        """Raises WrongAction."""
+        if (not isinstance(value, _TYPES[self.type])
+                or isinstance(value, bool) is not (self.type == 'BOOL')):
+            raise WrongAction(self.key, f'{self.key} must be of type {self.type}')
+        if isinstance(value, str):
+            if len(value) > TEXT_LIMIT or not re.fullmatch(self.pattern, value):
+                raise WrongAction(self.key, f'{self.key} has at most {TEXT_LIMIT} characters and '
+                                            f'must match {self.pattern}')
+        elif not self.least <= value <= self.most:
+            raise WrongAction(self.key, f'{self.key} must lie in {self.least:g}..{self.most:g}')
+
+
+@dataclass(frozen=True)
+class Call:
+    """A goal of a ROS action: its name, its type, and the goal's fields."""
+
+    server: str
+    type: str
+    goal: Mapping[str, Any]
+
+    def fields(self, arguments: Mapping[str, Any]) -> Dict[str, Any]:
+        """The goal's fields for these arguments."""
+        return {name: value.format(**arguments) if isinstance(value, str) else value
+                for name, value in self.goal.items()}
+
+
+@dataclass(frozen=True)
+class ActionSpec:
+    """A line of the table; without `call` the vehicle does it by itself.
+
+    moves       -- the robot moves for it, so no order may be under way
+    cancellable -- cancelOrder ends it
+    """
+
+    action_type: str
+    description: str
+    scopes: FrozenSet[Scope]
+    blocking: Tuple[BlockingType, ...] = tuple(BlockingType)
+    parameters: Tuple[Parameter, ...] = ()
+    cancellable: bool = True
+    moves: bool = False
+    result: str = ''
+    call: Optional[Call] = field(default=None, compare=False)
+
+    def check(self, action: Action, scope: Scope) -> None:
+        """Raises WrongAction where the action is not as the table has it."""
+        if scope not in self.scopes:
+            raise WrongAction('actionType', f'{self.action_type} is no {scope.value} action')
+        if action.blocking_type not in self.blocking:
+            raise WrongAction('blockingType', f'{self.action_type} must be '
+                              + ' or '.join(kind.value for kind in self.blocking))
+        arguments = action.arguments
+        known = {parameter.key: parameter for parameter in self.parameters}
+        for key, value in arguments.items():
+            if key not in known:
+                raise WrongAction(key, f'{self.action_type} has no parameter {key[:40]!r}')
+            known[key].check(value)
+        for key, parameter in known.items():
+            if key not in arguments and not parameter.optional:
+                raise WrongAction(key, f'{self.action_type} needs the parameter {key}')
+
+    def arguments_of(self, action: Action) -> Dict[str, Any]:
+        """Its arguments, with defaults."""
+        return {**{p.key: p.default for p in self.parameters if p.optional}, **action.arguments}
+
+
+class ActionTable:
+    """The actions by type."""
+
+    def __init__(self, specs: Tuple[ActionSpec, ...]) -> None:
+        self.specs: Mapping[str, ActionSpec] = {spec.action_type: spec for spec in specs}
+
+    def check(self, action: Action, scope: Scope) -> ActionSpec:
+        """The line of an action; raises WrongAction."""
+        spec = self.specs.get(action.action_type)
+        if spec is None:
+            raise WrongAction('actionType', f'the vehicle has no action {action.action_type!r}')
+        spec.check(action, scope)
+        return spec
+
+
+def read_table(document: Any) -> Tuple[ActionSpec, ...]:
+    """The lines of an `actions.yaml`, as YAML reads it. Raises WrongTable."""
+    actions = document.get('actions') if isinstance(document, dict) else None
+    if not isinstance(actions, dict):
+        raise WrongTable('it has no `actions:` with one entry per action type')
+    return tuple(_spec(str(name), line) for name, line in actions.items())
+
+
+_KEYS = {'description', 'scopes', 'blocking', 'parameters', 'cancellable', 'moves', 'result',
+         'server', 'type', 'goal'}
+
+
+def _spec(name: str, line: Any) -> ActionSpec:
+    if not isinstance(line, dict) or not {'server', 'type', 'goal', 'scopes'} <= set(line):
+        raise WrongTable(f'action {name} needs server, type, goal and scopes')
+    if set(line) - _KEYS:
+        raise WrongTable(f'action {name} has {", ".join(sorted(set(line) - _KEYS))}, which no '
+                         f'action has; there are {", ".join(sorted(_KEYS))}')
+    try:
+        parameters = tuple(Parameter(key, **values)
+                           for key, values in (line.get('parameters') or {}).items())
+        spec = ActionSpec(
+            name, str(line.get('description', '')),
+            frozenset(Scope(scope) for scope in line['scopes']),
+            tuple(BlockingType(kind) for kind in line.get('blocking', [k.value for k in
+                                                                       BlockingType])),
+            parameters, bool(line.get('cancellable', True)), bool(line.get('moves', False)),
+            str(line.get('result', '')),
+            Call(str(line['server']), str(line['type']), dict(line['goal'])))
+    except (TypeError, ValueError) as error:
+        raise WrongTable(f'action {name}: {error}') from None
+    for parameter in parameters:
+        if parameter.type not in _TYPES:
+            raise WrongTable(f'action {name}: parameter {parameter.key} has type '
+                             f'{parameter.type}; there are {", ".join(_TYPES)}')
+    used = {field for value in spec.call.goal.values() if isinstance(value, str)
+            for _, field, _, _ in string.Formatter().parse(value) if field is not None}
+    unknown = used - {parameter.key for parameter in parameters}
+    if unknown:
+        raise WrongTable(f'action {name}: its goal uses {", ".join(sorted(unknown))}, which is no '
+                         'parameter of it')
+    return spec

@@ -1,0 +1,223 @@
+"""Instant actions: those that every vehicle has, and those of its table.
+
+cancelOrder, startPause, stopPause, stateRequest, factsheetRequest, initPosition and logReport are
+done here; others are queued like the actions of an order.
+"""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Callable, Dict, FrozenSet, List, Optional, Tuple
+
+from vda5050_vehicle.core import effects as fx
+from vda5050_vehicle.core.action_table import ActionSpec, Parameter, WrongAction
+from vda5050_vehicle.drivers.driver import Pose
+from vda5050_vehicle.protocol import problems as e
+from vda5050_vehicle.protocol.action_queue import Scope
+from vda5050_vehicle.protocol.codecs import Codec
+from vda5050_vehicle.protocol.fields import Malformed
+from vda5050_vehicle.protocol.values import Action, ActionStatus, EStop, InstantActions, Reference
+
+if TYPE_CHECKING:
+    from vda5050_vehicle.core.vehicle import Vehicle
+
+INITIAL_POSE_WITHIN = (0.5, 0.3)  # m, rad: the robot takes the pose given as its own
+INITIAL_POSE_PATIENCE = 10.0      # s until it must have
+_INSTANT: FrozenSet[Scope] = frozenset({Scope.INSTANT})
+
+BUILT_IN: Tuple[ActionSpec, ...] = (
+    ActionSpec('cancelOrder', 'Stops where the robot is, and ends the order.', _INSTANT),
+    ActionSpec('startPause', 'Stops where the robot is; the order is kept.', _INSTANT),
+    ActionSpec('stopPause', 'Drives on after a pause or a failure.', _INSTANT),
+    ActionSpec('stateRequest', 'Sends a state.', _INSTANT),
+    ActionSpec('factsheetRequest', 'Sends the factsheet.', _INSTANT),
+    ActionSpec('initPosition', 'Tells the robot where it is.', _INSTANT, parameters=(
+        Parameter('x', 'NUMBER', 'm', least=-1e6, most=1e6),
+        Parameter('y', 'NUMBER', 'm', least=-1e6, most=1e6),
+        Parameter('theta', 'NUMBER', 'rad', least=-7.0, most=7.0),
+        Parameter('mapId', 'STRING', 'the map of x, y and theta'),
+        Parameter('lastNodeId', 'STRING', 'the node there', optional=True))),
+    ActionSpec('logReport', 'Stores what happened last in a file.', _INSTANT,
+               result='name of the file', parameters=(
+                   Parameter('reason', 'STRING', 'why', optional=True),)),
+)
+
+
+@dataclass(frozen=True)
+class _PoseWish:
+    """A pose that the robot was told."""
+
+    action_id: str
+    pose: Pose
+    last_node: str
+    until: float
+
+
+class InstantActionHandler:
+    """Takes instant actions for a vehicle, and brings those that take time to their end."""
+
+    def __init__(self, vehicle: Vehicle, codec: Codec) -> None:
+        self._vehicle = vehicle
+        self._codec = codec
+        self._cancels: List[str] = []          # ids of cancelOrder under way
+        self._pauses: List[str] = []           # and of startPause
+        self._wish: Optional[_PoseWish] = None
+        self._handlers: Dict[str, Callable[[Action, float], None]] = {
+            'cancelOrder': self._cancel_order, 'startPause': self._start_pause,
+            'stopPause': self._stop_pause, 'stateRequest': self._request_state,
+            'factsheetRequest': self._request_factsheet, 'initPosition': self._init_position,
+            'logReport': self._log_report}
+
+    @property
+    def cancelling(self) -> bool:
+        """Whether an order is being cancelled."""
+        return bool(self._cancels)
+
+    def receive(self, payload: bytes, now: float) -> None:
+        """A message on the topic `instantActions`."""
+        vehicle = self._vehicle
+        vehicle.reporter.ask()
+        try:
+            _, message = self._codec.read('instantActions', payload)
+        except Malformed as problem:
+            vehicle.errors.reject(e.VALIDATION_ERROR.error(
+                str(problem), Reference('topic', 'instantActions'),
+                Reference('field', problem.path)))
+            return
+        self._take(message, now)
+
+    def _take(self, message: InstantActions, now: float) -> None:
+        for action in message.actions:
+            if action.action_id in self._vehicle.actions:
+                continue  # sent again: it is done once
+            self._vehicle.note(f'instant action {action.action_id}, {action.action_type}')
+            self._vehicle.actions.add((action,), Scope.INSTANT)
+            try:
+                spec = self._vehicle.table.check(action, Scope.INSTANT)
+                if spec.moves and self._vehicle.busy:
+                    raise WrongAction('actionType', 'an order is under way')
+                handler = self._handlers.get(action.action_type)
+                if handler:
+                    handler(action, now)
+                else:
+                    self._vehicle.actions.trigger(action.action_id)
+            except WrongAction as wrong:
+                self._fail(action, wrong)
+
+    def _fail(self, action: Action, wrong: WrongAction) -> None:
+        """An action that cannot be done is told as FAILED: a master repeats what is ignored."""
+        self._end(action.action_id, ActionStatus.FAILED, str(wrong))
+        self._vehicle.errors.reject(e.INSTANT_ACTION_ERROR.error(
+            f'action {action.action_type}: {wrong}', Reference('topic', 'instantActions'),
+            Reference('actionId', action.action_id), Reference('actionParameter', wrong.key)))
+
+    def _end(self, action_id: str, status: ActionStatus, text: str = '') -> None:
+        self._vehicle.actions.update(action_id, status, text)
+
+    def _finish(self, action: Action, text: str = '') -> None:
+        self._end(action.action_id, ActionStatus.FINISHED, text)
+
+    # --- those that are done at once --------------------------------------------------------------
+
+    def _request_state(self, action: Action, now: float) -> None:
+        self._vehicle.reporter.ask()
+        self._finish(action)
+
+    def _request_factsheet(self, action: Action, now: float) -> None:
+        self._vehicle.do(fx.SendFactsheet())
+        self._finish(action)
+
+    def _log_report(self, action: Action, now: float) -> None:
+        self._vehicle.actions.update(action.action_id, ActionStatus.RUNNING)
+        self._vehicle.do(fx.WriteLog(action.action_id, str(action.arguments.get('reason', '')),
+                                     tuple(self._vehicle.history)))
+
+    def _stop_pause(self, action: Action, now: float) -> None:
+        robot = self._vehicle.robot
+        if robot.e_stop is not EStop.NONE:
+            raise WrongAction('eStop', 'the emergency stop is not released')
+        if robot.lost:
+            raise WrongAction('errors', robot.lost)
+        for action_id in self._pauses:
+            self._end(action_id, ActionStatus.FAILED, 'stopPause came before the robot stood')
+        self._pauses.clear()
+        self._vehicle.resume()
+        self._finish(action)
+
+    # --- those that take time ---------------------------------------------------------------------
+
+    def _start_pause(self, action: Action, now: float) -> None:
+        self._vehicle.pause()
+        self._pauses.append(action.action_id)
+        self._vehicle.actions.update(action.action_id, ActionStatus.RUNNING)
+
+    def _cancel_order(self, action: Action, now: float) -> None:
+        vehicle = self._vehicle
+        if not vehicle.busy or vehicle.order.cancelled:
+            self._end(action.action_id, ActionStatus.FAILED, 'there is no order to cancel')
+            vehicle.errors.reject(e.NO_ORDER_TO_CANCEL.error(
+                'there is no order to cancel', Reference('actionId', action.action_id)))
+            return
+        vehicle.actions.update(action.action_id, ActionStatus.RUNNING)
+        first = not self._cancels
+        self._cancels.append(action.action_id)
+        if first:
+            self._cancel_actions()
+
+    def _cancel_actions(self) -> None:
+        vehicle = self._vehicle
+        for entry in vehicle.actions.entries:
+            if not entry.belongs_to_order or entry.status.has_ended:
+                continue
+            action_id = entry.action.action_id
+            if not entry.is_active:
+                self._end(action_id, ActionStatus.FAILED, 'the order was cancelled')
+            elif vehicle.table.specs[entry.action.action_type].cancellable:
+                vehicle.do(fx.CancelAction(action_id))
+
+    def _init_position(self, action: Action, now: float) -> None:
+        vehicle, arguments = self._vehicle, action.arguments
+        if not vehicle.order.is_driven:
+            raise WrongAction('actionType', 'an order is under way')
+        if arguments['mapId'] != vehicle.identity.map_id:
+            raise WrongAction('mapId', f'the vehicle has map {vehicle.identity.map_id!r} only')
+        if self._wish is not None:
+            self._end(self._wish.action_id, ActionStatus.FAILED, 'another initPosition came')
+        pose = Pose(float(arguments['x']), float(arguments['y']), float(arguments['theta']))
+        self._wish = _PoseWish(action.action_id, pose, str(arguments.get('lastNodeId', '')),
+                               now + INITIAL_POSE_PATIENCE)
+        vehicle.actions.update(action.action_id, ActionStatus.RUNNING)
+        vehicle.do(fx.SetPose(pose))
+
+    def go_on(self, now: float) -> None:
+        """Ends what has come to its end."""
+        vehicle = self._vehicle
+        if self._cancels and vehicle.standing and vehicle.actions.order_has_ended:
+            vehicle.end_order()
+            for action_id in self._cancels:
+                self._end(action_id, ActionStatus.FINISHED)
+            self._cancels.clear()
+        if self._pauses and vehicle.standing:
+            for action_id in self._pauses:
+                self._end(action_id, ActionStatus.FINISHED)
+            self._pauses.clear()
+        if self._wish is not None:
+            self._look_at_pose(self._wish, now)
+
+    def _look_at_pose(self, wish: _PoseWish, now: float) -> None:
+        pose = self._vehicle.robot.pose
+        if pose is not None and self._vehicle.robot.localized and _is_about(pose, wish.pose):
+            self._end(wish.action_id, ActionStatus.FINISHED)
+            self._vehicle.look_where_it_is()
+            self._vehicle.place_at(wish.last_node)
+        elif now > wish.until:
+            self._end(wish.action_id, ActionStatus.FAILED, 'the robot does not take the pose')
+        else:
+            return
+        self._wish = None
+
+
+def _is_about(pose: Pose, other: Pose) -> bool:
+    metres, radians = INITIAL_POSE_WITHIN
+    turn = math.remainder(pose.theta - other.theta, 2.0 * math.pi)
+    return math.dist((pose.x, pose.y), (other.x, other.y)) <= metres and abs(turn) <= radians

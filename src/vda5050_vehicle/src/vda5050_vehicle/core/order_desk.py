@@ -1,0 +1,134 @@
+"""Where orders come in: read, judged by the standard's figure, planned, and taken up whole."""
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Optional, Set
+
+from vda5050_vehicle.core.action_table import WrongAction
+from vda5050_vehicle.drivers.driver import NotDrivable
+from vda5050_vehicle.drivers.order_fields import Abilities, check_fields
+from vda5050_vehicle.protocol import problems as e
+from vda5050_vehicle.protocol.acceptance import Acceptance, Held, Rejection, judge
+from vda5050_vehicle.protocol.action_queue import Scope
+from vda5050_vehicle.protocol.codecs import Codec
+from vda5050_vehicle.protocol.fields import Malformed
+from vda5050_vehicle.protocol.order_rules import actions_of, check_order
+from vda5050_vehicle.protocol.order_state import OrderState
+from vda5050_vehicle.protocol.values import Order, Reference
+
+if TYPE_CHECKING:
+    from vda5050_vehicle.core.vehicle import Vehicle
+
+
+class OrderDesk:
+    """Takes orders for a vehicle. An order that is not taken up changes nothing but the errors."""
+
+    def __init__(self, vehicle: Vehicle, codec: Codec, abilities: Abilities) -> None:
+        self._vehicle = vehicle
+        self._codec = codec
+        self._abilities = abilities
+
+    def receive(self, payload: bytes) -> None:
+        """A message on the topic `order`."""
+        vehicle = self._vehicle
+        vehicle.reporter.ask()
+        try:
+            _, order = self._codec.read('order', payload)
+            check_order(order)
+        except Malformed as problem:
+            vehicle.note(f'order refused: {problem}')
+            vehicle.errors.reject(e.VALIDATION_ERROR.error(
+                str(problem), Reference('topic', 'order'), Reference('field', problem.path)))
+            return
+        rejection = self._consider(order)
+        vehicle.note(f'order {order.order_id}, update {order.order_update_id}: '
+                     + (rejection.error.description if rejection else 'taken'))
+        if rejection:
+            vehicle.errors.reject(rejection.error)
+
+    def _consider(self, order: Order) -> Optional[Rejection]:
+        """Takes the order up, or says why not."""
+        vehicle = self._vehicle
+        try:
+            verdict = judge(self._held(), order, self._is_near(order))
+            if isinstance(verdict, Rejection) or verdict is Acceptance.DUPLICATE:
+                return verdict if isinstance(verdict, Rejection) else None
+            self._check_actions(order, verdict)
+            check_fields(order, self._abilities)
+            legs = vehicle.driver.plan(order.nodes, order.edges, vehicle.robot.pose)
+        except NotDrivable as problem:
+            return Rejection(problem.kind.error(
+                str(problem), *e.order_references(order), Reference('field', problem.field)))
+        except WrongAction as wrong:
+            return Rejection(e.ORDER_ERROR.error(
+                str(wrong), *e.order_references(order), Reference('field', wrong.key)))
+        vehicle.errors.accepted()
+        if verdict is Acceptance.NEW:
+            self._begin(order)
+        else:
+            self._extend(order)
+        kept = len(vehicle.order.edges) - len(legs)
+        vehicle.legs = vehicle.legs[:kept] + legs
+        return None
+
+    def _held(self) -> Held:
+        vehicle = self._vehicle
+        order = vehicle.order
+        return Held(order.order_id, order.order_update_id, vehicle.busy,
+                    order.cancelled or vehicle.cancelling, order.decision_point, order.last_node)
+
+    def _is_near(self, order: Order) -> bool:
+        """Question 4; asked of a new order to an idle vehicle only. Raises NotDrivable."""
+        vehicle = self._vehicle
+        if order.order_id == vehicle.order.order_id or vehicle.busy:
+            return True
+        if vehicle.robot.pose is None:
+            raise NotDrivable(e.NO_ROUTE_ERROR, 'nobody knows where the vehicle is', 'nodes')
+        return vehicle.driver.is_at(order.nodes[0], vehicle.robot.pose)
+
+    def _check_actions(self, order: Order, verdict: Acceptance) -> None:
+        """Raises WrongAction where an action cannot be done, or has an id that another has."""
+        vehicle = self._vehicle
+        known: Set[str] = {
+            entry.action.action_id for entry in vehicle.actions.entries
+            if entry.sequence_id not in vehicle.order.horizon_sequence_ids
+            and (verdict is not Acceptance.NEW or not entry.belongs_to_order
+                 and not entry.status.has_ended)}
+        first = order.nodes[0]
+        if verdict is not Acceptance.NEW:  # the node at which they join stays as it was first sent
+            known -= {action.action_id for action in first.actions}
+        for action in actions_of(order):
+            if action.action_id in known:
+                raise WrongAction('actionId', f'action {action.action_id!r} is known already')
+        for elements, scope in ((order.nodes, Scope.NODE), (order.edges, Scope.EDGE)):
+            for element in elements:
+                if element is first and verdict is not Acceptance.NEW:
+                    continue
+                for action in element.actions:
+                    vehicle.table.check(action, scope)
+
+    def _begin(self, order: Order) -> None:
+        vehicle = self._vehicle
+        vehicle.actions.begin_order()
+        vehicle.order = OrderState.begin(order)
+        vehicle.legs = ()
+        vehicle.forgive()
+        vehicle.driver.begin()
+        self._add_actions(order, 0)
+        vehicle.actions.trigger_element(order.nodes[0].sequence_id)
+
+    def _extend(self, order: Order) -> None:
+        vehicle = self._vehicle
+        vehicle.actions.drop(vehicle.order.horizon_sequence_ids)
+        vehicle.legs = vehicle.legs[:vehicle.order.base_end]
+        vehicle.order = vehicle.order.extended(order)
+        self._add_actions(order, 1)
+
+    def _add_actions(self, order: Order, first_node: int) -> None:
+        """In driving order: node, edge, node ..."""
+        actions = self._vehicle.actions
+        for index, node in enumerate(order.nodes):
+            if index >= first_node:
+                actions.add(node.actions, Scope.NODE, node.sequence_id)
+            if index < len(order.edges):
+                edge = order.edges[index]
+                actions.add(edge.actions, Scope.EDGE, edge.sequence_id)

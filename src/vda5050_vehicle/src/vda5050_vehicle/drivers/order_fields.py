@@ -1,0 +1,98 @@
+"""Which optional fields of an order a driver honours; those it cannot are rejected by name.
+
+VDA 5050 2.1.0, 6.1.1: a field that is sent must not be ignored. One that asks for nothing that the
+vehicle does not do anyway is honoured.
+"""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Callable, Dict, FrozenSet, Optional, Sequence
+
+from vda5050_vehicle.drivers.driver import NotDrivable
+from vda5050_vehicle.protocol import problems as e
+from vda5050_vehicle.protocol.values import Edge, Node, Order
+
+
+@dataclass(frozen=True)
+class Abilities:
+    """What the robot does by itself: m/s, rad/s, m.
+
+    corridor -- half the width that it may need on an edge
+    map_id   -- the only map that it knows; empty: whatever the master calls it
+    ignored  -- fields that a site chose to ignore, by their keys
+    """
+
+    top_speed: float = 1.35
+    top_rotation: float = math.pi
+    height: float = 0.4
+    corridor: float = 0.45
+    map_id: str = ''
+    ignored: FrozenSet[str] = frozenset()
+
+
+def _drives_forwards(edge: Edge) -> bool:
+    return edge.orientation == 0.0 and edge.orientation_type in (None, 'TANGENTIAL')
+
+
+_Rule = Callable[[Edge, Abilities], bool]
+
+# Is what the field asks for done anyway?
+EDGE_RULES: Dict[str, _Rule] = {
+    'trajectory': lambda edge, _: edge.trajectory is None,
+    'maxSpeed': lambda edge, can: edge.max_speed is None or edge.max_speed >= can.top_speed,
+    'maxRotationSpeed': lambda edge, can: (edge.max_rotation_speed is None
+                                           or edge.max_rotation_speed >= can.top_rotation),
+    'maxHeight': lambda edge, can: edge.max_height is None or edge.max_height >= can.height,
+    'minHeight': lambda edge, can: edge.min_height is None or edge.min_height <= 0.0,
+    'orientation': lambda edge, _: edge.orientation is None or _drives_forwards(edge),
+    'direction': lambda edge, _: edge.direction is None,
+    'rotationAllowed': lambda edge, _: edge.rotation_allowed is not False,
+    'corridor': lambda edge, can: edge.corridor is None or min(
+        edge.corridor.left_width, edge.corridor.right_width) >= can.corridor,
+}
+FIELDS = frozenset(EDGE_RULES) | {'zoneSetId', 'theta', 'mapId'}
+
+
+def check_fields(order: Order, can: Abilities) -> None:
+    """Raises NotDrivable at the first field that the robot does not honour, headings apart."""
+    if order.zone_set_id is not None and 'zoneSetId' not in can.ignored:
+        raise _unsupported('zoneSetId', 'the vehicle knows no zones')
+    for index, edge in enumerate(order.edges):
+        for key, is_honoured in EDGE_RULES.items():
+            if key not in can.ignored and not is_honoured(edge, can):
+                raise _unsupported(f'edges[{index}].{key}', f'edge {edge.edge_id!r}: the vehicle '
+                                                            f'cannot do what {key} asks for')
+    for index, node in enumerate(order.nodes):
+        if node.position is not None and not _knows_map(node, can):
+            raise _unsupported(f'nodes[{index}].nodePosition.mapId',
+                               f'node {node.node_id!r} lies on map {node.position.map_id!r}, but '
+                               f'the vehicle knows {can.map_id!r} only')
+
+
+def check_headings(nodes: Sequence[Node], can: Abilities,
+                   can_turn: Callable[[int, Node], bool], first: int = 1) -> None:
+    """Raises NotDrivable at the first heading that `can_turn` does not grant; from `first` on."""
+    if 'theta' in can.ignored:
+        return
+    for index, node in enumerate(nodes):
+        if index >= first and heading_of(node, can) is not None and not can_turn(index, node):
+            raise _unsupported(f'nodes[{index}].nodePosition.theta',
+                               f'node {node.node_id!r}: the vehicle cannot take a heading there')
+
+
+def heading_of(node: Node, can: Abilities) -> Optional[float]:
+    """The heading that a node demands; None where any will do."""
+    position = node.position
+    if position is None or position.theta is None or 'theta' in can.ignored:
+        return None
+    free = (position.allowed_deviation_theta or 0.0) >= math.pi - 1e-6
+    return None if free else position.theta
+
+
+def _knows_map(node: Node, can: Abilities) -> bool:
+    return not can.map_id or 'mapId' in can.ignored or node.position.map_id == can.map_id
+
+
+def _unsupported(field: str, why: str) -> NotDrivable:
+    return NotDrivable(e.UNSUPPORTED, why, field)

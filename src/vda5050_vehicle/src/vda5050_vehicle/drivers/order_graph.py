@@ -1,0 +1,112 @@
+"""Which vertices and edges of a trajectory graph an order means."""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Dict, List, Mapping, Optional, Sequence, Tuple
+
+from trajectory_graph import Graph, Vertex
+from vda5050_vehicle.drivers.driver import Leg, NotDrivable, Pose
+from vda5050_vehicle.protocol import problems as e
+from vda5050_vehicle.protocol.values import Edge, Node
+
+
+@dataclass(frozen=True)
+class Matching:
+    """How places are matched; m.
+
+    radius -- a node's position belongs to the vertex within this distance
+    near   -- the robot is at a place, or on a curve, within this distance
+    """
+
+    radius: float = 0.3
+    near: float = 0.5
+
+
+class OrderGraph:
+    """Matches nodes by id, by label, or by place; edges by id, else by the vertices they join."""
+
+    def __init__(self, graph: Graph, matching: Matching) -> None:
+        self.graph = graph
+        self._matching = matching
+        by_label: Dict[str, List[Vertex]] = {}
+        for vertex in graph.vertices.values():
+            by_label.setdefault(vertex.label, []).append(vertex)
+        self._by_name: Mapping[str, Vertex] = {
+            **{label: found[0] for label, found in by_label.items() if label and len(found) == 1},
+            **{str(vertex.id): vertex for vertex in graph.vertices.values()}}
+
+    def vertex(self, node: Node) -> Optional[Vertex]:
+        """The vertex that a node means; None where it has only a place of its own.
+
+        Raises NotDrivable where id and place contradict each other, or there is neither.
+        """
+        vertex, position = self._by_name.get(node.node_id), node.position
+        if position is None:
+            if vertex is None:
+                raise NotDrivable(e.NO_ROUTE_ERROR, f'there is no vertex {node.node_id!r}, and the '
+                                  'node has no position', 'nodeId')
+            return vertex
+        nearest = self._nearest(position.x, position.y)
+        if vertex is None:
+            return nearest
+        away = math.dist(vertex.position, (position.x, position.y))
+        if away > self._matching.radius:
+            raise NotDrivable(e.ORDER_ERROR, f'node {node.node_id!r} lies {away:.2f} m away from '
+                              'the vertex of that name', 'nodePosition')
+        return vertex
+
+    def place(self, node: Node) -> Tuple[float, float]:
+        """Where a node is. Raises NotDrivable."""
+        vertex = self.vertex(node)
+        if vertex is not None:
+            return vertex.position
+        return node.position.x, node.position.y
+
+    def node_at(self, pose: Pose) -> str:
+        """Id of the vertex at which the robot stands, empty where it stands at none."""
+        vertex = self._nearest(pose.x, pose.y)
+        return '' if vertex is None else str(vertex.id)
+
+    def legs(self, nodes: Sequence[Node], edges: Sequence[Edge]) -> Tuple[Leg, ...]:
+        """The edges to drive. Raises NotDrivable."""
+        legs = []
+        for index, edge in enumerate(edges):
+            start, end = self.vertex(nodes[index]), self.vertex(nodes[index + 1])
+            if end is None:
+                raise NotDrivable(e.NO_ROUTE_ERROR, f'node {nodes[index + 1].node_id!r} lies at no '
+                                  'vertex', 'nodePosition')
+            signed = (self._edge_from_place(nodes[index], edge, end, index) if start is None
+                      else self._edge_between(start, end, edge))
+            legs.append(Leg(signed, self.graph.curve(signed).length, *end.position))
+        return tuple(legs)
+
+    def _edge_between(self, start: Vertex, end: Vertex, edge: Edge) -> int:
+        joining = [signed for signed in self.graph.edges_from(start.id)
+                   if self.graph.end_vertex(signed).id == end.id]
+        return self._choose(joining, edge, f'vertices {start.id} and {end.id}')
+
+    def _edge_from_place(self, node: Node, edge: Edge, end: Vertex, index: int) -> int:
+        """The first node may lie on an edge: there an order is begun after a cancellation."""
+        if index:
+            raise NotDrivable(e.NO_ROUTE_ERROR, f'node {node.node_id!r} lies at no vertex',
+                              'nodePosition')
+        leading = [-signed for signed in self.graph.edges_from(end.id)]
+        joining = [signed for signed in leading if self.graph.curve(signed).project(
+            node.position.x, node.position.y).distance <= self._matching.near]
+        return self._choose(joining, edge, f'the place of node {node.node_id!r} and vertex '
+                                           f'{end.id}')
+
+    def _choose(self, joining: Sequence[int], edge: Edge, between: str) -> int:
+        """By id where it names one, else the shortest."""
+        if not joining:
+            raise NotDrivable(e.NO_ROUTE_ERROR, f'edge {edge.edge_id!r}: the graph has no edge '
+                              f'between {between}', 'edgeId')
+        named = [signed for signed in joining if edge.edge_id in (str(signed), str(abs(signed)))]
+        return min(named or joining, key=lambda signed: self.graph.curve(signed).length)
+
+    def _nearest(self, x: float, y: float) -> Optional[Vertex]:
+        vertex = min(self.graph.vertices.values(),
+                     key=lambda vertex: math.dist(vertex.position, (x, y)))
+        within = math.dist(vertex.position, (x, y)) <= self._matching.radius
+        return vertex if within else None

@@ -1,0 +1,185 @@
+"""What the robot tells about itself, gathered from ROS topics into one view; nothing old in it.
+
+Subscribes
+    pose (geometry_msgs/PoseStamped), or TF where ~pose_source is tf
+    odom (nav_msgs/Odometry): velocity
+    battery_state (sensor_msgs/BatteryState)
+    topics of the vehicle file's `signals`
+"""
+from __future__ import annotations
+
+import math
+import threading
+import time
+from dataclasses import dataclass, replace
+from typing import Any, Callable, Dict, Generic, Mapping, Optional, Tuple, TypeVar
+
+import roslib.message
+import rospy
+from geometry_msgs.msg import PoseStamped, Quaternion
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import BatteryState as BatteryMessage
+
+from vda5050_vehicle.core.robot_view import RobotView
+from vda5050_vehicle.drivers.driver import Pose
+from vda5050_vehicle.nodes.parameters import ConfigurationError
+from vda5050_vehicle.protocol.values import BatteryState, EStop, Velocity
+
+SIGNALS = ('emergency_stop', 'lost', 'field_violation', 'localization_score')
+TF_PERIOD = 0.2  # s between two looks at TF
+T = TypeVar('T')
+
+
+@dataclass(frozen=True)
+class _Heard(Generic[T]):
+    """A value and when it came (s, monotonic)."""
+
+    value: T
+    at: float
+
+
+@dataclass(frozen=True)
+class Signal:
+    """A field of a topic; `wanted` are the values that mean yes, None: it is taken as it is."""
+
+    name: str
+    topic: str
+    type: str
+    field: str
+    wanted: Optional[Tuple[Any, ...]] = None
+
+    def read(self, message: Any) -> Any:
+        """What the message says."""
+        value = message
+        for part in self.field.split('.'):
+            value = getattr(value, part)
+        return value if self.wanted is None else value in self.wanted
+
+
+def read_signals(document: Mapping[str, Any]) -> Tuple[Signal, ...]:
+    """The `signals` of a vehicle file; raises ConfigurationError."""
+    signals = document.get('signals') or {}
+    try:
+        found = tuple(Signal(name, line['topic'], line['type'], line['field'],
+                             tuple(line['is']) if 'is' in line else None)
+                      for name, line in signals.items())
+    except (AttributeError, KeyError, TypeError) as error:
+        raise ConfigurationError(f'signals of the vehicle file: {error} is missing; each has '
+                                 'topic, type and field.') from None
+    for signal in found:
+        if signal.name not in SIGNALS:
+            raise ConfigurationError(f'signal {signal.name} of the vehicle file is unknown; there '
+                                     f'are {", ".join(SIGNALS)}.')
+        if roslib.message.get_message_class(signal.type) is None:
+            raise ConfigurationError(f'signal {signal.name} of the vehicle file has type '
+                                     f'{signal.type}, which is not installed.')
+    return found
+
+
+class RobotWatch:
+    """Calls `on_change` (in threads of rospy) when something came; `view` is what is known."""
+
+    def __init__(self, signals: Tuple[Signal, ...], pose_timeout: float, tf_base: str,
+                 map_frame: str, on_change: Callable[[], None]) -> None:
+        """`tf_base` is the robot's frame where its pose is read from TF; empty: topic `pose`."""
+        self._timeout = pose_timeout
+        self._frame = map_frame
+        self._on_change = on_change
+        self._lock = threading.Lock()
+        self._heard: Dict[str, _Heard] = {}
+        if tf_base:
+            self._follow_tf(tf_base)
+        else:
+            rospy.Subscriber('pose', PoseStamped, self._on_pose, queue_size=10, tcp_nodelay=True)
+        rospy.Subscriber('odom', Odometry, self._on_odometry, queue_size=10, tcp_nodelay=True)
+        rospy.Subscriber('battery_state', BatteryMessage, self._on_battery, queue_size=10,
+                         tcp_nodelay=True)
+        for signal in signals:
+            rospy.Subscriber(signal.topic, roslib.message.get_message_class(signal.type),
+                             lambda message, signal=signal: self._hear(
+                                 signal.name, signal.read(message)),
+                             queue_size=10, tcp_nodelay=True)
+
+    def view(self) -> RobotView:
+        """What is known now, less what is too old."""
+        with self._lock:
+            heard = dict(self._heard)
+        oldest = time.monotonic() - self._timeout
+
+        def fresh(name: str, otherwise: Any = None) -> Any:
+            item = heard.get(name)
+            return otherwise if item is None or item.at < oldest else item.value
+
+        battery = heard.get('battery')
+        score = fresh('localization_score')
+        if fresh('pose') is not None:
+            lost = ''
+        elif 'pose' in heard:
+            lost = f'nothing was heard of where the robot is for {self._timeout:g} s'
+        else:
+            lost = 'nothing was heard of where the robot is yet'
+        return RobotView(
+            pose=fresh('pose'), velocity=fresh('velocity'),
+            localization_score=score if score is not None and 0.0 <= score <= 1.0 else None,
+            localized=not fresh('lost', False),
+            battery=battery.value if battery else BatteryState(0.0, False),
+            # An emergency stop that was told holds until the robot tells otherwise.
+            e_stop=EStop.MANUAL if heard.get('emergency_stop', _Heard(False, 0.0)).value
+            else EStop.NONE,
+            field_violation=bool(fresh('field_violation', False)), lost=lost)
+
+    def _hear(self, name: str, value: Any) -> None:
+        with self._lock:
+            self._heard[name] = _Heard(value, time.monotonic())
+        self._on_change()
+
+    def _on_pose(self, message: PoseStamped) -> None:
+        if message.header.frame_id.lstrip('/') != self._frame:
+            rospy.logwarn_throttle(10.0, 'A pose in the frame "%s" is left out; the map is "%s".',
+                                   message.header.frame_id, self._frame)
+            return
+        position = message.pose.position
+        pose = Pose(position.x, position.y, _heading(message.pose.orientation))
+        if all(map(math.isfinite, (pose.x, pose.y, pose.theta))):
+            self._hear('pose', pose)
+
+    def _on_odometry(self, message: Odometry) -> None:
+        twist = message.twist.twist
+        velocity = Velocity(twist.linear.x, twist.linear.y, twist.angular.z)
+        if all(map(math.isfinite, (velocity.vx, velocity.vy, velocity.omega))):
+            self._hear('velocity', velocity)
+
+    def _on_battery(self, message: BatteryMessage) -> None:
+        charge = message.percentage * 100.0
+        voltage = message.voltage if math.isfinite(message.voltage) else None
+        before = self._heard.get('battery')
+        battery = before.value if before else BatteryState(0.0, False)
+        if math.isfinite(charge):
+            battery = replace(battery, charge=min(max(charge, 0.0), 100.0))
+        charging = message.power_supply_status in (BatteryMessage.POWER_SUPPLY_STATUS_CHARGING,
+                                                   BatteryMessage.POWER_SUPPLY_STATUS_FULL)
+        self._hear('battery', replace(battery, charging=charging, voltage=voltage))
+
+    def _follow_tf(self, base: str) -> None:
+        import tf2_ros  # needs a transform listener's thread: only where it is asked for
+        buffer = tf2_ros.Buffer()
+        self._listener = tf2_ros.TransformListener(buffer)
+        last = [rospy.Time()]
+
+        def look(_event: rospy.timer.TimerEvent) -> None:
+            try:
+                transform = buffer.lookup_transform(self._frame, base, rospy.Time())
+            except (tf2_ros.LookupException, tf2_ros.ConnectivityException,
+                    tf2_ros.ExtrapolationException):
+                return
+            if transform.header.stamp != last[0]:  # an old one is no news
+                last[0] = transform.header.stamp
+                place = transform.transform.translation
+                self._hear('pose', Pose(place.x, place.y, _heading(transform.transform.rotation)))
+
+        timer = rospy.Timer(rospy.Duration(TF_PERIOD), look)
+        rospy.on_shutdown(timer.shutdown)
+
+
+def _heading(q: Quaternion) -> float:
+    return math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))

@@ -1,0 +1,61 @@
+"""The route driver on ROS: routes out, reports and refusals in.
+
+Publishes target_route (itrci_nav_msgs/TargetRoute). Subscribes execution_route_states
+(itrci_nav_msgs/ExecutionRouteStates), route_refused (itrci_nav_msgs/RouteRefused) and /graph
+(itrci_nav_msgs/Graph).
+"""
+from __future__ import annotations
+
+from typing import Callable, Dict
+
+import rospy
+
+from itrci_nav_msgs.msg import ExecutionRouteStates, RouteRefused, TargetRoute
+from itrci_nav_msgs.msg import Graph as GraphMessage
+from trajectory_graph import GraphError
+from trajectory_graph.messages import graph_from_message
+from vda5050_vehicle.drivers.route_driver import RouteCommand, RouteDriver, RouteReport
+
+Tell = Callable[[Callable[[float], None]], None]  # gives a call to the vehicle's thread
+
+
+class RouteLink:
+    """Carries the driver's commands, and what comes back, in the vehicle's thread."""
+
+    def __init__(self, driver: RouteDriver, tell: Tell) -> None:
+        self._driver = driver
+        self._tell = tell
+        self._stamps: Dict[RouteCommand, rospy.Time] = {}
+        self._routes = rospy.Publisher('target_route', TargetRoute, queue_size=10,
+                                       tcp_nodelay=True)
+        rospy.Subscriber('execution_route_states', ExecutionRouteStates, self._on_states,
+                         queue_size=10, tcp_nodelay=True)
+        rospy.Subscriber('route_refused', RouteRefused, self._on_refused, queue_size=10,
+                         tcp_nodelay=True)
+        rospy.Subscriber('/graph', GraphMessage, self._on_graph, queue_size=1)
+
+    def carry_out(self, command: RouteCommand) -> None:
+        """Publishes a route; the same one again has the same stamp, so that it counts once."""
+        if command not in self._stamps:
+            self._stamps = {command: rospy.Time.now()}
+        message = TargetRoute(route_id=command.route_id, edges=list(command.edges))
+        message.header.stamp = self._stamps[command]
+        self._routes.publish(message)
+
+    def _on_states(self, message: ExecutionRouteStates) -> None:
+        report = RouteReport(
+            message.route_id, tuple(edge.state for edge in message.edge_states),
+            message.symbolic_pose.edge_id, message.symbolic_pose.percentage, message.reason)
+        self._tell(lambda now: self._driver.on_report(report, now))
+
+    def _on_refused(self, message: RouteRefused) -> None:
+        self._tell(lambda now: self._driver.on_refused(
+            message.route_id, tuple(message.edges), message.reason, now))
+
+    def _on_graph(self, message: GraphMessage) -> None:
+        try:
+            graph = graph_from_message(message)
+        except GraphError as error:
+            rospy.logwarn_throttle(10.0, 'A /graph is refused, the one in force stays: %s', error)
+            return
+        self._tell(lambda now: self._driver.use_graph(graph))

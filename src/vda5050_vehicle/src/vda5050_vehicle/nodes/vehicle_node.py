@@ -1,0 +1,324 @@
+"""The VDA 5050 adapter: a robot of ROS 1 as a vehicle of any VDA 5050 master.
+
+MQTT, under ~interface_name/v2/~manufacturer/~serial_number
+    in: order, instantActions; out: state, connection, factsheet, visualization
+Subscribes
+    pose, odom, battery_state, and the topics of the vehicle file's signals (`robot_watch`)
+    execution_route_states, route_refused, /graph (driver route)
+Publishes
+    target_route (itrci_nav_msgs/TargetRoute; driver route)
+    initialpose (geometry_msgs/PoseWithCovarianceStamped): for initPosition
+    /diagnostics
+Client of
+    the actions of the actions file; move_base (driver move_base)
+Parameters
+    ~broker            string  127.0.0.1:1883  host:port of the MQTT broker
+    ~credentials_file  string  (empty)  YAML file with username and password
+    ~ca_file, ~cert_file, ~key_file  string (empty)  PEM files; with ~ca_file it is TLS
+    ~keepalive         int     15 s     between signs of life to the broker
+    ~version           string  2.1.0    of the standard, on the wire; or 2.0.0, 3.0.0
+    ~interface_name    string  uagv     first level of the topics
+    ~manufacturer      string  (required)
+    ~serial_number     string  (required)
+    ~map_id            string  map      the map on which positions are; orders on others are refused
+    ~map_version       string  1        told in the state
+    ~driver            string  route    or move_base
+    ~graph_file        string  (empty)  trajectory graph (YAML); driver route waits for /graph
+                                        without one
+    ~vehicle_file      string  (required)  what the factsheet tells, and where the state is read
+    ~actions_file      string  (empty)  what the vehicle can do beside driving
+    ~ignored_fields    string  (empty)  fields of orders that are ignored though they are not
+                                        honoured, with blanks between: theta trajectory ...
+    ~match_radius      float   0.3 m    a node's position belongs to the vertex within this
+    ~start_radius      float   0.5 m    an order may begin at a node within this, or its deviation
+    ~pose_timeout      float   3 s      a pose older than that is not told, and the robot is lost
+    ~pose_source       string  topic    or tf: map frame to ~base_frame
+    ~base_frame        string  base_link
+    ~map_frame         string  map      frame of poses
+    ~journal           string  (in ROS_HOME/vda5050)  what is known after a restart
+    ~log_folder        string  (in ROS_HOME/vda5050)  where log reports are stored
+    ~visualization_period  float  0 s   between two messages on visualization; 0: none
+"""
+from __future__ import annotations
+
+import math
+import os
+import queue
+import threading
+import time
+import traceback
+from typing import Any, Callable, Dict, Optional, Tuple, Union
+
+import rospy
+from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_updater import DiagnosticStatusWrapper, Updater
+from geometry_msgs.msg import PoseWithCovarianceStamped
+
+from vda5050_vehicle.core import effects as fx
+from vda5050_vehicle.core import factsheet as sheet
+from vda5050_vehicle.core import journal
+from vda5050_vehicle.core.vehicle import Vehicle
+from vda5050_vehicle.drivers.driver import Driver, Pose
+from vda5050_vehicle.drivers.pose_driver import PoseDriver
+from vda5050_vehicle.drivers.route_driver import RouteDriver
+from vda5050_vehicle.mqtt.link import MqttLink
+from vda5050_vehicle.nodes.move_base_link import MoveBaseLink
+from vda5050_vehicle.nodes.parameters import ConfigurationError
+from vda5050_vehicle.nodes.robot_watch import RobotWatch
+from vda5050_vehicle.nodes.ros_actions import RosActions
+from vda5050_vehicle.nodes.route_link import RouteLink
+from vda5050_vehicle.nodes.settings import Settings
+from vda5050_vehicle.protocol.fields import write_json
+from vda5050_vehicle.protocol.headers import Headers
+from vda5050_vehicle.protocol.values import Connection, ConnectionState, Visualization
+
+TICK = 0.1         # s between two looks at the clock
+QUEUE_SIZE = 1000  # events; beyond that messages of the broker are dropped
+
+Call = Callable[[float], Optional[Tuple[fx.Effect, ...]]]
+
+
+class VehicleNode:
+    """See the module's text. One thread has the vehicle; callbacks only queue calls for it."""
+
+    def __init__(self, settings: Settings) -> None:
+        self._settings = settings
+        identity = settings.identity
+        self._headers = Headers(settings.codec.version, identity.manufacturer,
+                                identity.serial_number, time.time)
+        self._calls: queue.SimpleQueue[Call] = queue.SimpleQueue()
+        self._ending = threading.Event()
+        self._mqtt_problem = 'connecting'
+        self._visualized = 0.0
+        self._look_is_due = False
+        self._vehicle = Vehicle(identity, settings.codec, settings.table, settings.driver,
+                                settings.abilities)
+        self._factsheet = sheet.factsheet(settings.document, self._vehicle.table)
+        self._restore()
+
+        self._link = self._make_link(settings.driver)
+        self._actions = RosActions(lambda name, succeeded, text: self._calls.put(
+            lambda now: self._vehicle.action_ended(name, succeeded, text, now)))
+        self._actions.prepare(settings.table)
+        self._poses = rospy.Publisher('initialpose', PoseWithCovarianceStamped, queue_size=1)
+        self._watch = RobotWatch(settings.signals, settings.pose_timeout, settings.tf_base,
+                                 settings.map_frame, self._on_robot)
+        self._mqtt = MqttLink(
+            settings.broker, settings.prefix, f'{identity.manufacturer}_{identity.serial_number}',
+            self._connection, self._on_message, self._on_mqtt_change)
+        self._diagnose()
+        self._thread = threading.Thread(target=self._run, name='vehicle', daemon=True)
+        self._thread.start()
+        self._mqtt.start()
+
+    def close(self) -> None:
+        """Leaves the broker; the order is kept."""
+        self._ending.set()
+        self._thread.join(0.5)
+        self._mqtt.close()
+
+    def _restore(self) -> None:
+        record = self._settings.journal.read()
+        if record is None:
+            return
+        try:
+            self._vehicle.restore(record, time.monotonic())
+            rospy.loginfo('Order "%s" is restored.', self._vehicle.order.order_id)
+        except journal.WrongRecord as problem:
+            rospy.logwarn('The journal cannot be used, the vehicle begins without an order: %s',
+                          problem)
+
+    def _make_link(self, driver: Driver) -> Union[RouteLink, MoveBaseLink]:
+        if isinstance(driver, RouteDriver):
+            return RouteLink(driver, self._tell_driver)
+        assert isinstance(driver, PoseDriver)
+        return MoveBaseLink(driver, self._tell_driver, self._settings.map_frame)
+
+    # --- callbacks --------------------------------------------------------------------------------
+
+    def _tell_driver(self, call: Callable[[float], None]) -> None:
+        def told(now: float) -> Tuple[fx.Effect, ...]:
+            call(now)
+            return self._vehicle.tick(now)
+        self._calls.put(told)
+
+    def _on_robot(self) -> None:
+        """Something was heard of the robot; several things at once are one look."""
+        if not self._look_is_due:
+            self._look_is_due = True
+            self._calls.put(self._look)
+
+    def _on_message(self, topic: str, payload: bytes, kept: bool) -> None:
+        if kept:
+            rospy.logwarn('A message on %s that the broker had kept is left out: masters do not '
+                          'retain %s, and a motion is not repeated by itself.', topic, topic)
+        elif self._calls.qsize() > QUEUE_SIZE:
+            rospy.logwarn_throttle(10.0, 'Messages on %s come too fast, some are left out.', topic)
+        elif topic == 'order':
+            self._calls.put(lambda now: self._vehicle.receive_order(payload, now))
+        else:
+            self._calls.put(lambda now: self._vehicle.receive_instant_actions(payload, now))
+
+    def _on_mqtt_change(self, connected: bool, problem: str) -> None:
+        self._mqtt_problem = problem
+        if connected:
+            rospy.loginfo('Connected to the broker at %s.', self._settings.broker)
+            self._calls.put(self._vehicle.connected)
+        else:
+            rospy.logwarn('Not connected to the broker at %s: %s', self._settings.broker, problem)
+
+    def _connection(self, state: str) -> bytes:
+        return self._payload('connection', Connection(ConnectionState(state)))
+
+    # --- the thread that has the vehicle ----------------------------------------------------------
+
+    def _run(self) -> None:
+        try:
+            self._serve()
+        except Exception:
+            # A vehicle that is ONLINE and deaf would be worse than none: the broker tells the last
+            # will, and roslaunch starts the node anew, with what the journal holds.
+            rospy.logfatal('%s ends on a defect of its own:\n%s', rospy.get_name(),
+                           traceback.format_exc())
+            os._exit(1)
+
+    def _serve(self) -> None:
+        next_tick = time.monotonic()
+        while not self._ending.is_set():
+            try:
+                call = self._calls.get(timeout=max(next_tick - time.monotonic(), 0.0))
+            except queue.Empty:
+                next_tick = max(next_tick + TICK, time.monotonic())
+                call = self._tick
+            for effect in call(time.monotonic()) or ():
+                self._perform(effect)
+
+    def _look(self, now: float) -> Tuple[fx.Effect, ...]:
+        self._look_is_due = False
+        driver, view = self._vehicle.driver, self._watch.view()
+        if isinstance(driver, PoseDriver):
+            driver.see(view.pose)
+        return self._vehicle.see(view, now)
+
+    def _tick(self, now: float) -> Tuple[fx.Effect, ...]:
+        self._actions.check()
+        if isinstance(self._link, MoveBaseLink):
+            self._link.check()
+        self._visualize(now)
+        return (*self._look(now), *self._vehicle.tick(now))
+
+    def _visualize(self, now: float) -> None:
+        period = self._settings.visualization_period
+        if period and now - self._visualized >= period:
+            self._visualized = now
+            self._send('visualization', Visualization(
+                self._vehicle.position(), self._vehicle.robot.velocity,
+                self._headers.last('state')))
+
+    def _perform(self, effect: fx.Effect) -> None:
+        if isinstance(effect, fx.SendState):
+            self._send('state', effect.state)
+        elif isinstance(effect, fx.Command):
+            self._link.carry_out(effect.command)
+        elif isinstance(effect, fx.Keep):
+            self._keep(effect.record)
+        elif isinstance(effect, fx.StartAction):
+            self._actions.start(effect.action_id, effect.spec, effect.arguments)
+        elif isinstance(effect, fx.CancelAction):
+            self._actions.cancel(effect.action_id)
+        elif isinstance(effect, fx.SetPose):
+            self._set_pose(effect.pose)
+        elif isinstance(effect, fx.WriteLog):
+            self._write_log(effect)
+        else:
+            self._send('factsheet', self._factsheet)
+
+    def _send(self, topic: str, message: Any) -> None:
+        if self._mqtt.connected:
+            self._mqtt.publish(topic, self._payload(topic, message))
+
+    def _payload(self, topic: str, message: Any) -> bytes:
+        return write_json(self._settings.codec.write(topic, self._headers.make(topic), message))
+
+    def _keep(self, record: Dict[str, Any]) -> None:
+        try:
+            self._settings.journal.write(record)
+        except OSError as error:
+            rospy.logerr_throttle(10.0, 'The journal cannot be written, a restart will lose the '
+                                        'order: %s', error)
+
+    def _write_log(self, effect: fx.WriteLog) -> None:
+        try:
+            name, written = self._settings.reports.write(effect.reason, effect.lines), True
+        except OSError as error:
+            name, written = f'the report cannot be stored: {error.strerror}', False
+        self._calls.put(lambda now: self._vehicle.action_ended(effect.action_id, written, name,
+                                                               now))
+
+    def _set_pose(self, pose: Pose) -> None:
+        message = PoseWithCovarianceStamped()
+        message.header.frame_id = self._settings.map_frame
+        message.header.stamp = rospy.Time.now()
+        message.pose.pose.position.x, message.pose.pose.position.y = pose.x, pose.y
+        message.pose.pose.orientation.z, message.pose.pose.orientation.w = half_angle(pose.theta)
+        self._poses.publish(message)
+
+    # --- diagnostics ------------------------------------------------------------------------------
+
+    def _diagnose(self) -> None:
+        updater = Updater()
+        updater.setHardwareID(self._settings.prefix)
+        updater.add('broker', self._diagnose_broker)
+        updater.add('order', self._diagnose_order)
+        timer = rospy.Timer(rospy.Duration(1.0), lambda _: updater.force_update())
+        rospy.on_shutdown(timer.shutdown)
+
+    def _diagnose_broker(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
+        if self._mqtt.connected:
+            status.summary(DiagnosticStatus.OK, 'connected')
+        else:
+            status.summary(DiagnosticStatus.ERROR, f'not connected: {self._mqtt_problem}')
+        status.add('broker', str(self._settings.broker))
+        return status
+
+    def _diagnose_order(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
+        vehicle = self._vehicle
+        failure = vehicle.errors.failure
+        if failure:
+            status.summary(DiagnosticStatus.ERROR, failure.description)
+        else:
+            status.summary(DiagnosticStatus.OK, 'order under way' if vehicle.busy else 'idle')
+        status.add('order', vehicle.order.order_id)
+        status.add('nodes left', str(max(len(vehicle.order.nodes) - 1, 0)))
+        return status
+
+
+def half_angle(theta: float) -> Tuple[float, float]:
+    """z and w of the quaternion of a heading."""
+    return math.sin(theta / 2.0), math.cos(theta / 2.0)
+
+
+def main() -> None:
+    """Runs the node; where it is misconfigured it says so, shows it, and waits for a restart."""
+    rospy.init_node('vda5050_vehicle')
+    try:
+        node = VehicleNode(Settings())
+    except ConfigurationError as error:
+        reason = str(error)
+        rospy.logerr('%s cannot work: %s Mend it and restart the node.', rospy.get_name(), reason)
+        _show(reason)
+    else:
+        rospy.on_shutdown(node.close)
+    rospy.spin()
+
+
+def _show(reason: str) -> None:
+    def tell(status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
+        status.summary(DiagnosticStatus.ERROR, reason)
+        return status
+
+    updater = Updater()
+    updater.setHardwareID('none')
+    updater.add('configuration', tell)
+    timer = rospy.Timer(rospy.Duration(1.0), lambda _: updater.force_update())
+    rospy.on_shutdown(timer.shutdown)

@@ -1,0 +1,95 @@
+"""Whether an order is taken up: figure 8 of VDA 5050 2.1.0 as a pure function.
+
+Question 1, whether the order is valid, is `order_rules`.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Tuple, Union
+
+from vda5050_vehicle.protocol import problems as e
+from vda5050_vehicle.protocol.values import Error, ErrorKind, Order, Reference
+
+Place = Tuple[str, int]  # nodeId and sequenceId
+
+
+class Acceptance(Enum):
+    """What becomes of an order that is not rejected."""
+
+    NEW = 'new'              # in place of the one held
+    APPEND = 'append'        # extends the order that is under way
+    CONTINUE = 'continue'    # extends the order that was completed
+    DUPLICATE = 'duplicate'  # is there already: ignored
+
+
+@dataclass(frozen=True)
+class Rejection:
+    """Why an order is not taken up."""
+
+    error: Error
+
+
+Verdict = Union[Acceptance, Rejection]
+
+
+@dataclass(frozen=True)
+class Held:
+    """What the vehicle holds when an order comes.
+
+    busy            -- node states are left, or actions that have not ended
+    cancelled       -- the order was cancelled, or is being so
+    decision_point  -- last node of the base
+    last_node       -- the last one that was passed
+    """
+
+    order_id: str = ''
+    order_update_id: int = 0
+    busy: bool = False
+    cancelled: bool = False
+    decision_point: Place = ('', 0)
+    last_node: Place = ('', 0)
+
+
+def judge(held: Held, order: Order, start_is_near: bool) -> Verdict:
+    """The verdict on a valid order; `start_is_near` answers question 4 of the figure."""
+    if order.order_id != held.order_id:                                       # question 2
+        return _judge_new(held, order, start_is_near)
+    return _judge_update(held, order)
+
+
+def _judge_new(held: Held, order: Order, start_is_near: bool) -> Verdict:
+    if held.busy:                                                             # question 3
+        return _reject(e.ORDER_ERROR, order,
+                       f'order {held.order_id!r} is still under way; cancel it first')
+    if not start_is_near:                                                     # question 4
+        return _reject(e.NO_ROUTE_ERROR, order,
+                       f'the vehicle is not within the deviation of the first node, '
+                       f'{order.nodes[0].node_id!r}',
+                       Reference('nodeId', order.nodes[0].node_id))
+    return Acceptance.NEW
+
+
+def _judge_update(held: Held, order: Order) -> Verdict:
+    if order.order_update_id < held.order_update_id:                          # question 5
+        return _reject(e.ORDER_UPDATE_ERROR, order,
+                       f'orderUpdateId {order.order_update_id} is older than '
+                       f'{held.order_update_id}, which the vehicle has')
+    if order.order_update_id == held.order_update_id:                         # question 6
+        return Acceptance.DUPLICATE
+    if held.cancelled:
+        # Not in the figure of 2.1.0; 3.0.0 names it ORDER_UPDATE_FOLLOWING_CANCEL.
+        return _reject(e.ORDER_UPDATE_ERROR, order, 'the order was cancelled; send another one')
+    expected = held.decision_point if held.busy else held.last_node           # questions 3, 7, 8
+    first = (order.nodes[0].node_id, order.nodes[0].sequence_id)
+    if first != expected:
+        return _reject(e.ORDER_UPDATE_ERROR, order,
+                       f'the update begins with node {first[0]!r}, sequenceId {first[1]}, but must '
+                       f'begin with {expected[0]!r}, sequenceId {expected[1]}, '
+                       + ('the last node of the base' if held.busy else 'the last node passed'),
+                       Reference('nodeId', first[0]))
+    return Acceptance.APPEND if held.busy else Acceptance.CONTINUE
+
+
+def _reject(kind: ErrorKind, order: Order, description: str, *more: Reference) -> Rejection:
+    return Rejection(kind.error(description, *e.order_references(order), *more))

@@ -1,0 +1,229 @@
+"""What the messages look like on the wire: one table per message, for 2.1.0 and 2.0.0.
+
+Reading understands both, and the keys of 2.0's drafts; writing follows the version chosen. Source:
+VDA5050_EN.md and json_schemas of the versions 2.0.0 and 2.1.0.
+"""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, Callable, Dict, Mapping, Tuple
+
+from vda5050_vehicle.protocol import values as v
+from vda5050_vehicle.protocol.fields import (
+    ANYTHING,
+    BOOLEAN,
+    NUMBER,
+    OBJECT,
+    TEXT,
+    UINT,
+    Choice,
+    Field,
+    ListOf,
+    Malformed,
+    Number,
+    Record,
+    read_json,
+)
+
+ANGLE = Number(-math.pi - 1e-9, math.pi + 1e-9)
+POSITIVE = Number(0.0)
+
+HEADER = Record(v.Header, [
+    Field('header_id', 'headerId', UINT, True),
+    Field('timestamp', 'timestamp', TEXT, True),
+    Field('version', 'version', TEXT, True),
+    Field('manufacturer', 'manufacturer', TEXT, True),
+    Field('serial_number', 'serialNumber', TEXT, True)])
+
+ACTION = Record(v.Action, [
+    Field('action_type', 'actionType', TEXT, True, ('actionName',)),
+    Field('action_id', 'actionId', TEXT, True),
+    Field('blocking_type', 'blockingType', Choice(v.BlockingType), True),
+    Field('description', 'actionDescription', TEXT),
+    Field('parameters', 'actionParameters', ListOf(Record(v.ActionParameter, [
+        Field('key', 'key', TEXT, True), Field('value', 'value', ANYTHING, True)])), omitted=())])
+
+NODE_POSITION = Record(v.NodePosition, [
+    Field('x', 'x', NUMBER, True), Field('y', 'y', NUMBER, True),
+    Field('theta', 'theta', ANGLE),
+    Field('allowed_deviation_xy', 'allowedDeviationXY', POSITIVE, aliases=('allowedDeviationXy',)),
+    Field('allowed_deviation_theta', 'allowedDeviationTheta', ANGLE),
+    Field('map_id', 'mapId', TEXT, True),
+    Field('map_description', 'mapDescription', TEXT)])
+
+NODE = Record(v.Node, [
+    Field('node_id', 'nodeId', TEXT, True),
+    Field('sequence_id', 'sequenceId', UINT, True),
+    Field('description', 'nodeDescription', TEXT),
+    Field('released', 'released', BOOLEAN, True),
+    Field('position', 'nodePosition', NODE_POSITION),
+    Field('actions', 'actions', ListOf(ACTION), True)])
+
+EDGE = Record(v.Edge, [
+    Field('edge_id', 'edgeId', TEXT, True),
+    Field('sequence_id', 'sequenceId', UINT, True),
+    Field('description', 'edgeDescription', TEXT),
+    Field('released', 'released', BOOLEAN, True),
+    Field('start_node_id', 'startNodeId', TEXT, True),
+    Field('end_node_id', 'endNodeId', TEXT, True),
+    Field('max_speed', 'maxSpeed', NUMBER),
+    Field('max_height', 'maxHeight', NUMBER),
+    Field('min_height', 'minHeight', NUMBER),
+    Field('orientation', 'orientation', ANGLE),
+    Field('orientation_type', 'orientationType', TEXT),
+    Field('direction', 'direction', TEXT),
+    Field('rotation_allowed', 'rotationAllowed', BOOLEAN),
+    Field('max_rotation_speed', 'maxRotationSpeed', NUMBER),
+    Field('length', 'length', NUMBER),
+    Field('trajectory', 'trajectory', OBJECT),
+    Field('corridor', 'corridor', Record(v.Corridor, [
+        Field('left_width', 'leftWidth', POSITIVE, True),
+        Field('right_width', 'rightWidth', POSITIVE, True),
+        Field('reference_point', 'corridorRefPoint', TEXT)])),
+    Field('actions', 'actions', ListOf(ACTION), True)])
+
+ORDER = Record(v.Order, [
+    Field('order_id', 'orderId', TEXT, True),
+    Field('order_update_id', 'orderUpdateId', UINT, True),
+    Field('zone_set_id', 'zoneSetId', TEXT),
+    Field('nodes', 'nodes', ListOf(NODE), True),
+    Field('edges', 'edges', ListOf(EDGE), True)])
+
+INSTANT_ACTIONS = Record(v.InstantActions, [
+    Field('actions', 'actions', ListOf(ACTION), True, ('instantActions',))])
+
+REFERENCES = ListOf(Record(v.Reference, [
+    Field('key', 'referenceKey', TEXT, True), Field('value', 'referenceValue', TEXT, True)]))
+
+NODE_STATE = Record(v.NodeState, [
+    Field('node_id', 'nodeId', TEXT, True),
+    Field('sequence_id', 'sequenceId', UINT, True),
+    Field('description', 'nodeDescription', TEXT),
+    Field('released', 'released', BOOLEAN, True),
+    Field('position', 'nodePosition', NODE_POSITION)])
+
+EDGE_STATE = Record(v.EdgeState, [
+    Field('edge_id', 'edgeId', TEXT, True),
+    Field('sequence_id', 'sequenceId', UINT, True),
+    Field('description', 'edgeDescription', TEXT),
+    Field('released', 'released', BOOLEAN, True)])
+
+ACTION_STATE = Record(v.ActionState, [
+    Field('action_id', 'actionId', TEXT, True),
+    Field('action_type', 'actionType', TEXT, True),
+    Field('description', 'actionDescription', TEXT),
+    Field('status', 'actionStatus', Choice(v.ActionStatus), True),
+    Field('result_description', 'resultDescription', TEXT)])
+
+AGV_POSITION = Record(v.AgvPosition, [
+    Field('position_initialized', 'positionInitialized', BOOLEAN, True),
+    Field('localization_score', 'localizationScore', Number(0.0, 1.0)),
+    Field('x', 'x', NUMBER, True), Field('y', 'y', NUMBER, True),
+    Field('theta', 'theta', ANGLE, True), Field('map_id', 'mapId', TEXT, True)])
+
+VELOCITY = Record(v.Velocity, [
+    Field('vx', 'vx', NUMBER), Field('vy', 'vy', NUMBER), Field('omega', 'omega', NUMBER)])
+
+BATTERY = Record(v.BatteryState, [
+    Field('charge', 'batteryCharge', NUMBER, True),
+    Field('voltage', 'batteryVoltage', NUMBER),
+    Field('charging', 'charging', BOOLEAN, True)])
+
+ERROR = Record(v.Error, [
+    Field('error_type', 'errorType', TEXT, True),
+    Field('references', 'errorReferences', REFERENCES, omitted=()),
+    Field('description', 'errorDescription', TEXT),
+    Field('hint', 'errorHint', TEXT),
+    Field('level', 'errorLevel', Choice(v.ErrorLevel), True)])
+
+INFORMATION = Record(v.Information, [
+    Field('info_type', 'infoType', TEXT, True),
+    Field('references', 'infoReferences', REFERENCES, omitted=()),
+    Field('description', 'infoDescription', TEXT),
+    Field('level', 'infoLevel', TEXT, True)])
+
+SAFETY = Record(v.SafetyState, [
+    Field('e_stop', 'eStop', Choice(v.EStop), True),
+    Field('field_violation', 'fieldViolation', BOOLEAN, True)])
+
+MAPS = Field('maps', 'maps', ListOf(Record(v.MapInformation, [
+    Field('map_id', 'mapId', TEXT, True),
+    Field('map_version', 'mapVersion', TEXT, True),
+    Field('description', 'mapDescription', TEXT),
+    Field('status', 'mapStatus', TEXT, True)])), omitted=())
+
+STATE = Record(v.State, [
+    MAPS,
+    Field('order_id', 'orderId', TEXT, True),
+    Field('order_update_id', 'orderUpdateId', UINT, True),
+    Field('zone_set_id', 'zoneSetId', TEXT),
+    Field('last_node_id', 'lastNodeId', TEXT, True),
+    Field('last_node_sequence_id', 'lastNodeSequenceId', UINT, True),
+    Field('driving', 'driving', BOOLEAN, True),
+    Field('paused', 'paused', BOOLEAN),
+    Field('new_base_request', 'newBaseRequest', BOOLEAN),
+    Field('distance_since_last_node', 'distanceSinceLastNode', NUMBER),
+    Field('operating_mode', 'operatingMode', Choice(v.OperatingMode), True),
+    Field('node_states', 'nodeStates', ListOf(NODE_STATE), True),
+    Field('edge_states', 'edgeStates', ListOf(EDGE_STATE), True),
+    Field('position', 'agvPosition', AGV_POSITION),
+    Field('velocity', 'velocity', VELOCITY),
+    Field('action_states', 'actionStates', ListOf(ACTION_STATE), True),
+    Field('battery', 'batteryState', BATTERY, True),
+    Field('errors', 'errors', ListOf(ERROR), True),
+    Field('information', 'information', ListOf(INFORMATION), True),
+    Field('safety', 'safetyState', SAFETY, True)])
+
+VISUALIZATION = Record(v.Visualization, [
+    Field('position', 'agvPosition', AGV_POSITION), Field('velocity', 'velocity', VELOCITY)])
+
+CONNECTION = Record(v.Connection, [
+    Field('state', 'connectionState', Choice(v.ConnectionState), True)])
+
+_RECORDS: Mapping[str, Record] = {
+    'order': ORDER, 'instantActions': INSTANT_ACTIONS, 'state': STATE,
+    'visualization': VISUALIZATION, 'connection': CONNECTION}
+
+
+@dataclass(frozen=True)
+class Codec:
+    """The messages of one version of the standard; `records` by topic.
+
+    factsheet -- makes this version's factsheet of that of 2.1.0
+    """
+
+    version: str
+    records: Mapping[str, Record]
+    factsheet: Callable[[Dict[str, Any]], Dict[str, Any]] = lambda sheet: sheet
+
+    @property
+    def major(self) -> str:
+        """The version as the topics have it, e.g. `v2`."""
+        return 'v' + self.version.split('.')[0]
+
+    def read(self, topic: str, payload: bytes) -> Tuple[v.Header, Any]:
+        """Header and message in a payload; raises Malformed."""
+        json_object = read_json(payload)
+        header = HEADER.read(json_object, '')
+        if header.version.split('.')[0] != self.version.split('.')[0]:
+            raise Malformed('version', f'is {header.version[:20]!r}, but this vehicle speaks '
+                                       f'{self.version}')
+        return header, self.records[topic].read(json_object, '')
+
+    def write(self, topic: str, header: v.Header, message: Any) -> Dict[str, Any]:
+        """The JSON object of a message; a factsheet is a JSON object already."""
+        body = (self.factsheet(message) if topic == 'factsheet'
+                else self.records[topic].write(message))
+        return {**HEADER.write(header), **body}
+
+
+def _version_2_0() -> Codec:
+    """2.0.0 knows no maps, and wants a heading with the position of a node, which few have."""
+    nodes = ListOf(NODE_STATE.changed(position=None))
+    state = STATE.changed(maps=None, node_states=Field('node_states', 'nodeStates', nodes, True))
+    return Codec('2.0.0', {**_RECORDS, 'state': state})
+
+
+VERSION_2_1 = Codec('2.1.0', _RECORDS)
+VERSION_2_0 = _version_2_0()

@@ -1,0 +1,89 @@
+"""What makes an order valid that the JSON schemas cannot say (VDA 5050 2.1.0, 6.6.1 and 6.6.2)."""
+from __future__ import annotations
+
+from typing import Iterator, Optional, Set
+
+from vda5050_vehicle.protocol.fields import Malformed
+from vda5050_vehicle.protocol.values import Action, Order
+
+
+def check_order(order: Order) -> None:
+    """Raises Malformed at the first rule that the order breaks."""
+    for problem in _problems(order):
+        if problem is not None:
+            raise problem
+
+
+def _problems(order: Order) -> Iterator[Optional[Malformed]]:
+    yield _wrong_id(order.order_id)
+    yield _wrong_count(order)
+    yield _wrong_sequence(order)
+    yield _wrong_ends(order)
+    yield _wrong_release(order)
+    yield _repeated_action(order)
+
+
+def _wrong_id(order_id: str) -> Optional[Malformed]:
+    return None if order_id else Malformed('orderId', 'is empty')
+
+
+def _wrong_count(order: Order) -> Optional[Malformed]:
+    if not order.nodes:
+        return Malformed('nodes', 'is empty; one node is the least')
+    if len(order.edges) != len(order.nodes) - 1:
+        return Malformed('edges', f'has {len(order.edges)} elements, but {len(order.nodes)} nodes '
+                                  f'need {len(order.nodes) - 1}')
+    return None
+
+
+def _wrong_sequence(order: Order) -> Optional[Malformed]:
+    """Ids run over nodes and edges by turns, without gaps."""
+    first = order.nodes[0].sequence_id
+    for kind, elements, start in (('nodes', order.nodes, first), ('edges', order.edges, first + 1)):
+        for index, element in enumerate(elements):
+            if element.sequence_id != start + 2 * index:
+                return Malformed(f'{kind}[{index}].sequenceId', f'is {element.sequence_id}, but '
+                                                                f'must be {start + 2 * index}')
+    return None
+
+
+def _wrong_ends(order: Order) -> Optional[Malformed]:
+    for index, edge in enumerate(order.edges):
+        for key, is_id, node in (('startNodeId', edge.start_node_id, order.nodes[index]),
+                                 ('endNodeId', edge.end_node_id, order.nodes[index + 1])):
+            if is_id != node.node_id:
+                return Malformed(f'edges[{index}].{key}', f'is {is_id!r}, but the node there is '
+                                                          f'{node.node_id!r}')
+    return None
+
+
+def _wrong_release(order: Order) -> Optional[Malformed]:
+    """The base is the beginning of the order and ends with a node."""
+    if not order.nodes[0].released:
+        return Malformed('nodes[0].released', 'is false; an order begins with its base')
+    released = True
+    for index, (edge, node) in enumerate(zip(order.edges, order.nodes[1:])):
+        if edge.released and not released:
+            return Malformed(f'edges[{index}].released', 'is true after an element that is not')
+        if edge.released != node.released:
+            return Malformed(
+                f'edges[{index}].released', 'is true, but the node that the edge leads to is not '
+                'released' if edge.released else 'is false, but the node that the edge leads to is '
+                'released')
+        released = edge.released
+    return None
+
+
+def _repeated_action(order: Order) -> Optional[Malformed]:
+    seen: Set[str] = set()
+    for action in actions_of(order):
+        if action.action_id in seen:
+            return Malformed('actionId', f'{action.action_id!r} is used twice')
+        seen.add(action.action_id)
+    return None
+
+
+def actions_of(order: Order) -> Iterator[Action]:
+    """All actions of an order."""
+    for element in (*order.nodes, *order.edges):
+        yield from element.actions

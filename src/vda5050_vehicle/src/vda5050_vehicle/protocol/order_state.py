@@ -1,0 +1,98 @@
+"""An order as it is driven: what is left of it, its base and its horizon."""
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Set, Tuple
+
+from vda5050_vehicle.protocol.acceptance import Place
+from vda5050_vehicle.protocol.values import Edge, EdgeState, Node, NodeState, Order
+
+
+@dataclass(frozen=True)
+class OrderState:
+    """What the vehicle holds of an order, from the last node passed on.
+
+    nodes[0] is the last node that was passed; nodes[1:] and edges are still to be driven.
+    passed -- how many nodes of the order were passed before nodes[0]; so nodes[i] is number
+              passed + i of the order, and edges[i] leads from number passed + i
+    """
+
+    order_id: str = ''
+    order_update_id: int = 0
+    nodes: Tuple[Node, ...] = ()
+    edges: Tuple[Edge, ...] = ()
+    passed: int = 0
+    cancelled: bool = False
+
+    @staticmethod
+    def begin(order: Order) -> OrderState:
+        """A new order; the vehicle is at its first node."""
+        return OrderState(order.order_id, order.order_update_id, order.nodes, order.edges)
+
+    def extended(self, order: Order) -> OrderState:
+        """With an update's nodes and edges behind the base, in place of the horizon.
+
+        The node at which they join stays as it was first sent.
+        """
+        end = self.base_end
+        return replace(self, order_update_id=order.order_update_id,
+                       nodes=self.nodes[:end + 1] + order.nodes[1:],
+                       edges=self.edges[:end] + order.edges)
+
+    def with_passed(self, count: int) -> OrderState:
+        """After `count` more nodes were passed; they are released ones."""
+        if not 0 <= count <= self.base_end:
+            raise ValueError(f'{count} nodes cannot have been passed, the base has {self.base_end}')
+        return replace(self, nodes=self.nodes[count:], edges=self.edges[count:],
+                       passed=self.passed + count)
+
+    def emptied(self) -> OrderState:
+        """After its cancellation: the ids and the last node stay."""
+        return replace(self, nodes=self.nodes[:1], edges=(), cancelled=True)
+
+    @property
+    def base_end(self) -> int:
+        """Index of the last released node, the decision point."""
+        return sum(node.released for node in self.nodes) - 1 if self.nodes else 0
+
+    @property
+    def has_horizon(self) -> bool:
+        """Whether nodes are left that are not released."""
+        return self.base_end < len(self.nodes) - 1
+
+    @property
+    def is_driven(self) -> bool:
+        """Whether no nodes are left."""
+        return len(self.nodes) <= 1
+
+    @property
+    def last_node(self) -> Place:
+        """The last node passed."""
+        return _place(self.nodes[0]) if self.nodes else ('', 0)
+
+    @property
+    def decision_point(self) -> Place:
+        """Where an update must begin."""
+        return _place(self.nodes[self.base_end]) if self.nodes else ('', 0)
+
+    @property
+    def horizon_sequence_ids(self) -> Set[int]:
+        """Of the nodes and edges that an update replaces."""
+        return {element.sequence_id for element in (*self.nodes, *self.edges)
+                if not element.released}
+
+    @property
+    def node_states(self) -> Tuple[NodeState, ...]:
+        """The nodes still to be passed."""
+        return tuple(NodeState(node.node_id, node.sequence_id, node.released, node.position,
+                               node.description) for node in self.nodes[1:])
+
+    @property
+    def edge_states(self) -> Tuple[EdgeState, ...]:
+        """The edges still to be driven."""
+        return tuple(EdgeState(edge.edge_id, edge.sequence_id, edge.released, edge.description)
+                     for edge in self.edges)
+
+
+def _place(node: Node) -> Place:
+    return node.node_id, node.sequence_id

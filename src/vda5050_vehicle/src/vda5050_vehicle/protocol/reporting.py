@@ -1,0 +1,41 @@
+"""When a state is sent: at once when something changed that counts, else by the clock."""
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Optional
+
+from vda5050_vehicle.protocol.values import State
+
+DRIVING_PERIOD = 0.5  # s: a master that comes late sees nothing before
+IDLE_PERIOD = 5.0     # s; the standard's limit is 30 s
+EARLY = 0.05          # s: half a tick of whoever asks
+
+
+class Reporter:
+    """Remembers the last state sent."""
+
+    def __init__(self) -> None:
+        self._told: Optional[State] = None
+        self._sent = -IDLE_PERIOD
+        self._asked = True
+
+    def ask(self) -> None:
+        """Somebody wants a state whether or not it changed."""
+        self._asked = True
+
+    def is_due(self, state: State, now: float) -> bool:
+        """Whether to send this state; if so, it counts as sent."""
+        events = _events_of(state)
+        period = DRIVING_PERIOD if state.driving else IDLE_PERIOD
+        if not self._asked and events == self._told and now - self._sent < period - EARLY:
+            return False
+        self._asked = False
+        self._told = events
+        self._sent = now
+        return True
+
+
+def _events_of(state: State) -> State:
+    """The state without what changes all the time."""
+    return replace(state, position=None, velocity=None, distance_since_last_node=None,
+                   battery=replace(state.battery, charge=0.0, voltage=None))

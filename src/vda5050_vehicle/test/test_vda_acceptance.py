@@ -1,0 +1,66 @@
+"""Figure 8 of the standard, all of it: every answer to every question, and what comes of it."""
+from __future__ import annotations
+
+import itertools
+
+import pytest
+
+from vda5050_vehicle.protocol.acceptance import Acceptance, Held, Rejection, judge
+from vda5050_vehicle.protocol.values import Edge, Node, Order
+
+BASE_END, LAST = ('b', 4), ('a', 2)
+SAME, OTHER = 'held', 'another'
+
+
+def order(order_id, update, start):
+    node_id, sequence = start
+    return Order(order_id, update, (
+        Node(node_id, sequence, True), Node('z', sequence + 2, True)),
+        (Edge('e', sequence + 1, True, node_id, 'z'),))
+
+
+def expected(is_new, busy, near, update, start, cancelled):
+    """The figure, read off question by question."""
+    if is_new:
+        if busy:
+            return 'orderError'
+        return Acceptance.NEW if near else 'noRouteError'
+    if update < 5:
+        return 'orderUpdateError'
+    if update == 5:
+        return Acceptance.DUPLICATE
+    if cancelled:
+        return 'orderUpdateError'
+    if busy:
+        return Acceptance.APPEND if start == BASE_END else 'orderUpdateError'
+    return Acceptance.CONTINUE if start == LAST else 'orderUpdateError'
+
+
+TABLE = list(itertools.product(
+    (True, False), (True, False), (True, False), (4, 5, 6),
+    (BASE_END, LAST, ('b', 2), ('a', 4), ('c', 4)), (True, False)))
+
+
+@pytest.mark.parametrize('is_new, busy, near, update, start, cancelled', TABLE)
+def test_the_figure(is_new, busy, near, update, start, cancelled):
+    held = Held(SAME, 5, busy, cancelled, BASE_END, LAST)
+    verdict = judge(held, order(OTHER if is_new else SAME, update, start), near)
+    wanted = expected(is_new, busy, near, update, start, cancelled)
+    if isinstance(wanted, Acceptance):
+        assert verdict is wanted
+    else:
+        assert isinstance(verdict, Rejection)
+        assert verdict.error.error_type == wanted
+        assert verdict.error.level.value == 'WARNING'
+
+
+def test_a_vehicle_without_any_order_takes_a_new_one():
+    assert judge(Held(), order('first', 0, ('a', 0)), True) is Acceptance.NEW
+
+
+def test_a_rejection_refers_to_order_and_update():
+    verdict = judge(Held(SAME, 5), order(SAME, 4, LAST), True)
+    references = {reference.key: reference.value for reference in verdict.error.references}
+    assert references['orderId'] == SAME
+    assert references['orderUpdateId'] == '4'
+    assert references['topic'] == 'order'

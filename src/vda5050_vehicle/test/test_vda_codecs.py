@@ -1,0 +1,246 @@
+"""Messages on the wire: both ways, against the official schemas, and against hostile input."""
+from __future__ import annotations
+
+import json
+import math
+import os
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from jsonschema import Draft7Validator
+from vda_builders import IDENTITY, Lab, payload, say, table, vehicle_document, way
+
+from vda5050_vehicle.core import factsheet as sheet
+from vda5050_vehicle.protocol import codecs
+from vda5050_vehicle.protocol.codec_3 import CODECS, VERSION_3_0
+from vda5050_vehicle.protocol.codecs import ORDER, VERSION_2_0, VERSION_2_1
+from vda5050_vehicle.protocol.fields import MAX_MESSAGE, Malformed, read_json, write_json
+from vda5050_vehicle.protocol.headers import Headers, timestamp
+from vda5050_vehicle.protocol.values import (
+    AgvPosition,
+    BlockingType,
+    Connection,
+    ConnectionState,
+    EStop,
+    Velocity,
+    Visualization,
+)
+
+SCHEMAS = Path(__file__).parent / 'schemas'
+
+
+def validator(version: str, topic: str) -> Draft7Validator:
+    folder = SCHEMAS / version
+    if not folder.is_dir():
+        elsewhere = os.environ.get('VDA5050_SCHEMAS')
+        if not elsewhere or not (Path(elsewhere) / version).is_dir():
+            pytest.skip(f'VDA5050_SCHEMAS names no folder with schemas of {version}')
+        folder = Path(elsewhere) / version
+    file = next(folder.glob(f'{topic}.*'))
+    schema = json.loads(file.read_text(encoding='utf-8'))
+    Draft7Validator.check_schema(schema)
+    return Draft7Validator(schema)
+
+
+def busy_lab(codec) -> Lab:
+    """A vehicle with everything in its state: base, horizon, actions, errors, pose."""
+    lab = Lab(codec=codec)
+    lab.order({'orderId': 'broken'})
+    lab.order(way(8, 10, 12, 14, 32).order('o', base=3, actions={
+        '8': [say('at the start')], '12': [say('hard', 'HARD')], '14': [say('horizon')]}))
+    lab.act('noSuchAction')
+    return lab
+
+
+@pytest.mark.parametrize('version', sorted(CODECS))
+def test_what_the_vehicle_sends_is_valid(version):
+    codec = CODECS[version]
+    headers = Headers(version, 'OMRON', 'lab', lambda: 1e9)
+    lab = busy_lab(VERSION_2_1)
+    sent = {
+        'state': lab.vehicle.state(), 'connection': Connection(ConnectionState.ONLINE),
+        'visualization': Visualization(AgvPosition(1.0, 2.0, 0.5, 'map'), Velocity(1.0, 0.0, 0.1)),
+        'factsheet': sheet.factsheet(vehicle_document(), lab.vehicle.table)}
+    for topic, message in sent.items():
+        wire = json.loads(write_json(codec.write(topic, headers.make(topic), message)))
+        problems = [error.message for error in validator(version, topic).iter_errors(wire)]
+        assert not problems, f'{topic}: {problems}'
+
+
+def test_what_the_master_of_the_tests_sends_is_valid():
+    order = json.loads(payload(way(8, 10, 12).order('o', actions={'10': [say('a')]})))
+    assert validator('2.1.0', 'order').is_valid(order)
+
+
+def test_an_order_is_read_and_written_back():
+    sent = way(8, 10, 12).order('o', 3, base=2, actions={'10': [say('a', 'SOFT')]})
+    header, order = VERSION_2_1.read('order', payload(sent, 7))
+    assert header.header_id == 7
+    assert (order.order_id, order.order_update_id) == ('o', 3)
+    assert [node.released for node in order.nodes] == [True, True, False]
+    assert order.nodes[1].actions[0].blocking_type is BlockingType.SOFT
+    assert order.nodes[1].actions[0].arguments == {'text': 'hello'}
+    assert ORDER.write(order) == sent
+
+
+def test_2_0_spells_a_key_otherwise_and_is_understood():
+    sent = way(8, 10).order('o')
+    sent['nodes'][0]['nodePosition']['allowedDeviationXy'] = 1.5
+    _, order = VERSION_2_1.read('order', payload(sent))
+    assert order.nodes[0].position.allowed_deviation_xy == 1.5
+
+
+@pytest.mark.parametrize('key', ['actions', 'instantActions'])
+@pytest.mark.parametrize('type_key', ['actionType', 'actionName'])
+def test_instant_actions_come_under_the_keys_of_drafts_too(key, type_key):
+    sent = {key: [{type_key: 'stateRequest', 'actionId': 'a', 'blockingType': 'NONE'}]}
+    _, message = VERSION_2_1.read('instantActions', payload(sent))
+    assert message.actions[0].action_type == 'stateRequest'
+
+
+def test_2_0_0_knows_no_maps():
+    lab = Lab(codec=VERSION_2_0)
+    assert 'maps' not in lab.state
+    assert Lab().state['maps'] == [{'mapId': 'map', 'mapVersion': '1', 'mapStatus': 'ENABLED'}]
+
+
+@pytest.mark.parametrize('damage, path', [
+    (lambda o: o.pop('orderId'), 'orderId'),
+    (lambda o: o.update(orderUpdateId=-1), 'orderUpdateId'),
+    (lambda o: o.update(orderUpdateId=1.5), 'orderUpdateId'),
+    (lambda o: o.update(orderUpdateId=True), 'orderUpdateId'),
+    (lambda o: o.update(orderUpdateId=2 ** 32), 'orderUpdateId'),
+    (lambda o: o.update(nodes={}), 'nodes'),
+    (lambda o: o.update(nodes=[0] * 3000), 'nodes'),
+    (lambda o: o['nodes'][1].update(nodeId=5), 'nodes[1].nodeId'),
+    (lambda o: o['nodes'][1].update(nodeId='x' * 2000), 'nodes[1].nodeId'),
+    (lambda o: o['nodes'][1].update(nodeId='a\x07'), 'nodes[1].nodeId'),
+    (lambda o: o['nodes'][1].update(released='true'), 'nodes[1].released'),
+    (lambda o: o['nodes'][1]['nodePosition'].update(x=10 ** 400), 'nodes[1].nodePosition.x'),
+    (lambda o: o['nodes'][1]['nodePosition'].update(theta=4.0), 'nodes[1].nodePosition.theta'),
+    (lambda o: o['edges'][0].update(actions=[{'actionType': 'a', 'actionId': 'b',
+                                              'blockingType': 'hard'}]),
+     'edges[0].actions[0].blockingType'),
+    (lambda o: o.update(version='3.0.0'), 'version'),
+])
+def test_a_malformed_order_is_refused_with_the_place(damage, path):
+    message = json.loads(payload(way(8, 10, 12).order('o')))
+    damage(message)
+    with pytest.raises(Malformed) as caught:
+        VERSION_2_1.read('order', json.dumps(message).encode())
+    assert caught.value.path == path
+
+
+@pytest.mark.parametrize('text', [
+    b'', b'{', b'[]', b'null', b'"x"', b'\xff', b'{"a": NaN}', b'{"a": Infinity}',
+    b'[' * 100_000, b'{"a":' * 50_000, b'x' * (MAX_MESSAGE + 1)])
+def test_what_is_no_json_object_is_refused(text):
+    with pytest.raises(Malformed):
+        read_json(text)
+
+
+def test_a_parameter_nested_without_end_is_refused():
+    value = 'x'
+    for _ in range(50):
+        value = [value]
+    sent = {'actions': [{'actionType': 'say', 'actionId': 'a', 'blockingType': 'NONE',
+                         'actionParameters': [{'key': 'text', 'value': value}]}]}
+    with pytest.raises(Malformed, match='nested'):
+        VERSION_2_1.read('instantActions', payload(sent))
+
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(
+        st.sampled_from(['orderId', 'nodes', 'edges', 'actions', 'headerId', 'x', 'version',
+                         'nodePosition', 'sequenceId', 'released']), inner, max_size=6),
+    max_leaves=20)
+
+
+@given(JSON)
+def test_no_json_upsets_the_reader(value):
+    text = json.dumps(value).encode()
+    for topic in ('order', 'instantActions'):
+        try:
+            VERSION_2_1.read(topic, text)
+        except Malformed as problem:
+            assert str(problem)
+
+
+@given(st.binary(max_size=300))
+def test_no_bytes_upset_the_vehicle(noise):
+    lab = Lab()
+    lab.do(lab.vehicle.receive_order(noise, lab.now))
+    lab.do(lab.vehicle.receive_instant_actions(noise, lab.now))
+    assert lab.state['orderId'] == ''
+    assert 'validationError' in lab.errors
+
+
+def test_timestamps_never_go_back_and_ids_count_per_topic():
+    clock = iter([100.0, 101.0, 50.0, 50.0, 102.0])
+    headers = Headers('2.1.0', 'OMRON', 'lab', lambda: next(clock))
+    made = [headers.make(topic) for topic in ('state', 'state', 'state', 'connection', 'state')]
+    stamps = [header.timestamp for header in made]
+    assert stamps == sorted(set(stamps))
+    assert [header.header_id for header in made] == [0, 1, 2, 0, 3]
+
+
+def test_a_timestamp_is_utc_with_milliseconds():
+    assert timestamp(0.25) == '1970-01-01T00:00:00.250Z'
+
+
+def test_numbers_on_the_wire_are_finite():
+    with pytest.raises(ValueError):
+        write_json({'x': math.nan})
+
+
+def test_every_action_of_the_table_is_in_the_factsheet():
+    told = {found['actionType'] for found in sheet.factsheet(
+        vehicle_document(), Lab().vehicle.table)['protocolFeatures']['agvActions']}
+    assert told >= set(table().specs) | {'cancelOrder', 'startPause', 'stopPause', 'initPosition',
+                                         'stateRequest', 'factsheetRequest', 'logReport'}
+
+
+def order_of_3(**position):
+    sent = way(8, 10, 12).order('o')
+    sent['nodes'][0]['nodePosition'].update(position)
+    sent['edges'][0].update(maximumSpeed=0.3, reachOrientationBeforeEntering=True)
+    sent['nodes'][1]['actions'] = [say('a', 'SINGLE')]
+    return payload(sent).replace(b'"2.1.0"', b'"3.0.0"')
+
+
+def test_3_0_is_read_under_its_own_keys():
+    _, order = VERSION_3_0.read('order', order_of_3(
+        allowedDeviationXY={'a': 2.0, 'b': 0.5, 'theta': 1.0}))
+    assert order.nodes[0].position.allowed_deviation_xy == 0.5
+    assert (order.edges[0].max_speed, order.edges[0].rotation_allowed) == (0.3, False)
+    assert order.nodes[1].actions[0].blocking_type is BlockingType.HARD
+    with pytest.raises(Malformed, match='allowedDeviationXY'):
+        VERSION_3_0.read('order', order_of_3(allowedDeviationXY=0.5))
+
+
+def test_3_0_is_written_under_its_own_keys():
+    headers = Headers('3.0.0', 'OMRON', 'lab', lambda: 1e9)
+    lab = busy_lab(VERSION_2_1)
+    lab.see(e_stop=EStop.MANUAL)
+    lab.act('initPosition', x=0.0, y=0.0, theta=0.0, mapId='map')
+    wire = VERSION_3_0.write('state', headers.make('state'), lab.vehicle.state())
+    assert wire['powerSupply']['stateOfCharge'] == 80.0
+    assert wire['mobileRobotPosition']['localized'] is True
+    assert wire['safetyState']['activeEmergencyStop'] == 'MANUAL'
+    assert ('EMERGENCY_STOP', 'URGENT') in [
+        (error['errorType'], error['errorLevel']) for error in wire['errors']]
+    instant = [found['actionType'] for found in wire['instantActionStates']]
+    assert instant == ['noSuchAction', 'initializePosition']
+    assert {found['actionId'] for found in wire['actionStates']} == {'at the start', 'hard',
+                                                                     'horizon'}
+    assert VERSION_3_0.major == 'v3'
+
+
+def test_levels_of_2_x_are_two():
+    lab = busy_lab(VERSION_2_1)
+    assert {error['errorLevel'] for error in lab.state['errors']} <= {'WARNING', 'FATAL'}
+    assert codecs.VERSION_2_1.major == 'v2'
+    assert IDENTITY.map_id == 'map'

@@ -1,0 +1,200 @@
+"""What goes wrong on the way: the order stays, the error is told, and only a master drives on."""
+from __future__ import annotations
+
+import pytest
+from vda_builders import DRIVING, STANDING, Lab, say, way
+
+from vda5050_vehicle.drivers.driver import Pose
+from vda5050_vehicle.drivers.route_driver import PATIENCE
+from vda5050_vehicle.protocol.values import EStop
+
+HALL = way(8, 10, 12, 14, 32)
+
+
+def failed(reason: str = 'no progress for 30 s') -> Lab:
+    """A vehicle whose route failed after one edge."""
+    lab = Lab()
+    lab.order(HALL.order('o', base=4))
+    lab.drive(1)
+    lab.robot.reason = reason
+    lab.see(velocity=STANDING)
+    lab.wait(0.2)
+    return lab
+
+
+@pytest.mark.parametrize('reason', [
+    'emergency stop', 'lost link: outgoing: closed', 'taken over', 'no progress for 30 s'])
+def test_a_failed_route_holds_the_vehicle_and_keeps_its_order(reason):
+    lab = failed(reason)
+    error = lab.state['errors'][0]
+    assert (error['errorType'], error['errorLevel']) == ('driveError', 'FATAL')
+    assert error['errorDescription'] == reason
+    assert lab.nodes == ['12', '14', '32']
+    assert lab.state['paused']
+    routes = len(lab.robot.routes)
+    lab.wait(60.0)
+    assert len(lab.robot.routes) == routes, 'a motion was repeated by itself'
+
+
+def test_stop_pause_drives_on_from_the_edge_it_is_on():
+    lab = failed()
+    assert lab.status(lab.act('stopPause')) == 'FINISHED'
+    assert lab.errors == []
+    assert not lab.state['paused']
+    assert lab.robot.route == (2, 3)
+    assert lab.robot.routes[-1].route_id != lab.robot.routes[0].route_id
+    lab.drive(2)
+    assert lab.nodes == ['32']
+
+
+def test_an_update_extends_a_held_order_but_does_not_drive_it():
+    lab = failed()
+    routes = len(lab.robot.routes)
+    lab.order(HALL.part(3).order('o', 1, first_sequence=6))
+    lab.wait(5.0)
+    assert lab.state['orderUpdateId'] == 1
+    assert len(lab.robot.routes) == routes
+    lab.act('stopPause')
+    assert lab.robot.route == (2, 3, 4)
+
+
+def test_a_held_order_is_cancelled_and_another_one_drives():
+    lab = failed()
+    cancel = lab.act('cancelOrder')
+    assert lab.status(cancel) == 'FINISHED'
+    assert (lab.nodes, lab.errors) == ([], [])
+    lab.order(HALL.part(1).order('p', start_deviation=2.0))
+    assert lab.robot.route == (2, 3, 4)
+
+
+def test_an_emergency_stop_is_told_and_stop_pause_waits_for_its_release():
+    lab = failed('emergency stop')
+    lab.see(e_stop=EStop.MANUAL)
+    assert lab.state['safetyState']['eStop'] == 'MANUAL'
+    assert set(lab.errors) == {'driveError', 'emergencyStop'}
+    routes = len(lab.robot.routes)
+    assert lab.status(lab.act('stopPause')) == 'FAILED'
+    lab.see(e_stop=EStop.NONE)
+    lab.wait(5.0)
+    assert len(lab.robot.routes) == routes, 'the release of the stop is no order to drive'
+    assert lab.status(lab.act('stopPause')) == 'FINISHED'
+    assert lab.robot.route == (2, 3)
+
+
+def test_a_robot_that_is_lost_has_no_pose_and_is_said_to_be():
+    lab = Lab()
+    lab.see(pose=None, velocity=None, lost='nothing was heard for 3 s')
+    assert 'agvPosition' not in lab.state
+    assert 'velocity' not in lab.state
+    error = lab.state['errors'][0]
+    assert (error['errorType'], error['errorLevel']) == ('vehicleConnectionError', 'FATAL')
+    lab.order(HALL.order('o'))
+    assert 'noRouteError' in lab.errors, 'nobody knows where an order would begin'
+    lab.see(pose=Pose(-12.0, 0.0, 0.0), velocity=STANDING, lost='')
+    assert lab.errors == ['noRouteError']
+
+
+def test_a_robot_that_does_not_know_where_it_is():
+    lab = Lab()
+    lab.see(localized=False)
+    assert lab.errors == ['localizationError']
+    assert lab.state['agvPosition']['positionInitialized'] is False
+
+
+def test_a_route_that_nobody_answers_is_repeated_unchanged_and_then_given_up():
+    lab = Lab()
+    lab.robot.answers = False
+    lab.order(HALL.order('o'))
+    lab.wait(PATIENCE + 2.0)
+    driven = [command for command in lab.robot.routes if command.edges]
+    assert len(set(driven)) == 1
+    assert len(driven) >= 5
+    assert lab.errors == ['driveError']
+    assert lab.robot.routes[-1].edges == (), 'should it be taken up late, it is stopped'
+
+
+def test_a_refused_route_holds_the_vehicle():
+    lab = Lab()
+    lab.robot.answers = False
+    lab.order(HALL.order('o'))
+    lab.driver.on_refused(lab.robot.routes[-1].route_id, (1, 2, 3, 4), 'off the graph', lab.now)
+    lab.wait(0.1)
+    assert lab.state['errors'][0]['errorDescription'] == 'off the graph'
+    assert lab.nodes == ['10', '12', '14', '32']
+
+
+def test_a_refused_extension_is_tried_once_as_a_route_of_its_own():
+    lab = Lab()
+    lab.order(HALL.order('o', base=2))
+    lab.drive(1)
+    route_id = lab.robot.route_id
+    lab.robot.answers = False
+    lab.order(HALL.part(1).order('o', 1, first_sequence=2))
+    lab.driver.on_refused(route_id, (1, 2, 3, 4), 'not at its end', lab.now)
+    lab.robot.answers = True
+    lab.wait(0.1)
+    assert lab.robot.route == (2, 3, 4)
+    assert lab.robot.route_id != route_id
+    lab.drive(3)
+    assert lab.nodes == []
+
+
+def test_an_extension_that_is_refused_twice_stops_the_vehicle():
+    lab = Lab()
+    lab.order(HALL.order('o', base=2))
+    lab.drive(1)
+    route_id = lab.robot.route_id
+    lab.robot.answers = False
+    lab.order(HALL.part(1).order('o', 1, first_sequence=2))
+    lab.driver.on_refused(route_id, (1, 2, 3, 4), 'no', lab.now)
+    lab.driver.on_report(lab.robot.report(), lab.now)
+    anew = lab.driver.take_commands()[-1]
+    assert anew.edges == (2, 3, 4)
+    lab.driver.on_refused(anew.route_id, anew.edges, 'no, I say', lab.now)
+    lab.wait(0.1)
+    assert lab.errors == ['driveError']
+
+
+def test_another_route_on_the_robot_holds_the_vehicle():
+    lab = Lab()
+    lab.order(HALL.order('o'))
+    lab.drive(1)
+    lab.robot.route_id = 4711
+    lab.wait(0.1)
+    assert lab.state['errors'][0]['errorDescription'] == 'the robot drives another route'
+
+
+def test_after_the_order_others_may_use_the_robot():
+    lab = Lab()
+    lab.order(way(8, 10).order('o'))
+    lab.drive(1)
+    lab.robot.route_id = 4711
+    lab.wait(5.0)
+    assert lab.errors == []
+
+
+def test_a_vertex_passed_while_the_robot_stops_counts_as_passed():
+    lab = Lab()
+    lab.order(HALL.order('o'))
+    lab.drive(1)
+    lab.see(velocity=DRIVING)
+    lab.robot.percentage = 95.0
+    lab.wait(0.1)
+    lab.act('startPause')
+    lab.driver.on_report(lab.robot.report().__class__(lab.robot.route_id, (), 3, 2.0), lab.now)
+    lab.settle()
+    assert lab.state['lastNodeId'] == '12'
+    lab.act('stopPause')
+    assert lab.robot.route == (3, 4)
+
+
+def test_a_pause_during_an_action_lets_it_end_but_starts_no_other():
+    lab = Lab()
+    lab.order(HALL.order('o', actions={'8': [say('a', 'HARD'), say('b', 'HARD')]}))
+    lab.act('startPause')
+    lab.end_action('a')
+    assert lab.status('b') == 'WAITING'
+    lab.act('stopPause')
+    assert lab.status('b') == 'RUNNING'
+    lab.end_action('b')
+    assert lab.robot.route == (1, 2, 3, 4)

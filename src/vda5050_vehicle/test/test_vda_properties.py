@@ -1,0 +1,224 @@
+"""Random masters, random robots, random losses: what must hold whatever happens.
+
+The vehicle of the laboratory gets orders, updates, cancels, pauses, duplicates, messages out of
+order and messages lost, its robot drives, fails, is stopped, and the adapter is killed. Every state
+that it sends is looked at by the strict checker (`Lab.do`), and in the end:
+
+* nothing that was not released was ever in a route;
+* a rejected order changes nothing but the errors;
+* every action is started once at most, and at its node where the vehicle must stand for it.
+"""
+from __future__ import annotations
+
+import json
+import os
+from collections import Counter
+
+from hypothesis import settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
+from vda_builders import DRIVING, STANDING, Lab, lab, say, way
+
+from vda5050_vehicle.protocol.action_queue import Scope
+from vda5050_vehicle.protocol.values import EStop
+
+VERTICES = sorted(lab().vertices)
+BLOCKING = st.sampled_from(['NONE', 'SOFT', 'HARD'])
+
+
+class RandomMaster(RuleBasedStateMachine):
+    """One run."""
+
+    def __init__(self):
+        super().__init__()
+        self.released = set()      # (order id, sequence id of the edge, signed edge)
+        self.sent = []             # orders
+        self.started = Counter()
+        self.actions = 0
+
+    @initialize()
+    def begin(self):
+        self.lab = Lab(at=8)
+
+    # --- the master -------------------------------------------------------------------------------
+
+    def act_on(self, track, data):
+        """Actions on some of the nodes and edges."""
+        found = {}
+        nodes = [stop.node_id for stop in track.stops]
+        for name in [*nodes, *(edge for edge in track.edges if edge not in nodes)]:
+            if name not in found and data.draw(st.integers(0, 2)) == 0:
+                self.actions += 1
+                found[name] = [say(f'a{self.actions}', data.draw(BLOCKING))]
+        return found
+
+    def send(self, order):
+        """Sends an order, and looks at what becomes of it."""
+        self.sent.append(order)
+        before = self.lab.record
+        self.lab.order(order)
+        taken = (self.lab.state['orderId'], self.lab.state['orderUpdateId']) == (
+            order['orderId'], order['orderUpdateId']) and self.lab.record != before
+        if taken:
+            for edge in order['edges']:
+                if edge['released']:
+                    self.released.add((order['orderId'], edge['sequenceId'], int(edge['edgeId'])))
+        else:
+            unchanged = {key: value for key, value in self.lab.record.items() if key != 'driver'}
+            assert unchanged == {key: before[key] for key in unchanged}
+
+    def here(self):
+        """The node at which the master believes the vehicle, or it will be."""
+        return int(self.lab.vehicle.order.last_node[0] or 8)
+
+    @rule(data=st.data(), number=st.integers(0, 3))
+    def new_order(self, data, number):
+        goal = data.draw(st.sampled_from([v for v in VERTICES if v != self.here()]))
+        track = way(self.here(), goal)
+        track = track.part(0, min(len(track.stops) - 1, data.draw(st.integers(1, 5))))
+        base = data.draw(st.integers(1, len(track.stops)))
+        self.send(track.order(f'order {number}', 0, base,
+                              start_deviation=data.draw(st.sampled_from([0.0, 30.0])),
+                              actions=self.act_on(track, data)))
+
+    @rule(data=st.data(), ahead=st.integers(-1, 2), shift=st.sampled_from([0, 0, 0, 2]))
+    def update(self, data, ahead, shift):
+        order = self.lab.vehicle.order
+        if not order.order_id:
+            return
+        node, sequence = order.decision_point
+        goal = data.draw(st.sampled_from([v for v in VERTICES if str(v) != node]))
+        track = way(int(node), goal)
+        track = track.part(0, min(len(track.stops) - 1, data.draw(st.integers(1, 4))))
+        base = data.draw(st.integers(1, len(track.stops)))
+        update = max(order.order_update_id + ahead, 0)
+        self.send(track.order(order.order_id, update, base, first_sequence=sequence + shift,
+                              actions=self.act_on(track, data)))
+
+    @precondition(lambda self: self.sent)
+    @rule(data=st.data())
+    def an_old_message_comes_again(self, data):
+        self.send(data.draw(st.sampled_from(self.sent)))
+
+    @rule(kind=st.sampled_from(['cancelOrder', 'startPause', 'stopPause', 'stateRequest']))
+    def instant(self, kind):
+        self.actions += 1
+        self.lab.act(kind, f'i{self.actions}')
+
+    @rule(blocking=BLOCKING)
+    def instant_say(self, blocking):
+        self.actions += 1
+        self.lab.act('say', f'i{self.actions}', blocking, text='hello')
+
+    @rule(noise=st.binary(max_size=20))
+    def noise(self, noise):
+        self.lab.do(self.lab.vehicle.receive_order(noise, self.lab.now))
+
+    @rule(data=st.data())
+    def a_master_that_sets_things_right(self, data):
+        """And sends an order that can be driven."""
+        self.emergency_stop(False)
+        self.lose(False)
+        self.instant('stopPause')
+        if self.lab.vehicle.busy:
+            self.instant('cancelOrder')
+            self.wait(1.5)
+            self.finish_actions()
+        goal = data.draw(st.sampled_from([v for v in VERTICES if v != self.here()]))
+        track = way(self.here(), goal)
+        self.actions += 1
+        self.send(track.order(f'mission {self.actions}', start_deviation=30.0,
+                              actions=self.act_on(track, data)))
+
+    @rule()
+    def drive_and_act_to_the_end(self):
+        for _ in range(20):
+            self.wait(0.1)
+            if self.lab.robot.drives:
+                self.lab.drive(1)
+                self.the_vehicle_stands_where_an_action_needs_it()
+            else:
+                self.finish_actions()
+
+    def finish_actions(self):
+        for entry in self.lab.vehicle.actions.entries:
+            if entry.is_active and entry.action.action_type == 'say':
+                self.lab.end_action(entry.action.action_id)
+
+    # --- the robot --------------------------------------------------------------------------------
+
+    @precondition(lambda self: self.lab.robot.drives)
+    @rule(edges=st.integers(1, 5))
+    def drive(self, edges):
+        left = len(self.lab.robot.route) - self.lab.robot.done
+        self.lab.drive(min(edges, left))
+
+    @precondition(lambda self: self.lab.robot.drives)
+    @rule()
+    def fail(self):
+        self.lab.robot.reason = 'no progress'
+        self.lab.see(velocity=STANDING)
+        self.lab.wait(0.1)
+
+    @rule(seconds=st.sampled_from([0.1, 1.5, 6.0]))
+    def wait(self, seconds):
+        self.lab.see(velocity=DRIVING if self.lab.robot.drives else STANDING)
+        self.lab.wait(seconds)
+
+    @rule(pressed=st.booleans())
+    def emergency_stop(self, pressed):
+        self.lab.see(e_stop=EStop.MANUAL if pressed else EStop.NONE)
+
+    @rule(lost=st.booleans())
+    def lose(self, lost):
+        self.lab.robot.answers = not lost
+
+    @precondition(lambda self: self.lab.vehicle.actions.triggered)
+    @rule(data=st.data(), succeeded=st.booleans())
+    def an_action_ends(self, data, succeeded):
+        running = [entry.action.action_id for entry in self.lab.vehicle.actions.entries
+                   if entry.is_active and entry.action.action_type == 'say']
+        if running:
+            self.lab.end_action(data.draw(st.sampled_from(running)), succeeded)
+
+    @rule()
+    def the_adapter_is_killed(self):
+        if self.lab.record:
+            self.started.update(self.lab.started)
+            self.lab = self.lab.restarted()
+
+    # --- what must hold ---------------------------------------------------------------------------
+
+    @invariant()
+    def nothing_unreleased_is_driven(self):
+        if not hasattr(self, 'lab'):
+            return
+        allowed = {edge for _, _, edge in self.released}
+        for command in self.lab.robot.routes:
+            assert set(command.edges) <= allowed, (command, allowed)
+
+    @invariant()
+    def the_state_is_the_journal(self):
+        if hasattr(self, 'lab') and self.lab.record:
+            assert json.loads(json.dumps(self.lab.record)) == self.lab.record
+
+    @invariant()
+    def the_vehicle_stands_where_an_action_needs_it(self):
+        if not hasattr(self, 'lab'):
+            return
+        vehicle = self.lab.vehicle
+        for entry in vehicle.actions.entries:
+            if entry.is_active and entry.forbids_driving and entry.scope is Scope.NODE:
+                assert entry.sequence_id == vehicle.order.last_node[1], entry
+
+    @invariant()
+    def every_action_is_started_once(self):
+        if hasattr(self, 'lab'):
+            once = self.started + Counter(self.lab.started)
+            assert not [name for name, count in once.items() if count > 1], once
+
+
+RandomMaster.TestCase.settings = settings(
+    max_examples=2000 if os.environ.get('LD90_LONG_TESTS') else 30, stateful_step_count=25,
+    deadline=None)
+TestRandomMaster = RandomMaster.TestCase

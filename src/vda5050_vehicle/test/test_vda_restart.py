@@ -1,0 +1,162 @@
+"""The adapter is killed and comes back: the order is there, nothing is done twice."""
+from __future__ import annotations
+
+import pytest
+from vda_builders import STANDING, Lab, abilities, say, table, way
+from vda_builders import lab as laboratory
+
+from vda5050_vehicle.core.journal import WrongRecord
+from vda5050_vehicle.core.vehicle import Identity, Vehicle
+from vda5050_vehicle.drivers.order_graph import Matching
+from vda5050_vehicle.drivers.route_driver import RESTART_PATIENCE, RouteDriver
+from vda5050_vehicle.protocol.codecs import VERSION_2_1
+
+HALL = way(8, 10, 12, 14, 32)
+
+
+def test_the_order_goes_on_where_the_robot_drives_its_route():
+    lab = Lab()
+    lab.order(HALL.order('o', base=4, actions={'14': [say('later', 'HARD')]}))
+    lab.drive(1)
+    routes = list(lab.robot.routes)
+    lab = lab.restarted()
+    assert lab.nodes == ['12', '14', '32']
+    assert lab.robot.routes == routes, 'nothing is sent before the robot was heard'
+    lab.drive(2)
+    assert lab.status('later') == 'RUNNING'
+    lab.end_action('later')
+    lab.order(HALL.part(3).order('o', 1, first_sequence=6))
+    lab.drive(1)
+    assert lab.nodes == []
+    assert lab.errors == []
+
+
+def test_nodes_that_were_passed_meanwhile_are_passed_and_their_actions_not_made_up_for():
+    lab = Lab()
+    lab.order(HALL.order('o', actions={'12': [say('missed')], '14': [say('there')]}))
+    lab.robot.done = 3
+    lab = lab.restarted()
+    lab.wait(0.1)
+    assert lab.nodes == ['32']
+    assert (lab.status('missed'), lab.status('there')) == ('FAILED', 'RUNNING')
+
+
+def test_started_actions_have_failed_and_are_never_run_again():
+    lab = Lab()
+    lab.order(HALL.order('o', actions={'8': [say('a', 'HARD')], '10': [say('b', 'HARD')]}))
+    lab.act('say', 'instant', text='hello')
+    lab = lab.restarted()
+    lab.wait(1.0)
+    assert (lab.status('a'), lab.status('b'), lab.status('instant')) == (
+        'FAILED', 'WAITING', 'FAILED')
+    assert lab.started == []
+    assert lab.state['paused'], 'the robot was to stand for it: a master decides'
+    lab.act('stopPause')
+    assert lab.robot.route == (1,)
+
+
+def test_an_extension_that_was_not_sent_any_more_is_sent():
+    lab = Lab()
+    lab.order(HALL.order('o', base=2))
+    lab.robot.answers = False
+    sent = lab.robot.routes.copy()
+    lab.order(HALL.part(1).order('o', 1, first_sequence=2))
+    lab.record['driver']['route']['edges'] = [1]  # killed between the journal and the robot
+    lab.robot.routes = sent
+    lab.robot.answers = True
+    lab = lab.restarted()
+    lab.wait(0.1)
+    assert lab.robot.route == (1, 2, 3, 4)
+    assert lab.errors == []
+
+
+def test_a_robot_that_forgot_the_route_is_not_sent_on_by_itself():
+    lab = Lab()
+    lab.order(HALL.order('o'))
+    lab.drive(1)
+    routes = list(lab.robot.routes)
+    lab.robot.route_id, lab.robot.route, lab.robot.done = 0, (), 0
+    lab = lab.restarted()
+    lab.wait(30.0)
+    assert lab.robot.routes == routes
+    assert lab.errors == ['driveError']
+    assert lab.nodes == ['12', '14', '32']
+    lab.act('stopPause')
+    assert lab.robot.route == (2, 3, 4)
+
+
+def test_a_robot_that_stays_silent_is_given_up():
+    lab = Lab()
+    lab.order(HALL.order('o'))
+    lab.robot.answers = False
+    lab = lab.restarted()
+    lab.wait(RESTART_PATIENCE + 1.0)
+    assert lab.errors == ['driveError']
+
+
+def test_another_order_right_after_a_restart_is_driven():
+    lab = Lab()
+    lab.order(way(8, 10).order('o'))
+    lab.drive(1)
+    lab.robot.answers = False
+    lab = lab.restarted()
+    lab.order(way(10, 12).order('p'))
+    lab.robot.answers = True
+    lab.wait(1.5)
+    assert lab.robot.route == (2,)
+    lab.drive(1)
+    assert lab.state['lastNodeId'] == '12'
+
+
+def test_a_failure_is_not_forgotten():
+    lab = Lab()
+    lab.order(HALL.order('o'))
+    lab.robot.reason = 'emergency stop'
+    lab.wait(0.1)
+    lab = lab.restarted()
+    lab.wait(5.0)
+    assert lab.errors == ['driveError']
+    assert lab.state['errors'][0]['errorDescription'] == 'emergency stop'
+    assert lab.state['paused']
+
+
+def test_a_stop_that_was_owed_is_given():
+    lab = Lab()
+    lab.order(HALL.order('o'))
+    lab.robot.answers = False
+    lab.act('startPause')
+    lab.robot.routes.clear()
+    lab = lab.restarted()
+    lab.wait(0.1)
+    assert [command.edges for command in lab.robot.routes] == [()]
+    lab.robot.answers = True
+    lab.wait(5.0)
+    lab.see(velocity=STANDING)
+    assert lab.state['paused']
+    assert lab.nodes == ['10', '12', '14', '32']
+
+
+def test_a_cancelled_order_stays_cancelled():
+    lab = Lab()
+    lab.order(HALL.order('o'))
+    lab.act('cancelOrder')
+    lab.settle()
+    lab = lab.restarted()
+    lab.order(HALL.order('o', 1))
+    assert lab.errors == ['orderUpdateError']
+
+
+@pytest.mark.parametrize('damage', [
+    lambda record: record.pop('order'), lambda record: record.update(version=0),
+    lambda record: record['order'].update(nodes=5), lambda record: record.update(driver={}),
+    lambda record: record['order']['nodes'][0].pop('nodeId'),
+    lambda record: record['legs'][0].update(colour='red')])
+def test_a_journal_that_makes_no_sense_is_refused(damage):
+    lab = Lab()
+    lab.order(HALL.order('o'))
+    record = lab.record
+    damage(record)
+    vehicle = Vehicle(Identity('OMRON', 'lab'), VERSION_2_1, table(),
+                      RouteDriver(laboratory(), abilities(), Matching()), abilities())
+    with pytest.raises(WrongRecord):
+        vehicle.restore(record, 0.0)

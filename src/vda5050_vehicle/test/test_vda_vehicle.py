@@ -1,0 +1,475 @@
+"""Orders from their acceptance to their end: base, horizon, updates, actions, pause, cancel."""
+from __future__ import annotations
+
+import math
+
+import pytest
+from vda_builders import DRIVING, STANDING, Lab, abilities, action, payload, say, way
+
+from vda5050_vehicle.core import effects as fx
+from vda5050_vehicle.drivers.driver import Pose
+from vda5050_vehicle.protocol.values import EStop
+
+HALL = way(8, 10, 12, 14, 32)
+
+
+def test_an_idle_vehicle_tells_the_node_on_which_it_stands():
+    lab = Lab(at=12)
+    assert (lab.state['orderId'], lab.state['lastNodeId']) == ('', '12')
+    assert lab.state['agvPosition']['x'] == pytest.approx(-1.5, abs=10.0)
+
+
+def test_the_base_is_driven_as_one_route_and_the_first_node_is_passed():
+    lab = Lab()
+    lab.order(HALL.order('o', base=3))
+    assert lab.nodes == ['10', '12', '14', '32']
+    assert lab.state['lastNodeId'] == '8'
+    assert [command.edges for command in lab.robot.routes] == [(1, 2)]
+
+
+def test_the_journal_is_written_before_the_robot_is_sent():
+    lab = Lab()
+    lab.order(HALL.order('o'))
+    kinds = [type(effect) for effect in lab.effects[-3:]]
+    assert kinds == [fx.Keep, fx.Command, fx.SendState]
+
+
+def test_an_update_extends_the_route_under_its_id_at_once():
+    lab = Lab()
+    lab.order(HALL.order('o', base=3))
+    lab.drive(1)
+    lab.order(HALL.part(2).order('o', 1, first_sequence=4))
+    assert [command.edges for command in lab.robot.routes] == [(1, 2), (1, 2, 3, 4)]
+    assert len({command.route_id for command in lab.robot.routes}) == 1
+    assert lab.state['orderUpdateId'] == 1
+    lab.drive(3)
+    assert lab.nodes == []
+    assert (lab.state['lastNodeId'], lab.state['lastNodeSequenceId']) == ('32', 8)
+
+
+def test_the_horizon_is_replaced_and_never_driven():
+    lab = Lab()
+    lab.order(HALL.order('o', base=2))
+    lab.drive(1)
+    lab.wait(5.0)
+    assert lab.nodes == ['12', '14', '32']
+    assert lab.robot.route == (1,)
+    lab.order(way(10, 22).order('o', 1, first_sequence=2))
+    assert lab.nodes == ['22']
+    lab.drive(1)
+    assert lab.state['lastNodeId'] == '22'
+
+
+def test_a_completed_order_is_continued_where_it_ended():
+    lab = Lab()
+    lab.order(way(8, 10).order('o'))
+    lab.drive(1)
+    lab.order(way(10, 12).order('o', 1, first_sequence=2))
+    lab.drive(1)
+    assert (lab.state['lastNodeId'], lab.state['lastNodeSequenceId']) == ('12', 4)
+
+
+def test_another_order_follows_a_completed_one():
+    lab = Lab()
+    lab.order(way(8, 10).order('o'))
+    lab.drive(1)
+    lab.order(way(10, 12).order('p'))
+    lab.drive(1)
+    assert (lab.state['orderId'], lab.state['lastNodeId']) == ('p', '12')
+
+
+def test_a_single_node_order_is_its_actions():
+    lab = Lab()
+    lab.order(HALL.part(0, 0).order('o', actions={'8': [say('a', 'HARD')]}))
+    assert lab.started == ['a']
+    assert lab.status('a') == 'RUNNING'
+    lab.end_action('a')
+    assert lab.status('a') == 'FINISHED'
+    assert not lab.robot.routes
+    lab.order(way(8, 10).order('p'))
+    assert lab.state['orderId'] == 'p'
+
+
+def test_a_new_base_is_asked_for_ten_metres_before_the_old_one_ends():
+    lab = Lab()
+    track = way(8, 35)
+    lab.order(track.order('o', base=len(track.stops) - 1))
+    asked = []
+    while lab.robot.drives:
+        lab.drive(1)
+        ahead = sum(leg.length for leg in lab.vehicle.legs[:lab.vehicle.order.base_end])
+        asked.append((ahead < 10.0, lab.state['newBaseRequest']))
+    assert all(wanted == told for wanted, told in asked), asked
+    assert {told for _, told in asked} == {True, False}
+
+
+@pytest.mark.parametrize('order, error, field', [
+    (way(8, 10).order('p'), 'orderError', None),
+    (HALL.order('o', 0), None, None)])
+def test_while_an_order_is_under_way(order, error, field):
+    lab = Lab()
+    lab.order(HALL.order('o', base=3))
+    before = lab.record
+    lab.order(order)
+    assert lab.errors == ([error] if error else [])
+    assert lab.record == before
+
+
+def test_rejections_stay_until_an_order_is_taken():
+    lab = Lab()
+    lab.order(way(10, 12).order('far'))
+    lab.wait(10.0)
+    assert lab.errors == ['noRouteError']
+    lab.order(HALL.order('o'))
+    assert lab.errors == []
+
+
+# --- fields that cannot be honoured ---------------------------------------------------------------
+
+def order_with(element, **fields):
+    order = HALL.order('o')
+    kind, index = element
+    target = order[kind][index]
+    (target['nodePosition'] if kind == 'nodes' else target).update(fields)
+    return order
+
+
+@pytest.mark.parametrize('order, field', [
+    (order_with(('edges', 1), trajectory={'degree': 1, 'knotVector': [], 'controlPoints': []}),
+     'edges[1].trajectory'),
+    (order_with(('edges', 0), maxSpeed=0.3), 'edges[0].maxSpeed'),
+    (order_with(('edges', 0), maxHeight=0.2), 'edges[0].maxHeight'),
+    (order_with(('edges', 0), orientation=1.0), 'edges[0].orientation'),
+    (order_with(('edges', 0), rotationAllowed=False), 'edges[0].rotationAllowed'),
+    (order_with(('edges', 0), corridor={'leftWidth': 0.1, 'rightWidth': 1.0}), 'edges[0].corridor'),
+    (order_with(('edges', 0), direction='left'), 'edges[0].direction'),
+    (order_with(('nodes', 2), theta=1.0), 'nodes[2].nodePosition.theta'),
+    (order_with(('nodes', 2), mapId='hall 2'), 'nodes[2].nodePosition.mapId'),
+    ({**HALL.order('o'), 'zoneSetId': 'z'}, 'zoneSetId')])
+def test_what_cannot_be_honoured_is_refused_by_name(order, field):
+    lab = Lab()
+    lab.order(order)
+    assert lab.errors == ['orderError']
+    references = {r['referenceKey']: r['referenceValue']
+                  for r in lab.state['errors'][0]['errorReferences']}
+    assert references['field'] == field
+    assert lab.state['orderId'] == ''
+    key = field.rsplit('.', 1)[-1]
+    tolerant = Lab(abilities_=abilities(key))
+    tolerant.driver._abilities = abilities(key)
+    tolerant.order(order)
+    assert tolerant.state['orderId'] == 'o', f'{key} was to be ignored'
+
+
+@pytest.mark.parametrize('order', [
+    order_with(('edges', 0), maxSpeed=2.0), order_with(('edges', 0), length=3.0),
+    order_with(('edges', 0), orientation=0.0), order_with(('edges', 0), rotationAllowed=True),
+    order_with(('edges', 0), corridor={'leftWidth': 1.0, 'rightWidth': 0.5}),
+    order_with(('nodes', 0), theta=1.0),
+    order_with(('nodes', 2), theta=1.0, allowedDeviationTheta=math.pi)])
+def test_what_is_done_anyway_is_honoured(order):
+    lab = Lab()
+    lab.order(order)
+    assert lab.state['orderId'] == 'o', lab.state['errors']
+
+
+# --- which places are meant -----------------------------------------------------------------------
+
+def test_nodes_of_other_names_are_matched_by_their_place():
+    order = HALL.order('o')
+    for index, node in enumerate(order['nodes']):
+        node['nodeId'] = f'P{index}'
+        node['nodePosition']['x'] += 0.2
+    for index, edge in enumerate(order['edges']):
+        edge.update(edgeId=f'E{index}', startNodeId=f'P{index}', endNodeId=f'P{index + 1}')
+    lab = Lab()
+    lab.order(order)
+    assert lab.robot.route == (1, 2, 3, 4)
+    assert lab.nodes == ['P1', 'P2', 'P3', 'P4']
+
+
+@pytest.mark.parametrize('change, error', [
+    (lambda o: o['nodes'][2]['nodePosition'].update(x=50.0), 'orderError'),
+    (lambda o: (o['nodes'][2].update(nodeId='nowhere'), o['nodes'][2].pop('nodePosition'),
+                o['edges'][1].update(endNodeId='nowhere'),
+                o['edges'][2].update(startNodeId='nowhere')), 'noRouteError')])
+def test_places_that_there_are_not_are_refused(change, error):
+    order = HALL.order('o')
+    change(order)
+    lab = Lab()
+    lab.order(order)
+    assert lab.errors == [error]
+    assert not lab.robot.routes
+
+
+def test_vertices_that_no_edge_joins_are_refused():
+    order = HALL.order('o')
+    order['nodes'] = [order['nodes'][0], {**order['nodes'][3], 'sequenceId': 2}]
+    order['edges'] = [{**order['edges'][0], 'endNodeId': '14'}]
+    lab = Lab()
+    lab.order(order)
+    assert lab.errors == ['noRouteError']
+
+
+def test_an_order_may_begin_in_the_middle_of_an_edge():
+    """After a cancellation: at a node of its own, where the robot stands."""
+    lab = Lab()
+    lab.see(pose=Pose(-10.5, 0.0, 0.0))
+    order = HALL.order('o')
+    order['nodes'][0]['nodeId'] = 'here'
+    order['nodes'][0]['nodePosition'].update(x=-10.5, y=0.0)
+    order['edges'][0]['startNodeId'] = 'here'
+    lab.order(order)
+    assert lab.robot.route == (1, 2, 3, 4), lab.errors
+
+
+def test_a_large_deviation_of_the_first_node_lets_an_order_begin_afar():
+    lab = Lab()
+    lab.see(pose=Pose(-10.5, 0.0, 0.0))
+    lab.order(HALL.order('o'))
+    assert lab.errors == ['noRouteError']
+    lab.order(HALL.order('p', start_deviation=3.0))
+    assert lab.state['orderId'] == 'p'
+
+
+# --- actions of nodes and edges -------------------------------------------------------------------
+
+def test_the_vehicle_stops_for_an_action_that_needs_it_and_then_drives_on():
+    lab = Lab()
+    lab.order(HALL.order('o', actions={'12': [say('a', 'HARD')]}))
+    assert lab.robot.route == (1, 2)
+    lab.drive(2)
+    assert lab.status('a') == 'RUNNING'
+    lab.end_action('a', text='spoken')
+    assert lab.robot.route == (1, 2, 3, 4)
+    assert lab.robot.routes[-1].route_id == lab.robot.routes[0].route_id
+
+
+def test_an_action_beside_driving_does_not_stop_the_vehicle():
+    lab = Lab()
+    lab.order(HALL.order('o', actions={'12': [say('a')]}))
+    assert lab.robot.route == (1, 2, 3, 4)
+    lab.drive(2)
+    assert lab.status('a') == 'RUNNING'
+
+
+def test_the_action_of_an_edge_runs_while_the_edge_is_driven():
+    lab = Lab()
+    lab.order(HALL.order('o', actions={'2': [say('a')]}))
+    assert lab.status('a') == 'WAITING'
+    lab.drive(1)
+    assert lab.status('a') == 'RUNNING'
+    lab.drive(1)
+    assert lab.status('a') == 'FINISHED'
+    assert lab.cancelled == ['a']
+
+
+def test_actions_of_the_horizon_wait_and_go_with_it():
+    lab = Lab()
+    lab.order(HALL.order('o', base=2, actions={'12': [say('a')]}))
+    assert lab.status('a') == 'WAITING'
+    lab.order(way(10, 22).order('o', 1, first_sequence=2))
+    assert lab.status('a') is None
+
+
+def test_the_node_at_which_an_update_joins_keeps_its_actions():
+    lab = Lab()
+    lab.order(HALL.order('o', base=2, actions={'10': [say('a')]}))
+    lab.order(HALL.part(1).order('o', 1, first_sequence=2, actions={'10': [say('b')]}))
+    assert (lab.status('a'), lab.status('b')) == ('WAITING', None)
+
+
+@pytest.mark.parametrize('blocking, holds', [('NONE', False), ('SOFT', True), ('HARD', True)])
+def test_a_failed_action(blocking, holds):
+    lab = Lab()
+    lab.order(HALL.order('o', actions={'10': [say('a', blocking)]}))
+    lab.drive(1)
+    lab.end_action('a', False, 'no voice')
+    error = lab.state['errors'][0]
+    assert (error['errorType'], error['errorLevel']) == (
+        'actionError', 'FATAL' if holds else 'WARNING')
+    assert lab.state['paused'] == holds
+    assert lab.nodes == ['12', '14', '32']
+    if holds:
+        assert lab.robot.route == (1,)
+        lab.act('stopPause')
+        assert lab.robot.route == (1, 2, 3, 4)
+        assert lab.errors == []
+
+
+@pytest.mark.parametrize('wrong', [
+    {'text': 'a\nb'}, {'text': ''}, {'text': 5}, {}, {'text': 'x', 'loud': True},
+    {'text': '"; stop'}])
+def test_parameters_that_the_table_does_not_allow_are_refused(wrong):
+    lab = Lab()
+    lab.order(HALL.order('o', actions={'10': [action('say', 'a', **wrong)]}))
+    assert lab.errors == ['orderError']
+    ended = lab.act('say', **wrong)
+    assert lab.status(ended) == 'FAILED'
+    assert not lab.started
+
+
+# --- instant actions ------------------------------------------------------------------------------
+
+def test_pause_stops_at_once_and_keeps_the_order():
+    lab = Lab()
+    lab.order(HALL.order('o'))
+    lab.drive(1)
+    lab.see(velocity=DRIVING)
+    pause = lab.act('startPause')
+    assert lab.robot.routes[-1].edges == ()
+    assert lab.status(pause) == 'RUNNING'
+    lab.settle()
+    assert lab.status(pause) == 'FINISHED'
+    assert lab.state['paused']
+    assert lab.nodes == ['12', '14', '32']
+    go_on = lab.act('stopPause')
+    assert lab.status(go_on) == 'FINISHED'
+    assert lab.robot.route == (2, 3, 4), 'a new route, from the edge that it is on'
+    lab.drive(3)
+    assert lab.nodes == []
+
+
+def test_cancel_stops_and_empties_the_order():
+    lab = Lab()
+    lab.order(HALL.order('o', base=3, actions={'8': [say('runs')], '12': [say('waits', 'HARD')]}))
+    lab.drive(1)
+    lab.see(velocity=DRIVING)
+    cancel = lab.act('cancelOrder')
+    again = lab.act('cancelOrder')
+    assert lab.robot.routes[-1].edges == ()
+    assert (lab.status('waits'), lab.status('runs')) == ('FAILED', 'RUNNING')
+    assert lab.cancelled == ['runs']
+    lab.settle()
+    assert lab.status(cancel) == 'RUNNING', 'an action still runs'
+    lab.end_action('runs', False, 'cancelled')
+    assert (lab.status(cancel), lab.status(again)) == ('FINISHED', 'FINISHED')
+    assert (lab.nodes, lab.state['orderId'], lab.errors) == ([], 'o', [])
+    lab.order(HALL.part(1).order('o', 1, first_sequence=2))
+    assert lab.errors == ['orderUpdateError']
+    lab.order(HALL.part(1).order('p', start_deviation=2.0))
+    assert lab.state['orderId'] == 'p'
+    assert lab.robot.route == (2, 3, 4)
+
+
+def test_there_is_nothing_to_cancel():
+    lab = Lab()
+    cancel = lab.act('cancelOrder')
+    assert lab.status(cancel) == 'FAILED'
+    assert lab.errors == ['noOrderToCancel']
+    assert lab.state['errors'][0]['errorReferences'] == [
+        {'referenceKey': 'actionId', 'referenceValue': cancel}]
+
+
+def test_an_instant_action_that_comes_again_is_done_once_and_answered():
+    lab = Lab()
+    lab.act('say', 'a', text='hello')
+    states = len(lab.states)
+    lab.act('say', 'a', text='hello')
+    assert lab.started == ['a']
+    assert len(lab.states) == states + 1
+
+
+def test_an_unknown_instant_action_is_failed():
+    lab = Lab()
+    assert lab.status(lab.act('fly')) == 'FAILED'
+    assert lab.errors == ['instantActionError']
+
+
+def test_charging_needs_a_vehicle_without_an_order():
+    lab = Lab()
+    lab.order(HALL.order('o'))
+    lab.act('startCharging', 'a', 'HARD')
+    lab.drive(1)
+    lab.settle()
+    assert lab.status('a') == 'FAILED'
+    assert not lab.started
+    idle = Lab()
+    idle.act('startCharging', 'a', 'HARD')
+    assert idle.started == ['a']
+
+
+def test_a_hard_instant_action_stops_the_vehicle_which_drives_on_after_it():
+    lab = Lab()
+    lab.order(HALL.order('o'))
+    lab.drive(1)
+    lab.see(velocity=DRIVING)
+    lab.act('say', 'a', 'HARD', text='hello')
+    assert lab.robot.routes[-1].edges == ()
+    lab.settle()
+    assert lab.status('a') == 'RUNNING'
+    lab.end_action('a')
+    assert lab.robot.route == (2, 3, 4)
+
+
+def test_init_position_is_finished_when_the_robot_is_there():
+    lab = Lab()
+    told = lab.act('initPosition', x=1.0, y=2.0, theta=0.5, mapId='map', lastNodeId='somewhere')
+    assert fx.SetPose(Pose(1.0, 2.0, 0.5)) in lab.effects
+    assert lab.status(told) == 'RUNNING'
+    lab.see(pose=Pose(1.1, 2.0, 0.5))
+    assert lab.status(told) == 'FINISHED'
+    assert lab.state['lastNodeId'] == 'somewhere'
+
+
+def test_init_position_fails_where_the_robot_does_not_take_it():
+    lab = Lab()
+    told = lab.act('initPosition', x=1.0, y=2.0, theta=0.5, mapId='map')
+    lab.wait(11.0)
+    assert lab.status(told) == 'FAILED'
+    assert lab.status(lab.act('initPosition', x=1.0, y=2.0, theta=0.5, mapId='cellar')) == 'FAILED'
+
+
+def test_a_log_report_tells_what_happened():
+    lab = Lab()
+    lab.order(HALL.order('o'))
+    report = lab.act('logReport', reason='curious')
+    effect = next(e for e in lab.effects if isinstance(e, fx.WriteLog))
+    assert effect.reason == 'curious'
+    assert any('order o' in line for line in effect.lines)
+    lab.end_action(report, text='report_1.log')
+    state = next(a for a in lab.state['actionStates'] if a['actionId'] == report)
+    assert (state['actionStatus'], state['resultDescription']) == ('FINISHED', 'report_1.log')
+
+
+# --- when a state is sent -------------------------------------------------------------------------
+
+def test_states_come_twice_a_second_while_it_drives_and_seldom_else():
+    lab = Lab()
+    lab.wait(10.0)
+    before = len(lab.states)
+    lab.wait(20.0)
+    assert 3 <= len(lab.states) - before <= 5
+    lab.order(HALL.order('o'))
+    lab.see(velocity=DRIVING)
+    before = len(lab.states)
+    lab.wait(5.0)
+    assert 9 <= len(lab.states) - before <= 12
+
+
+@pytest.mark.parametrize('changes', [
+    {'velocity': DRIVING}, {'e_stop': EStop.MANUAL}, {'localized': False},
+    {'field_violation': True}, {'lost': 'gone', 'pose': None}])
+def test_a_change_is_told_at_once(changes):
+    lab = Lab()
+    before = len(lab.states)
+    lab.see(**changes)
+    assert len(lab.states) == before + 1
+    lab.see()
+    assert len(lab.states) == before + 1
+
+
+def test_a_broker_that_is_back_gets_factsheet_and_state():
+    lab = Lab()
+    before = len(lab.states)
+    lab.do(lab.vehicle.connected(lab.now))
+    assert len(lab.states) == before + 1
+    assert fx.SendFactsheet() in lab.effects
+
+
+def test_a_message_for_another_major_version_is_refused():
+    lab = Lab()
+    message = payload(HALL.order('o')).replace(b'"2.1.0"', b'"3.0.0"')
+    lab.do(lab.vehicle.receive_order(message, lab.now))
+    assert lab.errors == ['validationError']
+    assert lab.state['velocity'] == {'vx': STANDING.vx, 'vy': 0.0, 'omega': 0.0}

@@ -1,0 +1,251 @@
+"""What the tests share: a laboratory vehicle, the robot's side of the route protocol, orders."""
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Dict, List, Optional, Sequence, Tuple
+
+import yaml
+
+from trajectory_graph import Graph, load_graph
+from vda5050_vehicle.conformance.checker import VehicleChecker
+from vda5050_vehicle.conformance.layout import track_on
+from vda5050_vehicle.conformance.track import Track, action
+from vda5050_vehicle.core import effects as fx
+from vda5050_vehicle.core import factsheet as sheet
+from vda5050_vehicle.core.action_table import ActionTable, read_table
+from vda5050_vehicle.core.robot_view import RobotView
+from vda5050_vehicle.core.vehicle import Identity, Vehicle
+from vda5050_vehicle.drivers.driver import Driver, Pose
+from vda5050_vehicle.drivers.order_fields import Abilities
+from vda5050_vehicle.drivers.order_graph import Matching
+from vda5050_vehicle.drivers.route_driver import (
+    COMPLETE,
+    FAILED,
+    PROCESSING,
+    SETTLING,
+    RouteCommand,
+    RouteDriver,
+    RouteReport,
+)
+from vda5050_vehicle.protocol.codecs import VERSION_2_1, Codec
+from vda5050_vehicle.protocol.fields import write_json
+from vda5050_vehicle.protocol.headers import Headers
+from vda5050_vehicle.protocol.values import BatteryState, Velocity
+
+ROOT = Path(__file__).resolve().parents[3]
+PACKAGE = Path(__file__).resolve().parents[1]
+IDENTITY = Identity('OMRON', 'lab', 'map', '1')
+STANDING, DRIVING = Velocity(0.0, 0.0, 0.0), Velocity(1.0, 0.0, 0.0)
+SAY = {'text': 'hello'}
+
+
+@lru_cache(maxsize=None)
+def lab() -> Graph:
+    """The example laboratory."""
+    return load_graph(ROOT / 'maps' / 'lab_graph.yaml')
+
+
+@lru_cache(maxsize=None)
+def table() -> ActionTable:
+    """The LD-90's actions."""
+    return ActionTable(read_table(yaml.safe_load(
+        (PACKAGE / 'config' / 'ld90' / 'actions.yaml').read_text())))
+
+
+def vehicle_document() -> Dict[str, Any]:
+    """The LD-90's vehicle file."""
+    return yaml.safe_load((PACKAGE / 'config' / 'ld90' / 'vehicle.yaml').read_text())
+
+
+def abilities(*ignored: str) -> Abilities:
+    """The LD-90's."""
+    return sheet.abilities(vehicle_document(), 'map', ignored)
+
+
+def way(*vertices: int) -> Track:
+    """The shortest way over vertices of the laboratory."""
+    return track_on(lab(), vertices, 'map')
+
+
+def payload(message: Dict[str, Any], header_id: int = 0) -> bytes:
+    """A message of the master on the wire."""
+    header = {'headerId': header_id, 'timestamp': '2026-01-01T00:00:00.00Z', 'version': '2.1.0',
+              'manufacturer': 'OMRON', 'serialNumber': 'lab'}
+    return json.dumps({**header, **message}).encode()
+
+
+class RobotSide:
+    """What answers routes: takes them up, drives them when told to, stops."""
+
+    def __init__(self) -> None:
+        self.route: Tuple[int, ...] = ()
+        self.route_id = 0
+        self.done = 0
+        self.percentage = 0.0
+        self.reason = ''
+        self.routes: List[RouteCommand] = []
+        self.answers = True
+
+    def take(self, command: RouteCommand) -> None:
+        """A route, as the bridge takes it: the same one again changes nothing."""
+        self.routes.append(command)
+        if not self.answers or (command.route_id, command.edges) == (self.route_id, self.route):
+            return
+        if command.route_id != self.route_id:
+            self.done, self.percentage, self.reason = 0, 0.0, ''
+        else:
+            assert command.edges[:self.done] == self.route[:self.done], 'the past was changed'
+        self.route_id, self.route = command.route_id, command.edges
+
+    def report(self) -> RouteReport:
+        """What the bridge says now."""
+        rest = FAILED if self.reason else PROCESSING
+        states = (COMPLETE,) * self.done + (rest,) * (len(self.route) - self.done)
+        current = min(self.done, len(self.route) - 1)
+        edge = self.route[current] if self.route else 0
+        percentage = 100.0 if self.done == len(self.route) else self.percentage
+        return RouteReport(self.route_id, states, edge, percentage, self.reason)
+
+    @property
+    def drives(self) -> bool:
+        """Whether there is something left to drive."""
+        return bool(self.route) and self.done < len(self.route) and not self.reason
+
+
+class Lab:
+    """A vehicle in the laboratory, with its robot's side, a clock, and all that it says.
+
+    Every state that it sends is checked for the rules that a schema cannot tell.
+    """
+
+    def __init__(self, at: int = 8, driver: Optional[Driver] = None, codec: Codec = VERSION_2_1,
+                 abilities_: Optional[Abilities] = None) -> None:
+        self.now = 100.0
+        self.robot = RobotSide()
+        can = abilities_ or abilities()
+        self.driver = driver or RouteDriver(lab(), can, Matching())
+        self.vehicle = Vehicle(IDENTITY, codec, table(), self.driver, can)
+        self.codec = codec
+        self.states: List[Dict[str, Any]] = []
+        self.started: List[str] = []
+        self.cancelled: List[str] = []
+        self.effects: List[fx.Effect] = []
+        self.record: Dict[str, Any] = {}
+        self.checker = VehicleChecker('OMRON', 'lab')
+        self.headers = Headers('2.1.0', 'OMRON', 'lab', lambda: 1e9 + self.now)
+        self.view = RobotView(velocity=STANDING, battery=BatteryState(80.0, False), lost='')
+        self.stand_at(at)
+
+    # --- what happens -----------------------------------------------------------------------------
+
+    def stand_at(self, vertex: int) -> None:
+        """The robot stands at a vertex."""
+        x, y = lab().vertex(vertex).position
+        self.see(pose=Pose(x, y, 0.0), velocity=STANDING)
+
+    def see(self, **changes: Any) -> None:
+        """The robot is seen, with changes."""
+        self.view = replace(self.view, **changes)
+        self.do(self.vehicle.see(self.view, self.now))
+
+    def order(self, order: Dict[str, Any]) -> None:
+        """An order comes."""
+        self.do(self.vehicle.receive_order(payload(order), self.now))
+
+    def act(self, action_type: str, action_id: str = '', blocking: str = 'NONE',
+            **parameters: Any) -> str:
+        """An instant action comes; returns its id."""
+        action_id = action_id or f'{action_type}-{len(self.vehicle.actions.entries)}'
+        message = {'actions': [action(action_type, action_id, blocking, **parameters)]}
+        self.do(self.vehicle.receive_instant_actions(payload(message), self.now))
+        return action_id
+
+    def wait(self, seconds: float) -> None:
+        """Time goes by; the robot's side reports."""
+        for _ in range(max(round(seconds / 0.1), 1)):
+            self.now += 0.1
+            if isinstance(self.driver, RouteDriver) and self.robot.answers:
+                self.driver.on_report(self.robot.report(), self.now)
+            self.do(self.vehicle.tick(self.now))
+
+    def drive(self, edges: int = 1) -> None:
+        """The robot drives so many edges of its route."""
+        for _ in range(edges):
+            assert self.robot.drives, 'the robot was not sent on'
+            self.see(velocity=DRIVING)
+            self.robot.done += 1
+            self.robot.percentage = 0.0
+            vertex = lab().end_vertex(self.robot.route[self.robot.done - 1])
+            self.see(pose=Pose(*vertex.position, 0.0))
+            self.wait(0.1)
+        if not self.robot.drives:
+            self.see(velocity=STANDING)
+
+    def settle(self) -> None:
+        """The robot obeys a stop."""
+        self.see(velocity=STANDING)
+        self.wait(SETTLING + 0.3)
+
+    def end_action(self, action_id: str, succeeded: bool = True, text: str = '') -> None:
+        """A started action ends."""
+        self.do(self.vehicle.action_ended(action_id, succeeded, text, self.now))
+
+    def restarted(self) -> Lab:
+        """The adapter is killed, and a new one takes over from its journal."""
+        other = Lab.__new__(Lab)
+        other.__dict__.update(self.__dict__)
+        other.driver = type(self.driver)(lab(), abilities(), Matching())
+        other.vehicle = Vehicle(IDENTITY, self.codec, table(), other.driver, abilities())
+        other.started, other.cancelled, other.effects = [], [], []
+        other.checker.restarted()
+        other.vehicle.restore(json.loads(json.dumps(self.record)), self.now)
+        other.see()
+        return other
+
+    def do(self, effects: Sequence[fx.Effect]) -> None:
+        """Carries out what the vehicle wants done."""
+        for effect in effects:
+            self.effects.append(effect)
+            if isinstance(effect, fx.Command):
+                self.robot.take(effect.command)
+            elif isinstance(effect, fx.SendState):
+                message = write_json(self.codec.write('state', self.headers.make('state'),
+                                                      effect.state))
+                self.states.append(self.checker.feed('state', message))
+            elif isinstance(effect, fx.StartAction):
+                self.started.append(effect.action_id)
+            elif isinstance(effect, fx.CancelAction):
+                self.cancelled.append(effect.action_id)
+            elif isinstance(effect, fx.Keep):
+                self.record = effect.record
+        assert not self.checker.violations, self.checker.violations
+
+    # --- what the vehicle says --------------------------------------------------------------------
+
+    @property
+    def state(self) -> Dict[str, Any]:
+        """The last state that was sent."""
+        return self.states[-1]
+
+    @property
+    def nodes(self) -> List[str]:
+        """The nodes that are left."""
+        return [node['nodeId'] for node in self.state['nodeStates']]
+
+    @property
+    def errors(self) -> List[str]:
+        """Types of the errors."""
+        return [error['errorType'] for error in self.state['errors']]
+
+    def status(self, action_id: str) -> Optional[str]:
+        """The status of an action."""
+        return next((found['actionStatus'] for found in self.state['actionStates']
+                     if found['actionId'] == action_id), None)
+
+
+def say(action_id: str, blocking: str = 'NONE') -> Dict[str, Any]:
+    """An action of the table."""
+    return action('say', action_id, blocking, **SAY)

@@ -1,0 +1,116 @@
+#!/usr/bin/env python3
+"""A node dies or stands still under way: the route is driven to its end, and nothing twice."""
+from __future__ import annotations
+
+import os
+import signal
+import unittest
+from typing import List
+from xmlrpc.client import ServerProxy
+
+import rospy
+from route_robot import RouteRobot, state_list
+
+from itrci_nav_msgs.msg import EdgeState, TargetRoute
+from system_support import run_cases, wait_until
+
+HALL = [1, 2, 3, 4, 5, 6]  # 8 10 12 14 32 33 35, 24 m
+LONG = bool(os.environ.get('LD90_LONG_TESTS'))
+STANDSTILL = 10.0 if LONG else 3.0  # s
+AFTER_EDGES = (1, 3, 4) if LONG else (2,)
+NODES = ('omron_controller', 'omron_connection_receiver', 'omron_edges_to_vertices')
+
+
+def process_of(node: str) -> int:
+    """The process id of a node."""
+    _, _, uri = rospy.get_master().lookupNode(f'/omron_ld90/{node}')
+    _, _, pid = ServerProxy(uri).getPid('/route_survival_test')
+    return pid
+
+
+class Survival(unittest.TestCase):
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        rospy.init_node('route_survival_test')
+        cls.lab = RouteRobot(speed=3.0, status_period=0.2)
+
+    @classmethod
+    def tearDownClass(cls) -> None:
+        cls.lab.robot.stop()
+
+    def way(self) -> List[int]:
+        """The hall from the end where the robot stands to the other."""
+        x = self.lab.status.messages[-1].pose.position.x
+        return HALL if x < 0.0 else [-edge for edge in reversed(HALL)]
+
+    def survives(self, what, done: int) -> None:
+        """A route with a mishap after `done` edges, there or back, is driven to its end."""
+        self.lab.wait_ready()
+        route = self.way()
+        given, heard = len(self.lab.commands.messages), len(self.lab.responses.messages)
+        route_id = self.lab.under_way(route, done)
+        what()
+        end = self.lab.end_of(route_id, 120.0)
+        self.assertEqual(state_list(end), [EdgeState.COMPLETE] * len(route), end.reason)
+        commands = self.lab.commands.texts[given:]
+        self.assertEqual(sorted(set(commands)), sorted(commands), 'a command was given twice')
+        lines = [line.data for line in self.lab.responses.messages[heard:]]
+        self.assertNotIn('Stopping', lines)
+
+    def kill(self, node: str) -> None:
+        os.kill(process_of(node), signal.SIGKILL)
+
+    def halt(self, node: str, seconds: float) -> None:
+        pid = process_of(node)
+        os.kill(pid, signal.SIGSTOP)
+        try:
+            rospy.sleep(seconds)  # the standstill itself, not a wait for something
+        finally:
+            os.kill(pid, signal.SIGCONT)
+
+    def test_1_a_controller_that_dies(self) -> None:
+        for done in AFTER_EDGES:
+            self.survives(lambda: self.kill('omron_controller'), done)
+
+    def test_2_a_receiver_that_dies(self) -> None:
+        for done in AFTER_EDGES:
+            self.survives(lambda: self.kill('omron_connection_receiver'), done)
+
+    def test_3_a_bridge_that_dies(self) -> None:
+        for done in AFTER_EDGES:
+            self.survives(lambda: self.kill('omron_edges_to_vertices'), done)
+
+    def test_4_nodes_that_stand_still(self) -> None:
+        for node in NODES:
+            self.survives(lambda node=node: self.halt(node, STANDSTILL), 2)
+
+    def test_5_a_link_that_breaks(self) -> None:
+        self.survives(lambda: self.lab.robot.inject('drop'), 2)
+
+    def test_6_a_route_that_has_ended_is_not_driven_again_after_a_restart(self) -> None:
+        self.survives(lambda: None, 1)
+        last = self.lab.states.messages[-1]
+        given = len(self.lab.commands.messages)
+        self.lab.restart_bridge()
+        self.lab.routes.publish(TargetRoute(
+            route_id=last.route_id, edges=[edge.edge_id for edge in last.edge_states]))
+        heard = len(self.lab.states.messages)
+        self.lab.states.wait_for(lambda states: states.route_id == last.route_id, 10.0,
+                                 'the ended route in the reports', after=heard)
+        self.assertEqual([], self.lab.commands.texts[given:])
+
+    def test_7_a_stop_that_the_controller_cannot_hear_is_obeyed_when_it_is_back(self) -> None:
+        self.lab.restart_bridge(strategy='direct')  # which sends the robot far ahead
+        self.lab.under_way(self.way(), 1)
+        heard = len(self.lab.responses.messages)
+        self.kill('omron_controller')
+        self.lab.order([])
+        self.lab.responses.wait_for(lambda line: line.data == 'Stopped', 20.0,
+                                    'a robot that stops', after=heard)
+        wait_until(lambda: self.lab.status.messages[-1].status == 'Stopped', 10.0,
+                   'a robot at rest')
+
+
+if __name__ == '__main__':
+    run_cases(__file__)

@@ -1,0 +1,67 @@
+#!/usr/bin/env python3
+"""`scripts/run.sh` with the password in its environment: the robot gets it, and nobody else.
+
+roslaunch writes its whole environment into its log, so the script hands the password on by a file.
+"""
+from __future__ import annotations
+
+import os
+import signal
+import stat
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+import rospy
+
+from omron_ld90_msgs.msg import LinkState
+from omron_ld90_sim import Simulator
+from system_support import Recorder, run_cases, wait_until
+
+ROOT = Path(__file__).resolve().parents[1]
+PASSWORD = 'Cormorant-7'
+
+
+class RunScript(unittest.TestCase):
+
+    def setUp(self) -> None:
+        rospy.init_node('run_script')
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.logs = Path(self.folder.name) / 'logs'
+        self.output = (Path(self.folder.name) / 'output').open('w+')
+        self.addCleanup(self.output.close)
+
+    def test_a_password_in_the_environment_reaches_the_robot_and_no_log(self) -> None:
+        with Simulator(ROOT / 'maps' / 'lab.map', password=PASSWORD) as robot:
+            script = self.start(
+                'sim:=false', 'rviz:=false', 'robot_ip:=127.0.0.1', f'arcl_port:={robot.port}',
+                f'outgoing_port:={os.environ["LD90_OUTGOING_PORT"]}')
+            try:
+                Recorder('/omron_ld90/link_state', LinkState).wait_for(
+                    lambda m: (m.link, m.state) == (LinkState.COMMANDS, LinkState.CONNECTED),
+                    60, 'connected link to the robot')
+                file = Path(rospy.get_param('/omron_ld90/omron_controller/password_file'))
+                self.assertEqual(stat.S_IMODE(file.stat().st_mode), 0o600)
+            finally:
+                script.send_signal(signal.SIGINT)
+                script.wait(30)
+
+        wait_until(lambda: not file.exists(), 10, f'the end of {file}')
+        self.output.seek(0)
+        self.assertNotIn(PASSWORD, self.output.read())
+        logs = [log for log in self.logs.rglob('*.log') if log.is_file()]
+        self.assertTrue(any('roslaunch' in log.name for log in logs), logs)
+        self.assertEqual([log.name for log in logs
+                          if PASSWORD in log.read_text(errors='replace')], [])
+
+    def start(self, *args: str) -> subprocess.Popen:
+        return subprocess.Popen(
+            [str(ROOT / 'scripts' / 'run.sh'), *args], stdout=self.output,
+            stderr=subprocess.STDOUT, env={**os.environ, 'OMRON_LD90_PASSWORD': PASSWORD,
+                                           'ROS_LOG_DIR': str(self.logs)})
+
+
+if __name__ == '__main__':
+    run_cases(__file__)

@@ -1,0 +1,174 @@
+#!/usr/bin/env python3
+"""A VDA 5050 master drives the simulated LD-90: the rules of the standard one by one, the mission
+of the laboratory, and the death of broker, adapter and controller under way.
+
+Every message of the vehicle is checked against the official schemas, and against the strict
+checker of vda5050_bench for what the schemas let pass.
+"""
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+from typing import Any, Dict, List
+from xmlrpc.client import ServerProxy
+
+import rosgraph
+import rospy
+import rostest
+from jsonschema import Draft7Validator
+
+from itrci_nav_msgs.msg import TargetRoute
+from omron_ld90_msgs.msg import LinkState
+from system_support import Recorder, wait_until
+from trajectory_graph import load_graph
+from vda5050_vehicle.conformance.bench import BROKEN, Bench, OwnBroker, scorecard
+from vda5050_vehicle.conformance.layout import shortest_edges, track_on
+from vda5050_vehicle.conformance.master import Master, status_of
+from vda5050_vehicle.conformance.track import action, node_ids
+from vda5050_vehicle.mqtt.link import Broker
+
+ROOT = Path(__file__).resolve().parents[1]
+SCHEMAS = ROOT / 'src' / 'vda5050_vehicle' / 'test' / 'schemas' / '2.1.0'
+PREFIX = 'uagv/v2/OMRON/omron_ld90'
+DOCK = 16
+MISSION = (DOCK, 18, 39, 52, 6, DOCK)
+
+
+class Schemas:
+    """Checks payloads against the official schemas."""
+
+    def __init__(self) -> None:
+        self._validators = {file.stem: Draft7Validator(json.loads(file.read_text()))
+                            for file in SCHEMAS.glob('*.json')}
+        self.problems: List[str] = []
+        self.counts: Dict[str, int] = {}
+
+    def check(self, topic: str, payload: bytes) -> None:
+        self.counts[topic] = self.counts.get(topic, 0) + 1
+        self.problems += [f'{topic}: {error.message}'
+                          for error in self._validators[topic].iter_errors(json.loads(payload))]
+
+
+class Vda5050(unittest.TestCase):
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        rospy.init_node('vda5050_test')
+        host, _, port = rospy.get_param('~broker').rpartition(':')
+        cls.own_broker = OwnBroker(int(port))
+        cls.schemas = Schemas()
+        cls.broker = Broker(host, int(port))
+        cls.master = Master(cls.broker, PREFIX, on_payload=cls.schemas.check)
+        cls.graph = load_graph(ROOT / 'maps' / 'lab_graph.yaml')
+        cls.link_states = Recorder('/omron_ld90/link_state', LinkState)
+        cls.routes = Recorder('/omron_ld90/target_route', TargetRoute)
+        cls.master.wait(lambda s: s['lastNodeId'] == str(DOCK) and not s['errors'], 60,
+                        'a vehicle that is well, at the dock')
+
+    @classmethod
+    def tearDownClass(cls) -> None:
+        cls.master.close()
+        cls.own_broker.close()
+
+    def tearDown(self) -> None:
+        self.assertEqual(self.schemas.problems, [])
+        self.assertEqual(self.master.checker.violations, [])
+
+    def test_1_every_rule_of_the_bench(self) -> None:
+        """Acceptance, updates, pause, cancellation, and a broker that dies under way."""
+        bench = Bench(self.broker, PREFIX, track_on(self.graph, (DOCK, 8, 14), 'map'), '2.1.0', 60,
+                      self.own_broker, self.master)
+        verdicts = bench.run()
+        self.assertFalse([v for v in verdicts if v.outcome == BROKEN], scorecard(verdicts))
+        self.assertGreater(self.schemas.counts['state'], 50)
+
+    def test_2_the_mission_with_adapter_and_controller_killed_under_way(self) -> None:
+        master, track = self.master, track_on(self.graph, MISSION, 'map')
+        edges = shortest_edges(self.graph, MISSION)
+        first, heard = len(self.routes.messages), master.count()
+        killed = track.stops[6].node_id
+        order = track.order('mission')
+        order['nodes'][5]['actions'] = [action('wait', 'started', 'HARD', seconds=30)]
+        order['nodes'][10]['actions'] = [action('say', 'later', text='half way')]
+        master.send('order', order)
+        master.wait(lambda s: status_of(s, 'started') == 'RUNNING', 60,
+                    'the action for which the vehicle stands', after=heard)
+
+        before = master.state
+        master.checker.restarted()
+        self.kill('vda5050_vehicle')
+        master.wait(lambda m: m['connectionState'] == 'CONNECTIONBROKEN', 10, 'the last will',
+                    'connection', master.count('connection') - 1)
+        state = master.wait(lambda s: status_of(s, 'started') == 'FAILED', 20,
+                            'the order from the journal, and its started action FAILED',
+                            after=master.count())
+        self.assertEqual(state['orderId'], 'mission')
+        self.assertEqual(node_ids(state), node_ids(before))
+        self.assertTrue(state['paused'])
+        master.wait(lambda s: [error['errorType'] for error in s['errors']] == ['actionError'], 20,
+                    'a robot that is heard')
+        self.assertEqual(master.ended(master.act('stopPause'))['actionStatus'], 'FINISHED')
+
+        master.wait(lambda s: s['lastNodeId'] == killed, 60, f'node {killed}',
+                    after=master.count())
+        self.kill('omron_controller')
+        self.go_on_if_held(order['nodes'])
+        state = master.wait(lambda s: not s['nodeStates'] and not s['driving'], 120,
+                            'the end of the mission', after=master.count())
+        self.assertEqual(state['lastNodeId'], str(DOCK), state['errors'])
+        self.assertEqual(state['errors'], [])
+        self.assertEqual(status_of(state, 'later'), 'FINISHED')
+        sent = [list(message.edges) for message in self.routes.messages[first:]]
+        for route in sent:
+            self.assertIn(str(route)[1:-1], str(edges)[1:-1], 'edges that were not ordered')
+
+    def test_3_charging_is_left_and_begun(self) -> None:
+        master = self.master
+        leave = master.act('stopCharging', blocking='HARD')
+        self.assertEqual(master.ended(leave, 30)['actionStatus'], 'FINISHED', master.state)
+        master.wait(lambda s: not s['batteryState']['charging'], 10, 'no charging any more')
+        charge = master.act('startCharging', blocking='HARD')
+        self.assertEqual(master.ended(charge, 30)['actionStatus'], 'FINISHED', master.state)
+        master.wait(lambda s: s['batteryState']['charging'], 10, 'charging')
+
+    def test_4_two_masters_of_one_robot_are_refused(self) -> None:
+        ended = subprocess.run(
+            [str(ROOT / 'scripts' / 'run.sh'), 'vda5050:=true', 'fleet_manager:=true'],
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=30, check=False)
+        self.assertNotEqual(ended.returncode, 0)
+        self.assertIn(b'two masters', ended.stdout)
+
+    def go_on_if_held(self, nodes: List[Dict[str, Any]]) -> None:
+        """The route outlives the controller; else the order stays until stopPause."""
+        master, ids = self.master, [node['nodeId'] for node in nodes]
+        passed = len(ids) - len(node_ids(master.state))
+        state = master.wait(lambda s: s['paused'] or len(ids) - len(node_ids(s)) > passed, 60,
+                            'a vehicle that drives on, or is held', after=master.count())
+        if state['paused']:
+            self.assertEqual([error['errorType'] for error in state['errors']], ['driveError'])
+            self.assertTrue(state['nodeStates'], 'an error cleared the order')
+            wait_until(lambda: self.links() == {'commands': LinkState.CONNECTED,
+                                                'outgoing': LinkState.CONNECTED},
+                       30, 'both links to the robot')
+            self.assertEqual(master.ended(master.act('stopPause'))['actionStatus'], 'FINISHED')
+
+    def links(self) -> Dict[str, int]:
+        """State of the links to the robot."""
+        return {link.link: link.state for link in self.link_states.messages}
+
+    def kill(self, name: str) -> None:
+        """kill -9; returns when the node is registered anew."""
+        master = rosgraph.Master(rospy.get_name())
+        node = f'/omron_ld90/{name}'
+        uri = master.lookupNode(node)
+        os.kill(ServerProxy(uri).getPid(rospy.get_name())[2], signal.SIGKILL)
+        wait_until(lambda: master.lookupNode(node) != uri, 30, f'{name} is back')
+
+
+if __name__ == '__main__':
+    rostest.rosrun('omron_ld90', 'vda5050', Vda5050, sys.argv)
