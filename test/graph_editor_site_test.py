@@ -7,15 +7,14 @@ import os
 import re
 import shutil
 import subprocess
-import sys
 import tempfile
 import unittest
 from pathlib import Path
-from typing import Dict, List, Tuple
+from typing import Callable, Dict, List, Tuple
 
 import networkx as nx
+import numpy as np
 import rospy
-import rostest
 from route_robot import FleetManager, state_list
 from rviz_support import RvizWindow, Screen, close_to, missing_programs
 from std_msgs.msg import String
@@ -26,7 +25,7 @@ from graph_editor.site import SiteOptions, load_site
 from itrci_nav_msgs.msg import EdgeState
 from itrci_nav_msgs.msg import Graph as GraphMessage
 from omron_map import MapDocument
-from system_support import Launched, Recorder, skip, wait_until
+from system_support import Launched, Recorder, run_cases, wait_until
 from trajectory_graph import Graph, load_graph
 from trajectory_graph.messages import graph_from_message
 
@@ -78,7 +77,7 @@ class NewSite(unittest.TestCase):
     def test_2_the_graph_is_edited_in_rviz_by_mouse(self) -> None:
         missing = missing_programs()
         if missing:
-            skip(self, f'not installed: {", ".join(missing)}')
+            self.skipTest(f'not installed: {", ".join(missing)}')
         before = self.graph_file.read_text().splitlines()
         with Editor(self.map_file, self.graph_file) as editor:
             vertex, edge = editor.add_a_vertex_and_connect_it()
@@ -86,6 +85,7 @@ class NewSite(unittest.TestCase):
             editor.drag(vertex)
             editor.delete_an_edge_and_undo(edge)
             editor.save()
+            editor.drag_and_load_again(vertex)
         graph = load_graph(self.graph_file)
         self.assertIn(vertex, graph.vertices)
         self.assertIn(edge, graph.edges)
@@ -207,6 +207,17 @@ class Editor:
         self._choose(vertex.position, VERTEX_MENU, Action.SAVE)
         self._heard('Saved')
 
+    def drag_and_load_again(self, vertex: int) -> None:
+        """What was saved comes back."""
+        saved = self.graph().vertices[vertex].position
+        there = saved[0], saved[1] + 0.6
+        self._window.drag_handle(self._window.pixel(*saved), self._window.pixel(*there))
+        moved = self._graph_with(lambda graph: math.dist(graph.vertices[vertex].position, there)
+                                 < 0.1, 'the vertex that is not saved')
+        self._choose(moved.vertices[vertex].position, VERTEX_MENU, Action.LOAD)
+        self._graph_with(lambda graph: graph.vertices[vertex].position == saved,
+                         'the vertex as it was saved')
+
     def _choose(self, place: Tuple[float, float], menu: tuple, action: Action) -> None:
         titles = [entry.title for entry in menu]
         self._window.choose_from_menu(self._window.pixel(*place), titles, action.value)
@@ -214,7 +225,7 @@ class Editor:
     def _heard(self, words: str) -> None:
         self._words.wait_for(lambda message: message.data.startswith(words), 20.0, f'"{words}"')
 
-    def _graph_with(self, condition, what: str) -> Graph:
+    def _graph_with(self, condition: Callable[[Graph], bool], what: str) -> Graph:
         wait_until(lambda: condition(self.graph()), 20.0, f'{what} on /graph')
         return self.graph()
 
@@ -223,7 +234,7 @@ class Editor:
         def missing(picture) -> List[str]:
             left, top = self._window.pixel(x, y)
             around = picture.crop((left - 15, top - 15, left + 16, top + 16))
-            red = close_to(around, RED, 60.0).sum()
+            red = close_to(np.asarray(around), RED, 60.0).sum()
             return [] if red > 20 else [f'red at {x} {y}: {red} pixels']
         return missing
 
@@ -252,4 +263,4 @@ def shortest_route(graph: Graph, start: int, end: int) -> List[int]:
 
 
 if __name__ == '__main__':
-    rostest.rosrun('omron_ld90', 'graph_editor_site', NewSite, sys.argv)
+    run_cases(__file__)

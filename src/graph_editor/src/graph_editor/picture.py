@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import math
-from typing import Sequence, Tuple
+from typing import Any, Sequence, Tuple, Union
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
@@ -22,8 +22,9 @@ CORRIDOR, LINE, SPLINE = (206, 227, 248), (20, 90, 190), (130, 60, 190)
 VERTEX, PARKING, PLACE, DOCK = (40, 60, 90), (230, 130, 0), (0, 140, 60), (150, 0, 150)
 ERROR, WARNING = (220, 20, 20), (240, 150, 0)
 FONTS = ('DejaVuSans.ttf', 'LiberationSans-Regular.ttf')
-BASIC_LAYOUT = 0  # the other one crashes with Ubuntu 20.04's Pillow
+BASIC_LAYOUT: Any = 0  # the other one crashes with Ubuntu 20.04's Pillow
 Pixels = Sequence[Tuple[float, float]]
+Font = Union[ImageFont.FreeTypeFont, ImageFont.ImageFont]
 
 
 def draw_graph(site: Site, graph: Graph, path: str, corridor: float,
@@ -61,12 +62,13 @@ class _Sheet:
         self._low, high = points.min(axis=0) - BORDER, points.max(axis=0) + BORDER
         size = high - self._low
         self._scale = SUPERSAMPLING * min(PIXELS_PER_METRE, LARGEST_SIDE / size.max())
-        self._size = tuple(int(math.ceil(side)) for side in size * self._scale)
+        width, height = np.ceil(size * self._scale).astype(int).tolist()
+        self._size = width, height
         self._image = Image.new('RGB', self._size, PAPER)
         self._pen = ImageDraw.Draw(self._image)
         self._font = _font(12 * SUPERSAMPLING)
 
-    def _pixels(self, points: np.ndarray) -> Pixels:
+    def _pixels(self, points: Union[np.ndarray, Tuple[float, float]]) -> Pixels:
         x, y = np.asarray(points, float).reshape(-1, 2).T
         return list(zip(((x - self._low[0]) * self._scale).tolist(),
                         (self._size[1] - (y - self._low[1]) * self._scale).tolist()))
@@ -102,7 +104,7 @@ class _Sheet:
     def vertex(self, position: Tuple[float, float], theta: float, name: str,
                colour: Tuple[int, int, int]) -> None:
         """A dot, a dash and a name."""
-        (x, y), = self._pixels(np.array(position))
+        (x, y), = self._pixels(position)
         radius, dash = 4.5 * SUPERSAMPLING, 11 * SUPERSAMPLING
         self._pen.line((x, y, x + dash * math.cos(theta), y - dash * math.sin(theta)),
                        fill=colour, width=2 * SUPERSAMPLING)
@@ -112,14 +114,14 @@ class _Sheet:
 
     def ring(self, position: Tuple[float, float], colour: Tuple[int, int, int]) -> None:
         """Where a finding is."""
-        (x, y), = self._pixels(np.array(position))
+        (x, y), = self._pixels(position)
         radius = 13 * SUPERSAMPLING
         self._pen.ellipse((x - radius, y - radius, x + radius, y + radius), outline=colour,
                           width=3 * SUPERSAMPLING)
 
     def save(self, path: str) -> None:
         """Scales down and writes."""
-        small = self._image.resize(tuple(side // SUPERSAMPLING for side in self._size),
+        small = self._image.resize((self._size[0] // SUPERSAMPLING, self._size[1] // SUPERSAMPLING),
                                    Image.LANCZOS)
         try:
             small.save(path, 'PNG', optimize=True)
@@ -127,7 +129,7 @@ class _Sheet:
             raise SiteError(f'{path}: the picture cannot be written ({error}).') from None
 
 
-def _font(size: int) -> ImageFont.ImageFont:
+def _font(size: int) -> Font:
     for name in FONTS:
         try:
             return ImageFont.truetype(name, size, layout_engine=BASIC_LAYOUT)

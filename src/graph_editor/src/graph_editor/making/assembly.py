@@ -42,10 +42,11 @@ def assemble(net: LaneNet, ways: Sequence[Way], places: Mapping[int, Place],
                 next_id += 1
                 positions[there] = piece.end
             along = piece.end - piece.start
-            straight = piece.control is None
-            length = float(np.hypot(*along)) if straight else math.inf
-            start, end = (along, along) if straight else (
-                piece.control[1] - piece.control[0], piece.control[3] - piece.control[2])
+            if piece.control is None:
+                length, start, end = float(np.hypot(*along)), along, along
+            else:
+                start, _, end = np.diff(piece.control, axis=0)
+                length = math.inf
             for node, direction in ((here, start), (there, end)):
                 if length > thetas.get(node, (0.0, 0.0))[0]:
                     thetas[node] = length, math.atan2(direction[1], direction[0])

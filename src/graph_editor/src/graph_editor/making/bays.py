@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from graph_editor.floor import EVERY_NEIGHBOUR
 from graph_editor.making.coverage import Coverage, dense
-from graph_editor.making.lanes import Lane, LaneNet
+from graph_editor.making.lanes import LaneNet, LaneOrNode
 from graph_editor.making.options import MakingOptions
 from graph_editor.making.sight import TOLERANCE
 
@@ -50,10 +50,10 @@ def add_bays(net: LaneNet, coverage: Coverage, axes: Sequence[float],
 
 
 def _best_bay(net: LaneNet, floor: np.ndarray, coverage: Coverage, axes: Sequence[float],
-              options: MakingOptions) -> Optional[Tuple[object, np.ndarray, np.ndarray]]:
+              options: MakingOptions) -> Optional[Tuple[LaneOrNode, np.ndarray, np.ndarray]]:
     """The bay that serves `floor` (N,2) best: its lane or node, and where it begins and ends."""
     unserved = cKDTree(floor)
-    best: Tuple[float, Optional[Tuple[object, np.ndarray, np.ndarray]]] = (0.0, None)
+    best: Tuple[float, Optional[Tuple[LaneOrNode, np.ndarray, np.ndarray]]] = (0.0, None)
     for root, start, direction in _beginnings(net, axes):
         if unserved.query(start)[0] > LONGEST + options.reach:
             continue
@@ -71,7 +71,7 @@ def _best_bay(net: LaneNet, floor: np.ndarray, coverage: Coverage, axes: Sequenc
 
 
 def _beginnings(net: LaneNet,
-                axes: Sequence[float]) -> Iterator[Tuple[object, np.ndarray, np.ndarray]]:
+                axes: Sequence[float]) -> Iterator[Tuple[LaneOrNode, np.ndarray, np.ndarray]]:
     """Lane or node, place on it, and direction in which a bay may lead away from there."""
     for node in net.nodes:
         if net.degree(node) == 0:
@@ -105,8 +105,8 @@ def _is_open(net: LaneNet, node: int, direction: np.ndarray) -> bool:
     return True
 
 
-def _draw(net: LaneNet, root: object, start: np.ndarray, end: np.ndarray) -> None:
-    node = net.split(root, start) if isinstance(root, Lane) else root
+def _draw(net: LaneNet, root: LaneOrNode, start: np.ndarray, end: np.ndarray) -> None:
+    node = net.joint(root, start)
     tip = net.add_node(end)
     need = float(net.floor.clearance_at(dense(np.array((start, end)), 0.05)).min())
     net.add_lane(node, tip, need, np.array((start, end)))

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Collection, Iterator, List, Optional, Sequence, Tuple
+from typing import Collection, Iterator, List, Optional, Sequence, Set, Tuple
 
 import numpy as np
 
@@ -56,11 +56,11 @@ def ways_of(net: LaneNet, places: Collection[int]) -> List[Way]:
             for nodes in _runs(net, set(places))]
 
 
-def _runs(net: LaneNet, places: set) -> Iterator[List[int]]:
+def _runs(net: LaneNet, places: Set[int]) -> Iterator[List[int]]:
     stops = [node for node in net.nodes if net.degree(node) != 2 or node in places]
     if not stops and net.nodes:
         stops = [min(net.nodes)]
-    driven = set()
+    driven: Set[Tuple[int, int]] = set()
     for stop in stops:
         for neighbour in net.neighbours(stop):
             if net.lane(stop, neighbour).nodes in driven:

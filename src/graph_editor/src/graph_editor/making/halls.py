@@ -8,7 +8,7 @@ import numpy as np
 from scipy import ndimage
 
 from graph_editor.floor import EVERY_NEIGHBOUR, Floor
-from graph_editor.making.lanes import Lane, LaneNet
+from graph_editor.making.lanes import Lane, LaneNet, LaneOrNode
 from graph_editor.making.options import MakingOptions
 from graph_editor.making.sight import in_sight, straight
 
@@ -122,7 +122,7 @@ def _join(net: LaneNet, tip: int, direction: np.ndarray, nodes: Sequence[int],
     """Leads a lane from outside on, straight if it can be, to the lattice."""
     here = net.positions[tip]
     lattice = set(nodes)
-    ways: List[Tuple[float, int, np.ndarray, Optional[Lane], Optional[int]]] = []
+    ways: List[Tuple[float, int, np.ndarray, LaneOrNode]] = []
     for lane in net.lanes:
         if not set(lane.nodes) <= lattice:
             continue
@@ -130,23 +130,21 @@ def _join(net: LaneNet, tip: int, direction: np.ndarray, nodes: Sequence[int],
         crossing = _crossing(here, direction, a, b)
         if crossing is not None:
             ways.append((float(np.hypot(*(crossing - here))) - options.lattice_pitch, len(ways),
-                         crossing, lane, None))
+                         crossing, lane))
     for node in nodes:
         distance = float(np.hypot(*(net.positions[node] - here)))
-        ways.append((distance, len(ways), net.positions[node], None, node))
-    for _, _, place, lane, node in sorted(ways, key=lambda way: way[:2]):
+        ways.append((distance, len(ways), net.positions[node], node))
+    for _, _, place, target in sorted(ways, key=lambda way: way[:2]):
         if np.hypot(*(place - here)) > 2.0 * options.lattice_pitch:
             continue
-        if lane is not None:
-            near = min(lane.nodes, key=lambda end: float(np.hypot(*(net.positions[end] - place))))
-            if np.hypot(*(net.positions[near] - place)) < NEAR_NODE:
-                place, lane, node = net.positions[near], None, near
+        if isinstance(target, Lane):
+            distance, near = min((float(np.hypot(*(net.positions[end] - place))), end)
+                                 for end in target.nodes)
+            if distance < NEAR_NODE:
+                place, target = net.positions[near], near
         if not in_sight(net.floor, here, place, options.wide):
             continue
-        if lane is not None:
-            node = net.split(lane, place)
-            lattice.add(node)
-        net.add_lane(tip, node, options.wide, np.array((here, place)))
+        net.add_lane(tip, net.joint(target, place), options.wide, np.array((here, place)))
         return True
     return False
 

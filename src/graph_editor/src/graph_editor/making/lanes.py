@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Dict, Iterator, List, Tuple
+from typing import Dict, Iterator, List, Set, Tuple, Union
 
 import networkx as nx
 import numpy as np
@@ -20,6 +20,10 @@ class Lane:
     """Clearance (m) that must stay, however the lane is moved."""
     samples: np.ndarray
     """(N,2) m: points of the skeleton that the lane stands for, from the first node on."""
+
+
+LaneOrNode = Union[Lane, int]
+"""Where another lane may join."""
 
 
 class LaneNet:
@@ -117,6 +121,10 @@ class LaneNet:
         self.add_lane(node, b, lane.need, lane.samples[nearest:])
         return node
 
+    def joint(self, where: LaneOrNode, position: np.ndarray) -> int:
+        """The node at which a lane joins: `where` itself, or a new one on that lane."""
+        return self.split(where, position) if isinstance(where, Lane) else where
+
     def merge(self, node: int, other: int) -> None:
         """Gives `node` the lanes of `other`, which goes."""
         for neighbour in self.neighbours(other):
@@ -126,7 +134,7 @@ class LaneNet:
             self.add_lane(node, neighbour, lane.need, samples)
         self.remove_node(other)
 
-    def components(self) -> Iterator[set]:
+    def components(self) -> Iterator[Set[int]]:
         """Sets of nodes that lanes join."""
         return nx.connected_components(self._graph)
 

@@ -2,13 +2,13 @@
 from __future__ import annotations
 
 import math
-from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
+from typing import Dict, Iterable, List, NamedTuple, Optional, Set, Tuple
 
 import numpy as np
 from skimage.graph import MCP_Geometric
 
 from graph_editor.floor import Floor
-from graph_editor.making.lanes import Lane, LaneNet
+from graph_editor.making.lanes import Lane, LaneNet, LaneOrNode
 from graph_editor.making.options import MakingOptions
 from graph_editor.making.sight import TOLERANCE, in_sight, straight
 from graph_editor.making.straightening import straight_pieces
@@ -54,9 +54,9 @@ def _attach(net: LaneNet, place: Place, attached: Attached,
             attached.notes.append(f'{place.name} is where {other.name} is: they are one vertex.')
             return None
     if place.kind is not PlaceKind.DOCK:
-        node = _on_lane(net, position, attached.nodes)
-        if node is not None:
-            return node
+        on_lane = _on_lane(net, position, attached.nodes)
+        if on_lane is not None:
+            return on_lane
     return _with_lane_of_its_own(net, place, attached, options)
 
 
@@ -108,7 +108,7 @@ def _with_lane_of_its_own(net: LaneNet, place: Place, attached: Attached,
     way = [position] if np.array_equal(start, position) else [position, start]
     if found is not None:
         end, lane_or_node = found
-        node = lane_or_node if isinstance(lane_or_node, int) else net.split(lane_or_node, end)
+        node = net.joint(lane_or_node, end)
         way.append(end)
     else:
         path = _path_to_lane(net, position, options)
@@ -125,7 +125,7 @@ def _straight_behind(net: LaneNet, position: np.ndarray, heading: float, taken: 
     """A node straight behind a dock, at least 0.4 m away: one that is there, or new on a lane."""
     behind = -np.array((math.cos(heading), math.sin(heading)))
     across = np.array((-behind[1], behind[0]))
-    found: List[Tuple[float, int, object]] = []
+    found: List[Tuple[float, int, LaneOrNode]] = []
     for node in net.nodes:
         offset = net.positions[node] - position
         if abs(offset @ across) < 0.1 * abs(offset @ behind) + 0.05:
@@ -143,7 +143,7 @@ def _straight_behind(net: LaneNet, position: np.ndarray, heading: float, taken: 
             continue
         end = net.positions[target] if isinstance(target, int) else position + distance * behind
         if in_sight(net.floor, position, end, options.tight):
-            return target if isinstance(target, int) else net.split(target, end)
+            return net.joint(target, end)
     return None
 
 
@@ -178,14 +178,14 @@ def _need_at(floor: Floor, position: np.ndarray, options: MakingOptions) -> floa
 
 
 def _straight_to_lane(net: LaneNet, start: np.ndarray, need: float, options: MakingOptions,
-                      taken: set) -> Optional[Tuple[np.ndarray, object]]:
+                      taken: Set[int]) -> Optional[Tuple[np.ndarray, LaneOrNode]]:
     """The best straight way to a lane or node: its end there, and the node or lane."""
-    ways: List[Tuple[float, int, np.ndarray, object]] = []
+    ways: List[Tuple[float, int, np.ndarray, LaneOrNode]] = []
     for lane in net.lanes:
         foot = _foot(net, lane, start)
         ends = [(float(np.hypot(*(net.positions[node] - foot))), node) for node in lane.nodes]
         distance, node = min(ends)
-        target: object = lane
+        target: LaneOrNode = lane
         if distance < NEAR_NODE:
             foot, target = net.positions[node], node
         length = float(np.hypot(*(foot - start)))

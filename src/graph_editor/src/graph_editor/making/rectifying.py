@@ -77,7 +77,7 @@ class _Rectifier:
     def _give_up(self, wrong: List[Key], far: List[int]) -> None:
         """What went wrong follows no axis any more; if it did not, its nodes stay put."""
         for node in far:
-            wrong += [tuple(sorted((node, other))) for other in self._net.neighbours(node)]
+            wrong += [(min(node, other), max(node, other)) for other in self._net.neighbours(node)]
         for key in set(wrong):
             if key in self._following:
                 self._following.discard(key)

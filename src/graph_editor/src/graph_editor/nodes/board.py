@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Callable, ContextManager, Dict, Iterable, List, Mapping, Optional, Tuple
+from typing import Any, Callable, ContextManager, Dict, Iterable, List, Mapping, Optional, Tuple
 
 from interactive_markers.interactive_marker_server import InteractiveMarkerServer
 from visualization_msgs.msg import InteractiveMarker, InteractiveMarkerFeedback
@@ -15,11 +15,13 @@ from graph_editor.checking.findings import Finding, Severity
 from graph_editor.editor.session import Session
 from graph_editor.nodes import drawing, handles
 from graph_editor.nodes.handles import Look
-from trajectory_graph import CurveType
+from trajectory_graph import CurveType, Vertex
 
 NAMESPACE = 'graph_editor'
 MOVED = 0.02  # m that the mouse must move a vertex by, for a drag and no click
 Key = Tuple[str, int]
+Shown = Any
+"""What a handle shows; it is drawn anew when that is another."""
 
 
 class Board:
@@ -31,7 +33,7 @@ class Board:
         self._lock = lock
         self._changed = changed
         self._server = InteractiveMarkerServer(NAMESPACE)
-        self._shown: Dict[str, object] = {}
+        self._shown: Dict[str, Shown] = {}
         self._severities: Dict[Key, Severity] = {}
         self._grabbed: Optional[str] = None
         self._grabbed_at = (0.0, 0.0)
@@ -51,10 +53,10 @@ class Board:
                 if self._severities.get(key) is not Severity.ERROR:
                     self._severities[key] = finding.severity
 
-    def show(self, own_severities: Mapping[Key, Severity]) -> None:
+    def show(self, own_severities: Mapping[Key, Optional[Severity]]) -> None:
         """Brings RViz up to date; the severities are those of elements that changed just now."""
         draft = self._session.draft
-        wanted: Dict[str, object] = {}
+        wanted: Dict[str, Shown] = {}
         for vertex in draft.vertices.values():
             name = handles.vertex_name(vertex.id)
             look = self._look('vertex', vertex.id, own_severities)
@@ -83,7 +85,7 @@ class Board:
         self._shown = wanted
         self._server.applyChanges()
 
-    def _show_handles_of_selected(self, wanted: Dict[str, object]) -> None:
+    def _show_handles_of_selected(self, wanted: Dict[str, Shown]) -> None:
         selected, draft = self._session.selected, self._session.draft
         markers: List[InteractiveMarker] = []
         if selected is not None and selected.kind == 'vertex':
@@ -99,7 +101,7 @@ class Board:
             else:
                 self._insert(marker)
 
-    def _look(self, kind: str, id: int, own: Mapping[Key, Severity]) -> Look:
+    def _look(self, kind: str, id: int, own: Mapping[Key, Optional[Severity]]) -> Look:
         selected = self._session.selected
         return Look(own.get((kind, id), self._severities.get((kind, id))),
                     selected is not None and (selected.kind, selected.id) == (kind, id),
@@ -160,6 +162,6 @@ class Board:
             self._session.do(entry.action, what, int(id), entry.argument)
 
 
-def _same_but_place(one: object, other: object) -> bool:
+def _same_but_place(one: Vertex, other: Vertex) -> bool:
     """Do two vertices differ in their place only?"""
     return replace(one, x=other.x, y=other.y) == other

@@ -70,7 +70,7 @@ class EditorNode:
         self._checked_version = self._published_version = -1
         self._changed_at = self._published_at = 0.0
         self._last_draft = session.draft
-        self._own: Dict[Key, Severity] = {}
+        self._own: Dict[Key, Optional[Severity]] = {}
         self._board = Board(session, self.lock, self.show)
         self._graphs = rospy.Publisher('/graph', Graph, queue_size=1, latch=True)
         self._maps = rospy.Publisher(f'{NAMESPACE}/map', OccupancyGrid, queue_size=1, latch=True)

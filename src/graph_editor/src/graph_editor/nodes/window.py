@@ -109,10 +109,10 @@ class EditorWindow(QtWidgets.QMainWindow):
             item = self._findings.item(row)
             item.setForeground(ERROR if finding.severity is Severity.ERROR else WARNING)
             if finding.id is not None:
-                item.setData(QtCore.Qt.UserRole, (finding.kind, finding.id))
+                item.setData(QtCore.Qt.ItemDataRole.UserRole, (finding.kind, finding.id))
 
     def _select_finding(self, item: QtWidgets.QListWidgetItem) -> None:
-        about = item.data(QtCore.Qt.UserRole)
+        about = item.data(QtCore.Qt.ItemDataRole.UserRole)
         if about is not None:
             kind, id = about
             self._edit(lambda session: session.click_edge(id) if kind == 'edge'
@@ -130,7 +130,7 @@ class _Form(QtWidgets.QStackedWidget):
             'Click a vertex or an edge in RViz.\n\nPublish Point (key c) and a click: a new '
             'vertex, or an edge cut in two.\nDrag: move.\nRight click: everything else.')
         hint.setWordWrap(True)
-        hint.setAlignment(QtCore.Qt.AlignTop)
+        hint.setAlignment(QtCore.Qt.AlignmentFlag.AlignTop)
         self._vertex, self._edge = _VertexFields(self._change), _EdgeFields(self._change)
         for page in (hint, self._vertex, self._edge):
             self.addWidget(page)
