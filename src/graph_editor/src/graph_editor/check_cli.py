@@ -12,19 +12,25 @@ from typing import List, Optional
 from graph_editor.checking.checker import Checker
 from graph_editor.checking.findings import Severity
 from graph_editor.checking.rules import CheckRules
-from graph_editor.make_cli import ERRORS, add_robot_arguments, add_site_arguments, site_options
+from graph_editor.make_cli import (
+    ERRORS,
+    LoadMap,
+    add_robot_arguments,
+    add_site_arguments,
+    site_options,
+)
 from graph_editor.picture import draw_graph
 from graph_editor.site import load_site
 from trajectory_graph import load_graph
 from trajectory_graph.editing import Draft
 
 
-def main(arguments: Optional[List[str]] = None) -> int:
-    """Run the command and return its exit status."""
+def main(arguments: Optional[List[str]] = None, load: LoadMap = load_site) -> int:
+    """Run the command and return its exit status; `load` reads what --map names."""
     chosen = _parser().parse_args(arguments)
     try:
         graph = load_graph(chosen.graph)
-        site = load_site(chosen.map, site_options(chosen))
+        site = load(chosen.map, site_options(chosen))
         rules = CheckRules(robot_width=chosen.robot_width, robot_length=chosen.robot_length,
                            corridor=chosen.corridor)
         findings = Checker(rules, site).all(Draft.of(graph))

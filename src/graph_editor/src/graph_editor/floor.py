@@ -6,6 +6,7 @@ value is off by at most 0.71 of a cell.
 """
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Iterable, Tuple
@@ -68,6 +69,9 @@ class Floor:
     def part_near(self, parts: np.ndarray, place: Tuple[float, float], reach: float = 1.0) -> int:
         """The label in `parts` (rows, columns) nearest to a place, within `reach` m; else 0."""
         (row,), (column,) = self.cells_of(np.array([place]))
+        (x, y), = self.centres(np.array([row]), np.array([column]))
+        if math.dist((x, y), place) > reach + self.resolution:
+            return 0  # off the grid
         if parts[row, column]:
             return int(parts[row, column])
         cells = int(reach / self.resolution)

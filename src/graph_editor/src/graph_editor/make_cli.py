@@ -8,7 +8,7 @@ import argparse
 import math
 import sys
 from dataclasses import replace
-from typing import Dict, List, Optional
+from typing import Callable, Dict, List, Optional
 
 from graph_editor.checking.checker import narrow_edges
 from graph_editor.errors import SiteError
@@ -17,16 +17,17 @@ from graph_editor.making.keeping_ids import with_ids_of
 from graph_editor.making.maker import make_graph
 from graph_editor.making.options import Halls, MakingOptions
 from graph_editor.picture import draw_graph
-from graph_editor.site import Place, PlaceKind, SiteOptions, load_site
+from graph_editor.site import Place, PlaceKind, Site, SiteOptions, load_site
 from omron_map import MapError
 from trajectory_graph import Graph, TrajectoryGraphError, load_graph
 
 ERRORS = (SiteError, MapError, TrajectoryGraphError)
+LoadMap = Callable[[str, SiteOptions], Site]
 _DEFAULT = MakingOptions()
 
 
-def main(arguments: Optional[List[str]] = None) -> int:
-    """Run the command and return its exit status."""
+def main(arguments: Optional[List[str]] = None, load: LoadMap = load_site) -> int:
+    """Run the command and return its exit status; `load` reads what --map names."""
     chosen = _parser().parse_args(arguments)
     try:
         options = MakingOptions(
@@ -35,7 +36,7 @@ def main(arguments: Optional[List[str]] = None) -> int:
             reach=chosen.reach, speed=chosen.speed, halls=Halls(chosen.halls),
             lattice_pitch=chosen.lattice_pitch)
         old = load_graph(chosen.keep_ids) if chosen.keep_ids else None
-        site = load_site(chosen.map, site_options(chosen))
+        site = load(chosen.map, site_options(chosen))
         site = replace(site, places=(*site.places, *_more_places(chosen)))
         made = make_graph(site, options)
         graph = made.graph if old is None else with_ids_of(old, made.graph)
@@ -56,8 +57,8 @@ def main(arguments: Optional[List[str]] = None) -> int:
 
 def add_site_arguments(parser: argparse.ArgumentParser) -> None:
     """The options that say which map and how much of it."""
-    parser.add_argument('--map', required=True, metavar='M', help="a robot's .map, or the .yaml of "
-                        'a ROS map')
+    parser.add_argument('--map', required=True, metavar='M', help="a robot's .map, the .yaml of a "
+                        'ROS map, or topic:/map for a nav_msgs/OccupancyGrid that is published')
     parser.add_argument('--area', metavar='X1,Y1,X2,Y2', help='the part of the map that counts, m '
                         '(default: inside the scanned outline)')
     parser.add_argument('--outline-gap', type=float, default=SiteOptions.outline_gap, metavar='M',
@@ -106,9 +107,12 @@ def _more_places(chosen: argparse.Namespace) -> List[Place]:
 
 def _place(kind: PlaceKind, text: str, option: str) -> Place:
     try:
-        name, x, y, degrees = text.split(',')
-        heading = math.radians(float(degrees)) if degrees else None
-        return Place(kind, name, float(x), float(y), heading)
+        name, *numbers = text.split(',')
+        x, y, degrees = (float(number or 'nan') for number in numbers)
+        if math.isfinite(x) and math.isfinite(y) and not math.isinf(degrees):
+            heading = None if math.isnan(degrees) else math.radians(degrees)
+            return Place(kind, name, x, y, heading)
+        raise ValueError
     except ValueError:
         raise SiteError(f'{option} must give {"" if kind is PlaceKind.DOCK else "a name, "}x and y '
                         'in m and the heading in degrees, with commas between.') from None

@@ -1,6 +1,6 @@
 """Sites: a floor and the places on it, from a robot's `.map`, a ROS map, or an occupancy grid.
 
-The only module that knows of files and of `.map`. Metres and radians come out.
+The only module that knows of `.map`. Metres and radians come out.
 """
 from __future__ import annotations
 
@@ -8,15 +8,14 @@ import math
 import os
 from dataclasses import dataclass
 from enum import Enum
-from typing import Optional, Sequence, Tuple
+from typing import Optional, Tuple
 
 import numpy as np
-import yaml
-from PIL import Image
 
 from graph_editor.errors import SiteError
 from graph_editor.floor import LARGEST_GRID, Floor, inside_outline
-from omron_map import OCCUPIED, MapDocument, MapError, OccupancyGrid
+from graph_editor.ros_map import load_ros_map
+from omron_map import OCCUPIED, MapDocument, OccupancyGrid
 
 CONVERTERS_FENCE = 'omron_ros_map fence'
 """Description of the areas and lines that a converter made around a graph's corridors."""
@@ -78,7 +77,8 @@ class SiteOptions:
 def load_site(path: str, options: SiteOptions) -> Site:
     """The site in a `.map` file, or in the `.yaml` of a ROS map; raises SiteError or MapError."""
     if os.path.splitext(path)[1].lower() in ('.yaml', '.yml'):
-        return _from_ros_map(path, options)
+        grid = load_ros_map(path)
+        return site_of_grid(grid.cells, grid.resolution, grid.origin, options, path)
     return site_of_document(MapDocument.load(path), options)
 
 
@@ -138,38 +138,3 @@ def _places(document: MapDocument) -> Tuple[Place, ...]:
             heading = math.radians(obj.theta) if obj.has_heading else None
             places.append(Place(kind, obj.label, x / 1000.0, y / 1000.0, heading))
     return tuple(places)
-
-
-def _from_ros_map(path: str, options: SiteOptions) -> Site:
-    """The map that `map_server` would publish for the file `path`."""
-    try:
-        with open(path, encoding='utf-8') as stream:
-            content = yaml.safe_load(stream)
-        image_path = os.path.join(os.path.dirname(path), str(content['image']))
-        resolution = float(content['resolution'])
-        x, y, yaw = (float(value) for value in content['origin'])
-        occupied_from = float(content['occupied_thresh'])
-        free_to = float(content['free_thresh'])
-        inverted = bool(content.get('negate', 0))
-        mode = content.get('mode', 'trinary')
-    except OSError as error:
-        raise SiteError(f'{path} cannot be read ({error.strerror}).') from None
-    except (KeyError, TypeError, ValueError, yaml.YAMLError) as error:
-        raise SiteError(f'{path} does not describe a ROS map ({error}); it must give image, '
-                        'resolution, origin, occupied_thresh and free_thresh.') from None
-    if not 0.0 < resolution < math.inf or yaw != 0.0 or mode != 'trinary':
-        raise SiteError(f'{path}: resolution is {resolution}, yaw {yaw}, mode {mode}; only a '
-                        'positive resolution, a map that is not turned, and trinary are known.')
-    try:
-        with Image.open(image_path) as image:
-            grey = np.asarray(image.convert('L'), float)[::-1]
-    except (OSError, Image.DecompressionBombError) as error:
-        raise SiteError(f'{image_path}, the image of {path}, cannot be read ({error}).') from None
-    darkness = grey / 255.0 if inverted else 1.0 - grey / 255.0
-    cells = np.full(grey.shape, -1, np.int8)
-    cells[darkness < free_to] = 0
-    cells[darkness > occupied_from] = 100
-    return site_of_grid(cells, resolution, (x, y), options, path)
-
-
-ERRORS: Sequence[type] = (SiteError, MapError)

@@ -102,7 +102,7 @@ class Draft:
 
 def snapped(x: float, y: float, grid: float) -> Tuple[float, float]:
     """The place on a grid of `grid` m that is nearest, or the same place where `grid` is 0."""
-    if grid <= 0.0:
+    if grid <= 0.0 or not math.isfinite(x) or not math.isfinite(y):
         return round(x, 4), round(y, 4)
     return round(round(x / grid) * grid, 6), round(round(y / grid) * grid, 6)
 

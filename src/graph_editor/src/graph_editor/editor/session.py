@@ -90,8 +90,7 @@ class Session:
     def click_vertex(self, id: int) -> None:
         """Selects the vertex, or connects it to the one that waits for that."""
         if self.connecting_from in (None, id):
-            self._select('vertex', id)
-            self._say(f'Vertex {id}')
+            self._tried(lambda: self._choose('vertex', id, f'Vertex {id}'))
         else:
             self._tried(lambda: self._connect_to(id))
 
@@ -104,15 +103,15 @@ class Session:
 
     def click_edge(self, id: int) -> None:
         """Selects the edge."""
-        self._select('edge', id)
-        self._say(f'Edge {id}')
+        self._tried(lambda: self._choose('edge', id, f'Edge {id}'))
 
     def drag_vertex(self, id: int, x: float, y: float) -> None:
         """Moves a vertex as the mouse does; `end_drag` makes one step of it."""
-        x, y = editing.snapped(x, y, self.grid)
-        self.selected = Selected('vertex', id)
-        self._tried(lambda: self._change(f'move vertex {id}',
-                                         editing.move_vertex(self.draft, id, x, y), ('move', id)))
+        self._tried(lambda: self._drag_vertex(id, *editing.snapped(x, y, self.grid)))
+
+    def _drag_vertex(self, id: int, x: float, y: float) -> None:
+        self._change(f'move vertex {id}', editing.move_vertex(self.draft, id, x, y), ('move', id))
+        self._select('vertex', id)
 
     def drag_heading(self, id: int, x: float, y: float) -> None:
         """Makes a vertex look to x, y."""
@@ -143,14 +142,17 @@ class Session:
                 f'{action.value.split(":")[0].lower()}, {kind} {id}',
                 CHANGES[action](self.draft, id, argument)))
         elif action is Action.CONNECT:
-            self._select('vertex', id)
-            self.connecting_from = id
-            self._say(f'Click the vertex to connect {id} to, or the floor (tool Publish Point)')
+            self._tried(lambda: self._connect_from(id))
         elif action is Action.CONNECT_HERE:
             if self.connecting_from is None:
                 self._say('First choose "Connect from here" at another vertex')
             else:
                 self.click_vertex(id)
+
+    def _connect_from(self, id: int) -> None:
+        self._choose('vertex', id, f'Click the vertex to connect {id} to, or the floor (tool '
+                     'Publish Point)')
+        self.connecting_from = id
 
     def set_fields(self, kind: str, id: int, **fields: Any) -> None:
         """Other values for fields of a vertex or edge, as typed in the window."""
@@ -233,6 +235,15 @@ class Session:
                 best = nearest.distance, edge.id, nearest.fraction
         return None if best is None else (best[1], best[2])
 
+    def _choose(self, kind: str, id: int, words: str) -> None:
+        """Selects what a person clicked; raises EditError where that is gone."""
+        if kind == 'vertex':
+            self.draft.vertex(id)
+        else:
+            self.draft.edge(id)
+        self._select(kind, id)
+        self._say(words)
+
     def _select(self, kind: str, id: int) -> None:
         self.selected = Selected(kind, id)
         self.version += 1
@@ -250,6 +261,8 @@ class Session:
     def _change(self, name: str, draft: Draft, gesture: object = None) -> None:
         if self.history.change(name, draft, gesture):
             self._after_step(name[0].upper() + name[1:])
+        elif gesture is None:
+            self._say(f'It is so already: {name}')
 
     def _after_step(self, words: str) -> None:
         """Forgets what is not there any more."""

@@ -164,7 +164,36 @@ def _merge(net: LaneNet, a: int, b: int, keep: set) -> bool:
         if all(in_sight(net.floor, start, net.positions[node], need) for start, need in starts):
             net.merge(node, other)
             return True
-    return False
+    return not {a, b} & keep and _merge_in_corner(net, a, b)
+
+
+def _merge_in_corner(net: LaneNet, a: int, b: int) -> bool:
+    """Two bends become one where the lanes that lead to them meet.
+
+    The lanes get as little room there as the lane between the bends had.
+    """
+    if net.degree(a) != 2 or net.degree(b) != 2:
+        return False
+    (before,), (after,) = ([node for node in net.neighbours(end) if node not in (a, b)]
+                           for end in (a, b))
+    here, there = net.positions[a], net.positions[b]
+    first, second = here - net.positions[before], there - net.positions[after]
+    cross = float(first[0] * second[1] - first[1] * second[0])
+    if before == after or abs(cross) < 0.5 * np.hypot(*first) * np.hypot(*second):
+        return False
+    between = there - here
+    corner = here + (between[0] * second[1] - between[1] * second[0]) / cross * first
+    outer = [(net.lane(before, a), net.positions[before]), (net.lane(b, after),
+                                                            net.positions[after])]
+    need = min(net.lane(a, b).need, *(lane.need for lane, _ in outer))
+    if max(np.hypot(*(corner - here)), np.hypot(*(corner - there))) > CLOSE or not all(
+            in_sight(net.floor, far, corner, need) for _, far in outer):
+        return False
+    for lane, _ in outer:
+        net.with_need(lane, need)
+    net.positions[a] = corner
+    net.merge(a, b)
+    return True
 
 
 def _dissolve_straight(net: LaneNet, keep: set) -> None:

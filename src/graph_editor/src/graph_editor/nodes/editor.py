@@ -10,7 +10,7 @@ Publishes
 Subscribes
   clicked_point       geometry_msgs/PointStamped: RViz's Publish Point adds a vertex or cuts an edge
 Parameters
-  ~map_file           .map of a robot, or .yaml of a ROS map (required)
+  ~map_file           .map of a robot, .yaml of a ROS map, or topic:NAME (required)
   ~graph_file         graph to edit; one that is not there is made from the map (required)
   ~area               '' or x1,y1,x2,y2: the part of the map that counts
   ~grid               m, that vertices snap to (0: none)
@@ -45,7 +45,8 @@ from graph_editor.nodes import drawing
 from graph_editor.nodes.board import NAMESPACE, Board, Key
 from graph_editor.nodes.drawing import MAP_FRAME
 from graph_editor.nodes.handles import AMBER, BLACK, RED
-from graph_editor.site import Site, SiteOptions, load_site
+from graph_editor.nodes.live_map import load_map
+from graph_editor.site import Site, SiteOptions
 from itrci_nav_msgs.msg import Edge, Graph, Vertex
 from omron_map import MapError
 from trajectory_graph import GraphError, TrajectoryGraphError
@@ -230,7 +231,7 @@ def _start() -> Tuple[EditorNode, bool]:
     rules = CheckRules(robot_width=float(rospy.get_param('~robot_width', 0.5)),
                        robot_length=float(rospy.get_param('~robot_length', 0.7)),
                        corridor=float(rospy.get_param('~corridor', 0.9)))
-    site = load_site(map_file, SiteOptions(area=_area(str(rospy.get_param('~area', '')))))
+    site = load_map(map_file, SiteOptions(area=_area(str(rospy.get_param('~area', '')))))
     is_new = not os.path.exists(graph_file)
     if is_new:
         made = make_graph(site, MakingOptions(

@@ -62,22 +62,24 @@ def edge_name(id: int) -> str:
 
 def vertex_handle(vertex: Vertex, look: Look) -> InteractiveMarker:
     """A disc that can be dragged, an arrow along its heading, its id and label."""
-    paint = _paint(look) or (PURPLE if vertex.dock else ORANGE if vertex.parking else NAVY)
+    paint = _warning(look) or (PURPLE if vertex.dock else ORANGE if vertex.parking else NAVY)
     label = f' {vertex.label}' if vertex.label not in ('', 'pass', 'parking') else ''
-    size = VERTEX_SIZE * (1.4 if look.waiting else 1.0)
     marker = _handle(vertex_name(vertex.id), vertex.position)
     marker.menu_entries = _VERTEX_ENTRIES
+    shapes = [drawing.disc(VERTEX_SIZE, VERTEX_Z, paint),
+              drawing.arrow(vertex.theta, 0.42, 0.2, VERTEX_Z + 0.01, paint),
+              drawing.text(f'{vertex.id}{label}', 0.28, 0.32, TEXT_Z, 0.3, BLACK)]
+    if look.selected or look.waiting:
+        halo = VERTEX_SIZE * (2.0 if look.waiting else 1.6)
+        shapes.append(drawing.disc(halo, VERTEX_Z - 0.015, YELLOW))
     marker.controls.append(_plane_control(
-        'move', f'Vertex {vertex.id}{label}: drag, or right click',
-        [drawing.disc(size, VERTEX_Z, paint),
-         drawing.arrow(vertex.theta, 0.42, 0.2, VERTEX_Z + 0.01, paint),
-         drawing.text(f'{vertex.id}{label}', 0.0, 0.36, TEXT_Z, 0.3, BLACK)]))
+        'move', f'Vertex {vertex.id}{label}: drag, or right click', shapes))
     return marker
 
 
 def edge_handle(draft: Draft, edge: Edge, look: Look) -> InteractiveMarker:
     """The edge's curve, with an arrow for each way that may be driven."""
-    paint = _paint(look) or (VIOLET if edge.curve_type is CurveType.SPLINE else BLUE)
+    paint = _warning(look) or (VIOLET if edge.curve_type is CurveType.SPLINE else BLUE)
     origin, destination = draft.vertices[edge.origin], draft.vertices[edge.destination]
     try:
         curve = draft.curve(edge.id)
@@ -90,6 +92,9 @@ def edge_handle(draft: Draft, edge: Edge, look: Look) -> InteractiveMarker:
     marker = _handle(edge_name(edge.id), middle)
     marker.menu_entries = _EDGE_ENTRIES
     shapes = [drawing.strip(points - np.array(middle), EDGE_WIDTH, EDGE_Z, paint)]
+    if look.selected:
+        shapes.append(drawing.strip(points - np.array(middle), 3.0 * EDGE_WIDTH, EDGE_Z - 0.01,
+                                    YELLOW))
     shapes += [drawing.arrow(yaw, 0.24, 0.26, EDGE_Z + 0.01, paint)
                for yaw, speed in ((heading, edge.velocity_forward),
                                   (heading + math.pi, edge.velocity_backwards)) if speed > 0.0]
@@ -135,9 +140,7 @@ def bender_places(draft: Draft, edge: Edge) -> List[Tuple[float, float]]:
              destination.y - edge.param_b * math.sin(destination.theta))]
 
 
-def _paint(look: Look) -> Optional[ColorRGBA]:
-    if look.selected or look.waiting:
-        return YELLOW
+def _warning(look: Look) -> Optional[ColorRGBA]:
     if look.severity is None:
         return None
     return RED if look.severity is Severity.ERROR else AMBER

@@ -15,7 +15,8 @@ import numpy as np
 
 from graph_editor.floor import Floor
 from graph_editor.make_cli import ERRORS
-from graph_editor.site import SiteOptions, load_site
+from graph_editor.nodes.live_map import load_map
+from graph_editor.site import SiteOptions
 
 WIDTH, HEIGHT = 1248, 808  # pixels of the 3D view in the configuration's window
 BORDER = 0.8  # m around the map
@@ -52,7 +53,7 @@ def main() -> None:
     map_file, path, *arguments = sys.argv[1:]
     try:
         with open(path, encoding='utf-8') as stream:
-            text = fitted(stream.read(), load_site(map_file, SiteOptions()).floor)
+            text = fitted(stream.read(), load_map(map_file, SiteOptions()).floor)
         path = os.path.join(tempfile.mkdtemp(prefix='graph_editor_view_'), os.path.basename(path))
         with open(path, 'w', encoding='utf-8') as stream:
             stream.write(text)
