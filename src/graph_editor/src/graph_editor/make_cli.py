@@ -8,7 +8,7 @@ import argparse
 import math
 import sys
 from dataclasses import replace
-from typing import Callable, Dict, List, Optional
+from typing import Callable, Dict, List, Optional, Tuple
 
 from graph_editor.checking.checker import narrow_edges
 from graph_editor.errors import SiteError
@@ -79,19 +79,24 @@ def add_robot_arguments(parser: argparse.ArgumentParser) -> None:
 
 def site_options(chosen: argparse.Namespace) -> SiteOptions:
     """From the arguments of `add_site_arguments`; raises SiteError."""
-    area = None
-    if chosen.area is not None:
-        try:
-            x1, y1, x2, y2 = (float(value) for value in chosen.area.split(','))
-        except ValueError:
-            raise SiteError(f'--area {chosen.area!r} is not like -10,-5,20.5,8: two corners, '
-                            'in m.') from None
-        area = x1, y1, x2, y2
+    area = None if chosen.area is None else area_of(chosen.area, '--area')
     if not 0.005 <= chosen.resolution <= 0.25:
         raise SiteError(f'--resolution is {chosen.resolution:g}, but must lie in 0.005..0.25 m.')
     if not 0.0 <= chosen.outline_gap <= 100.0:
         raise SiteError(f'--outline-gap is {chosen.outline_gap:g}, but must lie in 0..100 m.')
     return SiteOptions(area, chosen.outline_gap, chosen.resolution)
+
+
+def area_of(text: str, option: str) -> Tuple[float, float, float, float]:
+    """Two corners of a rectangle, m, as a person writes them; raises SiteError."""
+    try:
+        x1, y1, x2, y2 = (float(value) for value in text.split(','))
+        if not math.isfinite(x1 + y1 + x2 + y2):
+            raise ValueError
+    except ValueError:
+        raise SiteError(f'{option} is {text!r}, but must be two corners in m, like '
+                        '-10,-5,20.5,8.') from None
+    return x1, y1, x2, y2
 
 
 def edge_width_option(narrow: Dict[int, float]) -> str:

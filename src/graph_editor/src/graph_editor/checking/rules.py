@@ -3,10 +3,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from graph_editor.errors import SiteError
+
 
 @dataclass(frozen=True)
 class CheckRules:
-    """The robot, its corridor, and what else edges and vertices shall keep."""
+    """The robot, its corridor, and what else edges and vertices shall keep.
+
+    Raises SiteError for numbers that fit no robot.
+    """
 
     robot_width: float = 0.5
     robot_length: float = 0.7
@@ -19,6 +24,12 @@ class CheckRules:
     """Floor farther from all edges than this, by the way to drive, is not served."""
     least_floor: float = 4.0
     """m2 of floor that is not served, to be told."""
+
+    def __post_init__(self) -> None:
+        for name in ('robot_width', 'robot_length', 'corridor'):
+            value = getattr(self, name)
+            if not 0.05 <= value <= 1000.0:
+                raise SiteError(f'{name} is {value:g}, but must lie in 0.05..1000 m.')
 
     @property
     def turning(self) -> float:

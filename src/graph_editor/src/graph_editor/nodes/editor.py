@@ -39,6 +39,7 @@ from graph_editor.checking.findings import Finding, Severity
 from graph_editor.checking.rules import CheckRules
 from graph_editor.editor.session import Session
 from graph_editor.errors import SiteError
+from graph_editor.make_cli import area_of
 from graph_editor.making.maker import make_graph
 from graph_editor.making.options import MakingOptions
 from graph_editor.nodes import drawing
@@ -212,16 +213,6 @@ def _frame() -> TransformStamped:
     return transform
 
 
-def _area(text: str) -> Optional[Tuple[float, float, float, float]]:
-    if not text:
-        return None
-    try:
-        x1, y1, x2, y2 = (float(value) for value in text.split(','))
-    except ValueError:
-        raise SiteError(f'~area is {text!r}, but must be like -10,-5,20.5,8.') from None
-    return x1, y1, x2, y2
-
-
 def _start() -> Tuple[EditorNode, bool]:
     """The node, and whether it shall have a window; raises SiteError and the files' errors."""
     map_file = str(rospy.get_param('~map_file', ''))
@@ -231,7 +222,8 @@ def _start() -> Tuple[EditorNode, bool]:
     rules = CheckRules(robot_width=float(rospy.get_param('~robot_width', 0.5)),
                        robot_length=float(rospy.get_param('~robot_length', 0.7)),
                        corridor=float(rospy.get_param('~corridor', 0.9)))
-    site = load_map(map_file, SiteOptions(area=_area(str(rospy.get_param('~area', '')))))
+    area = str(rospy.get_param('~area', ''))
+    site = load_map(map_file, SiteOptions(area_of(area, '~area') if area else None))
     is_new = not os.path.exists(graph_file)
     if is_new:
         made = make_graph(site, MakingOptions(

@@ -60,6 +60,22 @@ class EditorWindow(QtWidgets.QMainWindow):
         self.resize(WIDTH, min(HEIGHT, screen.height()))
         self.move(screen.right() - WIDTH, screen.top())
 
+    def closeEvent(self, event: QtGui.QCloseEvent) -> None:  # noqa: N802, Qt's name
+        """Asks before edits are lost."""
+        with self._node.lock:
+            lost = not self._node.session.is_saved
+        box = QtWidgets.QMessageBox
+        answer = box.Discard if not lost else box.question(
+            self, 'Graph editor', 'The graph is not saved. Save it?',
+            box.Save | box.Discard | box.Cancel, box.Save)
+        if answer == box.Save:
+            with self._node.lock:
+                saved = self._node.session.save()
+                self._node.show()
+            event.setAccepted(saved)
+        else:
+            event.setAccepted(answer == box.Discard)
+
     def _button(self, layout: QtWidgets.QHBoxLayout, words: str, keys: str,
                 act: Callable[[Session], object]) -> QtWidgets.QPushButton:
         button = QtWidgets.QPushButton(words)
