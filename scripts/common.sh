@@ -28,6 +28,7 @@ run_packages=(
   "python3-numpy       python3-numpy"
   "python3-paho-mqtt   python3-paho-mqtt"
   "python3-pil         python3-pil"
+  "python3-pyqt5       python3-pyqt5"
   "python3-scipy       python3-scipy"
   "python3-setuptools  python3-setuptools"
   "python3-shapely     python3-shapely"

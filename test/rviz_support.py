@@ -142,6 +142,21 @@ class RvizWindow:
 
     def click_handle(self, pixel: Tuple[int, int], button: int = 1) -> None:
         """Click on a handle once RViz says in its status bar what is under the mouse."""
+        self.find_handle(pixel)
+        self._screen.mouse('click', button)
+
+    def drag_handle(self, start: Tuple[int, int], end: Tuple[int, int]) -> None:
+        """Drag a handle that RViz has found, with small moves, as a hand does."""
+        self.find_handle(start)
+        self._screen.mouse('mousedown', 1)
+        for step in range(1, 11):
+            self._screen.mouse('mousemove', start[0] + (end[0] - start[0]) * step // 10,
+                               start[1] + (end[1] - start[1]) * step // 10)
+        self._at_rest(STATUS_BAR)
+        self._screen.mouse('mouseup', 1)
+
+    def find_handle(self, pixel: Tuple[int, int]) -> None:
+        """Bring the mouse to a handle, until RViz says so in its status bar."""
         self.hover(self._nothing_here)
         idle = self._at_rest(STATUS_BAR)
 
@@ -149,7 +164,6 @@ class RvizWindow:
             self.hover(pixel)
             return self._at_rest(STATUS_BAR) != idle
         wait_until(found, PATIENCE, f'RViz finds the handle at {pixel}')
-        self._screen.mouse('click', button)
 
     def drag(self, start: Tuple[int, int], end: Tuple[int, int]) -> None:
         self.hover(start)

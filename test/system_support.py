@@ -128,12 +128,12 @@ class Launched:
     node logs before rosout has found it does not arrive there.)
     """
 
-    def __init__(self, launch_file: str, **args: object) -> None:
+    def __init__(self, launch_file: str, package: str = 'omron_ld90', **args: object) -> None:
         self._folder = tempfile.TemporaryDirectory()
         self._output = Path(self._folder.name) / 'output.log'
         with self._output.open('w') as output:
             self._process = subprocess.Popen(
-                ['roslaunch', 'omron_ld90', launch_file]
+                ['roslaunch', package, launch_file]
                 + [f'{name}:={value}' for name, value in args.items()],
                 stdout=output, stderr=subprocess.STDOUT)
 

@@ -1,0 +1,70 @@
+"""A graph against its site: all findings, or those again that an edit can have changed."""
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Dict, List, Optional, Tuple
+
+from graph_editor.checking.draft_checks import check_corners, check_service, check_together
+from graph_editor.checking.edge_checks import GRAIN, check_edge, check_vertex, tightest
+from graph_editor.checking.findings import Finding, in_order
+from graph_editor.checking.rules import CheckRules
+from graph_editor.floor import Floor
+from graph_editor.site import Site
+from trajectory_graph import Edge, Graph, Vertex
+from trajectory_graph.editing import Draft
+
+KEPT = 20_000  # elements whose findings are remembered
+
+
+class Checker:
+    """Remembers what it found about elements that stay the same."""
+
+    def __init__(self, rules: CheckRules, site: Optional[Site] = None) -> None:
+        """Without a site only what the graph itself tells is checked."""
+        self.rules = rules
+        self._site = site
+        floor = None if site is None else site.floor
+
+        @lru_cache(maxsize=KEPT)
+        def edge_findings(origin: Vertex, destination: Vertex, edge: Edge) -> Tuple[Finding, ...]:
+            return tuple(check_edge(origin, destination, edge, floor, rules))
+
+        @lru_cache(maxsize=KEPT)
+        def vertex_findings(vertex: Vertex) -> Tuple[Finding, ...]:
+            return tuple(check_vertex(vertex, floor, rules))
+        self._edge_findings = edge_findings
+        self._vertex_findings = vertex_findings
+
+    def of_edge(self, draft: Draft, id: int) -> Tuple[Finding, ...]:
+        """Findings about one edge alone."""
+        edge = draft.edges[id]
+        return self._edge_findings(draft.vertices[edge.origin], draft.vertices[edge.destination],
+                                   edge)
+
+    def of_vertex(self, draft: Draft, id: int) -> Tuple[Finding, ...]:
+        """Findings about one vertex alone."""
+        return self._vertex_findings(draft.vertices[id])
+
+    def all(self, draft: Draft) -> List[Finding]:
+        """Everything that is wrong, errors first."""
+        findings: List[Finding] = []
+        for id in draft.vertices:
+            findings += self.of_vertex(draft, id)
+        for id in draft.edges:
+            findings += self.of_edge(draft, id)
+        findings += check_together(draft, self.rules)
+        if self._site is not None:
+            findings += check_corners(draft, self._site.floor, self.rules)
+            findings += check_service(draft, self._site.floor, self._site.places, self.rules)
+        return in_order(findings)
+
+
+def narrow_edges(graph: Graph, floor: Floor, corridor: float, robot_width: float
+                 ) -> Dict[int, float]:
+    """Corridor (m, to the whole cm) of the edges that have no room for `corridor`."""
+    widths = {}
+    for id in graph.edges:
+        clearance = tightest(floor, graph.curve(id).sample(0.05)).clearance
+        if clearance < corridor / 2.0 - GRAIN:
+            widths[id] = max(int(200.0 * clearance) / 100.0, robot_width + 0.01)
+    return widths

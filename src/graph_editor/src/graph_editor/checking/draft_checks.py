@@ -1,0 +1,205 @@
+"""Findings about a whole draft: what hangs together, who is in whose way, what is not served."""
+from __future__ import annotations
+
+import math
+from typing import Dict, Iterable, List, Sequence, Set, Tuple
+
+import networkx as nx
+import numpy as np
+from scipy import ndimage
+from scipy.spatial import cKDTree
+from shapely.geometry import LineString, Point
+
+from graph_editor.checking.findings import Finding, Severity
+from graph_editor.checking.rules import CheckRules
+from graph_editor.floor import EVERY_NEIGHBOUR, Floor
+from graph_editor.making.coverage import Coverage
+from graph_editor.site import Place, PlaceKind
+from trajectory_graph import GraphError
+from trajectory_graph.editing import Draft
+
+SHARP_CORNER = math.radians(45.0)
+NAMED_LIKE_PLACE = 1.0  # m between a place of the map and the vertex for it
+
+
+def check_together(draft: Draft, rules: CheckRules) -> List[Finding]:
+    """What is wrong with the draft whatever the floor."""
+    curves = _curves(draft)
+    return [*_parts(draft), *_one_way(draft), *_close(draft, rules), *_docks(draft),
+            *_crossings(draft, curves), *_parking(draft, curves, rules)]
+
+
+def check_corners(draft: Draft, floor: Floor, rules: CheckRules) -> List[Finding]:
+    """Vertices where robots must turn on the spot and have no room to."""
+    findings = []
+    for id, directions in _directions(draft).items():
+        vertex = draft.vertices[id]
+        clearance = float(floor.clearance_at(np.array([vertex.position]))[0])
+        if clearance >= rules.turning or clearance < rules.robot_width / 2.0:
+            continue
+        if len(directions) == 1 or any(
+                abs(math.remainder(one + math.pi - other, 2.0 * math.pi)) > SHARP_CORNER
+                for k, one in enumerate(directions) for other in directions[:k]):
+            findings.append(Finding(
+                Severity.WARNING, f'robots must turn here and have {clearance:.2f} m around them, '
+                f'but need {rules.turning:.2f} m', 'vertex', id, vertex.position))
+    return findings
+
+
+def check_service(draft: Draft, floor: Floor, places: Sequence[Place],
+                  rules: CheckRules) -> List[Finding]:
+    """Places of the map that are no vertices, and floor that is far from all edges."""
+    findings = []
+    positions = cKDTree(np.array([vertex.position for vertex in draft.vertices.values()]))
+    for place in places:
+        if place.kind is not PlaceKind.HOME:
+            distance, _ = positions.query(place.position)
+            if distance > NAMED_LIKE_PLACE:
+                findings.append(Finding(
+                    Severity.WARNING, f'{place.kind.value} {place.name!r} of the map is no vertex',
+                    place=place.position))
+    curves = _curves(draft)
+    starts = [vertex.position for vertex in draft.vertices.values()]
+    served = Coverage(floor, floor.reachable(rules.robot_width / 2.0, starts), rules.reach)
+    left = served.mask.copy()
+    for curve in curves.values():
+        left.flat[served.covered_by(np.array(curve.coords))] = False
+    parts, count = ndimage.label(left, EVERY_NEIGHBOUR)
+    for part, window in enumerate(ndimage.find_objects(parts), 1):
+        cells = np.argwhere(parts[window] == part)
+        area = len(cells) * served.cell_area
+        if area >= rules.least_floor:
+            middle = cells[int(np.argmin(((cells - cells.mean(axis=0)) ** 2).sum(axis=1)))]
+            (x, y), = served.points_of(np.array([middle[0] + window[0].start]),
+                                       np.array([middle[1] + window[1].start]))
+            findings.append(Finding(
+                Severity.WARNING, f'{area:.1f} m2 of floor that robots can reach are farther than '
+                f'{rules.reach:g} m from all edges', place=(float(x), float(y))))
+    return findings
+
+
+def _curves(draft: Draft) -> Dict[int, LineString]:
+    curves = {}
+    for id in draft.edges:
+        try:
+            curves[id] = LineString(draft.curve(id).points)
+        except GraphError:
+            continue  # is a finding of the edge itself
+    return curves
+
+
+def _parts(draft: Draft) -> Iterable[Finding]:
+    first, *others = draft.parts()
+    for part in others:
+        id = min(part)
+        more = f' and {len(part) - 1} more' if len(part) > 1 else ''
+        yield Finding(Severity.ERROR, f'no edges lead from here{more} to vertex {min(first)}: '
+                      'connect it', 'vertex', id, draft.vertices[id].position)
+
+
+def _one_way(draft: Draft) -> Iterable[Finding]:
+    """Vertices that robots cannot come to, or not leave, because of velocities of 0."""
+    ways = nx.DiGraph()
+    ways.add_nodes_from(draft.vertices)
+    for edge in draft.edges.values():
+        if edge.velocity_forward > 0.0:
+            ways.add_edge(edge.origin, edge.destination)
+        if edge.velocity_backwards > 0.0:
+            ways.add_edge(edge.destination, edge.origin)
+    core = max(nx.strongly_connected_components(ways), key=lambda part: (len(part), -min(part)))
+    start = min(core)
+    reached, left = nx.descendants(ways, start), nx.ancestors(ways, start)
+    together = next(part for part in draft.parts() if start in part)
+    for id in sorted(together - core):
+        problem = ('cannot come here' if id not in reached else
+                   'cannot leave here' if id not in left else None)
+        if problem:
+            yield Finding(Severity.ERROR, f'robots {problem}: one-way edges lead '
+                          f'{"away" if id not in reached else "here"} only', 'vertex', id,
+                          draft.vertices[id].position)
+
+
+def _close(draft: Draft, rules: CheckRules) -> Iterable[Finding]:
+    ids = list(draft.vertices)
+    tree = cKDTree(np.array([draft.vertices[id].position for id in ids]))
+    for i, j in sorted(tree.query_pairs(rules.least_distance)):
+        a, b = sorted((ids[i], ids[j]))
+        yield Finding(Severity.WARNING, f'vertex {a} is less than {rules.least_distance:g} m away: '
+                      'for robots they are one place', 'vertex', b, draft.vertices[b].position)
+
+
+def _docks(draft: Draft) -> Iterable[Finding]:
+    for vertex in draft.vertices.values():
+        edges = len(draft.edges_at(vertex.id)) if vertex.dock else 1
+        if edges > 1:
+            yield Finding(Severity.ERROR, f'{edges} edges lead to this dock, which is never passed '
+                          'through: leave it one', 'vertex', vertex.id, vertex.position)
+
+
+def _crossings(draft: Draft, curves: Dict[int, LineString]) -> Iterable[Finding]:
+    """Edges that cross where no vertex is."""
+    for a, b in _near_pairs(curves):
+        one, other = draft.edges[a], draft.edges[b]
+        shared = {one.origin, one.destination} & {other.origin, other.destination}
+        meeting = curves[a].intersection(curves[b])
+        ends = [Point(draft.vertices[id].position) for id in shared]
+        for part in getattr(meeting, 'geoms', [meeting]):
+            if part.is_empty or any(part.distance(end) < 0.1 for end in ends):
+                continue
+            place = part.centroid
+            yield Finding(Severity.WARNING, f'it crosses edge {a} where there is no vertex', 'edge',
+                          b, (place.x, place.y))
+
+
+def _near_pairs(curves: Dict[int, LineString]) -> Iterable[Tuple[int, int]]:
+    """Pairs of edges whose boxes overlap."""
+    ids = sorted(curves)
+    boxes = np.array([curves[id].bounds for id in ids]).reshape(-1, 4)
+    for k, id in enumerate(ids):
+        left, bottom, right, top = boxes[k]
+        rest = boxes[k + 1:]
+        near = ((rest[:, 0] <= right) & (rest[:, 2] >= left)
+                & (rest[:, 1] <= top) & (rest[:, 3] >= bottom))
+        for other in np.flatnonzero(near):
+            yield id, ids[k + 1 + int(other)]
+
+
+def _parking(draft: Draft, curves: Dict[int, LineString], rules: CheckRules) -> Iterable[Finding]:
+    """Parking places where a robot is in the way of others."""
+    for vertex in draft.vertices.values():
+        if not vertex.parking:
+            continue
+        own = set(draft.edges_at(vertex.id))
+        here = Point(vertex.position)
+        near = [id for id, curve in curves.items()
+                if id not in own and curve.distance(here) < 2.0 * rules.turning]
+        if near:
+            yield Finding(Severity.WARNING, f'a robot that parks here blocks edge '
+                          f'{", ".join(map(str, sorted(near)))}', 'vertex', vertex.id,
+                          vertex.position)
+        if len(own) > 1 and _separates(draft, vertex.id):
+            yield Finding(Severity.ERROR, 'a robot that parks here cuts the graph in two',
+                          'vertex', vertex.id, vertex.position)
+
+
+def _separates(draft: Draft, id: int) -> bool:
+    rest: Set[int] = set(draft.vertices) - {id}
+    joined = nx.Graph()
+    joined.add_nodes_from(rest)
+    joined.add_edges_from((edge.origin, edge.destination) for edge in draft.edges.values()
+                          if id not in (edge.origin, edge.destination))
+    together = next(part for part in draft.parts() if id in part)
+    return nx.number_connected_components(joined.subgraph(together - {id})) > 1
+
+
+def _directions(draft: Draft) -> Dict[int, List[float]]:
+    """The directions (rad) in which edges leave each vertex."""
+    directions: Dict[int, List[float]] = {id: [] for id in draft.vertices}
+    for edge in draft.edges.values():
+        try:
+            curve = draft.curve(edge.id)
+        except GraphError:
+            continue
+        directions[edge.origin].append(curve.heading_at(0.0))
+        directions[edge.destination].append(curve.heading_at(curve.length) + math.pi)
+    return directions

@@ -1,0 +1,1 @@
+"""What a person does with a graph, told apart from ROS and from windows."""

@@ -1,0 +1,285 @@
+"""An editing session: the draft, what is selected, the file; what clicks, drags and menus do.
+
+Nothing here knows of ROS, of RViz or of windows. What was done, or why it was not, is in `said`.
+"""
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass
+from typing import Any, Callable, Dict, Optional, Tuple
+
+from graph_editor.editor.actions import Action
+from graph_editor.editor.changes import CHANGES, facing_away
+from trajectory_graph import GraphError, editing
+from trajectory_graph.editing import Draft, EditError, History
+from trajectory_graph.yaml_editing import GraphFile
+
+ON_EDGE = 0.25  # m from an edge: a click there cuts it
+ON_VERTEX = 0.25  # m from a vertex: a click there means it
+
+
+@dataclass(frozen=True)
+class Selected:
+    """The vertex or edge that was clicked last."""
+
+    kind: str  # 'vertex' or 'edge'
+    id: int
+
+
+class Session:
+    """One graph file being edited.
+
+    `version` changes with every change to what is to be seen: draft, selection, or words.
+    """
+
+    def __init__(self, file: GraphFile, path: str, is_new: bool = False) -> None:
+        """`is_new`: the file is not there yet, and is written when the graph is saved first."""
+        self._file = file
+        self._path = path
+        self._is_new = is_new
+        self.history = History(file.draft)
+        self.selected: Optional[Selected] = None
+        self.connecting_from: Optional[int] = None
+        self.grid = 0.0
+        self.said = ''
+        self.version = 0
+
+    @property
+    def draft(self) -> Draft:
+        """The graph as it is now; it may be one that cannot be saved yet."""
+        return self.history.draft
+
+    @property
+    def path(self) -> str:
+        """Where it is saved."""
+        return self._path
+
+    @property
+    def is_saved(self) -> bool:
+        """Is the draft what the file holds?"""
+        return not self._is_new and self.draft == self._file.draft
+
+    # Clicks and drags
+
+    def click_floor(self, x: float, y: float) -> None:
+        """Adds a vertex; on an edge, cuts it there. A vertex that waits to be connected is."""
+        self._tried(lambda: self._click_floor(x, y))
+
+    def _click_floor(self, x: float, y: float) -> None:
+        draft, near = self.draft, self._vertex_near(x, y)
+        if near is not None:
+            self.click_vertex(near)
+            return
+        edge = self._edge_near(x, y)
+        if edge is not None:
+            draft, vertex = editing.cut_edge(draft, *edge)
+            name = f'cut edge {edge[0]}'
+        else:
+            draft, vertex = editing.add_vertex(draft, *editing.snapped(x, y, self.grid),
+                                               label='pass')
+            name = f'add vertex {vertex}'
+        if self.connecting_from is not None:
+            draft, _ = editing.connect(draft, self.connecting_from, vertex)
+            draft = facing_away(draft, vertex)
+            name += f', connected to {self.connecting_from}'
+        self._change(name, draft)
+        self._select('vertex', vertex)
+        self.connecting_from = vertex if self.connecting_from is not None else None
+
+    def click_vertex(self, id: int) -> None:
+        """Selects the vertex, or connects it to the one that waits for that."""
+        if self.connecting_from in (None, id):
+            self._tried(lambda: self._choose('vertex', id, f'Vertex {id}'))
+        else:
+            self._tried(lambda: self._connect_to(id))
+
+    def _connect_to(self, id: int) -> None:
+        assert self.connecting_from is not None
+        draft, edge = editing.connect(self.draft, self.connecting_from, id)
+        self.connecting_from = None
+        self._change(f'connect, edge {edge}', draft)
+        self._select('edge', edge)
+
+    def click_edge(self, id: int) -> None:
+        """Selects the edge."""
+        self._tried(lambda: self._choose('edge', id, f'Edge {id}'))
+
+    def drag_vertex(self, id: int, x: float, y: float) -> None:
+        """Moves a vertex as the mouse does; `end_drag` makes one step of it."""
+        self._tried(lambda: self._drag_vertex(id, *editing.snapped(x, y, self.grid)))
+
+    def _drag_vertex(self, id: int, x: float, y: float) -> None:
+        self._change(f'move vertex {id}', editing.move_vertex(self.draft, id, x, y), ('move', id))
+        self._select('vertex', id)
+
+    def drag_heading(self, id: int, x: float, y: float) -> None:
+        """Makes a vertex look to x, y."""
+        vertex = self.draft.vertices.get(id)
+        if vertex is not None and math.dist(vertex.position, (x, y)) > 1e-3:
+            theta = math.atan2(y - vertex.y, x - vertex.x)
+            self._tried(lambda: self._change(
+                f'turn vertex {id}', editing.turn_vertex(self.draft, id, theta), ('turn', id)))
+
+    def drag_handle(self, id: int, at_origin: bool, x: float, y: float) -> None:
+        """Moves a control point of a spline."""
+        self._tried(lambda: self._change(
+            f'bend edge {id}', editing.move_handle(self.draft, id, at_origin, x, y),
+            ('bend', id, at_origin)))
+
+    def end_drag(self) -> None:
+        """The mouse was let go."""
+        self.history.end_gesture()
+
+    # Menus and fields
+
+    def do(self, action: Action, kind: str, id: int, argument: float = 0.0) -> None:
+        """What a menu of a vertex or edge asks for."""
+        if action in _ANYWHERE:
+            _ANYWHERE[action](self, argument)
+        elif action in CHANGES:
+            self._tried(lambda: self._change(
+                f'{action.value.split(":")[0].lower()}, {kind} {id}',
+                CHANGES[action](self.draft, id, argument)))
+        elif action is Action.CONNECT:
+            self._tried(lambda: self._connect_from(id))
+        elif action is Action.CONNECT_HERE:
+            if self.connecting_from is None:
+                self._say('First choose "Connect from here" at another vertex')
+            else:
+                self.click_vertex(id)
+
+    def _connect_from(self, id: int) -> None:
+        self._choose('vertex', id, f'Click the vertex to connect {id} to, or the floor (tool '
+                     'Publish Point)')
+        self.connecting_from = id
+
+    def set_fields(self, kind: str, id: int, **fields: Any) -> None:
+        """Other values for fields of a vertex or edge, as typed in the window."""
+        change = editing.change_vertex if kind == 'vertex' else editing.change_edge
+        names = ', '.join(sorted(fields))
+        self._tried(lambda: self._change(f'{names} of {kind} {id}',
+                                         change(self.draft, id, **fields)))
+
+    def set_grid(self, grid: float) -> None:
+        """Vertices come to lie on a grid of so many m; 0: anywhere."""
+        self.grid = grid
+        self._say(f'Vertices snap to {grid:g} m' if grid else 'Vertices snap to no grid')
+
+    def undo(self) -> None:
+        """Takes the last change back."""
+        name = self.history.undo()
+        self._after_step(f'Undone: {name}' if name else 'There is nothing to undo')
+
+    def redo(self) -> None:
+        """Does again what was undone."""
+        name = self.history.redo()
+        self._after_step(f'Done again: {name}' if name else 'There is nothing to do again')
+
+    def save(self) -> bool:
+        """Writes the file; False, with the reason said, where that cannot or must not be."""
+        try:
+            edited = self._file.edited(self.draft)
+            if not self._is_unchanged_on_disk():
+                self._say(f'NOT SAVED: {self._path} was changed by another program meanwhile. '
+                          f'"{Action.LOAD.value}" shows that; undo brings your changes back')
+                return False
+            edited.save(self._path)
+        except GraphError as error:
+            self._say(f'NOT SAVED: {error}')
+            return False
+        except OSError as error:
+            self._say(f'NOT SAVED: {self._path} cannot be written ({error.strerror})')
+            return False
+        self._file, self._is_new = edited, False
+        self._say(f'Saved {self._path}')
+        return True
+
+    def load_again(self) -> None:
+        """Takes up what is in the file; undo brings back what was there before."""
+        try:
+            self._file = GraphFile.load(self._path)
+        except GraphError as error:
+            self._say(f'Not loaded: {error}')
+            return
+        self._is_new = False
+        self.history.change('load again', self._file.draft)
+        self._after_step(f'Loaded {self._path}')
+
+    # What is behind it
+
+    def _is_unchanged_on_disk(self) -> bool:
+        if self._is_new:
+            return not os.path.exists(self._path)
+        try:
+            with open(self._path, encoding='utf-8', newline='') as stream:
+                return stream.read() == self._file.text
+        except (OSError, UnicodeDecodeError):
+            return not os.path.exists(self._path)
+
+    def _vertex_near(self, x: float, y: float) -> Optional[int]:
+        near = [(math.dist(vertex.position, (x, y)), id)
+                for id, vertex in self.draft.vertices.items()]
+        distance, id = min(near)
+        return id if distance <= ON_VERTEX else None
+
+    def _edge_near(self, x: float, y: float) -> Optional[Tuple[int, float]]:
+        """The edge that a place is on, and the fraction of its length there."""
+        best: Optional[Tuple[float, int, float]] = None
+        for edge in self.draft.edges.values():
+            try:
+                nearest = self.draft.curve(edge.id).project(x, y)
+            except GraphError:
+                continue
+            if nearest.distance <= ON_EDGE and (best is None or nearest.distance < best[0]):
+                best = nearest.distance, edge.id, nearest.fraction
+        return None if best is None else (best[1], best[2])
+
+    def _choose(self, kind: str, id: int, words: str) -> None:
+        """Selects what a person clicked; raises EditError where that is gone."""
+        if kind == 'vertex':
+            self.draft.vertex(id)
+        else:
+            self.draft.edge(id)
+        self._select(kind, id)
+        self._say(words)
+
+    def _select(self, kind: str, id: int) -> None:
+        self.selected = Selected(kind, id)
+        self.version += 1
+
+    def _say(self, words: str) -> None:
+        self.said = words
+        self.version += 1
+
+    def _tried(self, edit: Callable[[], None]) -> None:
+        try:
+            edit()
+        except (EditError, GraphError) as error:
+            self._say(f'Not done: {error}')
+
+    def _change(self, name: str, draft: Draft, gesture: object = None) -> None:
+        if self.history.change(name, draft, gesture):
+            self._after_step(name[0].upper() + name[1:])
+        elif gesture is None:
+            self._say(f'It is so already: {name}')
+
+    def _after_step(self, words: str) -> None:
+        """Forgets what is not there any more."""
+        draft = self.draft
+        if self.connecting_from not in draft.vertices:
+            self.connecting_from = None
+        if self.selected is not None:
+            there = draft.vertices if self.selected.kind == 'vertex' else draft.edges
+            if self.selected.id not in there:
+                self.selected = None
+        self._say(words)
+
+
+_ANYWHERE: Dict[Action, Callable[[Session, float], object]] = {
+    Action.UNDO: lambda session, _: session.undo(),
+    Action.REDO: lambda session, _: session.redo(),
+    Action.SAVE: lambda session, _: session.save(),
+    Action.LOAD: lambda session, _: session.load_again(),
+    Action.GRID: Session.set_grid,
+}

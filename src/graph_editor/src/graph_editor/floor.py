@@ -1,0 +1,103 @@
+"""The floor of a site: how much room there is around every place. Metres, map frame.
+
+The floor is a grid of *clearances*: the distance from a cell's centre to the nearest cell that a
+robot must not touch. Between centres it is interpolated; with obstacles put into their cells, the
+value is off by at most 0.71 of a cell.
+"""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Iterable, Tuple
+
+import numpy as np
+from scipy import ndimage
+
+LARGEST_GRID = 50_000_000  # cells
+EVERY_NEIGHBOUR = np.ones((3, 3), bool)
+
+
+@dataclass(frozen=True, eq=False)
+class Floor:
+    """Cells of `resolution` m; row 0 has the lowest y.
+
+    occupied -- (rows, columns) bool: walls, furniture, forbidden areas
+    inside   -- (rows, columns) bool: the part of the map that counts
+    origin   -- x, y of the lower left corner of cell (0, 0)
+    """
+
+    occupied: np.ndarray
+    inside: np.ndarray
+    resolution: float
+    origin: Tuple[float, float]
+
+    @cached_property
+    def clearance(self) -> np.ndarray:
+        """(rows, columns) m: distance from each cell's centre to what bounds the floor."""
+        free = np.pad(self.inside & ~self.occupied, 1)
+        return (ndimage.distance_transform_edt(free)[1:-1, 1:-1] * self.resolution
+                ).astype(np.float32)
+
+    def clearance_at(self, points: np.ndarray) -> np.ndarray:
+        """(N,) clearance, interpolated, at `points` (N,2); 0 outside the grid."""
+        columns, rows = self._grid_coordinates(points)
+        return ndimage.map_coordinates(self.clearance, (rows, columns), output=float, order=1,
+                                       cval=0.0)
+
+    def cells_of(self, points: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+        """Rows and columns of the cells that hold `points` (N,2), held to the grid."""
+        columns, rows = np.rint(self._grid_coordinates(points)).astype(int)
+        height, width = self.occupied.shape
+        return np.clip(rows, 0, height - 1), np.clip(columns, 0, width - 1)
+
+    def centres(self, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
+        """(N,2) m: the centres of cells."""
+        return np.column_stack((self.origin[0] + (np.asarray(columns) + 0.5) * self.resolution,
+                                self.origin[1] + (np.asarray(rows) + 0.5) * self.resolution))
+
+    def reachable(self, clearance: float, starts: Iterable[Tuple[float, float]]) -> np.ndarray:
+        """Mask of the cells with at least `clearance` that join on to the cells of `starts`.
+
+        A start that has less clearance itself counts for the nearest cell within 1 m.
+        """
+        open_cells = self.clearance >= clearance
+        parts, _ = ndimage.label(open_cells, EVERY_NEIGHBOUR)
+        labels = {self.part_near(parts, start) for start in starts} - {0}
+        return np.isin(parts, sorted(labels)) if labels else np.zeros_like(open_cells)
+
+    def part_near(self, parts: np.ndarray, place: Tuple[float, float], reach: float = 1.0) -> int:
+        """The label in `parts` (rows, columns) nearest to a place, within `reach` m; else 0."""
+        (row,), (column,) = self.cells_of(np.array([place]))
+        (x, y), = self.centres(np.array([row]), np.array([column]))
+        if math.dist((x, y), place) > reach + self.resolution:
+            return 0  # off the grid
+        if parts[row, column]:
+            return int(parts[row, column])
+        cells = int(reach / self.resolution)
+        top, left = max(row - cells, 0), max(column - cells, 0)
+        window = parts[top:row + cells + 1, left:column + cells + 1]
+        rows, columns = np.nonzero(window)
+        if not len(rows):
+            return 0
+        squares = (rows + top - row) ** 2 + (columns + left - column) ** 2
+        nearest = int(np.argmin(squares))
+        return int(window[rows[nearest], columns[nearest]]) if squares[nearest] <= cells ** 2 else 0
+
+    def _grid_coordinates(self, points: np.ndarray) -> np.ndarray:
+        return ((np.asarray(points, float) - self.origin) / self.resolution - 0.5).T
+
+
+def inside_outline(occupied: np.ndarray, resolution: float, gap: float) -> np.ndarray:
+    """Mask of what lies inside the outline of the occupied cells, whose gaps are up to `gap` m.
+
+    A disc of diameter `gap` rolls around outside: what it sweeps is outside. The grid is taken to
+    be surrounded by the outside.
+    """
+    border = int(np.ceil(gap / resolution)) + 2
+    padded = np.pad(occupied, border)
+    room = ndimage.distance_transform_edt(~padded) * resolution
+    parts, _ = ndimage.label(room >= gap / 2.0, EVERY_NEIGHBOUR)
+    rolled = parts == parts[0, 0]
+    swept = ndimage.distance_transform_edt(~rolled) * resolution < gap / 2.0
+    return ~swept[border:-border, border:-border]

@@ -1,0 +1,46 @@
+"""Files of made graphs: they say that nobody has edited them, so that no edit is ever lost."""
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+from typing import Iterable
+
+from graph_editor.errors import SiteError
+from trajectory_graph import Graph
+from trajectory_graph.yaml_file import dump_graph, write_file
+
+_SEAL = re.compile(r'# made by make_graph, seal ([0-9a-f]{16})')
+SEAL_MEANS = ('# As long as the seal fits what follows, make_graph may replace this file; '
+              'edited, it is kept.')
+
+
+def write_made_graph(graph: Graph, path: str, comments: Iterable[str], force: bool) -> None:
+    """Writes a made graph; a file that was not made, or was edited since, stays without `force`.
+
+    Raises SiteError.
+    """
+    if not force and os.path.exists(path) and not is_as_made(path):
+        raise SiteError(f'{path} was made or edited by hand and is not overwritten: choose another '
+                        'name, or say --force.')
+    lines = [f'# {comment}' for comment in comments]
+    body = '\n'.join(lines + [dump_graph(graph)])
+    try:
+        write_file(path, f'# made by make_graph, seal {_seal(body)}\n{SEAL_MEANS}\n{body}')
+    except OSError as error:
+        raise SiteError(f'{path} cannot be written ({error.strerror}).') from None
+
+
+def is_as_made(path: str) -> bool:
+    """Is the file just as make_graph wrote it?"""
+    try:
+        with open(path, encoding='utf-8', newline='') as stream:
+            first, _, rest = stream.read().partition('\n')
+    except (OSError, UnicodeDecodeError):
+        return False
+    sealed = _SEAL.fullmatch(first)
+    return sealed is not None and sealed.group(1) == _seal(rest.partition('\n')[2])
+
+
+def _seal(body: str) -> str:
+    return hashlib.sha256(body.encode()).hexdigest()[:16]

@@ -1,0 +1,42 @@
+"""Single values of a graph, for scripts: python3 -m graph_editor.graph_values NAME GRAPH [MAP].
+
+unedited     exit status 0 if the file is as make_graph wrote it
+dock         the dock's vertex id, the lowest of several; nothing where there is none
+edge_widths  what omron_ros_map must be told about edges with no room for a whole corridor
+"""
+from __future__ import annotations
+
+import sys
+from typing import List
+
+from graph_editor.checking.checker import narrow_edges
+from graph_editor.graph_files import is_as_made
+from graph_editor.make_cli import ERRORS
+from graph_editor.making.options import MakingOptions
+from graph_editor.site import SiteOptions, load_site
+from trajectory_graph import load_graph
+
+
+def main(arguments: List[str]) -> int:
+    """Print the value; exit status 1 with a sentence where there is none to be had."""
+    name, graph_file, *rest = arguments
+    try:
+        if name == 'unedited':
+            return 0 if is_as_made(graph_file) else 1
+        graph = load_graph(graph_file)
+        if name == 'dock':
+            docks = [vertex.id for vertex in graph.vertices.values() if vertex.dock]
+            print(min(docks, default=''))
+        else:
+            options = MakingOptions()
+            floor = load_site(rest[0], SiteOptions()).floor
+            narrow = narrow_edges(graph, floor, options.corridor, options.robot_width)
+            print(','.join(f'{id}={width:.2f}' for id, width in sorted(narrow.items())))
+    except ERRORS as error:
+        print(f'error: {error}', file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main(sys.argv[1:]))

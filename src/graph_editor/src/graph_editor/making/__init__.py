@@ -1,0 +1,1 @@
+"""A trajectory graph from a floor: skeleton, pruned, straightened, completed, numbered."""

@@ -1,0 +1,175 @@
+"""The trajectory graph that ways and places make: vertices, directions, speeds, parking."""
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Dict, List, Mapping, Optional, Sequence, Tuple
+
+import numpy as np
+from shapely.geometry import LineString, Point
+
+from graph_editor.floor import Floor
+from graph_editor.making.bends import Way
+from graph_editor.making.lanes import LaneNet
+from graph_editor.making.options import MakingOptions
+from graph_editor.site import Place, PlaceKind
+from trajectory_graph import CurveType, Edge, Graph, Vertex, split_edges
+
+PASS, PARKING = 'pass', 'parking'
+"""Labels of vertices that are no places of the map."""
+LINE_PARAMETER = 0.25  # m: lines have parameters in the file, which mean nothing
+SLOWEST = 0.3  # m/s, where just the robot fits, and towards docks
+FULL_SPEED_ROOM = 1.0  # m of clearance
+SPLINE_SPEED = 0.5  # m/s, at most
+TURN_RATE = 1.0  # rad/s that a robot turns at in a bend, at most
+
+
+def assemble(net: LaneNet, ways: Sequence[Way], places: Mapping[int, Place],
+             frame_id: str, options: MakingOptions) -> Graph:
+    """The graph; vertices and edges are numbered from 1, in reading order of the map."""
+    positions = {node: net.positions[node] for way in ways for node in (way.first, way.last)}
+    positions = positions or {node: net.positions[node] for node in net.nodes}
+    vertices: Dict[int, Vertex] = {}
+    edges: List[Edge] = []
+    thetas: Dict[int, Tuple[float, float]] = {}  # by node: length of the piece, direction
+    next_id = max(net.nodes) + 1
+    for way in (_in_order(net, way, places) for way in ways):
+        here = way.first
+        for number, piece in enumerate(way.pieces, 1):
+            last = number == len(way.pieces)
+            there = way.last if last else next_id
+            if not last:
+                next_id += 1
+                positions[there] = piece.end
+            along = piece.end - piece.start
+            if piece.control is None:
+                length, start, end = float(np.hypot(*along)), along, along
+            else:
+                start, _, end = np.diff(piece.control, axis=0)
+                length = math.inf
+            for node, direction in ((here, start), (there, end)):
+                if length > thetas.get(node, (0.0, 0.0))[0]:
+                    thetas[node] = length, math.atan2(direction[1], direction[0])
+            edges.append(_edge(len(edges) + 1, here, there, piece.control))
+            here = there
+    for node, position in positions.items():
+        vertices[node] = _vertex(node, position, thetas.get(node, (0.0, 0.0))[1],
+                                 places.get(node), frame_id)
+    graph = split_edges(Graph(vertices.values(), edges), options.longest_edge)
+    graph = Graph([vertex if id in places else replace(vertex, label=PASS, parking=None)
+                   for id, vertex in graph.vertices.items()], graph.edges.values())
+    graph = _with_headings(_with_speeds(graph, net.floor, options), places)
+    return numbered(_with_parking(graph, places, net.floor, options))
+
+
+def _in_order(net: LaneNet, way: Way, places: Mapping[int, Place]) -> Way:
+    """The way in the direction in which its edges shall lead.
+
+    To docks and other dead ends, but away from goals at a dead end; else eastwards, or northwards.
+    """
+    def weight(node: int) -> int:
+        place = places.get(node)
+        if place is not None and place.kind is PlaceKind.DOCK:
+            return 2
+        if net.degree(node) == 1:
+            return 1 if place is None else -1
+        return 0
+    first, last = weight(way.first), weight(way.last)
+    if first == last:
+        first = -1 if tuple(way.pieces[0].start) < tuple(way.pieces[-1].end) else 1
+        last = 0
+    return way if first < last else way.turned_round()
+
+
+def _vertex(node: int, position: np.ndarray, theta: float, place: Optional[Place],
+            frame_id: str) -> Vertex:
+    x, y = (float(value) for value in position)
+    return Vertex(node, x, y, theta, theta, PASS if place is None else place.name, frame_id,
+                  place is not None and place.kind is PlaceKind.DOCK)
+
+
+def _edge(id: int, origin: int, destination: int, control: Optional[np.ndarray]) -> Edge:
+    if control is None:
+        return Edge(id, origin, destination, CurveType.LINE, LINE_PARAMETER, LINE_PARAMETER)
+    return Edge(id, origin, destination, CurveType.SPLINE,
+                float(np.hypot(*(control[1] - control[0]))),
+                float(np.hypot(*(control[3] - control[2]))))
+
+
+def _with_headings(graph: Graph, places: Mapping[int, Place]) -> Graph:
+    """Keeps the headings of goals and docks.
+
+    A robot waits at the end of a dead end facing out of it, and docks facing into it: so Theta is
+    the heading where that is meant, else the opposite.
+    """
+    vertices = dict(graph.vertices)
+    for id, place in places.items():
+        if place.heading is None:
+            continue
+        theta = place.heading
+        if graph.is_end_vertex(id):
+            faces_out = graph.edges_from(id)[0] > 0
+            if faces_out == (place.kind is PlaceKind.DOCK):
+                theta += math.pi
+        theta = math.remainder(theta, 2.0 * math.pi)
+        vertices[id] = replace(vertices[id], theta=theta, theta_holonomic=theta)
+    return Graph(vertices.values(), graph.edges.values())
+
+
+def _with_speeds(graph: Graph, floor: Floor, options: MakingOptions) -> Graph:
+    return Graph(graph.vertices.values(), [
+        replace(edge, velocity_forward=speed, velocity_backwards=speed)
+        for edge in graph.edges.values()
+        for speed in [_speed(graph, edge, floor, options)]])
+
+
+def _speed(graph: Graph, edge: Edge, floor: Floor, options: MakingOptions) -> float:
+    """Slower where it is narrow, where it bends, and towards docks."""
+    curve = graph.curve(edge.id)
+    room = float(floor.clearance_at(curve.sample(0.1)).min())
+    share = (room - options.tight) / max(FULL_SPEED_ROOM - options.tight, 0.1)
+    speed = SLOWEST + min(max(share, 0.0), 1.0) * (options.speed - SLOWEST)
+    if edge.curve_type is CurveType.SPLINE:
+        turned = float(curve.turned(np.array([curve.length]))[0])
+        speed = min(speed, SPLINE_SPEED if turned > 0.5 else options.speed,
+                    TURN_RATE * curve.length / max(turned, 1e-3))
+    if graph.vertices[edge.origin].dock or graph.vertices[edge.destination].dock:
+        speed = SLOWEST
+    return round(min(max(speed, min(SLOWEST, options.speed)), options.speed), 1)
+
+
+def _with_parking(graph: Graph, places: Mapping[int, Place], floor: Floor,
+                  options: MakingOptions) -> Graph:
+    """Dead ends where a robot can turn, and is in nobody's way, are parking."""
+    curves = {id: LineString(graph.curve(id).points) for id in graph.edges}
+    vertices = dict(graph.vertices)
+    for id, vertex in graph.vertices.items():
+        if id in places or not graph.is_end_vertex(id):
+            continue
+        own, = graph.edges_at(id)
+        room = float(floor.clearance_at(np.array([vertex.position]))[0])
+        here = Point(vertex.position)
+        away = min((curve.distance(here) for other, curve in curves.items() if other != own),
+                   default=math.inf)
+        if room >= options.turning and away >= 2.0 * options.turning:
+            vertices[id] = replace(vertex, label=PARKING, parking=True)
+    return Graph(vertices.values(), graph.edges.values())
+
+
+def numbered(graph: Graph) -> Graph:
+    """The same with ids from 1: vertices from the top left as one reads, edges by their ends."""
+    order = sorted(graph.vertices.values(), key=lambda v: (-round(v.y, 1), v.x, v.id))
+    ids = {vertex.id: number for number, vertex in enumerate(order, 1)}
+    edges = sorted((replace(edge, origin=ids[edge.origin], destination=ids[edge.destination])
+                    for edge in graph.edges.values()),
+                   key=lambda edge: (*sorted((edge.origin, edge.destination)), edge.id))
+    return Graph([_rounded(vertex, ids[vertex.id]) for vertex in order],
+                 [replace(edge, id=number, param_f=round(edge.param_f, 3),
+                          param_b=round(edge.param_b, 3)) for number, edge in enumerate(edges, 1)])
+
+
+def _rounded(vertex: Vertex, id: int) -> Vertex:
+    """To the millimetre, and to a thousandth of a degree or so; never -0."""
+    theta = round(vertex.theta, 5) + 0.0
+    return replace(vertex, id=id, x=round(vertex.x, 3) + 0.0, y=round(vertex.y, 3) + 0.0,
+                   theta=theta, theta_holonomic=theta)

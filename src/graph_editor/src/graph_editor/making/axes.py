@@ -1,0 +1,52 @@
+"""The directions that a building's walls have: lanes follow them where they nearly do anyway."""
+from __future__ import annotations
+
+import math
+from typing import List
+
+import numpy as np
+from scipy import ndimage
+
+from graph_editor.floor import Floor
+
+NEAR_WALLS = (0.25, 1.0)  # m: there the clearance grows straight away from the wall
+BINS = 180  # of half a degree
+SHARE = 0.12  # of the walls along the first axis that another must have, or more
+APART = 20.0  # deg between axes
+
+
+def axes_of(floor: Floor) -> List[float]:
+    """Directions (rad, within a quarter turn) of the walls, the commonest first; at least one."""
+    down, right = np.gradient(ndimage.gaussian_filter(floor.clearance, 1.0))
+    steep = np.hypot(down, right) > 0.8 * floor.resolution
+    near = (floor.clearance > NEAR_WALLS[0]) & (floor.clearance < NEAR_WALLS[1]) & steep
+    quarter = np.arctan2(down[near], right[near]) % (math.pi / 2.0)
+    counts = np.bincount((quarter / (math.pi / 2.0) * BINS).astype(int) % BINS, minlength=BINS)
+    smooth = ndimage.gaussian_filter1d(counts.astype(float), 3.0, mode='wrap')
+    axes: List[float] = []
+    first = 0.0
+    for peak in np.argsort(-smooth, kind='stable'):
+        angle = (peak + 0.5) / BINS * 90.0
+        around = counts[(peak + np.arange(-8, 9)) % BINS]
+        walls = float(around.sum() - len(around) * np.median(counts))
+        if axes and walls < SHARE * first:
+            break
+        first = first or max(walls, 1.0)
+        if all(_apart(angle, math.degrees(axis)) > APART for axis in axes):
+            axes.append(_refined(quarter, math.radians(angle)))
+    return axes
+
+
+def _apart(one: float, other: float) -> float:
+    """Degrees between two directions of which each also means those at right angles."""
+    return abs((one - other + 45.0) % 90.0 - 45.0)
+
+
+def _refined(quarter: np.ndarray, peak: float) -> float:
+    """The mean direction around a peak; exactly along x where it is almost so."""
+    offsets = (quarter - peak + math.pi / 4.0) % (math.pi / 2.0) - math.pi / 4.0
+    around = offsets[np.abs(offsets) < math.radians(5.0)]
+    axis = (peak + (float(around.mean()) if len(around) else 0.0)) % (math.pi / 2.0)
+    if abs((axis + math.pi / 4.0) % (math.pi / 2.0) - math.pi / 4.0) < math.radians(0.4):
+        return 0.0
+    return axis

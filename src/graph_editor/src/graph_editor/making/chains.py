@@ -1,0 +1,191 @@
+"""A skeleton as it is worked on: chains of points between the nodes where they meet or end.
+
+A chain's ends may be the same node. A node where just two chains meet is dissolved into one chain.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Dict, Iterator, List, Optional, Sequence, Tuple
+
+import networkx as nx
+import numpy as np
+
+from graph_editor.floor import Floor
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """A way from node `start` to node `end`; lengths in m."""
+
+    id: int
+    start: int
+    end: int
+    path: np.ndarray
+    """(N,2) m, both nodes' positions included."""
+    length: float
+    clearances: np.ndarray
+    """(N,) m, at the points of the path."""
+
+    @property
+    def is_ring(self) -> bool:
+        """Does the chain end where it starts?"""
+        return self.start == self.end
+
+    @property
+    def clearance(self) -> float:
+        """The least along the chain."""
+        return float(self.clearances.min())
+
+    def other(self, node: int) -> int:
+        """The chain's other end."""
+        return self.end if node == self.start else self.start
+
+    def path_from(self, node: int) -> np.ndarray:
+        """The path, beginning at one of its ends."""
+        return self.path if node == self.start else self.path[::-1]
+
+    def clearances_towards(self, node: int) -> np.ndarray:
+        """The clearances of the path that ends at one of its ends."""
+        return self.clearances if node == self.end else self.clearances[::-1]
+
+
+class ChainGraph:
+    """Nodes with positions (m), and the chains between them."""
+
+    def __init__(self, floor: Floor) -> None:
+        self.floor = floor
+        self._graph = nx.MultiGraph()
+        self._chains: Dict[int, Chain] = {}
+        self._next_id = 1
+
+    @property
+    def nodes(self) -> List[int]:
+        """All nodes, in the order in which they came."""
+        return list(self._graph.nodes)
+
+    @property
+    def chains(self) -> List[Chain]:
+        """All chains, in the order in which they came."""
+        return list(self._chains.values())
+
+    def position(self, node: int) -> np.ndarray:
+        """(2,) m."""
+        return self._graph.nodes[node]['position']
+
+    def degree(self, node: int) -> int:
+        """How many chains end there; a ring counts twice."""
+        return self._graph.degree(node)
+
+    def chains_at(self, node: int) -> List[Chain]:
+        """The chains that end at a node, a ring once."""
+        ids = {id for _, _, id in self._graph.edges(node, keys=True)}
+        return [self._chains[id] for id in sorted(ids)]
+
+    def has(self, chain: Chain) -> bool:
+        """Is the chain still there?"""
+        return chain.id in self._chains
+
+    def add_node(self, node: int, position: np.ndarray) -> None:
+        """A node without chains."""
+        self._graph.add_node(node, position=np.asarray(position, float))
+
+    def add_chain(self, start: int, end: int, path: np.ndarray) -> Chain:
+        """A chain along `path` (N,2), whose ends are the positions of the nodes."""
+        steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
+        chain = Chain(self._next_id, start, end, path, float(steps.sum()),
+                      self.floor.clearance_at(path))
+        self._next_id += 1
+        self._chains[chain.id] = chain
+        self._graph.add_edge(start, end, key=chain.id, length=chain.length)
+        return chain
+
+    def remove_chain(self, chain: Chain) -> List[Chain]:
+        """Takes a chain out, and dissolves what it leaves; returns the chains that came of it."""
+        return self.remove_all([chain])
+
+    def remove_all(self, chains: Sequence[Chain]) -> List[Chain]:
+        """The same for several chains at once; a last node without chains stays."""
+        for chain in chains:
+            self.drop_chain(chain)
+        made = []
+        for node in dict.fromkeys(node for chain in chains for node in (chain.start, chain.end)):
+            if self._graph.degree(node) == 0 and len(self._graph) > 1:
+                self._graph.remove_node(node)
+            else:
+                made += self.dissolve(node)
+        return [new for new in made if self.has(new)]
+
+    def cut_out(self, chain: Chain, first: int, last: int) -> List[Chain]:
+        """Takes out the stretch of a chain between two of its points, these included.
+
+        What is left at either end becomes a dead end of its own.
+        """
+        self.drop_chain(chain)
+        made = []
+        for node, path in ((chain.start, chain.path[:first]),
+                           (chain.end, chain.path[:last:-1])):
+            if len(path) > 1:
+                tip = max(self._graph.nodes) + 1
+                self.add_node(tip, path[-1])
+                made.append(self.add_chain(node, tip, path))
+            else:
+                made += self.dissolve(node)
+        return [chain for chain in made if self.has(chain)]
+
+    def dissolve(self, node: int) -> List[Chain]:
+        """Makes one chain of two that meet at a node where no third does."""
+        chains = self.chains_at(node)
+        if self._graph.degree(node) != 2 or len(chains) != 2:
+            return []
+        first, second = chains
+        path = np.vstack((first.path_from(first.other(node)), second.path_from(node)[1:]))
+        self.drop_chain(first)
+        self.drop_chain(second)
+        self._graph.remove_node(node)
+        return [self.add_chain(first.other(node), second.other(node), path)]
+
+    def move_node(self, node: int, path: np.ndarray) -> None:
+        """Moves a node along `path` (N,2), which begins at it; its chains follow that way."""
+        self._graph.nodes[node]['position'] = path[-1]
+        for chain in self.chains_at(node):
+            old = chain.path
+            if chain.start == node:
+                old = np.vstack((path[::-1], old[1:]))
+            if chain.end == node:
+                old = np.vstack((old[:-1], path))
+            self.drop_chain(chain)
+            self.add_chain(chain.start, chain.end, old)
+
+    def unite(self, node: int, other: int) -> None:
+        """Gives `node` the chains of `other`, which is at the same place and goes."""
+        for chain in self.chains_at(other):
+            self.drop_chain(chain)
+            start, end = (node if place == other else place for place in (chain.start, chain.end))
+            self.add_chain(start, end, chain.path)
+        self._graph.remove_node(other)
+
+    def way_round(self, chain: Chain) -> Optional[float]:
+        """m from one end of a chain to the other without it; None for a bridge, 0 for a ring."""
+        if chain.is_ring:
+            return 0.0
+        self._graph.remove_edge(chain.start, chain.end, key=chain.id)
+        try:
+            return float(nx.dijkstra_path_length(self._graph, chain.start, chain.end,
+                                                 weight='length'))
+        except nx.NetworkXNoPath:
+            return None
+        finally:
+            self._graph.add_edge(chain.start, chain.end, key=chain.id, length=chain.length)
+
+    def dead_ends(self) -> Iterator[Tuple[int, Chain]]:
+        """Every node where just one chain ends, with that chain, if that leads to a junction."""
+        for node in self.nodes:
+            if self._graph.degree(node) == 1:
+                chain, = self.chains_at(node)
+                if self._graph.degree(chain.other(node)) > 2:
+                    yield node, chain
+
+    def drop_chain(self, chain: Chain) -> None:
+        """Takes a chain out and leaves its nodes as they are."""
+        del self._chains[chain.id]
+        self._graph.remove_edge(chain.start, chain.end, key=chain.id)

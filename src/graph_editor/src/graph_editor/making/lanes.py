@@ -1,0 +1,143 @@
+"""Straight lanes between nodes: what a skeleton becomes before it is a trajectory graph."""
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Dict, Iterator, List, Set, Tuple, Union
+
+import networkx as nx
+import numpy as np
+
+from graph_editor.floor import Floor
+from graph_editor.making.sight import in_sight, straight
+
+
+@dataclass(frozen=True, eq=False)
+class Lane:
+    """A straight lane between two nodes, whose ids stand in order."""
+
+    nodes: Tuple[int, int]
+    need: float
+    """Clearance (m) that must stay, however the lane is moved."""
+    samples: np.ndarray
+    """(N,2) m: points of the skeleton that the lane stands for, from the first node on."""
+
+
+LaneOrNode = Union[Lane, int]
+"""Where another lane may join."""
+
+
+class LaneNet:
+    """Nodes with positions (m) and the lanes between them; of two nodes, at most one lane."""
+
+    def __init__(self, floor: Floor) -> None:
+        self.floor = floor
+        self.positions: Dict[int, np.ndarray] = {}
+        self._graph = nx.Graph()
+        self._next_node = 1
+
+    @property
+    def lanes(self) -> List[Lane]:
+        """All lanes, in the order in which they came."""
+        return [lane for _, _, lane in self._graph.edges(data='lane')]
+
+    @property
+    def nodes(self) -> List[int]:
+        """All nodes, in the order in which they came."""
+        return list(self._graph.nodes)
+
+    def copy(self) -> LaneNet:
+        """The same net, to be changed by itself."""
+        other = LaneNet(self.floor)
+        other.positions = dict(self.positions)
+        other._graph = self._graph.copy()
+        other._next_node = self._next_node
+        return other
+
+    def add_node(self, position: np.ndarray) -> int:
+        """A new node."""
+        node = self._next_node
+        self._next_node += 1
+        self._graph.add_node(node)
+        self.positions[node] = np.asarray(position, float)
+        return node
+
+    def add_lane(self, a: int, b: int, need: float, samples: np.ndarray) -> None:
+        """A lane from `a` to `b`; where there is one already, the one that needs more stays."""
+        if a == b:
+            return
+        old = self.lane(a, b) if self._graph.has_edge(a, b) else None
+        if old is not None and old.need >= need:
+            return
+        if a > b:
+            a, b, samples = b, a, samples[::-1]
+        self._graph.add_edge(a, b, lane=Lane((a, b), need, samples))
+
+    def lane(self, a: int, b: int) -> Lane:
+        """The lane between two nodes."""
+        return self._graph.edges[a, b]['lane']
+
+    def neighbours(self, node: int) -> List[int]:
+        """The nodes to which lanes lead from a node."""
+        return list(self._graph.neighbors(node))
+
+    def degree(self, node: int) -> int:
+        """How many lanes meet at a node."""
+        return self._graph.degree(node)
+
+    def remove_lane(self, lane: Lane) -> None:
+        """Takes a lane out; its nodes stay."""
+        self._graph.remove_edge(*lane.nodes)
+
+    def remove_node(self, node: int) -> None:
+        """Takes a node out, and its lanes."""
+        self._graph.remove_node(node)
+        del self.positions[node]
+
+    def ends(self, lane: Lane) -> Tuple[np.ndarray, np.ndarray]:
+        """The positions of a lane's nodes."""
+        a, b = lane.nodes
+        return self.positions[a], self.positions[b]
+
+    def length(self, lane: Lane) -> float:
+        """m."""
+        a, b = self.ends(lane)
+        return float(np.hypot(*(b - a)))
+
+    def clearance(self, lane: Lane) -> float:
+        """The least along the lane, m."""
+        return float(self.floor.clearance_at(straight(self.floor, *self.ends(lane))).min())
+
+    def is_free(self, lane: Lane) -> bool:
+        """Has the lane the clearance that it needs?"""
+        return in_sight(self.floor, *self.ends(lane), lane.need)
+
+    def split(self, lane: Lane, position: np.ndarray) -> int:
+        """A new node on the lane, or as near to it as may be; the lane becomes two."""
+        a, b = lane.nodes
+        node = self.add_node(position)
+        self.remove_lane(lane)
+        nearest = int(np.argmin(((lane.samples - position) ** 2).sum(axis=1)))
+        self.add_lane(a, node, lane.need, lane.samples[:nearest + 1])
+        self.add_lane(node, b, lane.need, lane.samples[nearest:])
+        return node
+
+    def joint(self, where: LaneOrNode, position: np.ndarray) -> int:
+        """The node at which a lane joins: `where` itself, or a new one on that lane."""
+        return self.split(where, position) if isinstance(where, Lane) else where
+
+    def merge(self, node: int, other: int) -> None:
+        """Gives `node` the lanes of `other`, which goes."""
+        for neighbour in self.neighbours(other):
+            lane = self.lane(other, neighbour)
+            self.remove_lane(lane)
+            samples = lane.samples if lane.nodes[0] == other else lane.samples[::-1]
+            self.add_lane(node, neighbour, lane.need, samples)
+        self.remove_node(other)
+
+    def components(self) -> Iterator[Set[int]]:
+        """Sets of nodes that lanes join."""
+        return nx.connected_components(self._graph)
+
+    def with_need(self, lane: Lane, need: float) -> None:
+        """Gives a lane another need."""
+        self._graph.edges[lane.nodes]['lane'] = replace(lane, need=need)

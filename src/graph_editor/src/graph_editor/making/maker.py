@@ -1,0 +1,133 @@
+"""Site in, trajectory graph out: every step in its order."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Dict, List, Sequence, Tuple
+
+import numpy as np
+from scipy import ndimage
+
+from graph_editor.errors import SiteError
+from graph_editor.floor import EVERY_NEIGHBOUR
+from graph_editor.making.assembly import assemble
+from graph_editor.making.axes import axes_of
+from graph_editor.making.bays import add_bays
+from graph_editor.making.bends import ways_of
+from graph_editor.making.coverage import Coverage
+from graph_editor.making.halls import add_lattices
+from graph_editor.making.lanes import LaneNet
+from graph_editor.making.options import Halls, MakingOptions
+from graph_editor.making.places import attach_places
+from graph_editor.making.pruning import merge_junctions, prune
+from graph_editor.making.rectifying import rectify
+from graph_editor.making.skeleton import skeleton_of
+from graph_editor.making.squaring import square
+from graph_editor.making.straightening import straighten
+from graph_editor.making.tidying import draw_back_tips, prune_tails, tidy
+from graph_editor.site import Place, PlaceKind, Site
+from trajectory_graph import Graph
+
+TIMES = 3  # that lanes are squared and rectified: one makes work for the other
+
+
+@dataclass(frozen=True, eq=False)
+class MadeGraph:
+    """A graph, and what a person should know about how it was made, a sentence each."""
+
+    graph: Graph
+    notes: Tuple[str, ...]
+
+
+def make_graph(site: Site, options: MakingOptions) -> MadeGraph:
+    """The graph of a site; raises SiteError where there is no floor for one."""
+    notes = list(site.notes)
+    places = _placed(site, options, notes)
+    starts = [place.position for place in places]
+    lanes_floor = _lanes_floor(site, options, starts)
+    served_floor = _joined(site.floor.clearance >= options.robot_width / 2.0, lanes_floor)
+    coverage = Coverage(site.floor, served_floor, options.reach)
+    axes = axes_of(site.floor)
+    net = _lanes(site, lanes_floor, coverage, axes, options)
+    if options.halls is Halls.LATTICE:
+        net = add_lattices(net, axes, options)
+        tidy(net)
+    attached = attach_places(net, places, options)
+    rectify(net, axes, held=attached.nodes)
+    add_bays(net, coverage, axes, options)
+    tidy(net, attached.nodes)
+    draw_back_tips(net, options.turning, attached.nodes)
+    tidy(net, attached.nodes)
+    graph = assemble(net, ways_of(net, attached.nodes), attached.nodes, site.frame_id, options)
+    return MadeGraph(graph, tuple(notes + attached.notes))
+
+
+def _lanes(site: Site, mask: np.ndarray, coverage: Coverage, axes: Sequence[float],
+           options: MakingOptions) -> LaneNet:
+    skeleton = skeleton_of(site.floor, mask)
+    prune(skeleton, coverage, options)
+    merge_junctions(skeleton, options)
+    net = straighten(skeleton, options)
+    for _ in range(TIMES):
+        square(net, axes)
+        tidy(net)
+        rectify(net, axes)
+        tidy(net)
+    prune_tails(net, coverage, options.turning)
+    tidy(net)
+    rectify(net, axes)
+    return net
+
+
+def _lanes_floor(site: Site, options: MakingOptions,
+                 starts: List[Tuple[float, float]]) -> np.ndarray:
+    """Where lanes may run: the floor wide enough for the robot that the places are on.
+
+    Without places it is the largest part.
+    """
+    open_cells = site.floor.clearance >= options.tight
+    if starts:
+        return site.floor.reachable(options.tight, starts)
+    parts, count = ndimage.label(open_cells, EVERY_NEIGHBOUR)
+    if not count:
+        raise SiteError(f'{site.name}: there is no floor on which a robot {options.robot_width:g} '
+                        'm wide fits. Is the part that counts (--area) right?')
+    return parts == int(np.argmax(np.bincount(parts.ravel())[1:])) + 1
+
+
+def _joined(open_cells: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    """The parts of `open_cells` that `mask` touches."""
+    parts, _ = ndimage.label(open_cells, EVERY_NEIGHBOUR)
+    return np.isin(parts, np.unique(parts[mask & open_cells]))
+
+
+def _placed(site: Site, options: MakingOptions, notes: List[str]) -> List[Place]:
+    """The places on one connected floor: that of the docks, or of most goals, or of the homes.
+
+    A place that robots cannot reach from there gets a note.
+    """
+    parts: Dict[int, List[Place]] = {}
+    labels, _ = ndimage.label(site.floor.clearance >= options.tight, EVERY_NEIGHBOUR)
+    for place in site.places:
+        part = site.floor.part_near(labels, place.position)
+        if part:
+            parts.setdefault(part, []).append(place)
+        else:
+            notes.append(f'{place.name or place.kind.value} is where no robot '
+                         f'{options.robot_width:g} m wide can stand.')
+    if not parts:
+        if site.places:
+            notes.append('No place of the map is on the floor: the largest part of it is taken.')
+        return []
+    sizes = np.bincount(labels.ravel())
+
+    def worth(part: int) -> Tuple[int, int, int, int]:
+        kinds = [place.kind for place in parts[part]]
+        return (kinds.count(PlaceKind.DOCK), kinds.count(PlaceKind.GOAL),
+                kinds.count(PlaceKind.HOME), int(sizes[part]))
+    chosen = max(parts, key=worth)
+    for part, places in parts.items():
+        if part != chosen:
+            notes += [f'{place.name or place.kind.value} cannot be reached from '
+                      f'{parts[chosen][0].name or parts[chosen][0].kind.value} by a robot '
+                      f'{options.robot_width:g} m wide: it is no vertex.' for place in places]
+    return parts[chosen]

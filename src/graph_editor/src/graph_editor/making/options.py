@@ -1,0 +1,68 @@
+"""What a made graph shall be like. Metres, m/s."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from graph_editor.errors import SiteError
+
+
+class Halls(Enum):
+    """How wide places are filled."""
+
+    CENTRE = 'centre'
+    """Lanes down the middle, and bays where the floor is far from them."""
+    LATTICE = 'lattice'
+    """Crossing lanes, `lattice_pitch` apart."""
+
+
+@dataclass(frozen=True)
+class MakingOptions:
+    """How big the robot is, and what its lanes shall be like.
+
+    Raises SiteError for numbers that fit no robot.
+    """
+
+    robot_width: float = 0.5
+    robot_length: float = 0.7
+    corridor: float = 0.9
+    """Floor that a lane gets where there is room for it."""
+    margin: float = 0.05
+    """What stays free on either side of robot and corridor, and covers the grid's inaccuracy."""
+    longest_edge: float = 5.0
+    reach: float = 2.0
+    """No reachable floor shall be farther from the lanes than this, by the way to drive."""
+    speed: float = 1.0
+    """On straight lanes in wide places; narrow places and bends are slower."""
+    halls: Halls = Halls.CENTRE
+    lattice_pitch: float = 3.0
+
+    def __post_init__(self) -> None:
+        for name in ('robot_width', 'robot_length', 'corridor', 'longest_edge', 'reach', 'speed',
+                     'lattice_pitch'):
+            value = getattr(self, name)
+            if not 0.05 <= value <= 1000.0:
+                raise SiteError(f'{name} is {value:g}, but must lie in 0.05..1000.')
+        if not 0.0 <= self.margin <= 1.0:
+            raise SiteError(f'margin is {self.margin:g}, but must lie in 0..1 m.')
+        if self.corridor < self.robot_width:
+            raise SiteError(f'A corridor of {self.corridor:g} m is of no use to a robot '
+                            f'{self.robot_width:g} m wide.')
+        if self.lattice_pitch < self.corridor:
+            raise SiteError(f'Lanes {self.lattice_pitch:g} m apart leave no corridor of '
+                            f'{self.corridor:g} m.')
+
+    @property
+    def tight(self) -> float:
+        """The least clearance of a lane: where just the robot fits."""
+        return self.robot_width / 2.0 + self.margin
+
+    @property
+    def wide(self) -> float:
+        """The clearance of a lane with its whole corridor."""
+        return self.corridor / 2.0 + self.margin
+
+    @property
+    def turning(self) -> float:
+        """The clearance of a place where the robot can turn on the spot."""
+        return (self.robot_width ** 2 + self.robot_length ** 2) ** 0.5 / 2.0 + self.margin

@@ -1,0 +1,234 @@
+"""What a person would leave out of a skeleton: spurs into corners, and loops that save no way.
+
+A chain stays where it *serves* floor that no other chain does, or where it saves a detour.
+Junctions that lie close together become one.
+"""
+from __future__ import annotations
+
+import heapq
+from typing import Dict, Iterable, List, Optional
+
+import numpy as np
+
+from graph_editor.making.chains import Chain, ChainGraph
+from graph_editor.making.coverage import Coverage
+from graph_editor.making.options import MakingOptions
+from graph_editor.making.sight import in_sight
+
+LEAST_FLOOR = 1.0  # m2 that only a dead end serves, for it to stay
+LEAST_IN_CORNER = 6.0  # m2, where it leads into a corner: bays do that better
+WORTHWHILE_DETOUR = 9.0  # m that a side of a loop saves, for it to stay
+WORTHWHILE_FLOOR = 3.0  # m2 that only one side of a loop serves, for it to stay
+NARROW_IS_WORSE = 3.0  # so much more a lane must bring where its corridor does not fit
+MERGING = 1.0  # m between junctions that become one, where there is little room
+DOOR = 0.3  # m that a way must widen again by, to have come through something like a door
+AHEAD = 1.5  # m of each chain that must see the one junction
+
+
+def prune(graph: ChainGraph, coverage: Coverage, options: MakingOptions) -> None:
+    """Takes out of the skeleton what is of no use; what is connected stays connected."""
+    _prune_spurs(graph)
+    pruner = _Pruner(graph, coverage, options)
+    pruner.prune_dead_ends()
+    pruner.open_narrow_loops()
+    pruner.prune_dead_ends()
+    pruner.prune_loops()
+    pruner.prune_dead_ends()
+
+
+def merge_junctions(graph: ChainGraph, options: MakingOptions) -> None:
+    """Makes one of junctions close together, as long as lanes can lead straight to it."""
+    refused = set()
+    while True:
+        chain = min((chain for chain in graph.chains if _is_short(graph, chain)
+                     and chain.id not in refused), key=lambda chain: chain.length, default=None)
+        if chain is None:
+            return
+        if not _contract(graph, chain, options):
+            refused.add(chain.id)
+
+
+def _prune_spurs(graph: ChainGraph) -> None:
+    """Takes out dead ends that hardly leave the widest disc around where they begin.
+
+    All of a junction at once: of the two spurs at the end of a corridor neither is its end.
+    """
+    while True:
+        spurs: Dict[int, List[Chain]] = {}
+        for tip, chain in graph.dead_ends():
+            if _is_spur(graph, tip, chain):
+                spurs.setdefault(chain.other(tip), []).append(chain)
+        if not spurs:
+            return
+        base = min(spurs, key=lambda node: (max(chain.length for chain in spurs[node]), node))
+        graph.remove_all(spurs[base])
+
+
+def _is_spur(graph: ChainGraph, tip: int, chain: Chain) -> bool:
+    """Judged by how far the discs along the chain reach beyond the disc around its base.
+
+    A spur into a corner may reach farther than one behind a narrow place, like a door.
+    """
+    clearances = chain.clearances_towards(tip)
+    beyond = chain.length + clearances[-1] - clearances[0]
+    return beyond < (0.5 * clearances[0] + 0.3 if _widens(tip, chain) else 1.2 * clearances[0])
+
+
+def _leads_into_corner(tip: int, chain: Chain) -> bool:
+    """Does a dead end narrow all the way, and end soon? From a hall's middle that is a corner."""
+    clearances = chain.clearances_towards(tip)
+    return (clearances[-1] < 0.6 * clearances[0] and chain.length < 2.2 * clearances[0]
+            and not _widens(tip, chain))
+
+
+def _widens(tip: int, chain: Chain) -> bool:
+    """Does the way to a dead end's tip widen again, as behind a door?"""
+    clearances = chain.clearances_towards(tip)
+    return float((clearances - np.minimum.accumulate(clearances)).max()) >= DOOR
+
+
+class _Pruner:
+    """Counts for every cell of the floor how many chains serve it."""
+
+    def __init__(self, graph: ChainGraph, coverage: Coverage, options: MakingOptions) -> None:
+        self._graph = graph
+        self._coverage = coverage
+        self._options = options
+        self._served: Dict[int, np.ndarray] = {}
+        self._servants = np.zeros(coverage.mask.size, np.int32)
+        self._take_up(graph.chains)
+
+    def prune_dead_ends(self) -> None:
+        """Takes out dead ends that serve hardly anything alone, the least useful first."""
+        while True:
+            uses = [(self._use_of_dead_end(node, chain), node, chain)
+                    for node, chain in self._graph.dead_ends()]
+            useless = [entry for entry in uses if entry[0] < 1.0]
+            if not useless:
+                return
+            self._remove(min(useless, key=lambda entry: entry[:2])[2])
+
+    def open_narrow_loops(self) -> None:
+        """Cuts loops at their narrowest, where a whole corridor does not fit.
+
+        Unless they save a long detour there. Rings are cut half way round.
+        """
+        for chain in self._graph.chains:
+            if not self._graph.has(chain):
+                continue
+            if chain.is_ring:
+                self._open(chain)
+            elif chain.clearance < self._options.corridor / 2.0:
+                around = self._graph.way_round(chain)
+                limit = NARROW_IS_WORSE * WORTHWHILE_DETOUR
+                if around is not None and around - chain.length < limit:
+                    self._open(chain)
+
+    def _open(self, chain: Chain) -> List[Chain]:
+        """Makes two dead ends of a chain; see `open_narrow_loops`."""
+        first = last = len(chain.path) // 2
+        if not chain.is_ring:
+            first = last = int(np.argmin(chain.clearances))
+            narrow = chain.clearances < self._options.corridor / 2.0
+            while first > 0 and narrow[first - 1]:
+                first -= 1
+            while last < len(narrow) - 1 and narrow[last + 1]:
+                last += 1
+        made = self._graph.cut_out(chain, first, last)
+        self._exchange(made)
+        return made
+
+    def prune_loops(self) -> None:
+        """Takes out sides of loops, the least useful first.
+
+        Taking one out can only make the others more useful, so a use that was worked out before
+        is a lower bound, and is worked out again only when its turn comes.
+        """
+        waiting = [(0.0, chain.id, chain) for chain in self._graph.chains]
+        heapq.heapify(waiting)
+        while waiting:
+            _, _, chain = heapq.heappop(waiting)
+            if not self._graph.has(chain):
+                continue
+            if chain.is_ring:
+                self._open(chain)
+                continue
+            use = self._use_in_loop(chain)
+            if use is None or use >= 1.0:
+                continue
+            if waiting and use > waiting[0][0]:
+                heapq.heappush(waiting, (use, chain.id, chain))
+                continue
+            for made in self._remove(chain):
+                heapq.heappush(waiting, (0.0, made.id, made))
+
+    def _use_of_dead_end(self, tip: int, chain: Chain) -> float:
+        """1 and more where the chain is worth its while."""
+        least = LEAST_IN_CORNER if _leads_into_corner(tip, chain) else LEAST_FLOOR
+        return self._floor_of(chain) / self._price(chain) / least
+
+    def _use_in_loop(self, chain: Chain) -> Optional[float]:
+        """1 and more where the chain is worth its while; None where nothing else joins its ends."""
+        around = self._graph.way_round(chain)
+        if around is None:
+            return None
+        saved = max(around - chain.length, 0.0) / WORTHWHILE_DETOUR
+        return ((saved + self._floor_of(chain) / WORTHWHILE_FLOOR) / self._price(chain)
+                / (0.5 + chain.length / 20.0))
+
+    def _price(self, chain: Chain) -> float:
+        return 1.0 if chain.clearance >= self._options.corridor / 2.0 else NARROW_IS_WORSE
+
+    def _floor_of(self, chain: Chain) -> float:
+        """m2 that only this chain serves."""
+        alone = np.count_nonzero(self._servants[self._served[chain.id]] == 1)
+        return alone * self._coverage.cell_area
+
+    def _remove(self, chain: Chain) -> List[Chain]:
+        made = self._graph.remove_chain(chain)
+        self._exchange(made)
+        return made
+
+    def _exchange(self, made: List[Chain]) -> None:
+        """Takes up new chains, and forgets those that have gone."""
+        left = {chain.id for chain in self._graph.chains}
+        for id in [id for id in self._served if id not in left]:
+            self._servants[self._served.pop(id)] -= 1
+        self._take_up(made)
+
+    def _take_up(self, chains: Iterable[Chain]) -> None:
+        for chain in chains:
+            self._served[chain.id] = self._coverage.covered_by(chain.path)
+            self._servants[self._served[chain.id]] += 1
+
+
+def _is_short(graph: ChainGraph, chain: Chain) -> bool:
+    return (not chain.is_ring and graph.degree(chain.start) > 2 and graph.degree(chain.end) > 2
+            and chain.length < max(MERGING, 0.8 * float(chain.clearances.max())))
+
+
+def _contract(graph: ChainGraph, chain: Chain, options: MakingOptions) -> bool:
+    """Puts both ends of a chain into its middle, if the chains around can be seen from there."""
+    steps = np.linalg.norm(np.diff(chain.path, axis=0), axis=1)
+    middle = int(np.searchsorted(np.cumsum(steps), chain.length / 2.0)) + 1
+    middle = min(middle, len(chain.path) - 1)
+    centre = chain.path[middle]
+    for node in (chain.start, chain.end):
+        for other in graph.chains_at(node):
+            if other.id != chain.id and not _sees(graph, centre, other, node, options):
+                return False
+    start, end = chain.start, chain.end
+    graph.drop_chain(chain)
+    graph.move_node(start, chain.path[:middle + 1])
+    graph.move_node(end, chain.path[::-1][:len(chain.path) - middle])
+    graph.unite(start, end)
+    return True
+
+
+def _sees(graph: ChainGraph, centre: np.ndarray, chain: Chain, node: int,
+          options: MakingOptions) -> bool:
+    """Can a lane lead straight from the centre to a place some way along a chain?"""
+    path = chain.path_from(node)
+    arc = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))))
+    ahead = path[min(int(np.searchsorted(arc, AHEAD)), len(path) - 1)]
+    return in_sight(graph.floor, centre, ahead, min(options.wide, chain.clearance))

@@ -1,0 +1,219 @@
+"""Nodes and lanes as few as can be: what is close together becomes one, what is straight one lane.
+
+Nothing here takes the clearance that a lane needs.
+"""
+from __future__ import annotations
+
+import math
+from typing import Collection, Dict, Optional, Tuple
+
+import numpy as np
+
+from graph_editor.making.coverage import Coverage, dense
+from graph_editor.making.lanes import Lane, LaneNet
+from graph_editor.making.sight import in_sight, straight
+
+CLOSE = 0.6  # m between nodes that become one
+TOUCHING = 0.35  # m between a node and a lane that passes it: then the lane leads through it
+STRAIGHT = math.radians(6.0)  # of turning, at a node that is none
+LEAST_FLOOR = 1.5  # m2 that only a dead end serves, for it to stay
+
+
+def tidy(net: LaneNet, keep: Collection[int] = ()) -> None:
+    """Tidies everything but the nodes to `keep`, to which others may come."""
+    kept = set(keep)
+    _cross(net)
+    _lead_through(net)
+    _merge_close(net, kept)
+    _dissolve_straight(net, kept)
+
+
+def prune_tails(net: LaneNet, coverage: Coverage, turning: float) -> None:
+    """Takes out dead ends that serve hardly any floor alone, the least useful first.
+
+    A lane stays where the dead end that it leads to would end where there is no room to turn.
+    """
+    served = {lane.nodes: coverage.covered_by(dense(np.array(net.ends(lane)), 0.05))
+              for lane in net.lanes}
+    servants = np.zeros(coverage.mask.size, np.int32)
+    for cells in served.values():
+        servants[cells] += 1
+    lost: Dict[int, float] = {}  # m2 that nothing serves any more, by the node that led there
+    while len(net.lanes) > 1:
+        useless = []
+        for lane in net.lanes:
+            for tip, base in (lane.nodes, lane.nodes[::-1]):
+                if net.degree(tip) == 1 and not _ends_narrow(net, base, turning):
+                    alone = np.count_nonzero(servants[served[lane.nodes]] == 1)
+                    useless.append((alone * coverage.cell_area + lost.get(tip, 0.0), tip, base))
+        loss, tip, base = min(useless, default=(math.inf, 0, 0))
+        if loss >= LEAST_FLOOR:
+            return
+        servants[served.pop(net.lane(tip, base).nodes)] -= 1
+        lost[base] = lost.get(base, 0.0) + loss
+        net.remove_node(tip)
+
+
+def _ends_narrow(net: LaneNet, node: int, turning: float) -> bool:
+    """Would a dead end at this node be one where robots cannot turn?"""
+    room = float(net.floor.clearance_at(net.positions[node][None, :])[0])
+    return net.degree(node) == 2 and room < turning
+
+
+def draw_back_tips(net: LaneNet, turning: float, keep: Collection[int]) -> None:
+    """Ends dead ends where a robot can turn; one that is too short for that goes.
+
+    The last lane stays.
+    """
+    for tip in net.nodes:
+        if tip in keep or net.degree(tip) != 1 or len(net.lanes) == 1:
+            continue
+        base, = net.neighbours(tip)
+        points = straight(net.floor, net.positions[tip], net.positions[base])
+        roomy = np.flatnonzero(net.floor.clearance_at(points) >= turning)
+        if len(roomy) and np.hypot(*(points[roomy[0]] - net.positions[base])) >= CLOSE:
+            net.positions[tip] = points[roomy[0]]
+        else:
+            net.remove_node(tip)
+
+
+def _cross(net: LaneNet) -> None:
+    """Where lanes cross they get a node."""
+    while True:
+        found = _crossing(net)
+        if found is None:
+            return
+        first, second, position = found
+        node = net.split(first, position)
+        other = net.split(second, position)
+        net.merge(node, other)
+
+
+def _crossing(net: LaneNet) -> Optional[Tuple[Lane, Lane, np.ndarray]]:
+    lanes = net.lanes
+    if len(lanes) < 2:
+        return None
+    ends = np.array([net.ends(lane) for lane in lanes])
+    starts, steps = ends[:, 0], ends[:, 1] - ends[:, 0]
+    for i, lane in enumerate(lanes[:-1]):
+        ahead = slice(i + 1, len(lanes))
+        between = starts[ahead] - starts[i]
+        cross = steps[i, 0] * steps[ahead, 1] - steps[i, 1] * steps[ahead, 0]
+        with np.errstate(divide='ignore', invalid='ignore'):
+            mine = (between[:, 0] * steps[ahead, 1] - between[:, 1] * steps[ahead, 0]) / cross
+            theirs = (between[:, 0] * steps[i, 1] - between[:, 1] * steps[i, 0]) / cross
+            inner = ((np.abs(cross) > 1e-9) & (mine > 1e-6) & (mine < 1.0 - 1e-6)
+                     & (theirs > 1e-6) & (theirs < 1.0 - 1e-6))
+        for k in np.flatnonzero(inner):
+            other = lanes[i + 1 + int(k)]
+            if not set(lane.nodes) & set(other.nodes):
+                return lane, other, starts[i] + mine[k] * steps[i]
+    return None
+
+
+def _lead_through(net: LaneNet) -> None:
+    """A lane that passes close to a node that is not its own leads through it."""
+    again = True
+    while again:
+        again = False
+        for node in net.nodes:
+            for lane in net.lanes:
+                if node not in lane.nodes and _passes(net, lane, node):
+                    a, b = lane.nodes
+                    net.remove_lane(lane)
+                    nearest = int(np.argmin(((lane.samples - net.positions[node]) ** 2
+                                             ).sum(axis=1)))
+                    net.add_lane(a, node, lane.need, lane.samples[:nearest + 1])
+                    net.add_lane(node, b, lane.need, lane.samples[nearest:])
+                    again = True
+
+
+def _passes(net: LaneNet, lane: Lane, node: int) -> bool:
+    a, b = net.ends(lane)
+    position = net.positions[node]
+    along = b - a
+    length = float(np.hypot(*along))
+    s = float((position - a) @ along) / max(length, 1e-9)
+    if not TOUCHING < s < length - TOUCHING:  # nodes that are close together are merged
+        return False
+    if np.hypot(*(a + s / length * along - position)) > TOUCHING:
+        return False
+    return all(in_sight(net.floor, end, position, lane.need) for end in (a, b))
+
+
+def _merge_close(net: LaneNet, keep: set) -> None:
+    refused = set()
+    while True:
+        short = [(net.length(lane), lane.nodes) for lane in net.lanes
+                 if net.length(lane) < CLOSE and lane.nodes not in refused]
+        if not short:
+            return
+        _, (a, b) = min(short)
+        if not _merge(net, a, b, keep):
+            refused.add((a, b))
+
+
+def _merge(net: LaneNet, a: int, b: int, keep: set) -> bool:
+    for node, other in ((a, b), (b, a)) if net.degree(a) >= net.degree(b) else ((b, a), (a, b)):
+        if other in keep:
+            continue
+        around = [net.lane(other, neighbour) for neighbour in net.neighbours(other)
+                  if neighbour != node]
+        starts = [(net.positions[next(n for n in lane.nodes if n != other)], lane.need)
+                  for lane in around]
+        if all(in_sight(net.floor, start, net.positions[node], need) for start, need in starts):
+            net.merge(node, other)
+            return True
+    return not {a, b} & keep and _merge_in_corner(net, a, b)
+
+
+def _merge_in_corner(net: LaneNet, a: int, b: int) -> bool:
+    """Two bends become one where the lanes that lead to them meet.
+
+    The lanes get as little room there as the lane between the bends had.
+    """
+    if net.degree(a) != 2 or net.degree(b) != 2:
+        return False
+    (before,), (after,) = ([node for node in net.neighbours(end) if node not in (a, b)]
+                           for end in (a, b))
+    here, there = net.positions[a], net.positions[b]
+    first, second = here - net.positions[before], there - net.positions[after]
+    cross = float(first[0] * second[1] - first[1] * second[0])
+    if before == after or abs(cross) < 0.5 * np.hypot(*first) * np.hypot(*second):
+        return False
+    between = there - here
+    corner = here + (between[0] * second[1] - between[1] * second[0]) / cross * first
+    outer = [(net.lane(before, a), net.positions[before]), (net.lane(b, after),
+                                                            net.positions[after])]
+    need = min(net.lane(a, b).need, *(lane.need for lane, _ in outer))
+    if max(np.hypot(*(corner - here)), np.hypot(*(corner - there))) > CLOSE or not all(
+            in_sight(net.floor, far, corner, need) for _, far in outer):
+        return False
+    for lane, _ in outer:
+        net.with_need(lane, need)
+    net.positions[a] = corner
+    net.merge(a, b)
+    return True
+
+
+def _dissolve_straight(net: LaneNet, keep: set) -> None:
+    for node in net.nodes:
+        if node in keep or net.degree(node) != 2:
+            continue
+        a, b = net.neighbours(node)
+        turn = math.remainder(_direction(net, node, b) - _direction(net, a, node), 2.0 * math.pi)
+        need = min(net.lane(a, node).need, net.lane(node, b).need)
+        if abs(turn) < STRAIGHT and in_sight(net.floor, net.positions[a], net.positions[b], need):
+            first, second = net.lane(a, node), net.lane(node, b)
+            samples = np.vstack((_from(first, a), _from(second, node)))
+            net.remove_node(node)
+            net.add_lane(a, b, need, samples)
+
+
+def _direction(net: LaneNet, start: int, end: int) -> float:
+    dx, dy = net.positions[end] - net.positions[start]
+    return math.atan2(dy, dx)
+
+
+def _from(lane: Lane, node: int) -> np.ndarray:
+    return lane.samples if lane.nodes[0] == node else lane.samples[::-1]

@@ -1,0 +1,264 @@
+"""Node `graph_editor`: a trajectory graph, edited in RViz on its map.
+
+Publishes
+  graph_editor/update, /update_full  handles of vertices and edges (interactive markers)
+  /graph              itrci_nav_msgs/Graph, latched: the graph as it is edited, whenever it is valid
+  graph_editor/map    nav_msgs/OccupancyGrid, latched: the map, outside what counts as unknown
+  graph_editor/findings  visualization_msgs/MarkerArray, latched: what is wrong, and the last words
+  graph_editor/words  std_msgs/String, latched: what was done, or why it was not
+  TF map -> graph_editor, so that RViz knows the frame
+Subscribes
+  clicked_point       geometry_msgs/PointStamped: RViz's Publish Point adds a vertex or cuts an edge
+Parameters
+  ~map_file           .map of a robot, .yaml of a ROS map, or topic:NAME (required)
+  ~graph_file         graph to edit; one that is not there is made from the map (required)
+  ~area               '' or x1,y1,x2,y2: the part of the map that counts
+  ~grid               m, that vertices snap to (0: none)
+  ~corridor           m (0.9)
+  ~robot_width, ~robot_length  m (0.5, 0.7)
+  ~window             true: a window for texts and numbers, and for what is wrong (true)
+"""
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+import time
+from typing import Any, Dict, List, Optional, Tuple
+
+import rospy
+import tf2_ros
+from geometry_msgs.msg import PointStamped, TransformStamped
+from nav_msgs.msg import OccupancyGrid
+from std_msgs.msg import String
+from visualization_msgs.msg import Marker, MarkerArray
+
+from graph_editor.checking.checker import Checker
+from graph_editor.checking.findings import Finding, Severity
+from graph_editor.checking.rules import CheckRules
+from graph_editor.editor.session import Session
+from graph_editor.errors import SiteError
+from graph_editor.make_cli import area_of
+from graph_editor.making.maker import make_graph
+from graph_editor.making.options import MakingOptions
+from graph_editor.nodes import drawing
+from graph_editor.nodes.board import NAMESPACE, Board, Key
+from graph_editor.nodes.drawing import MAP_FRAME
+from graph_editor.nodes.handles import AMBER, BLACK, RED
+from graph_editor.nodes.live_map import load_map
+from graph_editor.site import Site, SiteOptions
+from itrci_nav_msgs.msg import Edge, Graph, Vertex
+from omron_map import MapError
+from trajectory_graph import GraphError, TrajectoryGraphError
+from trajectory_graph.messages import fill_message
+from trajectory_graph.yaml_editing import GraphFile
+from trajectory_graph.yaml_file import dump_graph
+
+TICK = 0.1  # s
+REST = 0.5  # s without a change: then everything is checked again
+GRAPH_PERIOD = 0.25  # s between two messages on /graph, at least
+
+
+class EditorNode:
+    """Connects a session with RViz, with those who follow /graph, and with the window."""
+
+    def __init__(self, session: Session, site: Site, rules: CheckRules) -> None:
+        self.session = session
+        self.lock = threading.RLock()
+        self.findings: List[Finding] = []
+        self._checker = Checker(rules, site)
+        self._site = site
+        self._checked_version = self._published_version = -1
+        self._changed_at = self._published_at = 0.0
+        self._last_draft = session.draft
+        self._own: Dict[Key, Optional[Severity]] = {}
+        self._board = Board(session, self.lock, self.show)
+        self._graphs = rospy.Publisher('/graph', Graph, queue_size=1, latch=True)
+        self._maps = rospy.Publisher(f'{NAMESPACE}/map', OccupancyGrid, queue_size=1, latch=True)
+        self._markers = rospy.Publisher(f'{NAMESPACE}/findings', MarkerArray, queue_size=1,
+                                        latch=True)
+        self._words = rospy.Publisher(f'{NAMESPACE}/words', String, queue_size=1, latch=True)
+        self._frames = tf2_ros.StaticTransformBroadcaster()
+        self._maps.publish(_grid_message(site))
+        self._frames.sendTransform(_frame())
+        self.show()
+        self._subscriber = rospy.Subscriber('clicked_point', PointStamped, self._on_click)
+        self._timer = threading.Thread(target=self._watch, daemon=True)
+        self._timer.start()
+
+    def show(self) -> None:
+        """Brings RViz up to date after a change; the reasons for red come a little later."""
+        with self.lock:
+            draft = self.session.draft
+            if draft is not self._last_draft:
+                self._own.update(self._severities_of_changed())
+                self._last_draft, self._changed_at = draft, time.monotonic()
+            self._board.show(self._own)
+            self._words.publish(self.session.said)
+
+    def _severities_of_changed(self) -> Dict[Key, Optional[Severity]]:
+        """How bad what changed since is, looked at by itself; None: nothing wrong."""
+        draft, before = self.session.draft, self._last_draft
+        vertices = {id for id, vertex in draft.vertices.items()
+                    if before.vertices.get(id) is not vertex}
+        edges = {id for id, edge in draft.edges.items() if before.edges.get(id) is not edge
+                 or edge.origin in vertices or edge.destination in vertices}
+        found = {('vertex', id): self._checker.of_vertex(draft, id) for id in vertices}
+        found.update({('edge', id): self._checker.of_edge(draft, id) for id in edges})
+        return {key: min((finding.severity for finding in findings),
+                         key=lambda severity: severity is Severity.WARNING, default=None)
+                for key, findings in found.items()}
+
+    def _on_click(self, click: PointStamped) -> None:
+        if click.header.frame_id.lstrip('/') == MAP_FRAME:
+            with self.lock:
+                self.session.click_floor(click.point.x, click.point.y)
+                self.show()
+
+    def _watch(self) -> None:
+        while not rospy.is_shutdown():
+            rospy.rostime.wallsleep(TICK)
+            with self.lock:
+                draft, version = self.session.draft, self.session.history.version
+                now, resting = time.monotonic(), not self._board.is_dragging
+            if version != self._published_version and now - self._published_at > GRAPH_PERIOD:
+                self._publish_graph(draft)
+                self._published_version, self._published_at = version, now
+            if version != self._checked_version and resting and now - self._changed_at > REST:
+                findings = self._checker.all(draft)
+                with self.lock:
+                    self._checked_version = version
+                    if self.session.draft is draft:
+                        self.findings = findings
+                        self._own = {}
+                        self._board.mark(findings)
+                        self._board.show(self._own)
+            self._publish_findings()
+
+    def _publish_graph(self, draft: Any) -> None:
+        try:
+            message = fill_message(Graph(), draft.graph(), Vertex, Edge)
+        except GraphError:
+            return  # not valid now: those who follow keep the last one that was
+        message.header.frame_id = MAP_FRAME
+        message.header.stamp = rospy.Time.now()
+        self._graphs.publish(message)
+
+    def _publish_findings(self) -> None:
+        shown = tuple(self.findings), self.session.said, self.session.is_saved
+        if shown == getattr(self, '_shown_findings', None):
+            return
+        self._shown_findings = shown
+        array = MarkerArray([Marker(action=Marker.DELETEALL)])
+        for finding in self.findings:
+            if finding.place is not None:
+                paint = RED if finding.severity is Severity.ERROR else AMBER
+                x, y = finding.place
+                array.markers.append(drawing.disc(0.5, 0.03, drawing.colour(
+                    paint.r, paint.g, paint.b, 0.4)))
+                array.markers[-1].pose = drawing.pose_at(x, y, 0.03)
+                array.markers.append(drawing.text(_in_lines(finding), x, y - 0.6, 0.3, 0.26, paint))
+        floor = self._site.floor
+        top = floor.origin[1] + floor.occupied.shape[0] * floor.resolution
+        middle = floor.origin[0] + floor.occupied.shape[1] * floor.resolution / 2.0
+        array.markers.append(drawing.text(self._summary(), middle, top + 0.8, 0.3, 0.45, BLACK))
+        for id, marker in enumerate(array.markers):
+            marker.header.frame_id, marker.ns, marker.id = MAP_FRAME, 'findings', id
+        self._markers.publish(array)
+
+    def _summary(self) -> str:
+        errors = sum(finding.severity is Severity.ERROR for finding in self.findings)
+        state = 'saved' if self.session.is_saved else 'not saved'
+        return (f'{self.session.said}\n{_counted(errors, "error")}, '
+                f'{_counted(len(self.findings) - errors, "warning")}, {state}')
+
+
+def _counted(number: int, thing: str) -> str:
+    return f'{number} {thing}' if number == 1 else f'{number} {thing}s'
+
+
+def _in_lines(finding: Finding) -> str:
+    """The reason, broken into lines that can be read on a map."""
+    about = f'{finding.kind} {finding.id}: ' if finding.id is not None else ''
+    lines, line = [], ''
+    for word in f'{about}{finding.text}'.split():
+        if len(line) + len(word) > 40:
+            lines.append(line)
+            line = ''
+        line = f'{line} {word}'.strip()
+    return '\n'.join([*lines, line])
+
+
+def _grid_message(site: Site) -> OccupancyGrid:
+    floor = site.floor
+    message = OccupancyGrid()
+    message.header.frame_id = MAP_FRAME
+    message.header.stamp = rospy.Time.now()
+    message.info.map_load_time = message.header.stamp
+    message.info.resolution = floor.resolution
+    message.info.height, message.info.width = floor.occupied.shape
+    message.info.origin = drawing.pose_at(*floor.origin)
+    cells = (floor.occupied * 100).astype('int8')
+    cells[~floor.inside & ~floor.occupied] = -1
+    message.data = cells.ravel().tolist()
+    return message
+
+
+def _frame() -> TransformStamped:
+    transform = TransformStamped()
+    transform.header.frame_id, transform.child_frame_id = MAP_FRAME, NAMESPACE
+    transform.header.stamp = rospy.Time.now()
+    transform.transform.rotation.w = 1.0
+    return transform
+
+
+def _start() -> Tuple[EditorNode, bool]:
+    """The node, and whether it shall have a window; raises SiteError and the files' errors."""
+    map_file = str(rospy.get_param('~map_file', ''))
+    graph_file = str(rospy.get_param('~graph_file', ''))
+    if not map_file or not graph_file:
+        raise SiteError('The parameters ~map_file and ~graph_file must name a map and a graph.')
+    rules = CheckRules(robot_width=float(rospy.get_param('~robot_width', 0.5)),
+                       robot_length=float(rospy.get_param('~robot_length', 0.7)),
+                       corridor=float(rospy.get_param('~corridor', 0.9)))
+    area = str(rospy.get_param('~area', ''))
+    site = load_map(map_file, SiteOptions(area_of(area, '~area') if area else None))
+    is_new = not os.path.exists(graph_file)
+    if is_new:
+        made = make_graph(site, MakingOptions(
+            robot_width=rules.robot_width, robot_length=rules.robot_length,
+            corridor=rules.corridor))
+        file = GraphFile(dump_graph(made.graph), graph_file)
+        rospy.loginfo('%s is not there: a graph was made from %s; save it to keep it.',
+                      graph_file, map_file)
+    else:
+        file = GraphFile.load(graph_file)
+    session = Session(file, graph_file, is_new)
+    session.set_grid(float(rospy.get_param('~grid', 0.0)))
+    session.said = f'{len(file.draft.vertices)} vertices and {len(file.draft.edges)} edges'
+    return EditorNode(session, site, rules), bool(rospy.get_param('~window', True))
+
+
+def main() -> int:
+    """Run the node until it is ended, or its window is closed."""
+    rospy.init_node('graph_editor', disable_signals=True)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: threading.Thread(
+            target=rospy.signal_shutdown, args=('signal',), daemon=True).start())
+    try:
+        node, with_window = _start()
+    except (SiteError, MapError, TrajectoryGraphError, ValueError) as error:
+        rospy.logerr('%s', error)
+        return 1
+    if with_window:
+        from graph_editor.nodes.window import run_window  # Qt is not there on every computer
+        run_window(node)
+        rospy.signal_shutdown('the window was closed')
+    else:
+        rospy.spin()
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,168 @@
+"""The handles of vertices, edges and splines: what each looks like, as messages.
+
+Left: a vertex is dragged or selected, an edge selected. Right: a menu. The selected vertex has a
+ball ahead of it that turns it; the selected spline has two that bend it.
+"""
+from __future__ import annotations
+
+import math
+from typing import Dict, List, NamedTuple, Optional, Tuple
+
+import numpy as np
+from std_msgs.msg import ColorRGBA
+from visualization_msgs.msg import InteractiveMarker, InteractiveMarkerControl, Marker, MenuEntry
+
+from graph_editor.checking.findings import Severity
+from graph_editor.editor.actions import EDGE_MENU, VERTEX_MENU, Entry, numbered
+from graph_editor.nodes import drawing
+from graph_editor.nodes.drawing import MAP_FRAME, colour
+from trajectory_graph import CurveType, Edge, GraphError, Vertex
+from trajectory_graph.editing import Draft
+
+VERTEX_SIZE, HANDLE_SIZE, EDGE_WIDTH = 0.32, 0.26, 0.08  # m
+HEADING_REACH = 0.75  # m from a vertex to the ball that turns it
+EDGE_Z, VERTEX_Z, HANDLE_Z, TEXT_Z = 0.02, 0.06, 0.1, 0.14
+SMOOTH = 0.15  # m between the points of a drawn curve
+BLUE, VIOLET, NAVY = colour(0.1, 0.4, 0.8), colour(0.55, 0.25, 0.8), colour(0.12, 0.2, 0.35)
+ORANGE, PURPLE, GREEN = colour(0.95, 0.55, 0.0), colour(0.6, 0.0, 0.6), colour(0.0, 0.6, 0.25)
+YELLOW, RED, AMBER, BLACK = (colour(1.0, 0.85, 0.1), colour(0.9, 0.05, 0.05),
+                             colour(1.0, 0.6, 0.1), colour(0.05, 0.05, 0.05))
+TURNER, BENDERS = 'turn', ('bend f', 'bend b')
+"""Names of the handles of what is selected."""
+
+
+class Look(NamedTuple):
+    """What a handle's colour depends on beside the element itself."""
+
+    severity: Optional[Severity] = None
+    selected: bool = False
+    waiting: bool = False
+    """For its connection."""
+
+
+def _menu(entries: Tuple[Entry, ...]) -> Tuple[List[MenuEntry], Dict[int, Entry]]:
+    rows, by_id = numbered(entries)
+    return [MenuEntry(id=id, parent_id=parent, title=title, command_type=MenuEntry.FEEDBACK)
+            for id, parent, title in rows], by_id
+
+
+_VERTEX_ENTRIES, VERTEX_ACTIONS = _menu(VERTEX_MENU)
+_EDGE_ENTRIES, EDGE_ACTIONS = _menu(EDGE_MENU)
+
+
+def vertex_name(id: int) -> str:
+    """Of a vertex's handle."""
+    return f'vertex {id}'
+
+
+def edge_name(id: int) -> str:
+    """Of an edge's handle."""
+    return f'edge {id}'
+
+
+def vertex_handle(vertex: Vertex, look: Look) -> InteractiveMarker:
+    """A disc that can be dragged, an arrow along its heading, its id and label."""
+    paint = _warning(look) or (PURPLE if vertex.dock else ORANGE if vertex.parking else NAVY)
+    label = f' {vertex.label}' if vertex.label not in ('', 'pass', 'parking') else ''
+    marker = _handle(vertex_name(vertex.id), vertex.position)
+    marker.menu_entries = _VERTEX_ENTRIES
+    shapes = [drawing.disc(VERTEX_SIZE, VERTEX_Z, paint),
+              drawing.arrow(vertex.theta, 0.42, 0.2, VERTEX_Z + 0.01, paint),
+              drawing.text(f'{vertex.id}{label}', 0.28, 0.32, TEXT_Z, 0.3, BLACK)]
+    if look.selected or look.waiting:
+        halo = VERTEX_SIZE * (2.0 if look.waiting else 1.6)
+        shapes.append(drawing.disc(halo, VERTEX_Z - 0.015, YELLOW))
+    marker.controls.append(_plane_control(
+        'move', f'Vertex {vertex.id}{label}: drag, or right click', shapes))
+    return marker
+
+
+def edge_handle(draft: Draft, edge: Edge, look: Look) -> InteractiveMarker:
+    """The edge's curve, with an arrow for each way that may be driven."""
+    paint = _warning(look) or (VIOLET if edge.curve_type is CurveType.SPLINE else BLUE)
+    origin, destination = draft.vertices[edge.origin], draft.vertices[edge.destination]
+    try:
+        curve = draft.curve(edge.id)
+        points = (curve.sample(SMOOTH) if edge.curve_type is CurveType.SPLINE
+                  else curve.points)
+        middle, heading = curve.point_at(curve.length / 2.0), curve.heading_at(curve.length / 2.0)
+    except GraphError:
+        points = np.array((origin.position, destination.position))
+        middle, heading = origin.position, 0.0
+    marker = _handle(edge_name(edge.id), middle)
+    marker.menu_entries = _EDGE_ENTRIES
+    shapes = [drawing.strip(points - np.array(middle), EDGE_WIDTH, EDGE_Z, paint)]
+    if look.selected:
+        shapes.append(drawing.strip(points - np.array(middle), 3.0 * EDGE_WIDTH, EDGE_Z - 0.01,
+                                    YELLOW))
+    shapes += [drawing.arrow(yaw, 0.24, 0.26, EDGE_Z + 0.01, paint)
+               for yaw, speed in ((heading, edge.velocity_forward),
+                                  (heading + math.pi, edge.velocity_backwards)) if speed > 0.0]
+    control = InteractiveMarkerControl(
+        name='select', interaction_mode=InteractiveMarkerControl.BUTTON, always_visible=True,
+        description=f'Edge {edge.id}, from {edge.origin} to {edge.destination}: click, or right '
+        'click', markers=shapes)
+    marker.controls.append(control)
+    return marker
+
+
+def turner(vertex: Vertex) -> InteractiveMarker:
+    """The ball that turns the selected vertex."""
+    marker = _handle(TURNER, turner_place(vertex))
+    marker.controls.append(_plane_control('turn', f'Heading of vertex {vertex.id}: drag',
+                                          [_ball(YELLOW)]))
+    return marker
+
+
+def turner_place(vertex: Vertex) -> Tuple[float, float]:
+    """Where the ball is that turns a vertex."""
+    return (vertex.x + HEADING_REACH * math.cos(vertex.theta),
+            vertex.y + HEADING_REACH * math.sin(vertex.theta))
+
+
+def benders(draft: Draft, edge: Edge) -> List[InteractiveMarker]:
+    """The balls that bend the selected spline."""
+    markers = []
+    for name, place, words in zip(BENDERS, bender_places(draft, edge), ('origin', 'destination')):
+        marker = _handle(name, place)
+        marker.controls.append(_plane_control(
+            'bend', f'Bend of edge {edge.id} at its {words}: drag', [_ball(AMBER)]))
+        markers.append(marker)
+    return markers
+
+
+def bender_places(draft: Draft, edge: Edge) -> List[Tuple[float, float]]:
+    """The spline's two inner control points."""
+    origin, destination = draft.vertices[edge.origin], draft.vertices[edge.destination]
+    return [(origin.x + edge.param_f * math.cos(origin.theta),
+             origin.y + edge.param_f * math.sin(origin.theta)),
+            (destination.x - edge.param_b * math.cos(destination.theta),
+             destination.y - edge.param_b * math.sin(destination.theta))]
+
+
+def _warning(look: Look) -> Optional[ColorRGBA]:
+    if look.severity is None:
+        return None
+    return RED if look.severity is Severity.ERROR else AMBER
+
+
+def _handle(name: str, place: Tuple[float, float]) -> InteractiveMarker:
+    marker = InteractiveMarker(name=name, scale=0.5)  # without a description: no label over it
+    marker.header.frame_id = MAP_FRAME
+    marker.pose = drawing.pose_at(*place)
+    return marker
+
+
+def _plane_control(name: str, description: str, shapes: List[Marker]) -> InteractiveMarkerControl:
+    """A control that is dragged over the floor."""
+    control = InteractiveMarkerControl(
+        name=name, description=description, always_visible=True, markers=shapes,
+        interaction_mode=InteractiveMarkerControl.MOVE_PLANE)
+    control.orientation.w = control.orientation.y = math.sqrt(0.5)  # its plane's normal is z
+    return control
+
+
+def _ball(paint: ColorRGBA) -> Marker:
+    marker = Marker(type=Marker.SPHERE, color=paint, pose=drawing.pose_at(0.0, 0.0, HANDLE_Z))
+    marker.scale.x = marker.scale.y = marker.scale.z = HANDLE_SIZE
+    return marker

@@ -1,0 +1,62 @@
+"""Opens RViz with the whole map of the graph editor in view: no ROS node, it becomes RViz.
+
+    graph_editor_view MAP_FILE CONFIGURATION [more arguments of rviz]
+"""
+from __future__ import annotations
+
+import glob
+import os
+import re
+import sys
+import tempfile
+from typing import Tuple
+
+import numpy as np
+
+from graph_editor.floor import Floor
+from graph_editor.make_cli import ERRORS
+from graph_editor.nodes.live_map import load_map
+from graph_editor.site import SiteOptions
+
+WIDTH, HEIGHT = 1248, 808  # pixels of the 3D view in the configuration's window
+BORDER = 0.8  # m around the map
+WORDS_ABOVE = 1.2  # m above it
+
+
+def fitted(text: str, floor: Floor) -> str:
+    """The RViz configuration `text` with a view that shows all of the floor."""
+    (west, south), (east, north) = _bounds(floor)
+    north += WORDS_ABOVE
+    scale = min(WIDTH / (east - west + 2.0 * BORDER), HEIGHT / (north - south + 2.0 * BORDER))
+    values = {'Scale': scale, 'X': (west + east) / 2.0, 'Y': (south + north) / 2.0}
+    head, views, tail = text.partition('\n  Views:\n    Current:\n')
+    for name, value in values.items():
+        tail = re.sub(rf'(?m)^      {name}: \S+$', f'      {name}: {value:.3f}', tail, count=1)
+    return head + views + tail
+
+
+def _bounds(floor: Floor) -> Tuple[np.ndarray, np.ndarray]:
+    rows, columns = np.nonzero(floor.inside | floor.occupied)
+    places = floor.centres(rows, columns)
+    return places.min(axis=0), places.max(axis=0)
+
+
+def rendering_arguments() -> Tuple[str, ...]:
+    """Without a graphics card anti-aliasing costs more than all the rest."""
+    software = (os.environ.get('LIBGL_ALWAYS_SOFTWARE', '') not in ('', '0', 'false')
+                or not (glob.glob('/dev/dri/*') or glob.glob('/dev/nvidia[0-9]*')))
+    return ('--disable-anti-aliasing',) if software else ()
+
+
+def main() -> None:
+    """Become RViz."""
+    map_file, path, *arguments = sys.argv[1:]
+    try:
+        with open(path, encoding='utf-8') as stream:
+            text = fitted(stream.read(), load_map(map_file, SiteOptions()).floor)
+        path = os.path.join(tempfile.mkdtemp(prefix='graph_editor_view_'), os.path.basename(path))
+        with open(path, 'w', encoding='utf-8') as stream:
+            stream.write(text)
+    except ERRORS as error:
+        print(f'RViz opens with the view of {path}: {error}', file=sys.stderr)
+    os.execvp('rviz', ['rviz', '-d', path, *rendering_arguments(), *arguments])

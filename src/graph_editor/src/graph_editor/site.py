@@ -1,0 +1,140 @@
+"""Sites: a floor and the places on it, from a robot's `.map`, a ROS map, or an occupancy grid.
+
+The only module that knows of `.map`. Metres and radians come out.
+"""
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass
+from enum import Enum
+from typing import Optional, Tuple
+
+import numpy as np
+
+from graph_editor.errors import SiteError
+from graph_editor.floor import LARGEST_GRID, Floor, inside_outline
+from graph_editor.ros_map import load_ros_map
+from omron_map import OCCUPIED, MapDocument, OccupancyGrid
+
+CONVERTERS_FENCE = 'omron_ros_map fence'
+"""Description of the areas and lines that a converter made around a graph's corridors."""
+
+
+class PlaceKind(Enum):
+    """What a place of the map is for."""
+
+    GOAL = 'goal'
+    DOCK = 'dock'
+    HOME = 'home'
+    """Where robots may be switched on: the floor is reached from there, but it is no vertex."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """A place with a name; heading in rad, None where it does not matter."""
+
+    kind: PlaceKind
+    name: str
+    x: float
+    y: float
+    heading: Optional[float] = None
+
+    @property
+    def position(self) -> Tuple[float, float]:
+        """x, y in m."""
+        return self.x, self.y
+
+
+@dataclass(frozen=True, eq=False)
+class Site:
+    """A floor with the places that are known on it."""
+
+    name: str
+    """The file, or what the map is called."""
+    floor: Floor
+    places: Tuple[Place, ...] = ()
+    notes: Tuple[str, ...] = ()
+    """What a person should know about the map, a sentence each."""
+
+    @property
+    def frame_id(self) -> str:
+        """What the vertices of a graph for this map have as FrameId."""
+        return f'map/{os.path.splitext(os.path.basename(self.name))[0]}'
+
+
+@dataclass(frozen=True)
+class SiteOptions:
+    """Which part of a map counts, and how finely it is looked at."""
+
+    area: Optional[Tuple[float, float, float, float]] = None
+    """x1, y1, x2, y2: only what lies within counts; None: inside the scanned outline."""
+    outline_gap: float = 3.0
+    """Gaps in the scanned outline up to this wide are closed."""
+    resolution: float = 0.05
+
+
+def load_site(path: str, options: SiteOptions) -> Site:
+    """The site in a `.map` file, or in the `.yaml` of a ROS map; raises SiteError or MapError."""
+    if os.path.splitext(path)[1].lower() in ('.yaml', '.yml'):
+        grid = load_ros_map(path)
+        return site_of_grid(grid.cells, grid.resolution, grid.origin, options, path)
+    return site_of_document(MapDocument.load(path), options)
+
+
+def site_of_document(document: MapDocument, options: SiteOptions) -> Site:
+    """The site of a robot's map: scan points, lines, forbidden areas and lines are obstacles."""
+    pitch = max(1, round(options.resolution * 1000.0))
+    grid = OccupancyGrid.from_map(document, pitch, 'both', areas=True)
+    occupied = grid.cells == OCCUPIED
+    origin = (grid.origin[0] / 1000.0, grid.origin[1] / 1000.0)
+    inside = _inside(occupied, pitch / 1000.0, origin, options)
+    notes = []
+    if any(obj.description == CONVERTERS_FENCE
+           for obj in document.forbidden_areas + document.forbidden_lines):
+        notes.append(f'{document.name} holds the fences and goals of a graph already: use the map '
+                     'that they were put into.')
+    return Site(document.name, Floor(occupied, inside, pitch / 1000.0, origin),
+                _places(document), tuple(notes))
+
+
+def site_of_grid(cells: np.ndarray, resolution: float, origin: Tuple[float, float],
+                 options: SiteOptions, name: str = 'map') -> Site:
+    """The site of an occupancy grid (rows from the lowest y; 0..100, -1 unknown) in m.
+
+    What is unknown is no floor. A grid without any free cell knows obstacles only: then the floor
+    is what lies inside their outline.
+    """
+    if cells.size > LARGEST_GRID:
+        raise SiteError(f'{name} has {cells.size} cells, but {LARGEST_GRID} is the most.')
+    occupied = cells >= 50
+    known = (cells >= 0) & ~occupied
+    inside = _inside(occupied, resolution, origin, options)
+    if known.any():
+        inside = known & inside if options.area is not None else known
+    return Site(name, Floor(occupied, inside, resolution, origin))
+
+
+def _inside(occupied: np.ndarray, resolution: float, origin: Tuple[float, float],
+            options: SiteOptions) -> np.ndarray:
+    if options.area is None:
+        return inside_outline(occupied, resolution, options.outline_gap)
+    x1, y1, x2, y2 = options.area
+    rows, columns = occupied.shape
+    xs = origin[0] + (np.arange(columns) + 0.5) * resolution
+    ys = origin[1] + (np.arange(rows) + 0.5) * resolution
+    return (((ys >= min(y1, y2)) & (ys <= max(y1, y2)))[:, None]
+            & ((xs >= min(x1, x2)) & (xs <= max(x1, x2)))[None, :])
+
+
+def _places(document: MapDocument) -> Tuple[Place, ...]:
+    places = []
+    for kind, objects in ((PlaceKind.DOCK, document.docks), (PlaceKind.GOAL, document.goals),
+                          (PlaceKind.HOME, document.homes)):
+        for obj in objects:
+            x, y = obj.x, obj.y
+            if obj.is_area:
+                x, y = obj.rectangle.centre_x, obj.rectangle.centre_y
+            heading = math.radians(obj.theta) if obj.has_heading else None
+            places.append(Place(kind, obj.label, x / 1000.0, y / 1000.0, heading))
+    return tuple(places)

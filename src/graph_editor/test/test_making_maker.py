@@ -1,0 +1,123 @@
+"""Made graphs are valid, connected, drivable, deterministic, and reach what a robot can reach."""
+from __future__ import annotations
+
+import math
+import os
+
+import numpy as np
+import pytest
+from floor_plans import Plan, corner, corridor, floor_plans, two_rooms
+from hypothesis import HealthCheck, given, settings
+
+from graph_editor.making.coverage import Coverage
+from graph_editor.making.keeping_ids import with_ids_of
+from graph_editor.making.maker import make_graph
+from graph_editor.making.options import Halls, MakingOptions
+from graph_editor.site import Site
+from trajectory_graph import Graph
+from trajectory_graph.yaml_file import dump_graph
+
+LONG = os.environ.get('LD90_LONG_TESTS') == '1'
+OPTIONS = MakingOptions()
+
+
+def floor_of_robot(site: Site) -> np.ndarray:
+    """What a robot's centre reaches by flooding from the places, a margin off all walls."""
+    return site.floor.reachable(OPTIONS.tight, [place.position for place in site.places])
+
+
+def share_served(site: Site, graph: Graph, reach: float) -> float:
+    """The share of the robot's floor that is within `reach` m of an edge, by the way to drive."""
+    coverage = Coverage(site.floor, floor_of_robot(site), reach)
+    served = np.zeros(coverage.mask.size, bool)
+    for id in graph.edges:
+        served[coverage.covered_by(graph.curve(id).sample(0.05))] = True
+    for vertex in graph.vertices.values():
+        served[coverage.covered_by(np.array([vertex.position]))] = True
+    return float(served[coverage.mask.ravel()].mean())
+
+
+def least_clearance(site: Site, graph: Graph) -> float:
+    return min(float(site.floor.clearance_at(graph.curve(id).sample(0.02)).min())
+               for id in graph.edges)
+
+
+def crookedness(graph: Graph) -> float:
+    """The share of the graph's length that is neither level nor upright."""
+    lengths = {True: 0.0, False: 0.0}
+    for id in graph.edges:
+        curve = graph.curve(id)
+        for (x1, y1), (x2, y2) in zip(curve.sample(0.05), curve.sample(0.05)[1:]):
+            lengths[min(abs(x2 - x1), abs(y2 - y1)) < 1e-3] += math.hypot(x2 - x1, y2 - y1)
+    return lengths[False] / (lengths[True] + lengths[False])
+
+
+def test_a_corridor_gets_one_straight_lane_in_its_middle():
+    graph = make_graph(corridor(12.0, 2.4).site(), OPTIONS).graph
+    heights = [vertex.y for vertex in graph.vertices.values()]
+    assert heights == pytest.approx([1.2] * len(heights), abs=0.04)
+    assert max(heights) - min(heights) < 1e-6
+    assert max(vertex.x for vertex in graph.vertices.values()) > 10.5
+    assert min(vertex.x for vertex in graph.vertices.values()) < 1.5
+    assert sum(graph.is_end_vertex(id) for id in graph.vertices) == 2
+
+
+def test_no_edge_is_longer_than_wanted():
+    graph = make_graph(corridor(12.0).site(), MakingOptions(longest_edge=2.0)).graph
+    assert max(graph.curve(id).length for id in graph.edges) <= 2.0
+    assert len(graph.edges) >= 5
+
+
+def test_a_door_is_driven_through_in_its_middle():
+    graph = make_graph(two_rooms().site(), OPTIONS).graph
+    through = [id for id in graph.edges if graph.curve(id).points[:, 1].min() < 5.0
+               < graph.curve(id).points[:, 1].max()]
+    assert len(through) == 1
+    assert graph.curve(through[0]).points[:, 0] == pytest.approx(3.0, abs=0.06)
+
+
+def test_a_bend_is_a_spline_between_two_lines_at_right_angles():
+    graph = make_graph(corner().site(), OPTIONS).graph
+    splines = [id for id, edge in graph.edges.items() if edge.curve_type.value == 'spline']
+    assert len(splines) == 1
+    curve = graph.curve(splines[0])
+    turn = abs(curve.heading_at(curve.length) - curve.heading_at(0.0))
+    assert turn == pytest.approx(math.pi / 2.0, abs=0.1)
+    assert least_clearance(corner().site(), graph) > OPTIONS.corridor / 2.0
+
+
+def test_the_floor_that_only_a_narrow_door_leads_to_is_reached():
+    site = two_rooms(door=0.7).site()
+    graph = make_graph(site, OPTIONS).graph
+    assert share_served(site, graph, 3.0) > 0.95
+    assert least_clearance(site, graph) >= OPTIONS.robot_width / 2.0
+
+
+def test_a_room_without_corners_to_go_to_is_one_vertex_or_a_few():
+    graph = make_graph(Plan(2.5, 2.5, (), (1.2, 1.2)).site(), OPTIONS).graph
+    assert 1 <= len(graph.vertices) <= 3
+
+
+def test_a_hall_is_a_lattice_if_wanted():
+    site = Plan(16.0, 12.0, (), (3.0, 3.0)).site()
+    graph = make_graph(site, MakingOptions(halls=Halls.LATTICE, lattice_pitch=3.0)).graph
+    crossings = [id for id in graph.vertices if len(graph.edges_at(id)) == 4]
+    assert len(crossings) >= 6
+    assert crookedness(graph) < 0.1, "all but the rounded corners"
+    assert share_served(site, graph, 2.0) > 0.98
+
+
+@settings(max_examples=200 if LONG else 12, suppress_health_check=list(HealthCheck))
+@given(floor_plans())
+def test_any_floor_plan_gets_a_graph_that_robots_can_drive(plan):
+    site = plan.site()
+    graph = make_graph(site, OPTIONS).graph  # a Graph is valid and connected, or is none
+    if graph.edges:
+        assert least_clearance(site, graph) >= OPTIONS.robot_width / 2.0
+        assert min(graph.curve(id).length for id in graph.edges) > 0.05
+        assert all(edge.velocity_forward > 0.0 and edge.velocity_backwards > 0.0
+                   for edge in graph.edges.values())
+    assert share_served(site, graph, 3.5) > 0.9
+    again = make_graph(plan.site(), OPTIONS).graph
+    assert dump_graph(again) == dump_graph(graph), 'made again it is the same'
+    assert dump_graph(with_ids_of(graph, again)) == dump_graph(graph), 'with its ids kept, too'

@@ -1,0 +1,266 @@
+#!/usr/bin/env python3
+"""A map without a graph becomes a driving robot: a graph is made, edited in RViz, and driven on."""
+from __future__ import annotations
+
+import math
+import os
+import re
+import shutil
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+from typing import Callable, Dict, List, Tuple
+
+import networkx as nx
+import numpy as np
+import rospy
+from route_robot import FleetManager, state_list
+from rviz_support import RvizWindow, Screen, close_to, missing_programs
+from std_msgs.msg import String
+
+from graph_editor.editor.actions import EDGE_MENU, VERTEX_MENU, Action
+from graph_editor.nodes.view import fitted
+from graph_editor.site import SiteOptions, load_site
+from itrci_nav_msgs.msg import EdgeState
+from itrci_nav_msgs.msg import Graph as GraphMessage
+from omron_map import MapDocument
+from system_support import Launched, Recorder, run_cases, wait_until
+from trajectory_graph import Graph, load_graph
+from trajectory_graph.messages import graph_from_message
+
+ROOT = Path(__file__).resolve().parents[1]
+STATION_SIDE = '--dock=-13.2,-7.0,180'  # where the laboratory's charger stands
+SPEED = 20
+MIDDLE = (640, 466)  # pixel of the middle of the 3D view
+NEW_PLACE = (1.2, 6.2)  # m, where the made graph has no vertex
+IN_THE_WALL = (1.9, 1.26)
+RED = (230, 13, 13)
+
+
+class NewSite(unittest.TestCase):
+    """Three steps of one story, in their order."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        rospy.init_node('graph_editor_site_test')
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.map_file = Path(cls.folder.name) / 'site.map'
+        cls.graph_file = Path(cls.folder.name) / 'site_graph.yaml'
+        shutil.copy(ROOT / 'maps' / 'lab_base.map', cls.map_file)
+        cls.new_vertex = None
+
+    @classmethod
+    def tearDownClass(cls) -> None:
+        cls.folder.cleanup()
+
+    def new_site(self) -> str:
+        """What scripts/new_site.sh prints for the site."""
+        made = subprocess.run(
+            [str(ROOT / 'scripts' / 'new_site.sh'), str(self.map_file), STATION_SIDE, '--no-start'],
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=120, check=False, text=True)
+        self.assertEqual(made.returncode, 0, made.stdout)
+        return made.stdout
+
+    def test_1_a_map_becomes_a_graph_and_a_map_with_fences(self) -> None:
+        printed = self.new_site()
+        for command in ('make_graph --map', 'omron_ros_map --graph', 'run.sh map_file:='):
+            self.assertIn(command, printed)
+        self.check_fences()
+        load_graph(self.graph_file)
+
+    def check_fences(self) -> None:
+        fences = [area for area in MapDocument.load(f'{self.folder.name}/site_fleet.map'
+                                                    ).forbidden_areas if area.description]
+        self.assertGreater(len(fences), 20, 'the map has the fences of the graph')
+
+    def test_2_the_graph_is_edited_in_rviz_by_mouse(self) -> None:
+        missing = missing_programs()
+        if missing:
+            self.skipTest(f'not installed: {", ".join(missing)}')
+        before = self.graph_file.read_text().splitlines()
+        with Editor(self.map_file, self.graph_file) as editor:
+            vertex, edge = editor.add_a_vertex_and_connect_it()
+            editor.drag_it_into_a_wall_and_undo(vertex)
+            editor.drag(vertex)
+            editor.delete_an_edge_and_undo(edge)
+            editor.save()
+            editor.drag_and_load_again(vertex)
+        graph = load_graph(self.graph_file)
+        self.assertIn(vertex, graph.vertices)
+        self.assertIn(edge, graph.edges)
+        after = self.graph_file.read_text().splitlines()
+        self.assertEqual([line for line in after if line in before], before,
+                         'every line that was there is there')
+        self.assertEqual(len(after), len(before) + 2)
+        type(self).new_vertex = vertex
+
+    def test_3_the_robot_visits_five_far_vertices_and_docks(self) -> None:
+        if self.new_vertex is not None:
+            self.assertIn('was edited and is used as it is', self.new_site())
+            self.check_fences()
+        graph = load_graph(self.graph_file)
+        dock, = (vertex.id for vertex in graph.vertices.values() if vertex.dock)
+        wanted = [*far_vertices(graph, dock, 5), *filter(None, [self.new_vertex]), dock]
+        with Launched('full_stack.launch', map_file=f'{self.folder.name}/site_fleet.map',
+                      graph_file=self.graph_file, dock_vertex=dock, sim_speed=SPEED, rviz='false',
+                      arcl_port=os.environ['LD90_ARCL_PORT'],
+                      outgoing_port=os.environ['LD90_OUTGOING_PORT']):
+            fleet = FleetManager()
+            here = dock
+            for there in wanted:
+                route = shortest_route(graph, here, there)
+                done = fleet.end_of(fleet.order(route))
+                self.assertEqual(state_list(done), [EdgeState.COMPLETE] * len(route),
+                                 f'{here} to {there}: {done.reason}')
+                here = there
+            wait_until(lambda: fleet.status.messages[-1].docking_state == 'Docked', 20,
+                       'a status of the docked robot')
+            places = [status.pose.position for status in fleet.status.messages]
+        farthest = max(graph.nearest_edge(place.x, place.y)[1].distance for place in places)
+        self.assertLess(farthest, 0.45, 'the robot stays in the corridors')
+
+
+class Editor:
+    """The editor in a screen of its own, worked by mouse."""
+
+    def __init__(self, map_file: Path, graph_file: Path) -> None:
+        self._files = {'map_file': map_file, 'graph_file': graph_file}
+        artefacts = os.environ.get('SYSTEM_TEST_ARTEFACTS', '/tmp')
+        self._graphs = Recorder('/graph', GraphMessage)
+        self._words = Recorder('/graph_editor/words', String)
+        self._node = Launched('edit.launch', package='graph_editor', rviz='false', window='false',
+                              **self._files)
+        self._screen = Screen()
+        configuration = fitted((ROOT / 'src/graph_editor/rviz/graph_editor.rviz').read_text(),
+                               load_site(str(map_file), SiteOptions()).floor)
+        scale, x, y = (float(re.search(rf'(?m)^      {name}: (\S+)$', configuration)[1])
+                       for name in ('Scale', 'X', 'Y'))
+        self._window = RvizWindow(self._screen, artefacts, scale, 'graph_editor', 'rviz.launch',
+                                  f'map_file:={map_file}')
+        nothing = (0.8, -2.6)  # m: a place without handles
+        self._window.calibrate((round(MIDDLE[0] + (nothing[0] - x) * scale),
+                                round(MIDDLE[1] - (nothing[1] - y) * scale)), nothing)
+
+    def __enter__(self) -> Editor:
+        self.graph()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._window.close()
+        self._screen.close()
+        self._node.__exit__()
+
+    def graph(self) -> Graph:
+        """The last one on /graph."""
+        self._graphs.wait_for(lambda message: True, 60.0, 'graph')
+        return graph_from_message(self._graphs.messages[-1])
+
+    def add_a_vertex_and_connect_it(self) -> Tuple[int, int]:
+        """A click on the floor, then a menu and a click; ids of the vertex and the edge."""
+        graph = self.graph()
+        near = min(graph.vertices.values(),
+                   key=lambda vertex: math.dist(vertex.position, NEW_PLACE))
+        self._window.tool('c')
+        self._window.click(self._window.pixel(*NEW_PLACE))
+        self._heard('Add vertex')
+        vertex = max(graph.vertices) + 1
+        self._window.wait_for_picture('graph_editor_unconnected', self._red_near(*NEW_PLACE))
+        self._choose(NEW_PLACE, VERTEX_MENU, Action.CONNECT)
+        self._heard('Click the vertex to connect')
+        self._window.click_handle(self._window.pixel(*near.position))
+        graph = self._graph_with(lambda graph: vertex in graph.vertices, 'the new vertex')
+        edge, = graph.edges_at(vertex)
+        assert {graph.edges[edge].origin, graph.edges[edge].destination} == {vertex, near.id}
+        return vertex, edge
+
+    def drag_it_into_a_wall_and_undo(self, vertex: int) -> None:
+        self._window.drag_handle(self._window.pixel(*NEW_PLACE), self._window.pixel(*IN_THE_WALL))
+        self._graph_with(lambda graph: math.dist(graph.vertices[vertex].position, IN_THE_WALL)
+                         < 0.15, 'the vertex in the wall')
+        self._window.wait_for_picture('graph_editor_wrong', self._red_near(*IN_THE_WALL))
+        self._choose(IN_THE_WALL, VERTEX_MENU, Action.UNDO)
+        self._graph_with(lambda graph: math.dist(graph.vertices[vertex].position, NEW_PLACE)
+                         < 0.05, 'the vertex back in its place')
+
+    def drag(self, vertex: int) -> None:
+        x, y = NEW_PLACE
+        self._window.drag_handle(self._window.pixel(x, y), self._window.pixel(x + 0.4, y - 0.3))
+        self._graph_with(lambda graph: math.dist(graph.vertices[vertex].position,
+                                                 (x + 0.4, y - 0.3)) < 0.1, 'the moved vertex')
+
+    def delete_an_edge_and_undo(self, edge: int) -> None:
+        graph = self.graph()
+        middle = graph.curve(edge).point_at(graph.curve(edge).length / 2.0)
+        self._choose(middle, EDGE_MENU, Action.DELETE_EDGE)
+        self._heard('Delete this edge')
+        vertex = graph.edges[edge].destination
+        vertex = max(vertex, graph.edges[edge].origin)
+        self._choose(graph.vertices[vertex].position, VERTEX_MENU, Action.UNDO)
+        self._heard('Undone: delete this edge')
+
+    def save(self) -> None:
+        graph = self.graph()
+        vertex = graph.vertices[max(graph.vertices)]
+        self._window.wait_for_picture('graph_editor', lambda picture: (
+            [] if self._red_near(*vertex.position)(picture) else ['a vertex that is not red']))
+        self._choose(vertex.position, VERTEX_MENU, Action.SAVE)
+        self._heard('Saved')
+
+    def drag_and_load_again(self, vertex: int) -> None:
+        """What was saved comes back."""
+        saved = self.graph().vertices[vertex].position
+        there = saved[0], saved[1] + 0.6
+        self._window.drag_handle(self._window.pixel(*saved), self._window.pixel(*there))
+        moved = self._graph_with(lambda graph: math.dist(graph.vertices[vertex].position, there)
+                                 < 0.1, 'the vertex that is not saved')
+        self._choose(moved.vertices[vertex].position, VERTEX_MENU, Action.LOAD)
+        self._graph_with(lambda graph: graph.vertices[vertex].position == saved,
+                         'the vertex as it was saved')
+
+    def _choose(self, place: Tuple[float, float], menu: tuple, action: Action) -> None:
+        titles = [entry.title for entry in menu]
+        self._window.choose_from_menu(self._window.pixel(*place), titles, action.value)
+
+    def _heard(self, words: str) -> None:
+        self._words.wait_for(lambda message: message.data.startswith(words), 20.0, f'"{words}"')
+
+    def _graph_with(self, condition: Callable[[Graph], bool], what: str) -> Graph:
+        wait_until(lambda: condition(self.graph()), 20.0, f'{what} on /graph')
+        return self.graph()
+
+    def _red_near(self, x: float, y: float):
+        """What is missing of a red mark at a place of a picture."""
+        def missing(picture) -> List[str]:
+            left, top = self._window.pixel(x, y)
+            around = picture.crop((left - 15, top - 15, left + 16, top + 16))
+            red = close_to(np.asarray(around), RED, 60.0).sum()
+            return [] if red > 20 else [f'red at {x} {y}: {red} pixels']
+        return missing
+
+
+def far_vertices(graph: Graph, start: int, count: int) -> List[int]:
+    """So many vertices, each as far as can be from the start and all before."""
+    chosen = [start]
+    while len(chosen) <= count:
+        chosen.append(max(graph.vertices, key=lambda id: (min(
+            math.dist(graph.vertices[id].position, graph.vertices[other].position)
+            for other in chosen), -id)))
+    return chosen[1:]
+
+
+def shortest_route(graph: Graph, start: int, end: int) -> List[int]:
+    """Signed edges from one vertex to another."""
+    ways = nx.DiGraph()
+    by_ends: Dict[tuple, int] = {}
+    for id in graph.edges:
+        for signed in (id, -id):
+            ends = graph.start_vertex(signed).id, graph.end_vertex(signed).id
+            ways.add_edge(*ends, weight=graph.curve(id).length)
+            by_ends[ends] = signed
+    path = nx.dijkstra_path(ways, start, end)
+    return [by_ends[ends] for ends in zip(path, path[1:])]
+
+
+if __name__ == '__main__':
+    run_cases(__file__)
