@@ -7,6 +7,7 @@ from random import Random
 from typing import AbstractSet, Dict, List, Mapping, Optional, Sequence, Set, Tuple
 
 from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.planning.road_network import Roads
 from graph_fleet_manager.planning.timetable import Timetable
 from graph_fleet_manager.planning.travellers import Traveller
 
@@ -20,16 +21,17 @@ class Mover:
     name, kind -- of the robot
     begin      -- its first place; a *place* here is leg * vertices + vertex
     targets    -- the vertex that ends each leg; it stays at the last
+    roads      -- that are open to it
     """
 
     def __init__(self, traveller: Traveller, rest: Optional[int], vertices: int,
-                 estimates: Sequence[Sequence[float]]) -> None:
+                 estimates: Sequence[Sequence[float]], roads: Roads) -> None:
         errand = traveller.errand
         self.name, self.kind = traveller.name, traveller.kind
         self.targets = (*errand.destinations, *(() if rest is None else (rest,)))
         self._vertices = vertices
         self._estimates = estimates
-        self.roads = errand.roads
+        self.roads = roads
         self.begin = self.arrive(0, errand.vertex)
 
     def arrive(self, leg: int, vertex: int) -> int:
@@ -62,7 +64,10 @@ class Mover:
 
 
 class StepMaker:
-    """Makes steps for robots on a graph; `rests` tells where each of them is to end."""
+    """Makes steps for robots on a graph; `rests` tells where each of them is to end.
+
+    Who is booked in the timetable stands there for ever; the travellers must not be.
+    """
 
     def __init__(self, timetable: Timetable, travellers: Sequence[Traveller],
                  rests: Sequence[Optional[int]], random: Random) -> None:
@@ -70,12 +75,22 @@ class StepMaker:
         self._random = random
         self._timetable = timetable
         self._first_edge = network.vertices
+        self._open: Dict[Tuple[RobotType, int], Roads] = {}
         self.movers: List[Mover] = [Mover(t, rest, network.vertices, [
             network.estimates(t.kind, target) for target in (
-                *t.errand.destinations, *(() if rest is None else (rest,)))])
-            for t, rest in zip(travellers, rests)]
+                *t.errand.destinations, *(() if rest is None else (rest,)))],
+            self._free_roads(t)) for t, rest in zip(travellers, rests)]
         self._kinds = [t.kind for t in travellers]
         self._near: Dict[Tuple[RobotType, int], List[Tuple[RobotType, List[int], List[int]]]] = {}
+
+    def _free_roads(self, traveller: Traveller) -> Roads:
+        """The roads of a traveller that lead past nobody who stands for ever."""
+        roads = traveller.errand.roads
+        key = traveller.kind, id(roads)
+        if key not in self._open:
+            bookings = self._timetable.slots[traveller.kind].bookings
+            self._open[key] = [[road for road in away if not bookings[road[0]]] for away in roads]
+        return self._open[key]
 
     def is_end(self, configuration: Sequence[int]) -> bool:
         """Is everybody where it is to stay?"""
@@ -223,8 +238,10 @@ def choose_rests(timetable: Timetable,
         last = errand.destinations[-1] if errand.destinations else errand.vertex
         ways = timetable.network.ways_to(traveller.kind, sorted(errand.rests))
         for _, rest in sorted(zip((float(way[last]) for way in ways), sorted(errand.rests))):
-            if not any(timetable.blocking[traveller.kind, kind].excludes(rest, vertex)
-                       for kind, vertex in taken):
+            slots = timetable.slots[traveller.kind]
+            if not slots.bookings[slots.drives + rest] and not any(
+                    timetable.blocking[traveller.kind, kind].excludes(rest, vertex)
+                    for kind, vertex in taken):
                 found[traveller.name] = rest
                 taken.append((traveller.kind, rest))
                 break
