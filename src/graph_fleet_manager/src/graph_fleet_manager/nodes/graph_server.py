@@ -202,6 +202,8 @@ class GraphServer:
             status.summary(DiagnosticStatus.OK, f'{len(graph.vertices)} vertices, '
                            f'{len(graph.edges)} edges in force')
         status.add('file', rospy.get_param('~graph_file', ''))
+        if graph is not None and not said:
+            status.add('what it allows', 'is being found out')
         for k, remark in enumerate(said, 1):
             status.add(f'remark {k}', remark.text)
 
