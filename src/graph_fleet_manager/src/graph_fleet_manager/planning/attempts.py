@@ -128,12 +128,19 @@ class Attempts:
                       if t.name not in self._ways and not self._serve_one(t, deadline)]
         if not failed or self._plan_all(failed, deadline):
             return
+        standing = [t for t in failed if t.name not in self._old]
+        self._tea_star.forget(standing)
+        for traveller in standing:
+            self._book_standing(traveller)
         for traveller in failed:
             if traveller.name not in self._unserved:
                 self._tea_star.forget((traveller,))
                 self._unserved[traveller.name] = why_not(self._timetable, traveller)
-                self._book_again(traveller)
-        self._stand([t for t in failed if t.name not in self._old])
+                if traveller.name in self._old:
+                    self._book_again(traveller)
+                else:
+                    self._book_standing(traveller)
+        self._stand(standing)
 
     def _serve_one(self, traveller: Traveller, deadline: float) -> bool:
         """A way past everybody's plans, or past those that make room."""

@@ -28,6 +28,9 @@ class Problem:
         self.tasks: Dict[str, Task] = {task.name: task for task in tasks}
         wanted = {name: frozenset(self._vertices(task.destinations))
                   for name, task in self.tasks.items()}
+        for kind in timetable.kinds:  # all at once: one by one they take several times as long
+            self._network.ways_to(kind, [vertex for name, task in self.tasks.items()
+                                         if task.type == kind for vertex in wanted[name]])
         self.travellers: Dict[str, Traveller] = {}
         for name, task in self.tasks.items():
             others = frozenset().union(*(w for other, w in wanted.items() if other != name))
