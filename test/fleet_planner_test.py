@@ -63,8 +63,9 @@ class FleetPlannerTest(unittest.TestCase):
         cls.log = Recorder('/rosout', Log)
         cls.requests = connected_publisher('/plan_request', PlanRequest, to='path_planner')
         cls.closing = connected_publisher('/closed_edges', ClosedEdges, to='graph_server')
-        cls.reports = connected_publisher('/agv_1/execution_route_states', ExecutionRouteStates,
-                                          to='graph_server')
+        cls.reports = rospy.Publisher('/agv_1/execution_route_states', ExecutionRouteStates,
+                                      queue_size=10, latch=True)  # as robots do
+        wait_until(lambda: cls.reports.get_num_connections() > 0, 20, 'graph_server to listen')
         rospy.wait_for_service('/reload_graph', 30)
         wait_until(cls.answers.is_connected, 30, 'connection to /plan_answer')
         cls.first_words = cls.diagnostics.wait_for(
@@ -73,7 +74,8 @@ class FleetPlannerTest(unittest.TestCase):
 
     @classmethod
     def tearDownClass(cls) -> None:
-        for file in (cls.graph_file, rospy.get_param('/graph_server/closed_edges_file')):
+        for file in (cls.graph_file, rospy.get_param('/graph_server/closed_edges_file'),
+                     rospy.get_param('/graph_server/graph_in_force_file')):
             if os.path.exists(file):
                 os.unlink(file)
 
@@ -186,14 +188,28 @@ class FleetPlannerTest(unittest.TestCase):
         self.assertEqual([3], self.close(3, 99))
         self.log.wait_for(lambda line: line.name == '/graph_server' and 'Edges 99' in line.msg,
                           10, 'a word about edge 99')
-        graphs, closures = len(self.graphs.messages), len(self.closed.messages)
-        rosnode.kill_nodes(['/graph_server'])
+        closures = len(self.closed.messages)
+        self.restart()
         told = self.closed.wait_for(lambda message: list(message.edges) == [3], 30,
                                     'closure of a new graph_server', closures)
         self.assertEqual([3], list(told.edges))
-        self.graphs.wait_for(lambda graph: len(graph.edges) == 8, 10, 'graph again', graphs)
-        for publisher, to in ((self.closing, 'graph_server'), (self.reports, 'graph_server')):
-            wait_until(lambda p=publisher: p.get_num_connections() > 0, 20, f'{to} to listen')
+
+    def test_a_restart_does_not_take_up_a_file_that_breaks_a_running_route(self):
+        save_graph(corridor(7), self.graph_file)
+        self.report(at=1, left=[1, 2, 7])
+        self.restart()
+        self.assertEqual(8, len(self.graphs.messages[-1].edges), 'what agv_1 drives on')
+        self.report(at=7)
+        wait_until(lambda: self.accepted(corridor(7)), 10, 'a new graph in force')
+
+    def restart(self) -> None:
+        """Ends graph_server and waits until roslaunch's new one has put a graph in force."""
+        graphs = len(self.graphs.messages)
+        rosnode.kill_nodes(['/graph_server'])
+        self.graphs.wait_for(lambda _: True, 30, 'graph of a new graph_server', graphs)
+        for publisher in (self.closing, self.reports):
+            wait_until(lambda p=publisher: p.get_num_connections() > 0, 20,
+                       f'graph_server as subscriber of {publisher.resolved_name}')
         rospy.wait_for_service('/reload_graph', 20)
 
     # -- path_planner -----------------------------------------------------------------------------

@@ -140,7 +140,7 @@ class TestRemarks:
 
     def test_long_edges_come_with_the_command_that_cuts_them(self):
         text = ' '.join(told(ring(1, radius=30.0), AGV))
-        assert 'Edge 1 is 30.0 m long' in text
+        assert 'edge 1 (30.0 m, ' in text
         assert 'split_edges --longest 1.8' in text
 
     def test_a_long_dead_end_is_told(self):

@@ -99,6 +99,14 @@ class PathPlanner:
     # -- the planning thread ----------------------------------------------------------------------
 
     def _work(self) -> None:
+        try:
+            self._plan_until_the_end()
+        except Exception:  # a planner that answers nobody must not look alive: it is started anew
+            rospy.logfatal('The planning thread has failed; please report this:\n%s',
+                           traceback.format_exc())
+            rospy.signal_shutdown('the planning thread has failed')
+
+    def _plan_until_the_end(self) -> None:
         while not rospy.is_shutdown():
             with self._changed:
                 if self._new_graph is None and self._request is None:
