@@ -34,8 +34,8 @@ def shortest_edges(graph: Graph, vertices: Sequence[int]) -> List[int]:
         for start, end in zip(vertices, vertices[1:]):
             path = networkx.shortest_path(ways, start, end, 'length')
             for here, there in zip(path, path[1:]):
-                between = ways[here][there]
-                edges.append(min(between, key=lambda signed, b=between: b[signed]['length']))
+                lengths = {signed: way['length'] for signed, way in ways[here][there].items()}
+                edges.append(min(lengths, key=lengths.__getitem__))
     except (networkx.NetworkXNoPath, networkx.NodeNotFound) as error:
         raise ValueError(f'there is no way over these vertices: {error}') from None
     return edges

@@ -50,8 +50,6 @@ import traceback
 from typing import Any, Callable, Dict, Optional, Tuple, Union
 
 import rospy
-from diagnostic_msgs.msg import DiagnosticStatus
-from diagnostic_updater import DiagnosticStatusWrapper, Updater
 from geometry_msgs.msg import PoseWithCovarianceStamped
 
 from vda5050_vehicle.core import effects as fx
@@ -62,6 +60,7 @@ from vda5050_vehicle.drivers.driver import Driver, Pose
 from vda5050_vehicle.drivers.pose_driver import PoseDriver
 from vda5050_vehicle.drivers.route_driver import RouteDriver
 from vda5050_vehicle.mqtt.link import MqttLink
+from vda5050_vehicle.nodes.diagnostics import show_problem, show_state
 from vda5050_vehicle.nodes.move_base_link import MoveBaseLink
 from vda5050_vehicle.nodes.parameters import ConfigurationError
 from vda5050_vehicle.nodes.robot_watch import RobotWatch
@@ -106,7 +105,7 @@ class VehicleNode:
         self._mqtt = MqttLink(
             settings.broker, settings.prefix, f'{identity.manufacturer}_{identity.serial_number}',
             self._connection, self._on_message, self._on_mqtt_change)
-        self._diagnose()
+        show_state(settings, self._vehicle, self._mqtt, lambda: self._mqtt_problem)
         self._thread = threading.Thread(target=self._run, name='vehicle', daemon=True)
         self._thread.start()
         self._mqtt.start()
@@ -263,35 +262,6 @@ class VehicleNode:
         message.pose.pose.orientation.z, message.pose.pose.orientation.w = half_angle(pose.theta)
         self._poses.publish(message)
 
-    # --- diagnostics ------------------------------------------------------------------------------
-
-    def _diagnose(self) -> None:
-        updater = Updater()
-        updater.setHardwareID(self._settings.prefix)
-        updater.add('broker', self._diagnose_broker)
-        updater.add('order', self._diagnose_order)
-        timer = rospy.Timer(rospy.Duration(1.0), lambda _: updater.force_update())
-        rospy.on_shutdown(timer.shutdown)
-
-    def _diagnose_broker(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
-        if self._mqtt.connected:
-            status.summary(DiagnosticStatus.OK, 'connected')
-        else:
-            status.summary(DiagnosticStatus.ERROR, f'not connected: {self._mqtt_problem}')
-        status.add('broker', str(self._settings.broker))
-        return status
-
-    def _diagnose_order(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
-        vehicle = self._vehicle
-        failure = vehicle.errors.failure
-        if failure:
-            status.summary(DiagnosticStatus.ERROR, failure.description)
-        else:
-            status.summary(DiagnosticStatus.OK, 'order under way' if vehicle.busy else 'idle')
-        status.add('order', vehicle.order.order_id)
-        status.add('nodes left', str(max(len(vehicle.order.nodes) - 1, 0)))
-        return status
-
 
 def half_angle(theta: float) -> Tuple[float, float]:
     """z and w of the quaternion of a heading."""
@@ -306,19 +276,7 @@ def main() -> None:
     except ConfigurationError as error:
         reason = str(error)
         rospy.logerr('%s cannot work: %s Mend it and restart the node.', rospy.get_name(), reason)
-        _show(reason)
+        show_problem(reason)
     else:
         rospy.on_shutdown(node.close)
     rospy.spin()
-
-
-def _show(reason: str) -> None:
-    def tell(status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
-        status.summary(DiagnosticStatus.ERROR, reason)
-        return status
-
-    updater = Updater()
-    updater.setHardwareID('none')
-    updater.add('configuration', tell)
-    timer = rospy.Timer(rospy.Duration(1.0), lambda _: updater.force_update())
-    rospy.on_shutdown(timer.shutdown)
