@@ -250,16 +250,17 @@ class RouteDriver(Driver):
     def restore(self, record: Dict[str, Any], now: float) -> None:
         """See Driver. Nothing is sent before the robot's side was heard, but a stop that is owed.
         """
-        route = record['route']
+        route = record['route'] and SentRoute(
+            int(record['route']['id']), tuple(map(int, record['route']['edges'])),
+            int(record['route']['first']))
         self._next_id = max(int(record['next_id']), self._next_id)
         self._stop = record['stop']
         self.progress = Progress(int(record['passed']), failure=str(record['failure']))
         if self._stop is not None:
             self.progress = replace(self.progress, halted=False, complete=False)
             self._send(now)
-        elif route is not None:
-            self._route = SentRoute(int(route['id']), tuple(map(int, route['edges'])),
-                                 int(route['first']))
+        elif route is not None and self.progress.passed < route.first + len(route.edges):
+            self._route = route  # one that was driven to its end is over
             self._restarted = now
             self.progress = replace(self.progress, halted=False, complete=False)
 
