@@ -1,6 +1,6 @@
 """The VDA 5050 adapter: a robot of ROS 1 as a vehicle of any VDA 5050 master.
 
-MQTT, under ~interface_name/v2/~manufacturer/~serial_number
+MQTT, under ~interface_name/v2/~manufacturer/~serial_number (v3 where ~version is 3.0.0)
     in: order, instantActions; out: state, connection, factsheet, visualization
 Subscribes
     pose, odom, battery_state, and the topics of the vehicle file's signals (`robot_watch`)
@@ -41,7 +41,6 @@ Parameters
 """
 from __future__ import annotations
 
-import math
 import os
 import queue
 import threading
@@ -61,6 +60,7 @@ from vda5050_vehicle.drivers.pose_driver import PoseDriver
 from vda5050_vehicle.drivers.route_driver import RouteDriver
 from vda5050_vehicle.mqtt.link import MqttLink
 from vda5050_vehicle.nodes.diagnostics import show_problem, show_state
+from vda5050_vehicle.nodes.headings import quaternion
 from vda5050_vehicle.nodes.move_base_link import MoveBaseLink
 from vda5050_vehicle.nodes.parameters import ConfigurationError
 from vda5050_vehicle.nodes.robot_watch import RobotWatch
@@ -259,13 +259,8 @@ class VehicleNode:
         message.header.frame_id = self._settings.map_frame
         message.header.stamp = rospy.Time.now()
         message.pose.pose.position.x, message.pose.pose.position.y = pose.x, pose.y
-        message.pose.pose.orientation.z, message.pose.pose.orientation.w = half_angle(pose.theta)
+        message.pose.pose.orientation = quaternion(pose.theta)
         self._poses.publish(message)
-
-
-def half_angle(theta: float) -> Tuple[float, float]:
-    """z and w of the quaternion of a heading."""
-    return math.sin(theta / 2.0), math.cos(theta / 2.0)
 
 
 def main() -> None:
