@@ -13,6 +13,7 @@ from vda5050_vehicle.core.action_table import WrongTable, read_table
 from vda5050_vehicle.core.factsheet import WrongVehicle, check_vehicle
 from vda5050_vehicle.mqtt.credentials import WrongCredentials, read_credentials
 from vda5050_vehicle.mqtt.link import Broker
+from vda5050_vehicle.protocol.codecs import VERSION_2_1
 
 LINE = {'server': 'execute', 'type': 'some_msgs/Do', 'goal': {'text': 'do {what}'},
         'scopes': ['NODE'], 'parameters': {'what': {'type': 'STRING'}}}
@@ -86,6 +87,7 @@ def test_an_order_is_made_of_a_graph_and_read_as_a_track(capsys, tmp_path):
     text = capsys.readouterr().out
     order = json.loads(text)
     assert order['orderId'] == 'mission'
+    assert VERSION_2_1.read('order', text.encode())[0].serial_number == 'omron_ld90'
     assert [node['nodeId'] for node in order['nodes']] == ['8', '10', '12', '14']
     file = tmp_path / 'order.json'
     file.write_text(text)
