@@ -66,14 +66,15 @@ def vertex_handle(vertex: Vertex, look: Look) -> InteractiveMarker:
     label = f' {vertex.label}' if vertex.label not in ('', 'pass', 'parking') else ''
     marker = _handle(vertex_name(vertex.id), vertex.position)
     marker.menu_entries = _VERTEX_ENTRIES
-    shapes = [drawing.disc(VERTEX_SIZE, VERTEX_Z, paint),
-              drawing.arrow(vertex.theta, 0.42, 0.2, VERTEX_Z + 0.01, paint),
-              drawing.text(f'{vertex.id}{label}', 0.28, 0.32, TEXT_Z, 0.3, BLACK)]
+    parts = [drawing.disc(VERTEX_SIZE, VERTEX_Z, paint),
+             drawing.arrow(vertex.theta, 0.42, 0.2, VERTEX_Z + 0.01, paint)]
     if look.selected or look.waiting:
         halo = VERTEX_SIZE * (2.0 if look.waiting else 1.6)
-        shapes.append(drawing.disc(halo, VERTEX_Z - 0.015, YELLOW))
+        parts.append(drawing.disc(halo, VERTEX_Z - 0.015, YELLOW))
     marker.controls.append(_plane_control(
-        'move', f'Vertex {vertex.id}{label}: drag, or right click', shapes))
+        'move', f'Vertex {vertex.id}{label}: drag, or right click',
+        [drawing.flat(parts),
+         drawing.text(f'{vertex.id}{label}', 0.28, 0.32, TEXT_Z, 0.3, BLACK)]))
     return marker
 
 
@@ -91,17 +92,17 @@ def edge_handle(draft: Draft, edge: Edge, look: Look) -> InteractiveMarker:
         middle, heading = origin.position, 0.0
     marker = _handle(edge_name(edge.id), middle)
     marker.menu_entries = _EDGE_ENTRIES
-    shapes = [drawing.strip(points - np.array(middle), EDGE_WIDTH, EDGE_Z, paint)]
+    parts = [drawing.strip(points - np.array(middle), EDGE_WIDTH, EDGE_Z, paint)]
     if look.selected:
-        shapes.append(drawing.strip(points - np.array(middle), 3.0 * EDGE_WIDTH, EDGE_Z - 0.01,
-                                    YELLOW))
-    shapes += [drawing.arrow(yaw, 0.24, 0.26, EDGE_Z + 0.01, paint)
-               for yaw, speed in ((heading, edge.velocity_forward),
-                                  (heading + math.pi, edge.velocity_backwards)) if speed > 0.0]
+        parts.append(drawing.strip(points - np.array(middle), 3.0 * EDGE_WIDTH, EDGE_Z - 0.01,
+                                   YELLOW))
+    parts += [drawing.arrow(yaw, 0.24, 0.26, EDGE_Z + 0.01, paint)
+              for yaw, speed in ((heading, edge.velocity_forward),
+                                 (heading + math.pi, edge.velocity_backwards)) if speed > 0.0]
     control = InteractiveMarkerControl(
         name='select', interaction_mode=InteractiveMarkerControl.BUTTON, always_visible=True,
         description=f'Edge {edge.id}, from {edge.origin} to {edge.destination}: click, or right '
-        'click', markers=shapes)
+        'click', markers=[drawing.flat(parts)])
     marker.controls.append(control)
     return marker
 
