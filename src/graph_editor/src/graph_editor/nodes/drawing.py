@@ -57,6 +57,20 @@ def disc(diameter: float, z: float, paint: ColorRGBA) -> Part:
     return Part(triangles.reshape(-1, 2), z, paint)
 
 
+def moved(part: Part, to: Tuple[float, float]) -> Part:
+    """The part with what was its origin at another place."""
+    return part._replace(corners=part.corners + np.array(to))
+
+
+def together(markers: Iterable[Marker]) -> Marker:
+    """One marker of what `flat` made at the origin."""
+    whole = flat(())
+    for marker in markers:
+        whole.points += marker.points
+        whole.colors += marker.colors
+    return whole
+
+
 def strip(points: np.ndarray, width: float, z: float, paint: ColorRGBA) -> Part:
     """A line through points (N,2)."""
     along = np.diff(points, axis=0)
