@@ -72,7 +72,8 @@ class Checker:
         findings += check_together(draft, curves, self.rules)
         if self._site is not None:
             findings += check_corners(draft, curves, self._site.floor, self.rules)
-            findings += check_service(draft, curves, self._site.floor, self._site.places, self.rules)
+            findings += check_service(draft, curves, self._site.floor, self._site.places,
+                                      self.rules)
         return in_order(findings)
 
     def _curves(self, draft: Draft) -> Dict[int, DrawnEdge]:
