@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from visualization_msgs.msg import InteractiveMarkerControl, Marker
 from graph_editor.checking.findings import Severity
 from graph_editor.editor.actions import Action
 from graph_editor.nodes import handles
-from graph_editor.nodes.handles import Look
+from graph_editor.nodes.handles import Look, ShownEdge
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 from trajectory_graph.editing import Draft
 
@@ -42,39 +43,66 @@ def test_a_vertex_is_dragged_in_its_plane_and_has_a_menu():
     assert text.text == '2 press'
 
 
+def colours(marker) -> list:
+    """The colours in a marker, in their order."""
+    return list(dict.fromkeys((paint.r, paint.g, paint.b) for paint in shapes(
+        marker, Marker.TRIANGLE_LIST)[0].colors))
+
+
+def rgb(paint) -> tuple:
+    return paint.r, paint.g, paint.b
+
+
 @pytest.mark.parametrize('severity, paint', [
     (Severity.ERROR, handles.RED), (Severity.WARNING, handles.AMBER), (None, handles.NAVY)])
 def test_what_is_wrong_has_another_colour_also_when_it_is_selected(severity, paint):
     vertex = draft().vertices[1]
-    for selected in (False, True):
-        discs = shapes(handles.vertex_handle(vertex, Look(severity, selected)), Marker.CYLINDER)
-        assert discs[0].color == paint
-        assert [disc.color for disc in discs[1:]] == [handles.YELLOW] * selected
+    assert colours(handles.vertex_handle(vertex, Look(severity))) == [rgb(paint)]
+    assert colours(handles.vertex_handle(vertex, Look(severity, selected=True))) == [
+        rgb(paint), rgb(handles.YELLOW)]
+
+
+def shown(id: int, look: Look = Look()) -> ShownEdge:  # noqa: B008, a value
+    graph = draft()
+    edge = graph.edges[id]
+    return ShownEdge(edge, graph.vertices[edge.origin], graph.vertices[edge.destination], look)
+
+
+def corners(marker) -> np.ndarray:
+    triangles, = shapes(marker, Marker.TRIANGLE_LIST)
+    assert len(triangles.colors) == len(triangles.points) and len(triangles.points) % 3 == 0
+    return np.array([(point.x, point.y) for point in triangles.points])
 
 
 def test_an_edge_has_an_arrow_for_each_way_that_may_be_driven():
-    assert len(shapes(handles.edge_handle(draft(), draft().edges[1], Look()),
-                      Marker.TRIANGLE_LIST)) == 2
-    assert len(shapes(handles.edge_handle(draft(), draft().edges[2], Look()),
-                      Marker.TRIANGLE_LIST)) == 1
+    one_way = replace(draft().edges[1], velocity_backwards=0.0)
+    both, one = shown(1), shown(1)._replace(edge=one_way)
+    assert len(corners(handles.edges_handle(0, [both]))) == 6 + 2 * 3
+    assert len(corners(handles.edges_handle(0, [one]))) == 6 + 3
+
+
+def test_edges_of_one_group_share_a_handle_that_is_clicked():
+    marker = handles.edges_handle(0, [shown(1), shown(2, Look(Severity.ERROR))])
+    assert marker.name == 'edges 0'
+    assert marker.controls[0].interaction_mode == InteractiveMarkerControl.BUTTON
+    assert colours(marker) == [rgb(handles.BLUE), rgb(handles.RED)]
+    assert {handles.edge_group(id) for id in (1, handles.GROUP)} == {0}
+    assert handles.edge_group(handles.GROUP + 1) == 1
 
 
 def test_an_edge_is_drawn_where_it_runs():
-    marker = handles.edge_handle(draft(), draft().edges[2], Look())
-    strip, = shapes(marker, Marker.LINE_STRIP)
-    points = np.array([(point.x, point.y) for point in strip.points]) + (
-        marker.pose.position.x, marker.pose.position.y)
-    assert points[0] == pytest.approx((4.0, 0.0)) and points[-1] == pytest.approx((6.0, 2.0))
-    assert len(points) > 10
-    assert marker.controls[0].interaction_mode == InteractiveMarkerControl.BUTTON
+    drawn = corners(handles.edges_handle(0, [shown(2)]))
+    curve = draft().curve(2)
+    assert max(curve.project(x, y).distance for x, y in drawn) < 0.26, 'half an arrow is broad'
+    for x, y in curve.sample(0.3):
+        assert np.hypot(*(drawn - (x, y)).T).min() < 0.15
 
 
 def test_an_edge_without_length_is_still_there_to_be_deleted():
-    here = Vertex(1, 1.0, 1.0, 0.0)
-    edge = Edge(1, 1, 2)
-    wrong = Draft({1: here, 2: Vertex(2, 1.0, 1.0, 0.0)}, {1: edge})
-    marker = handles.edge_handle(wrong, edge, Look(Severity.ERROR))
-    assert shapes(marker, Marker.LINE_STRIP)[0].color == handles.RED
+    here, there = Vertex(1, 1.0, 1.0, 0.0), Vertex(2, 1.0, 1.0, 0.0)
+    marker = handles.edges_handle(0, [ShownEdge(Edge(1, 1, 2), here, there,
+                                                Look(Severity.ERROR))])
+    assert colours(marker) == [rgb(handles.RED)]
 
 
 def test_the_balls_of_a_spline_are_its_control_points():

@@ -4,13 +4,20 @@ from __future__ import annotations
 from functools import lru_cache
 from typing import Dict, List, Optional, Tuple
 
-from graph_editor.checking.draft_checks import check_corners, check_service, check_together
+from shapely.geometry import LineString
+
+from graph_editor.checking.draft_checks import (
+    DrawnEdge,
+    check_corners,
+    check_service,
+    check_together,
+)
 from graph_editor.checking.edge_checks import GRAIN, check_edge, check_vertex, tightest
 from graph_editor.checking.findings import Finding, in_order
 from graph_editor.checking.rules import CheckRules
 from graph_editor.floor import Floor
 from graph_editor.site import Site
-from trajectory_graph import Edge, Graph, Vertex
+from trajectory_graph import Edge, Graph, GraphError, Vertex
 from trajectory_graph.editing import Draft
 
 KEPT = 20_000  # elements whose findings are remembered
@@ -32,6 +39,15 @@ class Checker:
         @lru_cache(maxsize=KEPT)
         def vertex_findings(vertex: Vertex) -> Tuple[Finding, ...]:
             return tuple(check_vertex(vertex, floor, rules))
+
+        @lru_cache(maxsize=KEPT)
+        def drawn(origin: Vertex, destination: Vertex, edge: Edge) -> Optional[DrawnEdge]:
+            try:
+                curve = Graph((origin, destination), (edge,)).curve(edge.id)
+            except GraphError:
+                return None
+            return DrawnEdge(curve, LineString(curve.points))
+        self._drawn = drawn
         self._edge_findings = edge_findings
         self._vertex_findings = vertex_findings
 
@@ -52,11 +68,22 @@ class Checker:
             findings += self.of_vertex(draft, id)
         for id in draft.edges:
             findings += self.of_edge(draft, id)
-        findings += check_together(draft, self.rules)
+        curves = self._curves(draft)
+        findings += check_together(draft, curves, self.rules)
         if self._site is not None:
-            findings += check_corners(draft, self._site.floor, self.rules)
-            findings += check_service(draft, self._site.floor, self._site.places, self.rules)
+            findings += check_corners(draft, curves, self._site.floor, self.rules)
+            findings += check_service(draft, curves, self._site.floor, self._site.places,
+                                      self.rules)
         return in_order(findings)
+
+    def _curves(self, draft: Draft) -> Dict[int, DrawnEdge]:
+        curves = {}
+        for edge in draft.edges.values():
+            drawn = self._drawn(draft.vertices[edge.origin], draft.vertices[edge.destination],
+                                edge)
+            if drawn is not None:
+                curves[edge.id] = drawn
+        return curves
 
 
 def narrow_edges(graph: Graph, floor: Floor, corridor: float, robot_width: float

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import math
-from typing import Dict, Iterable, List, Sequence, Set, Tuple
+from typing import Dict, Iterable, List, Mapping, NamedTuple, Sequence, Set, Tuple
 
 import networkx as nx
 import numpy as np
@@ -13,26 +13,36 @@ from shapely.geometry import LineString, Point
 from graph_editor.checking.findings import Finding, Severity
 from graph_editor.checking.rules import CheckRules
 from graph_editor.floor import EVERY_NEIGHBOUR, Floor
-from graph_editor.making.coverage import Coverage
+from graph_editor.making.coverage import Coverage, dense
 from graph_editor.site import Place, PlaceKind
-from trajectory_graph import GraphError
+from trajectory_graph.curves import Curve
 from trajectory_graph.editing import Draft
 
 SHARP_CORNER = math.radians(45.0)
 NAMED_LIKE_PLACE = 1.0  # m between a place of the map and the vertex for it
 
 
-def check_together(draft: Draft, rules: CheckRules) -> List[Finding]:
+class DrawnEdge(NamedTuple):
+    """The curve of an edge, and the same for shapely."""
+
+    curve: Curve
+    line: LineString
+
+
+Curves = Mapping[int, DrawnEdge]
+"""By the edges' ids; an edge that has none, which is a finding of its own, is not there."""
+
+
+def check_together(draft: Draft, curves: Curves, rules: CheckRules) -> List[Finding]:
     """What is wrong with the draft whatever the floor."""
-    curves = _curves(draft)
     return [*_parts(draft), *_one_way(draft), *_close(draft, rules), *_docks(draft),
             *_crossings(draft, curves), *_parking(draft, curves, rules)]
 
 
-def check_corners(draft: Draft, floor: Floor, rules: CheckRules) -> List[Finding]:
+def check_corners(draft: Draft, curves: Curves, floor: Floor, rules: CheckRules) -> List[Finding]:
     """Vertices where robots must turn on the spot and have no room to."""
     findings = []
-    for id, directions in _directions(draft).items():
+    for id, directions in _directions(draft, curves).items():
         vertex = draft.vertices[id]
         clearance = float(floor.clearance_at(np.array([vertex.position]))[0])
         if clearance >= rules.turning or clearance < rules.robot_width / 2.0:
@@ -46,7 +56,7 @@ def check_corners(draft: Draft, floor: Floor, rules: CheckRules) -> List[Finding
     return findings
 
 
-def check_service(draft: Draft, floor: Floor, places: Sequence[Place],
+def check_service(draft: Draft, curves: Curves, floor: Floor, places: Sequence[Place],
                   rules: CheckRules) -> List[Finding]:
     """Places of the map that are no vertices, and floor that is far from all edges."""
     findings = []
@@ -58,12 +68,10 @@ def check_service(draft: Draft, floor: Floor, places: Sequence[Place],
                 findings.append(Finding(
                     Severity.WARNING, f'{place.kind.value} {place.name!r} of the map is no vertex',
                     place=place.position))
-    curves = _curves(draft)
     starts = [vertex.position for vertex in draft.vertices.values()]
     served = Coverage(floor, floor.reachable(rules.robot_width / 2.0, starts), rules.reach)
-    left = served.mask.copy()
-    for curve in curves.values():
-        left.flat[served.covered_by(np.array(curve.coords))] = False
+    paths = [dense(drawn.curve.points, served.pitch) for drawn in curves.values()]
+    left = served.mask & ~(served.distances(np.vstack([starts, *paths])) <= rules.reach)
     parts, count = ndimage.label(left, EVERY_NEIGHBOUR)
     for part, window in enumerate(ndimage.find_objects(parts), 1):
         cells = np.argwhere(parts[window] == part)
@@ -76,16 +84,6 @@ def check_service(draft: Draft, floor: Floor, places: Sequence[Place],
                 Severity.WARNING, f'{area:.1f} m2 of floor that robots can reach are farther than '
                 f'{rules.reach:g} m from all edges', place=(float(x), float(y))))
     return findings
-
-
-def _curves(draft: Draft) -> Dict[int, LineString]:
-    curves = {}
-    for id in draft.edges:
-        try:
-            curves[id] = LineString(draft.curve(id).points)
-        except GraphError:
-            continue  # is a finding of the edge itself
-    return curves
 
 
 def _parts(draft: Draft) -> Iterable[Finding]:
@@ -136,12 +134,14 @@ def _docks(draft: Draft) -> Iterable[Finding]:
                           'through: leave it one', 'vertex', vertex.id, vertex.position)
 
 
-def _crossings(draft: Draft, curves: Dict[int, LineString]) -> Iterable[Finding]:
+def _crossings(draft: Draft, curves: Curves) -> Iterable[Finding]:
     """Edges that cross where no vertex is."""
     for a, b in _near_pairs(curves):
         one, other = draft.edges[a], draft.edges[b]
         shared = {one.origin, one.destination} & {other.origin, other.destination}
-        meeting = curves[a].intersection(curves[b])
+        if shared and _are_lines_at_an_angle(curves[a].curve, curves[b].curve):
+            continue  # they meet in the vertex only
+        meeting = curves[a].line.intersection(curves[b].line)
         ends = [Point(draft.vertices[id].position) for id in shared]
         for part in getattr(meeting, 'geoms', [meeting]):
             if part.is_empty or any(part.distance(end) < 0.1 for end in ends):
@@ -151,10 +151,15 @@ def _crossings(draft: Draft, curves: Dict[int, LineString]) -> Iterable[Finding]
                           b, (place.x, place.y))
 
 
-def _near_pairs(curves: Dict[int, LineString]) -> Iterable[Tuple[int, int]]:
+def _are_lines_at_an_angle(one: Curve, other: Curve) -> bool:
+    return len(one.points) == len(other.points) == 2 and abs(math.sin(
+        one.heading_at(0.0) - other.heading_at(0.0))) > 0.01
+
+
+def _near_pairs(curves: Curves) -> Iterable[Tuple[int, int]]:
     """Pairs of edges whose boxes overlap."""
     ids = sorted(curves)
-    boxes = np.array([curves[id].bounds for id in ids]).reshape(-1, 4)
+    boxes = np.array([curves[id].line.bounds for id in ids]).reshape(-1, 4)
     for k, id in enumerate(ids):
         left, bottom, right, top = boxes[k]
         rest = boxes[k + 1:]
@@ -164,15 +169,15 @@ def _near_pairs(curves: Dict[int, LineString]) -> Iterable[Tuple[int, int]]:
             yield id, ids[k + 1 + int(other)]
 
 
-def _parking(draft: Draft, curves: Dict[int, LineString], rules: CheckRules) -> Iterable[Finding]:
+def _parking(draft: Draft, curves: Curves, rules: CheckRules) -> Iterable[Finding]:
     """Parking places where a robot is in the way of others."""
     for vertex in draft.vertices.values():
         if not vertex.parking:
             continue
         own = set(draft.edges_at(vertex.id))
         here = Point(vertex.position)
-        near = [id for id, curve in curves.items()
-                if id not in own and curve.distance(here) < 2.0 * rules.turning]
+        near = [id for id, drawn in curves.items()
+                if id not in own and drawn.line.distance(here) < 2.0 * rules.turning]
         if near:
             yield Finding(Severity.WARNING, f'a robot that parks here blocks edge '
                           f'{", ".join(map(str, sorted(near)))}', 'vertex', vertex.id,
@@ -192,14 +197,11 @@ def _separates(draft: Draft, id: int) -> bool:
     return nx.number_connected_components(joined.subgraph(together - {id})) > 1
 
 
-def _directions(draft: Draft) -> Dict[int, List[float]]:
+def _directions(draft: Draft, curves: Curves) -> Dict[int, List[float]]:
     """The directions (rad) in which edges leave each vertex."""
     directions: Dict[int, List[float]] = {id: [] for id in draft.vertices}
-    for edge in draft.edges.values():
-        try:
-            curve = draft.curve(edge.id)
-        except GraphError:
-            continue
+    for id, (curve, _) in curves.items():
+        edge = draft.edges[id]
         directions[edge.origin].append(curve.heading_at(0.0))
         directions[edge.destination].append(curve.heading_at(curve.length) + math.pi)
     return directions

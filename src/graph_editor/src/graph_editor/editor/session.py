@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, Optional, Tuple
+from typing import Any, Callable, Dict, Iterable, Optional, Tuple
 
 from graph_editor.editor.actions import Action
 from graph_editor.editor.changes import CHANGES, facing_away
@@ -71,10 +71,11 @@ class Session:
         if near is not None:
             self.click_vertex(near)
             return
-        edge = self._edge_near(x, y)
+        edge = self.nearest_edge((x, y), draft.edges, ON_EDGE)
         if edge is not None:
-            draft, vertex = editing.cut_edge(draft, *edge)
-            name = f'cut edge {edge[0]}'
+            fraction = draft.curve(edge).project(x, y).fraction
+            draft, vertex = editing.cut_edge(draft, edge, fraction)
+            name = f'cut edge {edge}'
         else:
             draft, vertex = editing.add_vertex(draft, *editing.snapped(x, y, self.grid),
                                                label='pass')
@@ -223,17 +224,24 @@ class Session:
         distance, id = min(near)
         return id if distance <= ON_VERTEX else None
 
-    def _edge_near(self, x: float, y: float) -> Optional[Tuple[int, float]]:
-        """The edge that a place is on, and the fraction of its length there."""
-        best: Optional[Tuple[float, int, float]] = None
-        for edge in self.draft.edges.values():
+    def nearest_edge(self, place: Tuple[float, float], ids: Iterable[int],
+                     reach: float = math.inf) -> Optional[int]:
+        """Of the edges with these `ids` the nearest to a place, within `reach` m.
+
+        An edge without length is as far away as its vertices.
+        """
+        best: Tuple[float, Optional[int]] = (reach, None)
+        for id in ids:
+            edge = self.draft.edge(id)
             try:
-                nearest = self.draft.curve(edge.id).project(x, y)
+                distance = self.draft.curve(id).project(*place).distance
             except GraphError:
-                continue
-            if nearest.distance <= ON_EDGE and (best is None or nearest.distance < best[0]):
-                best = nearest.distance, edge.id, nearest.fraction
-        return None if best is None else (best[1], best[2])
+                distance = math.dist(self.draft.vertices[edge.origin].position, place)
+                if reach < math.inf:
+                    continue  # it cannot be cut
+            if distance <= best[0]:
+                best = distance, id
+        return best[1]
 
     def _choose(self, kind: str, id: int, words: str) -> None:
         """Selects what a person clicked; raises EditError where that is gone."""

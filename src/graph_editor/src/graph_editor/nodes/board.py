@@ -14,7 +14,7 @@ from visualization_msgs.msg import InteractiveMarker, InteractiveMarkerFeedback
 from graph_editor.checking.findings import Finding, Severity
 from graph_editor.editor.session import Session
 from graph_editor.nodes import drawing, handles
-from graph_editor.nodes.handles import Look
+from graph_editor.nodes.handles import Look, ShownEdge
 from trajectory_graph import CurveType, Vertex
 
 NAMESPACE = 'graph_editor'
@@ -72,13 +72,16 @@ class Board:
                     continue
             else:
                 self._insert(handles.vertex_handle(vertex, look))
+        groups: Dict[int, List[ShownEdge]] = {}
         for edge in draft.edges.values():
-            name = handles.edge_name(edge.id)
             look = self._look('edge', edge.id, own_severities)
-            wanted[name] = (edge, draft.vertices[edge.origin], draft.vertices[edge.destination],
-                            look)
-            if self._shown.get(name) != wanted[name]:
-                self._insert(handles.edge_handle(draft, edge, look))
+            groups.setdefault(handles.edge_group(edge.id), []).append(ShownEdge(
+                edge, draft.vertices[edge.origin], draft.vertices[edge.destination], look))
+        for group, edges in groups.items():
+            name = f'{handles.EDGES} {group}'
+            wanted[name] = edges
+            if self._shown.get(name) != edges:
+                self._insert(handles.edges_handle(group, edges))
         self._show_handles_of_selected(wanted)
         for name in self._shown.keys() - wanted.keys():
             self._server.erase(name)
@@ -130,9 +133,9 @@ class Board:
             self._grabbed, self._dragged = None, False
             self._session.end_drag()
             if clicked:
-                self._click(feedback.marker_name)
+                self._click(*self._meant(feedback))
         elif kind == InteractiveMarkerFeedback.MENU_SELECT:
-            self._choose(feedback.marker_name, feedback.menu_entry_id)
+            self._choose(*self._meant(feedback), feedback.menu_entry_id)
         else:
             return
         self._changed()
@@ -147,19 +150,26 @@ class Board:
         elif selected is not None and name in handles.BENDERS:
             self._session.drag_handle(selected.id, name == handles.BENDERS[0], x, y)
 
-    def _click(self, name: str) -> None:
-        what, _, id = name.rpartition(' ')
-        if what == 'vertex':
-            self._session.click_vertex(int(id))
-        elif what == 'edge':
-            self._session.click_edge(int(id))
+    def _meant(self, feedback: InteractiveMarkerFeedback) -> Tuple[str, int]:
+        """Kind and id of what was clicked; of edges the one that is nearest to the mouse."""
+        what, _, id = feedback.marker_name.rpartition(' ')
+        if what != handles.EDGES:
+            return what, int(id) if id.isdigit() else 0
+        edges = self._shown.get(feedback.marker_name, ())
+        place = feedback.mouse_point.x, feedback.mouse_point.y
+        return 'edge', self._session.nearest_edge(place, [shown.edge.id for shown in edges]) or 0
 
-    def _choose(self, name: str, entry_id: int) -> None:
-        what, _, id = name.rpartition(' ')
+    def _click(self, what: str, id: int) -> None:
+        if what == 'vertex':
+            self._session.click_vertex(id)
+        elif what == 'edge':
+            self._session.click_edge(id)
+
+    def _choose(self, what: str, id: int, entry_id: int) -> None:
         actions = handles.VERTEX_ACTIONS if what == 'vertex' else handles.EDGE_ACTIONS
         entry = actions.get(entry_id)
         if entry is not None and entry.action is not None:
-            self._session.do(entry.action, what, int(id), entry.argument)
+            self._session.do(entry.action, what, id, entry.argument)
 
 
 def _same_but_place(one: Vertex, other: Vertex) -> bool:

@@ -155,9 +155,8 @@ class EditorNode:
             if finding.place is not None:
                 paint = RED if finding.severity is Severity.ERROR else AMBER
                 x, y = finding.place
-                array.markers.append(drawing.disc(0.5, 0.03, drawing.colour(
-                    paint.r, paint.g, paint.b, 0.4)))
-                array.markers[-1].pose = drawing.pose_at(x, y, 0.03)
+                ring = drawing.disc(0.5, 0.03, drawing.colour(paint.r, paint.g, paint.b, 0.4))
+                array.markers.append(drawing.flat([ring], (x, y)))
                 array.markers.append(drawing.text(_in_lines(finding), x, y - 0.6, 0.3, 0.26, paint))
         floor = self._site.floor
         top = floor.origin[1] + floor.occupied.shape[0] * floor.resolution

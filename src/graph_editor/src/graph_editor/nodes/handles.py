@@ -1,12 +1,14 @@
 """The handles of vertices, edges and splines: what each looks like, as messages.
 
+Edges share handles, so that RViz stays fast: the place of a click tells which one is meant.
 Left: a vertex is dragged or selected, an edge selected. Right: a menu. The selected vertex has a
 ball ahead of it that turns it; the selected spline has two that bend it.
 """
 from __future__ import annotations
 
 import math
-from typing import Dict, List, NamedTuple, Optional, Tuple
+from functools import lru_cache
+from typing import Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 from std_msgs.msg import ColorRGBA
@@ -16,7 +18,7 @@ from graph_editor.checking.findings import Severity
 from graph_editor.editor.actions import EDGE_MENU, VERTEX_MENU, Entry, numbered
 from graph_editor.nodes import drawing
 from graph_editor.nodes.drawing import MAP_FRAME, colour
-from trajectory_graph import CurveType, Edge, GraphError, Vertex
+from trajectory_graph import CurveType, Edge, Graph, GraphError, Vertex
 from trajectory_graph.editing import Draft
 
 VERTEX_SIZE, HANDLE_SIZE, EDGE_WIDTH = 0.32, 0.26, 0.08  # m
@@ -27,6 +29,9 @@ BLUE, VIOLET, NAVY = colour(0.1, 0.4, 0.8), colour(0.55, 0.25, 0.8), colour(0.12
 ORANGE, PURPLE, GREEN = colour(0.95, 0.55, 0.0), colour(0.6, 0.0, 0.6), colour(0.0, 0.6, 0.25)
 YELLOW, RED, AMBER, BLACK = (colour(1.0, 0.85, 0.1), colour(0.9, 0.05, 0.05),
                              colour(1.0, 0.6, 0.1), colour(0.05, 0.05, 0.05))
+GROUP = 25
+"""Edges in one handle: RViz is slow with a thousand handles, an update with a thousand edges."""
+EDGES = 'edges'
 TURNER, BENDERS = 'turn', ('bend f', 'bend b')
 """Names of the handles of what is selected."""
 
@@ -38,6 +43,15 @@ class Look(NamedTuple):
     selected: bool = False
     waiting: bool = False
     """For its connection."""
+
+
+class ShownEdge(NamedTuple):
+    """What the drawing of an edge depends on."""
+
+    edge: Edge
+    origin: Vertex
+    destination: Vertex
+    look: Look
 
 
 def _menu(entries: Tuple[Entry, ...]) -> Tuple[List[MenuEntry], Dict[int, Entry]]:
@@ -55,9 +69,9 @@ def vertex_name(id: int) -> str:
     return f'vertex {id}'
 
 
-def edge_name(id: int) -> str:
-    """Of an edge's handle."""
-    return f'edge {id}'
+def edge_group(id: int) -> int:
+    """Which handle an edge belongs to."""
+    return (id - 1) // GROUP
 
 
 def vertex_handle(vertex: Vertex, look: Look) -> InteractiveMarker:
@@ -66,44 +80,48 @@ def vertex_handle(vertex: Vertex, look: Look) -> InteractiveMarker:
     label = f' {vertex.label}' if vertex.label not in ('', 'pass', 'parking') else ''
     marker = _handle(vertex_name(vertex.id), vertex.position)
     marker.menu_entries = _VERTEX_ENTRIES
-    shapes = [drawing.disc(VERTEX_SIZE, VERTEX_Z, paint),
-              drawing.arrow(vertex.theta, 0.42, 0.2, VERTEX_Z + 0.01, paint),
-              drawing.text(f'{vertex.id}{label}', 0.28, 0.32, TEXT_Z, 0.3, BLACK)]
+    parts = [drawing.disc(VERTEX_SIZE, VERTEX_Z, paint),
+             drawing.arrow(vertex.theta, 0.42, 0.2, VERTEX_Z + 0.01, paint)]
     if look.selected or look.waiting:
         halo = VERTEX_SIZE * (2.0 if look.waiting else 1.6)
-        shapes.append(drawing.disc(halo, VERTEX_Z - 0.015, YELLOW))
+        parts.append(drawing.disc(halo, VERTEX_Z - 0.015, YELLOW))
     marker.controls.append(_plane_control(
-        'move', f'Vertex {vertex.id}{label}: drag, or right click', shapes))
+        'move', f'Vertex {vertex.id}{label}: drag, or right click',
+        [drawing.flat(parts),
+         drawing.text(f'{vertex.id}{label}', 0.28, 0.32, TEXT_Z, 0.3, BLACK)]))
     return marker
 
 
-def edge_handle(draft: Draft, edge: Edge, look: Look) -> InteractiveMarker:
-    """The edge's curve, with an arrow for each way that may be driven."""
+def edges_handle(group: int, edges: Iterable[ShownEdge]) -> InteractiveMarker:
+    """The curves of a group of edges, which can be clicked; which one it was, the place tells."""
+    marker = _handle(f'{EDGES} {group}', (0.0, 0.0))
+    marker.menu_entries = _EDGE_ENTRIES
+    marker.controls.append(InteractiveMarkerControl(
+        name='select', interaction_mode=InteractiveMarkerControl.BUTTON, always_visible=True,
+        description='Edge: click, or right click',
+        markers=[drawing.together(_drawn(shown) for shown in edges)]))
+    return marker
+
+
+@lru_cache(maxsize=20_000)
+def _drawn(shown: ShownEdge) -> Marker:
+    """The curve of an edge, with an arrow for each way that may be driven."""
+    edge, origin, destination, look = shown
     paint = _warning(look) or (VIOLET if edge.curve_type is CurveType.SPLINE else BLUE)
-    origin, destination = draft.vertices[edge.origin], draft.vertices[edge.destination]
     try:
-        curve = draft.curve(edge.id)
-        points = (curve.sample(SMOOTH) if edge.curve_type is CurveType.SPLINE
-                  else curve.points)
+        curve = Graph((origin, destination), (edge,)).curve(edge.id)
+        points = curve.sample(SMOOTH) if edge.curve_type is CurveType.SPLINE else curve.points
         middle, heading = curve.point_at(curve.length / 2.0), curve.heading_at(curve.length / 2.0)
     except GraphError:
         points = np.array((origin.position, destination.position))
         middle, heading = origin.position, 0.0
-    marker = _handle(edge_name(edge.id), middle)
-    marker.menu_entries = _EDGE_ENTRIES
-    shapes = [drawing.strip(points - np.array(middle), EDGE_WIDTH, EDGE_Z, paint)]
+    parts = [drawing.strip(points, EDGE_WIDTH, EDGE_Z, paint)]
     if look.selected:
-        shapes.append(drawing.strip(points - np.array(middle), 3.0 * EDGE_WIDTH, EDGE_Z - 0.01,
-                                    YELLOW))
-    shapes += [drawing.arrow(yaw, 0.24, 0.26, EDGE_Z + 0.01, paint)
-               for yaw, speed in ((heading, edge.velocity_forward),
-                                  (heading + math.pi, edge.velocity_backwards)) if speed > 0.0]
-    control = InteractiveMarkerControl(
-        name='select', interaction_mode=InteractiveMarkerControl.BUTTON, always_visible=True,
-        description=f'Edge {edge.id}, from {edge.origin} to {edge.destination}: click, or right '
-        'click', markers=shapes)
-    marker.controls.append(control)
-    return marker
+        parts.append(drawing.strip(points, 3.0 * EDGE_WIDTH, EDGE_Z - 0.01, YELLOW))
+    parts += [drawing.moved(drawing.arrow(yaw, 0.24, 0.26, EDGE_Z + 0.01, paint), middle)
+              for yaw, speed in ((heading, edge.velocity_forward),
+                                 (heading + math.pi, edge.velocity_backwards)) if speed > 0.0]
+    return drawing.flat(parts)
 
 
 def turner(vertex: Vertex) -> InteractiveMarker:
