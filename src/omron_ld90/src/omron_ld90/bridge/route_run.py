@@ -15,7 +15,7 @@ from trajectory_graph import Graph
 
 PROGRESS = 0.05  # m along the route that count as progress
 LEAD = 2.0       # s from our command to the robot's driving on a new way, and some to spare
-LOCATIONS_TO_JUDGE = 2  # after the robot says that it has arrived: the first may be older than that
+RESTS_TO_JUDGE = 2  # once the robot says that it has arrived: locations from before that still change
 
 
 class RouteRun:
@@ -170,7 +170,7 @@ class RouteRun:
             return ''
         self.drive()
         self._check_progress(now)
-        if tracker.reached and tracker.locations_since_reached >= LOCATIONS_TO_JUDGE:
+        if tracker.reached and tracker.rested_at_goal >= RESTS_TO_JUDGE:
             if self.progress.current < self.target:
                 return self._send_back(now)
             raise RouteFailed(f'the robot says that it is at {tracker.goal}, but is '
