@@ -64,6 +64,7 @@ IDLE_PERIOD = 1.0   # s between two reports without a route
 QUEUE_SIZE = 1000   # events; beyond that the topics wait, and drop what is oldest
 
 Call = Callable[[float], Iterable[p.Action]]  # of the follower, with the time
+Diagnosis = Tuple[bytes, str, Dict[str, str]]  # level, summary and values
 
 
 class EdgesToVertices:
@@ -85,7 +86,7 @@ class EdgesToVertices:
         self._calls: queue.SimpleQueue[Call] = queue.SimpleQueue()
         self._reported = self._diagnosed = -IDLE_PERIOD
         self._ending = threading.Event()
-        self._diagnosis = (DiagnosticStatus.WARN, 'starting', {})
+        self._diagnosis: Diagnosis = (DiagnosticStatus.WARN, 'starting', {})
 
         self._states = rospy.Publisher('execution_route_states', ExecutionRouteStates,
                                        queue_size=10, latch=True, tcp_nodelay=True)
@@ -187,8 +188,8 @@ class EdgesToVertices:
         return status
 
 
-def _diagnosis(follower: RouteFollower) -> Tuple[bytes, str, Dict[str, str]]:
-    """Level, summary and values of the diagnostic `route`."""
+def _diagnosis(follower: RouteFollower) -> Diagnosis:
+    """Of the diagnostic `route`."""
     report, route, duty = follower.report(), follower.route, follower.robot.stop_duty
     if duty.owed and duty.problem:
         level, summary = DiagnosticStatus.ERROR, (
