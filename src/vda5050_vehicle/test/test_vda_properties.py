@@ -5,7 +5,7 @@ order and messages lost, its robot drives, fails, is stopped, and the adapter is
 that it sends is looked at by the strict checker (`Lab.do`), and in the end:
 
 * nothing that was not released was ever in a route;
-* a rejected order changes nothing but the errors;
+* a rejected order changes nothing but the errors, and neither does a copy of one that was taken;
 * every action is started once at most, and at its node where the vehicle must stand for it.
 """
 from __future__ import annotations
@@ -32,7 +32,7 @@ class RandomMaster(RuleBasedStateMachine):
     def __init__(self):
         super().__init__()
         self.released = set()      # (order id, sequence id of the edge, signed edge)
-        self.sent = []             # orders
+        self.sent = []             # orders that were taken, and their messages
         self.started = Counter()
         self.actions = 0
 
@@ -54,18 +54,22 @@ class RandomMaster(RuleBasedStateMachine):
 
     def send(self, order):
         """Sends an order, and looks at what becomes of it."""
-        self.sent.append(order)
         before = self.lab.record
-        self.lab.order(order)
+        message = self.lab.order(order)
         taken = (self.lab.state['orderId'], self.lab.state['orderUpdateId']) == (
             order['orderId'], order['orderUpdateId']) and self.lab.record != before
         if taken:
+            self.sent.append((order, message))
             for edge in order['edges']:
                 if edge['released']:
                     self.released.add((order['orderId'], edge['sequenceId'], int(edge['edgeId'])))
         else:
-            unchanged = {key: value for key, value in self.lab.record.items() if key != 'driver'}
-            assert unchanged == {key: before[key] for key in unchanged}
+            self.nothing_has_changed(before)
+
+    def nothing_has_changed(self, before):
+        """The vehicle knows what it knew, but for what its robot may have told meanwhile."""
+        unchanged = {key: value for key, value in self.lab.record.items() if key != 'driver'}
+        assert unchanged == {key: before[key] for key in unchanged}
 
     def here(self):
         """The node at which the master believes the vehicle, or it will be."""
@@ -97,8 +101,21 @@ class RandomMaster(RuleBasedStateMachine):
 
     @precondition(lambda self: self.sent)
     @rule(data=st.data())
-    def an_old_message_comes_again(self, data):
-        self.send(data.draw(st.sampled_from(self.sent)))
+    def a_copy_of_a_message_comes(self, data):
+        before = self.lab.record
+        self.lab.receive_order(data.draw(st.sampled_from(self.sent))[1])
+        self.nothing_has_changed(before)
+
+    @precondition(lambda self: self.sent)
+    @rule(data=st.data())
+    def an_order_is_sent_anew(self, data):
+        """Its master wants it driven once more, so its actions have new ids."""
+        order = json.loads(json.dumps(data.draw(st.sampled_from(self.sent))[0]))
+        for action in (found for element in (*order['nodes'], *order['edges'])
+                       for found in element['actions']):
+            self.actions += 1
+            action['actionId'] = f'a{self.actions}'
+        self.send(order)
 
     @rule(kind=st.sampled_from(['cancelOrder', 'startPause', 'stopPause', 'stateRequest']))
     def instant(self, kind):

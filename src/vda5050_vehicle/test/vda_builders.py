@@ -124,6 +124,7 @@ class Lab:
     def __init__(self, at: int = 8, driver: Optional[Driver] = None, codec: Codec = VERSION_2_1,
                  abilities_: Optional[Abilities] = None) -> None:
         self.now = 100.0
+        self.messages = 0  # of the master; each has a header of its own
         self.robot = RobotSide()
         can = abilities_ or abilities()
         self.driver = driver or RouteDriver(lab(), can, Matching())
@@ -151,17 +152,29 @@ class Lab:
         self.view = replace(self.view, **changes)
         self.do(self.vehicle.see(self.view, self.now))
 
-    def order(self, order: Dict[str, Any]) -> None:
-        """An order comes."""
-        self.do(self.vehicle.receive_order(payload(order), self.now))
+    def order(self, order: Dict[str, Any]) -> bytes:
+        """An order comes; returns its message."""
+        self.messages += 1
+        message = payload(order, self.messages)
+        self.receive_order(message)
+        return message
+
+    def receive_order(self, message: bytes) -> None:
+        """Bytes come on the topic `order`."""
+        self.do(self.vehicle.receive_order(message, self.now))
 
     def act(self, action_type: str, action_id: str = '', blocking: str = 'NONE',
             **parameters: Any) -> str:
         """An instant action comes; returns its id."""
         action_id = action_id or f'{action_type}-{len(self.vehicle.actions.entries)}'
+        self.messages += 1
         message = {'actions': [action(action_type, action_id, blocking, **parameters)]}
-        self.do(self.vehicle.receive_instant_actions(payload(message), self.now))
+        self.receive_instant_actions(payload(message, self.messages))
         return action_id
+
+    def receive_instant_actions(self, message: bytes) -> None:
+        """Bytes come on the topic `instantActions`."""
+        self.do(self.vehicle.receive_instant_actions(message, self.now))
 
     def wait(self, seconds: float) -> None:
         """Time goes by; the robot's side reports."""

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 
 INITIAL_POSE_WITHIN = (0.5, 0.3)  # m, rad: the robot takes the pose given as its own
 INITIAL_POSE_PATIENCE = 10.0      # s until it must have
+# They stop or tell; a late copy of any other one is not done again.
+HARMLESS_AGAIN = frozenset({'cancelOrder', 'startPause', 'stateRequest', 'factsheetRequest',
+                            'logReport'})
 _INSTANT: FrozenSet[Scope] = frozenset({Scope.INSTANT})
 
 BUILT_IN: Tuple[ActionSpec, ...] = (
@@ -84,9 +87,13 @@ class InstantActionHandler:
                 str(problem), Reference('topic', 'instantActions'),
                 Reference('field', problem.path)))
             return
-        self._take(message, now)
+        is_copy = payload in vehicle.received
+        if not is_copy and any(action.action_type not in HARMLESS_AGAIN
+                               for action in message.actions):
+            vehicle.received.add(payload)
+        self._take(message, is_copy, now)
 
-    def _take(self, message: InstantActions, now: float) -> None:
+    def _take(self, message: InstantActions, is_copy: bool, now: float) -> None:
         for action in message.actions:
             if action.action_id in self._vehicle.actions:
                 continue  # sent again: it is done once
@@ -96,6 +103,9 @@ class InstantActionHandler:
                 spec = self._vehicle.table.check(action, Scope.INSTANT)
                 if spec.moves and self._vehicle.busy:
                     raise WrongAction('actionType', 'an order is under way')
+                if is_copy and action.action_type not in HARMLESS_AGAIN:
+                    raise WrongAction('actionId', 'this message came before, and is not done '
+                                      'again; another one has a header of its own')
                 handler = self._handlers.get(action.action_type)
                 if handler:
                     handler(action, now)

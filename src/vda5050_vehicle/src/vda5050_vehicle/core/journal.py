@@ -9,12 +9,13 @@ from vda5050_vehicle.protocol.action_queue import ActionQueue, Entry, Scope
 from vda5050_vehicle.protocol.codecs import ACTION, EDGE, NODE
 from vda5050_vehicle.protocol.fields import Malformed
 from vda5050_vehicle.protocol.order_state import OrderState
+from vda5050_vehicle.protocol.received import ReceivedMessages
 from vda5050_vehicle.protocol.values import ActionStatus
 
 if TYPE_CHECKING:
     from vda5050_vehicle.core.vehicle import Vehicle
 
-VERSION = 1
+VERSION = 2
 
 
 class WrongRecord(Exception):
@@ -30,6 +31,7 @@ class Kept:
     legs: Tuple[Leg, ...]
     holds: Tuple[str, ...]
     failure: str
+    received: ReceivedMessages
     driver: Dict[str, Any]
 
 
@@ -50,6 +52,7 @@ def write(vehicle: Vehicle) -> Dict[str, Any]:
         'legs': [asdict(leg) for leg in vehicle.legs],
         'holds': sorted(hold.value for hold in vehicle.holds),
         'failure': failure.description if failure else '',
+        'received': list(vehicle.received.digests),
         'driver': vehicle.driver.record,
     }
 
@@ -67,7 +70,7 @@ def read(record: Dict[str, Any]) -> Kept:
                        order['passed'], order['cancelled']),
             ActionQueue([_entry(entry) for entry in record['actions']], record['triggered']),
             tuple(Leg(**leg) for leg in record['legs']), tuple(record['holds']),
-            record['failure'], record['driver'])
+            record['failure'], ReceivedMessages(map(str, record['received'])), record['driver'])
     except (KeyError, TypeError, ValueError, Malformed) as error:
         raise WrongRecord(f'{type(error).__name__}: {error}') from None
 

@@ -39,19 +39,23 @@ class OrderDesk:
             vehicle.errors.reject(e.VALIDATION_ERROR.error(
                 str(problem), Reference('topic', 'order'), Reference('field', problem.path)))
             return
-        rejection = self._consider(order)
+        rejection = self._consider(order, payload)
         vehicle.note(f'order {order.order_id}, update {order.order_update_id}: '
                      + (rejection.error.description if rejection else 'taken'))
         if rejection:
             vehicle.errors.reject(rejection.error)
 
-    def _consider(self, order: Order) -> Optional[Rejection]:
+    def _consider(self, order: Order, payload: bytes) -> Optional[Rejection]:
         """Takes the order up, or says why not."""
         vehicle = self._vehicle
         try:
             verdict = judge(self._held(), order, self._is_near(order))
             if isinstance(verdict, Rejection) or verdict is Acceptance.DUPLICATE:
                 return verdict if isinstance(verdict, Rejection) else None
+            if payload in vehicle.received:
+                raise NotDrivable(e.ORDER_ERROR, 'this message was taken before, and its order '
+                                  'is not driven again; another one has a header of its own',
+                                  'headerId')
             self._check_actions(order, verdict)
             check_fields(order, self._abilities)
             legs = vehicle.driver.plan(order.nodes, order.edges, vehicle.robot.pose)
@@ -62,6 +66,7 @@ class OrderDesk:
             return Rejection(e.ORDER_ERROR.error(
                 str(wrong), *e.order_references(order), Reference('field', wrong.key)))
         vehicle.errors.accepted()
+        vehicle.received.add(payload)
         if verdict is Acceptance.NEW:
             self._begin(order)
         else:

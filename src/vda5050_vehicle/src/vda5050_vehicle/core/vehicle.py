@@ -26,6 +26,7 @@ from vda5050_vehicle.protocol import values as v
 from vda5050_vehicle.protocol.action_queue import ActionQueue
 from vda5050_vehicle.protocol.codecs import Codec
 from vda5050_vehicle.protocol.order_state import OrderState
+from vda5050_vehicle.protocol.received import ReceivedMessages
 from vda5050_vehicle.protocol.reporting import Reporter
 
 HISTORY = 500        # events that a log report holds
@@ -61,6 +62,7 @@ class Vehicle:
         self.actions = ActionQueue()
         self.legs: Tuple[Leg, ...] = ()     # one per edge of the order
         self.errors = ErrorList()
+        self.received = ReceivedMessages()
         self.holds: Set[Hold] = set()
         self.robot = RobotView()
         self.reporter = Reporter()
@@ -120,6 +122,7 @@ class Vehicle:
         except (KeyError, TypeError, ValueError) as error:
             raise journal.WrongRecord(f'driver: {error}') from None
         self.order, self.actions, self.legs = kept.order, kept.actions, kept.legs
+        self.received = kept.received
         self.holds = {Hold(name) for name in kept.holds}
         self.driver.know_legs(self.order.passed, self.legs)
         if Hold.FAILURE in self.holds:
