@@ -66,7 +66,9 @@ class GoalTracker:
         self.failure: Optional[RouteFailed] = None
         """What the robot did with the command instead of obeying it."""
         self.locations_since_reached = 0
-        self._previous: Optional[str] = None
+        # Goals sent before, from the one that the robot was last seen to be about. More than one
+        # where the commands of some were never taken, as by a controller that stands still.
+        self._previous: Tuple[str, ...] = ()
         self._via: FrozenSet[str] = frozenset()
         self._before: Optional[RobotSeen] = None  # the last status before the command
         self._last: Optional[RobotSeen] = None
@@ -80,12 +82,12 @@ class GoalTracker:
     @property
     def our_goals(self) -> FrozenSet[str]:
         """Names that the robot may show because of us."""
-        return self._via | {name for name in (self.goal, self._previous) if name is not None}
+        return self._via.union(self._previous, () if self.goal is None else (self.goal,))
 
     @property
     def last_goal(self) -> str:
         """Name of the last goal sent, whether or not we still have business with the robot."""
-        return self.goal or self._previous or ''
+        return self.goal or ''.join(self._previous[-1:])
 
     @property
     def has_docked(self) -> bool:
@@ -102,7 +104,7 @@ class GoalTracker:
     def send(self, goal: str, command: str, via: Iterable[str] = ()) -> None:
         """The robot is to go to `goal` (a goal's name, or DOCK), over the goals `via`."""
         if self.goal is not None:
-            self._previous = self.goal
+            self._previous += (self.goal,)
         self._reset(goal)
         self.command = command
         self._via = frozenset(via)
@@ -123,11 +125,11 @@ class GoalTracker:
 
     def remember(self, goal: str) -> None:
         """Before a restart of this program the robot was sent to `goal`, which is over."""
-        self._previous = goal or None
+        self._previous = (goal,) if goal else ()
 
     def end(self) -> None:
         """We have no more business with the robot."""
-        self._previous = self.goal or self._previous
+        self._previous = (self.goal,) if self.goal else self._previous[-1:]
         self._reset(None)
 
     def _reset(self, goal: Optional[str]) -> None:
@@ -171,10 +173,19 @@ class GoalTracker:
     def seen(self, status: RobotSeen, now: float, link_stands_since: float) -> None:
         """The robot's status; `link_stands_since` is infinite while no command can reach it."""
         self._last = status
+        self._forget_goals_before(status)
         if self.knowledge is Knowledge.DOUBTFUL:
             self._resolve(status, now, link_stands_since)
         elif self.knowledge is Knowledge.WATCHED:
             self._watch(status, now)
+
+    def _forget_goals_before(self, status: RobotSeen) -> None:
+        """A robot that is about a goal does not go back to those that were sent earlier."""
+        if status.motion in (Motion.GOING, Motion.ARRIVED):
+            if status.goal == self.goal:
+                self._previous = ()
+            elif status.goal in self._previous:
+                self._previous = self._previous[self._previous.index(status.goal):]
 
     def check_clock(self, now: float) -> None:
         """An interruption whose cause was not told in time was somebody's doing."""
@@ -244,8 +255,7 @@ class GoalTracker:
 
     def _is_as_before(self, status: RobotSeen) -> bool:
         """Whether the robot does what it did before the command, so that it never heard it."""
-        if (status.motion in (Motion.GOING, Motion.ARRIVED) and status.goal == self._previous
-                and self._previous is not None):
+        if status.motion in (Motion.GOING, Motion.ARRIVED) and status.goal in self._previous:
             return True
         before, now = self._place_before, self._place
         return (self._before is not None and self._before.motion in _AT_REST
