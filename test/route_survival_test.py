@@ -9,10 +9,13 @@ from typing import List
 from xmlrpc.client import ServerProxy
 
 import rospy
+from actionlib_msgs.msg import GoalStatus
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from route_robot import RouteRobot, state_list
 
 from itrci_nav_msgs.msg import EdgeState, TargetRoute
-from system_support import run_cases, wait_until
+from omron_ld90_msgs.msg import ExecuteCommandActionResult
+from system_support import Recorder, run_cases, wait_until
 
 HALL = [1, 2, 3, 4, 5, 6]  # 8 10 12 14 32 33 35, 24 m
 LONG = bool(os.environ.get('LD90_LONG_TESTS'))
@@ -34,6 +37,8 @@ class Survival(unittest.TestCase):
     def setUpClass(cls) -> None:
         rospy.init_node('route_survival_test')
         cls.lab = RouteRobot(speed=3.0, status_period=0.2)
+        cls.results = Recorder('/omron_ld90/execute_command/result', ExecuteCommandActionResult)
+        cls.diagnostics = Recorder('/diagnostics', DiagnosticArray)
 
     @classmethod
     def tearDownClass(cls) -> None:
@@ -53,10 +58,20 @@ class Survival(unittest.TestCase):
         what()
         end = self.lab.end_of(route_id, 120.0)
         self.assertEqual(state_list(end), [EdgeState.COMPLETE] * len(route), end.reason)
-        commands = self.lab.commands.texts[given:]
+        commands = self.taken_commands(given)
         self.assertEqual(sorted(set(commands)), sorted(commands), 'a command was given twice')
         lines = [line.data for line in self.lab.responses.messages[heard:]]
         self.assertNotIn('Stopping', lines)
+
+    def taken_commands(self, first: int) -> List[str]:
+        """Commands from index `first` on, but for those that the controller never sent.
+
+        One that stood still refuses what waited meanwhile, so that it is given again.
+        """
+        never_sent = {result.status.goal_id.id for result in self.results.messages
+                      if result.status.status == GoalStatus.REJECTED}
+        return [message.goal.command for message in self.lab.commands.messages[first:]
+                if message.goal_id.id not in never_sent]
 
     def kill(self, node: str) -> None:
         os.kill(process_of(node), signal.SIGKILL)
@@ -110,6 +125,30 @@ class Survival(unittest.TestCase):
                                     'a robot that stops', after=heard)
         wait_until(lambda: self.lab.status.messages[-1].status == 'Stopped', 10.0,
                    'a robot at rest')
+
+    def test_8_a_receiver_that_stands_still_is_told_by_the_bridge(self) -> None:
+        self.lab.wait_ready()
+        wait_until(lambda: self.route_diagnosis().level == DiagnosticStatus.OK, 10.0,
+                   f'a well bridge, not: {self.route_diagnosis().message}')
+        pid = process_of('omron_connection_receiver')
+        os.kill(pid, signal.SIGSTOP)
+        try:
+            wait_until(lambda: 'outgoing: its node has reported nothing'
+                       in self.route_diagnosis().message, 10.0, 'the standstill in /diagnostics')
+            self.assertEqual(DiagnosticStatus.WARN, self.route_diagnosis().level)
+            refused = self.lab.order(self.way())
+            end = self.lab.end_of(refused, 20.0)
+            self.assertIn('outgoing: its node has reported nothing', end.reason)
+        finally:
+            os.kill(pid, signal.SIGCONT)
+        self.lab.wait_ready()
+
+    def route_diagnosis(self) -> DiagnosticStatus:
+        """What the bridge said of itself last."""
+        return next((status for array in reversed(self.diagnostics.messages)
+                     for status in array.status
+                     if status.name == 'omron_ld90/omron_edges_to_vertices: route'),
+                    DiagnosticStatus(level=DiagnosticStatus.STALE, message='nothing'))
 
 
 if __name__ == '__main__':
