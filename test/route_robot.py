@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import os
-from typing import List, Sequence
+from typing import List, Sequence, Set
 
 import rosnode
 import rospkg
@@ -84,13 +84,17 @@ class RouteRobot(FleetManager):
         before = rosnode.get_api_uri(rospy.get_master(), BRIDGE, skip_cache=True)
         for name, value in parameters.items():
             rospy.set_param(f'{BRIDGE}/{name}', value)
-        heard = len(self.states.messages)
+        heard, old = len(self.states.messages), self._listeners()
         rosnode.kill_nodes([BRIDGE])
         wait_until(lambda: rosnode.get_api_uri(rospy.get_master(), BRIDGE, skip_cache=True)
                    not in (None, before), 30, 'the bridge is back')
-        wait_until(lambda: self.routes.get_num_connections() == 1, 30, 'the bridge listens')
+        wait_until(lambda: self._listeners() - old, 30, 'the bridge listens')
         self.states.wait_for(lambda states: states.symbolic_pose.edge_id != 0, 30,
                              'report of the bridge that is back', after=heard)
+
+    def _listeners(self) -> Set[int]:
+        """The connections over which a route would go out."""
+        return {connection for connection, *_ in self.routes.impl.get_stats_info()}
 
     def distance_from(self, edges: Sequence[int], since: int) -> float:
         """Greatest distance (m) of the robot's locations from the curves of the edges."""

@@ -57,10 +57,11 @@ class Survival(unittest.TestCase):
         route_id = self.lab.under_way(route, done)
         what()
         end = self.lab.end_of(route_id, 120.0)
-        self.assertEqual(state_list(end), [EdgeState.COMPLETE] * len(route), end.reason)
         commands = self.taken_commands(given)
-        self.assertEqual(sorted(set(commands)), sorted(commands), 'a command was given twice')
         lines = [line.data for line in self.lab.responses.messages[heard:]]
+        self.assertEqual(state_list(end), [EdgeState.COMPLETE] * len(route),
+                         f'{end.reason}; given: {commands}; the robot said: {lines}')
+        self.assertEqual(sorted(set(commands)), sorted(commands), 'a command was given twice')
         self.assertNotIn('Stopping', lines)
 
     def taken_commands(self, first: int) -> List[str]:

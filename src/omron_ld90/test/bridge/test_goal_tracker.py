@@ -111,25 +111,25 @@ class TestLostOutcome:
         show(tracker, motion, goal)
         assert tracker.give_again
 
-    @pytest.mark.parametrize('motion', [Motion.GOING, Motion.ARRIVED])
-    def test_of_several_commands_that_nobody_took_it_heard_none(self, motion):
-        """A controller that stands still takes none of those that are given meanwhile."""
-        tracker = sent('14', before=Motion.GOING, previous='12')
-        tracker.send('32', 'goto 32')
-        tracker.given(2)
-        tracker.ended(CommandEnded(2, Ending.NEVER_SENT, 'it waited'), 5.0)
-        show(tracker, motion, '12', begin=6.0)
+    def test_a_robot_about_an_earlier_goal_heard_of_none_after_it(self):
+        tracker = sent('12')
+        show(tracker, Motion.GOING, '12', begin=1.0, times=1)
+        for number, goal in enumerate(('10', '8'), 2):  # while the controller stands still
+            tracker.send(goal, f'goto {goal}')
+            tracker.given(number)
+        tracker.ended(CommandEnded(3, Ending.LOST, 'not heard'), 2.0)
+        show(tracker, Motion.ARRIVED, '12', begin=2.5)
         assert tracker.failure is None
         assert tracker.give_again
 
-    def test_a_goal_before_the_one_that_it_was_seen_going_to_is_none_of_ours(self):
-        tracker = sent('14', before=Motion.GOING, previous='12')
-        show(tracker, Motion.GOING, '14')
-        tracker.send('32', 'goto 32')
-        tracker.given(2)
-        tracker.ended(CommandEnded(2, Ending.LOST), 5.0)
-        show(tracker, Motion.GOING, '12', begin=6.0)
-        assert isinstance(tracker.failure, TakenOver)
+    def test_a_goal_from_before_one_that_was_heard_is_not_ours_any_more(self):
+        tracker = sent('12', previous='14')
+        show(tracker, Motion.GOING, '12', begin=1.0, times=1)
+        for number, goal in enumerate(('10', '8'), 2):
+            tracker.send(goal, f'goto {goal}')
+            tracker.given(number)
+            show(tracker, Motion.GOING, goal, begin=float(number), times=1)
+        assert tracker.our_goals == {'8', '10'}
 
     def test_a_robot_that_stands_where_it_stood_never_heard_of_it(self):
         tracker = doubtful(before=Motion.ARRIVED)
