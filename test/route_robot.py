@@ -1,6 +1,7 @@
 """What the system tests of routes share: the fleet manager, and a simulated robot to bring down."""
 from __future__ import annotations
 
+import io
 import os
 from typing import List, Sequence, Set
 
@@ -12,6 +13,7 @@ from std_msgs.msg import String
 from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, TargetRoute
 from omron_ld90_msgs.msg import LinkState, RobotStatus
 from omron_ld90_sim import Simulator
+from omron_ld90_sim.interface.recording import read_log
 from system_support import CommandRecorder, Recorder, connected_publisher, wait_until
 from trajectory_graph import load_graph
 
@@ -76,8 +78,15 @@ class RouteRobot(FleetManager):
             f'{MAPS}/lab.map', port=int(os.environ['LD90_ARCL_PORT']), start=VERTEX_8, speed=speed,
             outgoing=('127.0.0.1', int(os.environ['LD90_OUTGOING_PORT'])),
             lists=((status_period, 'Status'),))
+        self._session = io.StringIO()
+        self.robot.log_to(self._session)
         self.robot.start()
         super().__init__()
+
+    def drives_heard(self) -> List[str]:
+        """The commands to drive that the robot itself has received, in order."""
+        return [transfer.text for transfer in read_log(self._session.getvalue().splitlines())
+                if transfer.direction == 'C' and transfer.text.startswith(('goto', 'dock'))]
 
     def restart_bridge(self, **parameters: object) -> None:
         """Ends the bridge's process, and waits until roslaunch has brought it back."""
