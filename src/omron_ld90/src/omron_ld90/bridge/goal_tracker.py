@@ -239,9 +239,9 @@ class GoalTracker:
         shown_before = self._before is not None and self._before.goal == status.goal
         foreign = (status.motion is Motion.GOING and status.goal not in self.our_goals
                    and not shown_before)
-        if self._strange_since is None and not foreign:
+        if self._strange_since is None:
             self._strange_since = now
-        elif foreign or now - self._strange_since >= STATUS_LAG:
+        if foreign or now - self._strange_since >= STATUS_LAG:
             self.failure = TakenOver(_what_it_does(status))
 
     def _is_ours(self, status: RobotSeen) -> bool:
