@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
 # Runs tests of a built workspace, one after the other, and leaves JUnit files in a folder. scripts/test.sh and
-# `catkin_make run_tests` both call it; people call scripts/test.sh.
+# `catkin_make run_tests` both call it; people call scripts/test.sh. TEST_JOBS=2 runs two system tests at a time: they
+# mostly wait for robots that drive in real time.
 #
 #   run_tests.sh RESULTS unit             the unit tests, also under Python 3.8 where there is one
 #   run_tests.sh RESULTS system NAME...   the system tests test/NAME.test, each under its own ROS master
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-[ $# -ge 2 ] || { sed -n '2,6s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 1; }
+[ $# -ge 2 ] || { sed -n '2,7s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 1; }
 results="$1" kind="$2"; shift 2
 cd "$root"
 export PATH="/usr/bin:$PATH"
@@ -74,13 +75,12 @@ provide_multimaster() {
   _source "$workspace/devel/setup.bash"
 }
 
-system_test() {  # one rostest on free ports, under its own ROS master
+system_test() {  # system_test NAME ARCL_PORT OUTGOING_PORT: one rostest on free ports, under its own ROS master
   local name="$1" log="$results/$1.log" begun=$SECONDS verdict=passed file
-  export LD90_ARCL_PORT LD90_OUTGOING_PORT
-  LD90_ARCL_PORT="$(free_port)" LD90_OUTGOING_PORT="$(free_port)"
+  export LD90_ARCL_PORT="$2" LD90_OUTGOING_PORT="$3" ROS_TEST_RESULTS_DIR="$results/ros/$name"
   timeout --kill-after=20 600 rostest --pkgdir="$root/src/omron_ld90" --package=omron_ld90 \
     "$root/test/$name.test" >"$log" 2>&1 || verdict=failed
-  for file in "$results"/ros/omron_ld90/*.xml; do
+  for file in "$ROS_TEST_RESULTS_DIR"/omron_ld90/*.xml; do
     [ ! -f "$file" ] || mv "$file" "$results"
   done
   if grep -q '<skipped' "$results/rosunit-$name.xml" 2>/dev/null; then verdict="$verdict, some skipped"; fi
@@ -93,12 +93,22 @@ system_test() {  # one rostest on free ports, under its own ROS master
   esac
 }
 
+system_tests() {  # so many at a time as TEST_JOBS says
+  local name running=0 jobs="${TEST_JOBS:-1}"
+  export PYTHONPATH="$root/test:${PYTHONPATH:-}"
+  for name in "$@"; do
+    if [ "$running" -ge "$jobs" ]; then wait -n || true; running=$((running - 1)); fi
+    system_test "$name" "$(free_port)" "$(free_port)" &
+    running=$((running + 1))
+  done
+  wait
+  rm -rf "$results/ros"
+}
+
 case "$kind" in
   unit) unit_tests ;;
   system)
     case " $*" in *' multimaster'*) provide_multimaster ;; esac
-    export PYTHONPATH="$root/test:${PYTHONPATH:-}" ROS_TEST_RESULTS_DIR="$results/ros"
-    for name in "$@"; do system_test "$name"; done
-    rm -rf "$results/ros" ;;
+    system_tests "$@" ;;
   *) die "there are unit and system tests, and no '$kind' tests" ;;
 esac

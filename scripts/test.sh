@@ -6,7 +6,7 @@
 #   scripts/test.sh NAME...   only the system tests test/NAME.test
 #
 # Environment: LD90_REAL_MAPS, a folder with .map files of real robots; FKIE_ARCHIVE, sources of fkie multimaster (.tar.gz)
-# where GitHub cannot be reached. What lies there is tested, too.
+# where GitHub cannot be reached; what lies there is tested, too. TEST_JOBS, how many system tests run at a time (1).
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 

@@ -1,8 +1,9 @@
 """What the system tests of routes share: the fleet manager, and a simulated robot to bring down."""
 from __future__ import annotations
 
+import io
 import os
-from typing import List, Sequence
+from typing import List, Sequence, Set
 
 import rosnode
 import rospkg
@@ -12,6 +13,7 @@ from std_msgs.msg import String
 from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, TargetRoute
 from omron_ld90_msgs.msg import LinkState, RobotStatus
 from omron_ld90_sim import Simulator
+from omron_ld90_sim.interface.recording import read_log
 from system_support import CommandRecorder, Recorder, connected_publisher, wait_until
 from trajectory_graph import load_graph
 
@@ -76,21 +78,32 @@ class RouteRobot(FleetManager):
             f'{MAPS}/lab.map', port=int(os.environ['LD90_ARCL_PORT']), start=VERTEX_8, speed=speed,
             outgoing=('127.0.0.1', int(os.environ['LD90_OUTGOING_PORT'])),
             lists=((status_period, 'Status'),))
+        self._session = io.StringIO()
+        self.robot.log_to(self._session)
         self.robot.start()
         super().__init__()
+
+    def drives_heard(self) -> List[str]:
+        """The commands to drive that the robot itself has received, in order."""
+        return [transfer.text for transfer in read_log(self._session.getvalue().splitlines())
+                if transfer.direction == 'C' and transfer.text.startswith(('goto', 'dock'))]
 
     def restart_bridge(self, **parameters: object) -> None:
         """Ends the bridge's process, and waits until roslaunch has brought it back."""
         before = rosnode.get_api_uri(rospy.get_master(), BRIDGE, skip_cache=True)
         for name, value in parameters.items():
             rospy.set_param(f'{BRIDGE}/{name}', value)
-        heard = len(self.states.messages)
+        heard, old = len(self.states.messages), self._listeners()
         rosnode.kill_nodes([BRIDGE])
         wait_until(lambda: rosnode.get_api_uri(rospy.get_master(), BRIDGE, skip_cache=True)
                    not in (None, before), 30, 'the bridge is back')
-        wait_until(lambda: self.routes.get_num_connections() == 1, 30, 'the bridge listens')
+        wait_until(lambda: self._listeners() - old, 30, 'the bridge listens')
         self.states.wait_for(lambda states: states.symbolic_pose.edge_id != 0, 30,
                              'report of the bridge that is back', after=heard)
+
+    def _listeners(self) -> Set[int]:
+        """The connections over which a route would go out."""
+        return {connection for connection, *_ in self.routes.impl.get_stats_info()}
 
     def distance_from(self, edges: Sequence[int], since: int) -> float:
         """Greatest distance (m) of the robot's locations from the curves of the edges."""

@@ -48,14 +48,15 @@ class Survival(unittest.TestCase):
         """A route with a mishap after `done` edges, there or back, is driven to its end."""
         self.lab.wait_ready()
         route = self.way()
-        given, heard = len(self.lab.commands.messages), len(self.lab.responses.messages)
+        given, heard = len(self.lab.drives_heard()), len(self.lab.responses.messages)
         route_id = self.lab.under_way(route, done)
         what()
         end = self.lab.end_of(route_id, 120.0)
-        self.assertEqual(state_list(end), [EdgeState.COMPLETE] * len(route), end.reason)
-        commands = self.lab.commands.texts[given:]
-        self.assertEqual(sorted(set(commands)), sorted(commands), 'a command was given twice')
+        commands = self.lab.drives_heard()[given:]
         lines = [line.data for line in self.lab.responses.messages[heard:]]
+        self.assertEqual(state_list(end), [EdgeState.COMPLETE] * len(route),
+                         f'{end.reason}; it heard {commands} and said: {lines}')
+        self.assertEqual(sorted(set(commands)), sorted(commands), 'the robot was told twice')
         self.assertNotIn('Stopping', lines)
 
     def kill(self, node: str) -> None:

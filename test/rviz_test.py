@@ -242,6 +242,7 @@ class RvizTest(unittest.TestCase):
         here = self.poses.messages[-1].pose.position
         self.window.choose_from_menu(self.window.pixel(here.x, here.y), ROBOT_MENU, Action.UNDOCK)
         self.robot_says('DockingState: Undocked')
+        wait_until(lambda: len(self.sent()) > 1, 10.0, 'the command on its topic')
         self.assertEqual(['dock', 'undock'], self.sent())
 
     def test_09_the_menu_of_the_dock_docks(self):

@@ -111,6 +111,26 @@ class TestLostOutcome:
         show(tracker, motion, goal)
         assert tracker.give_again
 
+    def test_a_robot_about_an_earlier_goal_heard_of_none_after_it(self):
+        tracker = sent('12')
+        show(tracker, Motion.GOING, '12', begin=1.0, times=1)
+        for number, goal in enumerate(('10', '8'), 2):  # while the controller stands still
+            tracker.send(goal, f'goto {goal}')
+            tracker.given(number)
+        tracker.ended(CommandEnded(3, Ending.LOST, 'not heard'), 2.0)
+        show(tracker, Motion.ARRIVED, '12', begin=2.5)
+        assert tracker.failure is None
+        assert tracker.give_again
+
+    def test_a_goal_from_before_one_that_was_heard_is_not_ours_any_more(self):
+        tracker = sent('12', previous='14')
+        show(tracker, Motion.GOING, '12', begin=1.0, times=1)
+        for number, goal in enumerate(('10', '8'), 2):
+            tracker.send(goal, f'goto {goal}')
+            tracker.given(number)
+            show(tracker, Motion.GOING, goal, begin=float(number), times=1)
+        assert tracker.our_goals == {'8', '10'}
+
     def test_a_robot_that_stands_where_it_stood_never_heard_of_it(self):
         tracker = doubtful(before=Motion.ARRIVED)
         show(tracker, Motion.STANDING)

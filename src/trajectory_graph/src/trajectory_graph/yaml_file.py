@@ -6,38 +6,24 @@
     Vertices:
     - {FrameId: map/nn0, Id: 8, Label: pass, Theta: 1.64, ThetaHolomonic: 2.74, X: 4.17, Y: -3.86}
 
-Reading is strict: every field must be there once and hold what it should. YAML's own objects are
-never built: only the text of scalars is looked at, so no tag can make Python do anything. Fields
-that we do not know are left alone, because the editor may write more than we need. A vertex may
-also say `Dock` and `Parking` (true or false); without `Dock`, the label `dock` makes it a dock.
+Reading is strict (see `strict_yaml`): every field must be there once and hold what it should.
+Fields that we do not know are left alone, because the editor may write more than we need. A vertex
+may also say `Dock` and `Parking` (true or false); without `Dock`, the label `dock` makes it a dock.
 """
 from __future__ import annotations
 
 import os
-import re
-import stat
 import tempfile
 from typing import Any, Callable, Dict, List, Optional, Tuple, Union
 
 import yaml
 
+from trajectory_graph import strict_yaml
 from trajectory_graph.errors import GraphError
 from trajectory_graph.graph import CurveType, Edge, Graph, Vertex
+from trajectory_graph.strict_yaml import WrongYaml
 
-LARGEST_FILE = 64 * 1024 * 1024  # bytes
-DEEPEST_NESTING = 32  # collections within collections; the C loader crashes at some thousands
-
-_Loader = getattr(yaml, 'CSafeLoader', yaml.SafeLoader)
-_PLAIN_TAGS = ('int', 'float', 'str', 'bool', 'null')
-
-
-class _Wrong(Exception):
-    """What is wrong with a node, before it is known whose it is."""
-
-    def __init__(self, problem: str, node: yaml.Node) -> None:
-        super().__init__(problem)
-        self.problem = problem
-        self.line = node.start_mark.line + 1
+DOCK_LABEL = 'dock'  # which makes a dock of a vertex that does not say whether it is one
 
 
 def load_graph(path: Union[str, os.PathLike]) -> Graph:
@@ -47,12 +33,21 @@ def load_graph(path: Union[str, os.PathLike]) -> Graph:
     lacks a field, or describes a graph that is not valid.
     """
     file = os.fspath(path)
-    root = _compose(file)
     try:
-        sections = _mapping(root, 'the file')
+        return parse_graph(strict_yaml.read_file(file), file)
+    except WrongYaml as wrong:
+        name = file if file.isprintable() else ascii(file)
+        raise GraphError(wrong.problem, file=name, line=wrong.line) from None
+
+
+def parse_graph(data: bytes, file: str) -> Graph:
+    """The graph in the bytes of a file, which `file` names; raises GraphError as `load_graph`."""
+    try:
+        root = strict_yaml.compose_data(data)
+        sections = strict_yaml.mapping(root, 'the file', _KEYS)
         vertices = _elements(sections, root, 'Vertices', 'vertex', _VERTEX_FIELDS, _vertex, file)
         edges = _elements(sections, root, 'Edges', 'edge', _EDGE_FIELDS, Edge, file)
-    except _Wrong as wrong:
+    except WrongYaml as wrong:
         raise GraphError(wrong.problem, file=file, line=wrong.line) from None
     lines = {('vertex', vertex.id): line for vertex, line in vertices}
     lines.update({('edge', edge.id): line for edge, line in edges})
@@ -67,210 +62,112 @@ def save_graph(graph: Graph, path: Union[str, os.PathLike], comment: str = '') -
 
     An older file stays until the new one is complete. Raises OSError.
     """
-    lines = [f'# {comment}'] if comment else []
-    lines.append('Edges:' if graph.edges else 'Edges: []')
-    lines += [_flow({
+    write_file(path, (f'# {comment}\n' if comment else '') + dump_graph(graph))
+
+
+def dump_graph(graph: Graph) -> str:
+    """The text of the file, without a comment."""
+    lines = ['Edges:' if graph.edges else 'Edges: []']
+    lines += [f'- {flow_mapping(edge_fields(edge))}' for edge in graph.edges.values()]
+    lines.append('Vertices:')
+    lines += [f'- {flow_mapping(vertex_fields(vertex))}' for vertex in graph.vertices.values()]
+    return '\n'.join(lines) + '\n'
+
+
+def edge_fields(edge: Edge) -> Dict[str, Any]:
+    """The file's fields of an edge, by their names there."""
+    return {
         'CurveType': edge.curve_type.value, 'Destination_ID': edge.destination, 'Id': edge.id,
         'Origin_ID': edge.origin, 'ParamB': edge.param_b, 'ParamF': edge.param_f,
-        'VelocityBackwards': edge.velocity_backwards, 'VelocityForward': edge.velocity_forward})
-        for edge in graph.edges.values()]
-    lines.append('Vertices:')
-    lines += [_flow({
-        'Dock': vertex.dock or None, 'FrameId': vertex.frame_id, 'Id': vertex.id,
-        'Label': vertex.label, 'Parking': vertex.parking, 'Theta': vertex.theta,
-        'ThetaHolomonic': vertex.theta_holonomic, 'X': vertex.x, 'Y': vertex.y})
-        for vertex in graph.vertices.values()]
-    folder, name = os.path.split(os.path.abspath(path))
+        'VelocityBackwards': edge.velocity_backwards, 'VelocityForward': edge.velocity_forward}
+
+
+def vertex_fields(vertex: Vertex) -> Dict[str, Any]:
+    """The file's fields of a vertex, by their names there; None for one that is left out."""
+    said_by_label = vertex.dock == (vertex.label == DOCK_LABEL)
+    return {
+        'Dock': None if said_by_label else vertex.dock,
+        'FrameId': vertex.frame_id, 'Id': vertex.id, 'Label': vertex.label,
+        'Parking': vertex.parking, 'Theta': vertex.theta,
+        'ThetaHolomonic': vertex.theta_holonomic, 'X': vertex.x, 'Y': vertex.y}
+
+
+def write_file(path: Union[str, os.PathLike], text: str) -> None:
+    """Replaces the file `path` by a complete new one, or not at all; raises OSError."""
+    target = os.path.realpath(path)
+    folder, name = os.path.split(target)
     descriptor, temporary = tempfile.mkstemp(prefix=f'.{name}.', dir=folder)
     try:
-        with os.fdopen(descriptor, 'w', encoding='utf-8') as stream:
-            stream.write('\n'.join(lines) + '\n')
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
+        with os.fdopen(descriptor, 'w', encoding='utf-8', newline='') as stream:
+            stream.write(text)
+            stream.flush()
+            os.fsync(stream.fileno())
+        os.chmod(temporary, os.stat(target).st_mode & 0o777 if os.path.exists(target) else 0o644)
+        os.replace(temporary, target)
     except OSError:
         os.unlink(temporary)
         raise
 
 
-def _flow(fields: Dict[str, Any]) -> str:
-    """A list entry in one line, without the fields that are None."""
+def flow_mapping(fields: Dict[str, Any]) -> str:
+    """`{Key: value, ...}` in one line, without the fields that are None."""
     known = {key: value for key, value in fields.items() if value is not None}
     text = yaml.dump(known, default_flow_style=True, width=10 ** 6, allow_unicode=True,
                      Dumper=getattr(yaml, 'CSafeDumper', yaml.SafeDumper))
-    return f'- {text.strip()}'
+    return text.strip()
 
 
 def _vertex(dock: Optional[bool], label: str, **fields: Any) -> Vertex:
-    return Vertex(label=label, dock=label == 'dock' if dock is None else dock, **fields)
-
-
-def _compose(file: str) -> yaml.Node:
-    data = _read(file)
-    try:
-        if _nesting(data) > DEEPEST_NESTING:
-            raise GraphError(f'collections are nested more than {DEEPEST_NESTING} deep', file=file)
-        root = yaml.compose(data, Loader=_Loader)
-    except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark or error.context_mark
-        line = mark.line + 1 if mark else None
-        raise GraphError(f'this is not YAML ({_unquoted(error.problem or error.context)})',
-                         file=file, line=line) from None
-    except yaml.YAMLError as error:
-        raise GraphError(f'this is not YAML ({str(error).splitlines()[0]})', file=file) from None
-    if root is None:
-        raise GraphError('the file is empty', file=file)
-    return root
-
-
-def _read(file: str) -> bytes:
-    """All bytes of the file, without ever waiting: the path may lead to a pipe or a device."""
-    try:
-        if not stat.S_ISREG(os.stat(file).st_mode):
-            raise GraphError('this is no regular file', file=file)
-        with open(os.open(file, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), 'rb') as stream:
-            data = stream.read(LARGEST_FILE + 1)
-    except OSError as error:
-        raise GraphError(f'the file cannot be read ({error.strerror})', file=file) from None
-    except ValueError:  # a zero byte, or letters that the file system has not
-        raise GraphError('no file can have this name', file=ascii(file)) from None
-    if len(data) > LARGEST_FILE:
-        raise GraphError(f'the file is larger than {LARGEST_FILE // 2 ** 20} MiB', file=file)
-    return data
-
-
-def _unquoted(problem: Optional[str]) -> str:
-    """What YAML found, without the words of the file: it may be anybody's, given by mistake."""
-    return re.sub(r"""\s*(['"]).{2,}\1""", '', problem or 'no reason is known')
-
-
-def _nesting(data: bytes) -> int:
-    """How deep collections are nested, counted up to one more than is allowed."""
-    depth = deepest = 0
-    for event in yaml.parse(data, Loader=_Loader):
-        if isinstance(event, yaml.CollectionStartEvent):
-            depth += 1
-            deepest = max(deepest, depth)
-        elif isinstance(event, yaml.CollectionEndEvent):
-            depth -= 1
-        if deepest > DEEPEST_NESTING:
-            break
-    return deepest
-
-
-def _mapping(node: yaml.Node, name: str) -> Dict[str, yaml.Node]:
-    """The fields of a mapping; a key that stands there twice is wrong."""
-    if not isinstance(node, yaml.MappingNode):
-        raise _Wrong(f'{name} must be a mapping of names to values', node)
-    fields: Dict[str, yaml.Node] = {}
-    for key, value in node.value:
-        if not isinstance(key, yaml.ScalarNode):
-            raise _Wrong(f'{name} has a key that is not a name', key)
-        if key.value in fields:
-            told = key.value if key.value in _KEYS else 'a key'  # nothing of another file
-            raise _Wrong(f'{told} stands there twice', key)
-        fields[key.value] = value
-    return fields
+    return Vertex(label=label, dock=label == DOCK_LABEL if dock is None else dock, **fields)
 
 
 def _elements(sections: Dict[str, yaml.Node], root: yaml.Node, section: str, kind: str,
               table: _Fields, make: Callable[..., Any], file: str) -> List[Tuple[Any, int]]:
     """The vertices or edges of a section, each with its line; their ids are unique."""
-    if section not in sections:
-        raise _Wrong(f'{section} is missing', root)
-    node = sections[section]
-    if not isinstance(node, yaml.SequenceNode):
-        raise _Wrong(f'{section} must be a list', node)
     lines: Dict[int, int] = {}
     elements = []
-    for item in node.value:
+    for item in strict_yaml.items(strict_yaml.field(sections, section, root)):
         id = None
         try:
-            fields = _mapping(item, f'an entry of {section}')
-            id = _whole(_field(fields, 'Id', item))
+            fields = strict_yaml.mapping(item, f'an entry of {section}', _KEYS)
+            id = strict_yaml.whole(strict_yaml.field(fields, 'Id', item))
             if id in lines:
-                raise _Wrong(f'the id is used twice, first in line {lines[id]}', item)
-            values = {name: read(_field(fields, key, item)) if key in fields or key not in _OPTIONAL
-                      else None for key, name, read in table}
-        except _Wrong as wrong:
+                raise WrongYaml(f'the id is used twice, first in line {lines[id]}', item)
+            values = {name: None if key in _OPTIONAL and key not in fields
+                      else read(strict_yaml.field(fields, key, item))
+                      for key, name, read in table}
+        except WrongYaml as wrong:
             raise GraphError(wrong.problem, kind, id, file, wrong.line) from None
-        lines[id] = item.start_mark.line + 1
+        lines[id] = strict_yaml.line_of(item)
         elements.append((make(id=id, **values), lines[id]))
     return elements
 
 
-def _field(fields: Dict[str, yaml.Node], key: str, item: yaml.Node) -> Tuple[str, yaml.Node]:
-    if key not in fields:
-        raise _Wrong(f'{key} is missing', item)
-    return key, fields[key]
+def _curve_type(field: strict_yaml.Field) -> CurveType:
+    allowed = [curve_type.value for curve_type in CurveType]
+    return CurveType(strict_yaml.choice(allowed, 'a curve type')(field))
 
 
-def _scalar(field: Tuple[str, yaml.Node], expected: str) -> str:
-    key, node = field
-    if (not isinstance(node, yaml.ScalarNode)
-            or node.tag not in {f'tag:yaml.org,2002:{tag}' for tag in _PLAIN_TAGS}):
-        raise _Wrong(f'{key} must be {expected}', node)
-    return node.value
-
-
-def _whole(field: Tuple[str, yaml.Node]) -> int:
-    text = _scalar(field, 'a whole number')
-    try:
-        value = int(text)
-    except ValueError:
-        raise _Wrong(f'{field[0]} is {text!r}, but must be a whole number', field[1]) from None
-    if abs(value) >= 2 ** 31:
-        raise _Wrong(f'{field[0]} is {text}, but must fit in 32 bits', field[1])
-    return value
-
-
-def _real(field: Tuple[str, yaml.Node]) -> float:
-    text = _scalar(field, 'a number')
-    try:
-        return float(text.replace('.inf', 'inf').replace('.nan', 'nan'))
-    except ValueError:
-        raise _Wrong(f'{field[0]} is {text!r}, but must be a number', field[1]) from None
-
-
-def _text(field: Tuple[str, yaml.Node]) -> str:
-    return _scalar(field, 'a text')
-
-
-def _truth(field: Tuple[str, yaml.Node]) -> bool:
-    text = _scalar(field, 'true or false')
-    if text.lower() not in ('true', 'false'):
-        raise _Wrong(f'{field[0]} is {text!r}, but must be true or false', field[1])
-    return text.lower() == 'true'
-
-
-def _curve_type(field: Tuple[str, yaml.Node]) -> CurveType:
-    text = _scalar(field, 'a curve type')
-    try:
-        return CurveType(text)
-    except ValueError:
-        allowed = ' or '.join(curve_type.value for curve_type in CurveType)
-        raise _Wrong(f'{field[0]} is {text!r}, but must be {allowed}', field[1]) from None
-
-
-_Fields = Tuple[Tuple[str, str, Callable[[Tuple[str, yaml.Node]], Any]], ...]
+_Fields = Tuple[Tuple[str, str, Callable[[strict_yaml.Field], Any]], ...]
 
 _VERTEX_FIELDS: _Fields = (
-    ('Dock', 'dock', _truth),
-    ('Parking', 'parking', _truth),
-    ('FrameId', 'frame_id', _text),
-    ('Label', 'label', _text),
-    ('Theta', 'theta', _real),
-    ('ThetaHolomonic', 'theta_holonomic', _real),
-    ('X', 'x', _real),
-    ('Y', 'y', _real),
+    ('Dock', 'dock', strict_yaml.truth),
+    ('Parking', 'parking', strict_yaml.truth),
+    ('FrameId', 'frame_id', strict_yaml.text),
+    ('Label', 'label', strict_yaml.text),
+    ('Theta', 'theta', strict_yaml.real),
+    ('ThetaHolomonic', 'theta_holonomic', strict_yaml.real),
+    ('X', 'x', strict_yaml.real),
+    ('Y', 'y', strict_yaml.real),
 )
 _OPTIONAL = ('Dock', 'Parking')
 _EDGE_FIELDS: _Fields = (
     ('CurveType', 'curve_type', _curve_type),
-    ('Origin_ID', 'origin', _whole),
-    ('Destination_ID', 'destination', _whole),
-    ('ParamF', 'param_f', _real),
-    ('ParamB', 'param_b', _real),
-    ('VelocityForward', 'velocity_forward', _real),
-    ('VelocityBackwards', 'velocity_backwards', _real),
+    ('Origin_ID', 'origin', strict_yaml.whole),
+    ('Destination_ID', 'destination', strict_yaml.whole),
+    ('ParamF', 'param_f', strict_yaml.real),
+    ('ParamB', 'param_b', strict_yaml.real),
+    ('VelocityForward', 'velocity_forward', strict_yaml.real),
+    ('VelocityBackwards', 'velocity_backwards', strict_yaml.real),
 )
 _KEYS = {'Edges', 'Vertices', 'Id', *(key for key, _, _ in _VERTEX_FIELDS + _EDGE_FIELDS)}

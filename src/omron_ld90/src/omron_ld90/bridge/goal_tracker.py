@@ -18,6 +18,9 @@ REASON_DELAY = 0.5  # s for an emergency stop to be told after the motion that i
 UNMOVED = 0.1       # m, that a standing robot may seem to move
 STATUS_LAG = 1.0    # s that a status may be older than what the robot was told
 
+MOST_EARLIER_GOALS = 20
+
+_TOWARDS_GOAL = (Motion.GOING, Motion.ARRIVED)
 _DOCK_MOTIONS = (Motion.DOCKING, Motion.DOCKED)
 _AT_REST = (Motion.STANDING, Motion.ARRIVED, Motion.DOCKED, Motion.UNKNOWN)
 
@@ -66,7 +69,9 @@ class GoalTracker:
         self.failure: Optional[RouteFailed] = None
         """What the robot did with the command instead of obeying it."""
         self.locations_since_reached = 0
-        self._previous: Optional[str] = None
+        self._earlier: Tuple[str, ...] = ()
+        # Goals sent before it, the last one at the end: those that the robot may yet be going to,
+        # for the controller may not have heard of all that we sent.
         self._via: FrozenSet[str] = frozenset()
         self._before: Optional[RobotSeen] = None  # the last status before the command
         self._last: Optional[RobotSeen] = None
@@ -80,12 +85,12 @@ class GoalTracker:
     @property
     def our_goals(self) -> FrozenSet[str]:
         """Names that the robot may show because of us."""
-        return self._via | {name for name in (self.goal, self._previous) if name is not None}
+        return self._via.union(self._earlier, () if self.goal is None else (self.goal,))
 
     @property
     def last_goal(self) -> str:
         """Name of the last goal sent, whether or not we still have business with the robot."""
-        return self.goal or self._previous or ''
+        return self.goal or ''.join(self._earlier[-1:])
 
     @property
     def has_docked(self) -> bool:
@@ -101,8 +106,7 @@ class GoalTracker:
 
     def send(self, goal: str, command: str, via: Iterable[str] = ()) -> None:
         """The robot is to go to `goal` (a goal's name, or DOCK), over the goals `via`."""
-        if self.goal is not None:
-            self._previous = self.goal
+        self._retire_goal()
         self._reset(goal)
         self.command = command
         self._via = frozenset(via)
@@ -123,12 +127,16 @@ class GoalTracker:
 
     def remember(self, goal: str) -> None:
         """Before a restart of this program the robot was sent to `goal`, which is over."""
-        self._previous = goal or None
+        self._earlier = (goal,) if goal else ()
 
     def end(self) -> None:
         """We have no more business with the robot."""
-        self._previous = self.goal or self._previous
+        self._retire_goal()
         self._reset(None)
+
+    def _retire_goal(self) -> None:
+        if self.goal is not None:
+            self._earlier = (*self._earlier, self.goal)[-MOST_EARLIER_GOALS:]
 
     def _reset(self, goal: Optional[str]) -> None:
         self.goal = goal
@@ -171,6 +179,8 @@ class GoalTracker:
     def seen(self, status: RobotSeen, now: float, link_stands_since: float) -> None:
         """The robot's status; `link_stands_since` is infinite while no command can reach it."""
         self._last = status
+        if status.motion in _TOWARDS_GOAL and status.goal == self.goal:
+            self._earlier = self._earlier[-1:]  # it has heard of this goal: no older one will come
         if self.knowledge is Knowledge.DOUBTFUL:
             self._resolve(status, now, link_stands_since)
         elif self.knowledge is Knowledge.WATCHED:
@@ -244,8 +254,7 @@ class GoalTracker:
 
     def _is_as_before(self, status: RobotSeen) -> bool:
         """Whether the robot does what it did before the command, so that it never heard it."""
-        if (status.motion in (Motion.GOING, Motion.ARRIVED) and status.goal == self._previous
-                and self._previous is not None):
+        if status.motion in _TOWARDS_GOAL and status.goal in self._earlier:
             return True
         before, now = self._place_before, self._place
         return (self._before is not None and self._before.motion in _AT_REST
