@@ -35,7 +35,7 @@ for arg in "$@"; do
   given[$name]="$value"
   args+=("$name:=$value")
 done
-for name in map_file base_map graph_file password_file; do
+for name in map_file base_map graph_file password_file mqtt_credentials_file mqtt_ca_file; do
   [ "$name" = map_file ] && [ -n "${given[base_map]:-}" ] && continue  # made from base_map
   [ -z "${given[$name]:-}" ] || [ -r "${given[$name]}" ] ||
     die "$name:=${given[$name]} cannot be read; is there such a file?"

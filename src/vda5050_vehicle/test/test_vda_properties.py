@@ -6,7 +6,8 @@ that it sends is looked at by the strict checker (`Lab.do`), and in the end:
 
 * nothing that was not released was ever in a route;
 * a rejected order changes nothing but the errors, and neither does a copy of one that was taken;
-* every action is started once at most, and at its node where the vehicle must stand for it.
+* every action is started once at most, and at its node where the vehicle must stand for it;
+* what has ended stays as it ended, and what was under way when the adapter was killed has ended.
 """
 from __future__ import annotations
 
@@ -34,6 +35,7 @@ class RandomMaster(RuleBasedStateMachine):
         self.released = set()      # (order id, sequence id of the edge, signed edge)
         self.sent = []             # orders that were taken, and their messages
         self.started = Counter()
+        self.ended = {}            # entries, by the id of the action
         self.actions = 0
 
     @initialize()
@@ -75,13 +77,13 @@ class RandomMaster(RuleBasedStateMachine):
         """The node at which the master believes the vehicle, or it will be."""
         return int(self.lab.vehicle.order.last_node[0] or 8)
 
-    @rule(data=st.data(), number=st.integers(0, 3))
-    def new_order(self, data, number):
+    @rule(data=st.data(), number=st.integers(0, 3), update=st.sampled_from([0, 5]))
+    def new_order(self, data, number, update):
         goal = data.draw(st.sampled_from([v for v in VERTICES if v != self.here()]))
         track = way(self.here(), goal)
         track = track.part(0, min(len(track.stops) - 1, data.draw(st.integers(1, 5))))
         base = data.draw(st.integers(1, len(track.stops)))
-        self.send(track.order(f'order {number}', 0, base,
+        self.send(track.order(f'order {number}', update, base,
                               start_deviation=data.draw(st.sampled_from([0.0, 30.0])),
                               actions=self.act_on(track, data)))
 
@@ -100,8 +102,11 @@ class RandomMaster(RuleBasedStateMachine):
                               actions=self.act_on(track, data)))
 
     @precondition(lambda self: self.sent)
-    @rule(data=st.data())
-    def a_copy_of_a_message_comes(self, data):
+    @rule(data=st.data(), late=st.booleans())
+    def a_copy_of_a_message_comes(self, data, late):
+        if late:
+            self.a_master_that_sets_things_right(data)
+            self.drive_and_act_to_the_end()
         before = self.lab.record
         self.lab.receive_order(data.draw(st.sampled_from(self.sent))[1])
         self.nothing_has_changed(before)
@@ -120,7 +125,11 @@ class RandomMaster(RuleBasedStateMachine):
     @rule(kind=st.sampled_from(['cancelOrder', 'startPause', 'stopPause', 'stateRequest']))
     def instant(self, kind):
         self.actions += 1
-        self.lab.act(kind, f'i{self.actions}')
+        action_id = self.lab.act(kind, f'i{self.actions}')
+        if kind in ('startPause', 'cancelOrder'):
+            self.wait(1.5)
+        if kind == 'cancelOrder' and self.lab.status(action_id) == 'FINISHED':
+            assert self.lab.nodes == [], 'a cancelled order is still there'
 
     @rule(blocking=BLOCKING)
     def instant_say(self, blocking):
@@ -181,6 +190,8 @@ class RandomMaster(RuleBasedStateMachine):
     def wait(self, seconds):
         self.lab.see(velocity=DRIVING if self.lab.robot.drives else STANDING)
         self.lab.wait(seconds)
+        if seconds > 1.0 and self.lab.robot.answers and self.lab.vehicle.holds:
+            assert not self.lab.robot.drives, 'it drives though it is paused or has failed'
 
     @rule(pressed=st.booleans())
     def emergency_stop(self, pressed):
@@ -190,13 +201,11 @@ class RandomMaster(RuleBasedStateMachine):
     def lose(self, lost):
         self.lab.robot.answers = not lost
 
-    @precondition(lambda self: self.lab.vehicle.actions.triggered)
+    @precondition(lambda self: self.lab.started)
     @rule(data=st.data(), succeeded=st.booleans())
     def an_action_ends(self, data, succeeded):
-        running = [entry.action.action_id for entry in self.lab.vehicle.actions.entries
-                   if entry.is_active and entry.action.action_type == 'say']
-        if running:
-            self.lab.end_action(data.draw(st.sampled_from(running)), succeeded)
+        """One that was started, perhaps long ago: an end may be told late, or twice."""
+        self.lab.end_action(data.draw(st.sampled_from(self.lab.started)), succeeded)
 
     @rule()
     def the_adapter_is_killed(self):
@@ -227,6 +236,52 @@ class RandomMaster(RuleBasedStateMachine):
         for entry in vehicle.actions.entries:
             if entry.is_active and entry.forbids_driving and entry.scope is Scope.NODE:
                 assert entry.sequence_id == vehicle.order.last_node[1], entry
+
+    @invariant()
+    def nothing_runs_beside_what_runs_alone(self):
+        if hasattr(self, 'lab'):
+            active = [entry for entry in self.lab.vehicle.actions.entries
+                      if entry.is_active and entry.action.action_type == 'say']
+            assert len(active) <= 1 or not any(
+                entry.action.blocking_type.forbids_others for entry in active), active
+
+    @invariant()
+    def no_action_comes_before_its_turn(self):
+        if not hasattr(self, 'lab'):
+            return
+        reached = self.lab.vehicle.order.last_node[1]
+        for entry in self.lab.vehicle.actions.entries:
+            if entry.triggered and entry.belongs_to_order:
+                assert entry.sequence_id <= reached + (entry.scope is Scope.EDGE), entry
+
+    @invariant()
+    def what_waits_is_an_action_of_what_is_left(self):
+        """Of a horizon that was replaced nothing is left."""
+        if not hasattr(self, 'lab'):
+            return
+        order = self.lab.vehicle.order
+        left = {(element.sequence_id, action.action_id)
+                for element in (*order.nodes, *order.edges) for action in element.actions}
+        for entry in self.lab.vehicle.actions.entries:
+            if entry.belongs_to_order and not entry.triggered and not entry.status.has_ended:
+                assert (entry.sequence_id, entry.action.action_id) in left, entry
+
+    @invariant()
+    def what_runs_was_started(self):
+        """By this adapter, not by one that was killed."""
+        if hasattr(self, 'lab'):
+            for entry in self.lab.vehicle.actions.entries:
+                if entry.is_active and entry.action.action_type == 'say':
+                    assert entry.action.action_id in self.lab.started, entry
+
+    @invariant()
+    def what_has_ended_stays_as_it_ended(self):
+        if not hasattr(self, 'lab'):
+            return
+        for entry in self.lab.vehicle.actions.entries:
+            if entry.status.has_ended:
+                ended = self.ended.setdefault(entry.action.action_id, entry)
+                assert (ended.status, ended.result) == (entry.status, entry.result), ended
 
     @invariant()
     def every_action_is_started_once(self):

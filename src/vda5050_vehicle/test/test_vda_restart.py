@@ -31,6 +31,21 @@ def test_the_order_goes_on_where_the_robot_drives_its_route():
     assert lab.errors == []
 
 
+@pytest.mark.parametrize('base', [None, 3])
+def test_a_base_that_was_driven_to_its_end_needs_nobody_after_a_restart_of_everything(base):
+    lab = Lab()
+    lab.order(HALL.order('o', base=base))
+    lab.drive(2 if base else 4)
+    lab = lab.restarted()
+    lab.robot.__init__()
+    lab.wait(RESTART_PATIENCE + 1.0)
+    assert (lab.errors, lab.state['paused']) == ([], False)
+    end = HALL.stops[2] if base else HALL.stops[4]
+    lab.order(way(int(end.node_id), 14 if base else 12).order('o', 1, first_sequence=(
+        4 if base else 8)))
+    assert lab.robot.drives
+
+
 def test_nodes_that_were_passed_meanwhile_are_passed_and_their_actions_not_made_up_for():
     lab = Lab()
     lab.order(HALL.order('o', actions={'12': [say('missed')], '14': [say('there')]}))

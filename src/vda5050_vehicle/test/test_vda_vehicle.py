@@ -2,12 +2,17 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 from vda_builders import DRIVING, STANDING, Lab, abilities, action, payload, say, way
+from vda_builders import lab as laboratory
 
+from trajectory_graph import Graph
 from vda5050_vehicle.core import effects as fx
 from vda5050_vehicle.drivers.driver import Pose
+from vda5050_vehicle.drivers.order_graph import Matching
+from vda5050_vehicle.drivers.route_driver import RouteDriver
 from vda5050_vehicle.protocol.values import EStop
 
 HALL = way(8, 10, 12, 14, 32)
@@ -209,6 +214,19 @@ def test_vertices_that_no_edge_joins_are_refused():
     lab = Lab()
     lab.order(order)
     assert lab.errors == ['noRouteError']
+
+
+def test_a_direction_that_the_graph_forbids_is_refused():
+    edges = [replace(edge, velocity_backwards=0.0) if edge.id == 1 else edge
+             for edge in laboratory().edges.values()]
+    graph = Graph(laboratory().vertices.values(), edges)
+    lab = Lab(driver=RouteDriver(graph, abilities(), Matching()))
+    lab.order(way(8, 10).order('there'))
+    assert lab.robot.route == (1,)
+    lab = Lab(at=10, driver=RouteDriver(graph, abilities(), Matching()))
+    lab.order(way(10, 8).order('back'))
+    assert lab.errors == ['noRouteError']
+    assert not lab.robot.routes
 
 
 def test_an_order_may_begin_in_the_middle_of_an_edge():

@@ -5,7 +5,7 @@ import json
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import yaml
 
@@ -13,6 +13,7 @@ from trajectory_graph import Graph, load_graph
 from vda5050_vehicle.conformance.checker import VehicleChecker
 from vda5050_vehicle.conformance.layout import track_on
 from vda5050_vehicle.conformance.track import Track, action
+from vda5050_vehicle.conformance.version_3 import in_3
 from vda5050_vehicle.core import effects as fx
 from vda5050_vehicle.core import factsheet as sheet
 from vda5050_vehicle.core.action_table import ActionTable, read_table
@@ -21,13 +22,12 @@ from vda5050_vehicle.core.vehicle import Identity, Vehicle
 from vda5050_vehicle.drivers.driver import Driver, Pose
 from vda5050_vehicle.drivers.order_fields import Abilities
 from vda5050_vehicle.drivers.order_graph import Matching
-from vda5050_vehicle.drivers.route_driver import (
+from vda5050_vehicle.drivers.route_driver import SETTLING, RouteDriver
+from vda5050_vehicle.drivers.route_messages import (
     COMPLETE,
     FAILED,
     PROCESSING,
-    SETTLING,
     RouteCommand,
-    RouteDriver,
     RouteReport,
 )
 from vda5050_vehicle.protocol.codecs import VERSION_2_1, Codec
@@ -70,9 +70,9 @@ def way(*vertices: int) -> Track:
     return track_on(lab(), vertices, 'map')
 
 
-def payload(message: Dict[str, Any], header_id: int = 0) -> bytes:
+def payload(message: Mapping[str, Any], header_id: int = 0, version: str = '2.1.0') -> bytes:
     """A message of the master on the wire."""
-    header = {'headerId': header_id, 'timestamp': '2026-01-01T00:00:00.00Z', 'version': '2.1.0',
+    header = {'headerId': header_id, 'timestamp': '2026-01-01T00:00:00.00Z', 'version': version,
               'manufacturer': 'OMRON', 'serialNumber': 'lab'}
     return json.dumps({**header, **message}).encode()
 
@@ -130,13 +130,14 @@ class Lab:
         self.driver = driver or RouteDriver(lab(), can, Matching())
         self.vehicle = Vehicle(IDENTITY, codec, table(), self.driver, can)
         self.codec = codec
-        self.states: List[Dict[str, Any]] = []
+        self.states: List[Dict[str, Any]] = []  # in the words of 2.1
+        self.wire: Dict[str, Any] = {}          # the last one as it was sent
         self.started: List[str] = []
         self.cancelled: List[str] = []
         self.effects: List[fx.Effect] = []
         self.record: Dict[str, Any] = {}
-        self.checker = VehicleChecker('OMRON', 'lab')
-        self.headers = Headers('2.1.0', 'OMRON', 'lab', lambda: 1e9 + self.now)
+        self.checker = VehicleChecker('OMRON', 'lab', codec.version)
+        self.headers = Headers(codec.version, 'OMRON', 'lab', lambda: 1e9 + self.now)
         self.view = RobotView(velocity=STANDING, battery=BatteryState(80.0, False), lost='')
         self.stand_at(at)
 
@@ -155,9 +156,14 @@ class Lab:
     def order(self, order: Dict[str, Any]) -> bytes:
         """An order comes; returns its message."""
         self.messages += 1
-        message = payload(order, self.messages)
+        message = self.payload('order', order)
         self.receive_order(message)
         return message
+
+    def payload(self, topic: str, message: Mapping[str, Any]) -> bytes:
+        """A message of 2.1 as the version of this vehicle has it."""
+        body = in_3(topic, message) if self.codec.is_3 else message
+        return payload(body, self.messages, self.codec.version)
 
     def receive_order(self, message: bytes) -> None:
         """Bytes come on the topic `order`."""
@@ -169,7 +175,7 @@ class Lab:
         action_id = action_id or f'{action_type}-{len(self.vehicle.actions.entries)}'
         self.messages += 1
         message = {'actions': [action(action_type, action_id, blocking, **parameters)]}
-        self.receive_instant_actions(payload(message, self.messages))
+        self.receive_instant_actions(self.payload('instantActions', message))
         return action_id
 
     def receive_instant_actions(self, message: bytes) -> None:
@@ -227,6 +233,7 @@ class Lab:
             elif isinstance(effect, fx.SendState):
                 message = write_json(self.codec.write('state', self.headers.make('state'),
                                                       effect.state))
+                self.wire = json.loads(message)
                 self.states.append(self.checker.feed('state', message))
             elif isinstance(effect, fx.StartAction):
                 self.started.append(effect.action_id)

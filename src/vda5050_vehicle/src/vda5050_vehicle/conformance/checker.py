@@ -8,14 +8,17 @@ import json
 import re
 from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple
 
+from vda5050_vehicle.conformance.version_3 import in_2
+
 _TIMESTAMP = re.compile(r'\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{2,9}Z')
 _ENDED = ('FINISHED', 'FAILED')
 
 # Figure 16: what may follow what; a status may be left out where nothing is to be told of it.
 _FOLLOWING: Mapping[str, Sequence[str]] = {
-    'WAITING': ('INITIALIZING', 'RUNNING', 'PAUSED', 'FINISHED', 'FAILED'),
-    'INITIALIZING': ('RUNNING', 'PAUSED', 'FINISHED', 'FAILED'),
-    'RUNNING': ('PAUSED', 'FINISHED', 'FAILED'),
+    'WAITING': ('INITIALIZING', 'RUNNING', 'PAUSED', 'RETRIABLE', 'FINISHED', 'FAILED'),
+    'INITIALIZING': ('RUNNING', 'PAUSED', 'RETRIABLE', 'FINISHED', 'FAILED'),
+    'RUNNING': ('PAUSED', 'RETRIABLE', 'FINISHED', 'FAILED'),
+    'RETRIABLE': ('INITIALIZING', 'RUNNING', 'FINISHED', 'FAILED'),  # of 3.0
     'PAUSED': ('INITIALIZING', 'RUNNING', 'FINISHED', 'FAILED'),
     'FINISHED': (), 'FAILED': ()}
 _STATE_KEYS = frozenset((
@@ -31,7 +34,8 @@ State = Dict[str, Any]
 class VehicleChecker:
     """Follows one vehicle; `violations` collects what it did wrong, each once."""
 
-    def __init__(self, manufacturer: str, serial_number: str) -> None:
+    def __init__(self, manufacturer: str, serial_number: str, version: str = '2.1.0') -> None:
+        self._is_3 = version.startswith('3.')
         self._identity = {'manufacturer': manufacturer, 'serialNumber': serial_number}
         self._last: Dict[str, Dict[str, Any]] = {}
         self._restarted: Dict[str, bool] = {}
@@ -39,7 +43,7 @@ class VehicleChecker:
         self.messages = 0
 
     def feed(self, topic: str, payload: bytes) -> Optional[Dict[str, Any]]:
-        """A message; returns its JSON object, None where it is none."""
+        """A message; returns its JSON object in the words of 2.1, None where it is none."""
         self.messages += 1
         try:
             message = json.loads(payload.decode('utf-8'), parse_constant=_refuse)
@@ -49,6 +53,8 @@ class VehicleChecker:
         if not isinstance(message, dict):
             self._violate(topic, 'no JSON object')
             return None
+        if self._is_3:
+            message = in_2(topic, message)
         last = self._last.get(topic)
         for problem in self._header_problems(topic, message, last):
             self._violate(topic, problem)

@@ -2,12 +2,16 @@
 
     vda5050_layout order --graph G.yaml --vertices 18 39 52 6 16    an order in JSON
     vda5050_layout lif --graph G.yaml                               a layout (VDMA LIF 1.0)
+
+With --manufacturer and --serial the order has a header, and can be sent as it is.
 """
 from __future__ import annotations
 
 import argparse
 import json
 import sys
+import time
+import uuid
 from typing import Any, Dict, List, Optional, Sequence
 
 import networkx
@@ -34,8 +38,8 @@ def shortest_edges(graph: Graph, vertices: Sequence[int]) -> List[int]:
         for start, end in zip(vertices, vertices[1:]):
             path = networkx.shortest_path(ways, start, end, 'length')
             for here, there in zip(path, path[1:]):
-                between = ways[here][there]
-                edges.append(min(between, key=lambda signed, b=between: b[signed]['length']))
+                lengths = {signed: way['length'] for signed, way in ways[here][there].items()}
+                edges.append(min(lengths, key=lengths.__getitem__))
     except (networkx.NetworkXNoPath, networkx.NodeNotFound) as error:
         raise ValueError(f'there is no way over these vertices: {error}') from None
     return edges
@@ -93,16 +97,23 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     parser.add_argument('what', choices=('order', 'lif'))
     parser.add_argument('--graph', required=True, help='trajectory graph (YAML)')
     parser.add_argument('--vertices', type=int, nargs='+', default=[], help='of the order')
-    parser.add_argument('--order-id', default='order', help='of the order')
+    parser.add_argument('--order-id', default='', help='of the order; else one of its own')
+    parser.add_argument('--manufacturer', default='', help='of the vehicle')
+    parser.add_argument('--serial', default='', help='serialNumber of the vehicle')
     parser.add_argument('--map-id', default='map')
     parser.add_argument('--vehicle-type', default='LD-90', help='of the layout')
     options = parser.parse_args(arguments)
     try:
         if options.what == 'order':
             track = track_over(options.graph, options.vertices, options.map_id)
-            result = track.order(options.order_id)
+            result = track.order(options.order_id or uuid.uuid4().hex[:12])
+            if options.manufacturer and options.serial:
+                result = {'headerId': 0, 'timestamp': timestamp(time.time()), 'version': '2.1.0',
+                          'manufacturer': options.manufacturer, 'serialNumber': options.serial,
+                          **result}
         else:
-            result = lif(load_graph(options.graph), options.map_id, options.vehicle_type, 0.0)
+            result = lif(load_graph(options.graph), options.map_id, options.vehicle_type,
+                         time.time())
     except (OSError, ValueError, TrajectoryGraphError) as error:
         print(f'vda5050_layout: {error}', file=sys.stderr)
         return 1

@@ -12,6 +12,7 @@ import paho.mqtt.client as mqtt
 
 from vda5050_vehicle.conformance.checker import VehicleChecker
 from vda5050_vehicle.conformance.track import action
+from vda5050_vehicle.conformance.version_3 import in_3
 from vda5050_vehicle.mqtt.link import Broker, make_client, secure
 
 Message = Dict[str, Any]
@@ -22,14 +23,14 @@ class TooLate(Exception):
 
 
 class Master:
-    """One vehicle's master. `messages[topic]` has what came, oldest first."""
+    """One vehicle's master. `messages[topic]` has what came, oldest first, in the words of 2.1."""
 
     def __init__(self, broker: Broker, prefix: str, version: str = '2.1.0',
                  on_payload: Optional[Callable[[str, bytes], None]] = None) -> None:
         """`on_payload` sees every payload, with its topic, before anything else does."""
         self.prefix = prefix
         self.manufacturer, self.serial_number = prefix.split('/')[-2:]
-        self.checker = VehicleChecker(self.manufacturer, self.serial_number)
+        self.checker = VehicleChecker(self.manufacturer, self.serial_number, version)
         self.messages: Dict[str, List[Message]] = {}
         self.arrivals: Dict[str, List[float]] = {}
         self.sent: List[Tuple[str, bytes]] = []
@@ -103,7 +104,10 @@ class Master:
     # --- what it is told --------------------------------------------------------------------------
 
     def send(self, topic: str, body: Mapping[str, Any]) -> int:
-        """Sends a message with a header; returns how many states had come before."""
+        """Sends a message of 2.1, as the version has it, with a header; returns how many states had
+        come before."""
+        if self._version.startswith('3.'):
+            body = in_3(topic, body)
         number = self._headers.get(topic, 0)
         self._headers[topic] = number + 1
         now = datetime.now(timezone.utc).isoformat(timespec='milliseconds')

@@ -43,11 +43,12 @@ class Track:
         """
         released = len(self.stops) if base is None else base
         actions = actions or {}
-        nodes = [{'nodeId': stop.node_id, 'sequenceId': first_sequence + 2 * i,
-                  'released': i < released,
-                  'nodePosition': {'x': stop.x, 'y': stop.y, 'mapId': self.map_id},
-                  'actions': list(actions.get(stop.node_id, ()))}
-                 for i, stop in enumerate(self.stops)]
+        nodes: List[Dict[str, Any]] = [
+            {'nodeId': stop.node_id, 'sequenceId': first_sequence + 2 * i,
+             'released': i < released,
+             'nodePosition': {'x': stop.x, 'y': stop.y, 'mapId': self.map_id},
+             'actions': list(actions.get(stop.node_id, ()))}
+            for i, stop in enumerate(self.stops)]
         if start_deviation:
             nodes[0]['nodePosition']['allowedDeviationXY'] = start_deviation
         edges = [{'edgeId': edge, 'sequenceId': first_sequence + 2 * i + 1,

@@ -56,7 +56,7 @@ class Parameter:
             if len(value) > TEXT_LIMIT or not re.fullmatch(self.pattern, value):
                 raise WrongAction(self.key, f'{self.key} has at most {TEXT_LIMIT} characters and '
                                             f'must match {self.pattern}')
-        elif not self.least <= value <= self.most:
+        elif isinstance(value, (int, float)) and not self.least <= value <= self.most:
             raise WrongAction(self.key, f'{self.key} must lie in {self.least:g}..{self.most:g}')
 
 
@@ -150,21 +150,21 @@ def _spec(name: str, line: Any) -> ActionSpec:
     try:
         parameters = tuple(Parameter(key, **values)
                            for key, values in (line.get('parameters') or {}).items())
+        call = Call(str(line['server']), str(line['type']), dict(line['goal']))
         spec = ActionSpec(
             name, str(line.get('description', '')),
             frozenset(Scope(scope) for scope in line['scopes']),
             tuple(BlockingType(kind) for kind in line.get('blocking', [k.value for k in
                                                                        BlockingType])),
             parameters, bool(line.get('cancellable', True)), bool(line.get('moves', False)),
-            str(line.get('result', '')),
-            Call(str(line['server']), str(line['type']), dict(line['goal'])))
+            str(line.get('result', '')), call)
     except (TypeError, ValueError) as error:
         raise WrongTable(f'action {name}: {error}') from None
     for parameter in parameters:
         if parameter.type not in _TYPES:
             raise WrongTable(f'action {name}: parameter {parameter.key} has type '
                              f'{parameter.type}; there are {", ".join(_TYPES)}')
-    used = {field for value in spec.call.goal.values() if isinstance(value, str)
+    used = {field for value in call.goal.values() if isinstance(value, str)
             for _, field, _, _ in string.Formatter().parse(value) if field is not None}
     unknown = used - {parameter.key for parameter in parameters}
     if unknown:

@@ -1,4 +1,4 @@
-"""The errors that are reported, each for as long as it holds."""
+"""The errors that are reported, each for as long as it holds, and what keeps from driving."""
 from __future__ import annotations
 
 from enum import Enum
@@ -16,6 +16,13 @@ class Cause(Enum):
 
     DRIVE = 'drive'
     ACTION = 'action'
+
+
+class Hold(Enum):
+    """Why the vehicle must not drive."""
+
+    PAUSE = 'pause'      # startPause
+    FAILURE = 'failure'  # something went wrong; only a person or the master drives on
 
 
 class ErrorList:

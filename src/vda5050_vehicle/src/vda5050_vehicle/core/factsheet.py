@@ -55,7 +55,7 @@ def abilities(document: Mapping[str, Any], map_id: str, ignored: Tuple[str, ...]
 
 
 def factsheet(document: Mapping[str, Any], table: ActionTable) -> Dict[str, Any]:
-    """The body of the message, without header, as 2.1.0 has it."""
+    """The body of the message, without header; codecs make of it what their version has."""
     return {
         **{section: document[section] for section in SECTIONS},
         'protocolLimits': {
@@ -74,8 +74,9 @@ def factsheet(document: Mapping[str, Any], table: ActionTable) -> Dict[str, Any]
 def _action(spec: ActionSpec) -> Dict[str, Any]:
     result: Dict[str, Any] = {
         'actionType': spec.action_type, 'actionDescription': spec.description,
-        'actionScopes': sorted(scope.value for scope in spec.scopes)}
-    # blockingTypes is left out: 2.1.0's schema wants an array that is one of three strings.
+        'actionScopes': sorted(scope.value for scope in spec.scopes),
+        'blockingTypes': [kind.value for kind in spec.blocking],
+        'cancelAllowed': spec.cancellable}
     if spec.parameters:
         result['actionParameters'] = _parameters(spec.parameters)
     if spec.result:

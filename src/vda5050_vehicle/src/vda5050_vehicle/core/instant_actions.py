@@ -6,7 +6,7 @@ done here; others are queued like the actions of an order.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Callable, Dict, FrozenSet, List, Optional, Tuple
 
 from vda5050_vehicle.core import effects as fx
@@ -24,12 +24,14 @@ if TYPE_CHECKING:
 INITIAL_POSE_WITHIN = (0.5, 0.3)  # m, rad: the robot takes the pose given as its own
 INITIAL_POSE_PATIENCE = 10.0      # s until it must have
 # They stop or tell; a late copy of any other one is not done again.
-HARMLESS_AGAIN = frozenset({'cancelOrder', 'startPause', 'stateRequest', 'factsheetRequest',
-                            'logReport'})
+STOPPING = frozenset({'cancelOrder', 'startPause'})
+HARMLESS_AGAIN = STOPPING | {'stateRequest', 'factsheetRequest', 'logReport',
+                             'clearInstantActions'}
 _INSTANT: FrozenSet[Scope] = frozenset({Scope.INSTANT})
 
 BUILT_IN: Tuple[ActionSpec, ...] = (
-    ActionSpec('cancelOrder', 'Stops where the robot is, and ends the order.', _INSTANT),
+    ActionSpec('cancelOrder', 'Stops where the robot is, and ends the order.', _INSTANT,
+               parameters=(Parameter('orderId', 'STRING', 'the order meant', optional=True),)),
     ActionSpec('startPause', 'Stops where the robot is; the order is kept.', _INSTANT),
     ActionSpec('stopPause', 'Drives on after a pause or a failure.', _INSTANT),
     ActionSpec('stateRequest', 'Sends a state.', _INSTANT),
@@ -43,6 +45,14 @@ BUILT_IN: Tuple[ActionSpec, ...] = (
     ActionSpec('logReport', 'Stores what happened last in a file.', _INSTANT,
                result='name of the file', parameters=(
                    Parameter('reason', 'STRING', 'why', optional=True),)),
+)
+
+BUILT_IN_3: Tuple[ActionSpec, ...] = (
+    ActionSpec('clearInstantActions', 'Forgets the instant actions that have ended.', _INSTANT),
+    ActionSpec('retry', 'Tries an action again that is RETRIABLE.', _INSTANT, parameters=(
+        Parameter('actionId', 'STRING', 'the action'),)),
+    ActionSpec('skipRetry', 'Ends an action as FAILED that is RETRIABLE.', _INSTANT, parameters=(
+        Parameter('actionId', 'STRING', 'the action'),)),
 )
 
 
@@ -69,7 +79,8 @@ class InstantActionHandler:
             'cancelOrder': self._cancel_order, 'startPause': self._start_pause,
             'stopPause': self._stop_pause, 'stateRequest': self._request_state,
             'factsheetRequest': self._request_factsheet, 'initPosition': self._init_position,
-            'logReport': self._log_report}
+            'logReport': self._log_report, 'clearInstantActions': self._clear,
+            'retry': self._retry, 'skipRetry': self._skip_retry}
 
     @property
     def cancelling(self) -> bool:
@@ -98,8 +109,12 @@ class InstantActionHandler:
             if action.action_id in self._vehicle.actions:
                 continue  # sent again: it is done once
             self._vehicle.note(f'instant action {action.action_id}, {action.action_type}')
+            action = self._with_blocking_type(action)
             self._vehicle.actions.add((action,), Scope.INSTANT)
             try:
+                if action.action_type in STOPPING:  # never refused for a parameter too many
+                    self._handlers[action.action_type](action, now)
+                    continue
                 spec = self._vehicle.table.check(action, Scope.INSTANT)
                 if spec.moves and self._vehicle.busy:
                     raise WrongAction('actionType', 'an order is under way')
@@ -113,6 +128,13 @@ class InstantActionHandler:
                     self._vehicle.actions.trigger(action.action_id)
             except WrongAction as wrong:
                 self._fail(action, wrong)
+
+    def _with_blocking_type(self, action: Action) -> Action:
+        """In 3.0 it is always NONE; what the vehicle must not do meanwhile is in its table."""
+        spec = self._vehicle.table.specs.get(action.action_type)
+        if not self._codec.is_3 or spec is None or action.blocking_type in spec.blocking:
+            return action
+        return replace(action, blocking_type=spec.blocking[0])
 
     def _fail(self, action: Action, wrong: WrongAction) -> None:
         """An action that cannot be done is told as FAILED: a master repeats what is ignored."""
@@ -142,6 +164,27 @@ class InstantActionHandler:
         self._vehicle.do(fx.WriteLog(action.action_id, str(action.arguments.get('reason', '')),
                                      tuple(self._vehicle.history)))
 
+    def _clear(self, action: Action, now: float) -> None:
+        self._vehicle.actions.clear_instant_actions()
+        self._finish(action)
+
+    def _retry(self, action: Action, now: float) -> None:
+        self._vehicle.actions.update(self._retriable(action), ActionStatus.INITIALIZING)
+        self._finish(action)
+
+    def _skip_retry(self, action: Action, now: float) -> None:
+        self._vehicle.runner.end(self._retriable(action), ActionStatus.FAILED,
+                                 'the master does not want it tried again')
+        self._finish(action)
+
+    def _retriable(self, action: Action) -> str:
+        """Id of the action that is meant."""
+        action_id = str(action.arguments['actionId'])
+        actions = self._vehicle.actions
+        if action_id not in actions or actions[action_id].status is not ActionStatus.RETRIABLE:
+            raise WrongAction('actionId', f'action {action_id!r} is not RETRIABLE')
+        return action_id
+
     def _stop_pause(self, action: Action, now: float) -> None:
         robot = self._vehicle.robot
         if robot.e_stop is not EStop.NONE:
@@ -163,7 +206,8 @@ class InstantActionHandler:
 
     def _cancel_order(self, action: Action, now: float) -> None:
         vehicle = self._vehicle
-        if not vehicle.busy or vehicle.order.cancelled:
+        wanted = action.arguments.get('orderId', vehicle.order.order_id)
+        if not vehicle.busy or vehicle.order.cancelled or wanted != vehicle.order.order_id:
             self._end(action.action_id, ActionStatus.FAILED, 'there is no order to cancel')
             vehicle.errors.reject(e.NO_ORDER_TO_CANCEL.error(
                 'there is no order to cancel', Reference('actionId', action.action_id)))
@@ -180,7 +224,7 @@ class InstantActionHandler:
             if not entry.belongs_to_order or entry.status.has_ended:
                 continue
             action_id = entry.action.action_id
-            if not entry.is_active:
+            if not entry.is_active or entry.status is ActionStatus.RETRIABLE:
                 self._end(action_id, ActionStatus.FAILED, 'the order was cancelled')
             elif vehicle.table.specs[entry.action.action_type].cancellable:
                 vehicle.do(fx.CancelAction(action_id))

@@ -6,16 +6,27 @@ from typing import TYPE_CHECKING, Any, Dict, Tuple
 
 from vda5050_vehicle.drivers.driver import Leg
 from vda5050_vehicle.protocol.action_queue import ActionQueue, Entry, Scope
-from vda5050_vehicle.protocol.codecs import ACTION, EDGE, NODE
-from vda5050_vehicle.protocol.fields import Malformed
+from vda5050_vehicle.protocol.codec_3 import DEVIATION
+from vda5050_vehicle.protocol.codecs import ACTION, EDGE, NODE, NODE_POSITION
+from vda5050_vehicle.protocol.fields import BOOLEAN, Choice, Field, ListOf, Malformed
 from vda5050_vehicle.protocol.order_state import OrderState
 from vda5050_vehicle.protocol.received import ReceivedMessages
-from vda5050_vehicle.protocol.values import ActionStatus
+from vda5050_vehicle.protocol.values import ActionStatus, BlockingType
 
 if TYPE_CHECKING:
     from vda5050_vehicle.core.vehicle import Vehicle
 
 VERSION = 2
+
+# What any version of the standard may have brought.
+_ACTION = ACTION.changed(
+    blocking_type=Field('blocking_type', 'blockingType', Choice(BlockingType), True),
+    retriable=Field('retriable', 'retriable', BOOLEAN, omitted=False))
+_ACTIONS = Field('actions', 'actions', ListOf(_ACTION), True)
+_NODE = NODE.changed(actions=_ACTIONS, position=Field(
+    'position', 'nodePosition', NODE_POSITION.changed(allowed_deviation_xy=Field(
+        'allowed_deviation_xy', 'allowedDeviationXY', DEVIATION))))
+_EDGE = EDGE.changed(actions=_ACTIONS)
 
 
 class WrongRecord(Exception):
@@ -42,9 +53,9 @@ def write(vehicle: Vehicle) -> Dict[str, Any]:
         'version': VERSION,
         'order': {'orderId': order.order_id, 'orderUpdateId': order.order_update_id,
                   'passed': order.passed, 'cancelled': order.cancelled,
-                  'nodes': [NODE.write(node) for node in order.nodes],
-                  'edges': [EDGE.write(edge) for edge in order.edges]},
-        'actions': [{'action': ACTION.write(entry.action), 'scope': entry.scope.value,
+                  'nodes': [_NODE.write(node) for node in order.nodes],
+                  'edges': [_EDGE.write(edge) for edge in order.edges]},
+        'actions': [{'action': _ACTION.write(entry.action), 'scope': entry.scope.value,
                      'sequenceId': entry.sequence_id, 'status': entry.status.value,
                      'triggered': entry.triggered, 'result': entry.result}
                     for entry in vehicle.actions.entries],
@@ -65,8 +76,8 @@ def read(record: Dict[str, Any]) -> Kept:
         order = record['order']
         return Kept(
             OrderState(order['orderId'], order['orderUpdateId'],
-                       tuple(NODE.read(node, 'nodes') for node in order['nodes']),
-                       tuple(EDGE.read(edge, 'edges') for edge in order['edges']),
+                       tuple(_NODE.read(node, 'nodes') for node in order['nodes']),
+                       tuple(_EDGE.read(edge, 'edges') for edge in order['edges']),
                        order['passed'], order['cancelled']),
             ActionQueue([_entry(entry) for entry in record['actions']], record['triggered']),
             tuple(Leg(**leg) for leg in record['legs']), tuple(record['holds']),
@@ -76,6 +87,6 @@ def read(record: Dict[str, Any]) -> Kept:
 
 
 def _entry(entry: Dict[str, Any]) -> Entry:
-    return Entry(ACTION.read(entry['action'], 'action'), Scope(entry['scope']),
+    return Entry(_ACTION.read(entry['action'], 'action'), Scope(entry['scope']),
                  entry['sequenceId'], ActionStatus(entry['status']), entry['triggered'],
                  entry['result'])

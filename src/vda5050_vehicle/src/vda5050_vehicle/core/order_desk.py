@@ -26,6 +26,7 @@ class OrderDesk:
         self._vehicle = vehicle
         self._codec = codec
         self._abilities = abilities
+        self._taken: Optional[Order] = None  # since this program was started
 
     def receive(self, payload: bytes) -> None:
         """A message on the topic `order`."""
@@ -50,8 +51,10 @@ class OrderDesk:
         vehicle = self._vehicle
         try:
             verdict = judge(self._held(), order, self._is_near(order))
-            if isinstance(verdict, Rejection) or verdict is Acceptance.DUPLICATE:
-                return verdict if isinstance(verdict, Rejection) else None
+            if isinstance(verdict, Rejection):
+                return verdict
+            if verdict is Acceptance.DUPLICATE:
+                return self._compare(order)
             if payload in vehicle.received:
                 raise NotDrivable(e.ORDER_ERROR, 'this message was taken before, and its order '
                                   'is not driven again; another one has a header of its own',
@@ -63,10 +66,11 @@ class OrderDesk:
             return Rejection(problem.kind.error(
                 str(problem), *e.order_references(order), Reference('field', problem.field)))
         except WrongAction as wrong:
-            return Rejection(e.ORDER_ERROR.error(
+            return Rejection(e.ORDER_ACTION.error(
                 str(wrong), *e.order_references(order), Reference('field', wrong.key)))
         vehicle.errors.accepted()
         vehicle.received.add(payload)
+        self._taken = order
         if verdict is Acceptance.NEW:
             self._begin(order)
         else:
@@ -74,6 +78,14 @@ class OrderDesk:
         kept = len(vehicle.order.edges) - len(legs)
         vehicle.legs = vehicle.legs[:kept] + legs
         return None
+
+    def _compare(self, order: Order) -> Optional[Rejection]:
+        """A repeated orderUpdateId is ignored; in 3.0 only where nothing else was changed."""
+        if not self._codec.is_3 or self._taken is None or order == self._taken:
+            return None
+        return Rejection(e.SAME_UPDATE.error(
+            f'orderUpdateId {order.order_update_id} came before with another content',
+            *e.order_references(order)))
 
     def _held(self) -> Held:
         vehicle = self._vehicle
@@ -87,7 +99,7 @@ class OrderDesk:
         if order.order_id == vehicle.order.order_id or vehicle.busy:
             return True
         if vehicle.robot.pose is None:
-            raise NotDrivable(e.NO_ROUTE_ERROR, 'nobody knows where the vehicle is', 'nodes')
+            raise NotDrivable(e.NO_ROUTE, 'nobody knows where the vehicle is', 'nodes')
         return vehicle.driver.is_at(order.nodes[0], vehicle.robot.pose)
 
     def _check_actions(self, order: Order, verdict: Acceptance) -> None:
@@ -113,7 +125,7 @@ class OrderDesk:
 
     def _begin(self, order: Order) -> None:
         vehicle = self._vehicle
-        vehicle.actions.begin_order()
+        vehicle.actions.begin_order(keep_instant=self._codec.is_3)
         vehicle.order = OrderState.begin(order)
         vehicle.legs = ()
         vehicle.forgive()

@@ -1,8 +1,9 @@
 """The state of a vehicle as the master is told it."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Optional
+from typing import TYPE_CHECKING, Optional, Tuple
 
+from vda5050_vehicle.protocol import problems as e
 from vda5050_vehicle.protocol import values as v
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ def state_of(vehicle: Vehicle) -> v.State:
     return v.State(
         order.order_id, order.order_update_id, last_node, last_sequence, order.node_states,
         order.edge_states, vehicle.actions.states, driving=moves, battery=robot.battery,
-        operating_mode=v.OperatingMode.AUTOMATIC, errors=vehicle.errors.all(robot),
+        operating_mode=v.OperatingMode.AUTOMATIC, errors=_errors(vehicle),
         safety=v.SafetyState(robot.e_stop, robot.field_violation), paused=bool(vehicle.holds),
         new_base_request=_wants_base(vehicle), distance_since_last_node=round(progress.along, 3),
         position=position_of(vehicle), velocity=robot.velocity,
@@ -37,6 +38,13 @@ def position_of(vehicle: Vehicle) -> Optional[v.AgvPosition]:
         return None
     return v.AgvPosition(robot.pose.x, robot.pose.y, robot.pose.theta, vehicle.identity.map_id,
                          robot.localized, robot.localization_score)
+
+
+def _errors(vehicle: Vehicle) -> Tuple[v.Error, ...]:
+    errors = vehicle.errors.all(vehicle.robot)
+    if vehicle.codec.is_3 and vehicle.actions.is_full:
+        errors += (e.INSTANT_ACTIONS_FULL.error('the oldest instant actions are forgotten'),)
+    return errors
 
 
 def _wants_base(vehicle: Vehicle) -> bool:

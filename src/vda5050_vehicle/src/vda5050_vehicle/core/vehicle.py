@@ -8,14 +8,14 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
-from enum import Enum
 from typing import Any, Deque, Dict, List, Optional, Set, Tuple
 
 from vda5050_vehicle.core import effects as fx
 from vda5050_vehicle.core import journal
-from vda5050_vehicle.core.action_table import ActionTable, WrongAction
-from vda5050_vehicle.core.error_list import Cause, ErrorList
-from vda5050_vehicle.core.instant_actions import BUILT_IN, InstantActionHandler
+from vda5050_vehicle.core.action_runner import ActionRunner
+from vda5050_vehicle.core.action_table import ActionTable
+from vda5050_vehicle.core.error_list import Cause, ErrorList, Hold
+from vda5050_vehicle.core.instant_actions import BUILT_IN, BUILT_IN_3, InstantActionHandler
 from vda5050_vehicle.core.order_desk import OrderDesk
 from vda5050_vehicle.core.robot_view import RobotView
 from vda5050_vehicle.core.state_report import position_of, state_of
@@ -30,14 +30,6 @@ from vda5050_vehicle.protocol.received import ReceivedMessages
 from vda5050_vehicle.protocol.reporting import Reporter
 
 HISTORY = 500        # events that a log report holds
-AWAY = 'the adapter was away when it was its turn'
-
-
-class Hold(Enum):
-    """Why the vehicle must not drive."""
-
-    PAUSE = 'pause'      # startPause
-    FAILURE = 'failure'  # something went wrong; only a person or the master drives on
 
 
 @dataclass(frozen=True)
@@ -57,7 +49,9 @@ class Vehicle:
                  abilities: Abilities) -> None:
         self.identity = identity
         self.driver = driver
-        self.table = ActionTable((*BUILT_IN, *table.specs.values()))
+        self.codec = codec
+        self.table = ActionTable((*BUILT_IN, *(BUILT_IN_3 if codec.is_3 else ()),
+                                  *table.specs.values()))
         self.order = OrderState()
         self.actions = ActionQueue()
         self.legs: Tuple[Leg, ...] = ()     # one per edge of the order
@@ -72,6 +66,7 @@ class Vehicle:
         self._away = False                  # nodes may have been passed while we were not there
         self._desk = OrderDesk(self, codec, abilities)
         self._instant = InstantActionHandler(self, codec)
+        self.runner = ActionRunner(self)
 
     # --- what happens -----------------------------------------------------------------------------
 
@@ -93,9 +88,12 @@ class Vehicle:
     def action_ended(self, action_id: str, succeeded: bool, text: str, now: float,
                      ) -> Tuple[fx.Effect, ...]:
         """An action that was started has ended."""
-        status = v.ActionStatus.FINISHED if succeeded else v.ActionStatus.FAILED
-        if action_id in self.actions:
-            self._end_action(action_id, status, text)
+        if action_id not in self.actions:
+            pass  # it was forgotten with its order
+        elif succeeded:
+            self.runner.end(action_id, v.ActionStatus.FINISHED, text)
+        else:
+            self.runner.fail(action_id, text)
         return self._go_on(now)
 
     def connected(self, now: float) -> Tuple[fx.Effect, ...]:
@@ -129,9 +127,10 @@ class Vehicle:
             self.errors.fail(Cause.DRIVE, e.RESTARTED.error(
                 kept.failure or 'the adapter was restarted while the vehicle was held'))
         for entry in self.actions.entries:
-            if entry.is_active or (not entry.belongs_to_order and not entry.status.has_ended):
-                self._end_action(entry.action.action_id, v.ActionStatus.FAILED,
-                                 'the adapter was restarted; the action is not run again')
+            was_started = entry.is_active or entry.status is v.ActionStatus.INITIALIZING
+            if was_started or (not entry.belongs_to_order and not entry.status.has_ended):
+                self.runner.fail(entry.action.action_id, 'the adapter was restarted; the action '
+                                                         'is not run again by itself')
         self._away = True
 
     # --- what is asked by others in this package --------------------------------------------------
@@ -209,7 +208,7 @@ class Vehicle:
         self._look_at_failure()
         self._instant.go_on(now)
         self._enter_edge()
-        self._start_actions()
+        self.runner.start()
         self._drive(now)
         commands = self.driver.take_commands()
         self._keep()
@@ -225,30 +224,16 @@ class Vehicle:
         """Nodes that the robot has passed: their edges are left, their actions triggered."""
         count = min(self.driver.progress.passed - self.order.passed, self.order.base_end)
         for step in range(count):
-            self._leave_edge(self.order.edges[0])
+            self.runner.leave_edge(self.order.edges[0])
             self.order = self.order.with_passed(1)
             self.legs = self.legs[1:]
             if self._away and step < count - 1:
-                self._miss_actions(self.order.nodes[0].sequence_id)
+                self.runner.miss(self.order.nodes[0].sequence_id)
             else:
                 self.actions.trigger_element(self.order.nodes[0].sequence_id)
             self.note(f'passed node {self.order.last_node}')
         if count > 0:
             self._away = False
-
-    def _leave_edge(self, edge: v.Edge) -> None:
-        for entry in self.actions.of(edge.sequence_id):
-            action_id = entry.action.action_id
-            if entry.is_active:
-                self.do(fx.CancelAction(action_id))
-                self._end_action(action_id, v.ActionStatus.FINISHED, 'the edge was left')
-            elif not entry.status.has_ended:
-                self._end_action(action_id, v.ActionStatus.FAILED,
-                                 'the edge was left before the action could start')
-
-    def _miss_actions(self, sequence_id: int) -> None:
-        for entry in self.actions.of(sequence_id):
-            self._end_action(entry.action.action_id, v.ActionStatus.FAILED, AWAY)
 
     def _look_at_failure(self) -> None:
         reason = self.driver.progress.failure
@@ -264,45 +249,6 @@ class Vehicle:
         if (self.order.edges and self.order.edges[0].released and not self.holds
                 and not self.actions.forbid_driving):
             self.actions.trigger_element(self.order.edges[0].sequence_id)
-
-    def _start_actions(self) -> None:
-        if Hold.PAUSE in self.holds or self.cancelling:
-            return
-        for entry in self.actions.startable(self.standing):
-            action_id, scope = entry.action.action_id, entry.scope
-            try:
-                spec = self.table.check(entry.action, scope)
-                if spec.call is None:
-                    raise WrongAction('actionType', 'it is done at once or not at all')
-            except WrongAction as wrong:
-                self._end_action(action_id, v.ActionStatus.FAILED, str(wrong))
-                continue
-            self.actions.update(action_id, v.ActionStatus.RUNNING)
-            self.do(fx.StartAction(action_id, spec, spec.arguments_of(entry.action)))
-
-    def _end_action(self, action_id: str, status: v.ActionStatus, text: str) -> None:
-        """An action has ended; a failed one of the order holds the vehicle if it was to stand."""
-        entry = self.actions[action_id]
-        if entry.status.has_ended:
-            return
-        self.actions.update(action_id, status, text)
-        self.note(f'action {action_id}, {entry.action.action_type}: {status.value} {text}')
-        spec = self.table.specs.get(entry.action.action_type)
-        if spec is not None and spec.moves:
-            self.look_where_it_is()
-        if status is v.ActionStatus.FAILED and entry.belongs_to_order:
-            self._tell_of_failed_action(entry.action, text)
-
-    def _tell_of_failed_action(self, action: v.Action, text: str) -> None:
-        if self.cancelling:
-            return
-        reference = v.Reference('actionId', action.action_id)
-        description = f'action {action.action_type}: {text}'
-        if action.blocking_type.forbids_driving:
-            self.holds.add(Hold.FAILURE)
-            self.errors.fail(Cause.ACTION, e.ACTION_ERROR.error(description, reference))
-        else:
-            self.errors.reject(e.ACTION_WARNING.error(description, reference))
 
     def _drive(self, now: float) -> None:
         """Up to the end of the base, or to the first node where the vehicle must stand before."""

@@ -7,11 +7,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Callable, Dict, FrozenSet, Optional, Sequence
+from typing import Callable, Dict, FrozenSet, Optional, Sequence, Tuple
 
-from vda5050_vehicle.drivers.driver import NotDrivable
+from vda5050_vehicle.drivers.driver import NotDrivable, Pose
 from vda5050_vehicle.protocol import problems as e
-from vda5050_vehicle.protocol.values import Edge, Node, Order
+from vda5050_vehicle.protocol.values import Edge, Node, NodePosition, Order
 
 
 @dataclass(frozen=True)
@@ -48,8 +48,8 @@ EDGE_RULES: Dict[str, _Rule] = {
     'orientation': lambda edge, _: edge.orientation is None or _drives_forwards(edge),
     'direction': lambda edge, _: edge.direction is None,
     'rotationAllowed': lambda edge, _: edge.rotation_allowed is not False,
-    'corridor': lambda edge, can: edge.corridor is None or min(
-        edge.corridor.left_width, edge.corridor.right_width) >= can.corridor,
+    'corridor': lambda edge, can: edge.corridor is None or not edge.corridor.release_required
+    and min(edge.corridor.left_width, edge.corridor.right_width) >= can.corridor,
 }
 FIELDS = frozenset(EDGE_RULES) | {'zoneSetId', 'theta', 'mapId'}
 
@@ -64,10 +64,11 @@ def check_fields(order: Order, can: Abilities) -> None:
                 raise _unsupported(f'edges[{index}].{key}', f'edge {edge.edge_id!r}: the vehicle '
                                                             f'cannot do what {key} asks for')
     for index, node in enumerate(order.nodes):
-        if node.position is not None and not _knows_map(node, can):
-            raise _unsupported(f'nodes[{index}].nodePosition.mapId',
-                               f'node {node.node_id!r} lies on map {node.position.map_id!r}, but '
-                               f'the vehicle knows {can.map_id!r} only')
+        if node.position is not None and not _knows_map(node.position, can):
+            raise NotDrivable(e.UNKNOWN_MAP,
+                              f'node {node.node_id!r} lies on map {node.position.map_id!r}, but '
+                              f'the vehicle knows {can.map_id!r} only',
+                              f'nodes[{index}].nodePosition.mapId')
 
 
 def check_headings(nodes: Sequence[Node], can: Abilities,
@@ -90,8 +91,15 @@ def heading_of(node: Node, can: Abilities) -> Optional[float]:
     return None if free else position.theta
 
 
-def _knows_map(node: Node, can: Abilities) -> bool:
-    return not can.map_id or 'mapId' in can.ignored or node.position.map_id == can.map_id
+def is_within(node: Node, place: Tuple[float, float], pose: Pose, near: float) -> bool:
+    """Whether the robot is near the place of a node, or within its deviation."""
+    dx, dy = pose.x - place[0], pose.y - place[1]
+    deviation = node.position.allowed_deviation_xy if node.position else None
+    return math.hypot(dx, dy) <= near or deviation is not None and deviation.contains(dx, dy)
+
+
+def _knows_map(position: NodePosition, can: Abilities) -> bool:
+    return not can.map_id or 'mapId' in can.ignored or position.map_id == can.map_id
 
 
 def _unsupported(field: str, why: str) -> NotDrivable:

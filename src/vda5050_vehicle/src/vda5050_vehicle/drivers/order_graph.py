@@ -44,7 +44,7 @@ class OrderGraph:
         vertex, position = self._by_name.get(node.node_id), node.position
         if position is None:
             if vertex is None:
-                raise NotDrivable(e.NO_ROUTE_ERROR, f'there is no vertex {node.node_id!r}, and the '
+                raise NotDrivable(e.NO_ROUTE, f'there is no vertex {node.node_id!r}, and the '
                                   'node has no position', 'nodeId')
             return vertex
         nearest = self._nearest(position.x, position.y)
@@ -58,10 +58,12 @@ class OrderGraph:
 
     def place(self, node: Node) -> Tuple[float, float]:
         """Where a node is. Raises NotDrivable."""
-        vertex = self.vertex(node)
+        vertex, position = self.vertex(node), node.position
         if vertex is not None:
             return vertex.position
-        return node.position.x, node.position.y
+        if position is None:
+            raise ValueError('`vertex` lets no node through that has neither')
+        return position.x, position.y
 
     def node_at(self, pose: Pose) -> str:
         """Id of the vertex at which the robot stands, empty where it stands at none."""
@@ -74,34 +76,40 @@ class OrderGraph:
         for index, edge in enumerate(edges):
             start, end = self.vertex(nodes[index]), self.vertex(nodes[index + 1])
             if end is None:
-                raise NotDrivable(e.NO_ROUTE_ERROR, f'node {nodes[index + 1].node_id!r} lies at no '
+                raise NotDrivable(e.NO_ROUTE, f'node {nodes[index + 1].node_id!r} lies at no '
                                   'vertex', 'nodePosition')
-            signed = (self._edge_from_place(nodes[index], edge, end, index) if start is None
-                      else self._edge_between(start, end, edge))
+            signed = (self._edge_from_place(self.place(nodes[index]), edge, end, index)
+                      if start is None else self._edge_between(start, end, edge))
             legs.append(Leg(signed, self.graph.curve(signed).length, *end.position))
         return tuple(legs)
 
     def _edge_between(self, start: Vertex, end: Vertex, edge: Edge) -> int:
         joining = [signed for signed in self.graph.edges_from(start.id)
-                   if self.graph.end_vertex(signed).id == end.id]
+                   if self.graph.end_vertex(signed).id == end.id and self._is_allowed(signed)]
         return self._choose(joining, edge, f'vertices {start.id} and {end.id}')
 
-    def _edge_from_place(self, node: Node, edge: Edge, end: Vertex, index: int) -> int:
+    def _edge_from_place(self, place: Tuple[float, float], edge: Edge, end: Vertex,
+                         index: int) -> int:
         """The first node may lie on an edge: there an order is begun after a cancellation."""
         if index:
-            raise NotDrivable(e.NO_ROUTE_ERROR, f'node {node.node_id!r} lies at no vertex',
+            raise NotDrivable(e.NO_ROUTE, f'node {edge.start_node_id!r} lies at no vertex',
                               'nodePosition')
         leading = [-signed for signed in self.graph.edges_from(end.id)]
-        joining = [signed for signed in leading if self.graph.curve(signed).project(
-            node.position.x, node.position.y).distance <= self._matching.near]
-        return self._choose(joining, edge, f'the place of node {node.node_id!r} and vertex '
+        joining = [signed for signed in leading if self._is_allowed(signed)
+                   and self.graph.curve(signed).project(*place).distance <= self._matching.near]
+        return self._choose(joining, edge, f'the place of node {edge.start_node_id!r} and vertex '
                                            f'{end.id}')
+
+    def _is_allowed(self, signed: int) -> bool:
+        """A velocity of 0 forbids a direction."""
+        edge = self.graph.edge(signed)
+        return (edge.velocity_forward if signed > 0 else edge.velocity_backwards) > 0.0
 
     def _choose(self, joining: Sequence[int], edge: Edge, between: str) -> int:
         """By id where it names one, else the shortest."""
         if not joining:
-            raise NotDrivable(e.NO_ROUTE_ERROR, f'edge {edge.edge_id!r}: the graph has no edge '
-                              f'between {between}', 'edgeId')
+            raise NotDrivable(e.NO_ROUTE, f'edge {edge.edge_id!r}: the graph has no edge '
+                              f'that may be driven between {between}', 'edgeId')
         named = [signed for signed in joining if edge.edge_id in (str(signed), str(abs(signed)))]
         return min(named or joining, key=lambda signed: self.graph.curve(signed).length)
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Dict, Optional, Sequence, Tuple, Union
 
 from vda5050_vehicle.drivers.driver import Driver, Leg, NotDrivable, Pose, Progress
-from vda5050_vehicle.drivers.order_fields import Abilities, check_headings, heading_of
+from vda5050_vehicle.drivers.order_fields import Abilities, check_headings, heading_of, is_within
 from vda5050_vehicle.drivers.order_graph import Matching
 from vda5050_vehicle.protocol import problems as e
 from vda5050_vehicle.protocol.values import Edge, Node
@@ -57,13 +57,12 @@ class PoseDriver(Driver):
         places = [self._place(node) for node in nodes]
         return tuple(
             Leg(0, max(math.dist(start, end), 1e-3), *end, heading_of(node, self._abilities),
-                node.position.allowed_deviation_xy or PASSING)
+                _passing(node))
             for start, end, node in zip(places, places[1:], nodes[1:]))
 
     def is_at(self, node: Node, pose: Pose) -> bool:
         """See Driver."""
-        return math.dist(self._place(node), (pose.x, pose.y)) <= max(
-            self._matching.near, node.position.allowed_deviation_xy or 0.0)
+        return is_within(node, self._place(node), pose, self._matching.near)
 
     def node_at(self, pose: Pose) -> str:
         """See Driver: without a graph no node is known."""
@@ -71,7 +70,7 @@ class PoseDriver(Driver):
 
     def _place(self, node: Node) -> Tuple[float, float]:
         if node.position is None:
-            raise NotDrivable(e.NO_ROUTE_ERROR, f'node {node.node_id!r} has no position, and the '
+            raise NotDrivable(e.NO_ROUTE, f'node {node.node_id!r} has no position, and the '
                               'vehicle has no graph to look it up in', 'nodePosition')
         return node.position.x, node.position.y
 
@@ -174,3 +173,9 @@ class PoseDriver(Driver):
 
     def know_legs(self, first: int, legs: Sequence[Leg]) -> None:
         """See Driver: they are told again before anything is driven."""
+
+
+def _passing(node: Node) -> float:
+    """Within how many metres a node counts as passed; a deviation of 0 is none."""
+    deviation = node.position.allowed_deviation_xy if node.position else None
+    return deviation.radius if deviation and deviation.radius > 0.0 else PASSING

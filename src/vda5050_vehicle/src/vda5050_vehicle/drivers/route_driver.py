@@ -6,13 +6,20 @@ out. An extension has the id of the route that it extends, so the robot does not
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Dict, Optional, Sequence, Tuple
 
 from trajectory_graph import Graph
 from vda5050_vehicle.drivers.driver import Driver, Leg, Pose, Progress
-from vda5050_vehicle.drivers.order_fields import Abilities, check_headings, heading_of
+from vda5050_vehicle.drivers.order_fields import Abilities, check_headings, heading_of, is_within
 from vda5050_vehicle.drivers.order_graph import Matching, OrderGraph
+from vda5050_vehicle.drivers.route_messages import (
+    COMPLETE,
+    FAILED,
+    RouteCommand,
+    RouteReport,
+    SentRoute,
+)
 from vda5050_vehicle.protocol.values import Edge, Node
 
 REPEAT = 1.0           # s between two sendings of what nobody has acknowledged
@@ -20,46 +27,6 @@ PATIENCE = 10.0        # s until somebody must have
 SETTLING = 1.0         # s from the acknowledgement of a stop to a robot that may be seen to stand
 RESTART_PATIENCE = 25.0  # s in which the robot's side must be heard after our restart
 LARGEST_ID = 2 ** 31 - 1
-
-
-@dataclass(frozen=True)
-class RouteCommand:
-    """To be published: drive these edges, or stop where there are none."""
-
-    route_id: int
-    edges: Tuple[int, ...]
-
-
-@dataclass(frozen=True)
-class RouteReport:
-    """What the robot's side tells of a route.
-
-    edge, percentage -- where on the graph the robot is; edge 0: nowhere
-    """
-
-    route_id: int
-    states: Tuple[int, ...]
-    edge: int
-    percentage: float
-    reason: str = ''
-
-
-PROCESSING, COMPLETE, FAILED = 1, 2, 3  # of an edge, as itrci_nav_msgs/EdgeState has them
-
-
-@dataclass(frozen=True)
-class _Route:
-    """A route that was sent; its first edge is leg number `first`.
-
-    seen       -- a report with its id came
-    confirmed  -- how many of its edges the last report had
-    """
-
-    id: int
-    edges: Tuple[int, ...]
-    first: int
-    seen: bool = False
-    confirmed: int = 0
 
 
 class RouteDriver(Driver):
@@ -72,7 +39,7 @@ class RouteDriver(Driver):
         self._matching = matching
         self._abilities = abilities
         self._next_id = first_id
-        self._route: Optional[_Route] = None
+        self._route: Optional[SentRoute] = None
         self._legs: Dict[int, Leg] = {}       # by number, from the one being driven on
         self._stop: Optional[int] = None      # id of a stop that is not acknowledged
         self._stopped_at: Optional[float] = None  # when it was
@@ -100,15 +67,15 @@ class RouteDriver(Driver):
             return False
         signed = self._graph.graph.edges_from(vertex.id)[0]
         taken = vertex.theta if signed > 0 else vertex.theta + math.pi
-        allowed = max(node.position.allowed_deviation_theta or 0.0, 0.05)
         wanted = heading_of(node, self._abilities)
+        if node.position is None or wanted is None:
+            return True
+        allowed = max(node.position.allowed_deviation_theta or 0.0, 0.05)
         return abs(math.remainder(taken - wanted, 2.0 * math.pi)) <= allowed
 
     def is_at(self, node: Node, pose: Pose) -> bool:
         """See Driver."""
-        return math.dist(self._graph.place(node), (pose.x, pose.y)) <= max(
-            self._matching.near, node.position.allowed_deviation_xy or 0.0
-            if node.position else 0.0)
+        return is_within(node, self._graph.place(node), pose, self._matching.near)
 
     def node_at(self, pose: Pose) -> str:
         """See Driver."""
@@ -141,7 +108,7 @@ class RouteDriver(Driver):
         self.progress = replace(self.progress, halted=False, complete=False)
 
     def _begin(self, first: int, edges: Tuple[int, ...], now: float) -> None:
-        self._route = _Route(self._new_id(), edges, first)
+        self._route = SentRoute(self._new_id(), edges, first)
         self._send(now)
 
     def halt(self, now: float) -> None:
@@ -167,7 +134,7 @@ class RouteDriver(Driver):
     def _send(self, now: float, again: bool = False) -> None:
         if self._stop is not None:
             self._commands.append(RouteCommand(self._stop, ()))
-        else:
+        elif self._route is not None:
             self._commands.append(RouteCommand(self._route.id, self._route.edges))
         self._sent_at = now
         if not again:
@@ -181,7 +148,7 @@ class RouteDriver(Driver):
         if self._stop is not None:
             self._on_stop_report(report, now)
         elif self._route is not None:
-            self._on_route_report(report, now)
+            self._on_route_report(self._route, report, now)
         else:
             self._catch_up(report)
 
@@ -190,8 +157,7 @@ class RouteDriver(Driver):
             self._stopped_at = now
         self._catch_up(report)
 
-    def _on_route_report(self, report: RouteReport, now: float) -> None:
-        route = self._route
+    def _on_route_report(self, route: SentRoute, report: RouteReport, now: float) -> None:
         if report.route_id != route.id:
             if self.progress.complete:  # somebody else may use the robot now
                 self._route = None
@@ -199,9 +165,9 @@ class RouteDriver(Driver):
             elif route.seen:
                 self._fail('the robot drives another route')
             return
-        self._route = route = replace(route, seen=True, confirmed=len(report.states))
+        self._route = replace(route, seen=True)
         if self._refused == route.edges:  # its own id was refused: what is left, under another
-            self._begin_anew(report, now)
+            self._begin_anew(route, report, now)
             return
         done = report.states.count(COMPLETE)
         passed = route.first + done
@@ -214,8 +180,7 @@ class RouteDriver(Driver):
             self._waiting_since = math.inf
             self.progress = replace(self.progress, complete=done == len(route.edges))
 
-    def _begin_anew(self, report: RouteReport, now: float) -> None:
-        route = self._route
+    def _begin_anew(self, route: SentRoute, report: RouteReport, now: float) -> None:
         done = report.states.count(COMPLETE)
         self._set_passed(route.first + done, 0.0)
         self._begin(route.first + done, route.edges[done:], now)
@@ -285,16 +250,17 @@ class RouteDriver(Driver):
     def restore(self, record: Dict[str, Any], now: float) -> None:
         """See Driver. Nothing is sent before the robot's side was heard, but a stop that is owed.
         """
-        route = record['route']
+        route = record['route'] and SentRoute(
+            int(record['route']['id']), tuple(map(int, record['route']['edges'])),
+            int(record['route']['first']))
         self._next_id = max(int(record['next_id']), self._next_id)
         self._stop = record['stop']
         self.progress = Progress(int(record['passed']), failure=str(record['failure']))
         if self._stop is not None:
             self.progress = replace(self.progress, halted=False, complete=False)
             self._send(now)
-        elif route is not None:
-            self._route = _Route(int(route['id']), tuple(map(int, route['edges'])),
-                                 int(route['first']))
+        elif route is not None and self.progress.passed < route.first + len(route.edges):
+            self._route = route  # one that was driven to its end is over
             self._restarted = now
             self.progress = replace(self.progress, halted=False, complete=False)
 
@@ -303,10 +269,10 @@ class RouteDriver(Driver):
         self._legs = dict(enumerate(legs, first))
 
     def _check_restart(self, report: RouteReport) -> None:
-        if self._restarted is None:
+        route = self._route
+        if self._restarted is None or route is None:
             return
         self._restarted = None
-        route = self._route
         if report.route_id != route.id:
             self._fail('the adapter was restarted, and the robot does not drive its route any more')
             return

@@ -138,6 +138,10 @@ def _without_delay(_client: mqtt.Client, _userdata: Any, sock: Optional[socket.s
 def _wait_for(sent: mqtt.MQTTMessageInfo, seconds: float) -> None:
     """As MQTTMessageInfo.wait_for_publish with a time limit, which 1.5 lacks."""
     ended = threading.Event()
-    waiter = threading.Thread(target=lambda: (sent.wait_for_publish(), ended.set()), daemon=True)
-    waiter.start()
+
+    def wait() -> None:
+        sent.wait_for_publish()
+        ended.set()
+
+    threading.Thread(target=wait, daemon=True).start()
     ended.wait(seconds)

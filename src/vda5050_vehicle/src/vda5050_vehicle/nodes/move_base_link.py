@@ -1,7 +1,6 @@
 """The pose driver on ROS: goals of the action move_base (move_base_msgs/MoveBase)."""
 from __future__ import annotations
 
-import math
 import threading
 from typing import Dict
 
@@ -12,6 +11,7 @@ from actionlib_msgs.msg import GoalID
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 
 from vda5050_vehicle.drivers.pose_driver import GoTo, PoseCommand, PoseDriver
+from vda5050_vehicle.nodes.headings import quaternion
 from vda5050_vehicle.nodes.route_link import Tell
 
 
@@ -39,9 +39,9 @@ class MoveBaseLink:
         goal = MoveBaseGoal()
         goal.target_pose.header.frame_id = self._frame
         goal.target_pose.header.stamp = rospy.Time.now()
-        position, orientation = goal.target_pose.pose.position, goal.target_pose.pose.orientation
-        position.x, position.y = command.x, command.y
-        orientation.z, orientation.w = math.sin(command.theta / 2.0), math.cos(command.theta / 2.0)
+        pose = goal.target_pose.pose
+        pose.position.x, pose.position.y = command.x, command.y
+        pose.orientation = quaternion(command.theta)
         handle = self._client.send_goal(
             goal, lambda handle: self._on_transition(command.number, handle))
         with self._lock:

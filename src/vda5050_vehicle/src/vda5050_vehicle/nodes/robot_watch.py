@@ -16,12 +16,13 @@ from typing import Any, Callable, Dict, Generic, Mapping, Optional, Tuple, TypeV
 
 import roslib.message
 import rospy
-from geometry_msgs.msg import PoseStamped, Quaternion
+from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState as BatteryMessage
 
 from vda5050_vehicle.core.robot_view import RobotView
 from vda5050_vehicle.drivers.driver import Pose
+from vda5050_vehicle.nodes.headings import heading
 from vda5050_vehicle.nodes.parameters import ConfigurationError
 from vda5050_vehicle.protocol.values import BatteryState, EStop, Velocity
 
@@ -139,7 +140,7 @@ class RobotWatch:
                                    message.header.frame_id, self._frame)
             return
         position = message.pose.position
-        pose = Pose(position.x, position.y, _heading(message.pose.orientation))
+        pose = Pose(position.x, position.y, heading(message.pose.orientation))
         if all(map(math.isfinite, (pose.x, pose.y, pose.theta))):
             self._hear('pose', pose)
 
@@ -175,11 +176,7 @@ class RobotWatch:
             if transform.header.stamp != last[0]:  # an old one is no news
                 last[0] = transform.header.stamp
                 place = transform.transform.translation
-                self._hear('pose', Pose(place.x, place.y, _heading(transform.transform.rotation)))
+                self._hear('pose', Pose(place.x, place.y, heading(transform.transform.rotation)))
 
         timer = rospy.Timer(rospy.Duration(TF_PERIOD), look)
         rospy.on_shutdown(timer.shutdown)
-
-
-def _heading(q: Quaternion) -> float:
-    return math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))

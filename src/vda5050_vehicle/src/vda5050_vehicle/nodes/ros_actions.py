@@ -58,11 +58,14 @@ class RosActions:
 
     def start(self, name: str, spec: ActionSpec, arguments: Mapping[str, Any]) -> None:
         """Sends the goal of a line of the table; `name` is the goal's in `on_end`."""
-        client = self._client(spec.call)
+        call = spec.call
+        if call is None:
+            raise ValueError(f'{spec.action_type} is no goal of a ROS action')
+        client = self._client(call)
         if client.pub_goal.get_num_connections() == 0:
-            self._on_end(name, False, f'there is no action server {spec.call.server}')
+            self._on_end(name, False, f'there is no action server {call.server}')
             return
-        goal = _goal_type(spec.call)(**spec.call.fields(arguments))
+        goal = _goal_type(call)(**call.fields(arguments))
         with self._lock:
             self._open[name] = (client, None)
         handle = client.send_goal(goal, lambda handle: self._on_transition(name, handle))

@@ -14,7 +14,8 @@ from itrci_nav_msgs.msg import ExecutionRouteStates, RouteRefused, TargetRoute
 from itrci_nav_msgs.msg import Graph as GraphMessage
 from trajectory_graph import GraphError
 from trajectory_graph.messages import graph_from_message
-from vda5050_vehicle.drivers.route_driver import RouteCommand, RouteDriver, RouteReport
+from vda5050_vehicle.drivers.route_driver import RouteDriver
+from vda5050_vehicle.drivers.route_messages import RouteCommand, RouteReport
 
 Tell = Callable[[Callable[[float], None]], None]  # gives a call to the vehicle's thread
 

@@ -1,6 +1,6 @@
 """The VDA 5050 adapter: a robot of ROS 1 as a vehicle of any VDA 5050 master.
 
-MQTT, under ~interface_name/v2/~manufacturer/~serial_number
+MQTT, under ~interface_name/v2/~manufacturer/~serial_number (v3 where ~version is 3.0.0)
     in: order, instantActions; out: state, connection, factsheet, visualization
 Subscribes
     pose, odom, battery_state, and the topics of the vehicle file's signals (`robot_watch`)
@@ -41,7 +41,6 @@ Parameters
 """
 from __future__ import annotations
 
-import math
 import os
 import queue
 import threading
@@ -50,8 +49,6 @@ import traceback
 from typing import Any, Callable, Dict, Optional, Tuple, Union
 
 import rospy
-from diagnostic_msgs.msg import DiagnosticStatus
-from diagnostic_updater import DiagnosticStatusWrapper, Updater
 from geometry_msgs.msg import PoseWithCovarianceStamped
 
 from vda5050_vehicle.core import effects as fx
@@ -62,6 +59,8 @@ from vda5050_vehicle.drivers.driver import Driver, Pose
 from vda5050_vehicle.drivers.pose_driver import PoseDriver
 from vda5050_vehicle.drivers.route_driver import RouteDriver
 from vda5050_vehicle.mqtt.link import MqttLink
+from vda5050_vehicle.nodes.diagnostics import show_problem, show_state
+from vda5050_vehicle.nodes.headings import quaternion
 from vda5050_vehicle.nodes.move_base_link import MoveBaseLink
 from vda5050_vehicle.nodes.parameters import ConfigurationError
 from vda5050_vehicle.nodes.robot_watch import RobotWatch
@@ -106,7 +105,7 @@ class VehicleNode:
         self._mqtt = MqttLink(
             settings.broker, settings.prefix, f'{identity.manufacturer}_{identity.serial_number}',
             self._connection, self._on_message, self._on_mqtt_change)
-        self._diagnose()
+        show_state(settings, self._vehicle, self._mqtt, lambda: self._mqtt_problem)
         self._thread = threading.Thread(target=self._run, name='vehicle', daemon=True)
         self._thread.start()
         self._mqtt.start()
@@ -260,42 +259,8 @@ class VehicleNode:
         message.header.frame_id = self._settings.map_frame
         message.header.stamp = rospy.Time.now()
         message.pose.pose.position.x, message.pose.pose.position.y = pose.x, pose.y
-        message.pose.pose.orientation.z, message.pose.pose.orientation.w = half_angle(pose.theta)
+        message.pose.pose.orientation = quaternion(pose.theta)
         self._poses.publish(message)
-
-    # --- diagnostics ------------------------------------------------------------------------------
-
-    def _diagnose(self) -> None:
-        updater = Updater()
-        updater.setHardwareID(self._settings.prefix)
-        updater.add('broker', self._diagnose_broker)
-        updater.add('order', self._diagnose_order)
-        timer = rospy.Timer(rospy.Duration(1.0), lambda _: updater.force_update())
-        rospy.on_shutdown(timer.shutdown)
-
-    def _diagnose_broker(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
-        if self._mqtt.connected:
-            status.summary(DiagnosticStatus.OK, 'connected')
-        else:
-            status.summary(DiagnosticStatus.ERROR, f'not connected: {self._mqtt_problem}')
-        status.add('broker', str(self._settings.broker))
-        return status
-
-    def _diagnose_order(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
-        vehicle = self._vehicle
-        failure = vehicle.errors.failure
-        if failure:
-            status.summary(DiagnosticStatus.ERROR, failure.description)
-        else:
-            status.summary(DiagnosticStatus.OK, 'order under way' if vehicle.busy else 'idle')
-        status.add('order', vehicle.order.order_id)
-        status.add('nodes left', str(max(len(vehicle.order.nodes) - 1, 0)))
-        return status
-
-
-def half_angle(theta: float) -> Tuple[float, float]:
-    """z and w of the quaternion of a heading."""
-    return math.sin(theta / 2.0), math.cos(theta / 2.0)
 
 
 def main() -> None:
@@ -306,19 +271,7 @@ def main() -> None:
     except ConfigurationError as error:
         reason = str(error)
         rospy.logerr('%s cannot work: %s Mend it and restart the node.', rospy.get_name(), reason)
-        _show(reason)
+        show_problem(reason)
     else:
         rospy.on_shutdown(node.close)
     rospy.spin()
-
-
-def _show(reason: str) -> None:
-    def tell(status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
-        status.summary(DiagnosticStatus.ERROR, reason)
-        return status
-
-    updater = Updater()
-    updater.setHardwareID('none')
-    updater.add('configuration', tell)
-    timer = rospy.Timer(rospy.Duration(1.0), lambda _: updater.force_update())
-    rospy.on_shutdown(timer.shutdown)

@@ -60,10 +60,10 @@ def judge(held: Held, order: Order, start_is_near: bool) -> Verdict:
 
 def _judge_new(held: Held, order: Order, start_is_near: bool) -> Verdict:
     if held.busy:                                                             # question 3
-        return _reject(e.ORDER_ERROR, order,
+        return _reject(e.OTHER_ORDER, order,
                        f'order {held.order_id!r} is still under way; cancel it first')
     if not start_is_near:                                                     # question 4
-        return _reject(e.NO_ROUTE_ERROR, order,
+        return _reject(e.START_TOO_FAR, order,
                        f'the vehicle is not within the deviation of the first node, '
                        f'{order.nodes[0].node_id!r}',
                        Reference('nodeId', order.nodes[0].node_id))
@@ -72,18 +72,18 @@ def _judge_new(held: Held, order: Order, start_is_near: bool) -> Verdict:
 
 def _judge_update(held: Held, order: Order) -> Verdict:
     if order.order_update_id < held.order_update_id:                          # question 5
-        return _reject(e.ORDER_UPDATE_ERROR, order,
+        return _reject(e.OLD_UPDATE, order,
                        f'orderUpdateId {order.order_update_id} is older than '
                        f'{held.order_update_id}, which the vehicle has')
     if order.order_update_id == held.order_update_id:                         # question 6
         return Acceptance.DUPLICATE
     if held.cancelled:
-        # Not in the figure of 2.1.0; 3.0.0 names it ORDER_UPDATE_FOLLOWING_CANCEL.
-        return _reject(e.ORDER_UPDATE_ERROR, order, 'the order was cancelled; send another one')
+        # Not in the figure of 2.1.0; in that of 3.0.0.
+        return _reject(e.UPDATE_AFTER_CANCEL, order, 'the order was cancelled; send another one')
     expected = held.decision_point if held.busy else held.last_node           # questions 3, 7, 8
     first = (order.nodes[0].node_id, order.nodes[0].sequence_id)
     if first != expected:
-        return _reject(e.ORDER_UPDATE_ERROR, order,
+        return _reject(e.WRONG_UPDATE, order,
                        f'the update begins with node {first[0]!r}, sequenceId {first[1]}, but must '
                        f'begin with {expected[0]!r}, sequenceId {expected[1]}, '
                        + ('the last node of the base' if held.busy else 'the last node passed'),

@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Dict, Iterable, List, Optional, Sequence, Tuple
 
-from vda5050_vehicle.protocol.values import Action, ActionState, ActionStatus, BlockingType
+from vda5050_vehicle.protocol.values import Action, ActionState, ActionStatus
 
-MAX_ENDED_INSTANT_ACTIONS = 100  # kept between two orders
+MAX_ENDED_INSTANT_ACTIONS = 100  # told: until the next order, in 3.0 until they are cleared
 
 
 class Scope(Enum):
@@ -39,8 +39,8 @@ class Entry:
 
     @property
     def is_active(self) -> bool:
-        """Whether it was started and has not ended."""
-        return self.status not in (ActionStatus.WAITING, ActionStatus.FINISHED, ActionStatus.FAILED)
+        """Whether it was started and has not ended; INITIALIZING it is to be tried again."""
+        return self.status in (ActionStatus.RUNNING, ActionStatus.PAUSED, ActionStatus.RETRIABLE)
 
     @property
     def belongs_to_order(self) -> bool:
@@ -91,15 +91,28 @@ class ActionQueue:
         """Actions that came."""
         for action in actions:
             self._entries[action.action_id] = Entry(action, scope, sequence_id)
-        ended = [entry.action.action_id for entry in self.entries
-                 if not entry.belongs_to_order and entry.status.has_ended]
-        for action_id in ended[:-MAX_ENDED_INSTANT_ACTIONS]:
+        for action_id in self._ended_instant_actions[:-MAX_ENDED_INSTANT_ACTIONS]:
             del self._entries[action_id]
 
-    def begin_order(self) -> None:
-        """Forgets the order before, and instant actions that have ended."""
-        self._keep(entry for entry in self.entries
-                   if not entry.belongs_to_order and not entry.status.has_ended)
+    @property
+    def _ended_instant_actions(self) -> List[str]:
+        return [entry.action.action_id for entry in self.entries
+                if not entry.belongs_to_order and entry.status.has_ended]
+
+    @property
+    def is_full(self) -> bool:
+        """Whether the oldest of the instant actions that have ended is forgotten next."""
+        return len(self._ended_instant_actions) >= MAX_ENDED_INSTANT_ACTIONS
+
+    def begin_order(self, keep_instant: bool = False) -> None:
+        """Forgets the order before, and instant actions that have ended unless they are kept."""
+        self._keep(entry for entry in self.entries if not entry.belongs_to_order
+                   and (keep_instant or not entry.status.has_ended))
+
+    def clear_instant_actions(self) -> None:
+        """Forgets instant actions that have ended."""
+        ended = set(self._ended_instant_actions)
+        self._keep(entry for entry in self.entries if entry.action.action_id not in ended)
 
     def drop(self, sequence_ids: Iterable[int]) -> None:
         """Forgets the actions of a horizon that is replaced."""
@@ -139,13 +152,13 @@ class ActionQueue:
         for action_id in self._triggered:
             entry = self[action_id]
             kind = entry.action.blocking_type
-            if kind is BlockingType.HARD:
-                if not entry.is_active and not busy and standing:
-                    result.append(entry)
+            if kind.forbids_others and busy:
                 break
             busy = True
-            if not entry.is_active and (standing or kind is BlockingType.NONE):
+            if not entry.is_active and (standing or not kind.forbids_driving):
                 result.append(entry)
+            if kind.forbids_others:
+                break
         return tuple(result)
 
     @property

@@ -1,7 +1,7 @@
 """The messages of VDA 5050 3.0.0: the tables of 2.1.0 with other keys, and what 3.0 adds.
 
-Source: VDA5050_EN.md of 3.0.0. What 3.0 has and 2.1 has not (zones, requests, shared paths) is not
-spoken; SINGLE is taken for HARD, of an elliptic deviation the smaller half-axis counts.
+Source: VDA5050_EN.md of 3.0.0. What it leaves to the vehicle (zones, requests for them, planned
+paths, hibernation, certificates) is not spoken.
 """
 from __future__ import annotations
 
@@ -18,8 +18,6 @@ from vda5050_vehicle.protocol.fields import (
     Field,
     Kind,
     ListOf,
-    Malformed,
-    Number,
     Record,
     Text,
 )
@@ -40,20 +38,6 @@ class _ActionType(Text):
         return _name_in_3(value)
 
 
-class _Ellipse(Kind):
-    """The smaller half-axis of an elliptic deviation, m."""
-
-    def read(self, value: Any, path: str) -> float:
-        """See Kind."""
-        if not isinstance(value, dict) or not {'a', 'b'} <= set(value):
-            raise Malformed(path, 'must be an object with a, b and theta')
-        return min(Number(0.0).read(value[axis], f'{path}.{axis}') for axis in 'ab')
-
-    def write(self, value: float) -> Dict[str, float]:
-        """See Kind."""
-        return {'a': value, 'b': value, 'theta': 0.0}
-
-
 class _Negated(Kind):
     """True for false, and the other way round."""
 
@@ -70,21 +54,27 @@ def _name_in_3(name: str) -> str:
     return next((new for new, old in _ACTION_NAMES.items() if old == name), name)
 
 
-_BLOCKING = Choice(v.BlockingType, taken_for=(('SINGLE', v.BlockingType.HARD),))
 _ACTION = two.ACTION.renamed(description='actionDescriptor').changed(
     action_type=Field('action_type', 'actionType', _ActionType(), True),
-    blocking_type=Field('blocking_type', 'blockingType', _BLOCKING, True))
+    blocking_type=Field('blocking_type', 'blockingType', Choice(v.BlockingType), True),
+    retriable=Field('retriable', 'retriable', BOOLEAN, omitted=False))
 _ACTIONS = Field('actions', 'actions', ListOf(_ACTION), True)
 
+DEVIATION = Record(v.Deviation, [
+    Field('a', 'a', two.POSITIVE, True), Field('b', 'b', two.POSITIVE, True),
+    Field('theta', 'theta', two.ANGLE, True)])
 _POSITION = two.NODE_POSITION.changed(
     map_description=None,
-    allowed_deviation_xy=Field('allowed_deviation_xy', 'allowedDeviationXY', _Ellipse()))
+    allowed_deviation_xy=Field('allowed_deviation_xy', 'allowedDeviationXY', DEVIATION))
 _NODE = two.NODE.renamed(description='nodeDescriptor').changed(
     position=Field('position', 'nodePosition', _POSITION), actions=_ACTIONS)
+_CORRIDOR = two.CORRIDOR.renamed(reference_point='corridorReferencePoint').changed(
+    release_required=Field('release_required', 'releaseRequired', BOOLEAN, omitted=False))
 _EDGE = two.EDGE.renamed(
     description='edgeDescriptor', max_speed='maximumSpeed',
     max_height='maximumMobileRobotHeight', min_height='minimumLoadHandlingDeviceHeight').changed(
     rotation_allowed=Field('rotation_allowed', 'reachOrientationBeforeEntering', _Negated()),
+    corridor=Field('corridor', 'corridor', _CORRIDOR),
     actions=_ACTIONS)
 _ORDER = two.ORDER.changed(
     zone_set_id=None, nodes=Field('nodes', 'nodes', ListOf(_NODE), True),
@@ -148,8 +138,7 @@ def _factsheet(sheet: Dict[str, Any]) -> Dict[str, Any]:
     found: Dict[str, Any] = _renamed(sheet)
     found['protocolLimits']['maximumStringLengths'].pop('enumLen', None)
     for action in found['protocolFeatures']['mobileRobotActions']:
-        action.update(actionType=_name_in_3(action['actionType']), pauseAllowed=False,
-                      cancelAllowed=True)
+        action.update(actionType=_name_in_3(action['actionType']), pauseAllowed=False)
     return found
 
 
@@ -165,6 +154,7 @@ def _renamed(value: Any) -> Any:
 VERSION_3_0 = Codec('3.0.0', {
     'order': _ORDER,
     'instantActions': Record(v.InstantActions, [_ACTIONS]),
-    'state': _STATE, 'visualization': _VISUALIZATION, 'connection': _CONNECTION}, _factsheet)
+    'state': _STATE, 'visualization': _VISUALIZATION, 'connection': _CONNECTION},
+    _factsheet, is_3=True)
 CODECS: Dict[str, Codec] = {
     codec.version: codec for codec in (two.VERSION_2_1, two.VERSION_2_0, VERSION_3_0)}

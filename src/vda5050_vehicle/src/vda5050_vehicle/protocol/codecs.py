@@ -19,6 +19,7 @@ from vda5050_vehicle.protocol.fields import (
     UINT,
     Choice,
     Field,
+    Kind,
     ListOf,
     Malformed,
     Number,
@@ -28,6 +29,20 @@ from vda5050_vehicle.protocol.fields import (
 
 ANGLE = Number(-math.pi - 1e-9, math.pi + 1e-9)
 POSITIVE = Number(0.0)
+
+
+class _Circle(Kind):
+    """A deviation that is the same to all sides, as a radius in m."""
+
+    def read(self, value: Any, path: str) -> v.Deviation:
+        """See Kind."""
+        radius = POSITIVE.read(value, path)
+        return v.Deviation(radius, radius)
+
+    def write(self, value: v.Deviation) -> float:
+        """See Kind."""
+        return POSITIVE.write(value.radius)
+
 
 HEADER = Record(v.Header, [
     Field('header_id', 'headerId', UINT, True),
@@ -39,7 +54,8 @@ HEADER = Record(v.Header, [
 ACTION = Record(v.Action, [
     Field('action_type', 'actionType', TEXT, True, ('actionName',)),
     Field('action_id', 'actionId', TEXT, True),
-    Field('blocking_type', 'blockingType', Choice(v.BlockingType), True),
+    Field('blocking_type', 'blockingType', Choice(
+        v.BlockingType, unknown=(v.BlockingType.SINGLE,)), True),
     Field('description', 'actionDescription', TEXT),
     Field('parameters', 'actionParameters', ListOf(Record(v.ActionParameter, [
         Field('key', 'key', TEXT, True), Field('value', 'value', ANYTHING, True)])), omitted=())])
@@ -47,7 +63,8 @@ ACTION = Record(v.Action, [
 NODE_POSITION = Record(v.NodePosition, [
     Field('x', 'x', NUMBER, True), Field('y', 'y', NUMBER, True),
     Field('theta', 'theta', ANGLE),
-    Field('allowed_deviation_xy', 'allowedDeviationXY', POSITIVE, aliases=('allowedDeviationXy',)),
+    Field('allowed_deviation_xy', 'allowedDeviationXY', _Circle(),
+          aliases=('allowedDeviationXy',)),
     Field('allowed_deviation_theta', 'allowedDeviationTheta', ANGLE),
     Field('map_id', 'mapId', TEXT, True),
     Field('map_description', 'mapDescription', TEXT)])
@@ -59,6 +76,11 @@ NODE = Record(v.Node, [
     Field('released', 'released', BOOLEAN, True),
     Field('position', 'nodePosition', NODE_POSITION),
     Field('actions', 'actions', ListOf(ACTION), True)])
+
+CORRIDOR = Record(v.Corridor, [
+    Field('left_width', 'leftWidth', POSITIVE, True),
+    Field('right_width', 'rightWidth', POSITIVE, True),
+    Field('reference_point', 'corridorRefPoint', TEXT)])
 
 EDGE = Record(v.Edge, [
     Field('edge_id', 'edgeId', TEXT, True),
@@ -77,10 +99,7 @@ EDGE = Record(v.Edge, [
     Field('max_rotation_speed', 'maxRotationSpeed', NUMBER),
     Field('length', 'length', NUMBER),
     Field('trajectory', 'trajectory', OBJECT),
-    Field('corridor', 'corridor', Record(v.Corridor, [
-        Field('left_width', 'leftWidth', POSITIVE, True),
-        Field('right_width', 'rightWidth', POSITIVE, True),
-        Field('reference_point', 'corridorRefPoint', TEXT)])),
+    Field('corridor', 'corridor', CORRIDOR),
     Field('actions', 'actions', ListOf(ACTION), True)])
 
 ORDER = Record(v.Order, [
@@ -190,12 +209,15 @@ _RECORDS: Mapping[str, Record] = {
 class Codec:
     """The messages of one version of the standard; `records` by topic.
 
-    factsheet -- makes this version's factsheet of that of 2.1.0
+    factsheet -- makes this version's factsheet of the vehicle's own
+    is_3      -- instant actions do not block, and are told until they are cleared; an action may be
+                 retried; the same orderUpdateId with another content is an error
     """
 
     version: str
     records: Mapping[str, Record]
-    factsheet: Callable[[Dict[str, Any]], Dict[str, Any]] = lambda sheet: sheet
+    factsheet: Callable[[Dict[str, Any]], Dict[str, Any]]
+    is_3: bool = False
 
     @property
     def major(self) -> str:
@@ -218,12 +240,22 @@ class Codec:
         return {**HEADER.write(header), **body}
 
 
+def _factsheet(sheet: Dict[str, Any]) -> Dict[str, Any]:
+    """Without blockingTypes, for which the schema of 2.1.0 wants an array that is a string, and
+    without cancelAllowed, which is of 3.0."""
+    features = sheet['protocolFeatures']
+    actions = [{key: value for key, value in action.items()
+                if key not in ('blockingTypes', 'cancelAllowed')}
+               for action in features['agvActions']]
+    return {**sheet, 'protocolFeatures': {**features, 'agvActions': actions}}
+
+
 def _version_2_0() -> Codec:
     """2.0.0 knows no maps, and wants a heading with the position of a node, which few have."""
     nodes = ListOf(NODE_STATE.changed(position=None))
     state = STATE.changed(maps=None, node_states=Field('node_states', 'nodeStates', nodes, True))
-    return Codec('2.0.0', {**_RECORDS, 'state': state})
+    return Codec('2.0.0', {**_RECORDS, 'state': state}, _factsheet)
 
 
-VERSION_2_1 = Codec('2.1.0', _RECORDS)
+VERSION_2_1 = Codec('2.1.0', _RECORDS, _factsheet)
 VERSION_2_0 = _version_2_0()

@@ -105,23 +105,19 @@ class Boolean(Kind):
 
 @dataclass(frozen=True)
 class Choice(Kind):
-    """One of an enum's values; `spelling` gives those that are written otherwise,
-    `taken_for` further spellings that are read."""
+    """One of an enum's values; `spelling` gives those that are written otherwise, `unknown` those
+    that this version has not."""
 
     enum: Type[Enum]
     spelling: Tuple[Tuple[Enum, str], ...] = ()
-    taken_for: Tuple[Tuple[str, Enum], ...] = ()
+    unknown: Tuple[Enum, ...] = ()
 
     def read(self, value: Any, path: str) -> Enum:
         """See Kind."""
-        for other, member in self.taken_for:
-            if other == value:
-                return member
-        for member in self.enum:
-            if self.write(member) == value:
-                return member
-        raise Malformed(path, f'is {str(value)[:40]!r}, but must be one of '
-                              + ', '.join(self.write(member) for member in self.enum))
+        known = {self.write(member): member for member in self.enum if member not in self.unknown}
+        if isinstance(value, str) and value in known:
+            return known[value]
+        raise Malformed(path, f'is {str(value)[:40]!r}, but must be one of {", ".join(known)}')
 
     def write(self, value: Enum) -> str:
         """See Kind."""

@@ -1,10 +1,10 @@
 """What makes an order valid that the JSON schemas cannot say (VDA 5050 2.1.0, 6.6.1 and 6.6.2)."""
 from __future__ import annotations
 
-from typing import Iterator, Optional, Set
+from typing import Iterator, Optional, Sequence, Set, Tuple
 
 from vda5050_vehicle.protocol.fields import Malformed
-from vda5050_vehicle.protocol.values import Action, Order
+from vda5050_vehicle.protocol.values import Action, Element, Order
 
 
 def check_order(order: Order) -> None:
@@ -39,7 +39,9 @@ def _wrong_count(order: Order) -> Optional[Malformed]:
 def _wrong_sequence(order: Order) -> Optional[Malformed]:
     """Ids run over nodes and edges by turns, without gaps."""
     first = order.nodes[0].sequence_id
-    for kind, elements, start in (('nodes', order.nodes, first), ('edges', order.edges, first + 1)):
+    rows: Tuple[Tuple[str, Sequence[Element], int], ...] = (
+        ('nodes', order.nodes, first), ('edges', order.edges, first + 1))
+    for kind, elements, start in rows:
         for index, element in enumerate(elements):
             if element.sequence_id != start + 2 * index:
                 return Malformed(f'{kind}[{index}].sequenceId', f'is {element.sequence_id}, but '
@@ -85,5 +87,6 @@ def _repeated_action(order: Order) -> Optional[Malformed]:
 
 def actions_of(order: Order) -> Iterator[Action]:
     """All actions of an order."""
-    for element in (*order.nodes, *order.edges):
+    elements: Tuple[Element, ...] = (*order.nodes, *order.edges)
+    for element in elements:
         yield from element.actions

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Set, Tuple
 
 from vda5050_vehicle.protocol.acceptance import Place
-from vda5050_vehicle.protocol.values import Edge, EdgeState, Node, NodeState, Order
+from vda5050_vehicle.protocol.values import Edge, EdgeState, Element, Node, NodeState, Order
 
 
 @dataclass(frozen=True)
@@ -78,8 +78,8 @@ class OrderState:
     @property
     def horizon_sequence_ids(self) -> Set[int]:
         """Of the nodes and edges that an update replaces."""
-        return {element.sequence_id for element in (*self.nodes, *self.edges)
-                if not element.released}
+        elements: Tuple[Element, ...] = (*self.nodes, *self.edges)
+        return {element.sequence_id for element in elements if not element.released}
 
     @property
     def node_states(self) -> Tuple[NodeState, ...]:

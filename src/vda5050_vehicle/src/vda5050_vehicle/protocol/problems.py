@@ -15,16 +15,32 @@ VALIDATION_ERROR = ErrorKind('validationError', _W, 'Mend the message.',
                              'VALIDATION_FAILURE', _W)
 ORDER_ERROR = ErrorKind('orderError', _W, 'Send an order that the vehicle can execute.',
                         'INVALID_ORDER', _W)
+OTHER_ORDER = ErrorKind('orderError', _W, 'Cancel the order that is under way, or wait for its '
+                        'end.', 'OTHER_ORDER_ACTIVE', _W)
 UNSUPPORTED = ErrorKind('orderError', _W, 'Leave the field out, or let the vehicle ignore it.',
-                        'UNSUPPORTED_PARAMETER', _W)
-ORDER_UPDATE_ERROR = ErrorKind('orderUpdateError', _W, 'Read the state, and send an update of it.',
-                               'OUTDATED_ORDER_UPDATE', _W)
-NO_ROUTE_ERROR = ErrorKind('noRouteError', _W, 'Send an order that begins where the vehicle is, '
-                           'over edges that it has.', 'NODE_UNREACHABLE', _W)
+                        'UNSUPPORTED_PARAMETER', _C)
+UNKNOWN_MAP = ErrorKind('orderError', _W, 'Send an order on the map of the vehicle.',
+                        'UNKNOWN_MAP_ID', _W)
+ORDER_ACTION = ErrorKind('orderError', _W, 'The factsheet lists the actions.',
+                         'INVALID_ORDER_ACTION', _W)
+WRONG_UPDATE = ErrorKind('orderUpdateError', _W, 'Read the state, and send an update of it.',
+                         'INVALID_ORDER_UPDATE', _W)
+OLD_UPDATE = ErrorKind('orderUpdateError', _W, 'Read the state, and send an update of it.',
+                       'OUTDATED_ORDER_UPDATE', _W)
+SAME_UPDATE = ErrorKind('orderUpdateError', _W, 'Send a change with an orderUpdateId of its own.',
+                        'SAME_ORDER_UPDATE_ID', _W)
+UPDATE_AFTER_CANCEL = ErrorKind('orderUpdateError', _W, 'Send another order.',
+                                'ORDER_UPDATE_FOLLOWING_CANCEL', _W)
+NO_ROUTE = ErrorKind('noRouteError', _W, 'Send an order over nodes and edges that the vehicle has.',
+                     'NO_ROUTE_TO_TARGET', _W)
+START_TOO_FAR = ErrorKind('noRouteError', _W, 'Send an order that begins where the vehicle is.',
+                          'START_NODE_OUT_OF_RANGE', _W)
 NO_ORDER_TO_CANCEL = ErrorKind('noOrderToCancel', _W, 'There is nothing to cancel.',
                                'NO_ORDER_TO_CANCEL', _W)
 INSTANT_ACTION_ERROR = ErrorKind('instantActionError', _W, 'The factsheet lists the actions.',
-                                 'UNSUPPORTED_PARAMETER', _W)
+                                 'INVALID_INSTANT_ACTION', _W)
+INSTANT_ACTIONS_FULL = ErrorKind('instantActionError', _W, 'Send clearInstantActions.',
+                                 'INSTANT_ACTION_STATES_FULL', _U)
 
 # --- what happens on the way ----------------------------------------------------------------------
 ACTION_WARNING = ErrorKind('actionError', _W, 'The order goes on without it.',

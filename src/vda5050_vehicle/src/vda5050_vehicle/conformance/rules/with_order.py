@@ -1,163 +1,15 @@
-"""The rules that a vehicle is tried against, in the order in which one run can try them all.
-
-Each rule is a function of the bench; it raises Broken, or TooLate, where the vehicle breaks it.
-Section numbers are those of VDA 5050 2.1.0.
-"""
+"""Rules for one order from its acceptance to its end, and for cancellations."""
 from __future__ import annotations
 
-import json
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Callable, Dict, List
+from typing import TYPE_CHECKING
 
-from vda5050_vehicle.conformance.master import Master, error_types, status_of
+from vda5050_vehicle.conformance.master import error_types
+from vda5050_vehicle.conformance.rules.rule import QUICK, expect, rejected, rule
 from vda5050_vehicle.conformance.track import node_ids
 
 if TYPE_CHECKING:
     from vda5050_vehicle.conformance.bench import Bench
 
-QUICK = 3.0  # s in which a vehicle answers
-QUIET = 1.0  # s in which it must not
-
-
-class Broken(Exception):
-    """The vehicle broke a rule; the text says what was seen."""
-
-
-class NotTried(Exception):
-    """The rule could not be tried; the text says why."""
-
-
-@dataclass(frozen=True)
-class Rule:
-    """A rule, where it stands in the standard, and how it is tried."""
-
-    section: str
-    title: str
-    attempt: Callable[[Bench], None]
-
-
-RULES: List[Rule] = []
-
-
-def rule(section: str, title: str) -> Callable[[Callable[[Bench], None]], Callable[[Bench], None]]:
-    """Adds a function to the rules."""
-    def add(attempt: Callable[[Bench], None]) -> Callable[[Bench], None]:
-        RULES.append(Rule(section, title, attempt))
-        return attempt
-    return add
-
-
-def expect(condition: Any, text: str) -> None:
-    """Raises Broken unless the condition holds."""
-    if not condition:
-        raise Broken(text)
-
-
-def _rejected(master: Master, before: int, kinds: str, what: str) -> None:
-    """An error of one of these kinds comes, and nothing else changes."""
-    was = master.messages['state'][before - 1]
-    names = kinds.split()
-    state = master.wait(lambda state: set(names) & set(error_types(state)), QUICK,
-                        f'{" or ".join(names)} for {what}', after=before)
-    for error in state['errors']:
-        if error['errorType'] in names:
-            expect(error['errorLevel'] == 'WARNING', f'{what}: the errorLevel is not WARNING')
-    for key in ('orderId', 'orderUpdateId'):
-        expect(state[key] == was[key], f'{what}: {key} has changed from {was[key]!r}')
-
-
-# --- connection -----------------------------------------------------------------------------------
-
-@rule('6.14', 'connection is ONLINE and retained')
-def _online(bench: Bench) -> None:
-    master = bench.master
-    found = master.wait(lambda m: True, QUICK, 'a message on connection', 'connection')
-    expect(found['connectionState'] == 'ONLINE', f'it is {found["connectionState"]}')
-    expect(bench.is_retained('connection'), 'it is not retained')
-
-
-@rule('6.8.1', 'stateRequest brings a state and is FINISHED')
-def _state_request(bench: Bench) -> None:
-    master, before = bench.master, bench.master.count()
-    action_id = master.act('stateRequest')
-    master.wait(lambda s: status_of(s, action_id) == 'FINISHED', QUICK, 'stateRequest FINISHED',
-                after=before)
-
-
-@rule('6.15', 'factsheetRequest brings the factsheet, retained, with its actions')
-def _factsheet(bench: Bench) -> None:
-    master, before = bench.master, bench.master.count('factsheet')
-    action_id = master.act('factsheetRequest')
-    sheet = master.wait(lambda m: True, QUICK, 'a factsheet', 'factsheet', before)
-    expect(master.ended(action_id)['actionStatus'] == 'FINISHED', 'the action FAILED')
-    known = {found['actionType'] for found in sheet['protocolFeatures']['agvActions']}
-    expect({'cancelOrder', 'startPause', 'stopPause'} <= known,
-           'cancelOrder, startPause or stopPause is not in it')
-    expect(bench.is_retained('factsheet'), 'it is not retained')
-
-
-# --- what is refused without an order -------------------------------------------------------------
-
-@rule('6.9', 'an unknown instant action is told as FAILED')
-def _unknown_action(bench: Bench) -> None:
-    ended = bench.master.ended(bench.master.act('noSuchAction'), QUICK)
-    expect(ended['actionStatus'] == 'FAILED', f'it is {ended["actionStatus"]}')
-
-
-@rule('6.6.3.2', 'cancelOrder without an order is FAILED, with noOrderToCancel')
-def _nothing_to_cancel(bench: Bench) -> None:
-    master = bench.master
-    ended = master.ended(master.act('cancelOrder'), QUICK)
-    expect(ended['actionStatus'] == 'FAILED', f'it is {ended["actionStatus"]}')
-    expect('noOrderToCancel' in error_types(master.state), 'there is no noOrderToCancel')
-
-
-def _damaged(order: Dict[str, Any], **changes: Any) -> Dict[str, Any]:
-    """A copy of an order with changes: `nodes__1__released=True` changes nodes[1].released."""
-    copy = json.loads(json.dumps(order))
-    for path, value in changes.items():
-        *parents, last = [int(part) if part.isdigit() else part for part in path.split('__')]
-        target: Any = copy
-        for part in parents:
-            target = target[part]
-        target[last] = value
-    return copy
-
-
-@rule('6.6.4.1', 'a malformed order is refused with validationError')
-def _malformed(bench: Bench) -> None:
-    master = bench.master
-    good = bench.there.order(bench.new_id())
-    for what, payload in (('broken JSON', b'{"orderId": "x", '), ('no UTF-8', b'\xff\xfe{}'),
-                          ('JSON that is no object', b'[1, 2]')):
-        _rejected(master, master.send_bytes('order', payload), 'validationError', what)
-    for what, order in (
-            ('a gap in sequenceId', _damaged(good, nodes__1__sequenceId=7)),
-            ('an edge that is missing', _damaged(good, edges=good['edges'][1:])),
-            ('no nodes', _damaged(good, nodes=[], edges=[])),
-            ('a released edge to a node that is not', _damaged(good, nodes__1__released=False)),
-            ('an edge between other nodes', _damaged(good, edges__0__endNodeId='elsewhere')),
-            ('a nodeId that is a number', _damaged(good, nodes__0__nodeId=5)),
-            ('a blockingType that there is not', _damaged(good, nodes__0__actions=[
-                {'actionType': 'x', 'actionId': 'y', 'blockingType': 'MAYBE'}]))):
-        _rejected(master, master.send('order', order), 'validationError', what)
-
-
-@rule('6.6.4.2', 'an order with an unknown action is refused with orderError')
-def _order_with_unknown_action(bench: Bench) -> None:
-    order = _damaged(bench.there.order(bench.new_id()), nodes__1__actions=[
-        {'actionType': 'noSuchAction', 'actionId': bench.new_id(), 'blockingType': 'NONE'}])
-    _rejected(bench.master, bench.master.send('order', order), 'orderError', 'an unknown action')
-
-
-@rule('figure 8 (4)', 'an order that begins far away is refused')
-def _far_away(bench: Bench) -> None:
-    order = bench.there.reversed().order(bench.new_id())
-    _rejected(bench.master, bench.master.send('order', order), 'noRouteError orderError',
-              'an order that begins far away')
-
-
-# --- one order from its acceptance to its end -----------------------------------------------------
 
 @rule('6.6.2', 'a new order is taken up: first node passed, horizon told, rejections gone')
 def _new_order(bench: Bench) -> None:
@@ -177,7 +29,7 @@ def _new_order(bench: Bench) -> None:
 @rule('figure 8 (3)', 'another order while one is under way is refused')
 def _other_order(bench: Bench) -> None:
     order = bench.there.order(bench.new_id())
-    _rejected(bench.master, bench.master.send('order', order), 'orderError', 'another order')
+    rejected(bench.master, bench.master.send('order', order), 'orderError', 'another order')
 
 
 @rule('figure 8 (6)', 'the same update again is ignored')
@@ -217,7 +69,7 @@ def _wrong_stitch(bench: Bench) -> None:
                 bench.order_id, 1, first_sequence=2 * half + 2)),
             ('an update with another sequenceId', bench.there.part(half).order(
                 bench.order_id, 1, first_sequence=2 * half + 4))):
-        _rejected(master, master.send('order', order), 'orderUpdateError', what)
+        rejected(master, master.send('order', order), 'orderUpdateError', what)
 
 
 @rule('figure 8 (7)', 'an update at the decision point is taken up, and driven')
@@ -234,7 +86,7 @@ def _update(bench: Bench) -> None:
 @rule('figure 8 (5)', 'an older update is refused with orderUpdateError')
 def _older_update(bench: Bench) -> None:
     order = bench.there.part(bench.half).order(bench.order_id, 1, first_sequence=2 * bench.half)
-    _rejected(bench.master, bench.master.send('order', order), 'orderUpdateError',
+    rejected(bench.master, bench.master.send('order', order), 'orderUpdateError',
               'an older update')
 
 
@@ -294,7 +146,7 @@ def _cancel(bench: Bench) -> None:
 def _update_after_cancel(bench: Bench) -> None:
     master = bench.master
     order = bench.there.reversed().part(bench.at).order(bench.order_id, 1)
-    _rejected(master, master.send('order', order), 'orderUpdateError', 'an update after a cancel')
+    rejected(master, master.send('order', order), 'orderUpdateError', 'an update after a cancel')
 
 
 @rule('6.6.3.1', 'after a cancellation the next order is taken up from where the vehicle stands')
@@ -320,26 +172,3 @@ def _same_action_twice(bench: Bench) -> None:
     master.act('factsheetRequest', action_id)
     master.ended(master.act('stateRequest'), QUICK)
     expect(master.count('factsheet') == sheets + 1, 'it was done twice')
-
-
-# --- over all -------------------------------------------------------------------------------------
-
-@rule('6.2, 6.14', 'the broker is lost: the base is driven; then ONLINE and a fresh state')
-def _broker_lost(bench: Bench) -> None:
-    if bench.loss is None:
-        raise NotTried('needs --own-broker')
-    expect(bench.loss.back_after <= 5.0, f'ONLINE came after {bench.loss.back_after:.1f} s')
-    expect(bench.loss.drove_on, 'the vehicle did not drive on without the broker')
-
-
-@rule('6.10', 'a state comes at least every 30 s')
-def _interval(bench: Bench) -> None:
-    times = bench.master.arrivals['state']
-    longest = max((after - before for before, after in zip(times, times[1:])), default=0.0)
-    expect(longest <= 30.0, f'{longest:.1f} s went by without one')
-
-
-@rule('all', 'every message is as the standard has it')
-def _messages(bench: Bench) -> None:
-    violations = bench.master.checker.violations
-    expect(not violations, f'{len(violations)} broken: ' + '; '.join(violations[:5]))

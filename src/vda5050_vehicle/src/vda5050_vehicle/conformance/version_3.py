@@ -1,0 +1,108 @@
+"""Messages of VDA 5050 3.0 in the words of 2.1, and back, so that there is one set of rules.
+
+Plain JSON in and out. What only 3.0 has is left out of a state; a message that is not as the
+standard has it is left as it is, for the checker to see.
+"""
+from __future__ import annotations
+
+from typing import Any, Callable, Dict, Iterator, Mapping
+
+Json = Dict[str, Any]
+
+_ONLY_IN_3 = ('zoneSets', 'plannedPath', 'intermediatePath', 'zoneRequests', 'edgeRequests',
+              'instantActionStates', 'zoneActionStates')
+_STATE_KEYS = {'mobileRobotPosition': 'agvPosition', 'powerSupply': 'batteryState'}
+_POSITION_KEYS = {'localized': 'positionInitialized'}
+_BATTERY_KEYS = {'stateOfCharge': 'batteryCharge'}
+_SAFETY_KEYS = {'activeEmergencyStop': 'eStop'}
+_LEVELS = {'URGENT': 'WARNING', 'CRITICAL': 'FATAL'}
+_REFUSED_FIELD = 'UNSUPPORTED_PARAMETER'  # CRITICAL in 3.0, a WARNING in 2.x
+_ERRORS = {
+    'VALIDATION_FAILURE': 'validationError', 'NO_ORDER_TO_CANCEL': 'noOrderToCancel',
+    'OTHER_ORDER_ACTIVE': 'orderError', 'INVALID_ORDER_ACTION': 'orderError',
+    'INVALID_ORDER': 'orderError', 'UNKNOWN_MAP_ID': 'orderError', _REFUSED_FIELD: 'orderError',
+    'OUTDATED_ORDER_UPDATE': 'orderUpdateError', 'SAME_ORDER_UPDATE_ID': 'orderUpdateError',
+    'ORDER_UPDATE_FOLLOWING_CANCEL': 'orderUpdateError',
+    'INVALID_ORDER_UPDATE': 'orderUpdateError', 'NO_ROUTE_TO_TARGET': 'noRouteError',
+    'START_NODE_OUT_OF_RANGE': 'noRouteError'}
+_ACTIONS = {'initializePosition': 'initPosition'}
+
+
+def in_2(topic: str, message: Json) -> Json:
+    """A vehicle's message of 3.0 as 2.1 would have it."""
+    translate = _TO_2.get(topic)
+    try:
+        return translate(message) if translate else message
+    except (AttributeError, KeyError, TypeError):
+        return message
+
+
+def in_3(topic: str, body: Mapping[str, Any]) -> Mapping[str, Any]:
+    """A master's message of 2.1, without header, as 3.0 has it."""
+    if topic == 'instantActions':
+        return {**body, 'actions': [_action_in_3(action) for action in body['actions']]}
+    nodes = body.get('nodes')
+    if not isinstance(nodes, list):
+        return body
+    return {**body, 'nodes': [_node_in_3(node) for node in nodes]}
+
+
+def _renamed(value: Json, keys: Mapping[str, str]) -> Json:
+    return {keys.get(key, key): item for key, item in value.items()}
+
+
+def _state(state: Json) -> Json:
+    found = _renamed(state, _STATE_KEYS)
+    for key, keys in (('agvPosition', _POSITION_KEYS), ('batteryState', _BATTERY_KEYS),
+                      ('safetyState', _SAFETY_KEYS)):
+        if key in found:
+            found[key] = _renamed(found[key], keys)
+    found['actionStates'] = [
+        {**action, 'actionType': _ACTIONS.get(action['actionType'], action['actionType'])}
+        for action in _all_actions(state)]
+    found['errors'] = [_error(error) for error in state['errors']]
+    return {key: value for key, value in found.items() if key not in _ONLY_IN_3}
+
+
+def _all_actions(state: Json) -> Iterator[Json]:
+    yield from state['actionStates']
+    yield from state['instantActionStates']
+
+
+def _error(error: Json) -> Json:
+    kind, level = error['errorType'], error['errorLevel']
+    return {**error, 'errorType': _ERRORS.get(kind, kind),
+            'errorLevel': 'WARNING' if kind == _REFUSED_FIELD else _LEVELS.get(level, level)}
+
+
+def _connection(connection: Json) -> Json:
+    state = connection['connectionState']
+    return {**connection, 'connectionState': 'CONNECTIONBROKEN' if state == 'CONNECTION_BROKEN'
+            else state}
+
+
+def _factsheet(factsheet: Json) -> Json:
+    features = _renamed(factsheet['protocolFeatures'], {'mobileRobotActions': 'agvActions'})
+    return {**factsheet, 'protocolFeatures': features}
+
+
+_TO_2: Mapping[str, Callable[[Json], Json]] = {
+    'state': _state, 'connection': _connection, 'factsheet': _factsheet}
+
+
+def _action_in_3(action: Json) -> Json:
+    """Instant actions never block in 3.0."""
+    names = {old: new for new, old in _ACTIONS.items()}
+    kind = action['actionType']
+    return {**action, 'actionType': names.get(kind, kind), 'blockingType': 'NONE'}
+
+
+def _node_in_3(node: Any) -> Any:
+    position = node.get('nodePosition') if isinstance(node, dict) else None
+    if not isinstance(position, dict) or 'allowedDeviationXY' not in position:
+        return node
+    radius = position['allowedDeviationXY']
+    if not isinstance(radius, (int, float)):
+        return node
+    ellipse = {'a': radius, 'b': radius, 'theta': 0.0}
+    return {**node, 'nodePosition': {**position, 'allowedDeviationXY': ellipse}}

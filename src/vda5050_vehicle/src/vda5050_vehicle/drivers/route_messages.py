@@ -1,0 +1,43 @@
+"""What the route driver says and hears: the route protocol's messages as values."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Tuple
+
+
+@dataclass(frozen=True)
+class RouteCommand:
+    """To be published: drive these edges, or stop where there are none."""
+
+    route_id: int
+    edges: Tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class RouteReport:
+    """What the robot's side tells of a route.
+
+    edge, percentage -- where on the graph the robot is; edge 0: nowhere
+    """
+
+    route_id: int
+    states: Tuple[int, ...]
+    edge: int
+    percentage: float
+    reason: str = ''
+
+
+PROCESSING, COMPLETE, FAILED = 1, 2, 3  # of an edge, as itrci_nav_msgs/EdgeState has them
+
+
+@dataclass(frozen=True)
+class SentRoute:
+    """A route that was sent; its first edge is leg number `first`.
+
+    seen -- a report with its id came
+    """
+
+    id: int
+    edges: Tuple[int, ...]
+    first: int
+    seen: bool = False

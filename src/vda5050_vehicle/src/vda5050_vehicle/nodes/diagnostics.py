@@ -1,0 +1,57 @@
+"""What /diagnostics tells of the adapter: the broker, the order, and a wrong configuration."""
+from __future__ import annotations
+
+from typing import Callable
+
+import rospy
+from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_updater import DiagnosticStatusWrapper, Updater
+
+from vda5050_vehicle.core.vehicle import Vehicle
+from vda5050_vehicle.mqtt.link import MqttLink
+from vda5050_vehicle.nodes.settings import Settings
+
+PERIOD = 1.0  # s
+
+
+def show_state(settings: Settings, vehicle: Vehicle, link: MqttLink,
+               problem: Callable[[], str]) -> None:
+    """Shows whether the broker is there, `problem` why not, and how the order is."""
+    def broker(status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
+        if link.connected:
+            status.summary(DiagnosticStatus.OK, 'connected')
+        else:
+            status.summary(DiagnosticStatus.ERROR, f'not connected: {problem()}')
+        status.add('broker', str(settings.broker))
+        return status
+
+    def order(status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
+        failure = vehicle.errors.failure
+        if failure:
+            status.summary(DiagnosticStatus.ERROR, failure.description)
+        else:
+            status.summary(DiagnosticStatus.OK, 'order under way' if vehicle.busy else 'idle')
+        status.add('order', vehicle.order.order_id)
+        status.add('nodes left', str(max(len(vehicle.order.nodes) - 1, 0)))
+        return status
+
+    _show(settings.prefix, broker=broker, order=order)
+
+
+def show_problem(reason: str) -> None:
+    """Shows why the node cannot work."""
+    def configuration(status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
+        status.summary(DiagnosticStatus.ERROR, reason)
+        return status
+
+    _show('none', configuration=configuration)
+
+
+def _show(hardware_id: str,
+          **tasks: Callable[[DiagnosticStatusWrapper], DiagnosticStatusWrapper]) -> None:
+    updater = Updater()
+    updater.setHardwareID(hardware_id)
+    for name, task in tasks.items():
+        updater.add(name, task)
+    timer = rospy.Timer(rospy.Duration(PERIOD), lambda _: updater.force_update())
+    rospy.on_shutdown(timer.shutdown)

@@ -1,0 +1,64 @@
+"""The values of VDA 5050: orders in, actions in, state, connection and visualization out.
+
+Metres, radians, percent, as on the wire. Field names are the standard's, in Python's spelling.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from vda5050_vehicle.protocol.values.enums import (
+    ActionStatus,
+    BlockingType,
+    ConnectionState,
+    ErrorLevel,
+    EStop,
+    OperatingMode,
+)
+from vda5050_vehicle.protocol.values.orders import (
+    Action,
+    ActionParameter,
+    Corridor,
+    Deviation,
+    Edge,
+    Element,
+    InstantActions,
+    Node,
+    NodePosition,
+    Order,
+)
+from vda5050_vehicle.protocol.values.states import (
+    ActionState,
+    AgvPosition,
+    BatteryState,
+    Connection,
+    EdgeState,
+    Error,
+    ErrorKind,
+    Information,
+    MapInformation,
+    NodeState,
+    Reference,
+    SafetyState,
+    State,
+    Velocity,
+    Visualization,
+)
+
+__all__ = [
+    'Action', 'ActionParameter', 'ActionState', 'ActionStatus', 'AgvPosition', 'BatteryState',
+    'BlockingType', 'Connection', 'ConnectionState', 'Corridor', 'Deviation', 'EStop', 'Edge',
+    'EdgeState', 'Element', 'Error', 'ErrorKind', 'ErrorLevel', 'Header', 'Information',
+    'InstantActions', 'MapInformation', 'Node', 'NodePosition', 'NodeState', 'OperatingMode',
+    'Order', 'Reference', 'SafetyState', 'State', 'Velocity', 'Visualization',
+]
+
+
+@dataclass(frozen=True)
+class Header:
+    """Who sent a message, and when; ids count per topic."""
+
+    header_id: int
+    timestamp: str
+    version: str
+    manufacturer: str
+    serial_number: str
