@@ -106,13 +106,14 @@ class TwoMasters(unittest.TestCase):
 
     def test_only_the_route_topics_cross(self) -> None:
         master = rosgraph.Master('/fleet_side')
-        wait_until(lambda: any(topic == '/omron_ld90/execution_route_states'
-                               for topic, _ in master.getPublishedTopics('')), 60,
-                   'the route states on the fleet side')
+        wanted = {'/omron_ld90/execution_route_states', '/omron_ld90/route_refused'}
+        wait_until(lambda: wanted <= {topic for topic, _ in master.getPublishedTopics('')}, 60,
+                   'the route states and refusals on the fleet side')
         crossed = {topic for topic, _ in master.getTopicTypes()
                    if topic.startswith('/omron_ld90/')}
         self.assertEqual(crossed, {'/omron_ld90/target_route',
-                                   '/omron_ld90/execution_route_states'})
+                                   '/omron_ld90/execution_route_states',
+                                   '/omron_ld90/route_refused'})
 
 
 if __name__ == '__main__':

@@ -15,6 +15,7 @@ from typing import Set
 import rosgraph
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import BatteryState, PointCloud2
 from sensor_msgs.point_cloud2 import read_points
 from std_msgs.msg import String
@@ -163,6 +164,40 @@ class ReceiverTest(unittest.TestCase):
             'statuses again')
         published = {round(m.pose.position.x) for m in self.statuses.messages[before:]}
         self.assertNotIn(2, published)
+
+    def test_a_flood_of_garbage_starves_nothing(self):
+        """Ten megabytes, as fast as they are taken: statuses, link and diagnostics go on."""
+        node = self.process_id('/omron_ld90/omron_connection_receiver')
+        log = Recorder('/rosout', Log)
+        wait_until(log.is_connected, SOON, 'rosout')
+        memory = self.memory_of(node)
+        statuses, links, told = (len(topic.messages) for topic in (
+            self.statuses, self.links, self.diagnostics))
+        garbage = b''.join(bytes(1 + (i + j) % 255 for j in range(200)) + b'\r\n'
+                           for i in range(500))
+        self.robot.settimeout(60.0)
+        for x in range(5000, 5100):
+            self.robot.sendall(garbage)
+            self.sends_status(x)
+        self.statuses.wait_for(lambda m: abs(m.pose.position.x - 5.099) < 1e-4, 60.0,
+                               'the last status', statuses)
+        self.assertEqual(100, len(self.statuses.messages) - statuses, 'statuses')
+        first, last = (self.statuses.messages[i].header.stamp.to_sec() for i in (statuses, -1))
+        self.links.wait_for(lambda _: True, SOON, 'the link again', links)
+        self.diagnostics.wait_for(lambda _: True, SOON, 'diagnostics', told)
+        repeated = [m for m in self.links.messages[links:] if m.state != LinkState.CONNECTED]
+        self.assertEqual([], repeated, 'the link stood all the time')
+        self.assertLess(self.memory_of(node) - memory, 50.0, 'MB of memory')
+        self.assertLess(len([m for m in log.messages if m.name.endswith('receiver')]), 20,
+                        'lines in the log')
+        print(f'flood: 10 MB in {last - first:.1f} s, '
+              f'{self.memory_of(node) - memory:+.1f} MB of memory')
+
+    @staticmethod
+    def memory_of(process_id: int) -> float:
+        """Resident, in MB."""
+        pages = int(Path(f'/proc/{process_id}/statm').read_text(encoding='ascii').split()[1])
+        return pages * os.sysconf('SC_PAGE_SIZE') / 1e6
 
     def sends_status(self, x: int) -> bool:
         self.send(*{**STATUS, 'location': f'Location: {x} 0 0'.encode()}.values())

@@ -9,10 +9,11 @@ from typing import List
 from xmlrpc.client import ServerProxy
 
 import rospy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from route_robot import RouteRobot, state_list
 
 from itrci_nav_msgs.msg import EdgeState, TargetRoute
-from system_support import run_cases, wait_until
+from system_support import Recorder, run_cases, wait_until
 
 HALL = [1, 2, 3, 4, 5, 6]  # 8 10 12 14 32 33 35, 24 m
 LONG = bool(os.environ.get('LD90_LONG_TESTS'))
@@ -34,6 +35,7 @@ class Survival(unittest.TestCase):
     def setUpClass(cls) -> None:
         rospy.init_node('route_survival_test')
         cls.lab = RouteRobot(speed=3.0, status_period=0.2)
+        cls.diagnostics = Recorder('/diagnostics', DiagnosticArray)
 
     @classmethod
     def tearDownClass(cls) -> None:
@@ -111,6 +113,30 @@ class Survival(unittest.TestCase):
                                     'a robot that stops', after=heard)
         wait_until(lambda: self.lab.status.messages[-1].status == 'Stopped', 10.0,
                    'a robot at rest')
+
+    def test_8_a_receiver_that_stands_still_is_told_by_the_bridge(self) -> None:
+        self.lab.wait_ready()
+        wait_until(lambda: self.route_diagnosis().level == DiagnosticStatus.OK, 10.0,
+                   f'a well bridge, not: {self.route_diagnosis().message}')
+        pid = process_of('omron_connection_receiver')
+        os.kill(pid, signal.SIGSTOP)
+        try:
+            wait_until(lambda: 'outgoing: its node has reported nothing'
+                       in self.route_diagnosis().message, 10.0, 'the standstill in /diagnostics')
+            self.assertEqual(DiagnosticStatus.WARN, self.route_diagnosis().level)
+            refused = self.lab.order(self.way())
+            end = self.lab.end_of(refused, 20.0)
+            self.assertIn('outgoing: its node has reported nothing', end.reason)
+        finally:
+            os.kill(pid, signal.SIGCONT)
+        self.lab.wait_ready()
+
+    def route_diagnosis(self) -> DiagnosticStatus:
+        """What the bridge said of itself last."""
+        return next((status for array in reversed(self.diagnostics.messages)
+                     for status in array.status
+                     if status.name == 'omron_ld90/omron_edges_to_vertices: route'),
+                    DiagnosticStatus(level=DiagnosticStatus.STALE, message='nothing'))
 
 
 if __name__ == '__main__':

@@ -1,5 +1,5 @@
-"""Whatever a robot says, in whatever order and pieces, with cancels and stops between: a command
-given ends within its bound, has one outcome, no motion is sent twice, and a stop goes first.
+"""Whatever a robot says, in whatever order and pieces, with cancels, stops, broken links between:
+a command given ends within its bound, has one outcome, no motion is sent twice, a stop goes first.
 300 histories by default, 10,000 with LD90_LONG_TESTS=1.
 """
 from __future__ import annotations
@@ -56,6 +56,7 @@ class History:
         self._dispatcher = Dispatcher()
         self._session = Session(None)
         self._sent: Counter = Counter()
+        self._cancels = 0
         self._pending = b''
 
     def play(self, script: bytes) -> None:
@@ -67,9 +68,12 @@ class History:
             elif what < 110:
                 self.give(NAMES[which % len(NAMES)])
             elif what < 130 and self.given:
+                self._cancels += 1
                 self._dispatcher.cancel(self.given[which % len(self.given)], self.now)
             elif what < 150:
                 self.wait(which / 20.0)
+            elif what < 153:
+                self.lose()
             else:
                 self.say(SAID[which % len(SAID)], cut=what)
             if what % 3:
@@ -94,6 +98,13 @@ class History:
             self._dispatcher.on_reply(event.reply, event.text, self.now)
         self.tell()
 
+    def lose(self) -> None:
+        """The link breaks: what is under way is over, and with the next link nothing comes back."""
+        self._dispatcher.on_lost('lost')
+        self._session, self._pending = Session(None), b''
+        self.tell()
+        assert all(execution.result for execution in self.given)
+
     def wait(self, seconds: float) -> None:
         self.now += seconds
         self._dispatcher.on_time(self.now)
@@ -116,9 +127,10 @@ class History:
             callback()
 
     def check_sent(self) -> None:
-        asked = Counter(execution.command.line for execution in self.given)
-        for line, times in self._sent.items():
-            assert line == b'stop' or times <= asked[line], f'{line!r} was sent {times} times'
+        once = Counter(execution.command.line for execution in self.given if execution.sent)
+        stops, sent = self._sent.pop(b'stop', 0), dict(self._sent)
+        assert stops <= once.pop(b'stop', 0) + self._cancels, f'{stops} stops were sent'
+        assert sent == once, 'what was sent is not each command once'
 
 
 @settings(max_examples=EXAMPLES, database=None, suppress_health_check=list(HealthCheck))

@@ -125,7 +125,11 @@ class RandomMaster(RuleBasedStateMachine):
     @rule(kind=st.sampled_from(['cancelOrder', 'startPause', 'stopPause', 'stateRequest']))
     def instant(self, kind):
         self.actions += 1
-        self.lab.act(kind, f'i{self.actions}')
+        action_id = self.lab.act(kind, f'i{self.actions}')
+        if kind in ('startPause', 'cancelOrder'):
+            self.wait(1.5)
+        if kind == 'cancelOrder' and self.lab.status(action_id) == 'FINISHED':
+            assert self.lab.nodes == [], 'a cancelled order is still there'
 
     @rule(blocking=BLOCKING)
     def instant_say(self, blocking):

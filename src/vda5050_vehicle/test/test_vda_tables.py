@@ -83,11 +83,12 @@ def test_a_way_is_the_shortest_over_the_graph():
 
 def test_an_order_is_made_of_a_graph_and_read_as_a_track(capsys, tmp_path):
     graph = str(PACKAGE.parents[1] / 'maps' / 'lab_graph.yaml')
-    assert main(['order', '--graph', graph, '--vertices', '8', '14', '--order-id', 'mission']) == 0
+    assert main(['order', '--graph', graph, '--vertices', '8', '14', '--order-id', 'mission',
+                 '--manufacturer', 'M', '--serial', 'S']) == 0
     text = capsys.readouterr().out
     order = json.loads(text)
     assert order['orderId'] == 'mission'
-    assert VERSION_2_1.read('order', text.encode())[0].serial_number == 'omron_ld90'
+    assert VERSION_2_1.read('order', text.encode())[0].serial_number == 'S'
     assert [node['nodeId'] for node in order['nodes']] == ['8', '10', '12', '14']
     file = tmp_path / 'order.json'
     file.write_text(text)

@@ -129,6 +129,15 @@ def test_a_restarted_adapter_still_waits_for_the_retry(lab):
     assert lab.started == ['a']
 
 
+def test_an_action_that_was_not_retried_on_its_edge_has_failed(lab):
+    lab.order(HALL.order('o', actions={'1': [{**say('a'), 'retriable': True}]}))
+    lab.end_action('a', succeeded=False, text='no voice')
+    assert lab.status('a') == 'RETRIABLE'
+    lab.drive(1)
+    assert lab.status('a') == 'FAILED'
+    assert lab.status(lab.act('retry', 'late', actionId='a')) == 'FAILED'
+
+
 def test_what_is_not_retriable_is_not_tried_again(lab):
     lab.order(order_with(say('a')))
     assert lab.status(lab.act('retry', 'again', actionId='a')) == 'FAILED'

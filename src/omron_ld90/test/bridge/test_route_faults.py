@@ -123,6 +123,16 @@ def test_an_arrival_elsewhere_is_not_believed():
     assert_failed(bench, 'the robot says that it is at 7, but is '
                   f'{8.0 - bench.robot.position[0]:.1f} m away from it')
 
+def test_an_arrival_is_not_judged_while_late_locations_still_change():
+    bench = under_way()
+    end_of_drive(bench, Ending.SUCCEEDED, 'Arrived at 7')
+    x, y = bench.robot.position
+    for step in range(1, 8):
+        bench.robot.position = (x + 0.2 * step, y)
+        bench.now += 0.2
+        bench.look()
+        assert bench.follower.running
+
 def test_an_arrival_is_judged_by_the_locations_after_it_however_late_they_come():
     bench = under_way(location_timeout=60.0)
     while bench.robot.motion is not Motion.ARRIVED:  # the controller is heard, the robot is not

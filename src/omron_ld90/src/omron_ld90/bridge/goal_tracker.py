@@ -68,7 +68,8 @@ class GoalTracker:
         """Whether the command did not reach the robot."""
         self.failure: Optional[RouteFailed] = None
         """What the robot did with the command instead of obeying it."""
-        self.locations_since_reached = 0
+        self.rested_at_goal = 0
+        """So many locations in a row, after it said that it is there, show the robot unmoved."""
         self._earlier: Tuple[str, ...] = ()
         # Goals sent before it, the last one at the end: those that the robot may yet be going to,
         # for the controller may not have heard of all that we sent.
@@ -172,9 +173,10 @@ class GoalTracker:
 
     def located(self, place: Tuple[float, float]) -> None:
         """The robot was seen at a place (m)."""
+        stands = self._place is not None and math.dist(self._place, place) <= UNMOVED
         self._place = place
         if self.reached:
-            self.locations_since_reached += 1
+            self.rested_at_goal = self.rested_at_goal + 1 if stands else 0
 
     def seen(self, status: RobotSeen, now: float, link_stands_since: float) -> None:
         """The robot's status; `link_stands_since` is infinite while no command can reach it."""
@@ -194,7 +196,7 @@ class GoalTracker:
     def _arrive(self) -> None:
         self.reached = True
         self.knowledge = Knowledge.NOTHING
-        self.locations_since_reached = 0
+        self.rested_at_goal = 0
 
     def _doubt(self, now: float) -> None:
         self.knowledge = Knowledge.DOUBTFUL
@@ -237,9 +239,9 @@ class GoalTracker:
         shown_before = self._before is not None and self._before.goal == status.goal
         foreign = (status.motion is Motion.GOING and status.goal not in self.our_goals
                    and not shown_before)
-        if self._strange_since is None and not foreign:
+        if self._strange_since is None:
             self._strange_since = now
-        elif foreign or now - self._strange_since >= STATUS_LAG:
+        if foreign or now - self._strange_since >= STATUS_LAG:
             self.failure = TakenOver(_what_it_does(status))
 
     def _is_ours(self, status: RobotSeen) -> bool:

@@ -23,16 +23,20 @@ class GraphLocation:
     corridor_width: float
 
     @property
+    def _dock(self) -> Optional[int]:
+        """The dock vertex, where the graph has it."""
+        return self.dock_vertex if self.dock_vertex in self.graph.vertices else None
+
+    @property
     def is_docked(self) -> bool:
         """A docked robot counts as standing on the dock vertex."""
-        return self.dock_vertex in self.graph.vertices and self.docking is Docking.DOCKED
+        return self._dock is not None and self.docking is Docking.DOCKED
 
     @property
     def is_about_the_dock(self) -> bool:
         """Docked, or near the dock, where the robot's own manoeuvre decides where it is."""
-        if self.dock_vertex not in self.graph.vertices:
-            return False
-        return self.is_docked or self._distance_to(self.dock_vertex) <= DOCK_ZONE
+        return self._dock is not None and (
+            self.is_docked or self._distance_to(self._dock) <= DOCK_ZONE)
 
     def why_not_from(self, edge: int, being_driven: bool) -> str:
         """Why a route cannot begin here with `edge`; empty when it can.
@@ -69,8 +73,8 @@ class GraphLocation:
 
     def symbolic_pose(self) -> SymbolicPose:
         """The nearest edge, driven forwards; edge 0 when it is in no corridor."""
-        if self.is_docked and self.graph.edges:
-            way_out = self.graph.edges_from(self.dock_vertex)[0]
+        if self._dock is not None and self.is_docked and self.graph.edges:
+            way_out = self.graph.edges_from(self._dock)[0]
             return SymbolicPose(abs(way_out), 0.0 if way_out > 0 else 100.0)
         nearest = self.graph.nearest_edge(*self.position)
         if nearest is None or nearest[1].distance > self.corridor_width / 2.0:

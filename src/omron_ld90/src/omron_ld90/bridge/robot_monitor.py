@@ -74,10 +74,11 @@ class RobotMonitor:
         """What must be known before anybody can say whether the robot can drive, and is not."""
         if self.location.last is None:
             return 'the robot has not told where it is'
-        if self.is_location_overdue(now):
+        unusable = self.links.why_unusable(now)
+        if not unusable and self.is_location_overdue(now):
             return ('the robot has not told where it is for '
                     f'{now - self.location.heard:.0f} s')
-        return self.links.why_unusable(now)
+        return unusable
 
     def is_location_overdue(self, now: float) -> bool:
         """Whether the last location is too old, given that its link stands for as long."""

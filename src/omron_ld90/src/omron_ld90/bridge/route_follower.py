@@ -7,7 +7,7 @@ orders are taken up, and the fleet manager is told.
 """
 from __future__ import annotations
 
-from typing import Callable, Iterable, List, Optional, Tuple
+from typing import Callable, Iterable, List, Optional, Tuple, TypeVar
 
 from omron_ld90.bridge import route_protocol as p
 from omron_ld90.bridge.goal_tracker import RouteFailed, TakenOver
@@ -36,6 +36,8 @@ from omron_ld90.bridge.route_run import RouteRun
 from omron_ld90.bridge.route_strategies import Settings
 from trajectory_graph import Graph
 
+_Event = TypeVar('_Event')
+
 
 class RouteFollower:
     """Drives one robot along the routes of a fleet manager."""
@@ -50,21 +52,22 @@ class RouteFollower:
         """The running route, or the last one."""
         self._restored: Optional[Tuple[p.RouteRecord, float]] = None  # to go on with; give up
         self._waiting: Optional[Tuple[RouteOrder, float]] = None      # to be judged; give up
-        self._refused: Tuple[Optional[RouteOrder], str] = (None, '')  # the last one, and why
+        self._refused: Optional[Tuple[RouteOrder, str]] = None        # the last one, and why
         self._explained: Optional[int] = None  # route of which a duplicate was explained
-        self._last_reported: Tuple = ()
+        self._last_reported: Tuple[object, ...] = ()
         self._out: List[p.Action] = []
 
     # --- what goes in and out ---------------------------------------------------------------------
 
     def handle(self, event: p.Event, now: float) -> List[p.Action]:
         """Takes an event; commands in the answer come before anything told about them."""
-        return self._answer(self._on_order if isinstance(event, RouteOrder) else self._on_event,
-                            event, now)
+        if isinstance(event, RouteOrder):
+            return self._answer(self._on_order, event, now)
+        return self._answer(self._on_event, event, now)
 
     def tick(self, now: float) -> List[p.Action]:
         """Looks at the clock; to be called about ten times a second."""
-        return self._answer(self._go_on, now)
+        return self._answer(self._on_tick, None, now)
 
     def use_graph(self, graph: Graph, now: float) -> List[p.Action]:
         """Replaces the graph; a running route goes on when its edges are what they were."""
@@ -107,12 +110,12 @@ class RouteFollower:
         return RouteReport(self._stamp, route.order.route_id, route.edges, route.states,
                            self._pose(), self._reason)
 
-    def _answer(self, handler: Callable[..., None], *arguments: object) -> List[p.Action]:
+    def _answer(self, handle: Callable[[_Event, float], None], event: _Event,
+                now: float) -> List[p.Action]:
         """What a handler makes of an event: commands, notes, a report where more than a
         percentage has changed."""
-        now = arguments[-1]
         try:
-            handler(*arguments)
+            handle(event, now)
         except RouteFailed as failure:
             self._fail(failure, now)
         actions: List[p.Action] = [*self.robot.due_commands(now), *self._out]
@@ -140,7 +143,10 @@ class RouteFollower:
 
     @property
     def _here(self) -> GraphLocation:
-        return GraphLocation(self.graph, self.robot.location.last.position, self.robot.docking,
+        """Where the robot is on the graph, both of which must be known."""
+        last = self.robot.location.last
+        assert self.graph is not None and last is not None
+        return GraphLocation(self.graph, last.position, self.robot.docking,
                              self.settings.dock_vertex, self.settings.vertex_tolerance,
                              self.settings.corridor_width)
 
@@ -166,7 +172,7 @@ class RouteFollower:
                        f'{route.order.route_id} was sent after it.')
         elif route and (order.route_id, order.edges) == (route.order.route_id, route.edges):
             self._explain_duplicate(route)
-        elif order.stamp and order == self._refused[0]:
+        elif order.stamp and self._refused and order == self._refused[0]:
             self._refuse(*self._refused)
         else:
             self._waiting = (order, now + self.settings.location_timeout)
@@ -208,17 +214,19 @@ class RouteFollower:
 
     def _take_up(self, order: RouteOrder, now: float) -> None:
         """Changes the route, or begins another one; raises RouteRefused."""
-        check_edges(self.graph, order.edges)
-        if is_change(self.route, order):
-            check_change(self.route, order, self._here)
-            self.route.replace(order, now)
+        here, route = self._here, self.route
+        check_edges(here.graph, order.edges)
+        if route and is_change(route, order):
+            check_change(route, order, here)
+            route.replace(order, now)
         else:
-            check_start(order, self.route, self._here)
+            check_start(order, route, here)
             self._begin(order, now)
 
     def _begin(self, order: RouteOrder, now: float) -> None:
         """Drives a new route."""
-        under_way = (self.route.edges_under_way if self.running and self.route.progress else ())
+        driven = self._driven
+        under_way = driven.edges_under_way if driven else ()
         self._restored = None
         self.route = self._run(order, self._progress(order.edges, 0), now)
         self.route.allow(under_way)
@@ -227,8 +235,9 @@ class RouteFollower:
 
     def _progress(self, edges: Tuple[int, ...], current: int) -> RouteProgress:
         dock = () if self.settings.dock_vertex is None else (self.settings.dock_vertex,)
-        return RouteProgress(self.graph, edges, self.settings.vertex_tolerance, dock,
-                             self._here.position, current)
+        here = self._here
+        return RouteProgress(here.graph, edges, self.settings.vertex_tolerance, dock,
+                             here.position, current)
 
     def _run(self, order: RouteOrder, progress: Optional[RouteProgress], now: float,
              phase: Phase = Phase.RUNNING) -> RouteRun:
@@ -247,44 +256,55 @@ class RouteFollower:
 
     # --- what happens to the route ----------------------------------------------------------------
 
+    @property
+    def _driven(self) -> Optional[RouteRun]:
+        """The route, while it is driven and its edges are those of a graph."""
+        route = self.route
+        return route if route and route.running and route.is_on_graph else None
+
     def _on_event(self, event: p.Event, now: float) -> None:
-        moved = self.robot.update(event, now)
-        if moved and self.running and self.route.progress:
-            self._note(self.route.locate(self._here, now))
+        moved, driven = self.robot.update(event, now), self._driven
+        if moved and driven:
+            self._note(driven.locate(self._here, now))
+        self._go_on(now)
+
+    def _on_tick(self, _: None, now: float) -> None:
         self._go_on(now)
 
     def _go_on(self, now: float) -> None:
         """Judges what is known now, and drives on."""
         self._consider_restored(now)
         self._consider_waiting(now)
-        if self.running and self.route.progress:
+        driven = self._driven
+        if driven:
             self.robot.check(now)
-            self._note(self.route.go_on(now, self.robot.docking_changed))
+            self._note(driven.go_on(now, self.robot.docking_changed))
 
     def _consider_restored(self, now: float) -> None:
         """Goes on with the route that ran before a restart, once the robot is seen."""
-        if self._restored is None:
+        route, seen = self.route, self.robot.seen
+        if self._restored is None or route is None:
             return
         record, give_up = self._restored
-        unknown = self._why_unknown(now) or ('' if self.robot.seen else 'the robot is silent')
-        if unknown and now <= give_up:
+        unknown = self._why_unknown(now)
+        if (unknown or seen is None) and now <= give_up:
             return
         self._restored = None
-        route = self.route
-        if unknown:
+        if unknown or seen is None:
             if route.running:
-                raise RouteFailed(unknown)
+                raise RouteFailed(unknown or 'the robot is silent')
             return
+        here = self._here
         try:
-            check_edges(self.graph, record.edges)
+            check_edges(here.graph, record.edges)
         except RouteRefused as refusal:
             if route.running:
                 raise RouteFailed(str(refusal)) from None
             return
         if route.running:
-            current = current_edge(record, self._here, self.robot.seen)
+            current = current_edge(record, here, seen)
             route.progress = self._progress(record.edges, current)
-            resume(route, record, self.graph, self.robot.seen, now)
+            resume(route, record, here.graph, seen, now)
             self._note(f'Route {record.route_id} goes on after a restart of the bridge.')
         else:
             route.progress = self._progress(record.edges, record.completed)
@@ -294,7 +314,7 @@ class RouteFollower:
             return
         self.graph = graph
         route = self.route
-        if route and route.progress:
+        if route and route.is_on_graph:
             if is_same_in(graph, route.progress.graph, route.edges):
                 route.use_graph(graph)
             elif route.running:
@@ -304,10 +324,12 @@ class RouteFollower:
 
     def _fail(self, failure: RouteFailed, now: float) -> None:
         """Ends the route; with a stop, unless the robot obeys somebody else already."""
+        route = self.route
+        assert route is not None  # only a running route fails
         if isinstance(failure, TakenOver):
             self.robot.leave()
         else:
             self.robot.stop(now)
-        self.route.phase = Phase.FAILED
-        self.route.reason = failure.reason
-        self._note(f'Route {self.route.order.route_id} failed: {failure}')
+        route.phase = Phase.FAILED
+        route.reason = failure.reason
+        self._note(f'Route {route.order.route_id} failed: {failure}')

@@ -34,17 +34,16 @@ def check_edges(graph: Graph, edges: Tuple[int, ...]) -> None:
         raise RouteRefused(str(error).rstrip('.')) from None
 
 
-def is_change(route: Optional[RouteRun], order: RouteOrder) -> bool:
+def is_change(route: RouteRun, order: RouteOrder) -> bool:
     """Does the order have the id of a route that was not stopped?"""
-    return (route is not None and route.order.route_id == order.route_id
-            and route.phase is not Phase.STOPPED)
+    return route.order.route_id == order.route_id and route.phase is not Phase.STOPPED
 
 
 def check_change(route: RouteRun, order: RouteOrder, here: GraphLocation) -> None:
     """Raises RouteRefused where the route cannot become what the order of the same id says."""
     if route.phase is Phase.FAILED:
         raise RouteRefused(f'route {order.route_id} has failed: another one needs another id')
-    if route.progress is None or route.progress.graph is not here.graph:
+    if not route.is_on_graph or route.progress.graph is not here.graph:
         raise RouteRefused(f'the graph was replaced, and edges of route {order.route_id} are not '
                            'what they were: another one needs another id')
     if not route.decides_pose(here):

@@ -15,7 +15,7 @@ from trajectory_graph import Graph
 
 PROGRESS = 0.05  # m along the route that count as progress
 LEAD = 2.0       # s from our command to the robot's driving on a new way, and some to spare
-LOCATIONS_TO_JUDGE = 2  # after the robot says that it has arrived: the first may be older than that
+RESTS_TO_JUDGE = 2  # once the robot says that it has arrived: locations from before that still change
 
 
 class RouteRun:
@@ -32,7 +32,7 @@ class RouteRun:
         Of the latter, `completed` edges were driven.
         """
         self.order = order
-        self.progress = progress
+        self._progress = progress
         self.phase = phase
         self.reason = ''
         self.target: Optional[int] = None
@@ -50,6 +50,21 @@ class RouteRun:
     # --- how far it is ---------------------------------------------------------------------------
 
     @property
+    def progress(self) -> RouteProgress:
+        """How far it is; only of a route that `is_on_graph`."""
+        assert self._progress is not None, f'route {self.order.route_id} is not on the graph'
+        return self._progress
+
+    @progress.setter
+    def progress(self, progress: RouteProgress) -> None:
+        self._progress = progress
+
+    @property
+    def is_on_graph(self) -> bool:
+        """Whether its edges are known to be those of a graph."""
+        return self._progress is not None
+
+    @property
     def running(self) -> bool:
         """Whether the route is being driven."""
         return self.phase is Phase.RUNNING
@@ -62,7 +77,7 @@ class RouteRun:
     @property
     def completed(self) -> int:
         """How many edges were driven."""
-        return self._completed if self.progress is None else self.progress.current
+        return self.progress.current if self.is_on_graph else self._completed
 
     @property
     def states(self) -> Tuple[EdgeState, ...]:
@@ -85,15 +100,15 @@ class RouteRun:
 
     def is_on(self, edge: int) -> bool:
         """Is the robot on this edge, or just past it, or did it fail on it?"""
-        if self.progress is None or self.phase not in (Phase.RUNNING, Phase.FAILED):
+        if not self.is_on_graph or self.phase not in (Phase.RUNNING, Phase.FAILED):
             return False
         current = self.progress.current
         return edge in self.edges[max(current - 1, 0) if self.running else current:current + 1]
 
     def decides_pose(self, here: GraphLocation) -> bool:
         """Is the robot driving the route, or has it stayed where the route ended?"""
-        if self.progress is None or self.phase is not Phase.COMPLETE:
-            return self.running and self.progress is not None
+        if not self.is_on_graph or self.phase is not Phase.COMPLETE:
+            return self.running and self.is_on_graph
         end = self.progress.end(-1)
         if here.is_docked:
             return end.id == self._settings.dock_vertex
@@ -170,8 +185,8 @@ class RouteRun:
             return ''
         self.drive()
         self._check_progress(now)
-        if tracker.reached and tracker.locations_since_reached >= LOCATIONS_TO_JUDGE:
-            if self.progress.current < self.target:
+        if tracker.reached and tracker.rested_at_goal >= RESTS_TO_JUDGE:
+            if self.target is not None and self.progress.current < self.target:
                 return self._send_back(now)
             raise RouteFailed(f'the robot says that it is at {tracker.goal}, but is '
                               f'{self._distance_to_target():.1f} m away from it')
@@ -235,4 +250,8 @@ class RouteRun:
         return speed * speed / (2.0 * settings.braking) + speed * seconds
 
     def _distance_to_target(self) -> float:
-        return math.dist(self._location.last.position, self.progress.end(self.target).position)
+        """Infinite as long as either is unknown."""
+        last = self._location.last
+        if last is None or self.target is None:
+            return math.inf
+        return math.dist(last.position, self.progress.end(self.target).position)

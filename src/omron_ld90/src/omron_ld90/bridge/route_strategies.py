@@ -74,7 +74,8 @@ def direct(context: StrategyContext) -> int:
 def rolling(context: StrategyContext) -> int:
     """The next goal before the robot brakes for this one, where it will still pass this one."""
     progress = context.progress
-    first = progress.current if context.target_is_behind else context.target
+    first = (progress.current if context.target is None or context.target_is_behind
+             else context.target)
     return context.farthest_free(
         first, lambda index: progress.distance_to_end(index) <= context.horizon)
 

@@ -30,7 +30,7 @@ def follows_on(graph: Graph, edges: Sequence[int], arc: float, corridor_width: f
     vertex between.
     """
     slack = max(corridor_width / 2.0 - HALF_WIDTH, 0.0) + PLANNING_ERROR
-    return (len(edges) == 1 or corner_cut(graph, *edges[-2:], slack) <= tolerance
+    return (len(edges) == 1 or corner_cut(graph, edges[-2], edges[-1], slack) <= tolerance
             ) and not has_detour(graph, edges, arc, corridor_width)
 
 

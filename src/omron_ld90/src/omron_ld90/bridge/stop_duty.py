@@ -20,6 +20,20 @@ class StopDuty:
     """Whether a stop is owed, and when to give it."""
 
     def __init__(self) -> None:
+        self.forgive()
+
+    def require(self, now: float, look_first: float = 0.0) -> None:
+        """The robot is to stop; `look_first` s are given to its status to show that it is needed.
+
+        That is for a stop whose cause is not of this moment: somebody else may drive by now.
+        """
+        self.forgive()
+        self.owed = True
+        self._since = now
+        self._look_until = now + look_first
+
+    def forgive(self) -> None:
+        """Nobody wants the stop any more, or nobody may give it."""
         self.owed = False
         self.problem = ''
         """Why the last attempt came to nothing."""
@@ -28,20 +42,6 @@ class StopDuty:
         self._not_before = -math.inf
         self._seen_over = False
         self._look_until = -math.inf  # so long the robot's status is awaited before the stop
-
-    def require(self, now: float, look_first: float = 0.0) -> None:
-        """The robot is to stop; `look_first` s are given to its status to show that it is needed.
-
-        That is for a stop whose cause is not of this moment: somebody else may drive by now.
-        """
-        self.__init__()
-        self.owed = True
-        self._since = now
-        self._look_until = now + look_first
-
-    def forgive(self) -> None:
-        """Nobody wants the stop any more, or nobody may give it."""
-        self.__init__()
 
     def is_due(self, link_stands: bool, now: float) -> bool:
         """Whether to give the stop now; the first time whatever is known of the link."""

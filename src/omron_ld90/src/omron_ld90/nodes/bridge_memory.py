@@ -1,13 +1,16 @@
 """What the bridge remembers of its last route over a restart, as long as the ROS master lives."""
 from __future__ import annotations
 
+import http.client
 import threading
 import time
+import xmlrpc.client
 from typing import Any, Dict, Optional, Tuple
 
 import rospy
 
 from omron_ld90.bridge.route_protocol import Phase, RouteRecord
+from omron_ld90.nodes.support.worker import start_worker
 
 PARAMETER = '~route_record'
 REFRESHED = 5.0     # s between two writings of the same record
@@ -22,7 +25,8 @@ class RouteMemory:
     def __init__(self) -> None:
         self._record: Optional[RouteRecord] = None
         self._changed = threading.Condition()
-        threading.Thread(target=self._run, name='route-memory', daemon=True).start()
+        self._closing = False
+        self._thread = start_worker('route-memory', self._run)
 
     def recall(self) -> Tuple[Optional[RouteRecord], float]:
         """The record left by the program before this one, and its age in s; None without one."""
@@ -39,17 +43,26 @@ class RouteMemory:
                 self._record = record
                 self._changed.notify()
 
+    def close(self) -> None:
+        """Ends the thread; what was to be written is written."""
+        with self._changed:
+            self._closing = True
+            self._changed.notify()
+        self._thread.join(0.5)
+
     def _run(self) -> None:
-        written = None
-        while not rospy.is_shutdown():
+        written: Optional[RouteRecord] = None
+        closing = False
+        while not closing and not rospy.is_shutdown():
             with self._changed:
-                if self._record == written:
+                if self._record == written and not self._closing:
                     self._changed.wait(REFRESHED)
                 record = written = self._record
+                closing = self._closing
             try:
                 if record is not None:
                     rospy.set_param(PARAMETER, _content_of(record))
-            except OSError as error:
+            except (OSError, http.client.HTTPException, xmlrpc.client.Error) as error:
                 rospy.logwarn_throttle(60.0, 'The route cannot be remembered over a restart: the '
                                              'ROS master does not answer (%s).', error)
 

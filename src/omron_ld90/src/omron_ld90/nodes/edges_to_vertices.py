@@ -56,6 +56,7 @@ from omron_ld90.nodes.support import fleet_messages, shared_parameters, startup
 from omron_ld90.nodes.support.command_client import CommandClient
 from omron_ld90.nodes.support.diagnostics import publish_diagnostics
 from omron_ld90.nodes.support.followed_graph import FollowedGraph
+from omron_ld90.nodes.support.worker import start_worker
 from omron_ld90_msgs.msg import ExecuteCommandResult, LinkState, RobotStatus
 from trajectory_graph import Graph
 
@@ -64,6 +65,7 @@ IDLE_PERIOD = 1.0   # s between two reports without a route
 QUEUE_SIZE = 1000   # events; beyond that the topics wait, and drop what is oldest
 
 Call = Callable[[float], Iterable[p.Action]]  # of the follower, with the time
+Diagnosis = Tuple[bytes, str, Dict[str, str]]  # level, summary and values
 
 
 class EdgesToVertices:
@@ -85,7 +87,7 @@ class EdgesToVertices:
         self._calls: queue.SimpleQueue[Call] = queue.SimpleQueue()
         self._reported = self._diagnosed = -IDLE_PERIOD
         self._ending = threading.Event()
-        self._diagnosis = (DiagnosticStatus.WARN, 'starting', {})
+        self._diagnosis: Diagnosis = (DiagnosticStatus.WARN, 'starting', {})
 
         self._states = rospy.Publisher('execution_route_states', ExecutionRouteStates,
                                        queue_size=10, latch=True, tcp_nodelay=True)
@@ -100,16 +102,16 @@ class EdgesToVertices:
             rospy.Subscriber(topic, kind, callback, queue_size=100, tcp_nodelay=True)
         FollowedGraph(graph, self._on_graph).subscribe()
         publish_diagnostics('none', {'route': self._diagnose})
-        self._thread = threading.Thread(target=self._run, name='route-follower', daemon=True)
-        self._thread.start()
+        self._thread = start_worker('route-follower', self._run)
         if graph is None:
             rospy.logwarn('%s idles: ~graph_file is empty, and no /graph has come yet.',
                           rospy.get_name())
 
     def close(self) -> None:
-        """Ends the thread."""
+        """Ends the threads."""
         self._ending.set()
         self._thread.join(0.5)
+        self._memory.close()
 
     # --- callbacks -------------------------------------------------------------------------------
 
@@ -161,7 +163,7 @@ class EdgesToVertices:
         self._act(self._follower.tick(now))
         if now - self._diagnosed >= IDLE_PERIOD:
             self._diagnosed = now
-            self._diagnosis = _diagnosis(self._follower)
+            self._diagnosis = _diagnosis(self._follower, now)
         period = TICK if self._follower.running else IDLE_PERIOD
         if now - self._reported >= period - TICK / 2.0:
             self._reported = now
@@ -187,20 +189,22 @@ class EdgesToVertices:
         return status
 
 
-def _diagnosis(follower: RouteFollower) -> Tuple[bytes, str, Dict[str, str]]:
-    """Level, summary and values of the diagnostic `route`."""
+def _diagnosis(follower: RouteFollower, now: float) -> Diagnosis:
+    """Of the diagnostic `route`."""
     report, route, duty = follower.report(), follower.route, follower.robot.stop_duty
+    unknown = follower.robot.why_unknown(now)
     if duty.owed and duty.problem:
         level, summary = DiagnosticStatus.ERROR, (
             f'The robot has not obeyed a stop yet: {duty.problem}')
     elif follower.graph is None:
         level, summary = DiagnosticStatus.WARN, 'Idle: there is no graph.'
-    elif route is None:
-        level, summary = DiagnosticStatus.OK, 'No route yet.'
     elif report.reason:
         level, summary = DiagnosticStatus.ERROR, f'Route {report.route_id} failed: {report.reason}'
     else:
-        level, summary = DiagnosticStatus.OK, f'Route {report.route_id}: {route.phase.value}'
+        level = DiagnosticStatus.WARN if unknown else DiagnosticStatus.OK
+        summary = f'Route {report.route_id}: {route.phase.value}' if route else 'No route yet.'
+        if unknown:
+            summary = f'{summary.rstrip(".")}. The robot cannot be driven now: {unknown}'
     return level, summary, {
         'edges done': f'{list(report.states).count(p.EdgeState.COMPLETE)} of {len(report.edges)}',
         'edge': str(report.pose.edge), 'percentage': f'{report.pose.percentage:.1f}',

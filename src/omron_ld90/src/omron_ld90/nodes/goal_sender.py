@@ -166,7 +166,7 @@ class GoalSender:
                                    point)
                 return
             click = resolve_click(self._targets, point[0], point[1], self._tolerance)
-            if click.hit:
+            if click.hit and click.target:
                 self._drive_to(click.target)
             else:
                 self._feedback.say(Severity.INFO, explain_miss(click, self._tolerance), point)
@@ -189,12 +189,12 @@ class GoalSender:
 
     def _on_handle(self, action: Action, target: Optional[Target]) -> None:
         with self._lock:
-            if action is Action.LOCALIZE:
+            if action is Action.LOCALIZE and target:
                 self._localize(target)
+            elif action is Action.GO and target:
+                self._drive_to(target)
             elif action is Action.STOP:
                 self._give(COMMANDS[action], None)
-            elif action is Action.GO:
-                self._drive_to(target)
             else:
                 self._drive(COMMANDS[action], target)
 

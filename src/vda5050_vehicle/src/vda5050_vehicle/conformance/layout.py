@@ -1,7 +1,9 @@
 """Orders and layouts for masters, made of a trajectory graph.
 
-    vda5050_layout order --graph G.yaml --vertices 18 39 52 6 16    an order, ready to be sent
+    vda5050_layout order --graph G.yaml --vertices 18 39 52 6 16    an order in JSON
     vda5050_layout lif --graph G.yaml                               a layout (VDMA LIF 1.0)
+
+With --manufacturer and --serial the order has a header, and can be sent as it is.
 """
 from __future__ import annotations
 
@@ -96,17 +98,19 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     parser.add_argument('--graph', required=True, help='trajectory graph (YAML)')
     parser.add_argument('--vertices', type=int, nargs='+', default=[], help='of the order')
     parser.add_argument('--order-id', default='', help='of the order; else one of its own')
-    parser.add_argument('--manufacturer', default='OMRON', help='of the vehicle')
-    parser.add_argument('--serial', default='omron_ld90', help='serialNumber of the vehicle')
+    parser.add_argument('--manufacturer', default='', help='of the vehicle')
+    parser.add_argument('--serial', default='', help='serialNumber of the vehicle')
     parser.add_argument('--map-id', default='map')
     parser.add_argument('--vehicle-type', default='LD-90', help='of the layout')
     options = parser.parse_args(arguments)
     try:
         if options.what == 'order':
             track = track_over(options.graph, options.vertices, options.map_id)
-            result = {'headerId': 0, 'timestamp': timestamp(time.time()), 'version': '2.1.0',
-                      'manufacturer': options.manufacturer, 'serialNumber': options.serial,
-                      **track.order(options.order_id or uuid.uuid4().hex[:12])}
+            result = track.order(options.order_id or uuid.uuid4().hex[:12])
+            if options.manufacturer and options.serial:
+                result = {'headerId': 0, 'timestamp': timestamp(time.time()), 'version': '2.1.0',
+                          'manufacturer': options.manufacturer, 'serialNumber': options.serial,
+                          **result}
         else:
             result = lif(load_graph(options.graph), options.map_id, options.vehicle_type,
                          time.time())

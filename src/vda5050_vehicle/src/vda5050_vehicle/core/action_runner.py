@@ -43,7 +43,9 @@ class ActionRunner:
         """The edge was driven: its actions end with it."""
         for entry in self._vehicle.actions.of(edge.sequence_id):
             action_id = entry.action.action_id
-            if entry.is_active:
+            if entry.status is ActionStatus.RETRIABLE:
+                self.end(action_id, ActionStatus.FAILED, 'the edge was left before it was retried')
+            elif entry.is_active:
                 self._vehicle.do(fx.CancelAction(action_id))
                 self.end(action_id, ActionStatus.FINISHED, 'the edge was left')
             elif not entry.status.has_ended:

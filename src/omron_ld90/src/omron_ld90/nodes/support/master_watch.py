@@ -5,6 +5,7 @@ with the old master, but the nodes have read theirs.
 """
 from __future__ import annotations
 
+import http.client
 import threading
 import time
 import xmlrpc.client
@@ -39,8 +40,8 @@ class MasterWatch:
             if self._is_known():
                 return False
             self._register()
-        except (OSError, xmlrpc.client.Error):  # the master is not there now
-            return False
+        except (OSError, http.client.HTTPException, xmlrpc.client.Error):
+            return False  # the master is not there now
         return True
 
     def _run(self) -> None:

@@ -1,0 +1,107 @@
+"""A link's changes on `link_state`, in /diagnostics, and in the log."""
+from __future__ import annotations
+
+from typing import Any, List
+
+import pytest
+import rospy
+from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_updater import DiagnosticStatusWrapper
+
+from omron_arcl import Link, LinkPhase
+from omron_ld90.nodes.support import link_reports
+from omron_ld90.nodes.support.link_reports import LinkReporter, robot_host, words_of
+from omron_ld90.nodes.support.startup import ConfigurationError
+from omron_ld90_msgs.msg import LinkState
+
+ROBOT = '10.0.0.5:7171'
+
+
+class Topic(list):
+    """What was published."""
+
+    publish = list.append
+
+
+@pytest.fixture(autouse=True)
+def topic(monkeypatch) -> Topic:
+    published = Topic()
+    monkeypatch.setattr(rospy, 'Publisher', lambda *_, **__: published)
+    monkeypatch.setattr(rospy, 'on_shutdown', lambda _: None)
+    monkeypatch.setattr(rospy, 'Timer', lambda *_: type('Timer', (), {'shutdown': None}))
+    monkeypatch.setattr(rospy.Time, 'now', staticmethod(lambda: rospy.Time(100)))
+    return published
+
+
+@pytest.fixture
+def logged(monkeypatch) -> List[str]:
+    said: List[str] = []
+    monkeypatch.setattr(rospy, 'loginfo', lambda text, *arguments: said.append(text % arguments))
+    monkeypatch.setattr(link_reports, 'warn', lambda _, text: said.append(text))
+    return said
+
+
+def diagnosis(reporter: LinkReporter) -> DiagnosticStatusWrapper:
+    return reporter.diagnose(DiagnosticStatusWrapper())
+
+
+@pytest.mark.parametrize(('phase', 'state'), [
+    (LinkPhase.DISCONNECTED, LinkState.DISCONNECTED),
+    (LinkPhase.CONNECTING, LinkState.CONNECTING),
+    (LinkPhase.LOGGING_IN, LinkState.LOGGING_IN),
+    (LinkPhase.CONNECTED, LinkState.CONNECTED),
+    (LinkPhase.WRONG_PASSWORD, LinkState.WRONG_PASSWORD),
+])
+def test_every_phase_is_published_as_its_state(topic, logged, phase, state):
+    LinkReporter(LinkState.COMMANDS).report(Link(phase, ROBOT, 'why'))
+    message = topic[-1]
+    assert (message.link, message.state) == (LinkState.COMMANDS, state)
+    assert (message.address, message.reason) == (ROBOT, 'why')
+    assert words_of(state) == phase.value
+
+
+def test_the_last_word_is_repeated_so_that_others_know_that_the_node_is_alive(topic, logged):
+    reporter = LinkReporter(LinkState.OUTGOING)
+    reporter._repeat(None)
+    assert topic == []
+    reporter.report(Link(LinkPhase.CONNECTED, ROBOT))
+    reporter._repeat(None)
+    assert topic == [topic[0]] * 2
+
+
+def test_a_link_that_stays_as_it_is_is_logged_once(logged):
+    reporter = LinkReporter(LinkState.COMMANDS)
+    for _ in range(3):
+        for phase, reason in ((LinkPhase.CONNECTING, 'connecting'),
+                              (LinkPhase.DISCONNECTED, 'connection refused')):
+            reporter.report(Link(phase, ROBOT, reason))
+    assert logged == [f'Link "commands" to {ROBOT} is down: connection refused.']
+    reporter.report(Link(LinkPhase.CONNECTED, ROBOT))
+    assert logged[1:] == [f'Link "commands" to {ROBOT} stands.']
+
+
+def test_the_diagnosis_is_an_error_unless_it_is_connected(logged):
+    reporter = LinkReporter(LinkState.COMMANDS)
+    assert diagnosis(reporter).level == DiagnosticStatus.WARN
+    reporter.report(Link(LinkPhase.DISCONNECTED, ROBOT, 'connection refused'))
+    assert diagnosis(reporter).level == DiagnosticStatus.ERROR
+    assert 'connection refused' in diagnosis(reporter).message
+    reporter.report(Link(LinkPhase.CONNECTED, ROBOT))
+    reporter.line()
+    values = {value.key: value.value for value in diagnosis(reporter).values}
+    assert diagnosis(reporter).level == DiagnosticStatus.OK
+    assert values['connections made'] == '1'
+    assert float(values['age of last line [s]']) < 10.0
+
+
+@pytest.mark.parametrize(('host', 'possible'), [
+    ('10.0.0.5', True), ('robot.factory', True), ('10.0..5', False), ('robot one', False)])
+def test_what_can_be_no_robot_is_a_wrong_parameter(monkeypatch, host, possible):
+    parameters: Any = {'~robot_ip': host}
+    monkeypatch.setattr(rospy, 'get_param', lambda name, _: parameters[name])
+    monkeypatch.setattr(rospy, 'resolve_name', lambda name: name)
+    if possible:
+        assert robot_host() == host
+        return
+    with pytest.raises(ConfigurationError, match='neither an address nor a name'):
+        robot_host()

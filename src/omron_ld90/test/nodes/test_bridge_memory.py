@@ -1,0 +1,88 @@
+"""What the bridge writes down is what the next one reads, whatever else stands there."""
+from __future__ import annotations
+
+import threading
+from typing import Any, Dict, Iterator, List
+
+import pytest
+import rospy
+
+from omron_ld90.bridge.route_protocol import Phase, RouteRecord
+from omron_ld90.nodes import bridge_memory
+from omron_ld90.nodes.bridge_memory import PARAMETER, RouteMemory
+
+RECORD = RouteRecord(route_id=7, edges=(1, -4, 5), stamp=1_700_000_000_123_456_789,
+                     phase=Phase.RUNNING, reason='', completed=1, target=2, goal='12',
+                     owes_stop=False)
+ENDED = RouteRecord(8, (3,), 0, Phase.FAILED, 'emergency stop', 0, None, '', True)
+
+
+class Parameters:
+    """A ROS master that keeps one parameter, and may fail to answer."""
+
+    def __init__(self) -> None:
+        self.content: Any = None
+        self.failures: List[Exception] = []
+        self.written = threading.Semaphore(0)
+        self.memories: List[RouteMemory] = []
+
+    def memory(self) -> RouteMemory:
+        """Of a bridge that has just started."""
+        self.memories.append(RouteMemory())
+        return self.memories[-1]
+
+    def get(self, name: str, default: Any) -> Any:
+        assert name == PARAMETER
+        return default if self.content is None else self.content
+
+    def set(self, name: str, content: Dict[str, Any]) -> None:
+        assert name == PARAMETER
+        if self.failures:
+            raise self.failures.pop()
+        self.content = content
+        self.written.release()
+
+
+@pytest.fixture
+def parameters(monkeypatch) -> Iterator[Parameters]:
+    master = Parameters()
+    monkeypatch.setattr(rospy, 'get_param', master.get)
+    monkeypatch.setattr(rospy, 'set_param', master.set)
+    monkeypatch.setattr(rospy, 'logwarn_throttle', lambda *_: None)
+    monkeypatch.setattr(bridge_memory, 'REFRESHED', 0.05)
+    yield master
+    for memory in master.memories:
+        memory.close()
+
+
+@pytest.mark.parametrize('record', [RECORD, ENDED], ids=['running', 'ended'])
+def test_a_record_comes_back_with_its_age(parameters, record):
+    memory = parameters.memory()
+    memory.keep(record)
+    memory.close()
+    recalled, age = parameters.memory().recall()
+    assert recalled == record
+    assert 0.0 <= age < 10.0
+
+
+def test_without_a_record_there_is_none(parameters):
+    assert parameters.memory().recall() == (None, 0.0)
+
+
+@pytest.mark.parametrize('content', [
+    7, 'route', [], {}, {'time': 1.0}, {'time': 'noon', 'route_id': 7},
+], ids=str)
+def test_what_is_no_record_is_none(parameters, content):
+    parameters.content = content
+    assert parameters.memory().recall() == (None, 0.0)
+
+
+def test_a_master_that_does_not_answer_is_told_again_with_the_next_record(parameters):
+    memory = parameters.memory()
+    parameters.failures.append(ConnectionRefusedError())
+    memory.keep(RECORD)
+    memory.keep(ENDED)
+    assert parameters.written.acquire(timeout=10.0)
+    while parameters.content['route_id'] != ENDED.route_id:
+        assert parameters.written.acquire(timeout=10.0)
+    assert memory.recall()[0] == ENDED

@@ -1,0 +1,43 @@
+"""What the documents name is there: files that they link to, and modules."""
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import List
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[3]
+DOCUMENTS = sorted([*ROOT.glob('*.md'), *(ROOT / 'docs').rglob('*.md'),
+                    *(ROOT / 'src').glob('*/README.md')])
+# These tell of old names, too.
+OF_HISTORY = ('upgrading.md', 'CHANGELOG.md')
+_LINK = re.compile(r'\]\(([^)#\s]+)(?:#[^)]*)?\)')
+_MODULE = re.compile(r'`((?:omron_arcl|omron_map|omron_ld90|omron_ld90_sim|trajectory_graph)'
+                     r'(?:\.[a-z]\w*)+)`')
+
+
+def name_of(document: Path) -> str:
+    return str(document.relative_to(ROOT))
+
+
+@pytest.mark.parametrize('document', DOCUMENTS, ids=name_of)
+def test_what_is_linked_to_is_there(document: Path):
+    links = [link for link in _LINK.findall(document.read_text(encoding='utf-8'))
+             if '://' not in link]
+    assert [link for link in links if not (document.parent / link).exists()] == []
+
+
+@pytest.mark.parametrize('document', [document for document in DOCUMENTS
+                                      if document.name not in OF_HISTORY], ids=name_of)
+def test_every_module_that_is_named_is_there(document: Path):
+    assert [name for name in _MODULE.findall(document.read_text(encoding='utf-8'))
+            if not is_module(name) and not name.endswith(('.rviz', '.urdf', '.map'))] == []
+
+
+def is_module(name: str) -> bool:
+    """Whether it is a module or package of ours, or something in one."""
+    words: List[str] = name.split('.')
+    folder = ROOT / 'src' / words[0] / 'src' / Path(*words)
+    return folder.is_dir() or folder.with_suffix('.py').is_file() or (
+        folder.parent.with_suffix('.py').is_file())
