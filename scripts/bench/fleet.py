@@ -2,8 +2,8 @@
 """The fleet's planner: how soon it plans, how good its plans are, what fleets get done with them.
 
 Every plan is for true sizes, speeds and conflict sets. Times are those of the processor, which
-other work on the machine does not lengthen so much; limits are by the clock. `--only SECTION` runs a part; the sections
-are the names in SECTIONS. Rivals come from PyPI into virtual environments under build/rivals.
+other work on the machine does not lengthen so much; limits are by the clock. `--only SECTION` runs
+a part (see SECTIONS). Rivals come from PyPI into virtual environments under build/rivals.
 """
 from __future__ import annotations
 
