@@ -37,11 +37,12 @@ class Problem:
             self.travellers[name] = self._traveller(task, others)
 
     def rests(self, kind: RobotType, unwanted: FrozenSet[int] = frozenset()) -> FrozenSet[int]:
-        """Where robots of a type may be parked, without what others want if that leaves any."""
+        """Where robots of a type may be parked; without what others want if that leaves enough."""
         docks = frozenset(self._network.index[id] for id in kind.docks or ()
                           if id in self._network.index)
         allowed = (self._parking - self._network.docks) | (self._parking & docks)
-        return allowed - unwanted or allowed
+        quiet = allowed - unwanted
+        return quiet if len(quiet) >= len(self.tasks) else allowed
 
     def with_rests(self, traveller: Traveller, rests: FrozenSet[int]) -> Traveller:
         """The same traveller, allowed to end elsewhere."""
