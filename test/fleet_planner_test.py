@@ -199,7 +199,7 @@ class FleetPlannerTest(unittest.TestCase):
         self.report(at=1, left=[1, 2, 7])
         self.restart()
         self.assertEqual(8, len(self.graphs.messages[-1].edges), 'what agv_1 drives on')
-        self.report(at=7)
+        self.report(at=2)
         wait_until(lambda: self.accepted(corridor(7)), 10, 'a new graph in force')
 
     def restart(self) -> None:
@@ -252,7 +252,22 @@ class FleetPlannerTest(unittest.TestCase):
         self.assertEqual([(1, True), (2, True)],
                          [(drive.edge_id, drive.released) for drive in drives[:2]])
         self.assertAlmostEqual(1.5, (drives[0].end - answer.header.stamp).to_sec(), 6)
-        self.assertIn(corridor().end_vertex(drives[-1].edge_id).id, parking.vertices)
+        wait_until(lambda: self.end_of(self.plan(task)) in parking.vertices, 10,
+                   'a plan that ends on parking, once the planner knows it, too')
+
+    def end_of(self, answer: PlanAnswer) -> int:
+        """The vertex on which the first robot's plan ends."""
+        return corridor().end_vertex(answer.plans[0].drives[-1].edge_id).id
+
+    def test_a_planner_that_was_ended_answers_again(self):
+        task = RobotTask(robot='agv_1', robot_type='agv', vertex=2, destinations=[4], stays=True)
+        self.assertEqual([[2, 3]], self.planned(task))
+        rosnode.kill_nodes(['/path_planner'])
+        wait_until(lambda: self.requests.get_num_connections() == 0, 20, 'the end of path_planner')
+        wait_until(lambda: self.requests.get_num_connections() > 0 and self.answers.is_connected(),
+                   30, 'a new path_planner')
+        answer = wait_until(lambda: self.plan_on_new_graph(task), 10, 'a plan of the new planner')
+        self.assertEqual([2, 3], [drive.edge_id for drive in answer.plans[0].drives])
 
     def test_nonsense_is_refused_and_another_graph_told(self):
         stranger = RobotTask(robot='agv_1', robot_type='boat', vertex=1)

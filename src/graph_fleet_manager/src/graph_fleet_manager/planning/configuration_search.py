@@ -41,12 +41,15 @@ def search_configurations(timetable: Timetable, travellers: Sequence[Traveller],
 
     It begins where everybody's fixed drives end. Robots that may rest in several places rest in the
     one that each has been given by the order of the travellers: the nearest that is still free.
-    None where the deadline (monotonic s) came first.
+    None where there is no way, or the deadline (monotonic s) came first.
     """
     rests = choose_rests(timetable, travellers)
     if rests is None:
         return None
     maker = StepMaker(timetable, travellers, rests, random)
+    if (any(any(slots.bookings) for slots in timetable.slots.values())
+            and not all(mover.has_way() for mover in maker.movers)):
+        return None  # somebody stands in the way for ever
     movers = maker.movers
     first = tuple(mover.begin for mover in movers)
     root = _Node(first, None, {}, _first_waiting(movers, first), [], deque([()]))

@@ -57,6 +57,21 @@ class Mover:
         """Seconds to the end of the leg."""
         return self.estimate(place)[place % self._vertices]
 
+    def has_way(self) -> bool:
+        """Could it come to its targets in their order, were it alone?"""
+        vertex = self.vertex(self.begin)
+        for target in self.targets[self.leg(self.begin):]:
+            reached, ahead = {vertex}, [vertex]
+            while ahead and target not in reached:
+                for _, end, _ in self.roads[ahead.pop()]:
+                    if end not in reached:
+                        reached.add(end)
+                        ahead.append(end)
+            if target not in reached:
+                return False
+            vertex = target
+        return True
+
     def is_end(self, place: int) -> bool:
         """Is it where it is to stay?"""
         leg, vertex = divmod(place, self._vertices)
