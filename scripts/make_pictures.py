@@ -3,8 +3,8 @@
 
 After `source devel/setup.bash`: `PYTHONPATH=test:$PYTHONPATH scripts/make_pictures.py`
 
-Writes docs/images/rviz_map.png, rviz_route.png, rviz_drive.gif, made_graph.png and graph_editor.png.
-`scripts/make_pictures.py graph` makes the last two only.
+Writes rviz_map.png, rviz_route.png, rviz_drive.gif, made_graph.png and graph_editor.png into
+docs/images; with the argument `graph` the last two only.
 """
 from __future__ import annotations
 
@@ -126,21 +126,30 @@ def graph_pictures(screen: Screen) -> None:
     """The graph made of the laboratory's bare map, drawn, and in the editor."""
     lab = str(ROOT / 'maps' / 'lab_base.map')
     with tempfile.TemporaryDirectory() as folder:
-        graph, picture = f'{folder}/graph.yaml', IMAGES / 'made_graph.png'
+        graph = f'{folder}/graph.yaml'
         make_cli.main(['--map', lab, '--output', graph, f'--dock={STATION_SIDE}',
-                       '--draw', str(picture)])
-        with Image.open(picture) as image:
-            image.quantize(64).save(picture, optimize=True)
-        window = RvizWindow(screen, str(IMAGES), SCALE, '-p', str(free_port()), 'graph_editor',
-                            'edit.launch', f'map_file:={lab}', f'graph_file:={graph}')
+                       '--draw', str(IMAGES / 'made_graph.png')])
+        port = free_port()
+        os.environ['ROS_MASTER_URI'] = screen.environment['ROS_MASTER_URI'] = (
+            f'http://127.0.0.1:{port}')
+        editor = subprocess.Popen(
+            ['roslaunch', '-p', str(port), 'graph_editor', 'edit.launch', 'rviz:=false',
+             f'map_file:={lab}', f'graph_file:={graph}'],
+            env=screen.environment, stdout=subprocess.DEVNULL)
+        window = None
         try:
+            window = RvizWindow(screen, str(IMAGES), SCALE, 'graph_editor', 'rviz.launch',
+                                f'map_file:={lab}')
             wait_until(lambda: count_near(window.look(), VERTEX_2, NAVY), 60.0, 'the graph')
             window.click(VERTEX_2)
             wait_until(lambda: count_near(window.look(), VERTEX_2, YELLOW, 12), 60.0,
                        'the selected vertex')
             keep(window, 'graph_editor')
         finally:
-            window.close()
+            if window is not None:
+                window.close()
+            editor.send_signal(signal.SIGINT)
+            editor.wait(30)
 
 
 def main() -> int:
