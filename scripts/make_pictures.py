@@ -3,7 +3,8 @@
 
 After `source devel/setup.bash`: `PYTHONPATH=test:$PYTHONPATH scripts/make_pictures.py`
 
-Writes docs/images/rviz_map.png, rviz_route.png and rviz_drive.gif.
+Writes rviz_map.png, rviz_route.png, rviz_drive.gif, made_graph.png and graph_editor.png into
+docs/images; with the argument `graph` the last two only.
 """
 from __future__ import annotations
 
@@ -11,6 +12,7 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from pathlib import Path
 from typing import Callable, List, Optional, Tuple
@@ -18,9 +20,10 @@ from typing import Callable, List, Optional, Tuple
 import rospy
 from geometry_msgs.msg import PointStamped
 from PIL import Image, ImageDraw
-from rviz_support import RvizWindow, Screen, missing_programs
+from rviz_support import RvizWindow, Screen, count_near, missing_programs
 from std_msgs.msg import String
 
+from graph_editor import make_cli
 from itrci_nav_msgs.msg import ExecutionRouteStates, TargetRoute
 from omron_map import MapDocument
 from ports import free_port
@@ -34,6 +37,9 @@ GIF_WIDTH, GIF_COLOURS = 900, 160
 SCALE = 40.0
 NOTHING_HERE = (640, 440)
 PERIOD, SPEED_UP = 1.0, 5.0  # s between two pictures of the film, and how much faster it plays
+STATION_SIDE = '-13.2,-7.0,180'  # where the laboratory's charger stands
+VERTEX_2 = (600, 198)  # pixel of a vertex of the made graph
+NAVY, YELLOW = (31, 51, 89), (255, 217, 26)
 ROUTE = (9, 3, 4, 31, 32, 34)  # from vertex 4 to 52
 
 
@@ -116,6 +122,36 @@ def film(window: RvizWindow) -> None:
     pictures.save(IMAGES / 'rviz_drive.gif')
 
 
+def graph_pictures(screen: Screen) -> None:
+    """The graph made of the laboratory's bare map, drawn, and in the editor."""
+    lab = str(ROOT / 'maps' / 'lab_base.map')
+    with tempfile.TemporaryDirectory() as folder:
+        graph = f'{folder}/graph.yaml'
+        make_cli.main(['--map', lab, '--output', graph, f'--dock={STATION_SIDE}',
+                       '--draw', str(IMAGES / 'made_graph.png')])
+        port = free_port()
+        os.environ['ROS_MASTER_URI'] = screen.environment['ROS_MASTER_URI'] = (
+            f'http://127.0.0.1:{port}')
+        editor = subprocess.Popen(
+            ['roslaunch', '-p', str(port), 'graph_editor', 'edit.launch', 'rviz:=false',
+             f'map_file:={lab}', f'graph_file:={graph}'],
+            env=screen.environment, stdout=subprocess.DEVNULL)
+        window = None
+        try:
+            window = RvizWindow(screen, str(IMAGES), SCALE, 'graph_editor', 'rviz.launch',
+                                f'map_file:={lab}')
+            wait_until(lambda: count_near(window.look(), VERTEX_2, NAVY), 60.0, 'the graph')
+            window.click(VERTEX_2)
+            wait_until(lambda: count_near(window.look(), VERTEX_2, YELLOW, 12), 60.0,
+                       'the selected vertex')
+            keep(window, 'graph_editor')
+        finally:
+            if window is not None:
+                window.close()
+            editor.send_signal(signal.SIGINT)
+            editor.wait(30)
+
+
 def main() -> int:
     """Start the stack on free ports, film it, and end it."""
     missing = missing_programs()
@@ -123,9 +159,20 @@ def main() -> int:
         print(f'Not installed: {", ".join(missing)}.', file=sys.stderr)
         return 1
     IMAGES.mkdir(parents=True, exist_ok=True)
+    screen = Screen()
+    try:
+        if sys.argv[1:] != ['graph']:
+            stack_pictures(screen)
+        graph_pictures(screen)
+    finally:
+        screen.close()
+    return 0
+
+
+def stack_pictures(screen: Screen) -> None:
+    """The stack with a simulated robot, on ports of its own."""
     port = free_port()
     os.environ['ROS_MASTER_URI'] = f'http://127.0.0.1:{port}'
-    screen = Screen()
     stack = subprocess.Popen(
         ['roslaunch', '-p', str(port), 'omron_ld90', 'full_stack.launch', 'rviz:=false',
          f'arcl_port:={free_port()}', f'outgoing_port:={free_port()}'], stdout=subprocess.DEVNULL)
@@ -139,8 +186,6 @@ def main() -> int:
             window.close()
         stack.send_signal(signal.SIGINT)
         stack.wait(30)
-        screen.close()
-    return 0
 
 
 if __name__ == '__main__':

@@ -31,7 +31,7 @@ from trajectory_graph.messages import graph_from_message
 
 ROOT = Path(__file__).resolve().parents[1]
 STATION_SIDE = '--dock=-13.2,-7.0,180'  # where the laboratory's charger stands
-SPEED = 20
+SPEED = 12
 MIDDLE = (640, 466)  # pixel of the middle of the 3D view
 NEW_PLACE = (1.2, 6.2)  # m, where the made graph has no vertex
 IN_THE_WALL = (1.9, 1.26)

@@ -40,12 +40,12 @@ from trajectory_graph.editing import Draft
 ROOT = Path(__file__).resolve().parents[2]
 LAB = ROOT / 'maps' / 'lab_base.map'
 REAL = sorted(Path(os.environ.get('LD90_REAL_MAPS') or '/nowhere').glob('*.map'))
-RUNS = 5
+RUNS = 3
 OPTIONS = MakingOptions()
 ROOM = 1.1  # m of clearance: the middles of the laboratory's rooms and halls, parted by their doors
 ROWS, COLUMNS, PITCH, EDGES = 20, 25, 3.0, 1000
 DRAGS, RATE = 300, 30.0  # s-1
-SETTLE, MEASURE = 10.0, 10.0  # s
+SETTLE, MEASURE = 8.0, 6.0  # s
 IMPORTS = ('import numpy, networkx, scipy.ndimage, scipy.spatial, shapely.geometry, '
            'skimage.graph, skimage.morphology, PIL.Image, yaml')
 ECHO = '''
