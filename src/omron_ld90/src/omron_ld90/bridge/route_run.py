@@ -15,7 +15,7 @@ from trajectory_graph import Graph
 
 PROGRESS = 0.05  # m along the route that count as progress
 LEAD = 2.0       # s from our command to the robot's driving on a new way, and some to spare
-RESTS_TO_JUDGE = 2  # once the robot says that it has arrived: locations from before that still change
+RESTS_TO_JUDGE = 2  # after the word of an arrival: locations from before that still change
 
 
 class RouteRun:
