@@ -71,7 +71,8 @@ def _between(at: np.ndarray, step: np.ndarray, least: np.ndarray,
     """When at + t step lies strictly between `least` and `most`; (inf, -inf) for never."""
     still = step == 0.0
     safe = np.where(still, 1.0, step)
-    one, other = (least - at) / safe, (most - at) / safe
+    with np.errstate(over='ignore'):  # of steps next to nothing: infinity is right
+        one, other = (least - at) / safe, (most - at) / safe
     low, high = np.minimum(one, other), np.maximum(one, other)
     if still.any():
         within = (at[still] > least[still]) & (at[still] < most[still])
