@@ -195,7 +195,7 @@ class Mouse:
     def wait_for_editor(self) -> None:
         """Until it answers: while it starts, feedback is lost."""
         self._answered.clear()
-        for x, y in circle(60):
+        for x, y in list(circle(60))[1:]:  # a drag to where it is would not be answered
             self._tell(InteractiveMarkerFeedback.POSE_UPDATE, x, y)
             if self._answered.wait(1.0):
                 return
