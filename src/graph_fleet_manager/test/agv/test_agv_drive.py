@@ -81,8 +81,8 @@ def test_a_bend_is_driven_no_faster_than_it_can_turn() -> None:
     drive.follow((1,), 0, 0.0)
     while not drive.at_end:
         before = drive.heading
-        drive.advance(STEP)
-        assert abs(drive.heading - before) <= LIMITS.turn_rate * STEP * 1.25
+        drive.advance(0.5)
+        assert abs(drive.heading - before) <= LIMITS.turn_rate * 0.5 * 1.1
     assert drive.pose == pytest.approx((0.6, 0.6, math.pi / 2), abs=0.02)
 
 

@@ -1,1 +1,1 @@
-"""A simulated vehicle that follows the edges of a trajectory graph, and the robot's side of the route protocol."""
+"""A simulated vehicle that follows edges: the robot's side of the route protocol."""

@@ -187,8 +187,8 @@ class Drive:
 def speed_towards(distance: float, limit: float, speed: float, braking: float, dt: float) -> float:
     """The highest speed after `dt` from which braking still leads to `limit` at `distance`.
 
-    v' with (v + v') / 2 dt + (v'^2 - limit^2) / (2 braking) = distance; 0 where there is none.
+    v' with (v + v') / 2 dt + (v'^2 - limit^2) / (2 braking) = distance, but no less than `limit`.
     """
     half = braking * dt / 2.0
     root = half * half - 2.0 * half * speed + limit * limit + 2.0 * braking * distance
-    return max(0.0, math.sqrt(root) - half) if root > 0.0 else 0.0
+    return max(limit, math.sqrt(root) - half) if root > 0.0 else limit

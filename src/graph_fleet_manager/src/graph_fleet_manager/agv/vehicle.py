@@ -77,10 +77,9 @@ class Vehicle:
         if not order.edges:
             self._waiting = None
             self.route = Route(order, Phase.STOPPED)
-        elif route and 0 < order.stamp < route.order.stamp:
-            return
-        elif route and (order.route_id, order.edges) == (route.order.route_id, route.edges):
-            return
+        elif route and (0 < order.stamp < route.order.stamp
+                        or (order.route_id, order.edges) == (route.order.route_id, route.edges)):
+            return  # late, or what it drives already
         elif order.stamp and self._refused and order == self._refused[0]:
             self._refuse(*self._refused)
         else:
@@ -168,7 +167,7 @@ class Vehicle:
         """Somebody pushes it aside, to its left: its route fails, and it is on no edge."""
         x, y, heading = self.pose
         self.drive.speed = 0.0
-        self._off_graph = (x + metres * -math.sin(heading), y + metres * math.cos(heading), heading)
+        self._off_graph = (x - metres * math.sin(heading), y + metres * math.cos(heading), heading)
         self.fail('off the corridor')
 
     def put_on(self, vertex: int) -> None:
