@@ -13,6 +13,7 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, pr
 
 from graph_fleet_manager.agv.route_protocol import EdgeState, RouteOrder, RouteReport
 from graph_fleet_manager.agv.vehicle import Vehicle
+from trajectory_graph import split_edges
 
 COMPLETE, FAILED = EdgeState.COMPLETE, EdgeState.FAILED
 SPEED = 1.0
@@ -24,7 +25,7 @@ class ObedientAgv(RuleBasedStateMachine):
     @initialize(seed=st.integers(0, 2 ** 32), vertices=st.integers(2, 6))
     def build(self, seed: int, vertices: int) -> None:
         self.random = Random(seed)
-        self.graph = random_graph(self.random, vertices, vertices, 3.0)
+        self.graph = split_edges(random_graph(self.random, vertices, vertices, 3.0), 0.8)
         self.vehicle = Vehicle('agv', self.graph, self.random.choice(list(self.graph.vertices)))
         self.next_id, self.stamp = 1, 0
         self.last: RouteReport = self.vehicle.report()
@@ -36,7 +37,7 @@ class ObedientAgv(RuleBasedStateMachine):
     def order_another_route_from_here(self, length: int) -> None:
         self._order(self._new_id(), self._walk((), length))
 
-    @rule(length=st.integers(1, 5))
+    @rule(length=st.integers(0, 5))
     def order_a_route_that_goes_on(self, length: int) -> None:
         left = [edge for edge, state in zip(self.last.edges, self.last.states)
                 if state is not COMPLETE]
@@ -48,9 +49,19 @@ class ObedientAgv(RuleBasedStateMachine):
         self._order(self.last.route_id, self._walk(self.last.edges, length))
 
     @precondition(lambda self: self.last.edges)
-    @rule(kept=st.integers(1, 6))
-    def make_the_route_shorter(self, kept: int) -> None:
-        self._order(self.last.route_id, self.last.edges[:kept])
+    @rule(length=st.integers(1, 5))
+    def leave_out_what_is_done(self, length: int) -> None:
+        self._order(self.last.route_id, self._walk(self.last.edges[-1:], length))
+
+    @precondition(lambda self: self.last.edges)
+    @rule(more=st.integers(0, 2), ticks=st.integers(0, 25), another=st.booleans())
+    def make_the_route_shorter(self, more: int, ticks: int, another: bool) -> None:
+        self.wait(ticks)
+        done = self._done(self.last)
+        if another:
+            self._order(self._new_id(), self.last.edges[done:done + more])
+        else:
+            self._order(self.last.route_id, self.last.edges[:done + more])
 
     @rule(edges=st.lists(st.integers(-9, 9), min_size=1, max_size=4), new=st.booleans())
     def order_anything(self, edges: List[int], new: bool) -> None:
@@ -113,8 +124,8 @@ class ObedientAgv(RuleBasedStateMachine):
             assert pose.edge == report.edges[min(done, len(report.edges) - 1)]
             assert (pose.percentage == 100.0) == (done == len(report.edges))
         if self.vehicle.running:
-            ahead = [self.graph.curve(edge).length for edge in report.edges[done:]]
-            left = sum(ahead) - self.vehicle.drive.arc
+            left = sum(self.graph.curve(edge).length for edge in report.edges[done:])
+            left -= self.vehicle.drive.arc
             assert self.vehicle.drive.speed ** 2 / (2 * 0.5) <= left + 0.01, 'it cannot stop in time'
         if report.edges == self.last.edges and report.route_id == self.last.route_id:
             assert done >= self._done(self.last), 'what was COMPLETE is not any more'
@@ -148,6 +159,9 @@ class ObedientAgv(RuleBasedStateMachine):
         elif self.vehicle._waiting is None or not edges:
             assert (messages[0].route_id, messages[0].edges) == (route_id, edges), (
                 'the first report with its id acknowledges a route')
+            kept = before.edges[:self._done(before) + 1]
+            assert not edges or route_id != before.route_id or edges[:len(kept)] == kept, (
+                'a change left out what is done or being driven')
         else:
             assert not running and waited is not self.vehicle._waiting, (
                 'only a vehicle that brakes lets an order wait')
@@ -180,7 +194,9 @@ class ObedientAgv(RuleBasedStateMachine):
             at = self.graph.end_vertex(edges[-1]).id
         walk = list(edges)
         for _ in range(length):
-            walk.append(self.random.choice(self.graph.edges_from(at)))
+            ways = self.graph.edges_from(at)
+            onwards = [way for way in ways if walk and way != -walk[-1]]
+            walk.append(self.random.choice(onwards * 4 + list(ways)))
             at = self.graph.end_vertex(walk[-1]).id
         return tuple(walk)
 

@@ -195,3 +195,12 @@ def test_during_an_emergency_stop_nothing_is_taken_up() -> None:
 def test_an_idle_vehicle_tells_where_it_is() -> None:
     assert Conversation(1).last.pose == SymbolicPose(1, 0.0)
     assert Conversation(4).last.pose == SymbolicPose(3, 100.0)
+
+
+def test_another_route_that_ends_where_it_cannot_stop_is_refused() -> None:
+    agv = Conversation()
+    agv.order(7, 1, 2)
+    agv.drive_to(3.6)
+    agv.order(8, 1)
+    assert agv.reason == 'at 1.00 m/s the vehicle cannot stop where the route demands it'
+    assert agv.last.route_id == 7
