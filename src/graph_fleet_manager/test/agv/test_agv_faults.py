@@ -118,7 +118,7 @@ def test_the_help_names_every_fault() -> None:
     assert [line.split()[0] for line in help_text().splitlines()] == list(FAULTS)
 
 
-# --- the control socket -----------------------------------------------------------------------------
+# --- the control socket ---------------------------------------------------------------------------
 
 @pytest.fixture
 def ask():

@@ -31,7 +31,7 @@ class ObedientAgv(RuleBasedStateMachine):
         self.last: RouteReport = self.vehicle.report()
         self.order: Optional[RouteOrder] = None
 
-    # --- orders ------------------------------------------------------------------------------------
+    # --- orders -----------------------------------------------------------------------------------
 
     @rule(length=st.integers(1, 5))
     def order_another_route_from_here(self, length: int) -> None:
@@ -80,7 +80,7 @@ class ObedientAgv(RuleBasedStateMachine):
             assert self.vehicle.take_messages() == []
         self._listen()
 
-    # --- what happens ------------------------------------------------------------------------------
+    # --- what happens -----------------------------------------------------------------------------
 
     @rule(ticks=st.integers(1, 80))
     def wait(self, ticks: int) -> None:
@@ -103,7 +103,7 @@ class ObedientAgv(RuleBasedStateMachine):
         self.vehicle.fail('a broken belt')
         self._listen()
 
-    # --- what must hold ----------------------------------------------------------------------------
+    # --- what must hold ---------------------------------------------------------------------------
 
     @invariant()
     def what_it_reports_is_true(self) -> None:

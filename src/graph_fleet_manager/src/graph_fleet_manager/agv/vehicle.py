@@ -57,7 +57,7 @@ class Vehicle:
         self._messages: List[Message] = []
         self.drive = self._placed(graph, vertex)
 
-    # --- what the fleet manager sees -----------------------------------------------------------
+    # --- what the fleet manager sees --------------------------------------------------------------
 
     @property
     def running(self) -> bool:
@@ -124,7 +124,7 @@ class Vehicle:
         self._consider()
         self._report_change()
 
-    # --- what can go wrong -----------------------------------------------------------------------
+    # --- what can go wrong ------------------------------------------------------------------------
 
     def stall(self, seconds: float) -> None:
         """It brakes and stands for so long, its route waiting."""
@@ -190,7 +190,7 @@ class Vehicle:
             self._place_again(graph)
         self._report_change()
 
-    # --- within ------------------------------------------------------------------------------------
+    # --- within -----------------------------------------------------------------------------------
 
     def _place_again(self, graph: Graph) -> None:
         """Onto the vertex of another graph on which it stands, else off that graph."""
