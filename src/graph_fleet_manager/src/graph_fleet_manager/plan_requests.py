@@ -15,8 +15,7 @@ class PlanRequest:
     obstacles   -- robots that do not
     closed      -- ids of the edges that nobody may use
     edge_times  -- learned seconds by robot type's name and signed edge; they replace length / speed
-    parking     -- ids of the vertices at which robots may be parked; empty: the largest set that
-                   cuts nobody off
+    parking     -- ids of the vertices at which robots may be parked
     time_limit  -- s in which ways are searched for
     improvement -- s until which the plan is made better; both count from when planning begins
     """
@@ -25,6 +24,6 @@ class PlanRequest:
     obstacles: Tuple[Obstacle, ...] = ()
     closed: FrozenSet[int] = frozenset()
     edge_times: Mapping[Tuple[str, int], float] = field(default_factory=dict)
-    parking: Tuple[int, ...] = ()
+    parking: FrozenSet[int] = frozenset()
     time_limit: float = 2.0
     improvement: float = 0.0
