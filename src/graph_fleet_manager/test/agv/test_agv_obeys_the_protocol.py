@@ -126,7 +126,8 @@ class ObedientAgv(RuleBasedStateMachine):
         if self.vehicle.running:
             left = sum(self.graph.curve(edge).length for edge in report.edges[done:])
             left -= self.vehicle.drive.arc
-            assert self.vehicle.drive.speed ** 2 / (2 * 0.5) <= left + 0.01, 'it cannot stop in time'
+            needed = self.vehicle.drive.speed ** 2 / (2 * 0.5)
+            assert needed <= left + 0.01, 'it cannot stop in time'
         if report.edges == self.last.edges and report.route_id == self.last.route_id:
             assert done >= self._done(self.last), 'what was COMPLETE is not any more'
             if FAILED in self.last.states:
