@@ -63,6 +63,7 @@ def prepare(options: Options, folder: str, check: bool = True) -> Dict[str, str]
     graph = split_edges(whole, options.longest_edge) if options.longest_edge > 0.0 else whole
     files = {'simulator_password': os.path.join(
         rospkg.RosPack().get_path('omron_ld90_sim'), 'config', 'simulator_password')}
+    files['closed_edges'] = os.path.join(folder, 'closed_edges.json')
     fleet, files['fleet'] = _fleet(options, folder, whole)
     entries = read_entries(files['fleet'], fleet, options)
     if check:

@@ -18,7 +18,7 @@ MAP = 'fleet'
 
 def launch_text(entries: Sequence[Entry], site: Site, options: Options,
                 files: Dict[str, str]) -> str:
-    """The launch file. `files`: paths of `fleet`, `robots`, `rviz` and `simulator_password`."""
+    """The launch file. `files`: paths by what they are, see `command.prepare`."""
     root = ET.Element('launch')
     root.append(ET.Comment(f' Made by scripts/run.sh fleet:={options.fleet} '))
     ld90s = [entry for entry in entries if entry.robot.driver == LD90]
@@ -33,7 +33,7 @@ def launch_text(entries: Sequence[Entry], site: Site, options: Options,
     if options.fleet_manager:
         _include(root, 'graph_fleet_manager', 'fleet_manager', {
             'graph_file': site.graph_file, 'fleet_file': files['fleet'],
-            'sim_speed': options.sim_speed})
+            'sim_speed': options.sim_speed, 'closed_edges_file': files['closed_edges']})
     if options.demo:
         _node(root, 'random_missions', 'graph_fleet_manager', 'random_missions', {}, RESPAWN)
     _pictures(root, site, options, files)

@@ -31,11 +31,9 @@ from tf2_ros import TransformBroadcaster
 
 from graph_fleet_manager.agv.control_socket import ControlServer
 from graph_fleet_manager.agv.simulation import Simulation
-from graph_fleet_manager.files.errors import FileError
-from graph_fleet_manager.files.fleet_file import load_fleet
 from graph_fleet_manager.fleet import Robot
 from graph_fleet_manager.nodes.agv_topics import AgvTopics
-from graph_fleet_manager.nodes.parameters import ConfigurationError, number, parameter
+from graph_fleet_manager.nodes.startup import ConfigurationError, fleet_of, number, parameter
 from itrci_nav_msgs.msg import Graph
 from trajectory_graph import Graph as TrajectoryGraph
 from trajectory_graph import GraphError, load_graph
@@ -119,11 +117,7 @@ class AgvSim:
 
 
 def _read_robots() -> List[Robot]:
-    try:
-        fleet = load_fleet(parameter('~fleet_file'))
-    except FileError as error:
-        raise ConfigurationError(str(error)) from None
-    robots = [robot for robot in fleet.robots if robot.driver == DRIVER]
+    robots = [robot for robot in fleet_of().robots if robot.driver == DRIVER]
     if not robots:
         raise ConfigurationError('The fleet file has no robot with `driver: agv`: there is nothing '
                                  'to simulate.')
