@@ -146,14 +146,21 @@ class FleetVisualisation:
             graph, state = self._graph, self._state
             if graph is None:
                 return
-            self._ticks += 1
-            places = self._draw_robots(graph, state)
-            if self._ticks % SLOW == 0:
-                self._menus.show_robots(places)
-                if self._changed:
-                    self._changed = False
-                    self._pictures['plans'].publish(
-                        plan_markers(graph, self._plan, state, self._numbers))
+            try:
+                self._draw(graph, state)
+            except rospy.ROSException:
+                if not rospy.is_shutdown():  # then all topics are closed
+                    raise
+
+    def _draw(self, graph: Graph, state: FleetState) -> None:
+        self._ticks += 1
+        places = self._draw_robots(graph, state)
+        if self._ticks % SLOW == 0:
+            self._menus.show_robots(places)
+            if self._changed:
+                self._changed = False
+                self._pictures['plans'].publish(
+                    plan_markers(graph, self._plan, state, self._numbers))
 
     def _draw_robots(self, graph: Graph, state: FleetState) -> Dict[str, Place]:
         """Draws all robots of which it is known where they are; tells these places."""
@@ -187,7 +194,7 @@ class FleetVisualisation:
                 return
             xs = [vertex.x for vertex in self._graph.vertices.values()]
             top = max(vertex.y for vertex in self._graph.vertices.values())
-        marker = drawing.text('feedback', 0, sentence, ((min(xs) + max(xs)) / 2.0 + 3.0, top + 1.5),
+        marker = drawing.text('feedback', 0, sentence, ((min(xs) + max(xs)) / 2.0 + 3.0, top + 2.4),
                               0.4, drawing.colour(1.0, 0.9, 0.4), z=2.0)
         marker.lifetime = rospy.Duration(FEEDBACK_TIME)
         self._pictures['feedback'].publish(MarkerArray([marker]))

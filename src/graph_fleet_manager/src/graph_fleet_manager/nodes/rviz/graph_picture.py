@@ -40,8 +40,8 @@ def graph_markers(graph: Graph, closed: Collection[int], parking: Collection[int
                     drawing.pose_at(graph.vertices[id].position, z=_Z / 2)))
     for id in shut:
         curve = graph.curve(id)
-        markers.append(drawing.text('closed_names', id, 'closed', curve.point_at(curve.length / 2),
-                                    0.32, CLOSED))
+        x, y = curve.point_at(curve.length / 2.0)
+        markers.append(drawing.text('closed_names', id, 'closed', (x, y + 0.4), 0.32, CLOSED))
     for vertex in graph.vertices.values():
         if is_place(graph, vertex.id):
             markers.append(drawing.text('names', vertex.id, str(vertex.id),

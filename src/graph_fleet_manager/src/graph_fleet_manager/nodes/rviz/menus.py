@@ -26,6 +26,7 @@ ROBOT_PAINT = drawing.colour(1.0, 1.0, 1.0, 0.05)
 STOP_PAINT, RESUME_PAINT = drawing.colour(0.85, 0.1, 0.1), drawing.colour(0.15, 0.55, 0.25)
 BUTTON = (2.6, 0.8)  # m
 MOVED = 0.02         # m that a robot's handle lets it be away
+BUTTON_ABOVE = 2.4  # m that the buttons are above the graph
 
 
 class Act(enum.Enum):
@@ -83,7 +84,7 @@ class FleetMenus:
             self._insert(f'edge {id}', curve.point_at(curve.length / 2.0), [
                 _disc(EDGE_SIZE, 0.07, EDGE_PAINT)], EDGE_MENU, Subject(edge=id))
         left = min(vertex.x for vertex in graph.vertices.values())
-        top = max(vertex.y for vertex in graph.vertices.values()) + 1.5
+        top = max(vertex.y for vertex in graph.vertices.values()) + BUTTON_ABOVE
         for number, (act, words, paint) in enumerate((
                 (Act.STOP_ALL, 'STOP ALL', STOP_PAINT), (Act.RESUME_ALL, 'GO ON', RESUME_PAINT))):
             self._insert(f'button {words}', (left + (BUTTON[0] + 0.3) * number, top),
@@ -116,6 +117,8 @@ class FleetMenus:
                 menu: Iterable[Act], subject: Subject, left_click: Optional[Act] = None) -> None:
         marker = InteractiveMarker(name=name, scale=1.0, pose=drawing.pose_at(place))
         marker.header.frame_id = drawing.FRAME
+        for part in shapes:
+            part.header.frame_id = ''  # relative to the handle
         marker.controls.append(InteractiveMarkerControl(
             name='menu', always_visible=True, markers=shapes,
             interaction_mode=(InteractiveMarkerControl.BUTTON if left_click

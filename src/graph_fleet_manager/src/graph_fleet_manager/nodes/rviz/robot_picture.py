@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from dataclasses import dataclass
 from typing import Dict, List, Optional, Tuple
 
@@ -12,10 +13,10 @@ from graph_fleet_manager.nodes.rviz import drawing
 from itrci_nav_msgs.msg import FleetRobot
 from trajectory_graph import Graph
 
-GREY, RED = drawing.colour(0.5, 0.5, 0.5, 0.85), drawing.colour(1.0, 0.25, 0.2)
+GREY, RED = drawing.colour(0.62, 0.62, 0.62), drawing.colour(1.0, 0.25, 0.2)
 DARK, WHITE = drawing.colour(0.1, 0.1, 0.12), drawing.colour(1.0, 1.0, 1.0)
 LIFETIME = 3.0  # s: when the node ends, no robot stays on the screen
-TEXT_HEIGHT = 0.34
+TEXT_HEIGHT = 0.38
 _WORDS: Dict[int, str] = {
     FleetRobot.IDLE: 'idle', FleetRobot.CHARGING: 'charging', FleetRobot.OFFLINE: 'offline',
     FleetRobot.STOPPED: 'emergency stop', FleetRobot.TAKEN_OVER: 'taken over',
@@ -23,7 +24,7 @@ _WORDS: Dict[int, str] = {
     FleetRobot.OUT_OF_SERVICE: 'out of service'}
 _TROUBLE = frozenset((FleetRobot.STOPPED, FleetRobot.TAKEN_OVER, FleetRobot.FAILED,
                       FleetRobot.OFF_GRAPH))
-LONGEST_WAIT = 34  # characters of what a robot waits for
+WAIT_WIDTH, WAIT_LINES = 24, 2  # characters and lines for what a robot waits for
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,7 @@ def robot_markers(robot: FleetRobot, number: int, place: Place, radius: float,
     nose = drawing.shape(Marker.ARROW, 'noses', number, DARK, (length * 0.8, width * 0.45, 0.05),
                          drawing.pose_at(_along(place, -0.4 * length), place.heading, 0.4))
     label = drawing.text('names', number, words_of(robot, now),
-                         (place.x, place.y + radius + 0.45), TEXT_HEIGHT,
+                         (place.x, place.y + radius + 0.5), TEXT_HEIGHT,
                          RED if robot.state in _TROUBLE else GREY if gone else WHITE, 1.5)
     markers = [body, nose, label]
     trouble = robot.state in _TROUBLE
@@ -79,9 +80,8 @@ def words_of(robot: FleetRobot, now: float) -> str:
         doing += f' for {_duration(now - robot.seen.to_sec())}'
     lines = [robot.name + charge, doing]
     if robot.waits_for and robot.state != FleetRobot.OFFLINE:
-        wait = robot.waits_for
-        short = wait if len(wait) <= LONGEST_WAIT else wait[:LONGEST_WAIT - 3] + '...'
-        lines.append(f'({short})')
+        lines += textwrap.wrap(f'({robot.waits_for})', WAIT_WIDTH, max_lines=WAIT_LINES,
+                               placeholder=' ...')
     return '\n'.join(lines)
 
 
