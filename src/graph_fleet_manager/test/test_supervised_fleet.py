@@ -1,6 +1,7 @@
 """A supervised fleet of simulated AGVs: missions are served whatever runs late."""
 from __future__ import annotations
 
+import pytest
 from fleet_builders import AGV, corridor
 from supervised_fleet import SupervisedFleet
 
@@ -13,7 +14,7 @@ def test_one_robot_serves_a_mission_in_order():
     fleet.run_until_done(1)
     assert fleet.told(1) == [MissionState.PENDING, MissionState.ACTIVE, MissionState.SUCCEEDED]
     assert fleet.supervisor.robots['a'].place.vertex == 5
-    assert fleet.agvs['a'].travelled == 2.0 * (2 + 1 + 3)
+    assert fleet.agvs['a'].travelled == pytest.approx(2.0 * (2 + 1 + 3))
 
 
 def test_two_robots_swap_their_places_through_a_siding_ten_times():
