@@ -1,7 +1,7 @@
 """Graphs in messages of `itrci_nav_msgs`, told apart from ROS: only the fields' names are used."""
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Optional
 
 from trajectory_graph.errors import GraphError
 from trajectory_graph.graph import CurveType, Edge, Graph, Vertex
@@ -11,7 +11,7 @@ def graph_from_message(message: Any) -> Graph:
     """The graph in an `itrci_nav_msgs/Graph`; raises GraphError when it is not valid."""
     return Graph(
         [Vertex(v.id, v.x, v.y, v.theta, v.theta_holonomic, v.label, v.frame_id, v.dock,
-                True if v.parking else None) for v in message.vertices],
+                _parking(v)) for v in message.vertices],
         [Edge(e.id, e.origin_id, e.destination_id, _curve_type(e), e.param_f, e.param_b,
               e.velocity_forward, e.velocity_backwards) for e in message.edges])
 
@@ -20,7 +20,8 @@ def fill_message(message: Any, graph: Graph, vertex_type: Any, edge_type: Any) -
     """Fills an empty `itrci_nav_msgs/Graph`; the types are those of its elements. Returns it."""
     message.vertices = [
         vertex_type(id=v.id, label=v.label, frame_id=v.frame_id, x=v.x, y=v.y, theta=v.theta,
-                    theta_holonomic=v.theta_holonomic, dock=v.dock, parking=bool(v.parking))
+                    theta_holonomic=v.theta_holonomic, dock=v.dock, parking=v.parking is True,
+                    no_parking=v.parking is False)
         for v in graph.vertices.values()]
     message.edges = [
         edge_type(id=e.id, origin_id=e.origin, destination_id=e.destination,
@@ -28,6 +29,12 @@ def fill_message(message: Any, graph: Graph, vertex_type: Any, edge_type: Any) -
                   velocity_forward=e.velocity_forward, velocity_backwards=e.velocity_backwards)
         for e in graph.edges.values()]
     return message
+
+
+def _parking(vertex: Any) -> Optional[bool]:
+    if vertex.parking and vertex.no_parking:
+        raise GraphError('is said to be parking and to be none', 'vertex', vertex.id)
+    return True if vertex.parking else False if vertex.no_parking else None
 
 
 def _curve_type(edge: Any) -> CurveType:
