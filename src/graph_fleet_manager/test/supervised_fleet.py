@@ -10,8 +10,6 @@ import tempfile
 from random import Random
 from typing import Dict, List, Mapping, Optional, Sequence, Tuple
 
-from trajectory_graph import Graph
-
 from graph_fleet_manager.fleet import Fleet, Robot, RobotType
 from graph_fleet_manager.planning.planner import FleetPlanner
 from graph_fleet_manager.planning.tasks import Outcome
@@ -27,6 +25,7 @@ from graph_fleet_manager.supervision.journal import Journal
 from graph_fleet_manager.supervision.missions import MissionState, Request, Status
 from graph_fleet_manager.supervision.robots import RobotSettings
 from graph_fleet_manager.supervision.supervisor import Supervisor
+from trajectory_graph import Graph
 
 STEP = 0.1  # s
 

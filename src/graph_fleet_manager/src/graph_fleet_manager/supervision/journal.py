@@ -144,8 +144,8 @@ class Journal:
             f'WHERE state IN ({marks}) UNION SELECT * FROM (SELECT serial, request, state, robot, '
             f'reached, reason FROM mission WHERE state NOT IN ({marks}) ORDER BY serial DESC '
             'LIMIT ?)) ORDER BY serial', (_REMEMBERED,))
-        return [Mission(serial, _request(request), MissionState(state), robot, reached, None, reason)
-                for serial, request, state, robot, reached, reason in rows]
+        return [Mission(serial, _request(text), MissionState(state), robot, reached, None, reason)
+                for serial, text, state, robot, reached, reason in rows]
 
     def last_serial(self) -> int:
         """Serial of the last mission that was accepted, 0 before any."""
