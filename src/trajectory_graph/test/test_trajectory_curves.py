@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from trajectory_graph.curves import (
+    bezier_arc_lengths,
     bezier_points,
     bezier_section,
     cubic_bezier,
@@ -55,6 +56,24 @@ def test_a_section_of_a_spline_is_that_part_of_it():
     t = np.linspace(0.0, 1.0, 9)
     part = bezier_points(bezier_section(control, 0.25, 0.75), t)
     assert part == pytest.approx(bezier_points(control, 0.25 + t / 2.0), abs=1e-12)
+
+
+@pytest.mark.parametrize('ahead', [1e-8, 0.3, 0.5, 1.0, 2.0])
+def test_the_length_of_a_curve_that_turns_on_the_spot_is_there_and_back(ahead):
+    """Straight on the x axis, it first goes back, then forward; where, is known in closed form."""
+    end = 2.558151373641067
+    curve = spline((0.0, 0.0), math.pi, ahead, (end, 0.0), math.pi, 0.0)
+    x = np.polynomial.Polynomial([0.0, -3.0 * ahead, 3.0 * (end + 2.0 * ahead),
+                                  -2.0 * end - 3.0 * ahead])
+    stops = [0.0, *sorted(t.real for t in x.deriv().roots() if 0.0 < t.real < 1.0), 1.0]
+    assert curve.length == pytest.approx(np.abs(np.diff(x(np.array(stops)))).sum(), rel=1e-9)
+
+
+def test_the_length_of_a_curve_that_nearly_turns_on_the_spot_is_exact():
+    curve = spline((0.0, 0.0), 2e-4, 1.0, (0.0, 1e-5), -2e-4, -1.0)
+    control = spline_control((0.0, 0.0), 2e-4, 1.0, (0.0, 1e-5), -2e-4, -1.0)
+    finely = bezier_arc_lengths(control, np.linspace(0.0, 1.0, 200001))[-1]
+    assert curve.length == pytest.approx(finely, rel=1e-9)
 
 
 def test_a_spline_without_control_lengths_is_the_straight_line():

@@ -11,6 +11,7 @@ from typing import NamedTuple, Optional, Tuple
 import numpy as np
 
 FLATNESS = 1e-4  # m, greatest distance between a spline and its polyline
+_SHARP = 0.05  # of a curve's parameter: so near to a stop its speed is no longer smooth
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)  # Gauss-Legendre quadrature on -1..1
 
 
@@ -140,19 +141,63 @@ def bezier_arc_lengths(control: np.ndarray, t: np.ndarray) -> np.ndarray:
 
 
 def bezier_lengths(control: np.ndarray) -> np.ndarray:
-    """Arc lengths (N,), m, of cubic Bezier curves with `control` points (N,4,2), to 1e-9 of them.
-
-    What is not that certain, where a curve turns on the spot, is rather too long than too short.
-    """
+    """Arc lengths (N,), m, of cubic Bezier curves with `control` points (N,4,2), exact to 1e-9."""
     lengths = np.zeros(len(control))
-    left, before = np.arange(len(control)), np.full(len(control), np.inf)
-    for parts in (8, 32, 128, 512, 2048):
-        length = bezier_arc_lengths(control[left], np.linspace(0.0, 1.0, parts + 1))[:, -1]
-        error = np.abs(length - before)
-        lengths[left] = length + np.where(np.isfinite(error), error, 0.0)
-        more = ~(error <= 1e-9 * length)
-        left, before = left[more], length[more]
+    turning = _turns_sharply(control)
+    for k in np.flatnonzero(turning.any(axis=-1)):
+        lengths[k] = bezier_arc_lengths(control[k], fine_parameters(control[k], 128))[-1]
+    left = np.flatnonzero(~turning.any(axis=-1))
+    before = np.full(len(left), np.inf)
+    for parts in (8, 32, 128, 512):
+        if not len(left):
+            break
+        lengths[left] = bezier_arc_lengths(control[left], np.linspace(0.0, 1.0, parts + 1))[:, -1]
+        more = ~(np.abs(lengths[left] - before) <= 1e-9 * lengths[left])
+        left, before = left[more], lengths[left][more]
     return lengths
+
+
+def fine_parameters(control: np.ndarray, parts: int) -> np.ndarray:
+    """Parameters (N,) from 0 to 1 between which `bezier_arc_lengths` of one curve are exact.
+
+    At least `parts` equal steps; where the curve stops and turns on the spot, or nearly does, its
+    speed has a kink that evenly spaced points would miss, so there the steps get ever shorter.
+    """
+    t = [np.linspace(0.0, 1.0, parts + 1)]
+    grades = 0.5 ** np.arange(1.0, 40.0)
+    grades = np.concatenate(([0.0], grades, 0.75 * grades))
+    for turn in _stops(control).real[_turns_sharply(control)]:
+        t += [turn - grades, turn + grades]
+    together = np.concatenate(t)
+    return np.unique(together[(together >= 0.0) & (together <= 1.0)])
+
+
+def bezier_speeds(control: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """Arc length per parameter (N,), m, at parameters `t` (N,) of one curve."""
+    u = 1.0 - t
+    velocity = np.stack((u ** 2, 2.0 * u * t, t ** 2), axis=-1) @ (3.0 * np.diff(control, axis=0))
+    return np.hypot(velocity[:, 0], velocity[:, 1])
+
+
+def _stops(control: np.ndarray) -> np.ndarray:
+    """Complex parameters (..., 2) at which the velocity of curves (..., 4, 2) is 0.
+
+    With the plane as complex numbers, velocity is a quadratic polynomial of the parameter. A curve
+    without some of its roots gets infinities in their place.
+    """
+    first, second, third = np.moveaxis(np.diff(control[..., 0] + 1j * control[..., 1]), -1, 0)
+    a, b, c = first - 2.0 * second + third, second - first, first
+    root = np.sqrt(b * b - a * c)
+    larger = -(b + np.where((np.conj(b) * root).real >= 0.0, root, -root))
+    with np.errstate(divide='ignore', invalid='ignore', over='ignore'):
+        stops = np.stack((larger / a, c / larger), axis=-1)
+    return np.where(np.isfinite(stops), stops, np.inf)
+
+
+def _turns_sharply(control: np.ndarray) -> np.ndarray:
+    """Which of `_stops` are so near to a parameter of the curve that its speed has a kink there."""
+    stops = _stops(control)
+    return ((np.abs(stops.imag) < _SHARP) & (stops.real > -_SHARP) & (stops.real < 1.0 + _SHARP))
 
 
 def bezier_section(control: np.ndarray, start: float, end: float) -> np.ndarray:

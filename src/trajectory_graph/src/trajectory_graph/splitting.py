@@ -12,7 +12,12 @@ from typing import List, Tuple
 
 import numpy as np
 
-from trajectory_graph.curves import bezier_arc_lengths, bezier_section
+from trajectory_graph.curves import (
+    bezier_arc_lengths,
+    bezier_section,
+    bezier_speeds,
+    fine_parameters,
+)
 from trajectory_graph.graph import CurveType, Edge, Graph, Vertex
 
 
@@ -68,18 +73,18 @@ def _cut(graph: Graph, edge: Edge, count: int, first_vertex: int,
 
 def _equal_parts(control: np.ndarray, count: int) -> List[float]:
     """Parameters that cut the curve into `count` parts of equal arc length, 0 and 1 included."""
-    t = np.linspace(0.0, 1.0, 64 * count + 1)
+    t = fine_parameters(control, 64 * count)
     arc = bezier_arc_lengths(control, t)
-    wanted = arc[-1] * np.arange(count + 1) / count
+    wanted = arc[-1] * np.arange(1, count) / count
+    before = np.clip(np.searchsorted(arc, wanted, side='right') - 1, 0, len(t) - 2)
+    low, high = t[before], t[before + 1]
     cuts = np.interp(wanted, arc, t)
-    for _ in range(3):  # Newton's method; the speed along the curve comes from the arc lengths
-        here = np.interp(cuts, t, arc)
-        for k in range(1, count):
-            before = int(np.searchsorted(t, cuts[k], side='right')) - 1
-            here[k] = arc[before] + bezier_arc_lengths(control, np.array((t[before], cuts[k])))[1]
-        speed = np.interp(cuts, (t[1:] + t[:-1]) / 2.0, np.diff(arc) / np.diff(t))
-        cuts = np.clip(cuts - (here - wanted) / np.maximum(speed, 1e-9), 0.0, 1.0)
-    return [0.0, *cuts[1:-1].tolist(), 1.0]
+    for _ in range(3):  # Newton's method, within the step that each cut is certain to lie in
+        here = arc[before] + [bezier_arc_lengths(control, np.array(step))[1]
+                              for step in zip(low, cuts)]
+        speed = np.maximum(bezier_speeds(control, cuts), 1e-9)
+        cuts = np.clip(cuts - (here - wanted) / speed, low, high)
+    return [0.0, *cuts.tolist(), 1.0]
 
 
 def _direction(part: np.ndarray) -> float:

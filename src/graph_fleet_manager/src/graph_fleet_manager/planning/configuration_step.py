@@ -7,7 +7,7 @@ from random import Random
 from typing import AbstractSet, Dict, List, Mapping, Optional, Sequence, Set, Tuple
 
 from graph_fleet_manager.fleet import RobotType
-from graph_fleet_manager.planning.timetable import Timetable
+from graph_fleet_manager.planning.timetable import Slots, Timetable
 from graph_fleet_manager.planning.travellers import Traveller
 
 STAY = -1
@@ -55,6 +55,23 @@ class Mover:
         """Seconds to the end of the leg."""
         return self.estimate(place)[place % self._vertices]
 
+    def has_way(self, blocked: AbstractSet[int]) -> bool:
+        """Can it come to its targets in order without these edges?"""
+        if not blocked:
+            return True
+        vertex = self.vertex(self.begin)
+        for target in self.targets[self.leg(self.begin):]:
+            reached, ahead = {vertex}, [vertex]
+            while ahead and target not in reached:
+                for drive, end, _ in self.roads[ahead.pop()]:
+                    if end not in reached and drive >> 1 not in blocked:
+                        reached.add(end)
+                        ahead.append(end)
+            if target not in reached:
+                return False
+            vertex = target
+        return True
+
     def is_end(self, place: int) -> bool:
         """Is it where it is to stay?"""
         leg, vertex = divmod(place, self._vertices)
@@ -62,7 +79,10 @@ class Mover:
 
 
 class StepMaker:
-    """Makes steps for robots on a graph; `movers` is None where not all of them find a rest."""
+    """Makes steps for robots on a graph, round all that is booked for ever; nothing else may be.
+
+    `movers` is None where not all of them find a rest, or a way on an otherwise empty graph.
+    """
 
     def __init__(self, timetable: Timetable, travellers: Sequence[Traveller],
                  random: Random) -> None:
@@ -70,6 +90,7 @@ class StepMaker:
         self._random = random
         self._timetable = timetable
         self._first_edge = network.vertices
+        self._blocked = {kind: _blocked_edges(slots) for kind, slots in timetable.slots.items()}
         rests = _rests(timetable, travellers)
         self.movers: Optional[List[Mover]] = None
         if rests is not None:
@@ -77,6 +98,8 @@ class StepMaker:
                 network.estimates(t.kind, target) for target in (
                     *t.errand.destinations, *(() if rest is None else (rest,)))])
                 for t, rest in zip(travellers, rests)]
+            if not all(mover.has_way(self._blocked[mover.kind]) for mover in self.movers):
+                self.movers = None
         self._kinds = [t.kind for t in travellers]
         self._near: Dict[Tuple[RobotType, int], List[Tuple[RobotType, List[int], List[int]]]] = {}
 
@@ -103,7 +126,8 @@ class StepMaker:
         self._at = {vertex: robot for robot, vertex in enumerate(self._vertex)}
         self._moves: Dict[int, Tuple[int, int]] = {}
         self._decided: Set[int] = set()
-        self._taken: Dict[RobotType, Set[int]] = {kind: set() for kind in self._timetable.kinds}
+        self._taken: Dict[RobotType, Set[int]] = {
+            kind: set(blocked) for kind, blocked in self._blocked.items()}
         self._promoted: List[Tuple[int, int]] = []
         for robot, move in forced.items():
             self._decided.add(robot)
@@ -209,6 +233,12 @@ class StepMaker:
         return way
 
 
+def _blocked_edges(slots: Slots) -> Set[int]:
+    """Edges that nobody who looks at these slots may ever drive."""
+    return {drive >> 1 for drive in range(slots.drives)
+            if any(end == inf for _, end, _ in slots.bookings[drive])}
+
+
 def _rests(timetable: Timetable,
            travellers: Sequence[Traveller]) -> Optional[List[Optional[int]]]:
     """For who may rest in several places one of them, free of all others; else None.
@@ -226,8 +256,10 @@ def _rests(timetable: Timetable,
         last = errand.destinations[-1] if errand.destinations else errand.vertex
         ways = timetable.network.ways_to(traveller.kind, sorted(errand.rests))
         for _, rest in sorted(zip((float(way[last]) for way in ways), sorted(errand.rests))):
-            if not any(timetable.blocking[traveller.kind, kind].excludes(rest, vertex)
-                       for kind, vertex in taken):
+            slots = timetable.slots[traveller.kind]
+            if not slots.bookings[slots.drives + rest] and not any(
+                    timetable.blocking[traveller.kind, kind].excludes(rest, vertex)
+                    for kind, vertex in taken):
                 found[traveller.name] = rest
                 taken.append((traveller.kind, rest))
                 break

@@ -91,14 +91,17 @@ class FleetPlanner:
         return True
 
     def plan(self, tasks: Sequence[Task], obstacles: Sequence[Obstacle] = (),
-              deadline: float = inf, rounds: Optional[int] = None) -> Outcome:
-        """Plans for all tasks, improved until the deadline (monotonic s) or for so many rounds.
+             deadline: float = inf, rounds: Optional[int] = None,
+             improve_until: float = inf) -> Outcome:
+        """Plans for all tasks, improved until the deadline (monotonic s) or for so many rounds,
+        or until `improve_until` (monotonic s) where that is sooner.
 
         Raises CannotPlan where a task makes no sense.
         """
         check(self.network, tasks)
         with _without_garbage_collection():
-            return _Planning(self, tasks, obstacles, Random(self._seed)).run(deadline, rounds)
+            return _Planning(self, tasks, obstacles, Random(self._seed)).run(
+                deadline, rounds, improve_until)
 
 
 class _Planning:
@@ -127,7 +130,7 @@ class _Planning:
         self._grounded: Set[str] = set()
         """Robots that stay where they are."""
 
-    def run(self, deadline: float, rounds: Optional[int]) -> Outcome:
+    def run(self, deadline: float, rounds: Optional[int], improve_until: float) -> Outcome:
         """Everything in its order."""
         self._ground_who_is_too_near()
         self._give_up_what_is_out_of_reach()
@@ -140,7 +143,7 @@ class _Planning:
         to_finish = _TO_FINISH + _SLOWER * (time.monotonic() - before)
         movers = [t for t in self._movers() if t.name in self._ways]
         improvement = Improvement(self._tea_star, movers, self._ways, self._random)
-        improvement.run(deadline - to_finish, rounds)
+        improvement.run(min(deadline, improve_until) - to_finish, rounds)
         if improvement.rounds == 0:
             return outcome
         self._ways = improvement.ways

@@ -7,7 +7,8 @@ vertices.
 from __future__ import annotations
 
 import math
-from typing import Dict, FrozenSet, Iterable, List, Sequence, Tuple
+from types import MappingProxyType
+from typing import Dict, FrozenSet, Iterable, List, Mapping, Sequence, Tuple
 
 import networkx as nx
 import numpy as np
@@ -30,13 +31,16 @@ class RoadNetwork:
     graph         -- the trajectory graph
     closed        -- ids of edges that nobody may use
     dock_approach -- m before a dock that belong to who docks or leaves
+    learned       -- seconds by robot type's name and signed edge id, instead of length / speed
     """
 
     def __init__(self, graph: Graph, closed: Iterable[int] = (),
-                 dock_approach: float = DOCK_APPROACH) -> None:
+                 dock_approach: float = DOCK_APPROACH,
+                 learned: Mapping[Tuple[str, int], float] = MappingProxyType({})) -> None:
         self.graph = graph
         self.closed: FrozenSet[int] = frozenset(closed)
         self.dock_approach = dock_approach
+        self.learned = learned
         self.vertex_ids: Tuple[int, ...] = tuple(graph.vertices)
         self.edge_ids: Tuple[int, ...] = tuple(graph.edges)
         self.index: Dict[int, int] = {id: k for k, id in enumerate(self.vertex_ids)}
@@ -57,9 +61,10 @@ class RoadNetwork:
         self._ways: Dict[Tuple[RobotType, int], np.ndarray] = {}
         self._listed: Dict[Tuple[RobotType, int], List[float]] = {}
 
-    def with_closed(self, closed: Iterable[int]) -> RoadNetwork:
+    def with_closed(self, closed: Iterable[int],
+                    learned: Mapping[Tuple[str, int], float] = MappingProxyType({})) -> RoadNetwork:
         """The same graph with other edges closed; what geometry says is not computed again."""
-        network = RoadNetwork(self.graph, closed, self.dock_approach)
+        network = RoadNetwork(self.graph, closed, self.dock_approach, learned)
         network._exclusions = self._exclusions
         return network
 
@@ -94,9 +99,11 @@ class RoadNetwork:
         if kind not in self._times:
             times: List[float] = []
             for edge, length in zip(self.graph.edges.values(), self._lengths.tolist()):
-                for edge_speed in (edge.velocity_forward, edge.velocity_backwards):
+                for id, edge_speed in ((edge.id, edge.velocity_forward),
+                                       (-edge.id, edge.velocity_backwards)):
                     speed = kind.drives_at(edge_speed)
-                    times.append(length / speed if speed > 0.0 else math.inf)
+                    times.append(self.learned.get((kind.name, id), length / speed)
+                                 if speed > 0.0 else math.inf)
             self._times[kind] = times
         return self._times[kind]
 

@@ -1,0 +1,177 @@
+"""Requests to the planner and its answers.
+
+Moments in messages are ROS times; the planner counts seconds from the request's stamp, as the
+robots would need them in real life: with simulated robots `rate` of these pass in one ROS second.
+"""
+from __future__ import annotations
+
+from math import isfinite
+from typing import List, Mapping, Optional, Sequence, Tuple
+
+import genpy
+
+from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.plan_requests import PlanRequest
+from graph_fleet_manager.planning.precedence import Constraint
+from graph_fleet_manager.planning.tasks import CannotPlan, Obstacle, Outcome, PlannedDrive, Task
+from itrci_nav_msgs import msg
+
+_LONGEST_NAME = 256
+_NS = 1e9
+
+
+class Clock:
+    """From ROS time to the planner's seconds and back.
+
+    zero -- ROS time of the planner's zero
+    rate -- planner's seconds in one second of ROS
+    """
+
+    def __init__(self, zero: genpy.Time, rate: float = 1.0) -> None:
+        self._zero = zero.to_nsec()
+        self.rate = rate
+
+    def seconds(self, moment: genpy.Time) -> float:
+        """The planner's seconds at a moment."""
+        return (moment.to_nsec() - self._zero) / _NS * self.rate
+
+    def moment(self, seconds: float) -> genpy.Time:
+        """The moment of planner's seconds; never before ROS time 0."""
+        time = genpy.Time(0, max(self._zero + round(seconds / self.rate * _NS), 0))
+        time.canon()
+        return time
+
+
+# -- requests -------------------------------------------------------------------------------------
+
+
+def request_of(message: msg.PlanRequest, types: Mapping[str, RobotType], time_limit: float,
+               longest: float, rate: float = 1.0) -> PlanRequest:
+    """What a message asks. Raises CannotPlan for what no planner could make sense of.
+
+    types      -- robot types of the fleet, by name
+    time_limit -- s for the search where the message names none
+    longest    -- s that no request may take
+    """
+    clock = Clock(message.header.stamp, rate)
+    for name, seconds in (('time_limit', message.time_limit),
+                          ('improvement', message.improvement)):
+        if not (isfinite(seconds) and seconds >= 0.0):
+            raise CannotPlan(f'{name} is {seconds}, but must be a time in s, or 0.')
+    return PlanRequest(
+        tuple(_task(task, types, clock) for task in message.tasks),
+        tuple(Obstacle(_name(robot.robot), _type(robot.robot, robot.robot_type, types),
+                       tuple(robot.vertices), tuple(robot.edges)) for robot in message.obstacles),
+        frozenset(abs(edge) for edge in message.closed_edges),
+        {(one.robot_type, one.edge_id): one.seconds * rate for one in message.edge_times},
+        frozenset(message.parking),
+        min(message.time_limit or time_limit, longest), min(message.improvement, longest))
+
+
+def request_message(request: PlanRequest, plan_id: int, stamp: genpy.Time,
+                    graph_stamp: genpy.Time, rate: float = 1.0) -> msg.PlanRequest:
+    """The message that asks this; `stamp`: when the robots are where the tasks say."""
+    clock = Clock(stamp, rate)
+    message = msg.PlanRequest(
+        plan_id=plan_id, graph_stamp=graph_stamp, time_limit=request.time_limit,
+        improvement=request.improvement, parking=sorted(request.parking),
+        closed_edges=sorted(request.closed),
+        edge_times=[msg.EdgeTime(kind, edge, seconds / rate)
+                    for (kind, edge), seconds in request.edge_times.items()],
+        tasks=[_task_message(task, clock) for task in request.tasks],
+        obstacles=[msg.FleetObstacle(robot.name, robot.type.name, list(robot.vertices),
+                                     list(robot.edges)) for robot in request.obstacles])
+    message.header.stamp = stamp
+    return message
+
+
+def _task(message: msg.RobotTask, types: Mapping[str, RobotType], clock: Clock) -> Task:
+    name = _name(message.robot)
+    between: Optional[Tuple[int, float]] = None
+    if message.edge:
+        between = message.edge, message.fraction
+        if not 0.0 <= message.fraction <= 1.0:
+            raise CannotPlan(f'Robot {name} stands at {message.fraction} of edge {message.edge}; '
+                             'a fraction lies in 0..1.')
+    kept: Optional[Tuple[PlannedDrive, ...]] = None
+    if message.has_plan:
+        kept = tuple(PlannedDrive(drive.edge_id, clock.seconds(drive.start),
+                                  clock.seconds(drive.end)) for drive in message.kept)
+    return Task(
+        name, _type(name, message.robot_type, types), message.vertex or None,
+        tuple(message.released), message.begun, between, message.ready * clock.rate,
+        tuple(message.destinations), tuple(dwell * clock.rate for dwell in message.dwells),
+        message.stays, kept, message.priority)
+
+
+def _task_message(task: Task, clock: Clock) -> msg.RobotTask:
+    edge, fraction = task.between or (0, 0.0)
+    return msg.RobotTask(
+        task.name, task.type.name, task.vertex or 0, list(task.released), task.begun, edge,
+        fraction, task.ready / clock.rate, list(task.destinations),
+        [dwell / clock.rate for dwell in task.dwells], task.stays, task.kept is not None,
+        _drives(task.kept or (), 0, clock), task.priority)
+
+
+def _name(name: str) -> str:
+    if not (name.strip() and name.isprintable() and len(name) <= _LONGEST_NAME):
+        raise CannotPlan(f'A robot is called {name[:_LONGEST_NAME]!r}; give it a name that can be '
+                         'read.')
+    return name
+
+
+def _type(robot: str, name: str, types: Mapping[str, RobotType]) -> RobotType:
+    if name not in types:
+        raise CannotPlan(f'Robot {_name(robot)}: there is no robot type {name!r}; the fleet file '
+                         f'has {", ".join(types)}.')
+    return types[name]
+
+
+# -- answers --------------------------------------------------------------------------------------
+
+
+def answer_message(request: msg.PlanRequest, outcome: Outcome, planning_time: float,
+                   rate: float = 1.0) -> msg.PlanAnswer:
+    """The plans, as the answer to a request."""
+    clock = Clock(request.header.stamp, rate)
+    answer = _answer(request, msg.PlanAnswer.PLANNED)
+    answer.plans = [msg.RobotPlan(task.robot, _drives(outcome.drives[task.robot],
+                                                      len(task.released), clock))
+                    for task in request.tasks]
+    answer.precedence = [msg.Precedence(*constraint) for constraint in outcome.precedence]
+    answer.unserved = [msg.UnservedRobot(*item) for item in outcome.unserved.items()]
+    answer.cost = outcome.cost / rate
+    answer.lower_bound = outcome.lower_bound / rate
+    answer.planning_time = planning_time
+    return answer
+
+
+def no_plan_message(request: msg.PlanRequest, result: int, reason: str) -> msg.PlanAnswer:
+    """The answer to a request for which nothing was planned; `result` says of what kind it is."""
+    answer = _answer(request, result)
+    answer.reason = reason
+    return answer
+
+
+def outcome_of(answer: msg.PlanAnswer, rate: float = 1.0) -> Outcome:
+    """What a PLANNED answer says."""
+    clock = Clock(answer.header.stamp, rate)
+    return Outcome(
+        {plan.robot: tuple(PlannedDrive(drive.edge_id, clock.seconds(drive.start),
+                                        clock.seconds(drive.end)) for drive in plan.drives)
+         for plan in answer.plans},
+        tuple(Constraint(one.before, one.before_drive, one.fraction, one.robot, one.drive)
+              for one in answer.precedence),
+        {one.robot: one.reason for one in answer.unserved},
+        answer.cost * rate, answer.lower_bound * rate)
+
+
+def _answer(request: msg.PlanRequest, result: int) -> msg.PlanAnswer:
+    answer = msg.PlanAnswer(plan_id=request.plan_id, result=result)
+    answer.header.stamp = request.header.stamp
+    return answer
+
+
+def _drives(drives: Sequence[PlannedDrive], released: int, clock: Clock) -> List[msg.PlannedDrive]:
+    return [msg.PlannedDrive(drive.edge, clock.moment(drive.start), clock.moment(drive.end),
+                             k < released) for k, drive in enumerate(drives)]

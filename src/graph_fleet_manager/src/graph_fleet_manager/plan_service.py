@@ -1,0 +1,105 @@
+"""The planner as a service to the supervisor: requests in, plans out; of the graph it has.
+
+It keeps what depends on the graph only, so that a request costs no geometry, and nothing else: the
+same request has the same answer, whatever was asked before.
+"""
+from __future__ import annotations
+
+import time
+from typing import Dict, FrozenSet, List, NamedTuple, Optional, Tuple
+
+from graph_fleet_manager.fleet import Fleet, RobotType
+from graph_fleet_manager.plan_requests import PlanRequest
+from graph_fleet_manager.planning.layers import Search
+from graph_fleet_manager.planning.parking import named_parking
+from graph_fleet_manager.planning.planner import FleetPlanner
+from graph_fleet_manager.planning.road_network import RoadNetwork
+from graph_fleet_manager.planning.safe_intervals import find_way
+from graph_fleet_manager.planning.tasks import CannotPlan, Outcome
+from trajectory_graph import Graph
+
+_PLANNERS_KEPT = 4  # closures and learned times come and go; a planner is some 10 MB at 500 vertices
+
+
+class _Roads(NamedTuple):
+    """What a planner is made for."""
+
+    closed: FrozenSet[int]
+    edge_times: FrozenSet[Tuple[Tuple[str, int], float]]
+
+
+class PlanService:
+    """Plans on one graph for the robot types of one fleet.
+
+    graph  -- the trajectory graph
+    fleet  -- robot types, clearance and the approach to docks; its robots do not matter
+    search -- the search for one robot's way: `safe_intervals.find_way` or `layers.layered`
+    seed   -- of all that is random
+    """
+
+    def __init__(self, graph: Graph, fleet: Fleet, search: Search = find_way,
+                 seed: int = 0) -> None:
+        self.graph = graph
+        self._fleet = fleet
+        self._search = search
+        self._seed = seed
+        self._open = RoadNetwork(graph, (), fleet.dock_approach)
+        self._planners: Dict[_Roads, FleetPlanner] = {}
+
+    def prepare(self) -> None:
+        """Computes beforehand what depends on the graph only."""
+        self._planner(_Roads(frozenset(), frozenset())).prepare()
+
+    def parking_by_name(self) -> FrozenSet[int]:
+        """Ids of all vertices at which the graph allows parking, whoever is cut off by that."""
+        return frozenset(self._open.vertex_ids[vertex] for kind in self._fleet.types
+                         for vertex in named_parking(self._open, kind))
+
+    def answer(self, request: PlanRequest, received: Optional[float] = None) -> Outcome:
+        """The plans; limits count from `received` (monotonic s, now by default).
+
+        Raises CannotPlan where the request makes no sense.
+        """
+        begun = time.monotonic() if received is None else received
+        self._check(request)
+        planner = self._planner(_Roads(request.closed, frozenset(request.edge_times.items())))
+        planner.parking = tuple(sorted(request.parking))
+        return planner.plan(request.tasks, request.obstacles, begun + request.time_limit,
+                            improve_until=begun + request.improvement)
+
+    def _check(self, request: PlanRequest) -> None:
+        names: List[str] = [r.name for r in (*request.tasks, *request.obstacles)]
+        if len(set(names)) < len(names):
+            twice = next(name for name in names if names.count(name) > 1)
+            raise CannotPlan(f'Robot {twice} stands in the request twice; name it once.')
+        for robot in (*request.tasks, *request.obstacles):
+            if robot.type not in self._fleet.types:
+                raise CannotPlan(f'Robot {robot.name}: there is no robot type {robot.type.name}; '
+                                 'describe it in the fleet file.')
+        for obstacle in request.obstacles:
+            self._check_ids(f'Robot {obstacle.name}', obstacle.vertices, obstacle.edges)
+        self._check_ids('Parking', tuple(request.parking), ())
+        for (kind, edge), seconds in request.edge_times.items():
+            if not 0.0 < seconds < 1e6:
+                raise CannotPlan(f'The learned time of {kind} on edge {edge} is {seconds} s, but '
+                                 'must be a time; leave it out.')
+
+    def _check_ids(self, who: str, vertices: Tuple[int, ...], edges: Tuple[int, ...]) -> None:
+        for id in vertices:
+            if id not in self.graph.vertices:
+                raise CannotPlan(f'{who}: the graph has no vertex {id}; choose another.')
+        for id in edges:
+            if abs(id) not in self.graph.edges:
+                raise CannotPlan(f'{who}: the graph has no edge {id}; choose another.')
+
+    def _planner(self, roads: _Roads) -> FleetPlanner:
+        """The planner for these closures and times; made where it was not used of late."""
+        planner = self._planners.pop(roads, None)
+        if planner is None:
+            network = self._open.with_closed(roads.closed, dict(roads.edge_times))
+            planner = FleetPlanner(network, self._fleet.clearance, self._fleet.types,
+                                   search=self._search, seed=self._seed)
+            while len(self._planners) >= _PLANNERS_KEPT:
+                del self._planners[next(iter(self._planners))]
+        self._planners[roads] = planner
+        return planner
