@@ -9,6 +9,7 @@ from graph_fleet_manager.supervision.reports import EdgeState, Pose, Refusal, Re
 from trajectory_graph import Graph, TrajectoryGraphError, check_route
 
 _AT_END = 1e-6  # m
+_NEAR = 0.3     # m from a vertex at which a route may begin there
 _JUST_LEFT = 0.5  # m behind a vertex up to which a route may begin with the edge before it
 
 
@@ -35,6 +36,7 @@ class Agv:
         self.current = 0
         self.phase = Phase.STOPPED
         self.reason = ''
+        self._to_begin = 0.0  # m to drive back on its edge, to the vertex at which the route begins
         self.stalled = 0.0
         self.emergency = False
         self.travelled = 0.0
@@ -55,7 +57,7 @@ class Agv:
     def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[Refusal]:
         """Takes up a route, or a change of its route, or refuses it."""
         if not edges:
-            self.route_id, self.edges, self.current = route_id, (), 0
+            self.route_id, self.edges, self.current, self._to_begin = route_id, (), 0, 0.0
             self.phase, self.reason = Phase.STOPPED, ''
             return None
         if (route_id, edges) == (self.route_id, self.edges):
@@ -82,7 +84,10 @@ class Agv:
             begun = self._beginning(edges)
             if begun is None:
                 return f'edge {edges[0]} does not start where the robot is'
-            self.current, self.edge, self.arc = begun
+            self.current, edge, arc = begun
+            self._to_begin = 0.0 if abs(edge) == abs(self.edge) else self._from_vertex(edge)
+            if not self._to_begin:
+                self.edge, self.arc = edge, arc
         self.route_id, self.edges = route_id, edges
         self.phase = Phase.RUNNING if self.current < len(edges) else Phase.COMPLETE
         self.reason = ''
@@ -98,14 +103,20 @@ class Agv:
         if first == -self.edge:
             return 0, first, length - self.arc
         start = self.graph.start_vertex(first).id
-        if self.arc <= _AT_END and start == self.graph.start_vertex(self.edge).id:
+        if self.arc <= _NEAR and start == self.graph.start_vertex(self.edge).id:
             return 0, first, 0.0
-        if length - self.arc <= _AT_END and start == self.graph.end_vertex(self.edge).id:
+        if length - self.arc <= _NEAR and start == self.graph.end_vertex(self.edge).id:
             return 0, first, 0.0
         driven = self.edges[self.current - 1] if 0 < self.current < len(self.edges) else 0
         if first == driven and edges[1:2] == (self.edge,) and self.arc <= _JUST_LEFT:
             return 1, self.edge, self.arc
         return None
+
+    def _from_vertex(self, first: int) -> float:
+        """How far (m) it is from where edge `first` begins, on its own edge; 0 where it is there."""
+        if self.graph.start_vertex(first).id != self.graph.start_vertex(self.edge).id:
+            self.edge, self.arc = -self.edge, self.graph.curve(self.edge).length - self.arc
+        return self.arc if self.arc > _AT_END else 0.0
 
     # -- driving ----------------------------------------------------------------------------------
 
@@ -116,6 +127,13 @@ class Agv:
         seconds -= stalled
         if self.emergency and self.is_driving:
             self.fail('emergency stop')
+        if self.is_driving and self._to_begin:
+            back = min(seconds * self._speed(), self._to_begin)
+            seconds -= back / self._speed()
+            self.arc, self._to_begin = self.arc - back, self._to_begin - back
+            if self._to_begin > _AT_END:
+                return
+            self._to_begin, self.edge, self.arc = 0.0, self.edges[self.current], 0.0
         while self.is_driving:
             self.edge = self.edges[self.current]
             length, speed = self.graph.curve(self.edge).length, self._speed()
@@ -153,6 +171,8 @@ class Agv:
 
     def _pose(self) -> Pose:
         fraction = min(self.arc / self.graph.curve(self.edge).length, 1.0)
+        if self.phase is Phase.RUNNING and self._to_begin:
+            return Pose(self.edges[self.current], 0.0)
         if self.phase is Phase.RUNNING:
             return Pose(self.edge, min(fraction, 0.999))
         if self.phase is Phase.COMPLETE:
