@@ -5,9 +5,8 @@ import math
 from random import Random
 from typing import Dict, List, Mapping, Optional, Sequence, Tuple
 
-from trajectory_graph import CurveType, Edge, Graph, Vertex
-
 from graph_fleet_manager.fleet import RobotType
+from trajectory_graph import CurveType, Edge, Graph, Vertex
 
 AGV = RobotType('agv', 0.4, 1.0)
 

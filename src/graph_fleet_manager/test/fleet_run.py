@@ -140,12 +140,12 @@ class FleetRun:
     def _begin_drives(self) -> None:
         """Begins every drive whose time has come."""
         for robot in self.robots.values():
-            if robot.driving is None and robot.done < len(robot.plan):
-                if self._may_begin_at(robot) <= self.now:
-                    drive = robot.plan[robot.done]
-                    robot.driving = self._drive(drive.edge, drive.end - drive.start)
-                    robot.log.append(robot.driving)
-                    robot.done += 1
+            if (robot.driving is None and robot.done < len(robot.plan)
+                    and self._may_begin_at(robot) <= self.now):
+                drive = robot.plan[robot.done]
+                robot.driving = self._drive(drive.edge, drive.end - drive.start)
+                robot.log.append(robot.driving)
+                robot.done += 1
 
     def _next_release(self) -> float:
         return min((self._may_begin_at(robot) for robot in self.robots.values()

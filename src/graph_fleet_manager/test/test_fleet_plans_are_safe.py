@@ -12,7 +12,6 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from plan_checker import World, faults
 from plan_replay import replay, replay_faults
-from trajectory_graph import GraphError
 
 from graph_fleet_manager.files.plan_file import solved_plan
 from graph_fleet_manager.fleet import RobotType
@@ -21,6 +20,7 @@ from graph_fleet_manager.planning.planner import FleetPlanner
 from graph_fleet_manager.planning.road_network import RoadNetwork
 from graph_fleet_manager.planning.safe_intervals import find_way
 from graph_fleet_manager.planning.tasks import Task
+from trajectory_graph import GraphError
 
 GIVE_UP = 0.3  # s after which an instance counts as one without a solution
 LONG = os.environ.get('LD90_LONG_TESTS') == '1'

@@ -8,7 +8,7 @@ from __future__ import annotations
 import time
 from typing import Dict, FrozenSet, List, NamedTuple, Optional, Tuple
 
-from graph_fleet_manager.fleet import Fleet, RobotType
+from graph_fleet_manager.fleet import Fleet
 from graph_fleet_manager.plan_requests import PlanRequest
 from graph_fleet_manager.planning.layers import Search
 from graph_fleet_manager.planning.parking import named_parking
@@ -18,7 +18,7 @@ from graph_fleet_manager.planning.safe_intervals import find_way
 from graph_fleet_manager.planning.tasks import CannotPlan, Outcome
 from trajectory_graph import Graph
 
-_PLANNERS_KEPT = 4  # closures and learned times come and go; a planner is some 10 MB at 500 vertices
+_PLANNERS_KEPT = 4  # closures and learned times come and go
 
 
 class _Roads(NamedTuple):

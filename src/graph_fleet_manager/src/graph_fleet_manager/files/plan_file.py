@@ -4,7 +4,7 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-from typing import Any, Dict, Mapping, Union
+from typing import Any, Dict, Iterable, Mapping, Union
 
 from graph_fleet_manager.planning.tasks import Outcome
 
@@ -23,7 +23,7 @@ def solved_plan(outcome: Outcome, planning_time: float, geometry_time: float) ->
     }
 
 
-def unsolved_plan(reason: str, lower_bound: float, robots: Mapping[str, Any],
+def unsolved_plan(reason: str, lower_bound: float, robots: Iterable[str],
                   planning_time: float, geometry_time: float) -> Dict[str, Any]:
     """What stands in the file where no plan was found: why, and no drives."""
     return {

@@ -101,8 +101,8 @@ class Blocking:
         is_edge = other >= vertices
         forward_drive = np.where(is_edge, 2 * (other - vertices), 0)
         lead = np.zeros((2, len(other)))
-        for way, clear in enumerate((conflicts.forward, conflicts.backward)):
-            lead[way] = np.where(is_edge, clear[mirrored] * self._times[forward_drive + way], 0.0)
+        for k, clear in enumerate((conflicts.forward, conflicts.backward)):
+            lead[k] = np.where(is_edge, clear[mirrored] * self._times[forward_drive + k], 0.0)
         # Every pair with an edge makes two blocks, one for each direction; with a vertex, one.
         slot = np.where(is_edge, forward_drive, other + self._network.drives)
         count = np.where(is_edge, 2, 1)

@@ -15,7 +15,7 @@ from collections import deque
 from random import Random
 from typing import Deque, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
-from graph_fleet_manager.planning.configuration_step import Mover, StepMaker
+from graph_fleet_manager.planning.configuration_step import Mover, StepMaker, choose_rests
 from graph_fleet_manager.planning.timetable import Timetable
 from graph_fleet_manager.planning.travellers import Traveller
 
@@ -41,10 +41,13 @@ def search_configurations(timetable: Timetable, travellers: Sequence[Traveller],
 
     It begins where everybody's fixed drives end. Robots that may rest in several places rest in the
     one that each has been given by the order of the travellers: the nearest that is still free.
-    None where the deadline (monotonic s) came first.
+    None where there is no way, or the deadline (monotonic s) came first.
     """
-    maker = StepMaker(timetable, travellers, random)
-    if maker.movers is None:
+    rests = choose_rests(timetable, travellers)
+    if rests is None:
+        return None
+    maker = StepMaker(timetable, travellers, rests, random)
+    if not maker.has_ways():
         return None
     movers = maker.movers
     first = tuple(mover.begin for mover in movers)

@@ -81,27 +81,26 @@ class Mover:
 class StepMaker:
     """Makes steps for robots on a graph, round all that is booked for ever; nothing else may be.
 
-    `movers` is None where not all of them find a rest, or a way on an otherwise empty graph.
+    rests -- for each robot the vertex that it is to end on; None: the last destination
     """
 
     def __init__(self, timetable: Timetable, travellers: Sequence[Traveller],
-                 random: Random) -> None:
+                 rests: Sequence[Optional[int]], random: Random) -> None:
         network = timetable.network
         self._random = random
         self._timetable = timetable
         self._first_edge = network.vertices
         self._blocked = {kind: _blocked_edges(slots) for kind, slots in timetable.slots.items()}
-        rests = _rests(timetable, travellers)
-        self.movers: Optional[List[Mover]] = None
-        if rests is not None:
-            self.movers = [Mover(t, rest, network.vertices, [
-                network.estimates(t.kind, target) for target in (
-                    *t.errand.destinations, *(() if rest is None else (rest,)))])
-                for t, rest in zip(travellers, rests)]
-            if not all(mover.has_way(self._blocked[mover.kind]) for mover in self.movers):
-                self.movers = None
+        self.movers: List[Mover] = [Mover(t, rest, network.vertices, [
+            network.estimates(t.kind, target) for target in (
+                *t.errand.destinations, *(() if rest is None else (rest,)))])
+            for t, rest in zip(travellers, rests)]
         self._kinds = [t.kind for t in travellers]
         self._near: Dict[Tuple[RobotType, int], List[Tuple[RobotType, List[int], List[int]]]] = {}
+
+    def has_ways(self) -> bool:
+        """Could everybody come to its end, were it alone?"""
+        return all(mover.has_way(self._blocked[mover.kind]) for mover in self.movers)
 
     def is_end(self, configuration: Sequence[int]) -> bool:
         """Is everybody where it is to stay?"""
@@ -239,11 +238,11 @@ def _blocked_edges(slots: Slots) -> Set[int]:
             if any(end == inf for _, end, _ in slots.bookings[drive])}
 
 
-def _rests(timetable: Timetable,
-           travellers: Sequence[Traveller]) -> Optional[List[Optional[int]]]:
-    """For who may rest in several places one of them, free of all others; else None.
+def choose_rests(timetable: Timetable,
+                 travellers: Sequence[Traveller]) -> Optional[List[Optional[int]]]:
+    """For who may rest in several places one of them, free of all others; for others None.
 
-    Who has nothing to do stays where it is if it may.
+    Who has nothing to do stays where it is if it may. None where not all of them find a rest.
     """
     taken: List[Tuple[RobotType, int]] = [
         (t.kind, t.errand.destinations[-1]) for t in travellers if t.errand.rests is None]

@@ -149,7 +149,7 @@ class _Pairs:
         key = place.astype(np.int64) * self._places + other
         order = np.argsort(key, kind='stable')
         key, low, high = key[order], low[order], high[order]
-        first = np.flatnonzero(np.concatenate(([True], key[1:] != key[:-1]))) if len(key) else []
+        first = np.flatnonzero(np.concatenate(([True], key[1:] != key[:-1]))[:len(key)])
         key = key[first]
         self.place, self.other = key // self._places, key % self._places
         if len(key):

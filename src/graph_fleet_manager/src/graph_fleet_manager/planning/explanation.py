@@ -70,7 +70,8 @@ def _fewest_blocked(timetable: Timetable, traveller: Traveller) -> List[int]:
     """The drives of the way over all destinations to a rest, past as few standing robots as
     possible; as far as there is one."""
     errand = traveller.errand
-    at, drives = errand.vertex, []
+    at = errand.vertex
+    drives: List[int] = []
     goals: List[FrozenSet[int]] = [frozenset((d,)) for d in errand.destinations]
     if errand.rests:
         goals.append(errand.rests)

@@ -126,9 +126,9 @@ class Improvement:
         start = self._random.randint(0, len(plan)) if plan else 0
         vertex, now = errand.vertex, errand.ready
         if start:
-            drive = plan[start - 1]
-            vertex = self._tea_star.timetable.network.destination(drive.drive)
-            now = drive.end
+            last = plan[start - 1]
+            vertex = self._tea_star.timetable.network.destination(last.drive)
+            now = last.end
         met: Dict[str, None] = {}
         while to_go[vertex] > 0.0 and len(met) < _LARGEST:
             roads = errand.roads[vertex]

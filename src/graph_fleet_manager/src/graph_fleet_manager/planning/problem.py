@@ -83,6 +83,7 @@ class Problem:
         elif fixed:
             origins = {network.destination(fixed[-1].drive): 0.0}
         else:
+            assert task.vertex is not None  # `check` has seen to that
             origins = {network.index[task.vertex]: 0.0}
         later = 1.0 if task.stays else LATER
         return Errand(network, task.type, origins, ready, self._vertices(task.destinations),

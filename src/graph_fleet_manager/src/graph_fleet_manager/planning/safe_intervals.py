@@ -32,8 +32,8 @@ def find_way(errand: Errand, slots: Slots, latest: float = inf,
     """
     roads, to_go, targets, dwells = errand.roads, errand.to_go, errand.destinations, errand.dwells
     legs, vertices, drives = len(targets), len(roads), slots.drives
-    rests, later = errand.rests, errand.later
-    stays = rests is None  # at the last destination
+    rests, later = errand.rests or frozenset(), errand.later
+    stays = errand.rests is None  # at the last destination
     merged, busy_of = slots.merged, slots.busy
     best: Dict[int, float] = {}
     nodes: List[Tuple] = []

@@ -42,8 +42,8 @@ def schedule(timetable: Timetable, travellers: Mapping[str, Traveller],
         plans[name] = []
         ready[name], legs[name] = traveller.errand.served_at(traveller.errand.vertex, 0,
                                                              traveller.errand.ready)
-        for drive in traveller.fixed:
-            use(traveller.kind, drive)
+        for fixed in traveller.fixed:
+            use(traveller.kind, fixed)
     for name, drive in order:
         traveller, plan = travellers[name], plans[name]
         begun = 0.0

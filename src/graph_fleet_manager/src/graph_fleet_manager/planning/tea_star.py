@@ -14,7 +14,7 @@ from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence
 
 from graph_fleet_manager.planning.layers import Search
 from graph_fleet_manager.planning.plans import Plan
-from graph_fleet_manager.planning.safe_intervals import find_way
+from graph_fleet_manager.planning.safe_intervals import Arrival, find_way
 from graph_fleet_manager.planning.timetable import Timetable
 from graph_fleet_manager.planning.travellers import Traveller
 
@@ -41,7 +41,7 @@ class TeaStar:
 
     def way_of(self, traveller: Traveller, latest: float = inf) -> Optional[Way]:
         """The best way of one robot that is not booked, past all that are; None: there is none."""
-        arrivals = ()
+        arrivals: Sequence[Arrival] = ()
         if traveller.between:
             arrivals = self.timetable.arrivals(traveller.kind, traveller.between,
                                                traveller.errand.ready)

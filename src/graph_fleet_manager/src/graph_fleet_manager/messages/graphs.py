@@ -1,0 +1,54 @@
+"""The graph, what of it is closed, what it allows; and what robots report of their routes on it."""
+from __future__ import annotations
+
+import genpy
+
+from graph_fleet_manager.fleet import Fleet
+from graph_fleet_manager.site.changes import ReportedRoute
+from graph_fleet_manager.site.closures import Closures
+from graph_fleet_manager.site.survey import Survey
+from itrci_nav_msgs import msg
+from trajectory_graph import Graph
+from trajectory_graph.messages import fill_message
+
+
+def graph_message(graph: Graph, stamp: genpy.Time) -> msg.Graph:
+    """A graph; the stamp is its version."""
+    message = fill_message(msg.Graph(), graph, msg.Vertex, msg.Edge)
+    message.header.stamp = stamp
+    return message
+
+
+def docking_points_message(graph: Graph, fleet: Fleet, stamp: genpy.Time) -> msg.DockingPoints:
+    """The docks of a graph, with the types that charge there."""
+    message = msg.DockingPoints(docking_points=[
+        msg.DockingPoint(vertex.id, [kind.name for kind in fleet.types
+                                     if vertex.id in (kind.docks or ())])
+        for vertex in graph.vertices.values() if vertex.dock])
+    message.header.stamp = stamp
+    return message
+
+
+def parking_message(found: Survey, stamp: genpy.Time) -> msg.ParkingPlaces:
+    """Where robots may stand for ever on the graph of this version."""
+    message = msg.ParkingPlaces(vertices=sorted(found.parking), capacities=[
+        msg.ParkingCapacity(one.type, one.robots, one.docks) for one in found.capacities])
+    message.header.stamp = stamp
+    return message
+
+
+def closed_edges_message(closures: Closures) -> msg.ClosedEdges:
+    """What is closed now."""
+    message = msg.ClosedEdges(edges=sorted(closures.edges))
+    message.header.stamp = genpy.Time(0, closures.stamp)
+    message.header.stamp.canon()
+    return message
+
+
+def reported_route(message: msg.ExecutionRouteStates) -> ReportedRoute:
+    """What is left of a robot's route; a route with a failed edge has ended."""
+    states = message.edge_states
+    ended = any(state.state == msg.EdgeState.FAILED for state in states)
+    left = () if ended else tuple(state.edge_id for state in states
+                                  if state.state != msg.EdgeState.COMPLETE)
+    return ReportedRoute(left, message.symbolic_pose.edge_id)

@@ -1,0 +1,227 @@
+"""graph_server: keeps the fleet's graph, tells it to everybody, and says what it allows.
+
+Publishes (all latched)
+    /graph (itrci_nav_msgs/Graph): the graph in force; header.stamp is its version
+    /docking_points (itrci_nav_msgs/DockingPoints)
+    /parking (itrci_nav_msgs/ParkingPlaces): where robots may stand, how many the graph holds
+    /closed_edges_in_force (itrci_nav_msgs/ClosedEdges)
+    /diagnostics
+Subscribes
+    /closed_edges (itrci_nav_msgs/ClosedEdges): edges not to be used now
+    /<robot>/execution_route_states of every robot in the fleet file: what must not be broken
+Services
+    /reload_graph (std_srvs/Trigger): reads the graph file again
+Parameters
+    ~graph_file         string  (required)  trajectory graph (YAML)
+    ~fleet_file         string  (required)  fleet file (YAML)
+    ~closed_edges_file  string  graph_fleet_manager/closed_edges.json in ROS_HOME
+"""
+from __future__ import annotations
+
+import os
+import threading
+from typing import Dict, List, Optional
+
+import rospkg
+import rospy
+from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_updater import DiagnosticStatusWrapper
+from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
+
+from graph_fleet_manager.files.errors import FileError
+from graph_fleet_manager.fleet import Fleet
+from graph_fleet_manager.messages.graphs import (
+    closed_edges_message,
+    docking_points_message,
+    graph_message,
+    parking_message,
+    reported_route,
+)
+from graph_fleet_manager.nodes.startup import (
+    ConfigurationError,
+    diagnose,
+    fleet_of,
+    parameter,
+    run,
+)
+from graph_fleet_manager.planning.road_network import RoadNetwork
+from graph_fleet_manager.site.changes import ReportedRoute, what_breaks
+from graph_fleet_manager.site.closures import Closures, OutOfDate
+from graph_fleet_manager.site.remarks import Remark, remarks
+from graph_fleet_manager.site.survey import survey
+from itrci_nav_msgs.msg import (
+    ClosedEdges,
+    DockingPoints,
+    ExecutionRouteStates,
+    ParkingPlaces,
+)
+from itrci_nav_msgs.msg import Graph as GraphMessage
+from trajectory_graph import Graph, GraphError, load_graph
+
+_SURVEY_NICENESS = 10  # a survey takes seconds of work for which nobody waits
+
+
+class GraphServer:
+    """See the module's text. `_lock` guards the graph in force, its version and the closures."""
+
+    def __init__(self) -> None:
+        self._fleet: Fleet = fleet_of()
+        parameter('~graph_file')
+        self._closures = _closures()
+        self._lock = threading.RLock()
+        self._graph: Optional[Graph] = None
+        self._stamp = rospy.Time(0)
+        self._trouble = ''
+        """Why the file was not taken up when it was last read."""
+        self._remarks: List[Remark] = []
+        self._routes: Dict[str, ReportedRoute] = {}
+        self._graphs = rospy.Publisher('/graph', GraphMessage, queue_size=1, latch=True)
+        self._docks = rospy.Publisher('/docking_points', DockingPoints, queue_size=1, latch=True)
+        self._parking = rospy.Publisher('/parking', ParkingPlaces, queue_size=1, latch=True)
+        self._closed = rospy.Publisher('/closed_edges_in_force', ClosedEdges, queue_size=1,
+                                       latch=True)
+        self._timer = diagnose({'graph': self._report_graph, 'closed edges': self._report_closed})
+        trouble = self._load()
+        if trouble:
+            rospy.logerr('%s Mend it and call /reload_graph.', trouble)
+        self._subscribers = [rospy.Subscriber('/closed_edges', ClosedEdges, self._on_closed,
+                                              queue_size=10)]
+        for robot in self._fleet.robots:
+            self._subscribers.append(rospy.Subscriber(
+                f'/{robot.name}/execution_route_states', ExecutionRouteStates, self._on_report,
+                robot.name, queue_size=1))
+        self._service = rospy.Service('/reload_graph', Trigger, self._reload)
+
+    # -- the graph --------------------------------------------------------------------------------
+
+    def _reload(self, _: TriggerRequest) -> TriggerResponse:
+        before = self._stamp
+        trouble = self._load()
+        if trouble:
+            rospy.logwarn('The graph was not reloaded, the one in force stays: %s', trouble)
+            return TriggerResponse(False, trouble)
+        file = rospy.get_param('~graph_file')
+        if self._stamp == before:
+            return TriggerResponse(True, f'{file} holds the graph that is in force.')
+        graph = self._graph
+        assert graph is not None
+        return TriggerResponse(True, f'{file} is in force: {len(graph.vertices)} vertices, '
+                               f'{len(graph.edges)} edges.')
+
+    def _load(self) -> str:
+        """Reads the file and puts its graph in force; returns why not, in a sentence."""
+        with self._lock:
+            self._trouble = self._try_to_load()
+            return self._trouble
+
+    def _try_to_load(self) -> str:
+        try:
+            new = load_graph(parameter('~graph_file'))
+        except (GraphError, ConfigurationError) as error:
+            return str(error)
+        if self._graph is not None:
+            if (new.vertices, new.edges) == (self._graph.vertices, self._graph.edges):
+                return ''
+            reason = what_breaks(self._graph, new, self._routes)
+            if reason is not None:
+                return reason
+        try:
+            gone = self._closures.forget_all_but(new.edges)
+        except OSError as error:
+            return f'The closed edges cannot be written: {error}.'
+        if gone:
+            rospy.logwarn('Closed edges %s are not in the graph and are forgotten.',
+                          _listed(gone))
+        self._put_in_force(new)
+        return ''
+
+    def _put_in_force(self, graph: Graph) -> None:
+        self._graph, self._remarks = graph, []
+        self._stamp = max(rospy.Time.now(), self._stamp + rospy.Duration(0, 1))
+        self._graphs.publish(graph_message(graph, self._stamp))
+        self._docks.publish(docking_points_message(graph, self._fleet, self._stamp))
+        self._publish_closed()
+        rospy.loginfo('The graph has %d vertices and %d edges, %.0f m in all; finding out what it '
+                      'allows.', len(graph.vertices), len(graph.edges),
+                      sum(graph.curve(id).length for id in graph.edges))
+        threading.Thread(target=self._survey, args=(graph, self._stamp), name='survey',
+                         daemon=True).start()
+
+    def _survey(self, graph: Graph, stamp: rospy.Time) -> None:
+        """Says what a graph allows, unless another one is in force by then."""
+        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _SURVEY_NICENESS)
+        network = RoadNetwork(graph, (), self._fleet.dock_approach)
+        found = survey(network, self._fleet)
+        said = remarks(graph, self._fleet, found)
+        with self._lock:
+            if stamp != self._stamp:
+                return
+            self._remarks = said
+            self._parking.publish(parking_message(found, stamp))
+        for remark in said:
+            (rospy.logwarn if remark.warning else rospy.loginfo)('%s', remark.text)
+
+    # -- closures and robots ----------------------------------------------------------------------
+
+    def _on_closed(self, message: ClosedEdges) -> None:
+        with self._lock:
+            known = self._graph.edges if self._graph is not None else ()
+            try:
+                unknown = self._closures.take(message.edges, message.header.stamp.to_nsec(),
+                                              rospy.Time.now().to_nsec(), known)
+            except OutOfDate:
+                return  # a latched message of somebody who joined anew
+            except OSError as error:
+                rospy.logerr('Closed edges cannot be kept, so nothing is changed: %s', error)
+                return
+            self._publish_closed()
+            closed = self._closures.edges
+        rospy.loginfo('Closed edges: %s.', _listed(closed) if closed else 'none')
+        if unknown:
+            rospy.logwarn('Edges %s are to be closed, but the graph does not have them.',
+                          _listed(unknown))
+
+    def _publish_closed(self) -> None:
+        self._closed.publish(closed_edges_message(self._closures))
+
+    def _on_report(self, message: ExecutionRouteStates, robot: str) -> None:
+        self._routes[robot] = reported_route(message)
+
+    # -- diagnostics ------------------------------------------------------------------------------
+
+    def _report_graph(self, status: DiagnosticStatusWrapper) -> None:
+        graph, said = self._graph, self._remarks
+        warnings = [remark.text for remark in said if remark.warning]
+        if graph is None:
+            status.summary(DiagnosticStatus.ERROR, self._trouble)
+        elif self._trouble:
+            status.summary(DiagnosticStatus.WARN, f'not reloaded: {self._trouble}')
+        elif warnings:
+            status.summary(DiagnosticStatus.WARN, warnings[0])
+        else:
+            status.summary(DiagnosticStatus.OK, f'{len(graph.vertices)} vertices, '
+                           f'{len(graph.edges)} edges in force')
+        status.add('file', rospy.get_param('~graph_file', ''))
+        for k, remark in enumerate(said, 1):
+            status.add(f'remark {k}', remark.text)
+
+    def _report_closed(self, status: DiagnosticStatusWrapper) -> None:
+        closed = self._closures.edges
+        status.summary(DiagnosticStatus.OK, _listed(closed) if closed else 'none')
+
+
+def _closures() -> Closures:
+    default = os.path.join(rospkg.get_ros_home(), 'graph_fleet_manager', 'closed_edges.json')
+    try:
+        return Closures(parameter('~closed_edges_file', '') or default)
+    except FileError as error:
+        raise ConfigurationError(str(error)) from None
+
+
+def _listed(edges: frozenset) -> str:
+    return ', '.join(map(str, sorted(edges)))
+
+
+def main() -> None:
+    """Runs the node."""
+    run('graph_server', GraphServer)

@@ -1,0 +1,177 @@
+"""path_planner: plans the ways of all robots, free of conflict whatever runs late.
+
+It answers requests one at a time and remembers nothing between them but the graph: it can be ended
+at any time, and who asks goes on. See docs/interface/path_planner.md for requests and answers.
+
+Subscribes
+    /graph (itrci_nav_msgs/Graph, latched), /parking (itrci_nav_msgs/ParkingPlaces, latched)
+    /plan_request (itrci_nav_msgs/PlanRequest)
+Publishes
+    /plan_answer (itrci_nav_msgs/PlanAnswer): one for each request
+    /diagnostics
+Parameters
+    ~fleet_file          string  (required)  fleet file (YAML)
+    ~search              string  safe_intervals  or layers, the dissertation's TEA*
+    ~layer_length        float   1.0 s   between two layers
+    ~seed                int     0       of all that is random
+    ~time_limit          float   2.0 s   for requests that name none
+    ~longest_time_limit  float   10.0 s  no request may take longer
+    ~sim_speed           float   1.0     simulated robots are so many times faster
+"""
+from __future__ import annotations
+
+import threading
+import time
+import traceback
+from dataclasses import replace
+from typing import Optional
+
+import rospy
+from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_updater import DiagnosticStatusWrapper
+
+from graph_fleet_manager.messages.planning import answer_message, no_plan_message, request_of
+from graph_fleet_manager.nodes.startup import choice, diagnose, fleet_of, number, parameter, run
+from graph_fleet_manager.plan_service import PlanService
+from graph_fleet_manager.planning.layers import layered
+from graph_fleet_manager.planning.safe_intervals import find_way
+from graph_fleet_manager.planning.tasks import CannotPlan
+from itrci_nav_msgs.msg import Graph as GraphMessage
+from itrci_nav_msgs.msg import ParkingPlaces, PlanAnswer, PlanRequest
+from trajectory_graph import GraphError
+from trajectory_graph.messages import graph_from_message
+
+_WAITING = 20  # requests; of those that wait only the newest is worked on
+
+
+class PathPlanner:
+    """See the module's text. One thread plans; callbacks only leave it what came."""
+
+    def __init__(self) -> None:
+        self._fleet = fleet_of()
+        self._types = {kind.name: kind for kind in self._fleet.types}
+        search = choice('~search', 'safe_intervals', ('safe_intervals', 'layers'))
+        layer_length = number('~layer_length', 1.0, 0.05, 60.0)
+        self._search = find_way if search == 'safe_intervals' else layered(layer_length)
+        self._seed: int = parameter('~seed', 0, int)
+        self._time_limit = number('~time_limit', 2.0, 0.01, 600.0)
+        self._longest = number('~longest_time_limit', 10.0, self._time_limit, 600.0)
+        self._rate = number('~sim_speed', 1.0, 0.01, 100.0)
+        self._changed = threading.Condition()
+        self._new_graph: Optional[GraphMessage] = None
+        self._request: Optional[PlanRequest] = None
+        self._received = 0.0
+        self._parking: Optional[ParkingPlaces] = None
+        self._service: Optional[PlanService] = None
+        self._stamp = rospy.Time(0)
+        """Version of the graph of `_service`."""
+        self._status = (DiagnosticStatus.WARN, 'waiting for /graph')
+        self._figures = {'planning time': '', 'robots': '', 'unserved': ''}
+        self._answers = rospy.Publisher('/plan_answer', PlanAnswer, queue_size=10)
+        self._timer = diagnose({'planner': self._report})
+        threading.Thread(target=self._work, name='planner', daemon=True).start()
+        self._subscribers = [
+            rospy.Subscriber('/graph', GraphMessage, self._on_graph, queue_size=1),
+            rospy.Subscriber('/parking', ParkingPlaces, self._on_parking, queue_size=1),
+            rospy.Subscriber('/plan_request', PlanRequest, self._on_request,
+                             queue_size=_WAITING, tcp_nodelay=True)]
+
+    # -- callbacks --------------------------------------------------------------------------------
+
+    def _on_graph(self, message: GraphMessage) -> None:
+        with self._changed:
+            self._new_graph = message
+            self._changed.notify()
+
+    def _on_parking(self, message: ParkingPlaces) -> None:
+        with self._changed:
+            self._parking = message
+
+    def _on_request(self, message: PlanRequest) -> None:
+        with self._changed:
+            older, self._request = self._request, message
+            self._received = time.monotonic()
+            self._changed.notify()
+        if older is not None:
+            self._answers.publish(no_plan_message(older, PlanAnswer.SUPERSEDED,
+                                                  'A newer request came.'))
+
+    # -- the planning thread ----------------------------------------------------------------------
+
+    def _work(self) -> None:
+        while not rospy.is_shutdown():
+            with self._changed:
+                if self._new_graph is None and self._request is None:
+                    self._changed.wait(0.5)
+                graph, self._new_graph = self._new_graph, None
+                if graph is None:
+                    request, self._request = self._request, None
+                    received = self._received
+            if graph is not None:
+                self._take_graph(graph)
+            elif request is not None:
+                self._answers.publish(self._answer(request, received))
+
+    def _take_graph(self, message: GraphMessage) -> None:
+        try:
+            service = PlanService(graph_from_message(message), self._fleet, self._search,
+                                  self._seed)
+        except GraphError as error:
+            self._status = DiagnosticStatus.ERROR, f'a /graph that is not valid: {error}'
+            rospy.logerr('The graph on /graph is not valid, the one before stays: %s', error)
+            return
+        begun = time.monotonic()
+        service.prepare()
+        self._service, self._stamp = service, message.header.stamp
+        self._status = DiagnosticStatus.OK, f'ready, {len(service.graph.edges)} edges'
+        rospy.loginfo('Ready to plan on %d vertices and %d edges; what excludes what took %.3f s.',
+                      len(service.graph.vertices), len(service.graph.edges),
+                      time.monotonic() - begun)
+
+    def _answer(self, request: PlanRequest, received: float) -> PlanAnswer:
+        service = self._service
+        if service is None or request.graph_stamp != self._stamp:
+            return self._told(request, PlanAnswer.OTHER_GRAPH,
+                              'There is no /graph yet.' if service is None else
+                              'The request is about another version of /graph; ask again with the '
+                              'header.stamp of the one in force.')
+        begun = time.monotonic()
+        try:
+            asked = request_of(request, self._types, self._time_limit, self._longest, self._rate)
+            if not asked.parking:
+                asked = replace(asked, parking=self._known_parking(service))
+            outcome = service.answer(asked, received)
+        except CannotPlan as refusal:
+            return self._told(request, PlanAnswer.REFUSED, str(refusal))
+        except Exception:  # a defect: who asked must not wait for ever, and the next request may do
+            rospy.logerr('A request could not be planned because of a defect of the planner; please '
+                         'report it with this text:\n%s', traceback.format_exc())
+            return self._told(request, PlanAnswer.REFUSED, 'The planner failed on it, its log says '
+                              'how; report that, and ask for something else.')
+        took = time.monotonic() - begun
+        self._figures = {
+            'planning time': f'{took:.3f} s', 'robots': str(len(request.tasks)),
+            'unserved': '; '.join(f'{name}: {why}' for name, why in outcome.unserved.items())}
+        self._status = DiagnosticStatus.OK, f'planned for {len(request.tasks)} robots'
+        return answer_message(request, outcome, took, self._rate)
+
+    def _known_parking(self, service: PlanService) -> frozenset:
+        parking = self._parking
+        if parking is not None and parking.header.stamp == self._stamp:
+            return frozenset(parking.vertices)
+        return service.parking_by_name()
+
+    def _told(self, request: PlanRequest, result: int, reason: str) -> PlanAnswer:
+        rospy.logwarn_throttle(10.0, f'Plan request {request.plan_id} was not planned: {reason}')
+        self._status = DiagnosticStatus.WARN, f'the last request was not planned: {reason}'
+        return no_plan_message(request, result, reason)
+
+    def _report(self, status: DiagnosticStatusWrapper) -> None:
+        status.summary(*self._status)
+        for name, value in self._figures.items():
+            status.add(name, value)
+
+
+def main() -> None:
+    """Runs the node."""
+    run('path_planner', PathPlanner)

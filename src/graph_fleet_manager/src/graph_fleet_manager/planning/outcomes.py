@@ -1,0 +1,36 @@
+"""What the planner answers, made of the plans that stand at the end."""
+from __future__ import annotations
+
+from typing import Iterable, Mapping
+
+from graph_fleet_manager.planning.plans import Plan
+from graph_fleet_manager.planning.precedence import has_cycle, precedence
+from graph_fleet_manager.planning.schedule import in_order, schedule
+from graph_fleet_manager.planning.tasks import Outcome, PlannedDrive
+from graph_fleet_manager.planning.timetable import Timetable
+from graph_fleet_manager.planning.travellers import Traveller
+
+
+def outcome_of(timetable: Timetable, travellers: Mapping[str, Traveller],
+               behind: Mapping[str, Plan], served: Iterable[str], unserved: Mapping[str, str],
+               rounds: int) -> Outcome:
+    """Plans with the times that their order allows, and that order.
+
+    behind   -- each traveller's plan behind what is fixed
+    served   -- whose plans lead to all of their destinations
+    unserved -- whose do not, and why
+    """
+    network = timetable.network
+    plans = schedule(timetable, travellers, in_order(behind))
+    whole = {name: travellers[name].whole(plan) for name, plan in plans.items()}
+    constraints = precedence(timetable, whole, {name: t.kind for name, t in travellers.items()},
+                             {name: len(t.fixed) for name, t in travellers.items()})
+    if has_cycle({name: len(plan) for name, plan in whole.items()}, constraints):
+        raise AssertionError('a plan whose robots wait for each other in a ring')
+    errands = {name: travellers[name].errand for name in served}
+    return Outcome(
+        {name: tuple(PlannedDrive(network.signed_id(drive.drive), drive.start, drive.end)
+                     for drive in plan) for name, plan in whole.items()},
+        tuple(constraints), dict(unserved),
+        sum(errand.cost(plans[name]) for name, errand in errands.items()),
+        sum(errand.lower_bound for errand in errands.values()), rounds)

@@ -1,0 +1,116 @@
+"""A survey in sentences, for who draws the graph or runs the fleet."""
+from __future__ import annotations
+
+from collections import Counter
+from typing import Iterable, List, NamedTuple
+
+from graph_fleet_manager.fleet import Fleet
+from graph_fleet_manager.site.survey import Survey
+from trajectory_graph import Graph
+
+_NAMED = 5  # so many of a kind are named, the others counted
+
+
+class Remark(NamedTuple):
+    """One sentence; a warning says that something should be mended."""
+
+    warning: bool
+    text: str
+
+
+def remarks(graph: Graph, fleet: Fleet, found: Survey) -> List[Remark]:
+    """What a survey and the fleet file say, the most important first."""
+    told = [Remark(True, text) for text in _wrong_in_fleet(graph, fleet)]
+    told += _on_parking(fleet, found)
+    for part in found.stranded:
+        told.append(Remark(True, f'Robots of type {part.type} cannot come to, or not come back '
+                           f'from, {_named("vertex", "vertices", part.vertices)}: let edges lead '
+                           'there both ways.'))
+    for one, other in found.near_edges[:_NAMED]:
+        told.append(Remark(False, f'Edges {one} and {other} run so near each other that only one '
+                           'robot at a time may be on the two.'))
+    if len(found.near_edges) > _NAMED:
+        told.append(Remark(False, f'So do {len(found.near_edges) - _NAMED} more pairs of edges.'))
+    return [*told, *_on_dead_ends(found), *_on_long_edges(found)]
+
+
+def _wrong_in_fleet(graph: Graph, fleet: Fleet) -> Iterable[str]:
+    for robot in fleet.robots:
+        if robot.vertex not in graph.vertices:
+            yield (f'Robot {robot.name} of the fleet file begins on vertex {robot.vertex}, which '
+                   'the graph does not have: mend the fleet file.')
+    docks = {vertex.id for vertex in graph.vertices.values() if vertex.dock}
+    for kind in fleet.types:
+        for dock in sorted((kind.docks or frozenset()) - docks):
+            yield (f'Robot type {kind.name} lists dock {dock}, but the graph has no dock there: '
+                   'mend the fleet file, or mark the vertex (Dock: true).')
+    unused = docks.difference(*(kind.docks or () for kind in fleet.types))
+    if unused:
+        yield (f'No robot type lists {_named("dock", "docks", sorted(unused))} under docks in the '
+               'fleet file: nobody charges there.')
+
+
+def _on_parking(fleet: Fleet, found: Survey) -> Iterable[Remark]:
+    count = Counter(robot.type.name for robot in fleet.robots)
+    for one in found.capacities:
+        beside = f', and {one.docks} more at docks' if one.docks else ''
+        total = one.robots + one.docks
+        text = (f'The graph holds {one.robots} robots of type {one.type} without cutting anybody '
+                f'off, docks kept free{beside}; the fleet has {count[one.type]}')
+        if count[one.type] > total:
+            yield Remark(True, f'{text}: they will block each other for good, take some out or '
+                         'give the graph more dead-end parking.')
+        else:
+            yield Remark(False, f'{text}.')
+    if len(fleet.types) > 1:
+        text = (f'All types together have {len(found.parking)} parking places, for '
+                f'{len(fleet.robots)} robots')
+        if len(fleet.robots) > len(found.parking):
+            yield Remark(True, f'{text}: they will block each other for good, take some out or '
+                         'give the graph more dead-end parking.')
+        else:
+            yield Remark(False, f'{text}.')
+    yield Remark(False, f'Parking: {_all_of(sorted(found.parking))}.')
+
+
+def _on_dead_ends(found: Survey) -> Iterable[Remark]:
+    spurs = [end for end in found.dead_ends if end.entry is not None and len(end.vertices) == 1]
+    if spurs:
+        ids = sorted(end.vertices[0] for end in spurs)
+        yield Remark(False, f'{_named("Vertex", "Vertices", ids)} '
+                     f'{"ends" if len(ids) == 1 else "end"} an edge: who is there comes back the '
+                     'way it went in.')
+    for end in found.dead_ends:
+        if end.entry is None:
+            yield Remark(True, 'The graph has no way round anywhere: robots that meet have to back '
+                         'out; join some of its ends.')
+        elif len(end.vertices) > 1:
+            yield Remark(False, f'Behind vertex {end.entry} lies a dead end of {end.length:.1f} m '
+                         f'with {_named("vertex", "vertices", end.vertices)}: robots that are to '
+                         'pass each other there wait outside.')
+
+
+def _on_long_edges(found: Survey) -> Iterable[Remark]:
+    for edge in found.long_edges[:_NAMED]:
+        yield Remark(False, f'Edge {edge.id} is {edge.length:.1f} m long, and {edge.share:.0%} of '
+                     'all shortest ways lead over it: a robot on it keeps the others from all of '
+                     'it.')
+    if found.long_edges:
+        longest = max(round(2.0 * found.following_distance, 1), 0.1)
+        yield Remark(False, f'{len(found.long_edges)} edges are so long that they cost throughput; '
+                     f'to cut them: rosrun trajectory_graph split_edges --longest {longest} '
+                     'GRAPH.yaml OUT.yaml')
+
+
+def _named(one: str, many: str, ids: Iterable[int]) -> str:
+    """`vertex 3`, `vertices 3, 4`, at most so many by name."""
+    ids = list(ids)
+    if len(ids) == 1:
+        return f'{one} {ids[0]}'
+    named = ', '.join(map(str, ids[:_NAMED]))
+    more = f' and {len(ids) - _NAMED} more' if len(ids) > _NAMED else ''
+    return f'{many} {named}{more}'
+
+
+def _all_of(ids: List[int]) -> str:
+    return f'vertices {", ".join(map(str, ids))}' if ids else 'none'

@@ -1,0 +1,186 @@
+"""What a graph allows a fleet: how many robots it holds, where they get into each other's way."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite
+from typing import Dict, FrozenSet, List, Optional, Sequence, Set, Tuple
+
+import networkx as nx
+
+from graph_fleet_manager.fleet import Fleet, RobotType
+from graph_fleet_manager.planning.parking import Parking, named_parking
+from graph_fleet_manager.planning.road_network import RoadNetwork
+
+LONG = 3.0
+"""An edge so many following distances long lets through less than half of the robots that sections
+of one following distance would: who follows waits until all of it is left."""
+_SAMPLES = 100  # vertices from which ways are counted, to bound the time on large graphs
+
+
+@dataclass(frozen=True)
+class Capacity:
+    """How many robots a graph holds, were all of one type: docks kept free, and beside at docks."""
+
+    type: str
+    robots: int
+    docks: int
+
+
+@dataclass(frozen=True)
+class DeadEnd:
+    """A part of the graph with a single way in and out, without a way round: robots that meet in it
+    cannot pass each other. `entry` is the vertex that it hangs on; None: all the graph is such."""
+
+    entry: Optional[int]
+    vertices: Tuple[int, ...]
+    length: float  # m
+
+
+@dataclass(frozen=True)
+class LongEdge:
+    """An edge that costs throughput; `share` of all shortest ways leads over it (0..1)."""
+
+    id: int
+    length: float  # m
+    share: float
+
+
+@dataclass(frozen=True)
+class Stranded:
+    """Vertices that robots of a type cannot come to, or cannot come back from."""
+
+    type: str
+    vertices: Tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Survey:
+    """See the parts. `following_distance` (m) is that of two robots of the largest type.
+
+    parking    -- ids of vertices: robots of any types on all of them at once cut nobody off
+    near_edges -- pairs of edges that exclude each other though they share no vertex
+    """
+
+    following_distance: float
+    parking: FrozenSet[int]
+    capacities: Tuple[Capacity, ...]
+    dead_ends: Tuple[DeadEnd, ...]
+    stranded: Tuple[Stranded, ...]
+    long_edges: Tuple[LongEdge, ...]
+    near_edges: Tuple[Tuple[int, int], ...]
+
+
+def survey(network: RoadNetwork, fleet: Fleet) -> Survey:
+    """Surveys a graph for a fleet; takes seconds, on large graphs up to a minute."""
+    largest = max(fleet.types, key=lambda kind: kind.reach)
+    distance = 2.0 * largest.reach + fleet.clearance
+    parking, capacities = _parking(network, fleet, largest)
+    return Survey(distance, parking, capacities, dead_ends(network),
+                  tuple(_stranded(network, kind) for kind in fleet.types
+                        if _stranded(network, kind).vertices),
+                  long_edges(network, largest, distance), near_edges(network, distance))
+
+
+def _parking(network: RoadNetwork, fleet: Fleet,
+             largest: RobotType) -> Tuple[FrozenSet[int], Tuple[Capacity, ...]]:
+    """Where robots of all types may be parked at once, and how many of each type alone.
+
+    Places for all are those of the largest: who is smaller is in less of a way there.
+    """
+    anywhere = {vertex for kind in fleet.types for vertex in named_parking(network, kind)}
+    for_all = Parking(network, largest, fleet.clearance, anywhere).largest()
+    known: Dict[Tuple[float, FrozenSet[int], Tuple[bool, ...]], FrozenSet[int]] = {}
+    capacities = []
+    for kind in fleet.types:
+        same = (kind.reach, frozenset(named_parking(network, kind)),
+                tuple(map(isfinite, network.times(kind))))
+        if same not in known:
+            alone = kind is largest and same[1] == anywhere
+            known[same] = for_all if alone else Parking(network, kind, fleet.clearance).largest()
+        docks = known[same] & network.docks
+        capacities.append(Capacity(kind.name, len(known[same] - docks), len(docks)))
+    return frozenset(network.vertex_ids[vertex] for vertex in for_all), tuple(capacities)
+
+
+def dead_ends(network: RoadNetwork) -> Tuple[DeadEnd, ...]:
+    """The parts of the graph that hang on one vertex and have no way round, largest first.
+
+    Edges are nodes here, too, so that two edges between the same vertices are a way round.
+    """
+    incidence = nx.Graph()
+    for edge in network.graph.edges.values():
+        for vertex in (edge.origin, edge.destination):
+            incidence.add_edge(('vertex', vertex), ('edge', edge.id))
+    core = nx.k_core(incidence, 2)
+    outside = incidence.subgraph(node for node in incidence if node not in core)
+    found = []
+    for part in nx.connected_components(outside):
+        entries = [other[1] for node in part for other in incidence[node] if other in core]
+        found.append(DeadEnd(
+            entries[0] if entries else None,
+            tuple(sorted(id for kind, id in part if kind == 'vertex')),
+            sum(network.graph.curve(id).length for kind, id in part if kind == 'edge')))
+    return tuple(sorted(found, key=lambda end: (-len(end.vertices), end.entry or 0)))
+
+
+def _stranded(network: RoadNetwork, kind: RobotType) -> Stranded:
+    """What lies outside of the largest part in which a robot comes from everywhere to everywhere.
+    """
+    roads = _roads(network, kind)
+    home = max(nx.strongly_connected_components(roads), key=len)
+    return Stranded(kind.name, tuple(sorted(set(network.vertex_ids) - set(home))))
+
+
+def long_edges(network: RoadNetwork, kind: RobotType, distance: float) -> Tuple[LongEdge, ...]:
+    """Edges longer than `LONG` following distances, those first that cost most."""
+    graph = network.graph
+    lengths = {id: graph.curve(id).length for id in graph.edges}
+    long = [id for id, length in lengths.items() if length > LONG * distance]
+    if not long:
+        return ()
+    roads = _roads(network, kind)
+    starts = sorted(roads)[::max(len(roads) // _SAMPLES, 1)]
+    ways = nx.edge_betweenness_centrality_subset(roads, starts, list(roads), weight='seconds')
+    shares = dict.fromkeys(graph.edges, 0.0)
+    for begin, end, edge in roads.edges(data='id'):
+        shares[edge] += ways[begin, end] / (len(starts) * (len(roads) - 1))
+    found = [LongEdge(id, lengths[id], shares[id]) for id in long]
+    return tuple(sorted(found, key=lambda edge: (-edge.share * edge.length, -edge.length)))
+
+
+def _roads(network: RoadNetwork, kind: RobotType) -> nx.DiGraph:
+    """Vertices by id, and of all edges that a robot may drive the fastest from one to the next."""
+    roads = nx.DiGraph()
+    roads.add_nodes_from(network.vertex_ids)
+    ids = network.vertex_ids
+    for drive, seconds in enumerate(network.times(kind)):
+        begin, end = ids[network.origin[drive]], ids[network.destination(drive)]
+        known = roads.get_edge_data(begin, end)
+        if isfinite(seconds) and (known is None or seconds < known['seconds']):
+            roads.add_edge(begin, end, seconds=seconds, id=network.edge_ids[drive >> 1])
+    return roads
+
+
+def near_edges(network: RoadNetwork, distance: float) -> Tuple[Tuple[int, int], ...]:
+    """Pairs of edges, ids ascending, whose curves come nearer than `distance` (m) without a common
+    vertex; an edge that lies between two others that it joins is not told."""
+    conflicts = network.exclusions.at(distance)
+    ends: List[Set[int]] = [set(network.origin[2 * edge:2 * edge + 2])
+                            for edge in range(len(network.edge_ids))]
+    around = _neighbours(network)
+    found = []
+    for edge, (one, other) in enumerate(map(sorted, ends)):
+        close = ends[edge] | around[one] | around[other]
+        for place in conflicts.row(network.vertices + edge):
+            second = place - network.vertices
+            if second > edge and not ends[second] & close:
+                found.append(tuple(sorted((network.edge_ids[edge], network.edge_ids[second]))))
+    return tuple(sorted(found))
+
+
+def _neighbours(network: RoadNetwork) -> Sequence[Set[int]]:
+    """For each vertex those that an edge joins it to."""
+    around: List[Set[int]] = [set() for _ in range(network.vertices)]
+    for drive in range(network.drives):
+        around[network.origin[drive]].add(network.destination(drive))
+    return around
