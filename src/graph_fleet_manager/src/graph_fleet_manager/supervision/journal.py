@@ -11,7 +11,8 @@ import os
 import sqlite3
 import time
 from dataclasses import astuple
-from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
+from urllib.parse import quote
 
 from graph_fleet_manager.supervision.missions import Mission, MissionState, Request
 from graph_fleet_manager.supervision.outages import Outage
@@ -155,18 +156,36 @@ class Journal:
         """What is stored of every robot."""
         return {name: _memory(text) for name, text in self._run('SELECT name, memory FROM robot')}
 
-    def history(self) -> Iterator[HistoryLine]:
-        """Every mission that was ever accepted."""
-        rows = self._run(
-            'SELECT m.request, m.state, m.robot, m.reached, m.reason, MIN(c.time), '
-            'MIN(CASE WHEN c.state = ? THEN c.time END), MAX(c.time) FROM mission m '
-            'JOIN change c USING (serial) GROUP BY serial ORDER BY serial',
-            (int(MissionState.ACTIVE),))
-        for text, number, robot, reached, reason, accepted, started, last in rows:
-            request, state = _request(text), MissionState(number)
-            yield HistoryLine(request.id, request.destinations, request.robot_type,
-                              request.priority, state, robot, reached, accepted, started,
-                              None if state.is_open else last, reason)
+
+def history(path: str) -> List[HistoryLine]:
+    """Every mission that was ever accepted; the supervisor may be writing meanwhile.
+
+    Raises JournalError where there is no such file, or it is no journal.
+    """
+    if not os.path.isfile(path):
+        raise JournalError(f'There is no journal {path}: no mission was ever accepted on this '
+                           'computer, or it is kept elsewhere.')
+    try:
+        db = sqlite3.connect(f'file:{quote(os.path.abspath(path))}?mode=ro', uri=True, timeout=2.0)
+        try:
+            rows = db.execute(
+                'SELECT m.request, m.state, m.robot, m.reached, m.reason, MIN(c.time), '
+                'MIN(CASE WHEN c.state = ? THEN c.time END), MAX(c.time) FROM mission m '
+                'JOIN change c USING (serial) GROUP BY serial ORDER BY serial',
+                (int(MissionState.ACTIVE),)).fetchall()
+        finally:
+            db.close()
+    except sqlite3.Error as error:
+        raise JournalError(f'The journal {path} cannot be read ({error}).') from None
+    return [_history_line(*row) for row in rows]
+
+
+def _history_line(text: str, number: int, robot: str, reached: int, reason: str, accepted: float,
+                  started: Optional[float], last: float) -> HistoryLine:
+    request, state = _request(text), MissionState(number)
+    return HistoryLine(request.id, request.destinations, request.robot_type, request.priority,
+                       state, robot, reached, accepted, started, None if state.is_open else last,
+                       reason)
 
 
 def _request_text(request: Request) -> str:

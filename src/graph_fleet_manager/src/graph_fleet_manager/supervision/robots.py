@@ -165,6 +165,21 @@ class ManagedRobot:
         self.client.try_again(new_id)
         return True
 
+    def go_on_after_stop(self, now: float) -> bool:
+        """After stop all, once it has obeyed: it stands where it is; tells whether that is so."""
+        if not self.is_halted or self.client.order is not None or not self.is_seen or (
+                self.outage not in (None, Outage.STOPPED)):
+            return False
+        place = place_of(self.client.pose, self.client.graph)
+        held = self.client.held
+        self.is_halted = False
+        if place is None or (held and not place.touches(self.client.graph, held)):
+            self.fail(Outage.TAKEN_OVER, 'it is not where it was stopped')
+        else:
+            self.client.settle(place)
+            self.outage, self.why = None, ''
+        return True
+
     def _consider_link(self, report: Report, now: float) -> None:
         """After a lost link: it is back when new locations come and it stands."""
         if self.outage is not Outage.LOST_LINK or report.stamp <= self._fresh_after + STANDING:

@@ -161,8 +161,7 @@ class RouteClient:
         if renew or self.over or self.end - self._bases[self.route_id] >= NEW_ID_AFTER:
             self._begin(new_id())
         self.track += edges
-        base = self._bases[self.route_id]
-        self._give(Order(self.route_id, base, tuple(self.track[base - self.first:])))
+        self._order_all()
 
     def shorten(self, new_id: NewId) -> bool:
         """Asks the robot to stop at the end of its edge; tells whether it may drive farther."""
@@ -219,6 +218,11 @@ class RouteClient:
         self.route_id = route_id
         self.over = False
 
+    def _order_all(self) -> None:
+        """Orders the whole track, from where the route begins."""
+        base = self._bases[self.route_id]
+        self._give(Order(self.route_id, base, tuple(self.track[base - self.first:])))
+
     def _give(self, order: Order) -> None:
         self.order = order
         self._sent_at = None
@@ -250,8 +254,10 @@ class RouteClient:
         """
         base = self._bases.get(report.route_id)
         if base is None:
+            if self.track and report.route_id in self._ended and self.route_id in self._bases:
+                self._order_all()  # what came after the route that it reports did not reach it
             if self.track or report.route_id in self._ended:
-                return  # nothing of it is new, or `take` finds that it was taken over
+                return  # of anything else `take` finds that it was taken over
             self.route_id, self.track = report.route_id, list(report.edges)
             self._bases = {report.route_id: self.first}
             self.over = not report.edges or report.is_failed
@@ -264,8 +270,7 @@ class RouteClient:
                 return
             end = base + len(report.edges)
             if self.end > end or report.route_id != self.route_id:
-                base = self._bases[self.route_id]
-                self._give(Order(self.route_id, base, tuple(self.track[base - self.first:])))
+                self._order_all()
 
     # -- what the robot says ----------------------------------------------------------------------
 

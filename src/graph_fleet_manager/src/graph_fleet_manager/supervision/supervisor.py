@@ -86,6 +86,7 @@ class Supervisor:
         self._asked: Optional[Tuple[int, float, Snapshot]] = None
         self._number = 0
         self._replan = True
+        self._failed = False
         self._planned = -inf
         self._stale: Set[str] = set()   # robots whose memory is to be written
         self._shortening: Set[str] = set()
@@ -227,27 +228,15 @@ class Supervisor:
         return self._answer()
 
     def resume_fleet(self, now: float) -> Tuple[List[str], List[Action]]:
-        """Every robot goes on from where it is; also names those for which a person must look."""
+        """Every robot goes on from where it is; also names those for which a person must look.
+
+        One that has not obeyed the stop yet goes on once it has.
+        """
         self.is_stopped = False
         self.journal.write_value(_STOPPED, 0)
-        problems: List[str] = []
-        for name, robot in self.robots.items():
-            if not robot.is_halted:
-                continue
-            robot.is_halted = False
-            self._stale.add(name)
-            if robot.outage is not None:
-                continue
-            place = place_of(robot.client.pose, self.network.graph)
-            held = robot.client.held
-            if place is None or (held and not place.touches(self.network.graph, held)):
-                robot.fail(Outage.TAKEN_OVER, 'it is not where it was stopped')
-                problems.append(f'{name}: {robot.why}')
-            else:
-                robot.client.settle(place)
-            self._forget_plan_of(name)
-        self._note_outages()
         self._go_on(now)
+        problems = [f'{robot.name}: {robot.why}' for robot in self.robots.values()
+                    if robot.outage is not None and robot.outage.needs_person]
         return problems, self._answer()
 
     # -- the graph and the plan -------------------------------------------------------------------
@@ -278,7 +267,7 @@ class Supervisor:
         """The planner could not answer; the plan in force stays."""
         if self._asked is not None and self._asked[0] == number:
             self._asked = None
-            self._replan = True
+            self._failed = True
             self._note(f'The planner gave no plan: {reason}.', True)
         return self._answer()
 
@@ -301,6 +290,8 @@ class Supervisor:
             mission_progress.follow(self.book, robot, now)
             if robot.try_after_stop(now, self.journal.next_route_id, self.network.graph):
                 self._stale.add(robot.name)
+            if not self.is_stopped and robot.go_on_after_stop(now):
+                self._forget_plan_of(robot.name)
         self._note_outages()
         self._send(now)
         if self._is_starting:
@@ -376,11 +367,11 @@ class Supervisor:
 
     def _ask(self, now: float) -> None:
         """Asks for another plan where this one does not serve what is to be done now."""
-        again = bool(self.plan and self.plan.unserved) and now - self._planned >= AGAIN
-        if not (self._replan or again):
+        again = self._failed or bool(self.plan and self.plan.unserved)
+        if not self._replan and not (again and now - self._planned >= AGAIN):
             return
         question = snapshot(self.robots, self.errands(), self.plan, now)
-        self._replan = False
+        self._replan = self._failed = False
         self._planned = now
         if not question.tasks:
             return
