@@ -140,8 +140,9 @@ class ClickTest(unittest.TestCase):
         for event in (InteractiveMarkerFeedback.MOUSE_DOWN, InteractiveMarkerFeedback.BUTTON_CLICK,
                       InteractiveMarkerFeedback.MOUSE_UP):
             self.handle_event(event, near='24')
-        self.handle_event(InteractiveMarkerFeedback.MENU_SELECT, near='24', menu_entry=2)
-        self.told('Which way does the robot face at goal 24?')  # comes after the click
+        wait_until(lambda: 'goto 24' in self.sent(), 10.0, 'the drive')
+        self.handle_event(InteractiveMarkerFeedback.MENU_SELECT, near='24', menu_entry=3)
+        wait_until(lambda: self.sent()[-1] == 'stop', 10.0, 'the stop after the drive')
         self.assertEqual(1, self.sent().count('goto 24'), self.sent())
 
     def test_the_menu_of_a_handle_relocalises_and_stops(self):

@@ -64,6 +64,7 @@ def prepare(options: Options, folder: str, check: bool = True) -> Dict[str, str]
     files = {'simulator_password': os.path.join(
         rospkg.RosPack().get_path('omron_ld90_sim'), 'config', 'simulator_password')}
     files['closed_edges'] = os.path.join(folder, 'closed_edges.json')
+    files['journal'] = os.path.join(folder, 'fleet.sqlite')
     fleet, files['fleet'] = _fleet(options, folder, whole)
     entries = read_entries(files['fleet'], fleet, options)
     if check:

@@ -33,7 +33,8 @@ def launch_text(entries: Sequence[Entry], site: Site, options: Options,
     if options.fleet_manager:
         _include(root, 'graph_fleet_manager', 'fleet_manager', {
             'graph_file': site.graph_file, 'fleet_file': files['fleet'],
-            'sim_speed': options.sim_speed, 'closed_edges_file': files['closed_edges']})
+            'sim_speed': options.sim_speed, 'closed_edges_file': files['closed_edges'],
+            'journal': files['journal']})
     if options.demo:
         _node(root, 'random_missions', 'graph_fleet_manager', 'random_missions', {}, RESPAWN)
     _pictures(root, site, options, files)

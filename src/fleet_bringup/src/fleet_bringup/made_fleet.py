@@ -10,6 +10,8 @@ from graph_fleet_manager.planning.road_network import RoadNetwork
 from trajectory_graph import Graph
 
 CLEARANCE = 0.1  # m
+#: m that robots of a type are let go ahead: braking, and the time until the next order.
+RELEASE_AHEAD = {'ld90': 8.0, 'agv': 2.0}
 
 
 def made_fleet(count: int, graph: Graph) -> Fleet:
@@ -51,7 +53,8 @@ def fleet_text(fleet: Fleet) -> str:
         docks = f', docks: {sorted(kind.docks)}' if kind.docks else ''
         lines.append(f'- {{name: {kind.name}, radius: {kind.radius}, speed: {kind.speed}, '
                      f'play: {kind.play}, '
-                     f'obeys_edge_speed: {str(kind.obeys_edge_speed).lower()}{docks}}}')
+                     f'obeys_edge_speed: {str(kind.obeys_edge_speed).lower()}, '
+                     f'release_ahead: {RELEASE_AHEAD[kind.name]}{docks}}}')
     lines.append('robots:')
     lines += [f'- {{name: {robot.name}, type: {robot.type.name}, vertex: {robot.vertex}, '
               f'driver: {robot.driver}}}' for robot in fleet.robots]

@@ -16,7 +16,7 @@ import difflib
 import math
 import os
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Dict, List, Optional, Sequence, Tuple
 
 import yaml
@@ -25,6 +25,7 @@ from fleet_bringup.errors import CannotStart
 from fleet_bringup.options import Options
 from graph_fleet_manager.files.errors import FileError
 from graph_fleet_manager.fleet import Fleet, Robot
+from graph_fleet_manager.supervision.robots import RobotSettings
 from trajectory_graph import strict_yaml
 from trajectory_graph.strict_yaml import Field, WrongYaml
 
@@ -32,11 +33,10 @@ LD90, AGV, NONE = 'ld90', 'agv', 'none'
 PORT_STEP = 10  # between the ports of one simulated robot and of the next
 
 _FILE_KEYS = ('clearance', 'dock_approach', 'robot_types', 'robots')
-_TYPE_KEYS = ('name', 'radius', 'speed', 'play', 'obeys_edge_speed', 'docks', 'release_ahead',
-              'endurance', 'charge_below', 'leave_above', 'reserve')
+_SETTINGS = tuple(field.name for field in fields(RobotSettings))
+_TYPE_KEYS = ('name', 'radius', 'speed', 'play', 'obeys_edge_speed', 'docks', *_SETTINGS)
 _ROBOT_KEYS = ('name', 'type', 'vertex', 'driver', 'start', 'host', 'arcl_port', 'outgoing_port',
-               'password_file', 'charge_below', 'leave_above', 'reserve', 'release_ahead',
-               'endurance')
+               'password_file', *_SETTINGS)
 _NAME = re.compile(r'[A-Za-z][A-Za-z0-9_]*\Z')
 
 
@@ -67,14 +67,14 @@ def read_entries(path: str, fleet: Fleet, options: Options) -> List[Entry]:
     """The entries of all robots of a fleet file that `load_fleet` has read; raises FileError."""
     try:
         root = strict_yaml.compose(path)
-        fields = strict_yaml.mapping(root, 'the file')
+        whole = strict_yaml.mapping(root, 'the file')
         _check_keys(root, 'the file', _FILE_KEYS)
-        for node in strict_yaml.items(strict_yaml.field(fields, 'robot_types', root)):
+        for node in strict_yaml.items(strict_yaml.field(whole, 'robot_types', root)):
             _check_keys(node, 'a robot type', _TYPE_KEYS)
         entries = []
         simulated = 0
         for robot, node in zip(fleet.robots, strict_yaml.items(
-                strict_yaml.field(fields, 'robots', root))):
+                strict_yaml.field(whole, 'robots', root))):
             _check_keys(node, f'robot {robot.name}', _ROBOT_KEYS)
             entry = _entry(robot, node, os.path.dirname(path), options, simulated)
             simulated += robot.driver == LD90 and entry.is_simulated
@@ -86,21 +86,21 @@ def read_entries(path: str, fleet: Fleet, options: Options) -> List[Entry]:
 
 
 def _entry(robot: Robot, node: yaml.Node, folder: str, options: Options, simulated: int) -> Entry:
-    fields = strict_yaml.mapping(node, f'robot {robot.name}')
+    given = strict_yaml.mapping(node, f'robot {robot.name}')
     if not _NAME.match(robot.name):
         raise WrongYaml(f'robot {robot.name} needs a name of letters, digits and _ that begins with'
-                        ' a letter: it becomes part of topics', fields['name'])
+                        ' a letter: it becomes part of topics', given['name'])
     driver = strict_yaml.choice((LD90, AGV, NONE), 'a driver')(
-        strict_yaml.field(fields, 'driver', node))
+        strict_yaml.field(given, 'driver', node))
     if driver != LD90:
         wrong = next((key for key in ('host', 'arcl_port', 'outgoing_port', 'password_file')
-                      if key in fields), None)
+                      if key in given), None)
         if wrong:
-            raise WrongYaml(f'robot {robot.name}: {wrong} is for driver ld90 only', fields[wrong])
+            raise WrongYaml(f'robot {robot.name}: {wrong} is for driver ld90 only', given[wrong])
         return Entry(robot, strict_yaml.line_of(node))
-    host = strict_yaml.optional(fields, 'host', strict_yaml.text, '')
+    host = strict_yaml.optional(given, 'host', strict_yaml.text, '')
     step = 0 if host else PORT_STEP * simulated
-    password = strict_yaml.optional(fields, 'password_file', strict_yaml.text, '')
+    password = strict_yaml.optional(given, 'password_file', strict_yaml.text, '')
     if host and not password:
         raise WrongYaml(f'robot {robot.name} has a host, but no password_file: name the file that '
                         'holds its ARCL password, and nothing else', node)
@@ -108,12 +108,12 @@ def _entry(robot: Robot, node: yaml.Node, folder: str, options: Options, simulat
         password = os.path.join(folder, os.path.expanduser(password))
         if not os.access(password, os.R_OK):
             raise WrongYaml(f'robot {robot.name}: password_file {password} cannot be read',
-                            fields['password_file'])
+                            given['password_file'])
     return Entry(
         robot, strict_yaml.line_of(node), host,
-        strict_yaml.optional(fields, 'arcl_port', _port, options.arcl_port + step),
-        strict_yaml.optional(fields, 'outgoing_port', _port, options.outgoing_port + step),
-        password, strict_yaml.optional(fields, 'start', _start, None))
+        strict_yaml.optional(given, 'arcl_port', _port, options.arcl_port + step),
+        strict_yaml.optional(given, 'outgoing_port', _port, options.outgoing_port + step),
+        password, strict_yaml.optional(given, 'start', _start, None))
 
 
 def _check_each_other(entries: Sequence[Entry]) -> None:

@@ -90,7 +90,7 @@ class RandomMissions:
 
     def _request(self, now: rospy.Time) -> MissionRequest:
         count = self._random.randint(1, min(self._most, len(self._places)))
-        request = MissionRequest(request_id=self._random.randint(1, 2 ** 31 - 1),
+        request = MissionRequest(request_id=random.SystemRandom().randint(1, 2 ** 31 - 1),
                                  destination_vertices_id=self._random.sample(self._places, count))
         request.header.stamp = now
         return request
