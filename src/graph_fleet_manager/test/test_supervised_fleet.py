@@ -6,6 +6,7 @@ from fleet_builders import AGV, corridor
 from supervised_fleet import SupervisedFleet
 
 from graph_fleet_manager.supervision.missions import MissionState
+from graph_fleet_manager.supervision.reports import Report
 
 
 def test_one_robot_serves_a_mission_in_order():
@@ -25,3 +26,11 @@ def test_two_robots_swap_their_places_through_a_siding_ten_times():
         fleet.request(2 * turn + 2, ends[1], robot='b')
         fleet.run_until_done(2 * turn + 1, 2 * turn + 2)
     assert fleet.nearest >= 0.0
+
+
+def test_a_robot_that_does_not_know_yet_where_it_is_is_not_off_the_graph():
+    fleet = SupervisedFleet(corridor(3), {'a': (AGV, 1)})
+    fleet.do(fleet.supervisor.report('a', Report(0), 0.0))
+    fleet.request(1, 3)
+    fleet.run_until_done(1)
+    assert fleet.told(1)[-1] is MissionState.SUCCEEDED
