@@ -63,12 +63,13 @@ def prepare(options: Options, folder: str, check: bool = True) -> Dict[str, str]
     graph = split_edges(whole, options.longest_edge) if options.longest_edge > 0.0 else whole
     files = {'simulator_password': os.path.join(
         rospkg.RosPack().get_path('omron_ld90_sim'), 'config', 'simulator_password')}
-    files['closed_edges'] = os.path.join(folder, 'closed_edges.json')
-    files['journal'] = os.path.join(folder, 'fleet.sqlite')
     fleet, files['fleet'] = _fleet(options, folder, whole)
     entries = read_entries(files['fleet'], fleet, options)
     if check:
         check_ports(needed_ports(entries, options))
+    if all(entry.is_simulated for entry in entries):  # simulated robots begin anew each time
+        files['closed_edges'] = os.path.join(folder, 'closed_edges.json')
+        files['journal'] = os.path.join(folder, 'fleet.sqlite')
     site = _site(options, folder, graph, entries, laboratory)
     if any(entry.robot.driver == LD90 and entry.is_simulated for entry in entries):
         files['robots'] = _write(folder, 'robots.yaml', simulated_robots(entries, graph))

@@ -33,13 +33,18 @@ def launch_text(entries: Sequence[Entry], site: Site, options: Options,
     if options.fleet_manager:
         _include(root, 'graph_fleet_manager', 'fleet_manager', {
             'graph_file': site.graph_file, 'fleet_file': files['fleet'],
-            'sim_speed': options.sim_speed, 'closed_edges_file': files['closed_edges'],
-            'journal': files['journal']})
+            'sim_speed': options.sim_speed, **_memory(files)})
     if options.demo:
         _node(root, 'random_missions', 'graph_fleet_manager', 'random_missions', {}, RESPAWN)
     _pictures(root, site, options, files)
     ET.indent(root) if hasattr(ET, 'indent') else None  # noqa: B018 - Python 3.8 has none
     return '<?xml version="1.0"?>\n' + ET.tostring(root, encoding='unicode') + '\n'
+
+
+def _memory(files: Dict[str, str]) -> Dict[str, str]:
+    """Where the fleet manager keeps what must outlive it; with real robots at its own place."""
+    return {name: files[key] for name, key in (
+        ('closed_edges_file', 'closed_edges'), ('journal', 'journal')) if key in files}
 
 
 def _ld90_simulator(root: ET.Element, site: Site, options: Options, files: Dict[str, str]) -> None:

@@ -60,7 +60,7 @@ class Entry:
     @property
     def is_simulated(self) -> bool:
         """Whether this computer plays the robot."""
-        return not self.host
+        return not self.host and self.robot.driver != NONE
 
 
 def read_entries(path: str, fleet: Fleet, options: Options) -> List[Entry]:
