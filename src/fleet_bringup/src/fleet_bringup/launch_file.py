@@ -65,6 +65,8 @@ def _ld90(root: ET.Element, entry: Entry, site: Site, options: Options,
         'strategy': options.strategy, 'nav_goal': 'move_base_simple/goal',
         'pose_estimate': 'initialpose'})
     group = ET.SubElement(root, 'group', ns=entry.name)
+    if entry.is_simulated:  # what an older run under the same ROS master left means nothing to it
+        group.set('clear_params', 'true')
     _node(group, 'robot_state_publisher', 'omron_ld90', 'robot_state_publisher', {
         'base_frame': f'{entry.name}/base_link', 'laser_frame': f'{entry.name}/laser_link'},
         RESPAWN)
