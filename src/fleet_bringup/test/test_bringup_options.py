@@ -4,6 +4,7 @@ from __future__ import annotations
 import os
 
 import pytest
+
 from fleet_bringup.errors import CannotStart
 from fleet_bringup.options import help_text, parse
 

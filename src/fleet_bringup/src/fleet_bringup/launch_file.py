@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from typing import Any, Dict, Sequence
+from xml.dom import minidom
 
 from fleet_bringup.files import Site
 from fleet_bringup.options import Options
@@ -37,8 +38,7 @@ def launch_text(entries: Sequence[Entry], site: Site, options: Options,
     if options.demo:
         _node(root, 'random_missions', 'graph_fleet_manager', 'random_missions', {}, RESPAWN)
     _pictures(root, site, options, files)
-    ET.indent(root) if hasattr(ET, 'indent') else None  # noqa: B018 - Python 3.8 has none
-    return '<?xml version="1.0"?>\n' + ET.tostring(root, encoding='unicode') + '\n'
+    return minidom.parseString(ET.tostring(root)).toprettyxml('  ')
 
 
 def _memory(files: Dict[str, str]) -> Dict[str, str]:

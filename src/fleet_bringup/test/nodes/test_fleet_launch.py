@@ -15,7 +15,6 @@ from fleet_bringup.command import main, prepare  # noqa: E402
 from fleet_bringup.errors import CannotStart  # noqa: E402
 from fleet_bringup.options import parse  # noqa: E402
 from fleet_bringup.ports import check_ports, is_taken  # noqa: E402
-
 from graph_fleet_manager.files.fleet_file import load_fleet  # noqa: E402
 from trajectory_graph import load_graph  # noqa: E402
 
@@ -85,7 +84,7 @@ def test_a_vertex_that_the_graph_lacks_is_told(tmp_path):
 
 def test_a_graph_of_ones_own_needs_a_map_of_ones_own(tmp_path):
     path = fleet_file(tmp_path, 'name: a, type: ld90, vertex: 6, driver: ld90')
-    graph = Path(__file__).parents[3] / 'maps' / 'lab_graph.yaml'
+    graph = Path(__file__).parents[4] / 'maps' / 'lab_graph.yaml'
     with pytest.raises(CannotStart, match='base_map:='):
         prepare(parse([f'fleet:={path}', f'graph_file:={graph}']), str(tmp_path), check=False)
 
