@@ -8,6 +8,7 @@ the files themselves. Exit status 0; 1 with one sentence where the fleet cannot 
 from __future__ import annotations
 
 import os
+import shutil
 import sys
 import tempfile
 from typing import Dict, List, Optional, Sequence, Tuple
@@ -35,21 +36,28 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
         print(f'{__doc__}\nArguments:\n{help_text()}')
         return 0
     shown = '--print' in words
+    folder = tempfile.mkdtemp(prefix='fleet_')
     try:
         options = parse([word for word in words if word != '--print'])
-        files = prepare(options, tempfile.mkdtemp(prefix='fleet_'), check=not shown)
+        files = prepare(options, folder, check=not shown)
     except (CannotStart, FileError, GraphError) as error:
+        shutil.rmtree(folder)
         print(error, file=sys.stderr)
         return 1
-    if not shown:
+    if shown:
+        _show(files)
+        shutil.rmtree(folder)
+    else:
         print(files['launch'])
-        return 0
+    return 0
+
+
+def _show(files: Dict[str, str]) -> None:
     for name in ('launch', 'fleet', 'robots'):
         if name in files:
             with open(files[name], encoding='utf-8') as stream:
                 print(f'# --- {files[name]}\n{stream.read()}')
     print(f'# --- {files["rviz"]}: the RViz configuration')
-    return 0
 
 
 def prepare(options: Options, folder: str, check: bool = True) -> Dict[str, str]:
