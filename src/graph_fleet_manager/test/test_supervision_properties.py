@@ -95,7 +95,7 @@ class Life:
     def out_and_in(self) -> None:
         name = self._somebody()
         self.fleet.do(self.fleet.supervisor.take_out(name, self.fleet.now))
-        self.fleet.run(self.random.uniform(0.0, 5.0))
+        self.fleet.run(self.random.uniform(0.0, 8.0))
         self.bring_in(name)
 
     def bring_in(self, name: str) -> None:
@@ -130,6 +130,7 @@ class Life:
             robot = fleet.supervisor.robots[name]
             if robot.outage is not None and robot.outage.needs_person:
                 self.bring_in(name)
+        fleet.run(2.5)
 
 
 @pytest.mark.parametrize('begin', range(0, 20))
