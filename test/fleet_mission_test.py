@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The dissertation's headline, as a user drives it: one command, and the LD-90 ends docked at 16."""
+"""The dissertation's headline, as a user drives it: the LD-90 ends docked at 16."""
 from __future__ import annotations
 
 import re
@@ -17,7 +17,7 @@ DESTINATIONS = [18, 39, 52, 6, 16]
 TYPE = 'omron_ld90'
 
 
-def command(*words: object, timeout: float = 200.0) -> subprocess.CompletedProcess:
+def command(*words: object, timeout: float = 100.0) -> subprocess.CompletedProcess:
     """What a user types after `rosrun graph_fleet_manager`."""
     return subprocess.run(['rosrun', 'graph_fleet_manager', *map(str, words)], text=True,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=timeout,
