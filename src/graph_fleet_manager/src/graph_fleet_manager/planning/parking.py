@@ -22,6 +22,7 @@ from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.planning.road_network import RoadNetwork
 
 _TRIALS = 20
+_FRUITLESS = 4  # trials in a row; of 40 random graphs none needed more than two
 _LARGE = 300  # vertices: from here on one trial must do
 
 
@@ -97,6 +98,7 @@ class Parking:
         """The largest well-formed set that was found."""
         random = Random(seed)
         best: Set[int] = set()
+        fruitless = 0
         trials = _TRIALS if self._vertices < _LARGE else 1
         for trial in range(trials):
             order = self._by_promise()
@@ -104,8 +106,11 @@ class Parking:
                 random.shuffle(order)
             found = self._grown(set(), order)
             found = self._exchanged(found, order) if trials > 1 else found
+            fruitless += 1
             if len(found) > len(best):
-                best = found
+                best, fruitless = found, 0
+            if fruitless == _FRUITLESS:
+                break
         return frozenset(best)
 
     def _by_promise(self) -> List[int]:
