@@ -20,6 +20,7 @@ run_packages=(
   "python3-move-base-msgs      ros-noetic-move-base-msgs"
   "python3-nav-msgs    ros-noetic-nav-msgs"
   "python3-sensor-msgs ros-noetic-sensor-msgs"
+  "python3-std-srvs    ros-noetic-std-srvs"
   "python3-tf2-ros     ros-noetic-tf2-ros"
   "python3-tf2-geometry-msgs   ros-noetic-tf2-geometry-msgs"
   "python3-visualization-msgs  ros-noetic-visualization-msgs"
@@ -53,7 +54,6 @@ multimaster_packages=(
   "python3-netifaces   python3-netifaces"
   "python3-roslaunch   ros-noetic-roslaunch"
   "python3-rosservice  ros-noetic-rosservice"
-  "python3-std-srvs    ros-noetic-std-srvs"
 )
 [ -n "${FKIE_ARCHIVE:-}" ] || multimaster_packages+=("git git" "vcstool python3-vcstool")  # to clone it
 

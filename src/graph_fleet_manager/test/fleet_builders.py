@@ -31,6 +31,15 @@ def corridor(length: int, siding_at: Optional[int] = None, spacing: float = 2.0)
     return graph_of(places, ends)
 
 
+def ladder(length: int, spacing: float = 2.0) -> Graph:
+    """Two rows of vertices, 1 .. length and 101 .. 100 + length, joined at every one."""
+    places = {100 * row + k: ((k - 1) * spacing, row * spacing)
+              for row in (0, 1) for k in range(1, length + 1)}
+    ends = {100 * row + k: (100 * row + k, 100 * row + k + 1)
+            for row in (0, 1) for k in range(1, length)}
+    return graph_of(places, {**ends, **{200 + k: (k, 100 + k) for k in range(1, length + 1)}})
+
+
 def random_graph(random: Random, vertices: int, extra: int, spacing: float) -> Graph:
     """A connected graph with lines, splines, near-parallel, crossing and one-way edges."""
     places: List[Tuple[float, float]] = []

@@ -8,7 +8,7 @@ import math
 import os
 import tempfile
 from random import Random
-from typing import Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from graph_fleet_manager.fleet import Fleet, Robot, RobotType
 from graph_fleet_manager.planning.planner import FleetPlanner
@@ -87,11 +87,30 @@ class SupervisedFleet:
         states = [status.state for status in self.statuses if status.request_id == id]
         return [s for k, s in enumerate(states) if k == 0 or states[k - 1] != s]
 
+    def robot_of(self, id: int) -> str:
+        """The robot that a mission was last with."""
+        mission = self.supervisor.book.find(id)
+        assert mission is not None
+        return mission.robot
+
+    def reached(self, id: int) -> int:
+        """How many destinations of a mission are visited."""
+        mission = self.supervisor.book.find(id)
+        assert mission is not None
+        return mission.reached
+
     # -- time -------------------------------------------------------------------------------------
 
     def run(self, seconds: float) -> None:
         """Lets so much time pass."""
         for _ in range(round(seconds / STEP)):
+            self.step()
+
+    def run_until(self, condition: Callable[[], bool], limit: float = 300.0) -> None:
+        """Until something is so."""
+        begun = self.now
+        while not condition():
+            assert self.now - begun < limit, self.picture()
             self.step()
 
     def run_until_done(self, *ids: int, limit: float = 600.0) -> float:

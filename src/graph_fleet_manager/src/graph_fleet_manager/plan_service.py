@@ -6,7 +6,7 @@ same request has the same answer, whatever was asked before.
 from __future__ import annotations
 
 import time
-from typing import Dict, FrozenSet, List, NamedTuple, Optional, Tuple
+from typing import Dict, FrozenSet, List, NamedTuple, Optional, Tuple, Union
 
 from graph_fleet_manager.fleet import Fleet
 from graph_fleet_manager.plan_requests import PlanRequest
@@ -15,7 +15,7 @@ from graph_fleet_manager.planning.parking import named_parking
 from graph_fleet_manager.planning.planner import FleetPlanner
 from graph_fleet_manager.planning.road_network import RoadNetwork
 from graph_fleet_manager.planning.safe_intervals import find_way
-from graph_fleet_manager.planning.tasks import CannotPlan, Outcome
+from graph_fleet_manager.planning.tasks import CannotPlan, Obstacle, Outcome, Task
 from trajectory_graph import Graph
 
 _PLANNERS_KEPT = 4  # closures and learned times come and go
@@ -68,11 +68,12 @@ class PlanService:
                             improve_until=begun + request.improvement)
 
     def _check(self, request: PlanRequest) -> None:
-        names: List[str] = [r.name for r in (*request.tasks, *request.obstacles)]
+        robots: List[Union[Task, Obstacle]] = [*request.tasks, *request.obstacles]
+        names = [robot.name for robot in robots]
         if len(set(names)) < len(names):
             twice = next(name for name in names if names.count(name) > 1)
             raise CannotPlan(f'Robot {twice} stands in the request twice; name it once.')
-        for robot in (*request.tasks, *request.obstacles):
+        for robot in robots:
             if robot.type not in self._fleet.types:
                 raise CannotPlan(f'Robot {robot.name}: there is no robot type {robot.type.name}; '
                                  'describe it in the fleet file.')

@@ -11,9 +11,11 @@ import roslaunch
 from roslaunch.config import load_config_default
 
 ROOT = Path(__file__).resolve().parents[4]
-LAUNCH_FILES = sorted((ROOT / 'launch').glob('*.launch'))
+LAUNCH_FILES = sorted([*ROOT.glob('launch/*.launch'), *ROOT.glob('src/*/launch/*.launch')])
+PLACES = {file.name: file for file in LAUNCH_FILES}
 #: Arguments without a default: what a user would give.
 GIVEN = {
+    'fleet_manager.launch': ['graph_file:=/nowhere/graph.yaml', 'fleet_file:=/nowhere/fleet.yaml'],
     'map_converter.launch': ['base_map:=/nowhere/base.map', 'graph_file:=/nowhere/graph.yaml',
                              'output:=/nowhere/out.map'],
     'multimaster.launch': ['peer:=127.0.0.3'],
@@ -28,7 +30,7 @@ def arguments(file: Path):
 
 def expand(name: str, *given: str):
     """The nodes that roslaunch would start, by name, and their parameters."""
-    file = str(ROOT / 'launch' / name)
+    file = str(PLACES[name])
     config = load_config_default([(file, [*GIVEN.get(name, []), *given])], None,
                                  roslaunch_strs=None, assign_machines=False)
     nodes = {node.namespace + node.name: node for node in config.nodes}
@@ -71,7 +73,7 @@ def test_the_interface_reference_has_every_argument_with_its_default_and_meaning
 
 
 def test_the_full_stack_has_the_arguments_of_the_contract():
-    names = {arg.get('name') for arg in arguments(ROOT / 'launch' / 'full_stack.launch')}
+    names = {arg.get('name') for arg in arguments(PLACES['full_stack.launch'])}
     assert names >= CONTRACT
 
 

@@ -28,6 +28,7 @@ class Parser(argparse.ArgumentParser):
     """Says what is wrong in one line, with exit status 1."""
 
     def error(self, message: str) -> NoReturn:
+        """Ends the command."""
         self.exit(WRONG, f'{self.prog}: {message}; see {self.prog} --help.\n')
 
 

@@ -240,11 +240,12 @@ def _history(arguments: List[str]) -> int:
 
 def _row(line: HistoryLine) -> List[str]:
     begun = line.started if line.started is not None else line.ended
+    took = None if line.started is None or line.ended is None else line.ended - line.started
     return [str(line.request_id), ' '.join(map(str, line.destinations)), line.robot_type,
             str(line.priority), line.state.name, line.robot, str(line.reached),
             _moment(line.accepted), _moment(line.started), _moment(line.ended),
             '' if begun is None else f'{begun - line.accepted:.1f}',
-            '' if line.started is None or line.ended is None else f'{line.ended - line.started:.1f}',
+            '' if took is None else f'{took:.1f}',
             line.reason]
 
 

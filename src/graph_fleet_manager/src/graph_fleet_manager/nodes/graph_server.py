@@ -12,15 +12,16 @@ Subscribes
 Services
     /reload_graph (std_srvs/Trigger): reads the graph file again
 Parameters
-    ~graph_file         string  (required)  trajectory graph (YAML)
-    ~fleet_file         string  (required)  fleet file (YAML)
-    ~closed_edges_file  string  graph_fleet_manager/closed_edges.json in ROS_HOME
+    ~graph_file           string  (required)  trajectory graph (YAML)
+    ~fleet_file           string  (required)  fleet file (YAML)
+    ~closed_edges_file    string  graph_fleet_manager/closed_edges.json in ROS_HOME
+    ~graph_in_force_file  string  graph_fleet_manager/graph_in_force.yaml in ROS_HOME
 """
 from __future__ import annotations
 
 import os
 import threading
-from typing import Dict, List, Optional
+from typing import List, Optional
 
 import rospkg
 import rospy
@@ -45,8 +46,8 @@ from graph_fleet_manager.nodes.startup import (
     run,
 )
 from graph_fleet_manager.planning.road_network import RoadNetwork
-from graph_fleet_manager.site.changes import ReportedRoute, what_breaks
 from graph_fleet_manager.site.closures import Closures, OutOfDate
+from graph_fleet_manager.site.graph_in_force import GraphInForce
 from graph_fleet_manager.site.remarks import Remark, remarks
 from graph_fleet_manager.site.survey import survey
 from itrci_nav_msgs.msg import (
@@ -56,8 +57,10 @@ from itrci_nav_msgs.msg import (
     ParkingPlaces,
 )
 from itrci_nav_msgs.msg import Graph as GraphMessage
-from trajectory_graph import Graph, GraphError, load_graph
+from trajectory_graph import Graph
 
+_REPORTED_WITHIN = 3.0  # s in which every robot that is there has reported, at 1 Hz or more
+_WAITING = 'The file has changed since it was last in force: waiting for what robots report.'
 _SURVEY_NICENESS = 10  # a survey takes seconds of work for which nobody waits
 
 
@@ -66,35 +69,47 @@ class GraphServer:
 
     def __init__(self) -> None:
         self._fleet: Fleet = fleet_of()
-        parameter('~graph_file')
+        file = parameter('~graph_file')
         self._closures = _closures()
+        self._in_force = GraphInForce(parameter('~graph_in_force_file', '')
+                                      or _state_file('graph_in_force.yaml'))
         self._lock = threading.RLock()
-        self._graph: Optional[Graph] = None
         self._stamp = rospy.Time(0)
         self._trouble = ''
         """Why the file was not taken up when it was last read."""
         self._remarks: List[Remark] = []
-        self._routes: Dict[str, ReportedRoute] = {}
         self._graphs = rospy.Publisher('/graph', GraphMessage, queue_size=1, latch=True)
         self._docks = rospy.Publisher('/docking_points', DockingPoints, queue_size=1, latch=True)
         self._parking = rospy.Publisher('/parking', ParkingPlaces, queue_size=1, latch=True)
         self._closed = rospy.Publisher('/closed_edges_in_force', ClosedEdges, queue_size=1,
                                        latch=True)
         self._timer = diagnose({'graph': self._report_graph, 'closed edges': self._report_closed})
-        trouble = self._load()
-        if trouble:
-            rospy.logerr('%s Mend it and call /reload_graph.', trouble)
         self._subscribers = [rospy.Subscriber('/closed_edges', ClosedEdges, self._on_closed,
                                               queue_size=10)]
         for robot in self._fleet.robots:
             self._subscribers.append(rospy.Subscriber(
                 f'/{robot.name}/execution_route_states', ExecutionRouteStates, self._on_report,
                 robot.name, queue_size=1))
+        self._is_waiting = self._in_force.must_hear_robots(file)
+        if self._is_waiting:
+            rospy.logwarn('%s: %s', file, _WAITING)
+            self._first = rospy.Timer(rospy.Duration(_REPORTED_WITHIN), self._load_first,
+                                      oneshot=True)
+        else:
+            self._load_first()
         self._service = rospy.Service('/reload_graph', Trigger, self._reload)
 
     # -- the graph --------------------------------------------------------------------------------
 
+    def _load_first(self, _: object = None) -> None:
+        self._is_waiting = False
+        trouble = self._load()
+        if trouble:
+            rospy.logerr('%s Mend it and call /reload_graph.', trouble)
+
     def _reload(self, _: TriggerRequest) -> TriggerResponse:
+        if self._is_waiting:
+            return TriggerResponse(False, _WAITING)
         before = self._stamp
         trouble = self._load()
         if trouble:
@@ -111,33 +126,25 @@ class GraphServer:
     def _load(self) -> str:
         """Reads the file and puts its graph in force; returns why not, in a sentence."""
         with self._lock:
-            self._trouble = self._try_to_load()
+            try:
+                changed, self._trouble = self._in_force.load(parameter('~graph_file'))
+            except ConfigurationError as error:
+                changed, self._trouble = False, str(error)
+            if changed:
+                self._tell()
             return self._trouble
 
-    def _try_to_load(self) -> str:
-        try:
-            new = load_graph(parameter('~graph_file'))
-        except (GraphError, ConfigurationError) as error:
-            return str(error)
-        if self._graph is not None:
-            if (new.vertices, new.edges) == (self._graph.vertices, self._graph.edges):
-                return ''
-            reason = what_breaks(self._graph, new, self._routes)
-            if reason is not None:
-                return reason
-        try:
-            gone = self._closures.forget_all_but(new.edges)
-        except OSError as error:
-            return f'The closed edges cannot be written: {error}.'
-        if gone:
-            rospy.logwarn('Closed edges %s are not in the graph and are forgotten.',
-                          _listed(gone))
-        self._put_in_force(new)
-        return ''
+    @property
+    def _graph(self) -> Optional[Graph]:
+        return self._in_force.graph
 
-    def _put_in_force(self, graph: Graph) -> None:
-        self._graph, self._remarks = graph, []
+    def _tell(self) -> None:
+        """Tells everybody of a new graph in force."""
+        graph = self._graph
+        assert graph is not None
+        self._remarks = []
         self._stamp = max(rospy.Time.now(), self._stamp + rospy.Duration(0, 1))
+        self._forget_closures(graph)
         self._graphs.publish(graph_message(graph, self._stamp))
         self._docks.publish(docking_points_message(graph, self._fleet, self._stamp))
         self._publish_closed()
@@ -146,6 +153,16 @@ class GraphServer:
                       sum(graph.curve(id).length for id in graph.edges))
         threading.Thread(target=self._survey, args=(graph, self._stamp), name='survey',
                          daemon=True).start()
+
+    def _forget_closures(self, graph: Graph) -> None:
+        try:
+            gone = self._closures.forget_all_but(graph.edges)
+        except OSError as error:
+            rospy.logerr('What is closed cannot be written, so closed edges that the graph does '
+                         'not have will come back: %s', error)
+            return
+        if gone:
+            rospy.logwarn('Closed edges %s are not in the graph and are forgotten.', _listed(gone))
 
     def _survey(self, graph: Graph, stamp: rospy.Time) -> None:
         """Says what a graph allows, unless another one is in force by then."""
@@ -185,7 +202,7 @@ class GraphServer:
         self._closed.publish(closed_edges_message(self._closures))
 
     def _on_report(self, message: ExecutionRouteStates, robot: str) -> None:
-        self._routes[robot] = reported_route(message)
+        self._in_force.routes[robot] = reported_route(message)
 
     # -- diagnostics ------------------------------------------------------------------------------
 
@@ -193,7 +210,7 @@ class GraphServer:
         graph, said = self._graph, self._remarks
         warnings = [remark.text for remark in said if remark.warning]
         if graph is None:
-            status.summary(DiagnosticStatus.ERROR, self._trouble)
+            status.summary(DiagnosticStatus.ERROR, self._trouble or _WAITING)
         elif self._trouble:
             status.summary(DiagnosticStatus.WARN, f'not reloaded: {self._trouble}')
         elif warnings:
@@ -202,6 +219,8 @@ class GraphServer:
             status.summary(DiagnosticStatus.OK, f'{len(graph.vertices)} vertices, '
                            f'{len(graph.edges)} edges in force')
         status.add('file', rospy.get_param('~graph_file', ''))
+        if graph is not None and not said:
+            status.add('what it allows', 'is being found out')
         for k, remark in enumerate(said, 1):
             status.add(f'remark {k}', remark.text)
 
@@ -210,10 +229,13 @@ class GraphServer:
         status.summary(DiagnosticStatus.OK, _listed(closed) if closed else 'none')
 
 
+def _state_file(name: str) -> str:
+    return os.path.join(rospkg.get_ros_home(), 'graph_fleet_manager', name)
+
+
 def _closures() -> Closures:
-    default = os.path.join(rospkg.get_ros_home(), 'graph_fleet_manager', 'closed_edges.json')
     try:
-        return Closures(parameter('~closed_edges_file', '') or default)
+        return Closures(parameter('~closed_edges_file', '') or _state_file('closed_edges.json'))
     except FileError as error:
         raise ConfigurationError(str(error)) from None
 

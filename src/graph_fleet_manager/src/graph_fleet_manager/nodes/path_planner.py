@@ -99,6 +99,14 @@ class PathPlanner:
     # -- the planning thread ----------------------------------------------------------------------
 
     def _work(self) -> None:
+        try:
+            self._plan_until_the_end()
+        except Exception:  # a planner that answers nobody must not look alive: it is started anew
+            rospy.logfatal('The planning thread has failed; please report this:\n%s',
+                           traceback.format_exc())
+            rospy.signal_shutdown('the planning thread has failed')
+
+    def _plan_until_the_end(self) -> None:
         while not rospy.is_shutdown():
             with self._changed:
                 if self._new_graph is None and self._request is None:
@@ -144,8 +152,8 @@ class PathPlanner:
         except CannotPlan as refusal:
             return self._told(request, PlanAnswer.REFUSED, str(refusal))
         except Exception:  # a defect: who asked must not wait for ever, and the next request may do
-            rospy.logerr('A request could not be planned because of a defect of the planner; please '
-                         'report it with this text:\n%s', traceback.format_exc())
+            rospy.logerr('A request could not be planned because of a defect of the planner; '
+                         'please report it with this text:\n%s', traceback.format_exc())
             return self._told(request, PlanAnswer.REFUSED, 'The planner failed on it, its log says '
                               'how; report that, and ask for something else.')
         took = time.monotonic() - begun

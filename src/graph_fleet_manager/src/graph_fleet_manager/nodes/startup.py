@@ -11,6 +11,7 @@ from typing import Any, Callable, Mapping, Tuple, Type
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper, Updater
+from rosgraph.names import is_legal_base_name
 
 from graph_fleet_manager.files.errors import FileError
 from graph_fleet_manager.files.fleet_file import load_fleet
@@ -62,11 +63,21 @@ def choice(name: str, default: str, allowed: Tuple[str, ...]) -> str:
 
 
 def fleet_of(name: str = '~fleet_file') -> Fleet:
-    """The fleet in the file that a parameter names; raises ConfigurationError."""
+    """The fleet in the file that a parameter names; raises ConfigurationError.
+
+    Names of robots are those of their topics, too.
+    """
+    file = parameter(name)
     try:
-        return load_fleet(parameter(name))
+        fleet = load_fleet(file)
     except FileError as error:
         raise ConfigurationError(str(error)) from None
+    for robot in fleet.robots:
+        if not is_legal_base_name(robot.name):
+            raise ConfigurationError(f'{file}: robot {robot.name!r} has topics of its own, so its '
+                                     'name must begin with a letter and hold only letters, digits '
+                                     'and underscores.')
+    return fleet
 
 
 def run(name: str, start: Callable[[], Any]) -> None:

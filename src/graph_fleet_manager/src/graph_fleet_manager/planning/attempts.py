@@ -126,14 +126,22 @@ class Attempts:
                     self._tea_star.book_present(traveller)
             failed = [t for t in missing
                       if t.name not in self._ways and not self._serve_one(t, deadline)]
-        if not failed or self._plan_all(failed, deadline):
+        if not failed or self._plan_all(failed, self._part_of(deadline, failed)):
             return
+        failed = self._serve_somebody(failed, deadline)
+        standing = [t for t in failed if t.name not in self._old]
+        self._tea_star.forget(standing)
+        for traveller in standing:
+            self._book_standing(traveller)
         for traveller in failed:
             if traveller.name not in self._unserved:
                 self._tea_star.forget((traveller,))
                 self._unserved[traveller.name] = why_not(self._timetable, traveller)
-                self._book_again(traveller)
-        self._stand([t for t in failed if t.name not in self._old])
+                if traveller.name in self._old:
+                    self._book_again(traveller)
+                else:
+                    self._book_standing(traveller)
+        self._stand(standing)
 
     def _serve_one(self, traveller: Traveller, deadline: float) -> bool:
         """A way past everybody's plans, or past those that make room."""
@@ -181,6 +189,37 @@ class Attempts:
             return False
         self._ways = ways
         return True
+
+    def _serve_somebody(self, failed: Sequence[Traveller], deadline: float) -> List[Traveller]:
+        """One of these, for whom all others without a way only make room; returns who is left."""
+        for chosen in failed:
+            if not _can_rest_elsewhere(chosen):
+                continue
+            aside = {t.name: self._problem.without_destinations(t) for t in failed
+                     if t is not chosen}
+            order = [chosen, *aside.values(),
+                     *(t for t in self._movers() if t.name in self._ways)]
+            self._tea_star.forget(order)
+            ways = self._tea_star.plan(order, deadline, _ROOM_ORDERS)
+            if ways is None:
+                ways = self._through_configurations(order, self._part_of(deadline, failed))
+            if ways is not None:
+                self._old.update((name, ways.pop(name).plan) for name in aside)
+                self._travellers.update(aside)
+                self._ways = ways
+                return list(aside.values())
+            for traveller in order:
+                self._book_again(traveller)
+            if time.monotonic() > deadline:
+                break
+        return list(failed)
+
+    @staticmethod
+    def _part_of(deadline: float, failed: Sequence[Traveller]) -> float:
+        """Half of the time that is left, where something else can be tried in the other half."""
+        if deadline == inf or not any(map(_can_rest_elsewhere, failed)):
+            return deadline
+        return deadline - (deadline - time.monotonic()) / 2.0
 
     def _through_configurations(self, order: Sequence[Traveller],
                                 deadline: float) -> Optional[Ways]:
@@ -243,3 +282,8 @@ class Attempts:
                   for name in self._travellers}
         served = [t.name for t in self._travellers.values() if t.name in self._ways]
         return outcome_of(self._timetable, self._travellers, behind, served, self._unserved, rounds)
+
+
+def _can_rest_elsewhere(traveller: Traveller) -> bool:
+    """Has it something to do, and need not stay there?"""
+    return bool(traveller.errand.destinations) and traveller.errand.rests is not None

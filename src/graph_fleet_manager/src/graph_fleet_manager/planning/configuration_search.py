@@ -47,8 +47,9 @@ def search_configurations(timetable: Timetable, travellers: Sequence[Traveller],
     if rests is None:
         return None
     maker = StepMaker(timetable, travellers, rests, random)
-    if not maker.has_ways():
-        return None
+    if (any(any(slots.bookings) for slots in timetable.slots.values())
+            and not all(mover.has_way() for mover in maker.movers)):
+        return None  # somebody stands in the way for ever
     movers = maker.movers
     first = tuple(mover.begin for mover in movers)
     root = _Node(first, None, {}, _first_waiting(movers, first), [], deque([()]))

@@ -7,7 +7,8 @@ from random import Random
 from typing import AbstractSet, Dict, List, Mapping, Optional, Sequence, Set, Tuple
 
 from graph_fleet_manager.fleet import RobotType
-from graph_fleet_manager.planning.timetable import Slots, Timetable
+from graph_fleet_manager.planning.road_network import Roads
+from graph_fleet_manager.planning.timetable import Timetable
 from graph_fleet_manager.planning.travellers import Traveller
 
 STAY = -1
@@ -20,16 +21,17 @@ class Mover:
     name, kind -- of the robot
     begin      -- its first place; a *place* here is leg * vertices + vertex
     targets    -- the vertex that ends each leg; it stays at the last
+    roads      -- that are open to it
     """
 
     def __init__(self, traveller: Traveller, rest: Optional[int], vertices: int,
-                 estimates: Sequence[Sequence[float]]) -> None:
+                 estimates: Sequence[Sequence[float]], roads: Roads) -> None:
         errand = traveller.errand
         self.name, self.kind = traveller.name, traveller.kind
         self.targets = (*errand.destinations, *(() if rest is None else (rest,)))
         self._vertices = vertices
         self._estimates = estimates
-        self.roads = errand.roads
+        self.roads = roads
         self.begin = self.arrive(0, errand.vertex)
 
     def arrive(self, leg: int, vertex: int) -> int:
@@ -55,16 +57,14 @@ class Mover:
         """Seconds to the end of the leg."""
         return self.estimate(place)[place % self._vertices]
 
-    def has_way(self, blocked: AbstractSet[int]) -> bool:
-        """Can it come to its targets in order without these edges?"""
-        if not blocked:
-            return True
+    def has_way(self) -> bool:
+        """Could it come to its targets in their order, were it alone?"""
         vertex = self.vertex(self.begin)
         for target in self.targets[self.leg(self.begin):]:
             reached, ahead = {vertex}, [vertex]
             while ahead and target not in reached:
-                for drive, end, _ in self.roads[ahead.pop()]:
-                    if end not in reached and drive >> 1 not in blocked:
+                for _, end, _ in self.roads[ahead.pop()]:
+                    if end not in reached:
                         reached.add(end)
                         ahead.append(end)
             if target not in reached:
@@ -79,9 +79,9 @@ class Mover:
 
 
 class StepMaker:
-    """Makes steps for robots on a graph, round all that is booked for ever; nothing else may be.
+    """Makes steps for robots on a graph; `rests` tells where each of them is to end.
 
-    rests -- for each robot the vertex that it is to end on; None: the last destination
+    Who is booked in the timetable stands there for ever; the travellers must not be.
     """
 
     def __init__(self, timetable: Timetable, travellers: Sequence[Traveller],
@@ -90,17 +90,22 @@ class StepMaker:
         self._random = random
         self._timetable = timetable
         self._first_edge = network.vertices
-        self._blocked = {kind: _blocked_edges(slots) for kind, slots in timetable.slots.items()}
+        self._open: Dict[Tuple[RobotType, int], Roads] = {}
         self.movers: List[Mover] = [Mover(t, rest, network.vertices, [
             network.estimates(t.kind, target) for target in (
-                *t.errand.destinations, *(() if rest is None else (rest,)))])
-            for t, rest in zip(travellers, rests)]
+                *t.errand.destinations, *(() if rest is None else (rest,)))],
+            self._free_roads(t)) for t, rest in zip(travellers, rests)]
         self._kinds = [t.kind for t in travellers]
         self._near: Dict[Tuple[RobotType, int], List[Tuple[RobotType, List[int], List[int]]]] = {}
 
-    def has_ways(self) -> bool:
-        """Could everybody come to its end, were it alone?"""
-        return all(mover.has_way(self._blocked[mover.kind]) for mover in self.movers)
+    def _free_roads(self, traveller: Traveller) -> Roads:
+        """The roads of a traveller that lead past nobody who stands for ever."""
+        roads = traveller.errand.roads
+        key = traveller.kind, id(roads)
+        if key not in self._open:
+            bookings = self._timetable.slots[traveller.kind].bookings
+            self._open[key] = [[road for road in away if not bookings[road[0]]] for away in roads]
+        return self._open[key]
 
     def is_end(self, configuration: Sequence[int]) -> bool:
         """Is everybody where it is to stay?"""
@@ -125,8 +130,7 @@ class StepMaker:
         self._at = {vertex: robot for robot, vertex in enumerate(self._vertex)}
         self._moves: Dict[int, Tuple[int, int]] = {}
         self._decided: Set[int] = set()
-        self._taken: Dict[RobotType, Set[int]] = {
-            kind: set(blocked) for kind, blocked in self._blocked.items()}
+        self._taken: Dict[RobotType, Set[int]] = {kind: set() for kind in self._timetable.kinds}
         self._promoted: List[Tuple[int, int]] = []
         for robot, move in forced.items():
             self._decided.add(robot)
@@ -230,12 +234,6 @@ class StepMaker:
             vertex = ahead[1]
             way.add(vertex)
         return way
-
-
-def _blocked_edges(slots: Slots) -> Set[int]:
-    """Edges that nobody who looks at these slots may ever drive."""
-    return {drive >> 1 for drive in range(slots.drives)
-            if any(end == inf for _, end, _ in slots.bookings[drive])}
 
 
 def choose_rests(timetable: Timetable,

@@ -14,14 +14,15 @@ from graph_fleet_manager.planning.travellers import Traveller
 def outcome_of(timetable: Timetable, travellers: Mapping[str, Traveller],
                behind: Mapping[str, Plan], served: Iterable[str], unserved: Mapping[str, str],
                rounds: int) -> Outcome:
-    """Plans with the times that their order allows, and that order.
+    """The plans, with the order of use that keeps them safe.
 
-    behind   -- each traveller's plan behind what is fixed
+    behind   -- each traveller's plan behind what is fixed; if it was improved in rounds, its drives
+                now begin as early as their order allows
     served   -- whose plans lead to all of their destinations
     unserved -- whose do not, and why
     """
     network = timetable.network
-    plans = schedule(timetable, travellers, in_order(behind))
+    plans = schedule(timetable, travellers, in_order(behind)) if rounds else behind
     whole = {name: travellers[name].whole(plan) for name, plan in plans.items()}
     constraints = precedence(timetable, whole, {name: t.kind for name, t in travellers.items()},
                              {name: len(t.fixed) for name, t in travellers.items()})

@@ -23,6 +23,7 @@ from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.planning.road_network import RoadNetwork
 
 _TRIALS = 20
+_FRUITLESS = 4  # trials in a row; of 40 random graphs none needed more than two
 _LARGE = 300  # vertices: from here on one trial must do
 
 
@@ -98,6 +99,7 @@ class Parking:
         """The largest well-formed set that was found, or the first one with `enough` vertices."""
         random = Random(seed)
         best: Set[int] = set()
+        fruitless = 0
         trials = _TRIALS if self._vertices < _LARGE else 1
         for trial in range(trials):
             order = self._by_promise()
@@ -106,9 +108,10 @@ class Parking:
             found = self._grown(set(), order)
             if trials > 1 and len(found) < enough:
                 found = self._exchanged(found, order)
+            fruitless += 1
             if len(found) > len(best):
-                best = found
-            if len(best) >= enough:
+                best, fruitless = found, 0
+            if fruitless == _FRUITLESS or len(best) >= enough:
                 break
         return frozenset(best)
 

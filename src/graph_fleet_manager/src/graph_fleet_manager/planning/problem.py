@@ -28,17 +28,21 @@ class Problem:
         self.tasks: Dict[str, Task] = {task.name: task for task in tasks}
         wanted = {name: frozenset(self._vertices(task.destinations))
                   for name, task in self.tasks.items()}
+        for kind in timetable.kinds:  # all at once: one by one they take several times as long
+            self._network.ways_to(kind, [vertex for name, task in self.tasks.items()
+                                         if task.type == kind for vertex in wanted[name]])
         self.travellers: Dict[str, Traveller] = {}
         for name, task in self.tasks.items():
             others = frozenset().union(*(w for other, w in wanted.items() if other != name))
             self.travellers[name] = self._traveller(task, others)
 
     def rests(self, kind: RobotType, unwanted: FrozenSet[int] = frozenset()) -> FrozenSet[int]:
-        """Where robots of a type may be parked, without what others want if that leaves any."""
+        """Where robots of a type may be parked; without what others want if that leaves enough."""
         docks = frozenset(self._network.index[id] for id in kind.docks or ()
                           if id in self._network.index)
         allowed = (self._parking - self._network.docks) | (self._parking & docks)
-        return allowed - unwanted or allowed
+        quiet = allowed - unwanted
+        return quiet if len(quiet) >= len(self.tasks) else allowed
 
     def with_rests(self, traveller: Traveller, rests: FrozenSet[int]) -> Traveller:
         """The same traveller, allowed to end elsewhere."""

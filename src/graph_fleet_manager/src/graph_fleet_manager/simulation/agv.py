@@ -113,7 +113,7 @@ class Agv:
         return None
 
     def _from_vertex(self, first: int) -> float:
-        """How far (m) it is from where edge `first` begins, on its own edge; 0 where it is there."""
+        """How far (m) it is from where edge `first` begins, on its own edge; 0: there."""
         if self.graph.start_vertex(first).id != self.graph.start_vertex(self.edge).id:
             self.edge, self.arc = -self.edge, self.graph.curve(self.edge).length - self.arc
         return self.arc if self.arc > _AT_END else 0.0

@@ -55,7 +55,7 @@ def _on_parking(fleet: Fleet, found: Survey) -> Iterable[Remark]:
     for one in found.capacities:
         beside = f', and {one.docks} more at docks' if one.docks else ''
         total = one.robots + one.docks
-        text = (f'The graph holds {one.robots} robots of type {one.type} without cutting anybody '
+        text = (f'The graph holds {_robots(one.robots)} of type {one.type} without cutting anybody '
                 f'off, docks kept free{beside}; the fleet has {count[one.type]}')
         if count[one.type] > total:
             yield Remark(True, f'{text}: they will block each other for good, take some out or '
@@ -64,7 +64,7 @@ def _on_parking(fleet: Fleet, found: Survey) -> Iterable[Remark]:
             yield Remark(False, f'{text}.')
     if len(fleet.types) > 1:
         text = (f'All types together have {len(found.parking)} parking places, for '
-                f'{len(fleet.robots)} robots')
+                f'{_robots(len(fleet.robots))}')
         if len(fleet.robots) > len(found.parking):
             yield Remark(True, f'{text}: they will block each other for good, take some out or '
                          'give the graph more dead-end parking.')
@@ -91,15 +91,14 @@ def _on_dead_ends(found: Survey) -> Iterable[Remark]:
 
 
 def _on_long_edges(found: Survey) -> Iterable[Remark]:
-    for edge in found.long_edges[:_NAMED]:
-        yield Remark(False, f'Edge {edge.id} is {edge.length:.1f} m long, and {edge.share:.0%} of '
-                     'all shortest ways lead over it: a robot on it keeps the others from all of '
-                     'it.')
-    if found.long_edges:
-        longest = max(round(2.0 * found.following_distance, 1), 0.1)
-        yield Remark(False, f'{len(found.long_edges)} edges are so long that they cost throughput; '
-                     f'to cut them: rosrun trajectory_graph split_edges --longest {longest} '
-                     'GRAPH.yaml OUT.yaml')
+    if not found.long_edges:
+        return
+    worst = ', '.join(f'edge {edge.id} ({edge.length:.1f} m, {edge.share:.0%} of all shortest ways)'
+                      for edge in found.long_edges[:_NAMED])
+    longest = max(round(2.0 * found.following_distance, 1), 0.1)
+    yield Remark(False, f'Edges so long that they cost throughput, as a robot keeps others from '
+                 f'all of its edge: {len(found.long_edges)}, most of all {worst}. To cut them: '
+                 f'rosrun trajectory_graph split_edges --longest {longest} GRAPH.yaml OUT.yaml')
 
 
 def _named(one: str, many: str, ids: Iterable[int]) -> str:
@@ -110,6 +109,10 @@ def _named(one: str, many: str, ids: Iterable[int]) -> str:
     named = ', '.join(map(str, ids[:_NAMED]))
     more = f' and {len(ids) - _NAMED} more' if len(ids) > _NAMED else ''
     return f'{many} {named}{more}'
+
+
+def _robots(count: int) -> str:
+    return '1 robot' if count == 1 else f'{count} robots'
 
 
 def _all_of(ids: List[int]) -> str:

@@ -168,13 +168,14 @@ def near_edges(network: RoadNetwork, distance: float) -> Tuple[Tuple[int, int], 
     ends: List[Set[int]] = [set(network.origin[2 * edge:2 * edge + 2])
                             for edge in range(len(network.edge_ids))]
     around = _neighbours(network)
-    found = []
+    found: List[Tuple[int, int]] = []
     for edge, (one, other) in enumerate(map(sorted, ends)):
         close = ends[edge] | around[one] | around[other]
         for place in conflicts.row(network.vertices + edge):
             second = place - network.vertices
             if second > edge and not ends[second] & close:
-                found.append(tuple(sorted((network.edge_ids[edge], network.edge_ids[second]))))
+                pair = network.edge_ids[edge], network.edge_ids[second]
+                found.append((min(pair), max(pair)))
     return tuple(sorted(found))
 
 

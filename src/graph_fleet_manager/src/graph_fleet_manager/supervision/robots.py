@@ -57,6 +57,7 @@ class ManagedRobot:
     _refusals: int = 0
     _tried: float = -math.inf
     _moved: float = -math.inf
+    """When it was last seen to move, or first seen."""
     _pose: Pose = Pose()
     _fresh_after: float = 0.0
 
@@ -81,10 +82,16 @@ class ManagedRobot:
             return math.inf
         return max(self.battery - self.settings.reserve, 0.0) * self.settings.endurance
 
+    def is_still(self, now: float) -> bool:
+        """Does it report, and has it not moved for a while?"""
+        return now - self.seen <= STANDING and now - self._moved >= STANDING
+
     # -- what comes in ----------------------------------------------------------------------------
 
     def hear(self, report: Report, now: float) -> None:
-        """Follows a report that makes sense."""
+        """Follows a report that makes sense; who does not know yet where it is, tells nothing."""
+        if not report.pose.edge and not report.stamp:
+            return
         first = not self.is_seen
         self.seen = now
         if report.pose != self._pose:
@@ -95,6 +102,9 @@ class ManagedRobot:
                 self.outage, self.why = None, ''
         if self.outage is Outage.SILENT:
             self.outage, self.why = None, ''
+        if self.outage is Outage.OFF_GRAPH and report.pose.edge and self._was_nowhere:
+            self.outage, self.why = None, ''
+            self.client.settle(place_of(report.pose, self.client.graph))
         heard = self.client.take(report)
         self.passed += heard.passed
         self._judge(heard, report)
@@ -136,6 +146,11 @@ class ManagedRobot:
         if self.outage is None or not self.outage.needs_person or outage.needs_person:
             self.outage, self.why = outage, why
 
+    @property
+    def _was_nowhere(self) -> bool:
+        """Was it never on the graph, so that nothing is blocked for it?"""
+        return self.client.place is None and not self.client.held
+
     # -- the clock --------------------------------------------------------------------------------
 
     def look(self, now: float) -> None:
@@ -167,7 +182,7 @@ class ManagedRobot:
 
     def go_on_after_stop(self, now: float) -> bool:
         """After stop all, once it has obeyed: it stands where it is; tells whether that is so."""
-        if not self.is_halted or self.client.order is not None or not self.is_seen or (
+        if not self.is_halted or self.client.order is not None or not self.is_still(now) or (
                 self.outage not in (None, Outage.STOPPED)):
             return False
         place = place_of(self.client.pose, self.client.graph)
@@ -184,7 +199,7 @@ class ManagedRobot:
         """After a lost link: it is back when new locations come and it stands."""
         if self.outage is not Outage.LOST_LINK or report.stamp <= self._fresh_after + STANDING:
             return
-        if now - self._moved >= STANDING and report.age < STANDING:
+        if self.is_still(now) and report.age < STANDING:
             self.come_back(place_of(report.pose, self.client.graph))
 
     def come_back(self, place: Optional[Place]) -> str:

@@ -254,16 +254,12 @@ class RouteClient:
         """
         base = self._bases.get(report.route_id)
         if base is None:
-            if self.track and report.route_id in self._ended and self.route_id in self._bases:
-                self._order_all()  # what came after the route that it reports did not reach it
-            if self.track or report.route_id in self._ended:
-                return  # of anything else `take` finds that it was taken over
-            self.route_id, self.track = report.route_id, list(report.edges)
-            self._bases = {report.route_id: self.first}
-            self.over = not report.edges or report.is_failed
-            self._acknowledged.add(report.route_id)
-            if not report.edges:
-                self.place = place_of(report.pose, self.graph)
+            if report.route_id in self._ended:
+                if self.ahead and self.route_id in self._bases:
+                    self._order_all()  # it did not reach the robot
+            elif not self.ahead:
+                self._adopt_other(report)
+            # In any other case `take` finds that the robot was taken over, or lost its route.
         else:
             self._acknowledged.add(report.route_id)
             if report.is_failed:
@@ -271,6 +267,20 @@ class RouteClient:
             end = base + len(report.edges)
             if self.end > end or report.route_id != self.route_id:
                 self._order_all()
+
+    def _adopt_other(self, report: Report) -> None:
+        """A route of which nothing is known here; a stop that is under way stays so."""
+        self.first = self.end
+        self.track, self.done = list(report.edges), self.first
+        self.left = (self.done, 0.0)
+        self._bases = {self.route_id: self.done} if self.order is not None else {}
+        self._bases[report.route_id] = self.first
+        self._acknowledged.add(report.route_id)
+        if self.order is None:
+            self.route_id = report.route_id
+            self.over = not report.edges or report.is_failed
+        if not report.is_running:
+            self.place = place_of(report.pose, self.graph)
 
     # -- what the robot says ----------------------------------------------------------------------
 

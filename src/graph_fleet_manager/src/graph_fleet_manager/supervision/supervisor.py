@@ -212,6 +212,8 @@ class Supervisor:
             return '', self._answer()
         if now - robot.seen > SILENCE:
             return f'{name} does not report: mend its link first', self._answer()
+        if robot.client.order is not None or not robot.is_still(now):
+            return f'{name} does not stand still yet: try again in a moment', self._answer()
         problem = robot.come_back(place_of(robot.client.pose, self.network.graph))
         self._forget_plan_of(name)
         self._note_outages()

@@ -1,0 +1,1 @@
+"""What `fleet.py` measures with: graphs, fleets, rivals, a fleet at work."""

@@ -1,0 +1,74 @@
+"""What graph_server tells, and what it reads of the robots' reports."""
+from __future__ import annotations
+
+import genpy
+import pytest
+
+from graph_fleet_manager.fleet import Fleet, RobotType
+from graph_fleet_manager.messages.graphs import (
+    closed_edges_message,
+    docking_points_message,
+    graph_message,
+    parking_message,
+    reported_route,
+)
+from graph_fleet_manager.site.changes import ReportedRoute
+from graph_fleet_manager.site.closures import Closures
+from graph_fleet_manager.site.survey import Capacity, Survey
+from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, SymbolicPose, Vertex
+from trajectory_graph import Edge, Graph, GraphError
+from trajectory_graph import Vertex as GraphVertex
+from trajectory_graph.messages import graph_from_message
+
+STAMP = genpy.Time(1700000000, 5)
+GRAPH = Graph([GraphVertex(1, 0.0, 0.0, 0.0, parking=True), GraphVertex(2, 2.0, 0.0, 0.0),
+               GraphVertex(3, 4.0, 0.0, 0.0, parking=False),
+               GraphVertex(4, 6.0, 0.0, 0.0, dock=True)],
+              [Edge(1, 1, 2), Edge(2, 2, 3), Edge(3, 3, 4)])
+
+
+def test_a_graph_arrives_as_it_was_with_what_it_says_of_parking():
+    message = graph_message(GRAPH, STAMP)
+    assert message.header.stamp == STAMP
+    again = graph_from_message(message)
+    assert (again.vertices, again.edges) == (GRAPH.vertices, GRAPH.edges)
+
+
+def test_a_vertex_that_is_parking_and_none_is_refused():
+    message = graph_message(GRAPH, STAMP)
+    message.vertices[0] = Vertex(id=1, parking=True, no_parking=True)
+    with pytest.raises(GraphError, match='vertex 1'):
+        graph_from_message(message)
+
+
+def test_docking_points_name_the_types_that_charge_there():
+    fleet = Fleet((RobotType('agv', 0.4, 1.0), RobotType('truck', 0.5, 1.0, docks=frozenset((4,)))),
+                  ())
+    point, = docking_points_message(GRAPH, fleet, STAMP).docking_points
+    assert (point.vertex_id, point.robot_types) == (4, ['truck'])
+
+
+def test_parking_bears_the_version_of_its_graph():
+    found = Survey(0.9, frozenset((3, 1)), (Capacity('agv', 2, 1),), (), (), (), ())
+    message = parking_message(found, STAMP)
+    assert (message.header.stamp, message.vertices) == (STAMP, [1, 3])
+    assert [(c.robot_type, c.robots, c.docks) for c in message.capacities] == [('agv', 2, 1)]
+
+
+def test_closures_bear_the_moment_at_which_they_were_said(tmp_path):
+    closures = Closures(tmp_path / 'closed.json')
+    closures.take([2], STAMP.to_nsec(), STAMP.to_nsec(), GRAPH.edges)
+    message = closed_edges_message(closures)
+    assert (message.header.stamp, message.edges) == (STAMP, [2])
+
+
+@pytest.mark.parametrize('states, left', [
+    ([], ()),
+    ([(1, EdgeState.COMPLETE), (-2, EdgeState.PROCESSING), (3, EdgeState.PROCESSING)], (-2, 3)),
+    ([(1, EdgeState.COMPLETE), (2, EdgeState.COMPLETE)], ()),
+    ([(1, EdgeState.FAILED), (2, EdgeState.FAILED)], ()),
+], ids=['no route', 'under way', 'complete', 'failed'])
+def test_what_is_left_of_a_route_is_what_must_not_be_broken(states, left):
+    report = ExecutionRouteStates(edge_states=[EdgeState(*state) for state in states],
+                                  symbolic_pose=SymbolicPose(-2, 40.0))
+    assert reported_route(report) == ReportedRoute(left, -2)

@@ -1,0 +1,201 @@
+"""The searches find the best there is: beside each other, and beside looking at everything.
+
+On a grid with edges exactly as long as robots must stay apart, all that can be done in time can be
+done in steps of one edge, in which no two robots hold a vertex in common. There exhaustive search
+is easy to write and shares nothing with the planner.
+"""
+from __future__ import annotations
+
+import heapq
+import itertools
+import time
+from random import Random
+from typing import Dict, List, Optional, Sequence, Tuple
+
+import pytest
+from fleet_builders import graph_of
+from fleet_cases import Case
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.planning.layers import layered
+from graph_fleet_manager.planning.planner import FleetPlanner
+from graph_fleet_manager.planning.road_network import RoadNetwork
+from graph_fleet_manager.planning.safe_intervals import find_way
+from graph_fleet_manager.planning.tasks import Task
+from trajectory_graph import Graph, GraphError
+
+UNIT = RobotType('unit', 0.5, 1.0)  # one edge of 1 m takes 1 s, and holds both its ends for it
+SEARCHES = {'safe_intervals': find_way, 'layers': layered(1.0)}
+
+
+def _grid(random: Random, columns: int, rows: int) -> Graph:
+    """A connected grid with some edges missing and some one-way."""
+    places = {row * columns + column + 1: (float(column), float(row))
+              for row in range(rows) for column in range(columns)}
+    pairs = [(a, b) for a in places for b in places if a < b and sum(
+        abs(p - q) for p, q in zip(places[a], places[b])) == 1.0]
+    while True:
+        kept = [pair for pair in pairs if random.random() < 0.8]
+        if _connected(places, kept):
+            break
+    one_way = [k for k in range(1, len(kept) + 1) if random.random() < 0.15]
+    return graph_of(places, dict(enumerate(kept, 1)), one_way=one_way)
+
+
+def _connected(places, pairs) -> bool:
+    reached = {1}
+    for _ in places:
+        reached |= {v for pair in pairs if reached & set(pair) for v in pair}
+    return len(reached) == len(places)
+
+
+def _neighbours(graph: Graph) -> Dict[int, List[int]]:
+    ways: Dict[int, List[int]] = {vertex: [vertex] for vertex in graph.vertices}
+    for edge in graph.edges.values():
+        ways[edge.origin].append(edge.destination)
+        if edge.velocity_backwards > 0.0:
+            ways[edge.destination].append(edge.origin)
+    return ways
+
+
+def _best_sum(graph: Graph, starts: Sequence[int], goals: Sequence[int]) -> Optional[int]:
+    """The least sum of the times at which all have come to their goals for good."""
+    ways = _neighbours(graph)
+    first = tuple(starts), (False,) * len(starts)
+    best = {first: 0}
+    heap: List[Tuple[int, tuple]] = [(0, first)]
+    while heap:
+        cost, state = heapq.heappop(heap)
+        if cost > best[state]:
+            continue
+        at, done = state
+        if all(done):
+            return cost
+        for k, vertex in enumerate(at):  # who is at its goal may stay for good
+            if not done[k] and vertex == goals[k]:
+                _offer(best, heap, cost, (at, (*done[:k], True, *done[k + 1:])))
+        options = [[vertex] if finished else ways[vertex] for vertex, finished in zip(at, done)]
+        for step in itertools.product(*options):
+            held = [v for a, b in zip(at, step) for v in {a, b}]
+            if len(held) == len(set(held)):
+                _offer(best, heap, cost + done.count(False), (step, done))
+    return None
+
+
+def _offer(best, heap, cost, state):
+    if cost < best.get(state, cost + 1):
+        best[state] = cost
+        heapq.heappush(heap, (cost, state))
+
+
+def _best_alone(graph: Graph, start: int, goal: int, horizon: int,
+                others: Sequence[Sequence[int]]) -> Optional[int]:
+    """When a robot can be at its goal for good, past others that are at `others[k][t]` at t."""
+    ways = _neighbours(graph)
+
+    def held(t):
+        return {v for other in others for v in other[min(t, len(other) - 1):][:2]}
+    reached = {start}
+    arrived: Dict[int, bool] = {}
+    for t in range(horizon):
+        arrived[t] = goal in reached
+        reached = {b for a in reached for b in ways[a] if not {a, b} & held(t)}
+    stays = horizon
+    while stays and goal not in held(stays - 1):
+        stays -= 1
+    return next((t for t in range(stays, horizon) if arrived[t]), None)
+
+
+def _tasks(starts, goals):
+    return [Task(f'r{k}', UNIT, start, destinations=(goal,), stays=True)
+            for k, (start, goal) in enumerate(zip(starts, goals))]
+
+
+@pytest.mark.parametrize('search', SEARCHES)
+@given(st.integers(0, 2 ** 32 - 1))
+@settings(max_examples=50)
+def test_one_robot_past_the_plan_of_another_takes_no_longer_than_it_must(search, seed):
+    random = Random(seed)
+    graph = _grid(random, 4, 3)
+    (start, other), (goal, other_goal) = (random.sample(list(graph.vertices), 2) for _ in 'ab')
+    network = RoadNetwork(graph)
+    planner = FleetPlanner(network, 0.0, [UNIT], search=SEARCHES[search])
+    first = planner.plan(_tasks([other], [other_goal]), (), time.monotonic() + 5.0, 0)
+    if first.unserved:  # behind one-way edges
+        return
+    track = [other]
+    for drive in first.drives['r0']:
+        track += [track[-1]] * (round(drive.start) - len(track) + 1)
+        track.append(graph.end_vertex(drive.edge).id)
+    # The first robot keeps its way, as one that has the higher priority.
+    tasks = _tasks([other, start], [other_goal, goal])
+    tasks[0] = Task('r0', UNIT, other, destinations=(other_goal,), stays=True, priority=1)
+    both = planner.plan(tasks, (), time.monotonic() + 5.0, 0)
+    least = _best_alone(graph, start, goal, 40, [track])
+    if least is None or both.unserved or both.drives['r0'] != first.drives['r0']:
+        return  # the other one had to give way; `test_the_whole_fleet...` looks at that
+    ends = both.drives['r1'][-1].end if both.drives['r1'] else 0.0
+    assert ends == pytest.approx(least)
+
+
+@given(st.integers(0, 2 ** 32 - 1))
+@settings(max_examples=40)
+def test_the_whole_fleet_is_near_the_best_there_is(seed):
+    random = Random(seed)
+    graph = _grid(random, 3, 3)
+    robots = random.choice((2, 2, 3))
+    starts, goals = (random.sample(list(graph.vertices), robots) for _ in 'ab')
+    best = _best_sum(graph, starts, goals)
+    planner = FleetPlanner(RoadNetwork(graph), 0.0, [UNIT])
+    outcome = planner.plan(_tasks(starts, goals), (), time.monotonic() + 0.5, 30)
+    if best is None:
+        assert outcome.unserved
+        return
+    assert not outcome.unserved
+    cost = sum(drives[-1].end for drives in outcome.drives.values() if drives)
+    assert best <= cost + 1e-6
+    assert cost <= 2.0 * best + 2.0
+
+
+def test_plans_of_small_fleets_are_mostly_the_best_there_are():
+    met, solved = 0, 0
+    for seed in range(30):
+        random = Random(seed)
+        graph = _grid(random, 3, 3)
+        starts, goals = (random.sample(list(graph.vertices), 2) for _ in 'ab')
+        best = _best_sum(graph, starts, goals)
+        if best is None:
+            continue
+        outcome = FleetPlanner(RoadNetwork(graph), 0.0, [UNIT]).plan(
+            _tasks(starts, goals), (), time.monotonic() + 5.0, 30)
+        solved += 1
+        met += outcome.cost <= best + 1e-6
+    assert solved > 15
+    assert met >= 0.8 * solved, f'{met} of {solved}'
+
+
+@given(st.integers(0, 2 ** 32 - 1))
+@settings(max_examples=20)
+def test_fine_layers_and_safe_intervals_agree(seed):
+    """On any graph: layers make a robot wait for the next one at each vertex, and no longer."""
+    try:
+        case = Case(Random(seed))
+    except GraphError:
+        return
+    first = next(iter(case.robots.values()))
+    destinations = case.missions.get(first.name, ())
+    layer = 0.02
+    costs = []
+    for search in (find_way, layered(layer)):
+        planner = FleetPlanner(case.network, case.clearance, case.types, search=search)
+        others = [Task(t.name, t.type, t.vertex, stays=True) for t in case.robots.values()
+                  if t is not first]
+        task = Task(first.name, first.type, first.vertex, destinations=destinations, stays=True,
+                    priority=-1)
+        costs.append(planner.plan([task, *others], (), time.monotonic() + 5.0, 0))
+    drives = max(len(outcome.drives[first.name]) for outcome in costs)
+    if not any(outcome.unserved for outcome in costs):
+        assert costs[0].cost <= costs[1].cost + 1e-6
+        assert costs[1].cost <= costs[0].cost + layer * (drives + 1)
