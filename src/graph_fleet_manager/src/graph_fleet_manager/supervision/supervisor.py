@@ -168,8 +168,6 @@ class Supervisor:
         except WrongReport as wrong:
             self._note(f'A report of {name} is ignored: {wrong}.', True)
             return self._answer()
-        if not report.stamp and not report.pose.edge:
-            return self._answer()  # it has just been started, and knows nothing of its place yet
         before = robot.client.done, robot.client.end, robot.client.over
         robot.hear(report, now)
         if before != (robot.client.done, robot.client.end, robot.client.over):
