@@ -10,7 +10,7 @@ import unittest
 from typing import List
 from xmlrpc.client import ServerProxy
 
-import rosnode
+import rosgraph
 import rospy
 
 from itrci_nav_msgs.msg import (
@@ -100,7 +100,7 @@ class FleetMission(unittest.TestCase):
 
     def test_4_killed_nodes_lose_no_mission_and_repeat_no_motion(self) -> None:
         given = len(self.commands.texts)
-        sent = subprocess.Popen(['rosrun', 'graph_fleet_manager', 'mission', '18', '39', '6',
+        sent = subprocess.Popen(['rosrun', 'graph_fleet_manager', 'mission', '39', '6', '18',
                                  '--wait'], text=True, stdout=subprocess.PIPE,
                                 stderr=subprocess.STDOUT)
         for reached, node in enumerate(('/path_supervisor', '/path_planner', '/graph_server')):
@@ -118,11 +118,11 @@ class FleetMission(unittest.TestCase):
 
 def kill(node: str) -> None:
     """Ends a node's process without a word, and waits until roslaunch has brought it back."""
-    api = rosnode.get_api_uri(rospy.get_master(), node, skip_cache=True)
+    master = rosgraph.Master('/fleet_mission_test')
+    api = master.lookupNode(node)
     _, _, pid = ServerProxy(api).getPid('/fleet_mission_test')
     os.kill(pid, signal.SIGKILL)
-    wait_until(lambda: rosnode.get_api_uri(rospy.get_master(), node, skip_cache=True)
-               not in (None, api), 30, f'{node} is back')
+    wait_until(lambda: master.lookupNode(node) != api, 30, f'{node} is back')
 
 
 if __name__ == '__main__':
