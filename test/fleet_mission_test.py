@@ -2,14 +2,24 @@
 """The dissertation's headline, as a user drives it: the LD-90 ends docked at 16."""
 from __future__ import annotations
 
+import os
 import re
+import signal
 import subprocess
 import unittest
 from typing import List
+from xmlrpc.client import ServerProxy
 
+import rosgraph
 import rospy
 
-from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, FleetState, TargetRoute
+from itrci_nav_msgs.msg import (
+    EdgeState,
+    ExecutionRouteStates,
+    FleetState,
+    MissionStatus,
+    TargetRoute,
+)
 from omron_ld90_msgs.msg import RobotStatus
 from system_support import CommandRecorder, Recorder, run_cases, wait_until
 
@@ -32,6 +42,7 @@ class FleetMission(unittest.TestCase):
         cls.reports = Recorder('/omron_ld90/execution_route_states', ExecutionRouteStates)
         cls.routes = Recorder('/omron_ld90/target_route', TargetRoute)
         cls.status = Recorder('/omron_ld90/robot_status', RobotStatus)
+        cls.statuses = Recorder('/mission_status', MissionStatus)
         cls.fleet = Recorder('/fleet_state', FleetState)
         cls.commands = CommandRecorder('omron_ld90')
         cls.fleet.wait_for(lambda state: state.robots and state.robots[0].seen
@@ -86,6 +97,32 @@ class FleetMission(unittest.TestCase):
         history = command('mission', 'history', '--csv', '--journal', rospy.get_param(
             '/path_supervisor/journal'))
         self.assertIn(f'{mission},18,,0,SUCCEEDED,omron_ld90', history.stdout)
+
+    def test_4_killed_nodes_lose_no_mission_and_repeat_no_motion(self) -> None:
+        given = len(self.commands.texts)
+        sent = subprocess.Popen(['rosrun', 'graph_fleet_manager', 'mission', '39', '6', '18',
+                                 '--wait'], text=True, stdout=subprocess.PIPE,
+                                stderr=subprocess.STDOUT)
+        for reached, node in enumerate(('/path_supervisor', '/path_planner', '/graph_server')):
+            self.statuses.wait_for(lambda status, count=reached: status.state == status.ACTIVE
+                                   and status.destinations_reached == min(count, 2)
+                                   and status.request_id != 0, 100, f'{reached} reached',
+                                   after=max(len(self.statuses.messages) - 1, 0))
+            kill(node)
+        output, _ = sent.communicate(timeout=150)
+        self.assertEqual(sent.returncode, 0, output)
+        drives = [text for text in self.commands.texts[given:] if text.startswith('goto')]
+        repeated = [one for one, other in zip(drives, drives[1:]) if one == other]
+        self.assertEqual(repeated, [], drives)
+
+
+def kill(node: str) -> None:
+    """Ends a node's process without a word, and waits until roslaunch has brought it back."""
+    master = rosgraph.Master('/fleet_mission_test')
+    api = master.lookupNode(node)
+    _, _, pid = ServerProxy(api).getPid('/fleet_mission_test')
+    os.kill(pid, signal.SIGKILL)
+    wait_until(lambda: master.lookupNode(node) != api, 30, f'{node} is back')
 
 
 if __name__ == '__main__':

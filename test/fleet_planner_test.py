@@ -259,6 +259,16 @@ class FleetPlannerTest(unittest.TestCase):
         """The vertex on which the first robot's plan ends."""
         return corridor().end_vertex(answer.plans[0].drives[-1].edge_id).id
 
+    def test_a_planner_that_was_ended_answers_again(self):
+        task = RobotTask(robot='agv_1', robot_type='agv', vertex=2, destinations=[4], stays=True)
+        self.assertEqual([[2, 3]], self.planned(task))
+        rosnode.kill_nodes(['/path_planner'])
+        wait_until(lambda: self.requests.get_num_connections() == 0, 20, 'the end of path_planner')
+        wait_until(lambda: self.requests.get_num_connections() > 0 and self.answers.is_connected(),
+                   30, 'a new path_planner')
+        answer = wait_until(lambda: self.plan_on_new_graph(task), 10, 'a plan of the new planner')
+        self.assertEqual([2, 3], [drive.edge_id for drive in answer.plans[0].drives])
+
     def test_nonsense_is_refused_and_another_graph_told(self):
         stranger = RobotTask(robot='agv_1', robot_type='boat', vertex=1)
         answer = self.plan(stranger)

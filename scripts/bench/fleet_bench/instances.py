@@ -5,6 +5,8 @@ import math
 from random import Random
 from typing import Dict, List, NamedTuple, Sequence, Tuple
 
+from scipy.spatial import cKDTree
+
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.planning.tasks import Task
 from trajectory_graph import CurveType, Edge, Graph, Vertex
@@ -106,8 +108,8 @@ def dense_moves(vertices: int, edges: int, seed: int = 0) -> Graph:
                        2.0 * (k // columns) + random.uniform(-0.5, 0.5),
                        random.uniform(-math.pi, math.pi))
     places = [vertex.position for vertex in drawing.vertices]
-    pairs = sorted((math.dist(places[i], places[j]), i, j)
-                   for i in range(vertices) for j in range(i))[:edges]
+    near = cKDTree(places).query_pairs(4.5)
+    pairs = sorted((math.dist(places[i], places[j]), i, j) for i, j in near)[:edges]
     for _, i, j in pairs:
         spline = random.random() < 0.5
         drawing.edge(i + 1, j + 1, 1.0, CurveType.SPLINE if spline else CurveType.LINE,

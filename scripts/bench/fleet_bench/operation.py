@@ -41,7 +41,7 @@ def at_work(graph: Graph, kind: RobotType, starts: Sequence[int], goals: Sequenc
 
 
 def in_the_laboratory(robots: int, longest: float, kind: RobotType, seed: int,
-                      seconds: float = 3600.0, rounds: int = 20) -> FleetRun:
+                      seconds: float = 3600.0, rounds: int = 100) -> FleetRun:
     """An hour on the example laboratory's graph, its edges cut at `longest` m."""
     graph = split_edges(load_graph(ROOT / 'maps/lab_graph.yaml'), longest)
     return at_work(graph, kind, PARKING[:robots], STATIONS, PARKING, 0.1, seed, seconds, rounds,

@@ -33,3 +33,23 @@ def test_a_plan_on_any_graph_is_safe_whatever_the_delays(search, seed):
     assert faults(world, plan) == []
     for _ in range(3):
         assert replay_faults(world, plan, replay(world, plan, random)) == []
+
+
+def test_many_drives_under_random_delays_come_near_nobody():
+    """Counted in drives; with LD90_LONG_TESTS=1 a million of them."""
+    driven, seed = 0, 0
+    while driven < (1_000_000 if LONG else 2_000):
+        seed += 1
+        random = Random(seed)
+        try:
+            case = Case(random)
+        except GraphError:
+            continue
+        plan = case.plan(rounds=0)
+        if plan is None:
+            continue
+        world = case.world
+        for _ in range(50 if LONG else 5):
+            drives = replay(world, plan, random)
+            assert replay_faults(world, plan, drives) == [], seed
+            driven += sum(map(len, drives.values()))

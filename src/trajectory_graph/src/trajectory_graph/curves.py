@@ -11,7 +11,9 @@ from typing import NamedTuple, Optional, Tuple
 import numpy as np
 
 FLATNESS = 1e-4  # m, greatest distance between a spline and its polyline
-_SHARP = 0.05  # of a curve's parameter: so near to a stop its speed is no longer smooth
+_SHARP = 0.02  # of a curve's parameter: so near to a stop its speed is no longer smooth
+_GRADES = 0.5 ** np.arange(4.0, 24.0)  # ever shorter steps on both sides of a stop
+_GRADES = np.concatenate((-_GRADES, -0.75 * _GRADES, [0.0], 0.75 * _GRADES, _GRADES))
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)  # Gauss-Legendre quadrature on -1..1
 
 
@@ -128,25 +130,25 @@ def bezier_points(control: np.ndarray, t: np.ndarray) -> np.ndarray:
 
 
 def bezier_arc_lengths(control: np.ndarray, t: np.ndarray) -> np.ndarray:
-    """Arc lengths (..., N), m, from parameter t[0] to each of `t` (N,), which increases."""
+    """Arc lengths (..., N), m, from parameter t[..., 0] to each of `t` (N,) or (..., N), which does
+    not decrease."""
     half = np.diff(t) / 2.0
-    at = (t[:-1] + half)[:, None] + half[:, None] * _NODES
-    hodograph = 3.0 * np.diff(control, axis=-2)
-    u = 1.0 - at.ravel()
-    basis = np.stack((u ** 2, 2.0 * u * at.ravel(), at.ravel() ** 2), axis=-1)
-    velocity = basis @ hodograph
-    speed = np.hypot(velocity[..., 0], velocity[..., 1]).reshape(velocity.shape[:-2] + at.shape)
-    steps = (speed * _WEIGHTS).sum(axis=-1) * half
+    at = (t[..., :-1] + half)[..., None] + half[..., None] * _NODES
+    flat = at.reshape(*at.shape[:-2], at.shape[-2] * at.shape[-1])
+    u = 1.0 - flat
+    basis = np.stack((u ** 2, 2.0 * u * flat, flat ** 2), axis=-1)
+    velocity = basis @ (3.0 * np.diff(control, axis=-2))
+    speed = np.hypot(velocity[..., 0], velocity[..., 1])
+    steps = (speed.reshape(*speed.shape[:-1], *at.shape[-2:]) * _WEIGHTS).sum(axis=-1) * half
     return np.concatenate((np.zeros_like(steps[..., :1]), np.cumsum(steps, axis=-1)), axis=-1)
 
 
 def bezier_lengths(control: np.ndarray) -> np.ndarray:
     """Arc lengths (N,), m, of cubic Bezier curves with `control` points (N,4,2), exact to 1e-9."""
     lengths = np.zeros(len(control))
-    turning = _turns_sharply(control)
-    for k in np.flatnonzero(turning.any(axis=-1)):
-        lengths[k] = bezier_arc_lengths(control[k], fine_parameters(control[k], 128))[-1]
-    left = np.flatnonzero(~turning.any(axis=-1))
+    sharp = _turns_sharply(control).any(axis=-1)
+    lengths[sharp] = bezier_arc_lengths(control[sharp], fine_parameters(control[sharp], 128))[:, -1]
+    left = np.flatnonzero(~sharp)
     before = np.full(len(left), np.inf)
     for parts in (8, 32, 128, 512):
         if not len(left):
@@ -158,18 +160,18 @@ def bezier_lengths(control: np.ndarray) -> np.ndarray:
 
 
 def fine_parameters(control: np.ndarray, parts: int) -> np.ndarray:
-    """Parameters (N,) from 0 to 1 between which `bezier_arc_lengths` of one curve are exact.
+    """Parameters (..., N), from 0 to 1, between which `bezier_arc_lengths` of the same curves are
+    exact; some come twice.
 
-    At least `parts` equal steps; where the curve stops and turns on the spot, or nearly does, its
+    At least `parts` equal steps; where a curve stops and turns on the spot, or nearly does, its
     speed has a kink that evenly spaced points would miss, so there the steps get ever shorter.
     """
-    t = [np.linspace(0.0, 1.0, parts + 1)]
-    grades = 0.5 ** np.arange(1.0, 40.0)
-    grades = np.concatenate(([0.0], grades, 0.75 * grades))
-    for turn in _stops(control).real[_turns_sharply(control)]:
-        t += [turn - grades, turn + grades]
-    together = np.concatenate(t)
-    return np.unique(together[(together >= 0.0) & (together <= 1.0)])
+    even = np.linspace(0.0, 1.0, parts + 1)
+    turns = np.where(_turns_sharply(control), _stops(control).real, 0.0)[..., None]
+    graded = np.clip(turns + _GRADES, 0.0, 1.0)
+    t = np.concatenate((np.broadcast_to(even, (*control.shape[:-2], len(even))),
+                        graded.reshape(*control.shape[:-2], 2 * len(_GRADES))), axis=-1)
+    return np.sort(t, axis=-1)
 
 
 def bezier_speeds(control: np.ndarray, t: np.ndarray) -> np.ndarray:

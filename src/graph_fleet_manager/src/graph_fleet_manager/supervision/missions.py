@@ -183,6 +183,7 @@ class MissionBook:
     def __init__(self, missions: Iterable[Mission] = (), next_serial: int = 1) -> None:
         self._by_serial: Dict[int, Mission] = {}
         self._last: Dict[int, Mission] = {}
+        self._by_robot: Dict[str, Mission] = {}
         self._next = next_serial
         self.changed: Set[int] = set()
         """Serials of missions whose status is to be stored and told."""
@@ -190,6 +191,8 @@ class MissionBook:
             self._last[mission.request.id] = mission
             if mission.state.is_open:
                 self._by_serial[mission.serial] = mission
+                if mission.robot:
+                    self._by_robot[mission.robot] = mission
 
     @property
     def open(self) -> List[Mission]:
@@ -202,7 +205,8 @@ class MissionBook:
 
     def of_robot(self, name: str) -> Optional[Mission]:
         """What a robot is doing."""
-        return next((m for m in self._by_serial.values() if m.robot == name), None)
+        mission = self._by_robot.get(name)
+        return mission if mission is not None and mission.state.is_open else None
 
     def add(self, request: Request, acceptance: Acceptance) -> Optional[Mission]:
         """Accepts a request; None for a repeat. Raises RequestRefused."""
@@ -228,6 +232,10 @@ class MissionBook:
         robot = mission.robot if robot is None else robot
         if (mission.state, mission.reason, mission.robot) == (state, reason, robot):
             return
+        if robot != mission.robot:
+            self._by_robot.pop(mission.robot, None)
+            if robot:
+                self._by_robot[robot] = mission
         mission.state, mission.reason, mission.robot = state, reason, robot
         self.changed.add(mission.serial)
 

@@ -56,6 +56,7 @@ from trajectory_graph import Graph
 
 PLANNER_PATIENCE = 10.0  # s after which an answer of the planner is no longer waited for
 AGAIN = 2.0              # s between two plans while somebody has none that serves it
+ASSIGN_AGAIN = 1.0       # s after which waiting missions are looked at although nobody came free
 _STOPPED = 'fleet_is_stopped'
 
 
@@ -88,6 +89,7 @@ class Supervisor:
         self._replan = True
         self._failed = False
         self._planned = -inf
+        self._assigned: Tuple[object, float] = ((), -inf)
         self._stale: Set[str] = set()   # robots whose memory is to be written
         self._shortening: Set[str] = set()
         self._renew: Set[str] = set()   # robots whose next edges are another mission's
@@ -323,6 +325,10 @@ class Supervisor:
         free = {name: robot for name, robot in self.robots.items()
                 if robot.works and name not in busy and self.charging.may_work(robot)
                 and (robot.client.held or robot.client.place is not None)}
+        question = (tuple(m.serial for m in pending), tuple(free))
+        if question == self._assigned[0] and now - self._assigned[1] < ASSIGN_AGAIN:
+            return
+        self._assigned = question, now
         found = assign(pending, free, self.robots, self.acceptance, self.network)
         for mission, name in found.assigned:
             self.book.set(mission, MissionState.ACTIVE, '', name)

@@ -1,0 +1,227 @@
+#!/usr/bin/env python3
+"""The fleet's planner: how soon it plans, how good its plans are, what fleets get done with them.
+
+Every plan is for true sizes, speeds and conflict sets. Times are those of the processor, which
+other work on the machine does not lengthen so much; limits are by the clock. `--only SECTION` runs
+a part (see SECTIONS). Rivals come from PyPI into virtual environments under build/rivals.
+"""
+from __future__ import annotations
+
+import argparse
+import statistics
+import sys
+import time
+from pathlib import Path
+from typing import Callable, Dict, Iterator, List, NamedTuple, Sequence, Tuple
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / 'src/graph_fleet_manager/test'))
+
+from fleet_bench import operation, rivals  # noqa: E402
+from fleet_bench.instances import (  # noqa: E402
+    AGV,
+    CLEARANCE,
+    Instance,
+    aisles,
+    dense_moves,
+    draw,
+    sparse_roadmap,
+)
+
+from graph_fleet_manager.planning.layers import Search, layered  # noqa: E402
+from graph_fleet_manager.planning.planner import FleetPlanner  # noqa: E402
+from graph_fleet_manager.planning.road_network import RoadNetwork  # noqa: E402
+from graph_fleet_manager.planning.safe_intervals import find_way  # noqa: E402
+from graph_fleet_manager.planning.tasks import Outcome  # noqa: E402
+from trajectory_graph import Graph, split_edges  # noqa: E402
+
+SEEDS = 20
+Row = Tuple[str, str, str]
+"""What, the figure, the aim."""
+
+
+class Planned(NamedTuple):
+    """One instance: s to a first plan, and what that and improvement came to."""
+
+    seconds: float
+    solved: bool
+    ratio: float
+
+
+def plan(base: RoadNetwork, instance: Instance, limit: float, search: Search = find_way,
+         improve: bool = True) -> Planned:
+    """Plans with all heuristics computed anew; the conflict sets are there already."""
+    planner = FleetPlanner(base.with_closed(()), CLEARANCE, [AGV], search=search)
+    planner.prepare()
+    begun = time.process_time()
+    outcome = planner.plan(instance.tasks(), (), time.monotonic() + limit, 0)
+    seconds = time.process_time() - begun
+    if improve:
+        outcome = planner.plan(instance.tasks(), (), time.monotonic() + limit)
+    return Planned(seconds, not outcome.unserved, ratio(outcome))
+
+
+def ratio(outcome: Outcome) -> float:
+    """Cost over the lower bound, of those who are served."""
+    return outcome.cost / outcome.lower_bound if outcome.lower_bound else 1.0
+
+
+def summary(planned: Sequence[Planned]) -> str:
+    """How many were solved, how soon, how well."""
+    good = [p for p in planned if p.solved]
+    if not good:
+        return f'0 of {len(planned)}'
+    milliseconds = [1e3 * p.seconds for p in good]
+    ratios = [p.ratio for p in good]
+    return (f'{len(good)} of {len(planned)}; first plan {statistics.median(milliseconds):.0f} ms, '
+            f'at most {max(milliseconds):.0f} ms; {statistics.mean(ratios):.3f} x the lower bound, '
+            f'at most {max(ratios):.3f}')
+
+
+def stations() -> Iterator[Row]:
+    """Stations at the ends of spurs, and any vertex as a goal."""
+    for vertices, robots, aim in ((500, 50, '20 of 20 within 25 ms, 1.25 x'),
+                                  (2000, 100, '20 of 20 within 150 ms, 1.08 x')):
+        graph, ends = aisles(vertices)
+        base = RoadNetwork(graph)
+        yield (f'{robots} robots, {vertices} vertices, stations: first plan, cost after 1 s',
+               summary([plan(base, draw(ends, robots, seed), 1.0) for seed in range(SEEDS)]), aim)
+
+
+def any_vertex() -> Iterator[Row]:
+    """The same fleets with any vertex as a goal."""
+    for vertices, robots in ((500, 50), (2000, 100)):
+        graph = aisles(vertices)[0]
+        base = RoadNetwork(graph)
+        yield (f'{robots} robots, {vertices} vertices, any vertex: first plan, its cost',
+               summary([plan(base, draw(list(graph.vertices), robots, seed), 1.0, improve=False)
+                        for seed in range(SEEDS)]), '20 of 20 within 1 s')
+
+
+def compared() -> Iterator[Row]:
+    """Rivals on the same instances, each judged by the same checker."""
+    environments = {package: rivals.environment(package) for package in rivals.PACKAGES}
+    for vertices, robots in ((500, 50), (2000, 100)):
+        graph, ends = aisles(vertices)
+        for name, pool in (('stations', ends), ('any vertex', list(graph.vertices))):
+            instances = [draw(pool, robots, seed) for seed in range(SEEDS)]
+            for solver in rivals.SOLVERS:
+                python, why_not = environments[solver.split('/')[0]]
+                what = f'{solver}, {robots} robots, {vertices} vertices, {name}'
+                if python is None:
+                    yield what, f'skipped: {why_not}', ''
+                    continue
+                found = rivals.run(solver, python, graph, instances, 1.0)
+                yield (what, f'{found.solved} of {SEEDS} in 1 s each, '
+                       f'{sum(found.drivable)} can be driven; median '
+                       f'{1e3 * statistics.median(found.seconds):.0f} ms', '')
+
+
+def conflict_sets() -> Iterator[Row]:
+    """From a graph to its conflict sets."""
+    for graph, what, aim in ((aisles(500)[0], '500 vertices', '50 ms'),
+                             (dense_moves(2500, 7500), '15,000 drives', '1 s')):
+        seconds = []
+        for _ in range(5):
+            begun = time.process_time()
+            FleetPlanner(RoadNetwork(graph), CLEARANCE, [AGV]).prepare()
+            seconds.append(time.process_time() - begun)
+        yield (f'conflict sets, {what} ({len(graph.edges)} edges)',
+               f'{1e3 * statistics.median(seconds):.0f} ms', aim)
+
+
+def sparse() -> Iterator[Row]:
+    """A roadmap with long edges, whole and cut."""
+    for robots, longest, aim in ((30, None, '15 of 20 in 2 s, at most 2.2 x'),
+                                 (20, 3.0, '20 of 20 in 2 s, at most 1.08 x')):
+        planned = []
+        for seed in range(SEEDS):
+            whole = sparse_roadmap(seed)
+            graph = whole if longest is None else split_edges(whole, longest)
+            planned.append(plan_in(graph, draw(list(whole.vertices), robots, seed), 2.0))
+        edges = 'whole edges' if longest is None else f'cut at {longest:.0f} m'
+        yield f'sparse roadmap, 170 vertices, {robots} robots, {edges}', summary(planned), aim
+
+
+def plan_in(graph: Graph, instance: Instance, limit: float) -> Planned:
+    """Plans and improves, all within the limit."""
+    planner = FleetPlanner(RoadNetwork(graph), CLEARANCE, [AGV])
+    planner.prepare()
+    begun = time.monotonic()
+    outcome = planner.plan(instance.tasks(), (), begun + limit)
+    return Planned(time.monotonic() - begun, not outcome.unserved, ratio(outcome))
+
+
+def layers() -> Iterator[Row]:
+    """TEA*'s own layers beside safe intervals, in turns on the same instances."""
+    graph, ends = aisles(500)
+    base = RoadNetwork(graph)
+    for seconds in (1.0, 0.5):
+        times: Dict[str, List[float]] = {'intervals': [], 'layers': []}
+        costs: Dict[str, List[float]] = {'intervals': [], 'layers': []}
+        for seed in range(SEEDS // 2):
+            for name, search in (('intervals', find_way), ('layers', layered(seconds))):
+                planned = plan(base, draw(ends, 50, seed), 30.0, search, improve=False)
+                times[name].append(planned.seconds)
+                costs[name].append(planned.ratio)
+        fast, slow = (statistics.median(times[name]) for name in times)
+        good, other = (statistics.mean(costs[name]) for name in costs)
+        yield (f'first plan, 50 robots, 500 vertices: safe intervals beside layers of {seconds} s',
+               f'{1e3 * fast:.0f} ms and {good:.3f} x beside {1e3 * slow:.0f} ms and {other:.3f} x '
+               f'({slow / fast:.1f} times as fast)', 'same or better cost')
+
+
+def replanning() -> Iterator[Row]:
+    """A large fleet at work, delays and stalls; planned anew whenever a mission ends."""
+    graph, ends = aisles(500)
+    run = operation.at_work(graph, AGV, ends[::2][:50], ends, ends, CLEARANCE, 0, 300.0, 0, 1.0)
+    times = sorted(run.planning_times)
+    yield (f'replanning, 50 robots, 500 vertices, 300 s at work, {len(times)} plans, '
+           f'{run.missions} missions',
+           f'median {1e3 * times[len(times) // 2]:.0f} ms, '
+           f'p99 {1e3 * times[int(0.99 * len(times))]:.0f} ms', 'p99 200 ms')
+
+
+def laboratory(robots: int, longest: float, kind: operation.RobotType, seeds: int,
+               aim: str) -> Callable[[], Iterator[Row]]:
+    """A simulated hour on the example laboratory's graph."""
+    def section() -> Iterator[Row]:
+        runs = [operation.in_the_laboratory(robots, longest, kind, seed) for seed in range(seeds)]
+        edges = 'whole edges' if longest > 100.0 else f'sections of {longest} m'
+        still = max(run.longest_standstill for run in runs)
+        yield (f'laboratory, {robots} x {kind.name}, {edges}, 1 h',
+               f'{statistics.median(run.missions for run in runs):.0f} missions '
+               f'({min(run.missions for run in runs)} to {max(run.missions for run in runs)}); '
+               f'nobody drives for at most {still:.0f} s', aim)
+    return section
+
+
+WHOLE = 1e6
+SECTIONS: Dict[str, Callable[[], Iterator[Row]]] = {
+    'stations': stations, 'any_vertex': any_vertex, 'rivals': compared,
+    'conflict_sets': conflict_sets, 'sparse': sparse, 'layers': layers, 'replanning': replanning,
+    'lab_1': laboratory(1, WHOLE, operation.AGV, 5, 'floor: one robot alone'),
+    'lab_8': laboratory(8, WHOLE, operation.AGV, 5, '260'),
+    'lab_8_sections': laboratory(8, 1.5, operation.AGV, 5, '380'),
+    'lab_12': laboratory(12, WHOLE, operation.AGV, 1, 'never still for good'),
+    'lab_8_ld90': laboratory(8, WHOLE, operation.LD90, 5, ''),
+}
+
+
+def main() -> None:
+    """Prints the table."""
+    options = argparse.ArgumentParser(description=__doc__)
+    options.add_argument('--markdown', action='store_true', help='print a Markdown table')
+    options.add_argument('--only', choices=SECTIONS, action='append', help='run only these')
+    chosen = options.parse_args()
+    line = '| {} | {} | {} |' if chosen.markdown else '{}: {}  ({})'
+    print(line.format('what', f'figure, {SEEDS} seeds where nothing else is said', 'aim'))
+    if chosen.markdown:
+        print('|---|---|---|')
+    for name in chosen.only or SECTIONS:
+        for row in SECTIONS[name]():
+            print(line.format(*row), flush=True)
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,126 @@
+"""Other planners on the same instances, and whether robots could really drive what they plan.
+
+They know vertices and unit steps, no durations, sizes or delays. Their moves are put into an order,
+step by step, who leaves a vertex before who enters it; what cannot be ordered, or leads robots
+nearer to each other than is allowed, does not count as solved.
+"""
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
+
+from fleet_builders import as_files
+from plan_checker import Order, World, held_faults
+
+from fleet_bench.instances import AGV, CLEARANCE, Instance
+from graph_fleet_manager.planning.plans import Plans
+from graph_fleet_manager.planning.precedence import Conflicting, precedence
+from graph_fleet_manager.planning.problem import Problem
+from graph_fleet_manager.planning.road_network import RoadNetwork
+from graph_fleet_manager.planning.schedule import schedule
+from graph_fleet_manager.planning.timetable import Timetable
+from trajectory_graph import Graph
+
+ROOT = Path(__file__).resolve().parents[3]
+PACKAGES = {'pymapf': 'pymapf==0.9.0', 'w9': 'w9-pathfinding==0.1.3'}
+SOLVERS = ('pymapf/lacam', 'pymapf/pibt', 'w9/hca', 'w9/cbs')
+
+
+class Result(NamedTuple):
+    """What a rival came to."""
+
+    solved: int
+    drivable: Tuple[bool, ...]
+    seconds: Tuple[float, ...]
+
+
+def environment(package: str) -> Tuple[Optional[Path], str]:
+    """The Python of a virtual environment with a rival, or why there is none."""
+    folder = ROOT / 'build/rivals' / package
+    python = folder / 'bin/python'
+    if sys.version_info < (3, 10):
+        return None, 'it needs Python 3.10'
+    try:
+        if not python.exists():
+            subprocess.run([sys.executable, '-m', 'venv', str(folder)], check=True,
+                           capture_output=True)
+        subprocess.run([str(python), '-m', 'pip', 'install', '-q', PACKAGES[package]], check=True,
+                       capture_output=True, timeout=600)
+    except subprocess.TimeoutExpired:
+        return None, 'its installation took more than 10 minutes'
+    except subprocess.CalledProcessError as error:
+        said = error.stderr.decode(errors='replace').strip().splitlines()
+        return None, f'it could not be installed ({said[-1][:90] if said else "offline?"})'
+    return python, ''
+
+
+def run(solver: str, python: Path, graph: Graph, instances: Sequence[Instance],
+        limit: float) -> Result:
+    """A rival on all instances."""
+    asked = {'solver': solver, 'limit': limit,
+             'edges': [[e.origin, e.destination] for e in graph.edges.values()],
+             'instances': [{'starts': list(i.starts.values()), 'goals': list(i.goals.values())}
+                           for i in instances]}
+    worker = Path(__file__).with_name('rival_worker.py')
+    answer = json.loads(subprocess.run([str(python), str(worker)], input=json.dumps(asked),
+                                       stdout=subprocess.PIPE, text=True, check=True).stdout)
+    return Result(sum(paths is not None for _, paths in answer),
+                  tuple(paths is not None and is_drivable(graph, instance, paths)
+                        for instance, (_, paths) in zip(instances, answer)),
+                  tuple(seconds for seconds, _ in answer))
+
+
+def is_drivable(graph: Graph, instance: Instance, paths: Sequence[Sequence[int]]) -> bool:
+    """Is there a safe order for these moves, with true sizes and curves?"""
+    order = _in_order(graph, instance, paths)
+    if order is None:
+        return False
+    network = RoadNetwork(graph)
+    timetable = Timetable(network, CLEARANCE, [AGV])
+    travellers = Problem(timetable, instance.tasks(), ()).travellers
+    plans = schedule(timetable, travellers, order)
+    try:
+        constraints = precedence(timetable, plans, dict.fromkeys(plans, AGV))
+    except Conflicting:
+        return False
+    plan = _as_file(network, plans, constraints)
+    world = _world(graph, instance)
+    judged = Order(plan)
+    return not judged.cyclic and not held_faults(world, plan, judged)
+
+
+def _in_order(graph: Graph, instance: Instance,
+              paths: Sequence[Sequence[int]]) -> Optional[List[Tuple[str, int]]]:
+    """(robot, drive) step by step; None where robots follow each other in a ring."""
+    drives: Dict[Tuple[int, int], int] = {}
+    for k, edge in enumerate(graph.edges.values()):
+        drives[edge.origin, edge.destination] = 2 * k
+        drives[edge.destination, edge.origin] = 2 * k + 1
+    names = list(instance.starts)
+    order = []
+    for step in range(max(map(len, paths)) - 1):
+        moves = {name: tuple(path[step:step + 2]) for name, path in zip(names, paths)
+                 if step + 1 < len(path) and path[step] != path[step + 1]}
+        while moves:
+            leaving = {move[0] for move in moves.values()}
+            free = [name for name, move in moves.items() if move[1] not in leaving]
+            if not free:
+                return None
+            for name in free:
+                order.append((name, drives[moves.pop(name)]))
+    return order
+
+
+def _as_file(network: RoadNetwork, plans: Plans, constraints: Sequence[tuple]) -> dict:
+    return {'robots': {name: [{'edge': network.signed_id(d.drive), 'start': d.start, 'end': d.end}
+                              for d in plan] for name, plan in plans.items()},
+            'precedence': [list(constraint) for constraint in constraints]}
+
+
+def _world(graph: Graph, instance: Instance) -> World:
+    return World(*as_files(graph, [AGV], {name: (AGV.name, vertex)
+                                          for name, vertex in instance.starts.items()},
+                           {name: [goal] for name, goal in instance.goals.items()}, CLEARANCE))
