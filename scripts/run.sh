@@ -5,18 +5,40 @@
 #   scripts/run.sh map_file:=my.map sim_speed:=2      any argument of launch/full_stack.launch
 #   scripts/run.sh sim:=false robot_ip:=10.0.0.5 password_file:=secret.txt
 #   scripts/run.sh vda5050:=true                      driven by a VDA 5050 master, over MQTT on 127.0.0.1:18830
+#   scripts/run.sh fleet:=4 longest_edge:=1.5 demo:=true    so many simulated LD-90s and AGVs, and their fleet manager
+#   scripts/run.sh fleet:=fleet.yaml                  the robots of a fleet file, real and simulated; --print shows all files
 #
 # Instead of password_file:=, the environment variable OMRON_LD90_PASSWORD may hold the real robot's password.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 if [ "${1:-}" = -h ] || [ "${1:-}" = --help ]; then
-  sed -n '2,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
+  sed -n '2,11s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
   echo
   echo 'Arguments of launch/full_stack.launch:'
   sed -n 's/.*<arg name="\([^"]*\)".*doc="\([^"]*\)".*/  \1:=  \2/p' "$root/launch/full_stack.launch"
+  echo
+  echo 'With fleet:=, these instead:'
+  PYTHONPATH="$root/src/fleet_bringup/src" /usr/bin/python3 -c 'from fleet_bringup.options import help_text; print(help_text())'
   exit 0
 fi
+
+# A fleet has launch and RViz files of its own, made in a folder that is removed when the launch has ended.
+start_fleet() {
+  prepare "${run_packages[@]}"
+  case " $* " in *' --print '*) exec rosrun fleet_bringup fleet_launch "$@" ;; esac
+  local launch
+  launch="$(rosrun fleet_bringup fleet_launch "$@")" || exit 1
+  (trap '' INT TERM HUP; tail -s 0.5 -f --pid=$$ /dev/null; rm -rf "$(dirname "$launch")") </dev/null >/dev/null 2>&1 &
+  # Nobody outside this computer needs its nodes where all robots are simulated.
+  grep '"robot_ip"' "$launch" | grep -qv '"127.0.0.1"' || export ROS_IP="${ROS_IP:-127.0.0.1}"
+  unset OMRON_LD90_PASSWORD
+  say "Starting: roslaunch $launch"
+  exec roslaunch "$launch"
+}
+for arg in "$@"; do
+  case "$arg" in fleet:=*) start_fleet "$@" ;; esac
+done
 
 declare -A given=([robot_name]=omron_ld90 [sim]=true [arcl_port]=7171 [outgoing_port]=7179)
 args=()

@@ -45,11 +45,15 @@ class RobotType:
 
 @dataclass(frozen=True)
 class Robot:
-    """One robot and the vertex that it stands on at first."""
+    """One robot and the vertex that it stands on at first.
+
+    driver -- what drives it; `agv`: it is one that `agv_sim` simulates
+    """
 
     name: str
     type: RobotType
     vertex: int
+    driver: str = ''
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@
     - {name: agv, radius: 0.4, speed: 1.0}
     - {name: truck, radius: 0.6, speed: 1.35, play: 0.25, obeys_edge_speed: false, docks: [16]}
     robots:
-    - {name: agv_1, type: agv, vertex: 8}
+    - {name: agv_1, type: agv, vertex: 8, driver: agv}  # a driver may be left out
 
 Other keys belong to other readers of the file and are left alone.
 """
@@ -43,7 +43,8 @@ def load_fleet(path: Union[str, os.PathLike]) -> Fleet:
                 raise WrongYaml(f'robot {name}: there is no robot type {kind!r}; '
                                 f'there are: {", ".join(types)}', fields['type'])
             return Robot(name, types[kind],
-                         strict_yaml.whole(strict_yaml.field(fields, 'vertex', node)))
+                         strict_yaml.whole(strict_yaml.field(fields, 'vertex', node)),
+                         strict_yaml.optional(fields, 'driver', strict_yaml.text, ''))
         robots = _named(strict_yaml.field(fields, 'robots', root), 'robot', robot)
         return Fleet(tuple(types.values()), tuple(robots.values()), clearance, approach)
     except WrongYaml as wrong:

@@ -248,7 +248,8 @@ class Attempts:
                        for name in self._who_passes(traveller)} - self._grounded
             for traveller in standing:
                 self._book_standing(traveller)
-            standing = [self._travellers[name] for name in sorted(blocked)]
+            standing = [self._travellers[name] for name in sorted(blocked)
+                        if name in self._travellers]
             for traveller in standing:
                 self._unserved.setdefault(traveller.name, 'somebody without a plan is in its way')
 

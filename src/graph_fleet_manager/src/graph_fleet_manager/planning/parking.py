@@ -10,6 +10,7 @@ are rarely undersold.
 """
 from __future__ import annotations
 
+from math import inf
 from random import Random
 from typing import FrozenSet, Iterable, List, Optional, Sequence, Set, Tuple
 
@@ -94,8 +95,8 @@ class Parking:
         links = csr_matrix((np.ones(len(begin)), (begin, end)), shape=(nodes, nodes))
         return connected_components(links, directed=True, connection='strong')[1]
 
-    def largest(self, seed: int = 0) -> FrozenSet[int]:
-        """The largest well-formed set that was found."""
+    def largest(self, seed: int = 0, enough: float = inf) -> FrozenSet[int]:
+        """The largest well-formed set that was found, or the first one with `enough` vertices."""
         random = Random(seed)
         best: Set[int] = set()
         fruitless = 0
@@ -105,11 +106,12 @@ class Parking:
             if trial:
                 random.shuffle(order)
             found = self._grown(set(), order)
-            found = self._exchanged(found, order) if trials > 1 else found
+            if trials > 1 and len(found) < enough:
+                found = self._exchanged(found, order)
             fruitless += 1
             if len(found) > len(best):
                 best, fruitless = found, 0
-            if fruitless == _FRUITLESS:
+            if fruitless == _FRUITLESS or len(best) >= enough:
                 break
         return frozenset(best)
 

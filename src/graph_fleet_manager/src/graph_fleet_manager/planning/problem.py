@@ -132,16 +132,21 @@ class Problem:
             for kind in self._timetable.kinds:
                 for place in self._excluded(one, kind):
                     for other in by_place.get(place, ()):
-                        if (other.name > one.name and other.kind == kind
+                        if (other.name != one.name and other.kind == kind
+                                and self._is_near(one, other)
                                 and self._still_meets(one, other)
                                 and self._still_meets(other, one)):
-                            found.add((one.name, other.name))
+                            found.add((min(one.name, other.name), max(one.name, other.name)))
         return sorted(found)
 
     def _excluded(self, held: _Held, other: RobotType) -> List[int]:
         if held.between is not None:
             return self._timetable.places_near(held.kind, other, held.between)
         return self._timetable.blocking[held.kind, other].excluded(held.place)
+
+    def _is_near(self, one: _Held, other: _Held) -> bool:
+        """Is a robot too near to one between two vertices, that holds but the point where it is?"""
+        return other.between is None or one.place in self._excluded(other, one.kind)
 
     def _still_meets(self, one: _Held, other: _Held) -> bool:
         """Does what lies before a robot on its drive exclude a place, not only what is behind?"""

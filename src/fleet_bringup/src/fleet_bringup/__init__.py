@@ -1,0 +1,1 @@
+"""Makes the launch and RViz files of a whole fleet. Knows all packages; none knows it."""

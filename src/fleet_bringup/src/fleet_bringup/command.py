@@ -1,0 +1,128 @@
+"""`fleet_launch`: makes the files of a fleet, and says which launch file to start.
+
+    fleet_launch [--print] fleet:=N|FILE [name:=value ...]
+
+Without a ROS master. The path of the launch file is the only line on stdout; with `--print` it is
+the files themselves. Exit status 0; 1 with one sentence where the fleet cannot be started.
+"""
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+import tempfile
+from typing import Dict, List, Optional, Sequence, Tuple
+
+import rospkg
+
+from fleet_bringup.errors import CannotStart
+from fleet_bringup.files import Site, make_site, simulated_robots
+from fleet_bringup.launch_file import launch_text
+from fleet_bringup.made_fleet import fleet_text, made_fleet, parking_places
+from fleet_bringup.options import Options, help_text, parse
+from fleet_bringup.ports import check_ports, needed_ports
+from fleet_bringup.robot_entries import LD90, Entry, check_count, read_entries
+from fleet_bringup.rviz_file import rviz_text
+from graph_fleet_manager.files.errors import FileError
+from graph_fleet_manager.files.fleet_file import load_fleet
+from graph_fleet_manager.fleet import Fleet
+from trajectory_graph import Graph, GraphError, load_graph, split_edges
+
+
+def main(arguments: Optional[Sequence[str]] = None) -> int:
+    """Runs the command; returns its exit status."""
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    if '-h' in words or '--help' in words:
+        print(f'{__doc__}\nArguments:\n{help_text()}')
+        return 0
+    shown = '--print' in words
+    folder = tempfile.mkdtemp(prefix='fleet_')
+    try:
+        options = parse([word for word in words if word != '--print'])
+        files = prepare(options, folder, check=not shown)
+    except (CannotStart, FileError, GraphError) as error:
+        shutil.rmtree(folder)
+        print(error, file=sys.stderr)
+        return 1
+    if shown:
+        _show(files)
+        shutil.rmtree(folder)
+    else:
+        print(files['launch'])
+    return 0
+
+
+def _show(files: Dict[str, str]) -> None:
+    for name in ('launch', 'fleet', 'robots'):
+        if name in files:
+            with open(files[name], encoding='utf-8') as stream:
+                print(f'# --- {files[name]}\n{stream.read()}')
+    print(f'# --- {files["rviz"]}: the RViz configuration')
+
+
+def prepare(options: Options, folder: str, check: bool = True) -> Dict[str, str]:
+    """Writes all files into a folder; their paths by what they are.
+
+    With `check`, ports that are in use are told. Raises CannotStart, FileError, GraphError.
+    """
+    laboratory = os.path.join(rospkg.RosPack().get_path('omron_ld90'), '..', '..', 'maps')
+    graph_file = options.graph_file or os.path.join(laboratory, 'lab_graph.yaml')
+    whole = load_graph(graph_file)
+    graph = split_edges(whole, options.longest_edge) if options.longest_edge > 0.0 else whole
+    files = {'simulator_password': os.path.join(
+        rospkg.RosPack().get_path('omron_ld90_sim'), 'config', 'simulator_password')}
+    fleet, files['fleet'] = _fleet(options, folder, whole)
+    entries = read_entries(files['fleet'], fleet, options)
+    if check:
+        check_ports(needed_ports(entries, options))
+    if all(entry.is_simulated for entry in entries):  # simulated robots begin anew each time
+        files['closed_edges'] = os.path.join(folder, 'closed_edges.json')
+        files['journal'] = os.path.join(folder, 'fleet.sqlite')
+    site = _site(options, folder, graph, entries, laboratory)
+    if any(entry.robot.driver == LD90 and entry.is_simulated for entry in entries):
+        files['robots'] = _write(folder, 'robots.yaml', simulated_robots(entries, graph))
+    files['rviz'] = _write(folder, 'fleet.rviz', rviz_text(entries, options))
+    files['launch'] = _write(folder, 'fleet.launch', launch_text(entries, site, options, files))
+    return files
+
+
+def _fleet(options: Options, folder: str, graph: Graph) -> Tuple[Fleet, str]:
+    """The fleet, and the path of its file. Nobody parks where a long edge is cut, so `graph` is
+    the whole one."""
+    if options.fleet.isdigit():
+        count = int(options.fleet)
+        if count == 0:
+            raise CannotStart('fleet:=0 makes no robots: choose at least 1.')
+        fleet = made_fleet(count, graph)
+        return fleet, _write(folder, 'fleet.yaml', fleet_text(fleet))
+    path = os.path.abspath(os.path.expanduser(options.fleet))
+    fleet = load_fleet(path)
+    for robot in fleet.robots:
+        if robot.vertex not in graph.vertices:
+            raise CannotStart(f'{path}: robot {robot.name} stands on vertex {robot.vertex}, which '
+                              'the graph does not have; choose another.')
+    docks = sum(vertex.dock for vertex in graph.vertices.values())
+    places = parking_places(graph, fleet.types, fleet.clearance, len(fleet.robots) - docks)
+    check_count(fleet, len(places) + docks, path)
+    return fleet, path
+
+
+def _site(options: Options, folder: str, graph: Graph, entries: List[Entry],
+          laboratory: str) -> Site:
+    """Graph and map as files; raises CannotStart where there is no map for LD-90s."""
+    base_map, map_file = options.base_map, options.map_file
+    if not any(entry.robot.driver == LD90 for entry in entries):
+        base_map = ''
+    elif not base_map and not map_file:
+        if options.graph_file:
+            raise CannotStart('Which map do the LD-90s drive on? Name the .map file to make theirs '
+                              'from with base_map:=, or theirs with map_file:=.')
+        base_map = os.path.join(laboratory, 'lab_base.map')
+    return make_site(folder, graph, base_map, map_file)
+
+
+def _write(folder: str, name: str, text: str) -> str:
+    path = os.path.join(folder, name)
+    with open(path, 'w', encoding='utf-8') as stream:
+        stream.write(text)
+    return path

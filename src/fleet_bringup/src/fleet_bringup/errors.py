@@ -1,0 +1,5 @@
+"""What keeps a fleet from being started."""
+
+
+class CannotStart(Exception):
+    """Why the fleet cannot be started, and what to do: one sentence."""

@@ -1,0 +1,72 @@
+"""The files of one start, all in one folder."""
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass
+from typing import Any, Dict, List, Optional, Sequence
+
+import yaml
+
+from fleet_bringup.errors import CannotStart
+from fleet_bringup.robot_entries import LD90, Entry
+from omron_ld90.converter.converter import ConversionError, ExistingGoals, Options, convert_file
+from omron_ld90.converter.fences import Fences
+from omron_map import MapError
+from trajectory_graph import Graph, save_graph
+
+
+@dataclass(frozen=True)
+class Site:
+    """Graph and map that the fleet drives on, as files. `map_file` is empty without LD-90s."""
+
+    graph: Graph
+    graph_file: str
+    map_file: str
+
+    @property
+    def dock(self) -> int:
+        """The dock that LD-90s use; 0: none."""
+        return next((one.id for one in self.graph.vertices.values() if one.dock), 0)
+
+
+def make_site(folder: str, graph: Graph, base_map: str, map_file: str) -> Site:
+    """Writes the graph, and makes the map of the base map; raises CannotStart."""
+    graph_file = os.path.join(folder, 'graph.yaml')
+    save_graph(graph, graph_file)
+    site = Site(graph, graph_file, map_file)
+    if not base_map:
+        return site
+    output = os.path.join(folder, 'fleet.map')
+    try:
+        convert_file(graph, base_map, output,
+                     Options(dock_vertex=site.dock or None, existing_goals=ExistingGoals.REPLACE,
+                             fences=Fences.AREAS))
+    except (ConversionError, MapError) as error:
+        raise CannotStart(f'The map of the LD-90s cannot be made of {base_map}: {error}') from None
+    return Site(graph, graph_file, output)
+
+
+def simulated_robots(entries: Sequence[Entry], graph: Graph) -> str:
+    """The file that `ld90_sim --robots` reads."""
+    rows: List[Dict[str, Any]] = []
+    for entry in entries:
+        if entry.robot.driver != LD90 or not entry.is_simulated:
+            continue
+        row: Dict[str, Any] = {'name': entry.name, 'port': entry.arcl_port,
+                               'outgoing': f'127.0.0.1:{entry.outgoing_port}'}
+        start = entry.start or _pose_on(graph, entry.robot.vertex)
+        if start is not None:
+            row['start'] = list(start)
+        rows.append(row)
+    return yaml.safe_dump({'robots': rows}, sort_keys=False, default_flow_style=None)
+
+
+def _pose_on(graph: Graph, vertex: int) -> Optional[Sequence[float]]:
+    """On the vertex, facing its first way out; None for a dock, in which it starts by itself."""
+    place = graph.vertex(vertex)
+    ways = graph.edges_from(vertex)
+    if place.dock or not ways:
+        return None
+    return (round(place.x, 3), round(place.y, 3),
+            round(math.degrees(graph.curve(ways[0]).heading_at(0.0)), 1))

@@ -1,0 +1,99 @@
+"""The launch file of a fleet: roslaunch has no loops, so it is written out, robot by robot.
+
+Whatever one robot needs stands in the launch files of its package, which are included here.
+"""
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from typing import Any, Dict, Sequence
+from xml.dom import minidom
+
+from fleet_bringup.files import Site
+from fleet_bringup.options import Options
+from fleet_bringup.robot_entries import AGV, LD90, Entry
+
+RESPAWN = {'respawn': 'true', 'respawn_delay': '2'}
+#: Namespace of the one node that shows the LD-90s' map.
+MAP = 'fleet'
+
+
+def launch_text(entries: Sequence[Entry], site: Site, options: Options,
+                files: Dict[str, str]) -> str:
+    """The launch file. `files`: paths by what they are, see `command.prepare`."""
+    root = ET.Element('launch')
+    root.append(ET.Comment(f' Made by scripts/run.sh fleet:={options.fleet} '))
+    ld90s = [entry for entry in entries if entry.robot.driver == LD90]
+    if any(entry.is_simulated for entry in ld90s):
+        _ld90_simulator(root, site, options, files)
+    for entry in ld90s:
+        _ld90(root, entry, site, options, files)
+    if any(entry.robot.driver == AGV for entry in entries):
+        _node(root, 'agv_sim', 'graph_fleet_manager', 'agv_sim', {
+            'fleet_file': files['fleet'], 'graph_file': site.graph_file,
+            'sim_speed': options.sim_speed, 'control_port': options.control_port + 1})
+    if options.fleet_manager:
+        _include(root, 'graph_fleet_manager', 'fleet_manager', {
+            'graph_file': site.graph_file, 'fleet_file': files['fleet'],
+            'sim_speed': options.sim_speed, **_memory(files)})
+    if options.demo:
+        _node(root, 'random_missions', 'graph_fleet_manager', 'random_missions', {}, RESPAWN)
+    _pictures(root, site, options, files)
+    return minidom.parseString(ET.tostring(root)).toprettyxml('  ')
+
+
+def _memory(files: Dict[str, str]) -> Dict[str, str]:
+    """Where the fleet manager keeps what must outlive it; with real robots at its own place."""
+    return {name: files[key] for name, key in (
+        ('closed_edges_file', 'closed_edges'), ('journal', 'journal')) if key in files}
+
+
+def _ld90_simulator(root: ET.Element, site: Site, options: Options, files: Dict[str, str]) -> None:
+    lists = '' if options.lasers else ' --outgoing-commands 0.5:Status'
+    node = _node(root, 'ld90_sim', 'omron_ld90_sim', 'ld90_sim', {})
+    node.set('args', f"--map '{site.map_file}' --robots '{files['robots']}' "
+                     f"--password-file '{files['simulator_password']}' "
+                     f'--speed {options.sim_speed} --control {options.control_port}{lists}')
+
+
+def _ld90(root: ET.Element, entry: Entry, site: Site, options: Options,
+          files: Dict[str, str]) -> None:
+    _include(root, 'omron_ld90', 'robot', {
+        'robot_name': entry.name, 'robot_ip': entry.host or '127.0.0.1',
+        'arcl_port': entry.arcl_port, 'outgoing_port': entry.outgoing_port,
+        'password_file': entry.password_file or files['simulator_password'],
+        'map_file': site.map_file, 'graph_file': site.graph_file, 'dock_vertex': site.dock,
+        'strategy': options.strategy, 'nav_goal': 'move_base_simple/goal',
+        'pose_estimate': 'initialpose'})
+    group = ET.SubElement(root, 'group', ns=entry.name)
+    if entry.is_simulated:  # what an older run under the same ROS master left means nothing to it
+        group.set('clear_params', 'true')
+    _node(group, 'robot_state_publisher', 'omron_ld90', 'robot_state_publisher', {
+        'base_frame': f'{entry.name}/base_link', 'laser_frame': f'{entry.name}/laser_link'},
+        RESPAWN)
+
+
+def _pictures(root: ET.Element, site: Site, options: Options, files: Dict[str, str]) -> None:
+    if site.map_file:
+        group = ET.SubElement(root, 'group', ns=MAP)
+        _node(group, 'map_visualisation', 'omron_ld90', 'map_visualisation',
+              {'map_file': site.map_file}, RESPAWN)
+    _node(root, 'fleet_visualisation', 'graph_fleet_manager', 'fleet_visualisation',
+          {'fleet_file': files['fleet']}, RESPAWN)
+    if options.rviz:
+        node = _node(root, 'rviz', 'omron_ld90', 'rviz_view', {})
+        node.set('args', f"'{site.map_file}' '{files['rviz']}'")
+
+
+def _node(parent: ET.Element, name: str, package: str, kind: str, parameters: Dict[str, Any],
+          more: Dict[str, str] = {}) -> ET.Element:  # noqa: B006 - never changed
+    node = ET.SubElement(parent, 'node', {'name': name, 'pkg': package, 'type': kind,
+                                          'output': 'screen', **more})
+    for key, value in parameters.items():
+        ET.SubElement(node, 'param', name=key, value=str(value))
+    return node
+
+
+def _include(parent: ET.Element, package: str, launch: str, arguments: Dict[str, Any]) -> None:
+    include = ET.SubElement(parent, 'include', file=f'$(find {package})/launch/{launch}.launch')
+    for key, value in arguments.items():
+        ET.SubElement(include, 'arg', name=key, value=str(value))

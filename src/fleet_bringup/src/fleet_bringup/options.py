@@ -1,0 +1,86 @@
+"""The arguments of `scripts/run.sh fleet:=...`, written `name:=value`."""
+from __future__ import annotations
+
+import difflib
+import os
+from dataclasses import dataclass, field, fields
+from typing import Any, Dict, Sequence, get_type_hints
+
+from fleet_bringup.errors import CannotStart
+
+
+def _option(default: Any, doc: str) -> Any:
+    return field(default=default, metadata={'doc': doc})
+
+
+@dataclass(frozen=True)
+class Options:
+    """What is to be started; an empty file name stands for the laboratory's."""
+
+    fleet: str = _option('', 'N: so many simulated LD-90s and so many AGVs; FILE: a fleet file')
+    graph_file: str = _option('', 'trajectory graph (YAML); empty: the laboratory')
+    base_map: str = _option('', '.map file to make the LD-90s\' map from, with the graph')
+    map_file: str = _option('', 'instead of base_map: finished .map file, with a goal per vertex')
+    longest_edge: float = _option(0.0, 'm; longer edges are cut into sections; 0: none is')
+    sim_speed: float = _option(1.0, 'factor on the clock of all simulated robots, 0.1 to 20')
+    demo: bool = _option(False, 'true: send random missions')
+    lasers: bool = _option(False, 'true: the simulated LD-90s also send their laser')
+    rviz: bool = _option(bool(os.environ.get('DISPLAY')), 'true: open RViz')
+    strategy: str = _option('rolling', 'how LD-90s drive routes')
+    fleet_manager: bool = _option(True, 'false: start the robots only')
+    arcl_port: int = _option(7171, 'ARCL port of the first simulated LD-90; the next has 10 more')
+    outgoing_port: int = _option(7179, 'port on which this computer awaits the first LD-90; the '
+                                       'next has 10 more')
+    control_port: int = _option(7160, 'port for faults and true poses of the simulated LD-90s; '
+                                      'the AGVs have the one above')
+
+
+def parse(words: Sequence[str]) -> Options:
+    """The options in words `name:=value`; raises CannotStart."""
+    types = get_type_hints(Options)
+    given: Dict[str, Any] = {}
+    for word in words:
+        name, assigned, value = word.partition(':=')
+        if not assigned:
+            raise CannotStart(f"'{word}' is not of the form name:=value.")
+        if name not in types:
+            near = difflib.get_close_matches(name, types, 1)
+            meant = f'did you mean {near[0]}?' if near else f'there are: {", ".join(types)}.'
+            raise CannotStart(f"There is no argument '{name}' with fleet:=; {meant}")
+        given[name] = _value(name, types[name], value)
+    options = Options(**given)
+    if not options.fleet:
+        raise CannotStart('fleet:= is missing: say fleet:=4, or name a fleet file.')
+    if not 0.1 <= options.sim_speed <= 20.0:
+        raise CannotStart(f'sim_speed:={options.sim_speed:g} must lie in 0.1 to 20.')
+    if not 0.0 <= options.longest_edge <= 1000.0 or 0.0 < options.longest_edge < 0.5:
+        raise CannotStart(f'longest_edge:={options.longest_edge:g} must be 0.5 m or more, or 0.')
+    if options.base_map and options.map_file:
+        raise CannotStart('Of base_map:= and map_file:= only one can be what LD-90s drive on.')
+    return options
+
+
+def help_text() -> str:
+    """All arguments, one a line."""
+    return '\n'.join(f'  {one.name}:=  {one.metadata["doc"]}'
+                     + (f' ({one.default})' if one.default not in ('',) else '')
+                     for one in fields(Options))
+
+
+def _value(name: str, kind: type, text: str) -> Any:
+    try:
+        if kind is bool:
+            return {'true': True, '1': True, 'false': False, '0': False}[text.lower()]
+        if kind is int:
+            port = int(text)
+            if not 0 < port < 65536:
+                raise ValueError
+            return port
+        if kind is float:
+            return float(text)
+    except (KeyError, ValueError):
+        what = {bool: 'true or false', int: 'a TCP port from 1 to 65535', float: 'a number'}[kind]
+        raise CannotStart(f'{name}:={text} must be {what}.') from None
+    if name.endswith(('_file', '_map')) and text:
+        return os.path.abspath(os.path.expanduser(text))
+    return text

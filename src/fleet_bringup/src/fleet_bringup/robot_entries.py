@@ -1,0 +1,164 @@
+"""What a fleet file says about starting its robots, beside what planners read of it.
+
+    robots:
+    - {name: ld90_1, type: ld90, vertex: 16, driver: ld90, host: 10.0.0.5, arcl_port: 7171,
+       outgoing_port: 7179, password_file: secrets/ld90_1}
+    - {name: ld90_2, type: ld90, vertex: 18, driver: ld90, start: [-9.2, 7.2, -90]}
+    - {name: agv_1, type: agv, vertex: 8, driver: agv}
+    - {name: visitor, type: agv, vertex: 10, driver: none}
+
+An LD-90 with a `host` is a real robot, one without is simulated; so are all AGVs. Of a robot with
+driver `none` nothing is started: it comes with its own software.
+"""
+from __future__ import annotations
+
+import difflib
+import math
+import os
+import re
+from dataclasses import dataclass, fields
+from typing import Dict, List, Optional, Sequence, Tuple
+
+import yaml
+
+from fleet_bringup.errors import CannotStart
+from fleet_bringup.options import Options
+from graph_fleet_manager.files.errors import FileError
+from graph_fleet_manager.fleet import Fleet, Robot
+from graph_fleet_manager.supervision.robots import RobotSettings
+from trajectory_graph import strict_yaml
+from trajectory_graph.strict_yaml import Field, WrongYaml
+
+LD90, AGV, NONE = 'ld90', 'agv', 'none'
+PORT_STEP = 10  # between the ports of one simulated robot and of the next
+
+_FILE_KEYS = ('clearance', 'dock_approach', 'robot_types', 'robots')
+_SETTINGS = tuple(field.name for field in fields(RobotSettings))
+_TYPE_KEYS = ('name', 'radius', 'speed', 'play', 'obeys_edge_speed', 'docks', *_SETTINGS)
+_ROBOT_KEYS = ('name', 'type', 'vertex', 'driver', 'start', 'host', 'arcl_port', 'outgoing_port',
+               'password_file', *_SETTINGS)
+_NAME = re.compile(r'[A-Za-z][A-Za-z0-9_]*\Z')
+
+
+@dataclass(frozen=True)
+class Entry:
+    """How one robot is started. `start`: m, m, degrees; an empty `host`: it is simulated."""
+
+    robot: Robot
+    line: int
+    host: str = ''
+    arcl_port: int = 0
+    outgoing_port: int = 0
+    password_file: str = ''
+    start: Optional[Tuple[float, float, float]] = None
+
+    @property
+    def name(self) -> str:
+        """The robot's."""
+        return self.robot.name
+
+    @property
+    def is_simulated(self) -> bool:
+        """Whether this computer plays the robot."""
+        return not self.host and self.robot.driver != NONE
+
+
+def read_entries(path: str, fleet: Fleet, options: Options) -> List[Entry]:
+    """The entries of all robots of a fleet file that `load_fleet` has read; raises FileError."""
+    try:
+        root = strict_yaml.compose(path)
+        whole = strict_yaml.mapping(root, 'the file')
+        _check_keys(root, 'the file', _FILE_KEYS)
+        for node in strict_yaml.items(strict_yaml.field(whole, 'robot_types', root)):
+            _check_keys(node, 'a robot type', _TYPE_KEYS)
+        entries = []
+        simulated = 0
+        for robot, node in zip(fleet.robots, strict_yaml.items(
+                strict_yaml.field(whole, 'robots', root))):
+            _check_keys(node, f'robot {robot.name}', _ROBOT_KEYS)
+            entry = _entry(robot, node, os.path.dirname(path), options, simulated)
+            simulated += robot.driver == LD90 and entry.is_simulated
+            entries.append(entry)
+        _check_each_other(entries)
+        return entries
+    except WrongYaml as wrong:
+        raise FileError.of(path, wrong) from None
+
+
+def _entry(robot: Robot, node: yaml.Node, folder: str, options: Options, simulated: int) -> Entry:
+    given = strict_yaml.mapping(node, f'robot {robot.name}')
+    if not _NAME.match(robot.name):
+        raise WrongYaml(f'robot {robot.name} needs a name of letters, digits and _ that begins with'
+                        ' a letter: it becomes part of topics', given['name'])
+    driver = strict_yaml.choice((LD90, AGV, NONE), 'a driver')(
+        strict_yaml.field(given, 'driver', node))
+    if driver != LD90:
+        wrong = next((key for key in ('host', 'arcl_port', 'outgoing_port', 'password_file')
+                      if key in given), None)
+        if wrong:
+            raise WrongYaml(f'robot {robot.name}: {wrong} is for driver ld90 only', given[wrong])
+        return Entry(robot, strict_yaml.line_of(node))
+    host = strict_yaml.optional(given, 'host', strict_yaml.text, '')
+    step = 0 if host else PORT_STEP * simulated
+    password = strict_yaml.optional(given, 'password_file', strict_yaml.text, '')
+    if host and not password:
+        raise WrongYaml(f'robot {robot.name} has a host, but no password_file: name the file that '
+                        'holds its ARCL password, and nothing else', node)
+    if password:
+        password = os.path.join(folder, os.path.expanduser(password))
+        if not os.access(password, os.R_OK):
+            raise WrongYaml(f'robot {robot.name}: password_file {password} cannot be read',
+                            given['password_file'])
+    return Entry(
+        robot, strict_yaml.line_of(node), host,
+        strict_yaml.optional(given, 'arcl_port', _port, options.arcl_port + step),
+        strict_yaml.optional(given, 'outgoing_port', _port, options.outgoing_port + step),
+        password, strict_yaml.optional(given, 'start', _start, None))
+
+
+def _check_each_other(entries: Sequence[Entry]) -> None:
+    """Raises WrongYaml where two robots would have the same connection."""
+    users: Dict[str, Entry] = {}
+    for entry in entries:
+        if entry.robot.driver != LD90:
+            continue
+        own = [f'ARCL port {entry.arcl_port} of {entry.host or "127.0.0.1"}',
+               f'outgoing_port {entry.outgoing_port}']
+        if entry.host:
+            own.insert(0, f'host {entry.host}')
+        for what in own:
+            other = users.setdefault(what, entry)
+            if other is not entry:
+                raise WrongYaml(f'robots {other.name} (line {other.line}) and {entry.name} have '
+                                f'the same {what}; each needs its own', entry.line)
+
+
+def _check_keys(node: yaml.Node, what: str, known: Sequence[str]) -> None:
+    for key in strict_yaml.mapping(node, what, known):
+        if key not in known:
+            line = next(name for name, _ in node.value if name.value == key)
+            near = difflib.get_close_matches(key, known, 1)
+            meant = f'did you mean {near[0]}?' if near else f'there are: {", ".join(known)}'
+            raise WrongYaml(f'{what} has a key {key!r} that nobody reads; {meant}', line)
+
+
+def _port(one: Field) -> int:
+    port = strict_yaml.whole(one)
+    if not 0 < port < 65536:
+        raise WrongYaml(f'{one[0]} is {port}, but must be a TCP port from 1 to 65535', one[1])
+    return port
+
+
+def _start(one: Field) -> Tuple[float, float, float]:
+    numbers = strict_yaml.listed(strict_yaml.real)(one)
+    if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
+        raise WrongYaml(f'{one[0]} must be a list of x (m), y (m) and heading (degrees)', one[1])
+    return numbers[0], numbers[1], numbers[2]
+
+
+def check_count(fleet: Fleet, capacity: int, source: str) -> None:
+    """Raises CannotStart for more robots than the graph can park."""
+    if len(fleet.robots) > capacity:
+        raise CannotStart(
+            f'{source} has {len(fleet.robots)} robots, but the graph has places for {capacity} to '
+            'park without cutting anybody off: take some out, or give the graph more dead ends.')

@@ -1,0 +1,104 @@
+"""From one number or one fleet file to launch and RViz files; needs a ROS workspace."""
+from __future__ import annotations
+
+import socket
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import pytest
+import yaml
+from bringup_builders import fleet_file
+
+pytest.importorskip('rospkg')
+
+from fleet_bringup.command import main, prepare  # noqa: E402
+from fleet_bringup.errors import CannotStart  # noqa: E402
+from fleet_bringup.options import parse  # noqa: E402
+from fleet_bringup.ports import check_ports, is_taken  # noqa: E402
+from graph_fleet_manager.files.fleet_file import load_fleet  # noqa: E402
+from trajectory_graph import load_graph  # noqa: E402
+
+
+@pytest.fixture(scope='module')
+def made(tmp_path_factory):
+    folder = str(tmp_path_factory.mktemp('fleet'))
+    return prepare(parse(['fleet:=2', 'longest_edge:=1.5', 'rviz:=true', 'demo:=true']), folder,
+                   check=False)
+
+
+def test_a_number_makes_so_many_of_both_kinds_on_places_of_their_own(made):
+    fleet = load_fleet(made['fleet'])
+    assert [robot.name for robot in fleet.robots] == ['ld90_1', 'ld90_2', 'agv_1', 'agv_2']
+    assert len({robot.vertex for robot in fleet.robots}) == 4
+    graph = load_graph(Path(made['fleet']).with_name('graph.yaml'))
+    assert all(graph.vertices[robot.vertex].parking is not False for robot in fleet.robots)
+
+
+def test_the_graph_is_cut_for_all_alike(made):
+    graph_file = str(Path(made['fleet']).with_name('graph.yaml'))
+    graph = load_graph(graph_file)
+    assert max(graph.curve(id).length for id in graph.edges) <= 1.5 + 1e-6
+    values = [one.get('value') for one in ET.parse(made['launch']).iter()
+              if one.get('name') == 'graph_file']
+    assert set(values) == {graph_file}
+    assert len(values) == 4  # two bridges, the AGVs, the fleet manager
+
+
+def test_every_ld90_has_its_stack_and_its_place(made):
+    root = ET.parse(made['launch']).getroot()
+    names = [one.get('value') for include in root.findall('include')
+             if include.get('file').endswith('robot.launch')
+             for one in include.findall('arg') if one.get('name') == 'robot_name']
+    assert names == ['ld90_1', 'ld90_2']
+    simulated = yaml.safe_load(Path(made['robots']).read_text())['robots']
+    assert [one['outgoing'] for one in simulated] == ['127.0.0.1:7179', '127.0.0.1:7189']
+    graph = load_graph(Path(made['fleet']).with_name('graph.yaml'))
+    for robot, row in zip(load_fleet(made['fleet']).robots, simulated):
+        assert row['start'][:2] == pytest.approx(graph.vertices[robot.vertex].position, abs=0.001)
+
+
+def test_no_password_stands_in_the_launch_file(made):
+    word = Path(made['simulator_password']).read_text().strip()
+    assert f'"{word}"' not in Path(made['launch']).read_text()
+
+
+def test_a_fleet_of_agvs_needs_nothing_of_the_ld90(tmp_path):
+    path = fleet_file(tmp_path, 'name: a, type: agv, vertex: 6, driver: agv')
+    files = prepare(parse([f'fleet:={path}', 'rviz:=true']), str(tmp_path), check=False)
+    assert 'omron_ld90_sim' not in Path(files['launch']).read_text()
+    assert 'robots' not in files
+
+
+def test_more_robots_than_the_graph_can_park_are_told(tmp_path, capsys):
+    assert main(['fleet:=9']) == 1
+    sentence = capsys.readouterr().err.strip()
+    assert 'fleet:=9 makes 18 robots, but the graph has places for' in sentence
+    assert len(sentence.splitlines()) == 1
+
+
+def test_a_vertex_that_the_graph_lacks_is_told(tmp_path):
+    path = fleet_file(tmp_path, 'name: a, type: agv, vertex: 999, driver: agv')
+    with pytest.raises(CannotStart, match='robot a stands on vertex 999'):
+        prepare(parse([f'fleet:={path}']), str(tmp_path), check=False)
+
+
+def test_a_graph_of_ones_own_needs_a_map_of_ones_own(tmp_path):
+    path = fleet_file(tmp_path, 'name: a, type: ld90, vertex: 6, driver: ld90')
+    graph = Path(__file__).parents[4] / 'maps' / 'lab_graph.yaml'
+    with pytest.raises(CannotStart, match='base_map:='):
+        prepare(parse([f'fleet:={path}', f'graph_file:={graph}']), str(tmp_path), check=False)
+
+
+def test_a_port_that_is_taken_is_told():
+    with socket.socket() as other:
+        other.bind(('127.0.0.1', 0))
+        other.listen(1)
+        port = other.getsockname()[1]
+        assert is_taken(port)
+        with pytest.raises(CannotStart, match=f'TCP port {port} .* is in use'):
+            check_ports([(port, 'arcl_port of ld90_1')])
+
+
+def test_one_port_for_two_is_told():
+    with pytest.raises(CannotStart, match='each needs its own'):
+        check_ports([(17999, 'arcl_port of a'), (17999, 'outgoing_port of a')])

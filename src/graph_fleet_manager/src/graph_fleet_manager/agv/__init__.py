@@ -1,0 +1,1 @@
+"""A simulated vehicle that follows edges: the robot's side of the route protocol."""

@@ -1,0 +1,54 @@
+"""A line protocol on loopback: `where` is answered with JSON, any other line is a fault."""
+from __future__ import annotations
+
+import json
+import socketserver
+import threading
+from typing import Callable, Mapping
+
+LONGEST_LINE = 1000  # bytes
+QUIET = 60.0         # s without a line, then the connection ends
+
+
+class ControlServer(socketserver.ThreadingTCPServer):
+    """Answers each line with `ok`, `error: <sentence>`, or one line of JSON.
+
+    `inject` and `where` are called from threads of the server.
+    """
+
+    allow_reuse_address = True
+    daemon_threads = True
+
+    def __init__(self, port: int, inject: Callable[[str], None],
+                 where: Callable[[], Mapping[str, object]]) -> None:
+        """Listens on this port of 127.0.0.1, 0 for a free one; raises OSError."""
+        super().__init__(('127.0.0.1', port), _Conversation)
+        self.inject, self.where = inject, where
+        self.port: int = self.server_address[1]
+        threading.Thread(target=self.serve_forever, name='control', daemon=True).start()
+
+    def answer(self, line: str) -> str:
+        """The answer to one line."""
+        if line.lower() == 'where':
+            return json.dumps(self.where())
+        try:
+            self.inject(line)
+        except ValueError as error:
+            return f'error: {error}'
+        return 'ok'
+
+
+class _Conversation(socketserver.StreamRequestHandler):
+    timeout = QUIET
+
+    def handle(self) -> None:
+        assert isinstance(self.server, ControlServer)
+        try:
+            while True:
+                line = self.rfile.readline(LONGEST_LINE)
+                if not line.endswith(b'\n'):
+                    return
+                words = line.decode('utf-8', 'replace').strip()
+                self.wfile.write(self.server.answer(words).encode() + b'\n')
+        except OSError:
+            return  # the other end went away

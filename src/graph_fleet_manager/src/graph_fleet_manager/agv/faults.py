@@ -1,0 +1,94 @@
+"""Faults of AGVs on demand, one line of words each; the table is also the help."""
+from __future__ import annotations
+
+import math
+from typing import Callable, Dict, List, NamedTuple, Sequence
+
+from graph_fleet_manager.agv.vehicle import Vehicle
+from trajectory_graph import UnknownVertex
+
+
+class UnknownFault(ValueError):
+    """A line that is no fault; the sentence says why."""
+
+
+class Argument(NamedTuple):
+    """A number that a fault takes."""
+
+    name: str
+    minimum: float
+    maximum: float
+    default: float
+
+
+class Fault(NamedTuple):
+    """What a word brings about, with its arguments as numbers."""
+
+    meaning: str
+    arguments: Sequence[Argument]
+    act: Callable[..., None]
+
+
+_SECONDS = Argument('SECONDS', 0.0, 1e6, math.inf)
+
+FAULTS: Dict[str, Fault] = {
+    'stall': Fault('brakes and stands for so long (10), its route waiting',
+                   [_SECONDS._replace(default=10.0)], Vehicle.stall),
+    'slow': Fault('drives with FACTOR of its speed for so long (for ever)',
+                  [Argument('FACTOR', 0.01, 1.0, 0.5), _SECONDS], Vehicle.slow_down),
+    'silence': Fault('neither hears nor reports for so long (for ever); 0 ends it',
+                     [_SECONDS], Vehicle.fall_silent),
+    'leave': Fault('is switched off', [], Vehicle.leave),
+    'join': Fault('is switched on, and knows nothing of its route', [], Vehicle.join),
+    'fail': Fault('its route fails', [], lambda vehicle: vehicle.fail('fault on demand')),
+    'takeover': Fault('somebody else drives it: its route fails with "taken over"', [],
+                      lambda vehicle: vehicle.fail('taken over')),
+    'estop': Fault('emergency stop: brakes hard, the route fails', [],
+                   Vehicle.press_emergency_stop),
+    'release': Fault('ends the emergency stop', [], Vehicle.release_emergency_stop),
+    'offgraph': Fault('is pushed METRES (1) to its left, off every edge; its route fails',
+                      [Argument('METRES', -100.0, 100.0, 1.0)], Vehicle.push_off_graph),
+    'place': Fault('is put onto VERTEX', [Argument('VERTEX', 1, 2 ** 31, math.nan)],
+                   lambda vehicle, vertex: vehicle.put_on(int(vertex))),
+    'battery': Fault('has PERCENT of charge', [Argument('PERCENT', 0.0, 100.0, math.nan)],
+                     lambda vehicle, percent: setattr(vehicle.battery, 'charge', percent)),
+}
+
+
+def inject(vehicle: Vehicle, line: str) -> None:
+    """Brings about the fault that a line describes, e.g. `stall 20`; raises UnknownFault."""
+    word, *given = line.split() or ['']
+    fault = FAULTS.get(word.lower())
+    if fault is None:
+        raise UnknownFault(f"there is no fault '{word[:20]}'; there are: {', '.join(FAULTS)}")
+    if len(given) > len(fault.arguments):
+        raise UnknownFault(f'{word} takes {len(fault.arguments)} numbers, not {len(given)}')
+    try:
+        fault.act(vehicle, *_numbers(word, fault.arguments, given))
+    except UnknownVertex as error:
+        raise UnknownFault(str(error)) from None
+
+
+def help_text() -> str:
+    """All faults, one a line."""
+    lines = []
+    for word, fault in FAULTS.items():
+        usage = ' '.join([word, *(argument.name if math.isnan(argument.default)
+                                  else f'[{argument.name}]' for argument in fault.arguments)])
+        lines.append(f'{usage:<22}{fault.meaning}')
+    return '\n'.join(lines)
+
+
+def _numbers(word: str, arguments: Sequence[Argument], given: Sequence[str]) -> List[float]:
+    numbers = []
+    for argument, text in zip(arguments, [*given, *[''] * len(arguments)]):
+        try:
+            value = float(text) if text else argument.default
+        except ValueError:
+            value = math.nan
+        if not (argument.minimum <= value <= argument.maximum
+                or (not text and value == argument.default)):
+            raise UnknownFault(f'{word}: {argument.name} must be a number from '
+                               f'{argument.minimum:g} to {argument.maximum:g}')
+        numbers.append(value)
+    return numbers

@@ -1,0 +1,127 @@
+"""Which orders a vehicle takes up: the rules of docs/interface/route_protocol.md as questions."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Optional, Tuple
+
+from graph_fleet_manager.agv.drive import Drive
+from graph_fleet_manager.agv.route_protocol import EdgeState, Phase, RouteOrder
+from trajectory_graph import TrajectoryGraphError, check_route
+
+MAXIMUM_EDGES = 1000
+CLOCK_TOLERANCE = 1_000_000_000  # ns that the sender's clock may be ahead of ours
+
+
+class RouteRefused(Exception):
+    """The order is not taken up; the text, a clause, is the reason for the fleet manager."""
+
+
+class NotYet(Exception):
+    """The order can be judged once the vehicle stands."""
+
+
+@dataclass
+class Route:
+    """An order that was taken up, and what became of it."""
+
+    order: RouteOrder
+    phase: Phase = Phase.RUNNING
+    completed: int = 0
+    reason: str = ''
+
+    @property
+    def running(self) -> bool:
+        """Whether it is being driven."""
+        return self.phase is Phase.RUNNING
+
+    @property
+    def edges(self) -> Tuple[int, ...]:
+        """Signed ids, as ordered."""
+        return self.order.edges
+
+    @property
+    def states(self) -> Tuple[EdgeState, ...]:
+        """One state per edge."""
+        rest = EdgeState.FAILED if self.phase is Phase.FAILED else EdgeState.PROCESSING
+        return ((EdgeState.COMPLETE,) * self.completed
+                + (rest,) * (len(self.edges) - self.completed))
+
+    def is_changed_by(self, order: RouteOrder) -> bool:
+        """Does the order have the id of this route, which was not stopped?"""
+        return self.order.route_id == order.route_id and self.phase is not Phase.STOPPED
+
+
+def check_order(order: RouteOrder, drive: Drive) -> None:
+    """Raises RouteRefused for an order that is wrong wherever the vehicle is."""
+    if len(order.edges) > MAXIMUM_EDGES:
+        raise RouteRefused(f'the route has more than {MAXIMUM_EDGES} edges')
+    ahead = order.stamp - order.received
+    if order.received and ahead > CLOCK_TOLERANCE:
+        raise RouteRefused(f'its stamp is {ahead / 1e9:.1f} s ahead of the clock of the vehicle\'s '
+                           'computer: synchronise the clocks (NTP)')
+    try:
+        check_route(drive.graph, order.edges)
+    except TrajectoryGraphError as error:
+        raise RouteRefused(str(error).rstrip('.')) from None
+    for edge in order.edges:
+        if not drive.speeds.may_drive(edge):
+            raise RouteRefused(f'edge {edge} is not for driving this way: its speed is 0')
+
+
+def check_change(route: Route, order: RouteOrder, drive: Drive) -> None:
+    """Raises RouteRefused where the route cannot become what the order of the same id says."""
+    if route.phase is Phase.FAILED:
+        raise RouteRefused(f'route {order.route_id} has failed: another one needs another id')
+    kept = route.edges[:route.completed + 1]
+    if order.edges[:len(kept)] != kept:
+        raise RouteRefused(f'route {order.route_id} must go on with the edges done and the '
+                           f'current one, {list(kept)}')
+    _check_braking(order, drive, drive.index, drive.arc)
+
+
+def find_start(order: RouteOrder, before: Optional[Route], drive: Drive) -> Tuple[int, float]:
+    """Index of the edge and m on it where a vehicle begins a new route.
+
+    It does at the first vertex of the first edge, or on that edge. The edge that it has only just
+    left for the second one will do, too: the order may have crossed with a report. Raises
+    RouteRefused, and NotYet while the vehicle brakes and cannot just go on.
+    """
+    going = _going_on(order, before, drive)
+    if going is not None and (drive.at_rest or before is None or before.running
+                              or drive.can_follow(order.edges, *going)):
+        _check_braking(order, drive, *going)
+        return going
+    if not drive.at_rest:
+        if before is not None and before.running:
+            raise RouteRefused(f'the vehicle drives on edge {drive.edge}, with which the route '
+                               'does not begin: stop it first, or let it end its route')
+        raise NotYet
+    first = order.edges[0]
+    if drive.vertex is not None:
+        if drive.graph.start_vertex(first).id == drive.vertex:
+            return 0, 0.0
+        ends = drive.graph.end_vertex(first).id == drive.vertex
+        raise RouteRefused(f'edge {first} does not start where the vehicle is'
+                           + (', but ends there' if ends else '') + f', at vertex {drive.vertex}')
+    if drive.edge is not None and first == -drive.edge:
+        return 0, drive.graph.curve(first).length - drive.arc
+    raise RouteRefused(f'edge {first} does not start where the vehicle is: on edge {drive.edge}')
+
+
+def _going_on(order: RouteOrder, before: Optional[Route],
+              drive: Drive) -> Optional[Tuple[int, float]]:
+    """Where the route has the edge that the vehicle is on; None where it has not."""
+    if drive.edge is None or drive.at_end:
+        return None
+    if order.edges[0] == drive.edge:
+        return 0, drive.arc
+    if (before is not None and before.running and drive.index > 0
+            and order.edges[:2] == drive.path[drive.index - 1:drive.index + 1]):
+        return 1, drive.arc
+    return None
+
+
+def _check_braking(order: RouteOrder, drive: Drive, index: int, arc: float) -> None:
+    if not drive.can_follow(order.edges, index, arc):
+        raise RouteRefused(f'at {drive.speed:.2f} m/s the vehicle cannot stop where the route '
+                           'demands it')

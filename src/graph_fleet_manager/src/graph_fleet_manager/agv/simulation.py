@@ -1,0 +1,56 @@
+"""All AGVs of a simulation and their clock."""
+from __future__ import annotations
+
+import math
+from typing import Dict, Iterable
+
+from graph_fleet_manager.agv.faults import UnknownFault, inject
+from graph_fleet_manager.agv.speed_limits import DriveLimits
+from graph_fleet_manager.agv.vehicle import Vehicle
+from graph_fleet_manager.fleet import Robot
+from trajectory_graph import Graph
+
+LONGEST_STEP = 1.0  # s of wall time that one step may make up for; what a pause took is lost
+
+
+class Simulation:
+    """AGVs on one graph. They do not see each other: to keep them apart is the fleet manager's."""
+
+    def __init__(self, graph: Graph, robots: Iterable[Robot], speed: float = 1.0) -> None:
+        """`speed` is a factor on the clock."""
+        self.time = 0.0
+        self.speed = speed
+        self.vehicles: Dict[str, Vehicle] = {
+            robot.name: Vehicle(robot.name, graph, robot.vertex,
+                                DriveLimits(speed=robot.type.speed), robot.type.obeys_edge_speed,
+                                robot.type.docks or ())
+            for robot in robots}
+
+    def advance(self, wall_seconds: float, stamp: int) -> None:
+        """Lets wall time pass; `stamp` is that of the places in which all then are."""
+        seconds = min(wall_seconds, LONGEST_STEP) * self.speed
+        self.time += seconds
+        for vehicle in self.vehicles.values():
+            vehicle.advance(seconds, stamp)
+
+    def use_graph(self, graph: Graph) -> None:
+        """All go on with another graph."""
+        for vehicle in self.vehicles.values():
+            vehicle.use_graph(graph)
+
+    def where(self) -> Dict[str, object]:
+        """The simulated time (s), and by name where every AGV truly is (m, m, degrees)."""
+        robots = {}
+        for name, vehicle in self.vehicles.items():
+            x, y, heading = vehicle.pose
+            robots[name] = {'x': x, 'y': y, 'heading': math.degrees(heading)}
+        return {'time': self.time, 'robots': robots}
+
+    def inject(self, line: str) -> None:
+        """Brings about a fault, `@NAME fault`, or `fault` for the first AGV; UnknownFault."""
+        name, _, fault = line[1:].partition(' ') if line.startswith('@') else ('', '', line)
+        vehicle = self.vehicles.get(name) if name else next(iter(self.vehicles.values()), None)
+        if vehicle is None:
+            raise UnknownFault(f"there is no AGV '{name[:40]}'; there are: "
+                               f"{', '.join(self.vehicles)}")
+        inject(vehicle, fault)

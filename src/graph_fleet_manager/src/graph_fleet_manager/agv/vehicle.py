@@ -1,0 +1,275 @@
+"""One simulated AGV: takes orders, drives, reports; and what can go wrong with it."""
+from __future__ import annotations
+
+import math
+from typing import Collection, List, Optional, Tuple
+
+from graph_fleet_manager.agv.battery import Battery
+from graph_fleet_manager.agv.drive import ON_PLACE, Drive
+from graph_fleet_manager.agv.route_protocol import (
+    EdgeState,
+    Message,
+    Phase,
+    RouteOrder,
+    RouteRefusal,
+    RouteReport,
+    SymbolicPose,
+)
+from graph_fleet_manager.agv.route_rules import (
+    NotYet,
+    Route,
+    RouteRefused,
+    check_change,
+    check_order,
+    find_start,
+)
+from graph_fleet_manager.agv.speed_limits import DriveLimits, SpeedLimits
+from trajectory_graph import Graph
+
+ORDER_TIMEOUT = 5.0  # s that an order waits for the vehicle to stand
+MOST = 99.9          # per cent, of an edge that is not complete
+FOREVER = float('inf')
+
+
+class Vehicle:
+    """One AGV on a graph. Orders come by `handle`, time by `advance`; `take_messages` has the rest.
+
+    Times in s of the simulation; stamps are the caller's.
+    """
+
+    def __init__(self, name: str, graph: Graph, vertex: int,
+                 limits: Optional[DriveLimits] = None, obeys_edge_speed: bool = True,
+                 chargers: Collection[int] = (), charge: float = 100.0) -> None:
+        self.name = name
+        self.battery = Battery(charge)
+        self.route: Optional[Route] = None
+        self.stamp = 0
+        self.emergency = False
+        self._obeys_edge_speed = obeys_edge_speed
+        self._limits = limits or DriveLimits()
+        self._chargers = frozenset(chargers)
+        self._off_graph: Optional[Tuple[float, float, float]] = None
+        self._time = 0.0
+        self._stalled_until = self._slow_until = self._silent_until = 0.0
+        self._waiting: Optional[Tuple[RouteOrder, float]] = None
+        self._refused: Optional[Tuple[RouteOrder, str]] = None
+        self._reported: object = None
+        self._messages: List[Message] = []
+        self.drive = self._placed(graph, vertex)
+
+    # --- what the fleet manager sees --------------------------------------------------------------
+
+    @property
+    def running(self) -> bool:
+        """Whether a route is being driven."""
+        return self.route is not None and self.route.running
+
+    @property
+    def silent(self) -> bool:
+        """Whether it neither hears nor reports."""
+        return self._time < self._silent_until
+
+    def handle(self, order: RouteOrder) -> None:
+        """Takes an order."""
+        if self.silent:
+            return
+        route = self.route
+        if not order.edges:
+            self._waiting = None
+            self.route = Route(order, Phase.STOPPED)
+        elif route and (0 < order.stamp < route.order.stamp
+                        or (order.route_id, order.edges) == (route.order.route_id, route.edges)):
+            return  # late, or what it drives already
+        elif order.stamp and self._refused and order == self._refused[0]:
+            self._refuse(*self._refused)
+        else:
+            self._waiting = order, self._time + ORDER_TIMEOUT
+            self._consider()
+        self._report_change()
+
+    def report(self) -> RouteReport:
+        """What the fleet manager is to know now."""
+        route = self.route
+        if route is None:
+            return RouteReport(self.stamp, 0, (), (), self._symbolic_pose())
+        return RouteReport(self.stamp, route.order.route_id, route.edges, route.states,
+                           self._symbolic_pose(), route.reason)
+
+    def take_messages(self) -> List[Message]:
+        """What there is to be told since the last call: refusals, and reports of changes."""
+        messages, self._messages = self._messages, []
+        return [] if self.silent else messages
+
+    @property
+    def pose(self) -> Tuple[float, float, float]:
+        """Where it truly is: x, y (m) and heading (rad)."""
+        return self._off_graph or self.drive.pose
+
+    def advance(self, seconds: float, stamp: int) -> None:
+        """Lets time pass; `stamp` is that of the place where the vehicle then is."""
+        self._time += seconds
+        self.stamp = stamp
+        route = self.route
+        if route and route.running and self.battery.charge <= 0.0:
+            self._fail('the battery is empty')
+        if self._time >= self._slow_until:
+            self.drive.pace = 1.0
+        hold = not self.running or self._time < self._stalled_until
+        self.drive.advance(seconds, hold, self.emergency)
+        self.battery.advance(seconds, not self.drive.at_rest, self.drive.vertex in self._chargers)
+        if route and route.running:
+            route.completed = self.drive.index
+            if self.drive.at_end:
+                route.phase = Phase.COMPLETE
+        self._consider()
+        self._report_change()
+
+    # --- what can go wrong ------------------------------------------------------------------------
+
+    def stall(self, seconds: float) -> None:
+        """It brakes and stands for so long, its route waiting."""
+        self._stalled_until = self._time + seconds
+
+    def slow_down(self, factor: float, seconds: float) -> None:
+        """It drives with this part of its speed for so long."""
+        self.drive.pace, self._slow_until = factor, self._time + seconds
+
+    def fall_silent(self, seconds: float = FOREVER) -> None:
+        """It neither hears nor reports for so long, and drives on with what it was told."""
+        self._silent_until = self._time + seconds
+
+    def leave(self) -> None:
+        """It is switched off: it stands, and neither hears nor reports."""
+        self.route = self._waiting = self._refused = None
+        self._silent_until = FOREVER
+
+    def join(self) -> None:
+        """It is switched on, without any memory of a route."""
+        self._silent_until = self._stalled_until = 0.0
+        self._report_change()
+
+    def fail(self, reason: str) -> None:
+        """Its route fails."""
+        self._fail(reason)
+        self._report_change()
+
+    def press_emergency_stop(self) -> None:
+        """It brakes hard, its route fails, and no order is taken up until the release."""
+        self.emergency = True
+        self.fail('emergency stop')
+        self._consider()
+
+    def release_emergency_stop(self) -> None:
+        """Orders are taken up again."""
+        self.emergency = False
+
+    def push_off_graph(self, metres: float) -> None:
+        """Somebody pushes it aside, to its left: its route fails, and it is on no edge."""
+        x, y, heading = self.pose
+        self.drive.speed = 0.0
+        self._off_graph = (x - metres * math.sin(heading), y + metres * math.cos(heading), heading)
+        self.fail('off the corridor')
+
+    def put_on(self, vertex: int) -> None:
+        """Somebody puts it onto a vertex; a running route fails. Raises UnknownVertex."""
+        drive = self._placed(self.drive.graph, vertex)
+        self._fail('taken over')
+        self.drive, self._off_graph = drive, None
+        self._report_change()
+
+    def use_graph(self, graph: Graph) -> None:
+        """Goes on with another graph: with its route where that is the same there, else without."""
+        before, path = self.drive.graph, self.drive.path
+        edges_kept = all(abs(edge) in graph.edges and graph.edge(edge) == before.edge(edge)
+                         and graph.start_vertex(edge) == before.start_vertex(edge)
+                         and graph.end_vertex(edge) == before.end_vertex(edge) for edge in path)
+        if path and edges_kept:
+            self.drive.graph, self.drive.speeds = graph, self._speeds(graph)
+        else:
+            self._fail('the graph was replaced, and edges of the route are not what they were')
+            self._place_again(graph)
+        self._report_change()
+
+    # --- within -----------------------------------------------------------------------------------
+
+    def _place_again(self, graph: Graph) -> None:
+        """Onto the vertex of another graph on which it stands, else off that graph."""
+        x, y, heading = self.pose
+        nearest = min(graph.vertices.values(), key=lambda one: math.dist(one.position, (x, y)))
+        self.drive = self._placed(graph, nearest.id)
+        self.drive.heading = heading
+        stands_there = math.dist(nearest.position, (x, y)) < ON_PLACE
+        self._off_graph = None if stands_there else (x, y, heading)
+
+    def _placed(self, graph: Graph, vertex: int) -> Drive:
+        return Drive(graph, self._limits, self._speeds(graph), vertex)
+
+    def _speeds(self, graph: Graph) -> SpeedLimits:
+        return SpeedLimits(graph, self._limits, self._obeys_edge_speed)
+
+    def _consider(self) -> None:
+        """Takes up the order that waits, or refuses it, once it can be judged or is too old."""
+        if self._waiting is None:
+            return
+        order, give_up = self._waiting
+        try:
+            self._take_up(order)
+        except NotYet:
+            if self._time < give_up:
+                return
+            self._refuse(order, 'the vehicle did not come to a stop')
+        except RouteRefused as refusal:
+            self._refuse(order, str(refusal))
+        self._waiting = None
+
+    def _take_up(self, order: RouteOrder) -> None:
+        if self.emergency:
+            raise RouteRefused('emergency stop')
+        check_order(order, self.drive)
+        if self._off_graph is not None:
+            raise RouteRefused('the vehicle is off the graph')
+        route = self.route
+        if route is not None and route.is_changed_by(order):
+            check_change(route, order, self.drive)
+            self.drive.follow(order.edges, self.drive.index, self.drive.arc)
+            route.order = order
+            route.phase = Phase.COMPLETE if self.drive.at_end else Phase.RUNNING
+        else:
+            index, arc = find_start(order, route, self.drive)
+            self.drive.follow(order.edges, index, arc)
+            self.route = Route(order, completed=index)
+
+    def _refuse(self, order: RouteOrder, reason: str) -> None:
+        """Says so; where the id is not that of the route in the reports, by a report, too."""
+        self._refused = order, reason
+        self._messages.append(RouteRefusal(order.route_id, order.edges, reason))
+        if self.route is None or self.route.order.route_id != order.route_id:
+            self._messages.append(RouteReport(
+                self.stamp, order.route_id, order.edges, (EdgeState.FAILED,) * len(order.edges),
+                self._symbolic_pose(), reason))
+
+    def _fail(self, reason: str) -> None:
+        if self.route is not None and self.route.running:
+            self.route.phase, self.route.reason = Phase.FAILED, reason
+
+    def _report_change(self) -> None:
+        """Appends a report where more than a percentage has changed."""
+        route = self.route
+        now = route and (route.order.route_id, route.edges, route.states, route.reason)
+        if now != self._reported:
+            self._reported = now
+            self._messages.append(self.report())
+
+    def _symbolic_pose(self) -> SymbolicPose:
+        """On the route its edge, as ordered; without one the edge driven forwards."""
+        if self._off_graph is not None:
+            return SymbolicPose()
+        drive, graph = self.drive, self.drive.graph
+        if drive.edge is None:
+            assert drive.vertex is not None
+            leaving = next(iter(graph.edges_from(drive.vertex)), 0)
+            return SymbolicPose(abs(leaving), 100.0 if leaving < 0 else 0.0)
+        done = 100.0 if drive.at_end else 100.0 * drive.arc / graph.curve(drive.edge).length
+        if self.route is not None and self.route.phase in (Phase.RUNNING, Phase.COMPLETE):
+            return SymbolicPose(drive.edge, done if drive.at_end else min(done, MOST))
+        return SymbolicPose(abs(drive.edge), done if drive.edge > 0 else 100.0 - done)

@@ -1,0 +1,76 @@
+"""The command `fleet`: all robots at a glance; stop, resume, take one out of service, bring it in.
+
+Exit status 0: done; 1: wrong input, or no fleet manager; 2: not done, the reason is said.
+"""
+from __future__ import annotations
+
+import math
+from typing import List, Optional, Sequence
+
+import rospy
+
+from graph_fleet_manager.commands.fleet_client import (
+    OK,
+    CommandError,
+    Listener,
+    Parser,
+    call,
+    connect,
+    run,
+    table,
+)
+from itrci_nav_msgs.msg import FleetRobot, FleetState
+
+_STATES = {value: name.lower().replace('_', ' ') for name, value in vars(FleetRobot).items()
+           if name.isupper() and isinstance(value, int)}
+
+
+def main(arguments: Optional[Sequence[str]] = None) -> int:
+    """Runs the command; returns its exit status."""
+    return run('fleet', _fleet, arguments)
+
+
+def _fleet(arguments: List[str]) -> int:
+    parser = Parser('fleet', description='Looks at the robots of the fleet, and stops them.')
+    commands = parser.add_subparsers(dest='command', metavar='COMMAND')
+    commands.required = True
+    commands.add_parser('list', help='every robot: state, place, battery, mission, what it '
+                                     'waits for')
+    commands.add_parser('stop', help='stops every robot at once')
+    commands.add_parser('resume', help='lets every robot go on')
+    for name, what in (('out', 'stops a robot and takes it out of service'),
+                       ('in', 'puts a robot back into service, from where it is')):
+        commands.add_parser(name, help=what).add_argument('robot', metavar='ROBOT')
+    options = parser.parse_args(arguments)
+    connect('fleet_command')
+    if options.command == 'list':
+        print(_listed(Listener('/fleet_state', FleetState).last()))
+    elif options.command in ('stop', 'resume'):
+        print(call(f'/{options.command}_fleet'))
+    else:
+        _check(options.robot)
+        print(call(f'/{options.robot}/{"leave" if options.command == "out" else "join"}_fleet'))
+    return OK
+
+
+def _check(robot: str) -> None:
+    names = [one.name for one in Listener('/fleet_state', FleetState).last().robots]
+    if robot not in names:
+        raise CommandError(f'There is no robot {robot!r}; there are: {", ".join(names)}.')
+
+
+def _listed(state: FleetState) -> str:
+    rows = [('robot', 'type', 'state', 'place', 'battery', 'mission', 'to', 'waits for')]
+    for robot in state.robots:
+        place = (f'edge {robot.pose.edge_id} at {robot.pose.percentage:.0f} %'
+                 if robot.pose.edge_id else 'off the graph')
+        name = _STATES.get(robot.state, str(robot.state))
+        if robot.state == FleetRobot.OFFLINE:
+            place = f'last: {place}' if robot.seen else 'never seen'
+            if robot.seen:
+                name += f', {(rospy.Time.now() - robot.seen).to_sec():.0f} s'
+        rows.append((robot.name, robot.type, name, place,
+                     '-' if math.isnan(robot.battery) else f'{100.0 * robot.battery:.0f} %',
+                     str(robot.request_id) if robot.has_mission else '-',
+                     str(robot.destination or '-'), robot.waits_for))
+    return table(rows)

@@ -1,0 +1,122 @@
+"""What the commands share: a ROS master that is there, messages waited for, plain errors."""
+from __future__ import annotations
+
+import argparse
+import sys
+import threading
+import time
+from typing import Any, Callable, List, NoReturn, Optional, Sequence, Type
+
+import rosgraph
+import rospy
+from std_srvs.srv import Trigger
+
+PATIENCE = 10.0  # s to wait for the fleet manager
+OK, WRONG, NOT_DONE = 0, 1, 2
+"""Exit statuses: done; wrong input, or no fleet manager; refused or not succeeded."""
+
+
+class CommandError(Exception):
+    """What keeps a command from doing its work: one sentence that says what to do."""
+
+    def __init__(self, text: str, status: int = WRONG) -> None:
+        super().__init__(text)
+        self.status = status
+
+
+class Parser(argparse.ArgumentParser):
+    """Says what is wrong in one line, with exit status 1."""
+
+    def error(self, message: str) -> NoReturn:
+        """Ends the command."""
+        self.exit(WRONG, f'{self.prog}: {message}; see {self.prog} --help.\n')
+
+
+def run(name: str, command: Callable[[List[str]], int],
+        arguments: Optional[Sequence[str]] = None) -> int:
+    """Runs a command with the arguments of the command line; returns its exit status."""
+    given = rospy.myargv()[1:] if arguments is None else list(arguments)
+    try:
+        return command(given)
+    except CommandError as error:
+        print(f'{name}: {error}', file=sys.stderr)
+        return error.status
+    except rospy.ROSInterruptException:
+        return 130
+
+
+def connect(name: str) -> None:
+    """Becomes a node; raises CommandError where there is no master."""
+    if not rosgraph.is_master_online():
+        raise CommandError(f'There is no ROS master at {rosgraph.get_master_uri()}: start the '
+                           'fleet manager, or set ROS_MASTER_URI.')
+    rospy.init_node(name, anonymous=True, disable_signals=True)
+
+
+class Listener:
+    """Keeps what comes on a topic, and waits for more."""
+
+    def __init__(self, topic: str, kind: Type[Any]) -> None:
+        self.topic = topic
+        self.messages: List[Any] = []
+        self._changed = threading.Condition()
+        self._subscriber = rospy.Subscriber(topic, kind, self._take, queue_size=1000)
+
+    def _take(self, message: Any) -> None:
+        with self._changed:
+            self.messages.append(message)
+            self._changed.notify_all()
+
+    def take(self) -> List[Any]:
+        """Everything that came since this was last asked."""
+        with self._changed:
+            messages, self.messages = self.messages, []
+            return messages
+
+    def wait(self, seconds: float) -> None:
+        """Until something is there, or the time is over."""
+        with self._changed:
+            if not self.messages:
+                self._changed.wait(seconds)
+
+    def last(self) -> Any:
+        """The last message; raises CommandError where none comes."""
+        deadline = time.monotonic() + PATIENCE
+        while not self.messages:
+            if time.monotonic() > deadline:
+                raise CommandError(f'Nothing comes on {self.topic}: is the fleet manager running? '
+                                   'Start it with fleet_manager.launch.')
+            self.wait(0.2)
+        return self.messages[-1]
+
+
+def connected_publisher(topic: str, kind: Type[Any]) -> rospy.Publisher:
+    """A publisher to which somebody listens; raises CommandError where nobody does."""
+    publisher = rospy.Publisher(topic, kind, queue_size=10)
+    deadline = time.monotonic() + PATIENCE
+    while publisher.get_num_connections() == 0:
+        if time.monotonic() > deadline:
+            raise CommandError(f'Nobody listens to {topic}: is the fleet manager running? Start it '
+                               'with fleet_manager.launch.')
+        time.sleep(0.02)
+    return publisher
+
+
+def call(service: str) -> str:
+    """Calls a Trigger service; returns what it says, raises CommandError where it did not work."""
+    try:
+        rospy.wait_for_service(service, PATIENCE)
+        answer = rospy.ServiceProxy(service, Trigger)()
+    except (rospy.ROSException, rospy.ServiceException) as error:
+        raise CommandError(f'The service {service} does not answer ({error}): is the fleet manager '
+                           'running?') from None
+    if not answer.success:
+        raise CommandError(answer.message, NOT_DONE)
+    return str(answer.message)
+
+
+def table(rows: Sequence[Sequence[str]]) -> str:
+    """Rows as text, columns below each other."""
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    return '\n'.join('  '.join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip()
+                     for row in rows)

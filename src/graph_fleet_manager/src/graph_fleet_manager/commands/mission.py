@@ -1,0 +1,255 @@
+"""The command `mission`: sends a mission and shows its progress; lists, changes, tells the history.
+
+    mission 18 39 52 6 16 --type omron_ld90 --wait
+    mission list | cancel ID | pause ID | resume ID | release ID | history [--csv]
+
+Exit status 0: done, with --wait only when the mission succeeded; 1: wrong input, or no fleet
+manager; 2: the mission was refused or did not succeed.
+"""
+from __future__ import annotations
+
+import argparse
+import csv
+import os
+import random
+import sqlite3
+import sys
+import time
+from datetime import datetime
+from typing import List, Optional, Sequence
+
+import rospkg
+import rospy
+
+from graph_fleet_manager.commands.fleet_client import (
+    NOT_DONE,
+    OK,
+    PATIENCE,
+    CommandError,
+    Listener,
+    Parser,
+    connect,
+    connected_publisher,
+    run,
+    table,
+)
+from graph_fleet_manager.commands.progress import ProgressLine, line_of
+from graph_fleet_manager.supervision.journal import HistoryLine, JournalError, history
+from graph_fleet_manager.supervision.missions import Command, MissionState
+from itrci_nav_msgs.msg import (
+    FleetPlan,
+    FleetState,
+    MissionCommand,
+    MissionRequest,
+    MissionStatus,
+)
+from itrci_nav_msgs.msg import Graph as GraphMessage
+from trajectory_graph import Graph
+from trajectory_graph.messages import graph_from_message
+
+_RESEND = 0.5  # s after which a request that was not acknowledged is sent again
+_CHANGES = {command.name.lower(): command for command in Command}
+_COLUMNS = ('request_id', 'destinations', 'robot_type', 'priority', 'state', 'robot', 'reached',
+            'accepted', 'started', 'ended', 'waited_s', 'took_s', 'reason')
+
+
+def main(arguments: Optional[Sequence[str]] = None) -> int:
+    """Runs the command; returns its exit status."""
+    return run('mission', _mission, arguments)
+
+
+def _mission(arguments: List[str]) -> int:
+    word = arguments[0] if arguments else ''
+    if word == 'list':
+        _options('list', 'lists all open missions', arguments)
+        connect('mission_command')
+        return _list()
+    if word == 'history':
+        return _history(arguments)
+    if word in _CHANGES:
+        return _change(word, arguments)
+    return _send(arguments)
+
+
+def _options(name: str, what: str, arguments: List[str]) -> argparse.Namespace:
+    parser = Parser(f'mission {name}', description=what)
+    if name in _CHANGES:
+        parser.add_argument('id', type=int, help='id of the mission')
+    return parser.parse_args(arguments[1:])
+
+
+# -- sending --------------------------------------------------------------------------------------
+
+
+def _send(arguments: List[str]) -> int:
+    parser = Parser('mission', description='Sends a robot to vertices, in order. Other uses: '
+                    'mission list, mission cancel|pause|resume|release ID, mission history.')
+    parser.add_argument('destinations', nargs='+', metavar='VERTEX',
+                        help='id of a vertex, or a label that only one vertex has')
+    parser.add_argument('--type', default='', help='robot type that must do it')
+    parser.add_argument('--robot', default='', help='the robot that must do it')
+    parser.add_argument('--priority', type=int, default=0, help='the higher goes first')
+    parser.add_argument('--dwell', type=float, nargs='+', default=[], metavar='S',
+                        help='s to stay at each destination: one for all, or one for each; '
+                             'negative: until mission release')
+    parser.add_argument('--id', type=int, help='request id; drawn at random where not given')
+    parser.add_argument('--wait', action='store_true', help='show the progress until the end')
+    options = parser.parse_args(arguments)
+    connect('mission_command')
+    graph = graph_from_message(Listener('/graph', GraphMessage).last())
+    destinations = [_vertex(word, graph) for word in options.destinations]
+    dwells = options.dwell * len(destinations) if len(options.dwell) == 1 else options.dwell
+    request = MissionRequest(
+        request_id=random.randint(1, 2 ** 31 - 1) if options.id is None else options.id,
+        destination_vertices_id=destinations, robot_type=options.type, robot=options.robot,
+        priority=options.priority, dwell=dwells)
+    request.header.stamp = rospy.Time.now()
+    listener = Listener('/mission_status', MissionStatus)
+    status = _acknowledged(request, listener)
+    if status.state == MissionStatus.REFUSED:
+        raise CommandError(f'The mission was refused: {status.reason}.', NOT_DONE)
+    print(f'Mission {request.request_id} is accepted.', flush=True)
+    return _follow(status, destinations, listener, graph) if options.wait else OK
+
+
+def _vertex(word: str, graph: Graph) -> int:
+    try:
+        return int(word)
+    except ValueError:
+        found = [vertex.id for vertex in graph.vertices.values() if vertex.label == word]
+    if len(found) == 1:
+        return found[0]
+    if not found:
+        raise CommandError(f'No vertex has the label {word!r}; give the id of a vertex.')
+    raise CommandError(f'Vertices {", ".join(map(str, found))} have the label {word!r}; give the '
+                       'id of one.')
+
+
+def _acknowledged(request: MissionRequest, listener: Listener) -> MissionStatus:
+    """Sends until the fleet manager says what it makes of the request."""
+    publisher = connected_publisher('/mission_request', MissionRequest)
+    deadline = time.monotonic() + PATIENCE
+    while time.monotonic() < deadline:
+        publisher.publish(request)
+        again = time.monotonic() + _RESEND
+        while time.monotonic() < again:
+            listener.wait(again - time.monotonic())
+            for status in listener.take():
+                if status.request_id == request.request_id:
+                    return status
+    raise CommandError('The fleet manager does not answer; it may have no graph, or hang.')
+
+
+def _follow(status: MissionStatus, destinations: List[int], listener: Listener,
+            graph: Graph) -> int:
+    """Shows how a mission goes on until it ends."""
+    states = Listener('/fleet_state', FleetState)
+    plans = Listener('/fleet_plan', FleetPlan)
+    state: Optional[FleetState] = None
+    plan: Optional[FleetPlan] = None
+    line = ProgressLine()
+    id = status.request_id
+    try:
+        while MissionState(status.state).is_open:
+            state, plan = (states.take() or [state])[-1], (plans.take() or [plan])[-1]
+            about = (status.state, status.robot, status.destinations_reached, status.reason)
+            line.show(line_of(status, destinations, state, plan, graph), about)
+            listener.wait(0.5)
+            status = ([s for s in listener.take() if s.request_id == id] or [status])[-1]
+    except KeyboardInterrupt:
+        line.end()
+        print(f'The mission goes on. To end it: mission cancel {id}', file=sys.stderr)
+        return 130
+    line.end()
+    if status.state != MissionStatus.SUCCEEDED:
+        raise CommandError(f'Mission {id}: {MissionState(status.state).name}: {status.reason}.',
+                           NOT_DONE)
+    print(f'Mission {id} has succeeded: {status.robot} was at '
+          f'{", ".join(map(str, destinations))}.')
+    return OK
+
+
+# -- what there is --------------------------------------------------------------------------------
+
+
+def _list() -> int:
+    listener = Listener('/mission_status', MissionStatus)
+    deadline = time.monotonic() + PATIENCE
+    state = Listener('/fleet_state', FleetState)
+    state.last()  # the fleet manager is there, and tells open missions to every newcomer
+    quiet = time.monotonic() + 1.0
+    while time.monotonic() < min(quiet, deadline):
+        listener.wait(quiet - time.monotonic())
+        time.sleep(0.02)
+    latest = {status.request_id: status for status in listener.take()}
+    rows = [('mission', 'state', 'robot', 'reached', 'reason')]
+    rows += [(str(s.request_id), MissionState(s.state).name, s.robot or '-',
+              str(s.destinations_reached), s.reason) for s in latest.values()
+             if MissionState(s.state).is_open]
+    print(table(rows) if len(rows) > 1 else 'There are no open missions.')
+    return OK
+
+
+def _change(word: str, arguments: List[str]) -> int:
+    options = _options(word, f'tells the fleet manager to {word} a mission', arguments)
+    connect('mission_command')
+    listener = Listener('/mission_status', MissionStatus)
+    publisher = connected_publisher('/mission_command', MissionCommand)
+    message = MissionCommand(request_id=options.id, command=int(_CHANGES[word]))
+    message.header.stamp = rospy.Time.now()
+    deadline = time.monotonic() + 2.0
+    known = False
+    while time.monotonic() < deadline and not known:  # open missions are told to who comes new
+        listener.wait(0.2)
+        known = any(s.request_id == options.id for s in listener.take())
+    if not known:
+        raise CommandError(f'There is no open mission {options.id}; see mission list.', NOT_DONE)
+    publisher.publish(message)
+    deadline = time.monotonic() + PATIENCE
+    while time.monotonic() < deadline:
+        listener.wait(0.2)
+        for status in listener.take():
+            if status.request_id == options.id:
+                print(f'Mission {options.id}: {MissionState(status.state).name}')
+                return OK
+    raise CommandError(f'Nothing changed about mission {options.id}; see mission list.', NOT_DONE)
+
+
+def _history(arguments: List[str]) -> int:
+    parser = Parser('mission history', description='All missions, with their times.')
+    parser.add_argument('--csv', action='store_true', help='as CSV with all columns')
+    parser.add_argument('--journal', default='', help='file of path_supervisor; by default that of '
+                        'ROS_HOME on this computer')
+    options = parser.parse_args(arguments[1:])
+    path = options.journal or os.path.join(rospkg.get_ros_home(), 'graph_fleet_manager',
+                                           'fleet.sqlite')
+    try:
+        lines = history(path)
+    except (JournalError, sqlite3.Error) as error:
+        raise CommandError(str(error)) from None
+    rows = [_row(line) for line in lines]
+    if options.csv:
+        writer = csv.writer(sys.stdout, lineterminator='\n')
+        writer.writerow(_COLUMNS)
+        writer.writerows(rows)
+    else:
+        shown = (0, 1, 4, 5, 7, 11, 12)
+        print(table([[_COLUMNS[k] for k in shown], *([row[k] for k in shown] for row in rows)]))
+    return OK
+
+
+def _row(line: HistoryLine) -> List[str]:
+    begun = line.started if line.started is not None else line.ended
+    took = None if line.started is None or line.ended is None else line.ended - line.started
+    return [str(line.request_id), ' '.join(map(str, line.destinations)), line.robot_type,
+            str(line.priority), line.state.name, line.robot, str(line.reached),
+            _moment(line.accepted), _moment(line.started), _moment(line.ended),
+            '' if begun is None else f'{begun - line.accepted:.1f}',
+            '' if took is None else f'{took:.1f}',
+            line.reason]
+
+
+def _moment(seconds: Optional[float]) -> str:
+    if seconds is None:
+        return ''
+    return datetime.fromtimestamp(seconds).astimezone().isoformat(timespec='milliseconds')

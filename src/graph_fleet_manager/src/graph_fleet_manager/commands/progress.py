@@ -1,0 +1,84 @@
+"""How a mission goes on, for people: destination, place, when it will be there, what it waits for.
+"""
+from __future__ import annotations
+
+import sys
+import time
+from typing import Any, List, Optional, TextIO, Tuple
+
+from itrci_nav_msgs.msg import FleetPlan, FleetRobot, FleetState, MissionStatus
+from trajectory_graph import Graph
+
+EVERY = 5.0  # s between two lines where the output is no terminal and nothing new happens
+
+
+def line_of(status: MissionStatus, destinations: List[int], state: Optional[FleetState],
+            plan: Optional[FleetPlan], graph: Graph) -> str:
+    """One line that says how a mission is going."""
+    if status.state == MissionStatus.PENDING:
+        return f'waiting: {status.reason}' if status.reason else 'accepted'
+    if status.state == MissionStatus.PAUSED:
+        return f'{status.robot}: paused'
+    robot = _robot(state, status)
+    reached, count = status.destinations_reached, len(destinations)
+    if reached >= count:
+        return f'{status.robot}: {count} of {count} reached'
+    words = [f'{status.robot} to {destinations[reached]} ({reached + 1} of {count})']
+    if robot is not None:
+        if robot.pose.edge_id:
+            words.append(f'edge {robot.pose.edge_id} at {robot.pose.percentage:.0f} %')
+        seconds = _time_to_go(robot, destinations[reached], plan, graph)
+        if seconds is not None:
+            words.append(f'{seconds:.0f} s to go')
+        if robot.waits_for:
+            words.append(f'waits for {robot.waits_for}' if status.reason == '' else status.reason)
+    return ', '.join(words)
+
+
+def _robot(state: Optional[FleetState], status: MissionStatus) -> Optional[FleetRobot]:
+    robots = [] if state is None else state.robots
+    return next((robot for robot in robots if robot.name == status.robot
+                 and robot.request_id == status.request_id), None)
+
+
+def _time_to_go(robot: FleetRobot, destination: int, plan: Optional[FleetPlan],
+                graph: Graph) -> Optional[float]:
+    """Seconds to a destination by the plan, counted from where the robot is in it."""
+    plans = [] if plan is None else plan.plans
+    drives: List[Any] = next((p.drives for p in plans if p.robot == robot.name), [])
+    if not drives:
+        return None
+    first = drives[0]
+    driven = robot.pose.percentage / 100.0 if robot.pose.edge_id == first.edge_id else 0.0
+    here = first.start.to_sec() + driven * (first.end - first.start).to_sec()
+    for drive in drives:
+        if (abs(drive.edge_id) in graph.edges
+                and graph.end_vertex(drive.edge_id).id == destination):
+            return float(max(drive.end.to_sec() - here, 0.0))
+    return None
+
+
+class ProgressLine:
+    """Shows lines: on a terminal over each other, elsewhere below each other and fewer."""
+
+    def __init__(self, stream: Optional[TextIO] = None) -> None:
+        self._stream = sys.stdout if stream is None else stream
+        self._begun = time.monotonic()
+        self._shown: Tuple[Any, float] = (None, 0.0)
+        self._width = 0
+
+    def show(self, text: str, about: object) -> None:
+        """Shows a line; `about` is what must have changed for a new one off a terminal."""
+        seconds = int(time.monotonic() - self._begun)
+        line = f'{seconds // 60}:{seconds % 60:02d}  {text}'
+        if self._stream.isatty():
+            print('\r' + line.ljust(self._width), end='', file=self._stream, flush=True)
+            self._width = len(line)
+        elif self._shown[0] != about or seconds - self._shown[1] >= EVERY:
+            self._shown = (about, seconds)
+            print(line, file=self._stream, flush=True)
+
+    def end(self) -> None:
+        """Goes to a new line where that is needed."""
+        if self._stream.isatty() and self._width:
+            print(file=self._stream)

@@ -1,0 +1,99 @@
+"""Missions, routes and the state of the fleet in messages."""
+from __future__ import annotations
+
+import math
+from typing import Callable, Iterable, List, Sequence, Tuple
+
+import genpy
+
+from graph_fleet_manager.supervision.fleet_view import DriveView, RobotView
+from graph_fleet_manager.supervision.missions import Request, RequestRefused, Status
+from graph_fleet_manager.supervision.reports import (
+    EdgeState,
+    Pose,
+    Refusal,
+    Report,
+    WrongReport,
+)
+from itrci_nav_msgs import msg
+
+Moment = Callable[[float], genpy.Time]
+"""The ROS time of a moment of the supervisor's clock."""
+
+_LONGEST_REASON = 500  # letters of a robot's words that are kept
+
+
+def request_of(message: msg.MissionRequest) -> Request:
+    """What a message requests. Raises RequestRefused where a text in it cannot be read."""
+    for name, value in (('robot_type', message.robot_type), ('robot', message.robot)):
+        if value and not value.isprintable():
+            raise RequestRefused(f'its {name} holds what cannot be printed')
+    return Request(message.request_id, tuple(message.destination_vertices_id), message.robot_type,
+                   message.robot, message.priority, tuple(message.dwell),
+                   message.header.stamp.to_sec())
+
+
+def status_message(status: Status, now: genpy.Time) -> msg.MissionStatus:
+    """What became of a request."""
+    message = msg.MissionStatus(
+        request_id=status.request_id, state=int(status.state), robot=status.robot,
+        destinations_reached=status.reached, reason=status.reason)
+    message.header.stamp = now
+    return message
+
+
+def report_of(message: msg.ExecutionRouteStates, now: genpy.Time) -> Report:
+    """What a robot reports. Raises WrongReport for a state that does not exist."""
+    try:
+        states = tuple(EdgeState(edge.state) for edge in message.edge_states)
+    except ValueError:
+        raise WrongReport('it has a state that does not exist') from None
+    stamp = message.header.stamp
+    age = (now - stamp).to_sec() if stamp else 0.0
+    pose = message.symbolic_pose
+    return Report(message.route_id, tuple(edge.edge_id for edge in message.edge_states), states,
+                  Pose(pose.edge_id, pose.percentage / 100.0), _words(message.reason),
+                  stamp.to_sec(), max(age, 0.0))
+
+
+def refusal_of(message: msg.RouteRefused) -> Refusal:
+    """An order that a robot did not take up."""
+    return Refusal(message.route_id, tuple(message.edges), _words(message.reason))
+
+
+def _words(text: str) -> str:
+    return ''.join(letter if letter.isprintable() else '?' for letter in text[:_LONGEST_REASON])
+
+
+def route_message(route_id: int, edges: Sequence[int], stamp: genpy.Time) -> msg.TargetRoute:
+    """An order to a robot."""
+    message = msg.TargetRoute(route_id=route_id, edges=list(edges))
+    message.header.stamp = stamp
+    return message
+
+
+def state_message(robots: Iterable[RobotView], moment: Moment,
+                  now: genpy.Time) -> msg.FleetState:
+    """Every robot as it is now."""
+    message = msg.FleetState(robots=[
+        msg.FleetRobot(
+            name=robot.name, type=robot.type, state=int(robot.state),
+            pose=msg.SymbolicPose(robot.pose.edge, 100.0 * robot.pose.fraction),
+            seen=moment(robot.seen) if math.isfinite(robot.seen) else genpy.Time(0),
+            battery=robot.battery, has_mission=robot.mission is not None,
+            request_id=robot.mission or 0, destination=robot.destination or 0,
+            waits_for=robot.waits_for)
+        for robot in robots])
+    message.header.stamp = now
+    return message
+
+
+def plan_message(plans: Iterable[Tuple[str, List[DriveView]]], moment: Moment,
+                 now: genpy.Time) -> msg.FleetPlan:
+    """Every robot's plan."""
+    message = msg.FleetPlan(plans=[
+        msg.RobotPlan(name, [msg.PlannedDrive(drive.edge, moment(drive.start), moment(drive.end),
+                                              drive.released) for drive in drives])
+        for name, drives in plans])
+    message.header.stamp = now
+    return message

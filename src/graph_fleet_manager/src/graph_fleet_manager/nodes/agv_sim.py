@@ -1,0 +1,147 @@
+"""Simulated AGVs: every robot of the fleet file with `driver: agv`, all in this one process.
+
+They follow the edges of the graph exactly and speak the robot's side of the route protocol
+(docs/interface/route_protocol.md). A simulator is not respawned: what keeps it from starting is
+said once.
+
+Subscribes
+    /graph (itrci_nav_msgs/Graph): replaces the graph of ~graph_file
+    /<robot>/target_route (itrci_nav_msgs/TargetRoute)
+Publishes
+    /<robot>/execution_route_states (itrci_nav_msgs/ExecutionRouteStates, latched): 10 Hz and on
+        change while a route runs, else 1 Hz
+    /<robot>/route_refused (itrci_nav_msgs/RouteRefused)
+    /<robot>/battery_state (sensor_msgs/BatteryState): 1 Hz
+    /<robot>/pose (geometry_msgs/PoseStamped) and TF map -> <robot>/base_link: 20 Hz, the true pose
+Parameters
+    ~fleet_file    string  (required)
+    ~graph_file    string  (empty)  trajectory graph (YAML); empty: wait for /graph
+    ~sim_speed     float   1.0      factor on the AGVs' clock, 0.1 to 20
+    ~control_port  int     0        on 127.0.0.1: faults, and where all truly are; 0: none
+"""
+from __future__ import annotations
+
+import re
+import threading
+import time
+from typing import Any, Dict, List, Mapping, Optional
+
+import rospy
+from tf2_ros import TransformBroadcaster
+
+from graph_fleet_manager.agv.control_socket import ControlServer
+from graph_fleet_manager.agv.simulation import Simulation
+from graph_fleet_manager.fleet import Robot
+from graph_fleet_manager.nodes.agv_topics import AgvTopics
+from graph_fleet_manager.nodes.startup import ConfigurationError, fleet_of, number, parameter
+from itrci_nav_msgs.msg import Graph
+from trajectory_graph import Graph as TrajectoryGraph
+from trajectory_graph import GraphError, load_graph
+from trajectory_graph.messages import graph_from_message
+
+DRIVER = 'agv'  # of the robots that this node drives
+TICK = 0.05     # s
+_NAME = re.compile(r'[A-Za-z]\w*\Z', re.ASCII)
+
+
+class AgvSim:
+    """The node: see the module's text. One lock guards the simulation."""
+
+    def __init__(self) -> None:
+        self._robots = _read_robots()
+        self._speed = number('~sim_speed', 1.0, 0.1, 20.0)
+        self._lock = threading.Lock()
+        self._simulation: Optional[Simulation] = None
+        self._topics: Dict[str, AgvTopics] = {}
+        self._frames = TransformBroadcaster()
+        graph_file = parameter('~graph_file', '')
+        if graph_file:
+            self._begin(_read_graph(graph_file), graph_file)
+        port = parameter('~control_port', 0, int)
+        if port:
+            self._open_control(port)
+        rospy.Subscriber('/graph', Graph, self._on_graph, queue_size=1)
+        threading.Thread(target=self._run, name='simulation', daemon=True).start()
+
+    def _begin(self, graph: TrajectoryGraph, source: str) -> None:
+        for robot in self._robots:
+            if robot.vertex not in graph.vertices:
+                raise ConfigurationError(
+                    f'Robot {robot.name} of the fleet file stands on vertex {robot.vertex}, which '
+                    f'{source} does not have; choose another.')
+        simulation = Simulation(graph, self._robots, self._speed)
+        self._topics = {name: AgvTopics(vehicle, self._lock)
+                        for name, vehicle in simulation.vehicles.items()}
+        self._simulation = simulation
+
+    def _on_graph(self, message: Graph) -> None:
+        try:
+            graph = graph_from_message(message)
+            with self._lock:
+                if self._simulation is None:
+                    self._begin(graph, '/graph')
+                else:
+                    self._simulation.use_graph(graph)
+        except (GraphError, ConfigurationError) as error:
+            rospy.logerr('The graph of /graph is not used: %s', error)
+
+    def _open_control(self, port: int) -> None:
+        try:
+            ControlServer(port, self._inject, self._where)
+        except (OSError, OverflowError) as error:
+            raise ConfigurationError(f'The control port {port} cannot be used ({error}); choose '
+                                     'another one with ~control_port.') from None
+
+    def _inject(self, line: str) -> None:
+        with self._lock:
+            if self._simulation is None:
+                raise ValueError('there is no graph yet')
+            self._simulation.inject(line)
+
+    def _where(self) -> Mapping[str, Any]:
+        with self._lock:
+            return self._simulation.where() if self._simulation else {'time': 0.0, 'robots': {}}
+
+    def _run(self) -> None:
+        before = due = time.monotonic()
+        while not rospy.is_shutdown():
+            due = max(due + TICK, time.monotonic())
+            time.sleep(max(due - time.monotonic(), 0.0))
+            now = time.monotonic()
+            with self._lock:
+                if self._simulation is not None:
+                    self._simulation.advance(now - before, rospy.Time.now().to_nsec())
+                    frames = [topics.tell(now) for topics in self._topics.values()]
+                    self._frames.sendTransform([frame for frame in frames if frame is not None])
+            before = now
+
+
+def _read_robots() -> List[Robot]:
+    robots = [robot for robot in fleet_of().robots if robot.driver == DRIVER]
+    if not robots:
+        raise ConfigurationError('The fleet file has no robot with `driver: agv`: there is nothing '
+                                 'to simulate.')
+    for robot in robots:
+        if not _NAME.match(robot.name):
+            raise ConfigurationError(f'Robot {robot.name!r} needs a name of letters, digits and _ '
+                                     'that begins with a letter: it becomes part of topics.')
+    return robots
+
+
+def _read_graph(path: str) -> TrajectoryGraph:
+    try:
+        return load_graph(path)
+    except GraphError as error:
+        raise ConfigurationError(str(error)) from None
+
+
+def main() -> int:
+    """Runs the node; 1 with one sentence when it cannot start."""
+    rospy.init_node('agv_sim')
+    try:
+        AgvSim()
+    except ConfigurationError as error:
+        rospy.logfatal('%s', error)
+        return 1
+    rospy.spin()
+    return 0

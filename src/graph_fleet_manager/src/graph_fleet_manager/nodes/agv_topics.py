@@ -1,0 +1,101 @@
+"""The topics of one simulated AGV."""
+from __future__ import annotations
+
+import math
+import threading
+from typing import Optional
+
+import rospy
+from geometry_msgs.msg import PoseStamped, Quaternion, TransformStamped, Vector3
+from sensor_msgs.msg import BatteryState
+
+from graph_fleet_manager.agv.route_protocol import RouteReport
+from graph_fleet_manager.agv.vehicle import Vehicle
+from graph_fleet_manager.messages.agv import order_of, refusal_message, report_message
+from itrci_nav_msgs.msg import ExecutionRouteStates, RouteRefused, TargetRoute
+
+REPORT_PERIOD, IDLE_PERIOD = 0.1, 1.0  # s, with a route and without
+BATTERY_PERIOD = 1.0                   # s
+EARLY = 0.02                           # s that a period may be shorter, for the tick's sake
+
+
+class AgvTopics:
+    """Hears the orders of one vehicle, and publishes what it says. `lock` is the simulation's."""
+
+    def __init__(self, vehicle: Vehicle, lock: threading.Lock) -> None:
+        self._vehicle, self._lock = vehicle, lock
+        self._reported = self._charge_told = -math.inf
+        name = f'/{vehicle.name}/'
+        self._frame = f'{vehicle.name}/base_link'
+        self._states = rospy.Publisher(name + 'execution_route_states', ExecutionRouteStates,
+                                       queue_size=10, latch=True, tcp_nodelay=True)
+        self._refusals = rospy.Publisher(name + 'route_refused', RouteRefused, queue_size=10,
+                                         tcp_nodelay=True)
+        self._battery = rospy.Publisher(name + 'battery_state', BatteryState, queue_size=2,
+                                        latch=True)
+        self._pose = rospy.Publisher(name + 'pose', PoseStamped, queue_size=2)
+        rospy.Subscriber(name + 'target_route', TargetRoute, self._on_route, queue_size=100,
+                         tcp_nodelay=True)
+
+    def tell(self, now: float) -> Optional[TransformStamped]:
+        """Publishes what is due; returns the frame, None while the vehicle is silent.
+
+        `now` in s of any steady clock. The lock is held by the caller.
+        """
+        self._pass_on(now)
+        if self._vehicle.silent:
+            return None
+        period = REPORT_PERIOD if self._vehicle.running else IDLE_PERIOD
+        if now - self._reported >= period - EARLY:
+            self._report(self._vehicle.report(), now)
+        stamp = rospy.Time(*divmod(self._vehicle.stamp, 1_000_000_000))
+        if now - self._charge_told >= BATTERY_PERIOD - EARLY:
+            self._charge_told = now
+            self._battery.publish(_battery_message(self._vehicle, stamp))
+        pose = _pose_message(self._vehicle, stamp)
+        self._pose.publish(pose)
+        frame = TransformStamped(header=pose.header, child_frame_id=self._frame)
+        position = pose.pose.position
+        frame.transform.translation = Vector3(position.x, position.y, position.z)
+        frame.transform.rotation = pose.pose.orientation
+        return frame
+
+    def _on_route(self, message: TargetRoute) -> None:
+        with self._lock:
+            self._vehicle.handle(order_of(message, rospy.Time.now()))
+            self._pass_on(self._reported)
+
+    def _pass_on(self, now: float) -> None:
+        for message in self._vehicle.take_messages():
+            if isinstance(message, RouteReport):
+                self._report(message, now)
+            else:
+                rospy.logwarn('%s refused route %d: %s.', self._vehicle.name, message.route_id,
+                              message.reason)
+                self._refusals.publish(refusal_message(message, rospy.Time.now()))
+
+    def _report(self, report: RouteReport, now: float) -> None:
+        self._reported = now
+        self._states.publish(report_message(report))
+
+
+def _pose_message(vehicle: Vehicle, stamp: rospy.Time) -> PoseStamped:
+    x, y, heading = vehicle.pose
+    message = PoseStamped()
+    message.header.stamp, message.header.frame_id = stamp, 'map'
+    message.pose.position.x, message.pose.position.y = x, y
+    message.pose.orientation = Quaternion(0.0, 0.0, math.sin(heading / 2.0),
+                                          math.cos(heading / 2.0))
+    return message
+
+
+def _battery_message(vehicle: Vehicle, stamp: rospy.Time) -> BatteryState:
+    battery = vehicle.battery
+    unknown = math.nan
+    message = BatteryState(
+        percentage=battery.charge / 100.0, present=True, voltage=unknown, current=unknown,
+        charge=unknown, capacity=unknown, design_capacity=unknown, temperature=unknown,
+        power_supply_status=(BatteryState.POWER_SUPPLY_STATUS_CHARGING if battery.charging
+                             else BatteryState.POWER_SUPPLY_STATUS_DISCHARGING))
+    message.header.stamp = stamp
+    return message

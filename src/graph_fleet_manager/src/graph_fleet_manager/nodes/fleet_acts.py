@@ -1,0 +1,91 @@
+"""What the menus of a fleet do: requests, commands and services of the fleet manager."""
+from __future__ import annotations
+
+import random
+import threading
+from typing import Callable, Dict, FrozenSet
+
+import rospy
+from std_srvs.srv import Trigger
+
+from graph_fleet_manager.nodes.rviz.menus import Act, Subject
+from itrci_nav_msgs.msg import ClosedEdges, FleetRobot, MissionCommand, MissionRequest
+
+WAIT = 1.0  # s for a service that may not be there
+_COMMANDS = {Act.CANCEL: MissionCommand.CANCEL, Act.PAUSE: MissionCommand.PAUSE,
+             Act.RESUME: MissionCommand.RESUME, Act.RELEASE: MissionCommand.RELEASE}
+_SERVICES = {Act.STOP_ALL: '/stop_fleet', Act.RESUME_ALL: '/resume_fleet',
+             Act.OUT: '/{}/leave_fleet', Act.IN: '/{}/join_fleet'}
+
+
+class FleetActs:
+    """Does what a menu asks for, and tells by `say` what became of it."""
+
+    def __init__(self, say: Callable[[str], None]) -> None:
+        self._say = say
+        self.robots: Dict[str, FleetRobot] = {}
+        self.closed: FrozenSet[int] = frozenset()
+        self.chosen = ''
+        """Robot that the next mission is for."""
+        self._requests = rospy.Publisher('/mission_request', MissionRequest, queue_size=10)
+        self._commands = rospy.Publisher('/mission_command', MissionCommand, queue_size=10)
+        self._closures = rospy.Publisher('/closed_edges', ClosedEdges, queue_size=10)
+
+    def act(self, act: Act, subject: Subject) -> None:
+        """One choice in a menu. Never waits: a service is called by a thread of its own."""
+        if act in _SERVICES:
+            threading.Thread(target=self._call, args=(_SERVICES[act].format(subject.robot), act),
+                             daemon=True).start()
+        elif act in _COMMANDS:
+            self._command(act, subject.robot)
+        elif act is Act.CHOOSE:
+            self.chosen = '' if self.chosen == subject.robot else subject.robot
+            self._say(f'{self.chosen} is chosen: send it from the menu of a vertex'
+                      if self.chosen else f'{subject.robot} is not chosen any more')
+        elif act is Act.SEND_ANY:
+            self._send(subject.vertex, '')
+        elif act is Act.SEND_CHOSEN:
+            if self.chosen in self.robots:
+                self._send(subject.vertex, self.chosen)
+            else:
+                self._say('No robot is chosen: click one first')
+        else:
+            self._close(act, subject.edge)
+
+    def _send(self, vertex: int, robot: str) -> None:
+        request = MissionRequest(request_id=random.randint(1, 2 ** 31 - 1),
+                                 destination_vertices_id=[vertex], robot=robot)
+        request.header.stamp = rospy.Time.now()
+        if not self._requests.get_num_connections():
+            self._say('Nobody takes missions: is path_supervisor running?')
+            return
+        self._requests.publish(request)
+        self._say(f'{robot or "A robot"} is sent to vertex {vertex}, '
+                  f'as mission {request.request_id}')
+
+    def _command(self, act: Act, name: str) -> None:
+        robot = self.robots.get(name)
+        if robot is None or not robot.has_mission:
+            self._say(f'{name} has no mission')
+            return
+        command = MissionCommand(request_id=robot.request_id, command=_COMMANDS[act])
+        command.header.stamp = rospy.Time.now()
+        self._commands.publish(command)
+        self._say(f'{act.value}: {name}, mission {robot.request_id}')
+
+    def _close(self, act: Act, edge: int) -> None:
+        edges = {Act.CLOSE: self.closed | {edge}, Act.OPEN: self.closed - {edge},
+                 Act.OPEN_ALL: frozenset()}[act]
+        message = ClosedEdges(edges=sorted(edges))
+        message.header.stamp = rospy.Time.now()
+        self._closures.publish(message)
+        self._say(f'Closed edges: {", ".join(map(str, message.edges)) or "none"}')
+
+    def _call(self, service: str, act: Act) -> None:
+        try:
+            rospy.wait_for_service(service, WAIT)
+            answer = rospy.ServiceProxy(service, Trigger)()
+        except (rospy.ROSException, rospy.ServiceException) as error:
+            self._say(f'{act.value}: NOT DONE, {service} does not answer ({error})')
+            return
+        self._say(answer.message or f'{act.value}: {"done" if answer.success else "not done"}')

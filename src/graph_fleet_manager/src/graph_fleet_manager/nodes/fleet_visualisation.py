@@ -1,0 +1,205 @@
+"""The whole fleet in RViz: robots, plans, graph, and menus that send missions and stop robots.
+
+Draws what the fleet manager tells, and where a robot's own /<robot>/pose is heard, its true place.
+
+Subscribes
+    /graph, /closed_edges_in_force, /parking, /docking_points (latched, of graph_server)
+    /fleet_state, /fleet_plan (latched, of path_supervisor), /mission_status
+    /<robot>/pose (geometry_msgs/PoseStamped) of every robot in /fleet_state, where there is one
+Publishes
+    /fleet_markers/graph, /fleet_markers/plans (visualization_msgs/MarkerArray, latched)
+    /fleet_markers/robots (10 Hz), /fleet_markers/feedback (visualization_msgs/MarkerArray)
+    /fleet_menus/update (visualization_msgs/InteractiveMarkerUpdate)
+    /mission_request, /mission_command, /closed_edges: what the menus ask for
+Client of (std_srvs/Trigger)
+    /stop_fleet, /resume_fleet, /<robot>/leave_fleet, /<robot>/join_fleet
+Parameters
+    ~fleet_file  string  (empty)  fleet file: how large the robots are; empty: 0.4 m in radius
+"""
+from __future__ import annotations
+
+import threading
+from typing import Dict, FrozenSet, List, Optional
+
+import rospy
+from visualization_msgs.msg import Marker, MarkerArray
+
+from graph_fleet_manager.nodes.fleet_acts import FleetActs
+from graph_fleet_manager.nodes.rviz import drawing
+from graph_fleet_manager.nodes.rviz.graph_picture import graph_markers
+from graph_fleet_manager.nodes.rviz.menus import FleetMenus
+from graph_fleet_manager.nodes.rviz.plan_picture import plan_markers
+from graph_fleet_manager.nodes.rviz.robot_picture import Place, place_on_graph, robot_markers
+from graph_fleet_manager.nodes.rviz.true_places import TruePlaces
+from graph_fleet_manager.nodes.startup import fleet_of, parameter, run
+from itrci_nav_msgs.msg import (
+    ClosedEdges,
+    DockingPoints,
+    FleetPlan,
+    FleetState,
+    MissionStatus,
+    ParkingPlaces,
+)
+from itrci_nav_msgs.msg import Graph as GraphMessage
+from trajectory_graph import Graph, GraphError
+from trajectory_graph.messages import graph_from_message
+
+PERIOD = 0.1         # s between two pictures of the robots
+SLOW = 3             # so many of these between two pictures of the plans, and moves of the handles
+RADIUS = 0.4         # m, of a robot whose type nobody describes
+FEEDBACK_TIME = 8.0  # s that a sentence stays
+_BAD = {MissionStatus.FAILED: 'failed', MissionStatus.REFUSED: 'was refused',
+        MissionStatus.CANCELLED: 'was cancelled'}
+
+
+class FleetVisualisation:
+    """The node: see the module's text. `_lock` guards everything that callbacks set."""
+
+    def __init__(self) -> None:
+        self._radii: Dict[str, float] = {}
+        if parameter('~fleet_file', ''):
+            self._radii = {kind.name: kind.radius for kind in fleet_of().types}
+        self._lock = threading.RLock()
+        self._graph: Optional[Graph] = None
+        self._closed: FrozenSet[int] = frozenset()
+        self._parking: FrozenSet[int] = frozenset()
+        self._docks: FrozenSet[int] = frozenset()
+        self._state, self._plan = FleetState(), FleetPlan()
+        self._numbers: Dict[str, int] = {}
+        self._drawn: Dict[str, int] = {}
+        self._changed = False
+        self._ticks = 0
+        self._places = TruePlaces()
+        self._pictures = {name: rospy.Publisher(f'/fleet_markers/{name}', MarkerArray,
+                                                queue_size=2, latch=name in ('graph', 'plans'))
+                          for name in ('graph', 'plans', 'robots', 'feedback')}
+        self._acts = FleetActs(self._say)
+        self._menus = FleetMenus(self._acts.act)
+        for topic, kind, callback in (
+                ('/graph', GraphMessage, self._on_graph),
+                ('/closed_edges_in_force', ClosedEdges, self._on_closed),
+                ('/parking', ParkingPlaces, self._on_parking),
+                ('/docking_points', DockingPoints, self._on_docks),
+                ('/fleet_state', FleetState, self._on_state),
+                ('/fleet_plan', FleetPlan, self._on_plan),
+                ('/mission_status', MissionStatus, self._on_status)):
+            rospy.Subscriber(topic, kind, callback, queue_size=20)
+        self._timer = rospy.Timer(rospy.Duration(PERIOD), self._tick)
+
+    # --- what the fleet manager tells ------------------------------------------------------------
+
+    def _on_graph(self, message: GraphMessage) -> None:
+        try:
+            graph = graph_from_message(message)
+        except GraphError as error:
+            rospy.logerr('The graph of /graph is not shown: %s', error)
+            return
+        with self._lock:
+            self._graph = graph
+            self._menus.show_graph(graph)
+            self._draw_graph()
+
+    def _on_closed(self, message: ClosedEdges) -> None:
+        with self._lock:
+            self._closed = self._acts.closed = frozenset(message.edges)
+            self._draw_graph()
+
+    def _on_parking(self, message: ParkingPlaces) -> None:
+        with self._lock:
+            self._parking = frozenset(message.vertices)
+            self._draw_graph()
+
+    def _on_docks(self, message: DockingPoints) -> None:
+        with self._lock:
+            self._docks = frozenset(point.vertex_id for point in message.docking_points)
+            self._draw_graph()
+
+    def _on_state(self, message: FleetState) -> None:
+        with self._lock:
+            self._state = message
+            self._changed = True
+            self._acts.robots = {robot.name: robot for robot in message.robots}
+            for robot in message.robots:
+                self._numbers.setdefault(robot.name, len(self._numbers))
+        self._places.follow([robot.name for robot in message.robots])
+
+    def _on_plan(self, message: FleetPlan) -> None:
+        with self._lock:
+            self._plan, self._changed = message, True
+
+    def _on_status(self, message: MissionStatus) -> None:
+        if message.state in _BAD:
+            why = f': {message.reason}' if message.reason else ''
+            self._say(f'Mission {message.request_id} {_BAD[message.state]}{why}')
+
+    # --- what is drawn ---------------------------------------------------------------------------
+
+    def _draw_graph(self) -> None:
+        if self._graph is not None:
+            docks = self._docks or frozenset(
+                vertex.id for vertex in self._graph.vertices.values() if vertex.dock)
+            self._pictures['graph'].publish(graph_markers(
+                self._graph, self._closed, self._parking - docks, docks))
+
+    def _tick(self, _event: rospy.timer.TimerEvent) -> None:
+        with self._lock:
+            graph, state = self._graph, self._state
+            if graph is None:
+                return
+            try:
+                self._draw(graph, state)
+            except rospy.ROSException:
+                if not rospy.is_shutdown():  # then all topics are closed
+                    raise
+
+    def _draw(self, graph: Graph, state: FleetState) -> None:
+        self._ticks += 1
+        places = self._draw_robots(graph, state)
+        if self._ticks % SLOW == 0:
+            self._menus.show_robots(places)
+            if self._changed:
+                self._changed = False
+                self._pictures['plans'].publish(
+                    plan_markers(graph, self._plan, state, self._numbers))
+
+    def _draw_robots(self, graph: Graph, state: FleetState) -> Dict[str, Place]:
+        """Draws all robots of which it is known where they are; tells these places."""
+        now = rospy.Time.now().to_sec()
+        places: Dict[str, Place] = {}
+        markers: List[Marker] = []
+        drawn: Dict[str, int] = {}
+        for robot in state.robots:
+            place = self._places.of(robot.name, now) or place_on_graph(robot, graph)
+            place = place or self._places.last(robot.name)
+            if place is None:
+                continue
+            places[robot.name] = place
+            drawn[robot.name] = number = self._numbers[robot.name]
+            markers += robot_markers(robot, number, place, self._radii.get(robot.type, RADIUS), now,
+                                     robot.name == self._acts.chosen)
+        for name, number in self._drawn.items():
+            if name not in drawn:
+                markers += [Marker(ns=namespace, id=number, action=Marker.DELETE)
+                            for namespace in ('bodies', 'noses', 'names', 'outlines')]
+        self._drawn = drawn
+        if markers:
+            self._pictures['robots'].publish(MarkerArray(markers))
+        return places
+
+    def _say(self, sentence: str) -> None:
+        """Shows a sentence above the graph for some seconds."""
+        rospy.loginfo('%s', sentence)
+        with self._lock:
+            if self._graph is None:
+                return
+            xs = [vertex.x for vertex in self._graph.vertices.values()]
+            top = max(vertex.y for vertex in self._graph.vertices.values())
+        marker = drawing.text('feedback', 0, sentence, ((min(xs) + max(xs)) / 2.0 + 3.0, top + 2.4),
+                              0.4, drawing.colour(1.0, 0.9, 0.4), z=2.0)
+        marker.lifetime = rospy.Duration(FEEDBACK_TIME)
+        self._pictures['feedback'].publish(MarkerArray([marker]))
+
+
+def main() -> None:
+    """Runs the node."""
+    run('fleet_visualisation', FleetVisualisation)

@@ -1,0 +1,54 @@
+"""The graph of a fleet as RViz draws it: edges, closed ones, vertices, parking, docks."""
+from __future__ import annotations
+
+from typing import Collection, List
+
+from visualization_msgs.msg import Marker, MarkerArray
+
+from graph_fleet_manager.nodes.rviz import drawing
+from trajectory_graph import Graph
+
+EDGE, CLOSED = drawing.colour(0.55, 0.56, 0.62), drawing.colour(1.0, 0.18, 0.15)
+PARKING, DOCK = drawing.colour(0.25, 0.45, 0.95, 0.55), drawing.colour(0.2, 0.8, 0.35, 0.7)
+NAME = drawing.colour(0.82, 0.83, 0.88)
+EDGE_WIDTH, CLOSED_WIDTH = 0.05, 0.14
+RING, SQUARE = 0.16, 0.62
+_Z = 0.02
+
+
+def graph_markers(graph: Graph, closed: Collection[int], parking: Collection[int],
+                  docks: Collection[int]) -> MarkerArray:
+    """Everything of the graph; `closed` are ids of edges, `parking` and `docks` of vertices.
+
+    A vertex that the graph forbids as parking, like those where a long edge was cut, has no name.
+    """
+    shut = [id for id in graph.edges if id in closed]
+    markers: List[Marker] = [
+        drawing.lines('edges', 0, EDGE, EDGE_WIDTH,
+                      [graph.curve(id).sample(drawing.STEP) for id in graph.edges
+                       if id not in closed], _Z),
+        drawing.lines('closed', 0, CLOSED, CLOSED_WIDTH,
+                      [graph.curve(id).sample(drawing.STEP) for id in shut], 2 * _Z),
+        drawing.lines('vertices', 0, EDGE, EDGE_WIDTH,
+                      [drawing.ring(vertex.position, RING if is_place(graph, vertex.id) else 0.06)
+                       for vertex in graph.vertices.values()], _Z)]
+    for namespace, ids, paint in (('parking', parking, PARKING), ('docks', docks, DOCK)):
+        for id in ids:
+            if id in graph.vertices:
+                markers.append(drawing.shape(
+                    Marker.CUBE, namespace, id, paint, (SQUARE, SQUARE, 0.01),
+                    drawing.pose_at(graph.vertices[id].position, z=_Z / 2)))
+    for id in shut:
+        curve = graph.curve(id)
+        x, y = curve.point_at(curve.length / 2.0)
+        markers.append(drawing.text('closed_names', id, 'closed', (x, y + 0.4), 0.32, CLOSED))
+    for vertex in graph.vertices.values():
+        if is_place(graph, vertex.id):
+            markers.append(drawing.text('names', vertex.id, str(vertex.id),
+                                        (vertex.x + 0.34, vertex.y - 0.38), 0.32, NAME, z=0.1))
+    return drawing.complete(markers)
+
+
+def is_place(graph: Graph, vertex: int) -> bool:
+    """Is it a place to go to, or only one where a long edge was cut?"""
+    return graph.vertices[vertex].parking is not False

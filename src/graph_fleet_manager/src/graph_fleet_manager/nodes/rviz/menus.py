@@ -1,0 +1,154 @@
+"""Handles in RViz with menus: vertices, edges, robots, and a button that stops the whole fleet."""
+from __future__ import annotations
+
+import enum
+from typing import Callable, Dict, Iterable, List, Mapping, NamedTuple, Optional, Tuple
+
+from interactive_markers.interactive_marker_server import InteractiveMarkerServer
+from interactive_markers.menu_handler import MenuHandler
+from std_msgs.msg import ColorRGBA
+from visualization_msgs.msg import (
+    InteractiveMarker,
+    InteractiveMarkerControl,
+    InteractiveMarkerFeedback,
+    Marker,
+)
+
+from graph_fleet_manager.nodes.rviz import drawing
+from graph_fleet_manager.nodes.rviz.graph_picture import is_place
+from graph_fleet_manager.nodes.rviz.robot_picture import Place
+from trajectory_graph import Graph
+
+VERTEX_SIZE, EDGE_SIZE, ROBOT_SIZE = 0.6, 0.3, 1.2  # m across
+VERTEX_PAINT = drawing.colour(0.6, 0.65, 0.8, 0.12)
+EDGE_PAINT = drawing.colour(0.7, 0.7, 0.75, 0.25)
+ROBOT_PAINT = drawing.colour(1.0, 1.0, 1.0, 0.05)
+STOP_PAINT, RESUME_PAINT = drawing.colour(0.85, 0.1, 0.1), drawing.colour(0.15, 0.55, 0.25)
+BUTTON = (2.6, 0.8)  # m
+MOVED = 0.02         # m that a robot's handle lets it be away
+BUTTON_ABOVE = 2.4  # m that the buttons are above the graph
+
+
+class Act(enum.Enum):
+    """What a menu asks for; the value is the menu's text."""
+
+    SEND_ANY = 'Send a robot here'
+    SEND_CHOSEN = 'Send the chosen robot here'
+    CLOSE = 'Close'
+    OPEN = 'Open'
+    OPEN_ALL = 'Open all edges'
+    CHOOSE = 'Choose (for "Send the chosen robot here")'
+    CANCEL = 'Cancel its mission'
+    PAUSE = 'Pause its mission'
+    RESUME = 'Go on with its mission'
+    RELEASE = 'End its stay'
+    OUT = 'Stop it, and take it out of service'
+    IN = 'Put it back into service'
+    STOP_ALL = 'Stop all robots'
+    RESUME_ALL = 'Let all robots go on'
+
+
+VERTEX_MENU = (Act.SEND_ANY, Act.SEND_CHOSEN, Act.STOP_ALL)
+EDGE_MENU = (Act.CLOSE, Act.OPEN, Act.OPEN_ALL)
+ROBOT_MENU = (Act.CHOOSE, Act.CANCEL, Act.PAUSE, Act.RESUME, Act.RELEASE, Act.OUT, Act.IN,
+              Act.STOP_ALL)
+
+
+class Subject(NamedTuple):
+    """What a handle stands for: a vertex, an edge or a robot; neither: the fleet."""
+
+    vertex: int = 0
+    edge: int = 0
+    robot: str = ''
+
+
+class FleetMenus:
+    """The handles, on `/fleet_menus/update` and `/feedback`; `act` is told every choice."""
+
+    def __init__(self, act: Callable[[Act, Subject], None]) -> None:
+        self._act = act
+        self._server = InteractiveMarkerServer('/fleet_menus', q_size=10)
+        self._menus: Dict[str, MenuHandler] = {}
+        self._robots: Dict[str, Place] = {}
+
+    def show_graph(self, graph: Graph) -> None:
+        """Handles on places and edges, in place of those of the graph before; and the buttons."""
+        for name in [name for name in self._menus if not name.startswith('robot ')]:
+            self._remove(name)
+        for vertex in graph.vertices.values():
+            if is_place(graph, vertex.id):
+                self._insert(f'vertex {vertex.id}', vertex.position, [
+                    _disc(VERTEX_SIZE, 0.06, VERTEX_PAINT)], VERTEX_MENU, Subject(vertex.id))
+        for id in graph.edges:
+            curve = graph.curve(id)
+            self._insert(f'edge {id}', curve.point_at(curve.length / 2.0), [
+                _disc(EDGE_SIZE, 0.07, EDGE_PAINT)], EDGE_MENU, Subject(edge=id))
+        left = min(vertex.x for vertex in graph.vertices.values())
+        top = max(vertex.y for vertex in graph.vertices.values()) + BUTTON_ABOVE
+        for number, (act, words, paint) in enumerate((
+                (Act.STOP_ALL, 'STOP ALL', STOP_PAINT), (Act.RESUME_ALL, 'GO ON', RESUME_PAINT))):
+            self._insert(f'button {words}', (left + (BUTTON[0] + 0.3) * number, top),
+                         _button(words, paint), (act,), Subject(), act)
+        self._server.applyChanges()
+
+    def show_robots(self, places: Mapping[str, Place]) -> None:
+        """Handles on robots, where they are now; those that are gone disappear."""
+        changed = False
+        for name in [name for name in self._robots if name not in places]:
+            del self._robots[name]
+            self._remove(f'robot {name}')
+            changed = True
+        for name, place in places.items():
+            before = self._robots.get(name)
+            if before is None:
+                self._insert(f'robot {name}', (place.x, place.y), [
+                    _disc(ROBOT_SIZE, 0.45, ROBOT_PAINT)], ROBOT_MENU, Subject(robot=name),
+                    Act.CHOOSE)
+            elif max(abs(before.x - place.x), abs(before.y - place.y)) > MOVED:
+                self._server.setPose(f'robot {name}', drawing.pose_at((place.x, place.y)))
+            else:
+                continue
+            self._robots[name] = place
+            changed = True
+        if changed:
+            self._server.applyChanges()
+
+    def _insert(self, name: str, place: Tuple[float, float], shapes: List[Marker],
+                menu: Iterable[Act], subject: Subject, left_click: Optional[Act] = None) -> None:
+        marker = InteractiveMarker(name=name, scale=1.0, pose=drawing.pose_at(place))
+        marker.header.frame_id = drawing.FRAME
+        for part in shapes:
+            part.header.frame_id = ''  # relative to the handle
+        marker.controls.append(InteractiveMarkerControl(
+            name='menu', always_visible=True, markers=shapes,
+            interaction_mode=(InteractiveMarkerControl.BUTTON if left_click
+                              else InteractiveMarkerControl.MENU)))
+
+        def on_feedback(feedback: InteractiveMarkerFeedback) -> None:
+            if left_click and feedback.event_type == InteractiveMarkerFeedback.BUTTON_CLICK:
+                self._act(left_click, subject)
+
+        self._server.insert(marker, on_feedback)
+        handler = MenuHandler()
+        for act in menu:
+            handler.insert(act.value, callback=self._chosen(act, subject))
+        handler.apply(self._server, name)
+        self._menus[name] = handler
+
+    def _chosen(self, act: Act, subject: Subject) -> Callable[[InteractiveMarkerFeedback], None]:
+        return lambda _feedback: self._act(act, subject)
+
+    def _remove(self, name: str) -> None:
+        self._server.erase(name)
+        del self._menus[name]
+
+
+def _disc(size: float, z: float, paint: ColorRGBA) -> Marker:
+    return drawing.shape(Marker.CYLINDER, '', 0, paint, (size, size, 0.02),
+                         drawing.pose_at((0.0, 0.0), z=z))
+
+
+def _button(words: str, paint: ColorRGBA) -> List[Marker]:
+    middle = BUTTON[0] / 2.0, 0.0
+    return [drawing.shape(Marker.CUBE, '', 0, paint, (*BUTTON, 0.05), drawing.pose_at(middle)),
+            drawing.text('', 0, words, middle, 0.45, drawing.colour(1.0, 1.0, 1.0), z=0.2)]

@@ -1,0 +1,55 @@
+"""The plans of a fleet as RViz draws them, each in its robot's colour."""
+from __future__ import annotations
+
+from typing import Dict, List, Mapping, Sequence, Set
+
+from visualization_msgs.msg import Marker, MarkerArray
+
+from graph_fleet_manager.nodes.rviz import drawing
+from itrci_nav_msgs.msg import FleetPlan, FleetRobot, FleetState
+from trajectory_graph import Graph
+
+PLAN_WIDTH, RELEASED_WIDTH, BLOCKED_WIDTH = 0.04, 0.13, 0.22
+BLOCKED = drawing.colour(1.0, 0.55, 0.1, 0.8)
+LANE = 0.07     # m between the plans of two robots on one edge
+LANES = 4
+_Z = 0.05
+#: States in which a robot obeys nobody: what it holds is blocked for the others.
+BLOCKING = frozenset((FleetRobot.OFFLINE, FleetRobot.STOPPED, FleetRobot.TAKEN_OVER,
+                      FleetRobot.FAILED, FleetRobot.OFF_GRAPH, FleetRobot.OUT_OF_SERVICE))
+
+
+def plan_markers(graph: Graph, plan: FleetPlan, state: FleetState,
+                 numbers: Mapping[str, int]) -> MarkerArray:
+    """Plans thin, their released parts thick, a ring at each destination; blocked edges orange.
+
+    numbers -- by robot, which colour it has
+    """
+    drives: Dict[str, Sequence] = {one.robot: one.drives for one in plan.plans}
+    markers: List[Marker] = []
+    blocked: Set[int] = set()
+    for robot in state.robots:
+        number = numbers.get(robot.name, 0)
+        known = [drive for drive in drives.get(robot.name, ()) if abs(drive.edge_id) in graph.edges]
+        if robot.state in BLOCKING:
+            blocked.update(abs(drive.edge_id) for drive in known if drive.released)
+            if abs(robot.pose.edge_id) in graph.edges:
+                blocked.add(abs(robot.pose.edge_id))
+            continue
+        paint = drawing.own_colour(number)
+        for name, width, released in (('plans', PLAN_WIDTH, False),
+                                      ('released', RELEASED_WIDTH, True)):
+            edges = dict.fromkeys(drive.edge_id for drive in known if drive.released == released)
+            lane = LANE * (number % LANES + 0.5)
+            markers.append(drawing.lines(
+                name, number, paint, width,
+                [drawing.beside(graph.curve(edge), lane) for edge in edges],
+                _Z + 0.001 * number))
+        if robot.destination in graph.vertices and robot.has_mission:
+            place = graph.vertices[robot.destination].position
+            markers.append(drawing.lines('destinations', number, paint, 0.07,
+                                         [drawing.ring(place, 0.3 + 0.05 * (number % LANES))], _Z))
+    markers.append(drawing.lines('blocked', 0, BLOCKED, BLOCKED_WIDTH,
+                                 [graph.curve(edge).sample(drawing.STEP) for edge in blocked],
+                                 _Z / 2))
+    return drawing.complete([marker for marker in markers if marker.action == Marker.ADD])

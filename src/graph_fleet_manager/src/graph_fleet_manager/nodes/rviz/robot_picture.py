@@ -1,0 +1,95 @@
+"""The robots of a fleet as RViz draws them: body, name, state, mission, what they wait for."""
+from __future__ import annotations
+
+import math
+import textwrap
+from dataclasses import dataclass
+from typing import Dict, List, Optional, Tuple
+
+import rospy
+from visualization_msgs.msg import Marker
+
+from graph_fleet_manager.nodes.rviz import drawing
+from itrci_nav_msgs.msg import FleetRobot
+from trajectory_graph import Graph
+
+GREY, RED = drawing.colour(0.62, 0.62, 0.62), drawing.colour(1.0, 0.25, 0.2)
+DARK, WHITE = drawing.colour(0.1, 0.1, 0.12), drawing.colour(1.0, 1.0, 1.0)
+LIFETIME = 3.0  # s: when the node ends, no robot stays on the screen
+TEXT_HEIGHT = 0.38
+_WORDS: Dict[int, str] = {
+    FleetRobot.IDLE: 'idle', FleetRobot.CHARGING: 'charging', FleetRobot.OFFLINE: 'offline',
+    FleetRobot.STOPPED: 'emergency stop', FleetRobot.TAKEN_OVER: 'taken over',
+    FleetRobot.FAILED: 'failed', FleetRobot.OFF_GRAPH: 'off the graph',
+    FleetRobot.OUT_OF_SERVICE: 'out of service'}
+_TROUBLE = frozenset((FleetRobot.STOPPED, FleetRobot.TAKEN_OVER, FleetRobot.FAILED,
+                      FleetRobot.OFF_GRAPH))
+WAIT_WIDTH, WAIT_LINES = 24, 2  # characters and lines for what a robot waits for
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a robot is: x, y (m) and heading (rad)."""
+
+    x: float
+    y: float
+    heading: float
+
+
+def place_on_graph(robot: FleetRobot, graph: Graph) -> Optional[Place]:
+    """Where its symbolic pose is; None off the graph."""
+    edge = robot.pose.edge_id
+    if abs(edge) not in graph.edges or not math.isfinite(robot.pose.percentage):
+        return None
+    curve = graph.curve(edge)
+    s = curve.length * min(max(robot.pose.percentage, 0.0), 100.0) / 100.0
+    return Place(*curve.point_at(s), curve.heading_at(s))
+
+
+def robot_markers(robot: FleetRobot, number: int, place: Place, radius: float,
+                  now: float, chosen: bool) -> List[Marker]:
+    """The markers of one robot with a body of this radius (m); `now` in s of the ROS clock."""
+    gone = robot.state in (FleetRobot.OFFLINE, FleetRobot.OUT_OF_SERVICE)
+    paint = GREY if gone else drawing.own_colour(number)
+    here = place.x, place.y
+    length, width = 1.55 * radius, 1.15 * radius
+    body = drawing.shape(Marker.CUBE, 'bodies', number, paint, (length, width, 0.3),
+                         drawing.pose_at(here, place.heading, 0.2))
+    nose = drawing.shape(Marker.ARROW, 'noses', number, DARK, (length * 0.8, width * 0.45, 0.05),
+                         drawing.pose_at(_along(place, -0.4 * length), place.heading, 0.4))
+    label = drawing.text('names', number, words_of(robot, now),
+                         (place.x, place.y + radius + 0.5), TEXT_HEIGHT,
+                         RED if robot.state in _TROUBLE else GREY if gone else WHITE, 1.5)
+    markers = [body, nose, label]
+    trouble = robot.state in _TROUBLE
+    outline = drawing.lines('outlines', number, RED if trouble else WHITE, 0.08,
+                            [drawing.ring(here, radius + 0.12)] if trouble or chosen else [], 0.3)
+    markers.append(outline)
+    for marker in markers:
+        marker.lifetime = rospy.Duration(LIFETIME)
+    return markers
+
+
+def words_of(robot: FleetRobot, now: float) -> str:
+    """Name and battery; what it does; what it waits for."""
+    charge = '' if math.isnan(robot.battery) else f'  {100.0 * robot.battery:.0f} %'
+    doing = _WORDS.get(robot.state, '')
+    if robot.state == FleetRobot.BUSY:
+        doing = f'to {robot.destination}' if robot.destination else 'driving'
+    elif robot.state == FleetRobot.OFFLINE and robot.seen.to_sec() > 0.0:
+        doing += f' for {_duration(now - robot.seen.to_sec())}'
+    lines = [robot.name + charge, doing]
+    if robot.waits_for and robot.state != FleetRobot.OFFLINE:
+        lines += textwrap.wrap(f'({robot.waits_for})', WAIT_WIDTH, max_lines=WAIT_LINES,
+                               placeholder=' ...')
+    return '\n'.join(lines)
+
+
+def _duration(seconds: float) -> str:
+    seconds = max(seconds, 0.0)
+    return f'{seconds:.0f} s' if seconds < 120.0 else f'{seconds / 60.0:.0f} min'
+
+
+def _along(place: Place, distance: float) -> Tuple[float, float]:
+    return (place.x + distance * math.cos(place.heading),
+            place.y + distance * math.sin(place.heading))

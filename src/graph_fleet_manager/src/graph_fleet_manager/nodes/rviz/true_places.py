@@ -1,0 +1,45 @@
+"""Where robots say that they are, by their own topic /<robot>/pose."""
+from __future__ import annotations
+
+import math
+from typing import Dict, Iterable, Optional, Tuple
+
+import rospy
+from geometry_msgs.msg import PoseStamped
+
+from graph_fleet_manager.nodes.rviz.robot_picture import Place
+
+FRESH = 1.5  # s that a pose is taken for the place where a robot is
+
+
+class TruePlaces:
+    """Follows the poses of robots that are named."""
+
+    def __init__(self) -> None:
+        self._subscribers: Dict[str, rospy.Subscriber] = {}
+        self._heard: Dict[str, Tuple[float, Place]] = {}
+
+    def follow(self, names: Iterable[str]) -> None:
+        """These robots and no others."""
+        names = set(names)
+        for name in set(self._subscribers) - names:
+            self._subscribers.pop(name).unregister()
+            self._heard.pop(name, None)
+        for name in names - set(self._subscribers):
+            self._subscribers[name] = rospy.Subscriber(
+                f'/{name}/pose', PoseStamped, self._on_pose, name, queue_size=1)
+
+    def of(self, name: str, now: float) -> Optional[Place]:
+        """Where it is, None where nothing fresh was heard; `now` in s of the ROS clock."""
+        at, place = self._heard.get(name, (-math.inf, None))
+        return place if now - at <= FRESH else None
+
+    def last(self, name: str) -> Optional[Place]:
+        """Where it was last, however long ago."""
+        return self._heard[name][1] if name in self._heard else None
+
+    def _on_pose(self, message: PoseStamped, name: str) -> None:
+        position, turn = message.pose.position, message.pose.orientation
+        if math.isfinite(position.x) and math.isfinite(position.y):
+            self._heard[name] = rospy.Time.now().to_sec(), Place(
+                position.x, position.y, 2.0 * math.atan2(turn.z, turn.w))

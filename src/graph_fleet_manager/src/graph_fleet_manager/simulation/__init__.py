@@ -1,0 +1,1 @@
+"""Simulated robots that follow the edges of a graph. No ROS."""

@@ -1,0 +1,180 @@
+"""An AGV that follows the edges of a graph and obeys routes as the route protocol says."""
+from __future__ import annotations
+
+from enum import Enum
+from typing import Optional, Tuple
+
+from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.supervision.reports import EdgeState, Pose, Refusal, Report
+from trajectory_graph import Graph, TrajectoryGraphError, check_route
+
+_AT_END = 1e-6  # m
+_NEAR = 0.3     # m from a vertex at which a route may begin there
+_JUST_LEFT = 0.5  # m behind a vertex up to which a route may begin with the edge before it
+
+
+class Phase(Enum):
+    """What became of its route."""
+
+    RUNNING = 'running'
+    COMPLETE = 'complete'
+    FAILED = 'failed'
+    STOPPED = 'stopped'
+
+
+class Agv:
+    """One AGV. It stands still for `stalled` s, and with `emergency` set it fails and refuses."""
+
+    def __init__(self, graph: Graph, kind: RobotType, vertex: int) -> None:
+        self.graph, self.kind = graph, kind
+        self.edge = graph.edges_from(vertex)[0]
+        """Signed id of the edge on which it is."""
+        self.arc = 0.0
+        """m of that edge that lie behind it."""
+        self.route_id = 0
+        self.edges: Tuple[int, ...] = ()
+        self.current = 0
+        self.phase = Phase.STOPPED
+        self.reason = ''
+        self._to_begin = 0.0  # m to drive back on its edge, to the vertex at which the route begins
+        self.stalled = 0.0
+        self.emergency = False
+        self.travelled = 0.0
+
+    @property
+    def position(self) -> Tuple[float, float]:
+        """x, y in m."""
+        x, y = self.graph.curve(self.edge).point_at(self.arc)
+        return float(x), float(y)
+
+    @property
+    def is_driving(self) -> bool:
+        """Has it anything to drive?"""
+        return self.phase is Phase.RUNNING
+
+    # -- orders -----------------------------------------------------------------------------------
+
+    def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[Refusal]:
+        """Takes up a route, or a change of its route, or refuses it."""
+        if not edges:
+            self.route_id, self.edges, self.current, self._to_begin = route_id, (), 0, 0.0
+            self.phase, self.reason = Phase.STOPPED, ''
+            return None
+        if (route_id, edges) == (self.route_id, self.edges):
+            return None
+        reason = self._take_up(route_id, edges)
+        return Refusal(route_id, edges, reason) if reason else None
+
+    def _take_up(self, route_id: int, edges: Tuple[int, ...]) -> str:
+        if self.emergency:
+            return 'emergency stop'
+        try:
+            check_route(self.graph, edges)
+        except TrajectoryGraphError as error:
+            return str(error)
+        if route_id == self.route_id and self.phase is not Phase.STOPPED:
+            if self.phase is Phase.FAILED:
+                return f'route {route_id} has failed'
+            kept = self.edges[:self.current + 1]
+            if edges[:len(kept)] != kept:
+                return f'route {route_id} must go on with the edges done and the current one'
+            if self.phase is Phase.COMPLETE and self.current < len(edges):
+                self.edge, self.arc = edges[self.current], 0.0
+        else:
+            begun = self._beginning(edges)
+            if begun is None:
+                return f'edge {edges[0]} does not start where the robot is'
+            self.current, edge, arc = begun
+            self._to_begin = 0.0 if abs(edge) == abs(self.edge) else self._from_vertex(edge)
+            if not self._to_begin:
+                self.edge, self.arc = edge, arc
+        self.route_id, self.edges = route_id, edges
+        self.phase = Phase.RUNNING if self.current < len(edges) else Phase.COMPLETE
+        self.reason = ''
+        self.drive(0.0)
+        return ''
+
+    def _beginning(self, edges: Tuple[int, ...]) -> Optional[Tuple[int, int, float]]:
+        """Index of the edge, the edge, and the arc at which a new route begins here."""
+        first = edges[0]
+        length = self.graph.curve(self.edge).length
+        if first == self.edge:
+            return 0, first, self.arc
+        if first == -self.edge:
+            return 0, first, length - self.arc
+        start = self.graph.start_vertex(first).id
+        if self.arc <= _NEAR and start == self.graph.start_vertex(self.edge).id:
+            return 0, first, 0.0
+        if length - self.arc <= _NEAR and start == self.graph.end_vertex(self.edge).id:
+            return 0, first, 0.0
+        driven = self.edges[self.current - 1] if 0 < self.current < len(self.edges) else 0
+        if first == driven and edges[1:2] == (self.edge,) and self.arc <= _JUST_LEFT:
+            return 1, self.edge, self.arc
+        return None
+
+    def _from_vertex(self, first: int) -> float:
+        """How far (m) it is from where edge `first` begins, on its own edge; 0: there."""
+        if self.graph.start_vertex(first).id != self.graph.start_vertex(self.edge).id:
+            self.edge, self.arc = -self.edge, self.graph.curve(self.edge).length - self.arc
+        return self.arc if self.arc > _AT_END else 0.0
+
+    # -- driving ----------------------------------------------------------------------------------
+
+    def drive(self, seconds: float) -> None:
+        """Drives along its route for so long, or stands."""
+        stalled = min(self.stalled, seconds)
+        self.stalled -= stalled
+        seconds -= stalled
+        if self.emergency and self.is_driving:
+            self.fail('emergency stop')
+        if self.is_driving and self._to_begin:
+            back = min(seconds * self._speed(), self._to_begin)
+            seconds -= back / self._speed()
+            self.arc, self._to_begin = self.arc - back, self._to_begin - back
+            if self._to_begin > _AT_END:
+                return
+            self._to_begin, self.edge, self.arc = 0.0, self.edges[self.current], 0.0
+        while self.is_driving:
+            self.edge = self.edges[self.current]
+            length, speed = self.graph.curve(self.edge).length, self._speed()
+            step = min(seconds * speed, length - self.arc)
+            self.arc += step
+            self.travelled += step
+            if self.arc < length - _AT_END:
+                return
+            self.arc = length
+            seconds -= step / speed
+            self.current += 1
+            if self.current == len(self.edges):
+                self.phase = Phase.COMPLETE
+                return
+            self.edge, self.arc = self.edges[self.current], 0.0
+
+    def _speed(self) -> float:
+        edge = self.graph.edge(self.edge)
+        speed = edge.velocity_forward if self.edge > 0 else edge.velocity_backwards
+        return self.kind.drives_at(speed) or self.kind.speed
+
+    def fail(self, reason: str) -> None:
+        """Ends its route."""
+        if self.phase is Phase.RUNNING:
+            self.phase, self.reason = Phase.FAILED, reason
+
+    # -- reports ----------------------------------------------------------------------------------
+
+    def report(self, stamp: float) -> Report:
+        """What it tells."""
+        rest = EdgeState.FAILED if self.phase is Phase.FAILED else EdgeState.PROCESSING
+        states = ((EdgeState.COMPLETE,) * self.current
+                  + (rest,) * (len(self.edges) - self.current))
+        return Report(self.route_id, self.edges, states, self._pose(), self.reason, stamp)
+
+    def _pose(self) -> Pose:
+        fraction = min(self.arc / self.graph.curve(self.edge).length, 1.0)
+        if self.phase is Phase.RUNNING and self._to_begin:
+            return Pose(self.edges[self.current], 0.0)
+        if self.phase is Phase.RUNNING:
+            return Pose(self.edge, min(fraction, 0.999))
+        if self.phase is Phase.COMPLETE:
+            return Pose(self.edges[-1], 1.0)
+        return Pose(abs(self.edge), fraction if self.edge > 0 else 1.0 - fraction)

@@ -1,0 +1,1 @@
+"""Missions become routes that robots drive: accepted, assigned, released, never lost. No ROS."""

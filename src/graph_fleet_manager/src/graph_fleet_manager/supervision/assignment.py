@@ -1,0 +1,149 @@
+"""Which robot serves which mission: the best placed by time over the graph, for several at once."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf
+from typing import Dict, List, Mapping, NamedTuple, Sequence, Tuple
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from graph_fleet_manager.planning.road_network import RoadNetwork
+from graph_fleet_manager.supervision.missions import Acceptance, Mission
+from graph_fleet_manager.supervision.reports import Place
+from graph_fleet_manager.supervision.robots import ManagedRobot
+
+_NEVER = 1e9  # s: as good as never; linear_sum_assignment wants finite costs
+
+
+class Assigned(NamedTuple):
+    """A mission and the robot that is to serve it."""
+
+    mission: Mission
+    robot: str
+
+
+@dataclass(frozen=True)
+class Assignment:
+    """Who gets what now, and for the missions that nobody gets, why, in words."""
+
+    assigned: Tuple[Assigned, ...]
+    waiting: Mapping[int, str]
+
+
+def assign(missions: Sequence[Mission], free: Mapping[str, ManagedRobot],
+           robots: Mapping[str, ManagedRobot], acceptance: Acceptance,
+           network: RoadNetwork) -> Assignment:
+    """Assigns missions to `free` robots; those of higher priority first, then the oldest.
+
+    Among robots that may serve several missions of one priority the sum of the times to their
+    first destinations is least.
+    """
+    free = dict(free)
+    assigned: List[Assigned] = []
+    waiting: Dict[int, str] = {}
+    order = sorted(missions, key=lambda m: (-m.request.priority, m.serial))
+    while order:
+        group = [m for m in order if m.request.priority == order[0].request.priority]
+        order = order[len(group):]
+        able: List[Mission] = []
+        for mission in group:
+            reason = _why_nobody(mission, free, robots, acceptance, network)
+            if reason:
+                waiting[mission.serial] = reason
+            else:
+                able.append(mission)
+        for mission, name in _match(able, free, acceptance, network):
+            assigned.append(Assigned(mission, name))
+            del free[name]
+        taken = {mission.serial for mission, _ in assigned}
+        waiting.update((mission.serial, 'it waits for a robot to be free') for mission in able
+                       if mission.serial not in taken)
+    return Assignment(tuple(assigned), waiting)
+
+
+def _match(missions: Sequence[Mission], free: Mapping[str, ManagedRobot], acceptance: Acceptance,
+           network: RoadNetwork) -> List[Tuple[Mission, str]]:
+    names = list(free)
+    found: List[Tuple[Mission, str]] = []
+    pending = list(missions)
+    if not names or not pending:
+        return found
+    pending = pending[:len(names)] if _all_alike(pending) else pending
+    costs = np.full((len(pending), len(names)), _NEVER)
+    for row, mission in enumerate(pending):
+        for name in acceptance.robots_for(mission.request):
+            if name in free and can_end(mission, free[name], network):
+                time = time_to(mission.request.destinations[0], free[name], network)
+                costs[row, names.index(name)] = min(time, _NEVER)
+    rows, columns = linear_sum_assignment(costs)
+    for row, column in zip(rows.tolist(), columns.tolist()):
+        if costs[row, column] < _NEVER:
+            found.append((pending[row], names[column]))
+    return found
+
+
+def _all_alike(missions: Sequence[Mission]) -> bool:
+    """May the same robots serve all of them, so that the oldest can go first?"""
+    return len({(m.request.robot_type, m.request.robot) for m in missions}) == 1
+
+
+def _why_nobody(mission: Mission, free: Mapping[str, ManagedRobot],
+                robots: Mapping[str, ManagedRobot], acceptance: Acceptance,
+                network: RoadNetwork) -> str:
+    """Why none of the free robots can serve a mission, or nothing."""
+    names = acceptance.robots_for(mission.request)
+    works = [name for name in names if robots[name].works]
+    if not works:
+        if len(names) == 1:
+            return f'{names[0]}: {robots[names[0]].why or "it is stopped"}'
+        return f'none of its robots is in service: {", ".join(names)}'
+    able = [name for name in works if name in free]
+    if not able:
+        return 'it waits for a robot to be free'
+    reach = [name for name in able
+             if time_over(mission.request.destinations, free[name], network) < inf]
+    if not reach:
+        return 'none of the free robots can reach all its destinations'
+    if not any(can_end(mission, free[name], network) for name in reach):
+        return 'no free robot has battery enough for it'
+    return ''
+
+
+def can_end(mission: Mission, robot: ManagedRobot, network: RoadNetwork) -> bool:
+    """Is its battery good for the whole mission?"""
+    seconds = time_over(mission.left, robot, network)
+    return seconds < inf and seconds * robot.type.speed <= robot.range_left()
+
+
+def time_to(vertex: int, robot: ManagedRobot, network: RoadNetwork) -> float:
+    """Seconds from where a robot will come to rest to a vertex, alone; infinite: no way."""
+    client = robot.client
+    ways = network.ways_to(robot.type, (network.index[vertex],))[0]
+    at = client.last_vertex
+    if at is not None:
+        return float(ways[network.index[at]])
+    place = client.place
+    if place is None:
+        return inf
+    return min(seconds + float(ways[network.index[end]])
+               for end, seconds in _ways_off(place, robot, network))
+
+
+def time_over(vertices: Sequence[int], robot: ManagedRobot, network: RoadNetwork) -> float:
+    """Seconds over all these vertices in order, alone."""
+    seconds = time_to(vertices[0], robot, network)
+    for one, other in zip(vertices, vertices[1:]):
+        ways = network.ways_to(robot.type, (network.index[other],))[0]
+        seconds += float(ways[network.index[one]])
+    return seconds
+
+
+def _ways_off(place: Place, robot: ManagedRobot,
+              network: RoadNetwork) -> List[Tuple[int, float]]:
+    """The ends of the edge on which it stands, with the seconds to each."""
+    times = network.times(robot.type)
+    forward, backward = network.drive(place.edge), network.drive(-place.edge)
+    graph = network.graph
+    return [(graph.end_vertex(place.edge).id, times[forward] * (1.0 - place.fraction)),
+            (graph.end_vertex(-place.edge).id, times[backward] * place.fraction)]

@@ -1,0 +1,127 @@
+"""What is told of the fleet: every robot's state, and its plan with what of it is released."""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import List, Optional, Tuple
+
+from graph_fleet_manager.supervision.errands import Duty, Errand
+from graph_fleet_manager.supervision.missions import MissionState
+from graph_fleet_manager.supervision.outages import Outage
+from graph_fleet_manager.supervision.reports import Pose
+from graph_fleet_manager.supervision.robots import ManagedRobot
+from graph_fleet_manager.supervision.supervisor import Supervisor
+
+
+class RobotState(IntEnum):
+    """As in itrci_nav_msgs/FleetRobot."""
+
+    IDLE = 0
+    BUSY = 1
+    CHARGING = 2
+    OFFLINE = 3
+    STOPPED = 4
+    TAKEN_OVER = 5
+    FAILED = 6
+    OFF_GRAPH = 7
+    OUT_OF_SERVICE = 8
+
+
+_OF_OUTAGE = {
+    Outage.UNSEEN: RobotState.OFFLINE, Outage.SILENT: RobotState.OFFLINE,
+    Outage.LOST_LINK: RobotState.OFFLINE, Outage.STOPPED: RobotState.STOPPED,
+    Outage.TAKEN_OVER: RobotState.TAKEN_OVER, Outage.FAILED: RobotState.FAILED,
+    Outage.OFF_GRAPH: RobotState.OFF_GRAPH, Outage.OUT_OF_SERVICE: RobotState.OUT_OF_SERVICE}
+
+
+@dataclass(frozen=True)
+class RobotView:
+    """One robot as it is told.
+
+    seen        -- the supervisor's time of its last report; infinitely long ago: never
+    battery     -- state of charge, NaN: unknown
+    mission     -- request id of the mission that it serves
+    destination -- vertex to which it drives, None: nowhere
+    """
+
+    name: str
+    type: str
+    state: RobotState
+    pose: Pose
+    seen: float
+    battery: float
+    mission: Optional[int]
+    destination: Optional[int]
+    waits_for: str
+
+
+@dataclass(frozen=True)
+class DriveView:
+    """One planned edge; times by the supervisor's clock."""
+
+    edge: int
+    start: float
+    end: float
+    released: bool
+
+
+def robot_views(supervisor: Supervisor, now: float) -> List[RobotView]:
+    """Every robot of the fleet."""
+    errands = supervisor.errands()
+    return [_view(robot, errands[name], supervisor, now)
+            for name, robot in supervisor.robots.items()]
+
+
+def _view(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: float) -> RobotView:
+    mission = errand.mission
+    if robot.outage is not None:
+        state = _OF_OUTAGE[robot.outage]
+    elif errand.duty is Duty.CHARGE:
+        state = RobotState.CHARGING
+    else:
+        state = RobotState.IDLE if errand.duty is Duty.IDLE else RobotState.BUSY
+    destination = errand.dock
+    if mission is not None and mission.left:
+        destination = mission.left[0]
+    return RobotView(robot.name, robot.type.name, state, robot.client.pose, robot.seen,
+                     robot.battery, None if mission is None else mission.request.id, destination,
+                     _waits_for(robot, errand, supervisor, now))
+
+
+def _waits_for(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: float) -> str:
+    """What holds a robot up, in words; nothing where it drives, or has nothing to do."""
+    if robot.outage is not None:
+        return robot.why or robot.outage.value
+    if supervisor.is_stopped:
+        return 'the fleet is stopped'
+    mission = errand.mission
+    if mission is not None and mission.state is MissionState.PAUSED:
+        return 'its mission is paused'
+    if robot.name in supervisor.charging.waiting:
+        return 'a free dock'
+    if errand.duty is Duty.IDLE:
+        return ''
+    if mission is not None and mission.dwell_until is not None:
+        if math.isinf(mission.dwell_until):
+            return 'the release of its mission'
+        return f'the end of its stay, {max(mission.dwell_until - now, 0.0):.0f} s'
+    plan = supervisor.plan
+    if plan is not None and robot.name in plan.unserved:
+        return plan.unserved[robot.name]
+    return supervisor.waits_for.get(robot.name, '') if robot.client.is_standing else ''
+
+
+def plan_views(supervisor: Supervisor) -> List[Tuple[str, List[DriveView]]]:
+    """Every robot's plan, from the edge that it drives on."""
+    plan = supervisor.plan
+    if plan is None:
+        return []
+    found = []
+    for name, own in plan.plans.items():
+        client = supervisor.robots[name].client
+        found.append((name, [
+            DriveView(drive.edge, plan.made_at + drive.start, plan.made_at + drive.end,
+                      own.base + k < client.end)
+            for k, drive in enumerate(own.drives) if own.base + k >= client.done]))
+    return found

@@ -1,0 +1,218 @@
+"""What must outlive a restart, in one SQLite file: missions, robots, the counter of route ids.
+
+Everything is written and on the disk before anybody is told of it, or a robot sent an order for it:
+the supervisor commits once for each event and acts after that. The history of every mission is kept
+beside them.
+"""
+from __future__ import annotations
+
+import json
+import os
+import sqlite3
+import time
+from dataclasses import astuple
+from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
+from urllib.parse import quote
+
+from graph_fleet_manager.supervision.missions import Mission, MissionState, Request
+from graph_fleet_manager.supervision.outages import Outage
+from graph_fleet_manager.supervision.reports import Place
+from graph_fleet_manager.supervision.route_client import Memory
+
+_TABLES = '''
+CREATE TABLE IF NOT EXISTS mission (
+    serial INTEGER PRIMARY KEY, request_id INTEGER NOT NULL, request TEXT NOT NULL,
+    state INTEGER NOT NULL, robot TEXT NOT NULL, reached INTEGER NOT NULL, reason TEXT NOT NULL);
+CREATE INDEX IF NOT EXISTS mission_by_id ON mission (request_id);
+CREATE INDEX IF NOT EXISTS mission_by_state ON mission (state);
+CREATE TABLE IF NOT EXISTS change (
+    time REAL NOT NULL, serial INTEGER NOT NULL, state INTEGER NOT NULL, robot TEXT NOT NULL,
+    reached INTEGER NOT NULL, reason TEXT NOT NULL);
+CREATE INDEX IF NOT EXISTS change_by_serial ON change (serial);
+CREATE TABLE IF NOT EXISTS robot (name TEXT PRIMARY KEY, memory TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS value (name TEXT PRIMARY KEY, number INTEGER NOT NULL);
+'''
+_OPEN = tuple(state for state in MissionState if state.is_open)
+_REMEMBERED = 1000  # ended missions whose ids are known as repeats
+
+
+class JournalError(Exception):
+    """The journal cannot be used; the text is one sentence that says what to do."""
+
+
+class RobotMemory(NamedTuple):
+    """What is stored of one robot."""
+
+    client: Memory
+    outage: Optional[Outage]
+    why: str
+    is_halted: bool
+
+
+class HistoryLine(NamedTuple):
+    """One mission in the history; times in s since 1970, None where it did not come to that."""
+
+    request_id: int
+    destinations: Tuple[int, ...]
+    robot_type: str
+    priority: int
+    state: MissionState
+    robot: str
+    reached: int
+    accepted: float
+    started: Optional[float]
+    ended: Optional[float]
+    reason: str
+
+
+class Journal:
+    """The file, open for one supervisor. `clock` gives s since 1970."""
+
+    def __init__(self, path: str, clock: Callable[[], float] = time.time) -> None:
+        self._clock = clock
+        self._path = path
+        try:
+            self._db = sqlite3.connect(path, isolation_level=None, timeout=2.0,
+                                       check_same_thread=False)
+            self._db.execute('PRAGMA journal_mode=WAL')
+            self._db.execute('PRAGMA synchronous=FULL')
+            self._db.executescript(_TABLES)
+        except sqlite3.Error as error:
+            raise JournalError(f'The journal {os.path.abspath(path)} cannot be opened ({error}): '
+                               'choose another file or mend this one.') from None
+        self._is_writing = False
+
+    def close(self) -> None:
+        """Ends its use."""
+        self._db.close()
+
+    # -- writing ----------------------------------------------------------------------------------
+
+    def commit(self) -> None:
+        """Puts on the disk what was written since the last time."""
+        if self._is_writing:
+            self._run('COMMIT')
+            self._is_writing = False
+
+    def write_mission(self, mission: Mission) -> None:
+        """Stores a mission as it is now, and in the history."""
+        now = (int(mission.state), mission.robot, mission.reached, mission.reason)
+        self._write('INSERT OR REPLACE INTO mission VALUES (?, ?, ?, ?, ?, ?, ?)',
+                    (mission.serial, mission.request.id, _request_text(mission.request), *now))
+        self._write('INSERT INTO change VALUES (?, ?, ?, ?, ?, ?)',
+                    (self._clock(), mission.serial, *now))
+
+    def write_robot(self, name: str, memory: RobotMemory) -> None:
+        """Stores what a robot may hold."""
+        self._write('INSERT OR REPLACE INTO robot VALUES (?, ?)', (name, _memory_text(memory)))
+
+    def write_value(self, name: str, number: int) -> None:
+        """Stores a number by name."""
+        self._write('INSERT OR REPLACE INTO value VALUES (?, ?)', (name, number))
+
+    def next_route_id(self) -> int:
+        """A route id that was never given before; stored by the next commit, before its use."""
+        number = self.value('route_id') % (2 ** 31 - 1) + 1
+        self.write_value('route_id', number)
+        return number
+
+    def _write(self, statement: str, values: Tuple[object, ...]) -> None:
+        if not self._is_writing:
+            self._run('BEGIN IMMEDIATE')
+            self._is_writing = True
+        self._run(statement, values)
+
+    def _run(self, statement: str, values: Tuple[object, ...] = ()) -> sqlite3.Cursor:
+        try:
+            return self._db.execute(statement, values)
+        except sqlite3.Error as error:
+            raise JournalError(f'The journal {os.path.abspath(self._path)} cannot be used '
+                               f'({error}): free space on its disk, or choose another file.'
+                               ) from None
+
+    # -- reading ----------------------------------------------------------------------------------
+
+    def value(self, name: str) -> int:
+        """A stored number, 0 where there is none."""
+        row = self._run('SELECT number FROM value WHERE name = ?', (name,)).fetchone()
+        return int(row[0]) if row else 0
+
+    def missions(self) -> List[Mission]:
+        """The open missions and the last ended ones, in the order of their acceptance."""
+        marks = ', '.join(str(int(state)) for state in _OPEN)
+        rows = self._run(
+            'SELECT * FROM (SELECT serial, request, state, robot, reached, reason FROM mission '
+            f'WHERE state IN ({marks}) UNION SELECT * FROM (SELECT serial, request, state, robot, '
+            f'reached, reason FROM mission WHERE state NOT IN ({marks}) ORDER BY serial DESC '
+            'LIMIT ?)) ORDER BY serial', (_REMEMBERED,))
+        return [Mission(serial, _request(text), MissionState(state), robot, reached, None, reason)
+                for serial, text, state, robot, reached, reason in rows]
+
+    def last_serial(self) -> int:
+        """Serial of the last mission that was accepted, 0 before any."""
+        return int(self._run('SELECT MAX(serial) FROM mission').fetchone()[0] or 0)
+
+    def robots(self) -> Dict[str, RobotMemory]:
+        """What is stored of every robot."""
+        return {name: _memory(text) for name, text in self._run('SELECT name, memory FROM robot')}
+
+
+def history(path: str) -> List[HistoryLine]:
+    """Every mission that was ever accepted; the supervisor may be writing meanwhile.
+
+    Raises JournalError where there is no such file, or it is no journal.
+    """
+    if not os.path.isfile(path):
+        raise JournalError(f'There is no journal {path}: no mission was ever accepted on this '
+                           'computer, or it is kept elsewhere.')
+    try:
+        db = sqlite3.connect(f'file:{quote(os.path.abspath(path))}?mode=ro', uri=True, timeout=2.0)
+        try:
+            rows = db.execute(
+                'SELECT m.request, m.state, m.robot, m.reached, m.reason, MIN(c.time), '
+                'MIN(CASE WHEN c.state = ? THEN c.time END), MAX(c.time) FROM mission m '
+                'JOIN change c USING (serial) GROUP BY serial ORDER BY serial',
+                (int(MissionState.ACTIVE),)).fetchall()
+        finally:
+            db.close()
+    except sqlite3.Error as error:
+        raise JournalError(f'The journal {path} cannot be read ({error}).') from None
+    return [_history_line(*row) for row in rows]
+
+
+def _history_line(text: str, number: int, robot: str, reached: int, reason: str, accepted: float,
+                  started: Optional[float], last: float) -> HistoryLine:
+    request, state = _request(text), MissionState(number)
+    return HistoryLine(request.id, request.destinations, request.robot_type, request.priority,
+                       state, robot, reached, accepted, started, None if state.is_open else last,
+                       reason)
+
+
+def _request_text(request: Request) -> str:
+    return json.dumps(astuple(request))
+
+
+def _request(text: str) -> Request:
+    id, destinations, robot_type, robot, priority, dwells, stamp = json.loads(text)
+    return Request(id, tuple(destinations), robot_type, robot, priority, tuple(dwells), stamp)
+
+
+def _memory_text(memory: RobotMemory) -> str:
+    client = memory.client
+    return json.dumps({
+        'route_id': client.route_id, 'track': client.track, 'done': client.done,
+        'bases': sorted(client.bases.items()), 'over': client.over, 'ended': client.ended,
+        'place': None if client.place is None else astuple(client.place),
+        'outage': None if memory.outage is None else memory.outage.name, 'why': memory.why,
+        'halted': memory.is_halted})
+
+
+def _memory(text: str) -> RobotMemory:
+    stored: Dict[str, Any] = json.loads(text)
+    place = stored['place']
+    client = Memory(stored['route_id'], tuple(stored['track']), stored['done'],
+                    dict(map(tuple, stored['bases'])), None if place is None else Place(*place),
+                    stored['over'], tuple(stored['ended']))
+    outage = stored['outage']
+    return RobotMemory(client, None if outage is None else Outage[outage], stored['why'],
+                       stored['halted'])

@@ -1,0 +1,71 @@
+"""How missions go on by what robots do: destinations reached, dwells, robots that drop out."""
+from __future__ import annotations
+
+import math
+from typing import List, Mapping
+
+from graph_fleet_manager.supervision.missions import Mission, MissionBook, MissionState
+from graph_fleet_manager.supervision.robots import ManagedRobot
+
+
+def follow(book: MissionBook, robot: ManagedRobot, now: float) -> bool:
+    """Counts the destinations that a robot passed; tells whether its mission ended.
+
+    A destination where it is to stay counts when it stands there and the dwell is over.
+    """
+    passed, robot.passed = robot.passed, []
+    mission = book.of_robot(robot.name)
+    if mission is None:
+        return False
+    for vertex in passed:
+        if mission.left and mission.left[0] == vertex:
+            _visit(book, mission, vertex)
+    place = robot.place
+    if place is not None and place.vertex is not None:
+        _visit(book, mission, place.vertex)
+        if mission.state is MissionState.ACTIVE:
+            _dwell(book, mission, place.vertex, now)
+    return not mission.state.is_open
+
+
+def _visit(book: MissionBook, mission: Mission, vertex: int) -> None:
+    count = mission.visits((vertex,))
+    if count:
+        book.reach(mission, count)
+
+
+def _dwell(book: MissionBook, mission: Mission, vertex: int, now: float) -> None:
+    """Begins or ends the stay at a destination on which the robot stands."""
+    while mission.state.is_open and mission.left and mission.left[0] == vertex:
+        dwell = mission.request.dwell(mission.reached)
+        if mission.dwell_until is None:
+            mission.dwell_until = now + dwell if dwell >= 0.0 else math.inf
+        if now < mission.dwell_until:
+            return
+        book.reach(mission)
+
+
+def drop_out(book: MissionBook, robot: ManagedRobot) -> None:
+    """What becomes of the mission of a robot that cannot work.
+
+    It waits for a robot that comes back by itself. Of one that needs a person it is taken away: a
+    mission of which nothing is done goes to another robot, or waits if it is for this one alone;
+    one that was begun has failed, for nobody knows what the robot carries.
+    """
+    mission = book.of_robot(robot.name)
+    if mission is None or robot.outage is None:
+        return
+    reason = f'{robot.name}: {robot.why or robot.outage.value}'
+    if not robot.outage.needs_person:
+        book.set(mission, mission.state, reason)
+    elif mission.reached or mission.dwell_until is not None:
+        book.set(mission, MissionState.FAILED, reason)
+    else:
+        book.set(mission, MissionState.PENDING, reason, robot='')
+
+
+def with_robot_gone(book: MissionBook, robots: Mapping[str, ManagedRobot]) -> List[Mission]:
+    """Open missions that are with a robot, or for one alone, that the fleet does not have."""
+    return [mission for mission in book.open
+            if (mission.robot and mission.robot not in robots)
+            or (mission.request.robot and mission.request.robot not in robots)]

@@ -1,0 +1,260 @@
+"""Missions: what is accepted, refused or a repeat, and how each goes on to a true end."""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Dict, Iterable, List, Mapping, Optional, Set, Tuple
+
+from graph_fleet_manager.fleet import RobotType
+from trajectory_graph import Graph
+
+MOST_DESTINATIONS = 1000
+LONGEST_DWELL = 1e6  # s; more is a mistake
+
+
+class MissionState(IntEnum):
+    """As in itrci_nav_msgs/MissionStatus."""
+
+    PENDING = 0
+    ACTIVE = 1
+    SUCCEEDED = 2
+    FAILED = 3
+    REFUSED = 4
+    CANCELLED = 5
+    PAUSED = 6
+
+    @property
+    def is_open(self) -> bool:
+        """Is anything still to be done?"""
+        return self in (MissionState.PENDING, MissionState.ACTIVE, MissionState.PAUSED)
+
+
+class Command(IntEnum):
+    """As in itrci_nav_msgs/MissionCommand."""
+
+    CANCEL = 0
+    PAUSE = 1
+    RESUME = 2
+    RELEASE = 3
+
+
+@dataclass(frozen=True)
+class Request:
+    """What somebody wants done: visit these vertices in order.
+
+    robot_type -- name; empty: any
+    robot      -- the robot that must do it; empty: the best placed
+    priority   -- the higher goes first
+    dwells     -- s to stay at each destination, negative: until released; empty: nowhere
+    stamp      -- s, when it was sent; 0 where the sender did not say
+    """
+
+    id: int
+    destinations: Tuple[int, ...]
+    robot_type: str = ''
+    robot: str = ''
+    priority: int = 0
+    dwells: Tuple[float, ...] = ()
+    stamp: float = 0.0
+
+    def dwell(self, index: int) -> float:
+        """Seconds to stay at a destination."""
+        return self.dwells[index] if self.dwells else 0.0
+
+    def is_repeat_of(self, other: Request, other_is_open: bool) -> bool:
+        """Is it the same request, sent again?"""
+        same = (self.id, self.destinations, self.robot_type, self.robot, self.priority,
+                self.dwells) == (other.id, other.destinations, other.robot_type, other.robot,
+                                 other.priority, other.dwells)
+        if self.stamp or other.stamp:
+            return same and self.stamp == other.stamp
+        return same and other_is_open
+
+
+@dataclass(frozen=True)
+class Status:
+    """What is told of a request."""
+
+    request_id: int
+    state: MissionState
+    robot: str = ''
+    reached: int = 0
+    reason: str = ''
+
+
+@dataclass
+class Mission:
+    """An accepted request, and how far it is.
+
+    serial      -- counts all accepted missions; ids may come again, serials never do
+    reached     -- destinations visited, dwells included
+    dwell_until -- the supervisor's time at which it may leave the destination where it stays;
+                   None: it does not stay now, infinite: until it is released
+    reason      -- why it ended, or what it waits for
+    """
+
+    serial: int
+    request: Request
+    state: MissionState = MissionState.PENDING
+    robot: str = ''
+    reached: int = 0
+    dwell_until: Optional[float] = None
+    reason: str = ''
+
+    @property
+    def status(self) -> Status:
+        """As it is told."""
+        return Status(self.request.id, self.state, self.robot, self.reached, self.reason)
+
+    @property
+    def left(self) -> Tuple[int, ...]:
+        """Destinations still to be visited; that of a dwell under way included."""
+        return self.request.destinations[self.reached:]
+
+    def visits(self, passed: Iterable[int]) -> int:
+        """How many destinations a way along these vertices visits.
+
+        Where it is to stay it must come to rest: such a destination ends the count before it.
+        """
+        count, index = 0, self.reached
+        for vertex in passed:
+            while index < len(self.request.destinations) and (
+                    self.request.destinations[index] == vertex):
+                if self.request.dwell(index):
+                    return count
+                index += 1
+                count += 1
+        return count
+
+
+class RequestRefused(Exception):
+    """A request that is not accepted; the text, a clause, says why and what to do."""
+
+
+@dataclass(frozen=True)
+class Acceptance:
+    """What requests are judged by.
+
+    robots -- type of each robot by its name
+    """
+
+    graph: Graph
+    robots: Mapping[str, RobotType]
+
+    def check(self, request: Request) -> None:
+        """Raises RequestRefused for what no robot of the fleet can do."""
+        if not request.destinations:
+            raise RequestRefused('it has no destinations')
+        if len(request.destinations) > MOST_DESTINATIONS:
+            raise RequestRefused(f'it has more than {MOST_DESTINATIONS} destinations')
+        for vertex in request.destinations:
+            if vertex not in self.graph.vertices:
+                raise RequestRefused(f'the graph has no vertex {vertex}')
+        if request.dwells and len(request.dwells) != len(request.destinations):
+            raise RequestRefused(f'it has {len(request.destinations)} destinations but '
+                                 f'{len(request.dwells)} dwells; give one for each, or none')
+        if not all(math.isfinite(d) and d <= LONGEST_DWELL for d in request.dwells):
+            raise RequestRefused(f'a dwell must be a number up to {LONGEST_DWELL:.0f} s')
+        types = {kind.name for kind in self.robots.values()}
+        if request.robot_type and request.robot_type not in types:
+            raise RequestRefused(f'there is no robot of type {request.robot_type!r}; there are: '
+                                 f'{", ".join(sorted(types))}')
+        if request.robot and request.robot not in self.robots:
+            raise RequestRefused(f'there is no robot {request.robot!r}; there are: '
+                                 f'{", ".join(sorted(self.robots))}')
+        if request.robot and request.robot_type not in ('', self.robots[request.robot].name):
+            raise RequestRefused(f'robot {request.robot} is of type '
+                                 f'{self.robots[request.robot].name}, not {request.robot_type}')
+        if not self.robots_for(request):
+            raise RequestRefused('no such robot may be sent to its dock')
+
+    def robots_for(self, request: Request) -> List[str]:
+        """Robots that may serve a request as far as type, name and docks say."""
+        docks = [v for v in request.destinations if self.graph.vertices[v].dock]
+        return [name for name, kind in self.robots.items()
+                if request.robot in ('', name) and request.robot_type in ('', kind.name)
+                and all(kind.may_dock(dock) for dock in docks)]
+
+
+class MissionBook:
+    """All open missions, and the last one with each id."""
+
+    def __init__(self, missions: Iterable[Mission] = (), next_serial: int = 1) -> None:
+        self._by_serial: Dict[int, Mission] = {}
+        self._last: Dict[int, Mission] = {}
+        self._by_robot: Dict[str, Mission] = {}
+        self._next = next_serial
+        self.changed: Set[int] = set()
+        """Serials of missions whose status is to be stored and told."""
+        for mission in missions:
+            self._last[mission.request.id] = mission
+            if mission.state.is_open:
+                self._by_serial[mission.serial] = mission
+                if mission.robot:
+                    self._by_robot[mission.robot] = mission
+
+    @property
+    def open(self) -> List[Mission]:
+        """Missions that are not at an end, in the order of their acceptance."""
+        return list(self._by_serial.values())
+
+    def find(self, request_id: int) -> Optional[Mission]:
+        """The last mission with this id."""
+        return self._last.get(request_id)
+
+    def of_robot(self, name: str) -> Optional[Mission]:
+        """What a robot is doing."""
+        mission = self._by_robot.get(name)
+        return mission if mission is not None and mission.state.is_open else None
+
+    def add(self, request: Request, acceptance: Acceptance) -> Optional[Mission]:
+        """Accepts a request; None for a repeat. Raises RequestRefused."""
+        last = self._last.get(request.id)
+        if last is not None:
+            if request.is_repeat_of(last.request, last.state.is_open):
+                return None
+            if last.state.is_open:
+                raise RequestRefused(f'mission {request.id} is open with other content; choose '
+                                     'another id')
+        acceptance.check(request)
+        mission = Mission(self._next, request)
+        self._next += 1
+        self._by_serial[mission.serial] = self._last[request.id] = mission
+        self.changed.add(mission.serial)
+        return mission
+
+    def set(self, mission: Mission, state: MissionState, reason: str = '',
+            robot: Optional[str] = None) -> None:
+        """Changes a mission; one at an end stays there."""
+        if not mission.state.is_open:
+            return
+        robot = mission.robot if robot is None else robot
+        if (mission.state, mission.reason, mission.robot) == (state, reason, robot):
+            return
+        if robot != mission.robot:
+            self._by_robot.pop(mission.robot, None)
+            if robot:
+                self._by_robot[robot] = mission
+        mission.state, mission.reason, mission.robot = state, reason, robot
+        self.changed.add(mission.serial)
+
+    def reach(self, mission: Mission, count: int = 1) -> None:
+        """So many more destinations are visited."""
+        mission.reached += count
+        mission.dwell_until = None
+        self.changed.add(mission.serial)
+        if not mission.left:
+            self.set(mission, MissionState.SUCCEEDED)
+
+    def take_changes(self) -> List[Mission]:
+        """The missions that changed since this was last asked."""
+        found = [self._find(serial) for serial in sorted(self.changed)]
+        self.changed = set()
+        for mission in found:
+            if not mission.state.is_open:
+                self._by_serial.pop(mission.serial, None)
+        return found
+
+    def _find(self, serial: int) -> Mission:
+        return self._by_serial[serial]

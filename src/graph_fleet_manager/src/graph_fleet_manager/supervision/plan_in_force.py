@@ -1,0 +1,85 @@
+"""The plan by which robots are released: whose turn it is, whatever runs late."""
+from __future__ import annotations
+
+from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Set, Tuple
+
+from graph_fleet_manager.planning.tasks import Outcome, PlannedDrive
+from graph_fleet_manager.supervision.route_client import RouteClient
+
+
+class RobotPlan(NamedTuple):
+    """One robot's drives; drive k is edge number `base` + k of its track."""
+
+    drives: Tuple[PlannedDrive, ...]
+    base: int
+
+    def behind(self, number: int) -> Tuple[PlannedDrive, ...]:
+        """What is planned from an edge of the track on."""
+        return self.drives[max(number - self.base, 0):]
+
+
+class _Turn(NamedTuple):
+    """`first` must have driven `fraction` of its drive `before`."""
+
+    first: str
+    before: int
+    fraction: float
+
+
+class PlanInForce:
+    """The plans of all robots, and the order in which they use what they share.
+
+    bases   -- number, in the robot's track, of the first drive of its plan
+    made_at -- the supervisor's time that is 0 in the plan's times
+    """
+
+    def __init__(self, outcome: Outcome, bases: Mapping[str, int], made_at: float) -> None:
+        self.plans: Dict[str, RobotPlan] = {
+            name: RobotPlan(drives, bases[name]) for name, drives in outcome.drives.items()}
+        self.unserved: Dict[str, str] = dict(outcome.unserved)
+        self.made_at = made_at
+        self._turns: Dict[Tuple[str, int], List[_Turn]] = {}
+        self._waited_for: Dict[str, List[Tuple[int, str]]] = {}
+        for first, before, fraction, then, drive in outcome.precedence:
+            self._turns.setdefault((then, drive), []).append(_Turn(first, before, fraction))
+            self._waited_for.setdefault(first, []).append((before, then))
+
+    def drop(self, name: str) -> None:
+        """A robot does not follow its plan any more; who waits for it goes on waiting."""
+        self.plans.pop(name, None)
+
+    def in_the_way(self, name: str, drive: int, clients: Mapping[str, RouteClient]) -> str:
+        """Who must go on before a robot may begin its drive; empty: nobody."""
+        for turn in self._turns.get((name, drive), ()):
+            plan = self.plans.get(turn.first)
+            if plan is None:
+                return turn.first
+            number, fraction = clients[turn.first].left
+            if (number - plan.base, fraction) < (turn.before, turn.fraction):
+                return turn.first
+        return ''
+
+    def asked_to_move(self, movers: Iterable[str], ends: Mapping[str, int]) -> Set[str]:
+        """Robots for whom one of `movers` waits, or one who is asked to move himself.
+
+        ends -- number behind the track of each robot: what is released already needs no asking
+        """
+        moving = set(movers)
+        asked: Set[str] = set()
+        grew = True
+        while grew:
+            grew = False
+            for first, waiting in self._waited_for.items():
+                plan = self.plans.get(first)
+                if plan is None or first in moving:
+                    continue
+                if any(then in moving and plan.base + before >= ends[first]
+                       for before, then in waiting):
+                    asked.add(first)
+                    moving.add(first)
+                    grew = True
+        return asked
+
+    def plan_of(self, name: str) -> Optional[RobotPlan]:
+        """One robot's plan."""
+        return self.plans.get(name)

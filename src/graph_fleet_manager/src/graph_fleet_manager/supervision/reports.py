@@ -1,0 +1,124 @@
+"""What robots tell of their routes, as the route protocol has it, and what is wrong with it."""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Optional, Tuple
+
+from trajectory_graph import Graph
+
+LONGEST = 1000  # edges in a route; more is a mistake or an attack
+NEAR = 0.3      # m from a vertex at which a robot counts as standing on it
+
+
+class EdgeState(IntEnum):
+    """State of an edge of a route; one that is still ahead is PROCESSING too."""
+
+    PROCESSING = 1
+    COMPLETE = 2
+    FAILED = 3
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Place on the graph: fraction (0..1) along the driving direction of a signed edge."""
+
+    edge: int = 0  # 0 = off the graph
+    fraction: float = 0.0
+
+
+@dataclass(frozen=True)
+class Report:
+    """One report of a robot.
+
+    stamp -- s, when the location that it uses was taken, by the robot's clock; 0: it had none
+    age   -- s since then as it arrived
+    """
+
+    route_id: int
+    edges: Tuple[int, ...] = ()
+    states: Tuple[EdgeState, ...] = ()
+    pose: Pose = Pose()
+    reason: str = ''
+    stamp: float = 0.0
+    age: float = 0.0
+
+    @property
+    def completed(self) -> int:
+        """How many edges, from the first on, are COMPLETE."""
+        for index, state in enumerate(self.states):
+            if state is not EdgeState.COMPLETE:
+                return index
+        return len(self.states)
+
+    @property
+    def is_failed(self) -> bool:
+        """Has the route, or what was left of it, failed?"""
+        return EdgeState.FAILED in self.states
+
+    @property
+    def is_running(self) -> bool:
+        """Is anything of the route still to be driven?"""
+        return EdgeState.PROCESSING in self.states
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """An order that the robot did not take up."""
+
+    route_id: int
+    edges: Tuple[int, ...]
+    reason: str
+
+
+class WrongReport(Exception):
+    """A report that cannot be true; the text, a clause, says why."""
+
+
+def check_report(report: Report, graph: Graph) -> None:
+    """Raises WrongReport for a report that makes no sense on this graph."""
+    if len(report.edges) != len(report.states):
+        raise WrongReport('it has not one state for each edge')
+    if len(report.edges) > LONGEST:
+        raise WrongReport(f'its route has more than {LONGEST} edges')
+    if not math.isfinite(report.pose.fraction) or not 0.0 <= report.pose.fraction <= 1.0:
+        raise WrongReport(f'it is at {100.0 * report.pose.fraction} % of an edge')
+    if not (math.isfinite(report.stamp) and math.isfinite(report.age)):
+        raise WrongReport('its stamp is no time')
+    if report.pose.edge and abs(report.pose.edge) not in graph.edges:
+        raise WrongReport(f'it is on edge {report.pose.edge}, which the graph does not have')
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a robot stands: on a vertex, or at a fraction of a signed edge."""
+
+    vertex: Optional[int] = None
+    edge: int = 0
+    fraction: float = 0.0
+
+    def touches(self, graph: Graph, edges: Tuple[int, ...]) -> bool:
+        """Is it on one of these edges, or at an end of one?"""
+        if self.vertex is None:
+            return abs(self.edge) in map(abs, edges)
+        return any(self.vertex in (graph.edge(e).origin, graph.edge(e).destination) for e in edges)
+
+    def __str__(self) -> str:
+        if self.vertex is not None:
+            return f'vertex {self.vertex}'
+        return f'{100.0 * self.fraction:.0f} % of edge {self.edge}'
+
+
+def place_of(pose: Pose, graph: Graph) -> Optional[Place]:
+    """The place that a symbolic pose means; None off the graph."""
+    if not pose.edge:
+        return None
+    length = graph.curve(pose.edge).length
+    from_end = (1.0 - pose.fraction) * length
+    near_end, near_start = from_end <= NEAR, length - from_end <= NEAR
+    if near_end and (not near_start or pose.fraction > 0.5):
+        return Place(vertex=graph.end_vertex(pose.edge).id)
+    if near_start:
+        return Place(vertex=graph.start_vertex(pose.edge).id)
+    return Place(edge=pose.edge, fraction=pose.fraction)

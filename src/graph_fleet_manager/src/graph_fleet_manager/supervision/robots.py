@@ -1,0 +1,233 @@
+"""One robot as the fleet manager knows it: its place, its battery, what keeps it from working."""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import List, Optional, Tuple
+
+from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.supervision.outages import Outage, outage_of
+from graph_fleet_manager.supervision.reports import Place, Pose, Refusal, Report, place_of
+from graph_fleet_manager.supervision.route_client import Heard, NewId, RouteClient
+from trajectory_graph import Graph
+
+SILENCE = 5.0      # s without a report after which a robot counts as silent
+STANDING = 2.0     # s without motion after which a robot that lost its link is believed to stand
+TRIAL = 2.0        # s between two tries to go on after an emergency stop
+REFUSALS = 3       # in a row, after which a person must look
+
+
+@dataclass(frozen=True)
+class RobotSettings:
+    """What the fleet file says of one robot beside its type.
+
+    release_ahead -- m that it is let go ahead of where it is, so that it need not brake
+    slack         -- m that it may be short of where it reports to be, along its way
+    charge_below  -- state of charge (0..1) below which it goes to charge
+    leave_above   -- state of charge from which on it may leave again
+    reserve       -- state of charge that it must have left when a mission ends
+    endurance     -- m that it drives on a full battery
+    """
+
+    release_ahead: float = 8.0
+    slack: float = 0.0
+    charge_below: float = 0.3
+    leave_above: float = 0.8
+    reserve: float = 0.1
+    endurance: float = 20000.0
+
+
+@dataclass
+class ManagedRobot:
+    """One robot; times are those of the supervisor's clock."""
+
+    name: str
+    type: RobotType
+    settings: RobotSettings
+    client: RouteClient
+    outage: Optional[Outage] = Outage.UNSEEN
+    why: str = ''
+    battery: float = math.nan
+    seen: float = -math.inf
+    stamp: float = 0.0
+    is_halted: bool = False
+    """It was given an empty route, as all robots are by stop all."""
+    passed: List[int] = field(default_factory=list)
+    """Vertices passed that its mission was not told of yet."""
+    _refusals: int = 0
+    _tried: float = -math.inf
+    _moved: float = -math.inf
+    """When it was last seen to move, or first seen."""
+    _pose: Pose = Pose()
+    _fresh_after: float = 0.0
+
+    @property
+    def works(self) -> bool:
+        """Can it be given something to drive?"""
+        return self.outage is None and not self.is_halted
+
+    @property
+    def is_seen(self) -> bool:
+        """Has it reported since the fleet manager began?"""
+        return self.seen > -math.inf
+
+    @property
+    def place(self) -> Optional[Place]:
+        """Where it stands; None while it drives or nobody knows."""
+        return self.client.place if self.client.is_standing else None
+
+    def range_left(self) -> float:
+        """How far (m) it may drive with what is left in its battery, the reserve aside."""
+        if math.isnan(self.battery):
+            return math.inf
+        return max(self.battery - self.settings.reserve, 0.0) * self.settings.endurance
+
+    def is_still(self, now: float) -> bool:
+        """Does it report, and has it not moved for a while?"""
+        return now - self.seen <= STANDING and now - self._moved >= STANDING
+
+    # -- what comes in ----------------------------------------------------------------------------
+
+    def hear(self, report: Report, now: float) -> None:
+        """Follows a report that makes sense; who does not know yet where it is, tells nothing."""
+        if not report.pose.edge and not report.stamp:
+            return
+        first = not self.is_seen
+        self.seen = now
+        if report.pose != self._pose:
+            self._pose, self._moved = report.pose, now
+        if first:
+            self.client.adopt(report)
+            if self.outage is Outage.UNSEEN:
+                self.outage, self.why = None, ''
+        if self.outage is Outage.SILENT:
+            self.outage, self.why = None, ''
+        if self.outage is Outage.OFF_GRAPH and report.pose.edge and self._was_nowhere:
+            self.outage, self.why = None, ''
+            self.client.settle(place_of(report.pose, self.client.graph))
+        heard = self.client.take(report)
+        self.passed += heard.passed
+        self._judge(heard, report)
+        self._consider_link(report, now)
+        self.stamp = report.stamp
+
+    def hear_refusal(self, refusal: Refusal) -> None:
+        """An order was not taken up."""
+        self._judge(self.client.refuse(refusal), None)
+
+    def _judge(self, heard: Heard, report: Optional[Report]) -> None:
+        if heard.passed:
+            self._refusals = 0
+        if heard.refused:
+            self._refusals += 1
+            if outage_of(heard.refused) is Outage.STOPPED:
+                self.fail(Outage.STOPPED, heard.refused)
+                self.client.keep_after_refusal()
+            elif self._refusals >= REFUSALS:
+                self.fail(Outage.FAILED, f'it refused its route {REFUSALS} times: {heard.refused}')
+        elif self.outage is Outage.STOPPED and self.client.order is None and not heard.failed and (
+                report is not None and report.is_running):
+            self.outage, self.why = None, ''
+        if self.is_halted:
+            return
+        if heard.foreign:
+            self.fail(Outage.TAKEN_OVER, 'it drives a route that was not given to it here')
+        elif heard.failed and self.outage is None:
+            self.fail(outage_of(heard.failed), heard.failed)
+            self._fresh_after = report.stamp if report else 0.0
+        elif report is not None and self.outage is None and not report.pose.edge and (
+                self.client.is_standing):
+            self.fail(Outage.OFF_GRAPH, 'it reports to be off the graph')
+        elif heard.left and self.outage is None:
+            self.fail(Outage.TAKEN_OVER, f'it left {self.client.place} without a route')
+
+    def fail(self, outage: Outage, why: str) -> None:
+        """Something keeps it from working; what needs a person outlasts what does not."""
+        if self.outage is None or not self.outage.needs_person or outage.needs_person:
+            self.outage, self.why = outage, why
+
+    @property
+    def _was_nowhere(self) -> bool:
+        """Was it never on the graph, so that nothing is blocked for it?"""
+        return self.client.place is None and not self.client.held
+
+    # -- the clock --------------------------------------------------------------------------------
+
+    def look(self, now: float) -> None:
+        """Finds out that it is silent."""
+        if now - self.seen > SILENCE and self.is_seen and (
+                self.outage is None or self.outage is Outage.STOPPED):
+            self.fail(Outage.SILENT, f'it has not reported for {SILENCE:.0f} s')
+
+    def try_after_stop(self, now: float, new_id: NewId, graph: Graph) -> bool:
+        """After an emergency stop: what it was driving is ordered anew, until it goes on.
+
+        Tells whether an order is to be sent. A robot that was moved needs a person.
+        """
+        if self.outage is not Outage.STOPPED or self.is_halted or now - self._tried < TRIAL:
+            return False
+        if self.client.order is not None:
+            return False
+        self._tried = now
+        ahead = self.client.ahead
+        if not ahead:
+            self.outage, self.why = None, ''
+            return False
+        place = place_of(self.client.pose, graph)
+        if place is None or not place.touches(graph, ahead[:1]):
+            self.fail(Outage.TAKEN_OVER, 'it was moved during an emergency stop')
+            return False
+        self.client.try_again(new_id)
+        return True
+
+    def go_on_after_stop(self, now: float) -> bool:
+        """After stop all, once it has obeyed: it stands where it is; tells whether that is so."""
+        if not self.is_halted or self.client.order is not None or not self.is_still(now) or (
+                self.outage not in (None, Outage.STOPPED)):
+            return False
+        place = place_of(self.client.pose, self.client.graph)
+        held = self.client.held
+        self.is_halted = False
+        if place is None or (held and not place.touches(self.client.graph, held)):
+            self.fail(Outage.TAKEN_OVER, 'it is not where it was stopped')
+        else:
+            self.client.settle(place)
+            self.outage, self.why = None, ''
+        return True
+
+    def _consider_link(self, report: Report, now: float) -> None:
+        """After a lost link: it is back when new locations come and it stands."""
+        if self.outage is not Outage.LOST_LINK or report.stamp <= self._fresh_after + STANDING:
+            return
+        if self.is_still(now) and report.age < STANDING:
+            self.come_back(place_of(report.pose, self.client.graph))
+
+    def come_back(self, place: Optional[Place]) -> str:
+        """It works again, from where it is; returns why not, or nothing.
+
+        Without `needs_person` it must stand where it was expected to be.
+        """
+        if place is None:
+            return f'{self.name} is off the graph: bring it onto an edge'
+        expected = self.client.held
+        if self.outage is Outage.LOST_LINK and expected and not place.touches(
+                self.client.graph, expected):
+            self.fail(Outage.TAKEN_OVER, f'it was expected elsewhere, but is at {place}')
+            return self.why
+        self.client.settle(place)
+        self.outage, self.why = None, ''
+        self.is_halted = False
+        self._refusals = 0
+        return ''
+
+    def blocked(self) -> Tuple[Tuple[int, ...], Tuple[int, ...]]:
+        """Vertices and edges on which it may be while nobody can plan for it."""
+        client = self.client
+        vertices, edges = set(), {abs(edge) for edge in client.held}
+        for place in (client.place, place_of(client.pose, client.graph) if self.is_seen else None):
+            if place is not None and (not client.ahead or place is not client.place):
+                if place.vertex is not None:
+                    vertices.add(place.vertex)
+                else:
+                    edges.add(abs(place.edge))
+        return tuple(sorted(vertices)), tuple(sorted(edges))

@@ -1,0 +1,59 @@
+"""AGVs that the tests share, and someone who listens to them."""
+from __future__ import annotations
+
+from typing import List, Optional, Sequence
+
+from fleet_builders import graph_of
+
+from graph_fleet_manager.agv.route_protocol import RouteOrder, RouteRefusal, RouteReport
+from graph_fleet_manager.agv.vehicle import Vehicle
+from trajectory_graph import Graph
+
+TICK = 0.1
+#: 1 - 2 - 3 - 4 in a row, 4 m each, with 5 beside 2
+GRAPH = graph_of({1: (0, 0), 2: (4, 0), 3: (8, 0), 4: (12, 0), 5: (4, 4)},
+                 {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (2, 5)})
+
+
+class Conversation:
+    """An AGV with what it said."""
+
+    def __init__(self, vertex: int = 1, graph: Graph = GRAPH, **options: object) -> None:
+        self.vehicle = Vehicle('agv_1', graph, vertex, **options)
+        self.reports: List[RouteReport] = []
+        self.refusals: List[RouteRefusal] = []
+        self._stamp = 0
+
+    def order(self, route_id: int, *edges: int, stamp: int = 0) -> None:
+        self.vehicle.handle(RouteOrder(route_id, edges, stamp))
+        self._listen()
+
+    def wait(self, seconds: float) -> None:
+        for _ in range(round(seconds / TICK)):
+            self._stamp += int(TICK * 1e9)
+            self.vehicle.advance(TICK, self._stamp)
+            self._listen()
+
+    def drive_to(self, place: float) -> None:
+        """Until it has driven so far in x."""
+        while self.vehicle.pose[0] < place:
+            self.wait(TICK)
+
+    @property
+    def last(self) -> RouteReport:
+        return self.vehicle.report()
+
+    def states(self) -> Sequence[int]:
+        return [int(state) for state in self.last.states]
+
+    @property
+    def reason(self) -> Optional[str]:
+        """Why the last order was refused."""
+        return self.refusals[-1].reason if self.refusals else None
+
+    def _listen(self) -> None:
+        for message in self.vehicle.take_messages():
+            if isinstance(message, RouteReport):
+                self.reports.append(message)
+            else:
+                self.refusals.append(message)

@@ -1,0 +1,206 @@
+"""Whatever a fleet manager orders, and whatever happens: an AGV keeps the route protocol."""
+from __future__ import annotations
+
+import math
+from random import Random
+from typing import List, Optional, Tuple
+
+from agv_builders import TICK
+from fleet_builders import random_graph
+from hypothesis import settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
+
+from graph_fleet_manager.agv.route_protocol import EdgeState, RouteOrder, RouteReport
+from graph_fleet_manager.agv.vehicle import Vehicle
+from trajectory_graph import split_edges
+
+COMPLETE, FAILED = EdgeState.COMPLETE, EdgeState.FAILED
+SPEED = 1.0
+
+
+class ObedientAgv(RuleBasedStateMachine):
+    """A fleet manager that orders sense and nonsense, and looks at what the AGV says and does."""
+
+    @initialize(seed=st.integers(0, 2 ** 32), vertices=st.integers(2, 6))
+    def build(self, seed: int, vertices: int) -> None:
+        self.random = Random(seed)
+        self.graph = split_edges(random_graph(self.random, vertices, vertices, 3.0), 0.8)
+        self.vehicle = Vehicle('agv', self.graph, self.random.choice(list(self.graph.vertices)))
+        self.next_id, self.stamp = 1, 0
+        self.last: RouteReport = self.vehicle.report()
+        self.order: Optional[RouteOrder] = None
+
+    # --- orders -----------------------------------------------------------------------------------
+
+    @rule(length=st.integers(1, 5))
+    def order_another_route_from_here(self, length: int) -> None:
+        self._order(self._new_id(), self._walk((), length))
+
+    @rule(length=st.integers(0, 5))
+    def order_a_route_that_goes_on(self, length: int) -> None:
+        left = [edge for edge, state in zip(self.last.edges, self.last.states)
+                if state is not COMPLETE]
+        self._order(self._new_id(), self._walk(tuple(left[:1]), length))
+
+    @precondition(lambda self: self.last.edges)
+    @rule(length=st.integers(1, 5))
+    def make_the_route_longer(self, length: int) -> None:
+        self._order(self.last.route_id, self._walk(self.last.edges, length))
+
+    @precondition(lambda self: self.last.edges)
+    @rule(length=st.integers(1, 5))
+    def leave_out_what_is_done(self, length: int) -> None:
+        self._order(self.last.route_id, self._walk(self.last.edges[-1:], length))
+
+    @precondition(lambda self: self.last.edges)
+    @rule(more=st.integers(0, 2), ticks=st.integers(0, 25), another=st.booleans())
+    def make_the_route_shorter(self, more: int, ticks: int, another: bool) -> None:
+        self.wait(ticks)
+        done = self._done(self.last)
+        if another:
+            self._order(self._new_id(), self.last.edges[done:done + more])
+        else:
+            self._order(self.last.route_id, self.last.edges[:done + more])
+
+    @rule(edges=st.lists(st.integers(-9, 9), min_size=1, max_size=4), new=st.booleans())
+    def order_anything(self, edges: List[int], new: bool) -> None:
+        self._order(self._new_id() if new else self.last.route_id or 1, tuple(edges))
+
+    @rule()
+    def stop(self) -> None:
+        self._order(self._new_id(), ())
+
+    @precondition(lambda self: self.order)
+    @rule()
+    def order_the_same_again(self) -> None:
+        before = self.vehicle.report()
+        self.vehicle.handle(self.order)
+        if (self.order.route_id, self.order.edges) == (before.route_id, before.edges):
+            assert self.vehicle.take_messages() == []
+        self._listen()
+
+    # --- what happens -----------------------------------------------------------------------------
+
+    @rule(ticks=st.integers(1, 80))
+    def wait(self, ticks: int) -> None:
+        for _ in range(ticks):
+            before, speed = self.vehicle.pose, self.vehicle.drive.speed
+            self.stamp += 1
+            self.vehicle.advance(TICK, self.stamp)
+            self._listen()
+            x, y, _ = self.vehicle.pose
+            fastest = max(speed, self.vehicle.drive.speed) + 0.5 * TICK
+            assert math.dist(before[:2], (x, y)) <= fastest * TICK + 1e-3, 'it jumped'
+            self._check_report()
+
+    @rule(seconds=st.floats(0.5, 5.0))
+    def stall(self, seconds: float) -> None:
+        self.vehicle.stall(seconds)
+
+    @rule()
+    def fail(self) -> None:
+        self.vehicle.fail('a broken belt')
+        self._listen()
+
+    # --- what must hold ---------------------------------------------------------------------------
+
+    @invariant()
+    def what_it_reports_is_true(self) -> None:
+        if hasattr(self, 'vehicle'):
+            self._check_report()
+
+    def _check_report(self) -> None:
+        report = self.vehicle.report()
+        assert len(report.states) == len(report.edges)
+        done = self._done(report)
+        assert all(state is not COMPLETE for state in report.states[done:])
+        pose = report.pose
+        curve = self.graph.curve(pose.edge)
+        place = curve.point_at(curve.length * pose.percentage / 100.0)
+        allowed = 1e-3 + curve.length * 0.001  # 99.9 % is the most before an edge is complete
+        assert math.dist(place, self.vehicle.pose[:2]) <= allowed, 'it is not where it says'
+        if report.edges and FAILED not in report.states:
+            assert pose.edge == report.edges[min(done, len(report.edges) - 1)]
+            assert (pose.percentage == 100.0) == (done == len(report.edges))
+        if self.vehicle.running:
+            left = sum(self.graph.curve(edge).length for edge in report.edges[done:])
+            left -= self.vehicle.drive.arc
+            needed = self.vehicle.drive.speed ** 2 / (2 * 0.5)
+            assert needed <= left + 0.01, 'it cannot stop in time'
+        if report.edges == self.last.edges and report.route_id == self.last.route_id:
+            assert done >= self._done(self.last), 'what was COMPLETE is not any more'
+            if FAILED in self.last.states:
+                assert report.states == self.last.states
+            elif pose.edge == self.last.pose.edge and done == self._done(self.last) < len(
+                    report.edges) and FAILED not in report.states:
+                assert pose.percentage >= self.last.pose.percentage
+        self.last = report
+
+    def _order(self, route_id: int, edges: Tuple[int, ...]) -> None:
+        before = self.vehicle.report()
+        running, waited = self.vehicle.running, self.vehicle._waiting
+        self.order = RouteOrder(route_id, edges)
+        self.vehicle.handle(self.order)
+        messages = self.vehicle.take_messages()
+        after = self.vehicle.report()
+        refusals = [message for message in messages if not isinstance(message, RouteReport)]
+        if (route_id, edges) == (before.route_id, before.edges):
+            assert messages == [] or not edges
+        elif refusals:
+            assert [(one.route_id, one.edges) for one in refusals] == [(route_id, edges)]
+            assert all(one.reason for one in refusals)
+            assert (after.route_id, after.edges, after.states) == (
+                before.route_id, before.edges, before.states), 'a refusal changed the route'
+            assert self.vehicle.running == running
+            told = [message for message in messages if isinstance(message, RouteReport)]
+            assert [one.route_id for one in told] == ([] if route_id == before.route_id
+                                                      else [route_id])
+            assert all(set(one.states) == {FAILED} for one in told)
+        elif self.vehicle._waiting is None or not edges:
+            assert (messages[0].route_id, messages[0].edges) == (route_id, edges), (
+                'the first report with its id acknowledges a route')
+            kept = before.edges[:self._done(before) + 1]
+            assert not edges or route_id != before.route_id or edges[:len(kept)] == kept, (
+                'a change left out what is done or being driven')
+        else:
+            assert not running and waited is not self.vehicle._waiting, (
+                'only a vehicle that brakes lets an order wait')
+        self.last = after
+
+    def _listen(self) -> None:
+        for message in self.vehicle.take_messages():
+            if isinstance(message, RouteReport) and message.route_id != self.last.route_id:
+                self.last = message
+        self.last = self.vehicle.report()
+
+    @staticmethod
+    def _done(report: RouteReport) -> int:
+        return next((index for index, state in enumerate(report.states) if state is not COMPLETE),
+                    len(report.states))
+
+    def _new_id(self) -> int:
+        self.next_id += 1
+        return self.next_id
+
+    def _walk(self, edges: Tuple[int, ...], length: int) -> Tuple[int, ...]:
+        """A connected walk that begins with these edges, else where the AGV stands."""
+        drive = self.vehicle.drive
+        if edges:
+            at = self.graph.end_vertex(edges[-1]).id
+        elif drive.vertex is not None:
+            at = drive.vertex
+        else:
+            edges = (self.random.choice((drive.edge, -drive.edge)),)
+            at = self.graph.end_vertex(edges[-1]).id
+        walk = list(edges)
+        for _ in range(length):
+            ways = self.graph.edges_from(at)
+            onwards = [way for way in ways if walk and way != -walk[-1]]
+            walk.append(self.random.choice(onwards * 4 + list(ways)))
+            at = self.graph.end_vertex(walk[-1]).id
+        return tuple(walk)
+
+
+TestObedientAgv = ObedientAgv.TestCase
+TestObedientAgv.settings = settings(stateful_step_count=30, max_examples=60, deadline=None)

@@ -1,0 +1,131 @@
+"""What RViz is given to draw of a fleet."""
+from __future__ import annotations
+
+import math
+
+import pytest
+from fleet_builders import corridor
+from visualization_msgs.msg import Marker
+
+from graph_fleet_manager.nodes.rviz import drawing
+from graph_fleet_manager.nodes.rviz.graph_picture import graph_markers
+from graph_fleet_manager.nodes.rviz.plan_picture import plan_markers
+from graph_fleet_manager.nodes.rviz.robot_picture import (
+    GREY,
+    RED,
+    Place,
+    place_on_graph,
+    robot_markers,
+    words_of,
+)
+from itrci_nav_msgs.msg import (
+    FleetPlan,
+    FleetRobot,
+    FleetState,
+    PlannedDrive,
+    RobotPlan,
+    SymbolicPose,
+)
+
+GRAPH = corridor(4)  # 2 m apart, on the x axis
+HERE = Place(1.0, 0.0, 0.0)
+
+
+def named(markers, namespace):
+    return [marker for marker in markers if marker.ns == namespace]
+
+
+def robot(**fields):
+    usual = {'name': 'agv_1', 'type': 'agv', 'pose': SymbolicPose(1, 50.0), 'battery': 0.5}
+    return FleetRobot(**{**usual, **fields})
+
+
+def test_closed_edges_are_red_and_no_longer_grey():
+    markers = graph_markers(GRAPH, {2}, [], []).markers
+    grey, red = named(markers, 'edges')[0], named(markers, 'closed')[0]
+    assert all(not 2.0 < point.x < 4.0 for point in grey.points)
+    xs = [point.x for point in red.points]
+    assert (min(xs), max(xs)) == (2.0, 4.0)
+
+
+def test_a_picture_takes_away_the_one_before():
+    assert graph_markers(GRAPH, (), [1], [4]).markers[0].action == Marker.DELETEALL
+
+
+def test_parking_and_docks_are_squares_on_their_vertices():
+    markers = graph_markers(GRAPH, (), [1, 99], [4]).markers
+    assert [one.pose.position.x for one in named(markers, 'parking')] == [0.0]
+    assert [one.pose.position.x for one in named(markers, 'docks')] == [6.0]
+
+
+def test_a_robot_is_where_its_symbolic_pose_is():
+    assert place_on_graph(robot(), GRAPH) == Place(1.0, 0.0, 0.0)
+    back = place_on_graph(robot(pose=SymbolicPose(-1, 25.0)), GRAPH)
+    assert (back.x, abs(back.heading)) == (pytest.approx(1.5), pytest.approx(math.pi))
+
+
+@pytest.mark.parametrize('pose', [SymbolicPose(0, 0.0), SymbolicPose(99, 0.0),
+                                  SymbolicPose(1, math.nan)])
+def test_off_the_graph_it_is_nowhere(pose):
+    assert place_on_graph(robot(pose=pose), GRAPH) is None
+
+
+@pytest.mark.parametrize('fields, words', [
+    ({'state': FleetRobot.IDLE}, 'agv_1  50 %\nidle'),
+    ({'state': FleetRobot.BUSY, 'destination': 18}, 'agv_1  50 %\nto 18'),
+    ({'state': FleetRobot.BUSY, 'destination': 18, 'waits_for': 'agv_2', 'battery': math.nan},
+     'agv_1\nto 18\n(agv_2)'),
+    ({'state': FleetRobot.FAILED, 'waits_for': 'a broken belt'},
+     'agv_1  50 %\nfailed\n(a broken belt)')])
+def test_its_words_tell_what_it_does_and_waits_for(fields, words):
+    assert words_of(robot(**fields), 0.0) == words
+
+
+def test_what_it_waits_for_takes_no_more_than_two_lines():
+    assert len(words_of(robot(waits_for='somebody ' * 30), 0.0).splitlines()) <= 4
+
+
+def test_an_offline_robot_stays_visible_in_grey():
+    markers = robot_markers(robot(state=FleetRobot.OFFLINE), 3, HERE, 0.4, 0.0, False)
+    assert [one.color for one in named(markers, 'bodies') + named(markers, 'names')] == [GREY] * 2
+
+
+def test_a_failed_robot_has_a_red_ring_and_every_marker_ends_with_the_node():
+    markers = robot_markers(robot(state=FleetRobot.FAILED), 3, HERE, 0.4, 0.0, False)
+    assert named(markers, 'outlines')[0].color == RED
+    assert all(marker.lifetime.to_sec() > 0.0 for marker in markers)
+
+
+def plan(*drives):
+    return FleetPlan(plans=[RobotPlan('agv_1', [PlannedDrive(edge_id=edge, released=released)
+                                                for edge, released in drives])])
+
+
+def test_plan_and_released_part_are_told_apart_in_the_robots_colour():
+    state = FleetState(robots=[robot(state=FleetRobot.BUSY, has_mission=True, destination=4)])
+    driven = plan((1, True), (2, False), (3, False))
+    markers = plan_markers(GRAPH, driven, state, {'agv_1': 5}).markers
+    thick, thin = named(markers, 'released')[0], named(markers, 'plans')[0]
+    assert thick.scale.x > thin.scale.x
+    assert thick.color == thin.color == drawing.own_colour(5)
+    assert max(point.x for point in thick.points) == 2.0
+    assert named(markers, 'destinations')
+
+
+def test_what_a_robot_that_obeys_nobody_holds_is_blocked():
+    state = FleetState(robots=[robot(state=FleetRobot.OFFLINE)])
+    markers = plan_markers(GRAPH, plan((1, True), (2, True), (3, False)), state, {}).markers
+    xs = [point.x for point in named(markers, 'blocked')[0].points]
+    assert (min(xs), max(xs)) == (0.0, 4.0)
+    assert not named(markers, 'released')
+
+
+def test_colours_of_the_first_eight_robots_differ_clearly():
+    paints = [drawing.own_colour(number) for number in range(8)]
+    nearest = min(math.dist((a.r, a.g, a.b), (b.r, b.g, b.b))
+                  for i, a in enumerate(paints) for b in paints[:i])
+    assert nearest > 0.2
+
+
+def test_letters_that_rviz_lacks_do_not_hide_a_text():
+    assert drawing.text('n', 0, 'K\u00fcche \u4e2d', (0.0, 0.0), 0.3, RED).text == 'K\u00fcche ?'

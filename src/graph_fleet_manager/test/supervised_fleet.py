@@ -1,0 +1,205 @@
+"""A supervisor, the real planner and simulated AGVs in one process, with all that can go wrong.
+
+Messages are carried by this module: they may come late, twice, or not at all. Time is simulated.
+"""
+from __future__ import annotations
+
+import math
+import os
+import tempfile
+from random import Random
+from typing import Callable, Dict, List, Mapping, Optional, Sequence, Tuple
+
+from graph_fleet_manager.fleet import Fleet, Robot, RobotType
+from graph_fleet_manager.planning.planner import FleetPlanner
+from graph_fleet_manager.planning.tasks import Outcome
+from graph_fleet_manager.simulation.agv import Agv
+from graph_fleet_manager.supervision.actions import (
+    Action,
+    AskPlanner,
+    Note,
+    SendRoute,
+    TellStatus,
+)
+from graph_fleet_manager.supervision.journal import Journal
+from graph_fleet_manager.supervision.missions import MissionState, Request, Status
+from graph_fleet_manager.supervision.robots import RobotSettings
+from graph_fleet_manager.supervision.supervisor import Supervisor
+from trajectory_graph import Graph
+
+STEP = 0.1  # s
+
+
+class SupervisedFleet:
+    """Robots {name: (type, vertex)} on a graph; `parking` ids of vertices, None: all of them."""
+
+    def __init__(self, graph: Graph, robots: Mapping[str, Tuple[RobotType, int]],
+                 clearance: float = 0.1, seed: int = 0, loss: float = 0.0, repeats: float = 0.0,
+                 planning: float = 0.1, settings: Optional[RobotSettings] = None,
+                 parking: Optional[Sequence[int]] = None) -> None:
+        kinds = tuple(dict.fromkeys(kind for kind, _ in robots.values()))
+        self.graph, self.clearance = graph, clearance
+        self.fleet = Fleet(kinds, tuple(Robot(n, k, v) for n, (k, v) in robots.items()), clearance)
+        self.agvs = {name: Agv(graph, kind, vertex) for name, (kind, vertex) in robots.items()}
+        self.settings = {name: settings or RobotSettings(release_ahead=0.0) for name in robots}
+        self.random = Random(seed)
+        self.loss, self.repeats, self.planning = loss, repeats, planning
+        self._parking = tuple(graph.vertices) if parking is None else tuple(parking)
+        self._folder = tempfile.TemporaryDirectory()
+        self.now = 0.0
+        self.silent: Dict[str, float] = {}
+        self.statuses: List[Status] = []
+        self.notes: List[str] = []
+        self.sent: List[SendRoute] = []
+        self.nearest = math.inf
+        """The least room (m) that any two robots left each other beyond the clearance."""
+        self._to_robots: List[SendRoute] = []
+        self._answers: List[Tuple[float, int, Outcome]] = []
+        self._planners: Dict[frozenset, FleetPlanner] = {}
+        self._begin()
+
+    def _begin(self) -> None:
+        self.journal = Journal(os.path.join(self._folder.name, 'journal.sqlite'),
+                               lambda: 1e9 + self.now)
+        self.journal._db.execute('PRAGMA synchronous=OFF')  # no test here cuts the power
+        self.supervisor = Supervisor(self.graph, self.fleet, self.settings, self.journal, self.now)
+
+    def restart(self) -> None:
+        """The supervisor dies, with all messages to and from it, and comes back."""
+        self.journal.close()
+        self._to_robots, self._answers = [], []
+        self._begin()
+
+    # -- what users do ----------------------------------------------------------------------------
+
+    def request(self, id: int, *destinations: int, **more: object) -> None:
+        """Sends a mission."""
+        self.do(self.supervisor.request(Request(id, destinations, **more), self.now))
+
+    def state(self, id: int) -> MissionState:
+        """The state of a mission."""
+        mission = self.supervisor.book.find(id)
+        assert mission is not None, f'mission {id} is lost'
+        return mission.state
+
+    def told(self, id: int) -> List[MissionState]:
+        """The states of a request that were told, each once."""
+        states = [status.state for status in self.statuses if status.request_id == id]
+        return [s for k, s in enumerate(states) if k == 0 or states[k - 1] != s]
+
+    def robot_of(self, id: int) -> str:
+        """The robot that a mission was last with."""
+        mission = self.supervisor.book.find(id)
+        assert mission is not None
+        return mission.robot
+
+    def reached(self, id: int) -> int:
+        """How many destinations of a mission are visited."""
+        mission = self.supervisor.book.find(id)
+        assert mission is not None
+        return mission.reached
+
+    # -- time -------------------------------------------------------------------------------------
+
+    def run(self, seconds: float) -> None:
+        """Lets so much time pass."""
+        for _ in range(round(seconds / STEP)):
+            self.step()
+
+    def run_until(self, condition: Callable[[], bool], limit: float = 300.0) -> None:
+        """Until something is so."""
+        begun = self.now
+        while not condition():
+            assert self.now - begun < limit, self.picture()
+            self.step()
+
+    def run_until_done(self, *ids: int, limit: float = 600.0) -> float:
+        """Until these missions are at an end; the time that it took."""
+        begun = self.now
+        while any(self.state(id).is_open for id in ids):
+            assert self.now - begun < limit, self.picture()
+            self.step()
+        return self.now - begun
+
+    def step(self) -> None:
+        """One step of everybody."""
+        self.now += STEP
+        self._deliver_orders()
+        for agv in self.agvs.values():
+            agv.drive(STEP)
+        self._check_room()
+        for name, agv in self.agvs.items():
+            if self.silent.get(name, 0.0) <= self.now:
+                for _ in range(self._copies()):
+                    self.do(self.supervisor.report(name, agv.report(self.now), self.now))
+        answers, self._answers = self._answers, []
+        for at, number, outcome in answers:
+            if at <= self.now:
+                self.do(self.supervisor.plan_made(number, outcome, self.now))
+            else:
+                self._answers.append((at, number, outcome))
+        self.do(self.supervisor.tick(self.now))
+
+    def _copies(self) -> int:
+        if self.random.random() < self.loss:
+            return 0
+        return 2 if self.random.random() < self.repeats else 1
+
+    def _deliver_orders(self) -> None:
+        orders, self._to_robots = self._to_robots, []
+        for order in orders:
+            if self.silent.get(order.robot, 0.0) > self.now:
+                continue
+            for _ in range(self._copies()):
+                refusal = self.agvs[order.robot].order(order.route_id, order.edges)
+                if refusal is not None:
+                    self.do(self.supervisor.refusal(order.robot, refusal, self.now))
+
+    def do(self, actions: Sequence[Action]) -> None:
+        """Does what the supervisor wants done."""
+        for action in actions:
+            if isinstance(action, SendRoute):
+                self.sent.append(action)
+                self._to_robots.append(action)
+            elif isinstance(action, TellStatus):
+                self.statuses.append(action.status)
+            elif isinstance(action, Note):
+                self.notes.append(action.text)
+            elif isinstance(action, AskPlanner):
+                self._answers.append((self.now + self.planning, action.number, self._plan(action)))
+
+    def _plan(self, question: AskPlanner) -> Outcome:
+        planner = self._planners.get(question.closed)
+        if planner is None:
+            planner = self._planners[question.closed] = FleetPlanner(
+                self.supervisor.network.with_closed(question.closed), self.clearance,
+                self.fleet.types, self._parking)
+        return planner.plan(question.tasks, question.obstacles, rounds=0)
+
+    def _check_room(self) -> None:
+        places = [(name, agv.kind.radius, *agv.position) for name, agv in self.agvs.items()]
+        for k, (name, radius, x, y) in enumerate(places):
+            for other, other_radius, other_x, other_y in places[:k]:
+                room = math.hypot(x - other_x, y - other_y) - radius - other_radius - self.clearance
+                self.nearest = min(self.nearest, room)
+                assert room > -1e-6, (f'{self.now:.1f} s: {name} and {other} are {-room:.3f} m too '
+                                      f'near: {self.picture()}')
+
+    def picture(self) -> str:
+        """Everything that a failing test should show."""
+        lines = [f'{self.now:.1f} s']
+        for name, agv in self.agvs.items():
+            robot = self.supervisor.robots[name]
+            client = robot.client
+            lines.append(f'{name}: edge {agv.edge} at {agv.arc:.2f}, route {agv.route_id} '
+                         f'{agv.edges} {agv.current} {agv.phase.value}; known: {robot.outage} '
+                         f'{robot.why} place {client.place} ahead {client.ahead} order '
+                         f'{client.order} waits {self.supervisor.waits_for.get(name)!r}')
+        for mission in self.supervisor.book.open:
+            lines.append(str(mission))
+        if self.supervisor.plan:
+            lines.append(f'unserved {self.supervisor.plan.unserved}')
+            lines += [f'{name}: {[d.edge for d in plan.drives]} from {plan.base}'
+                      for name, plan in self.supervisor.plan.plans.items()]
+        lines.append(f'asked {self.supervisor._asked is not None}; {self.notes[-5:]}')
+        return '\n'.join(lines)

@@ -1,0 +1,145 @@
+"""What requests become: accepted, refused, a repeat; and the journal that outlives everything."""
+from __future__ import annotations
+
+import sqlite3
+
+import pytest
+from fleet_builders import AGV, corridor
+
+from graph_fleet_manager.supervision.journal import (
+    Journal,
+    JournalError,
+    RobotMemory,
+    history,
+)
+from graph_fleet_manager.supervision.missions import (
+    Acceptance,
+    MissionBook,
+    MissionState,
+    Request,
+    RequestRefused,
+)
+from graph_fleet_manager.supervision.outages import Outage, outage_of
+from graph_fleet_manager.supervision.reports import Place
+from graph_fleet_manager.supervision.route_client import Memory
+
+ACCEPTANCE = Acceptance(corridor(5), {'a': AGV, 'b': AGV})
+
+
+@pytest.mark.parametrize('request_, reason', [
+    (Request(1, ()), 'no destinations'),
+    (Request(1, (99,)), 'the graph has no vertex 99'),
+    (Request(1, (2,) * 1001), 'more than 1000 destinations'),
+    (Request(1, (2,), robot_type='truck'), "no robot of type 'truck'; there are: agv"),
+    (Request(1, (2,), robot='c'), "no robot 'c'; there are: a, b"),
+    (Request(1, (2,), robot_type='agv', robot='c'), "no robot 'c'"),
+    (Request(1, (2, 3), dwells=(1.0,)), '2 destinations but 1 dwells'),
+    (Request(1, (2,), dwells=(float('nan'),)), 'must be a number'),
+    (Request(1, (2,), dwells=(1e9,)), 'must be a number')])
+def test_what_nobody_can_do_is_refused_with_the_reason(request_, reason):
+    with pytest.raises(RequestRefused, match=reason):
+        MissionBook().add(request_, ACCEPTANCE)
+
+
+@pytest.mark.parametrize('stamp', [0.0, 5.0])
+def test_a_repeat_of_an_open_mission_changes_nothing(stamp):
+    book = MissionBook()
+    assert book.add(Request(1, (2,), stamp=stamp), ACCEPTANCE) is not None
+    assert book.add(Request(1, (2,), stamp=stamp), ACCEPTANCE) is None
+    assert len(book.open) == 1
+
+
+def test_the_id_of_an_open_mission_with_other_content_is_refused():
+    book = MissionBook()
+    book.add(Request(1, (2,)), ACCEPTANCE)
+    with pytest.raises(RequestRefused, match='open with other content'):
+        book.add(Request(1, (3,)), ACCEPTANCE)
+    with pytest.raises(RequestRefused, match='open with other content'):
+        book.add(Request(1, (2,), stamp=5.0), ACCEPTANCE)
+
+
+def test_an_ended_id_may_be_used_anew_but_its_late_repeat_is_no_new_mission():
+    book = MissionBook()
+    mission = book.add(Request(1, (2,), stamp=5.0), ACCEPTANCE)
+    book.set(mission, MissionState.CANCELLED)
+    book.take_changes()
+    assert book.add(Request(1, (2,), stamp=5.0), ACCEPTANCE) is None
+    assert book.add(Request(1, (2,), stamp=6.0), ACCEPTANCE) is not None
+
+
+def test_an_ended_mission_stays_as_it_ended():
+    book = MissionBook()
+    mission = book.add(Request(1, (2,)), ACCEPTANCE)
+    book.reach(mission)
+    book.set(mission, MissionState.CANCELLED)
+    assert mission.state is MissionState.SUCCEEDED
+
+
+def test_driving_through_counts_as_a_visit_but_not_where_it_is_to_stay():
+    book = MissionBook()
+    through = book.add(Request(1, (2, 3, 3, 5)), ACCEPTANCE)
+    assert through.visits((2, 3, 4)) == 3
+    staying = book.add(Request(2, (2, 3, 5), dwells=(0.0, 4.0, 0.0)), ACCEPTANCE)
+    assert staying.visits((2, 3, 4, 5)) == 1
+
+
+def test_the_journal_gives_back_what_was_committed(tmp_path):
+    path = str(tmp_path / 'fleet.sqlite')
+    journal = Journal(path, clock=lambda: 1000.0)
+    book = MissionBook()
+    mission = book.add(Request(7, (2, 3), 'agv', 'a', 4, (1.0, -1.0), 9.5), ACCEPTANCE)
+    book.set(mission, MissionState.ACTIVE, robot='a')
+    journal.write_mission(mission)
+    memory = RobotMemory(Memory(5, (1, -2), 1, {5: 0}, Place(edge=1, fraction=0.25), False, (4,)),
+                         Outage.TAKEN_OVER, 'why', True)
+    journal.write_robot('a', memory)
+    assert journal.next_route_id() == 1
+    journal.commit()
+    mission.reached = 1
+    journal.write_mission(mission)
+    journal._db.close()  # it dies before the second commit
+
+    again = Journal(path)
+    stored, = again.missions()
+    assert (stored.request, stored.state, stored.robot, stored.reached) == (
+        mission.request, MissionState.ACTIVE, 'a', 0)
+    assert again.robots() == {'a': memory}
+    assert again.next_route_id() == 2
+    assert again.last_serial() == 1
+    line, = history(path)
+    assert (line.request_id, line.accepted, line.started, line.ended) == (7, 1000.0, 1000.0, None)
+
+
+def test_a_journal_is_safe_against_power_loss(tmp_path):
+    journal = Journal(str(tmp_path / 'fleet.sqlite'))
+    assert journal._db.execute('PRAGMA journal_mode').fetchone() == ('wal',)
+    assert journal._db.execute('PRAGMA synchronous').fetchone() == (2,)  # FULL
+
+
+def test_files_that_are_no_journals_are_named(tmp_path):
+    path = tmp_path / 'notes.txt'
+    path.write_text('no database, but long enough to be looked at closely by SQLite' * 20)
+    for use in (Journal, history):
+        with pytest.raises(JournalError, match='notes.txt'):
+            use(str(path))
+    with pytest.raises(JournalError, match='There is no journal'):
+        history(str(tmp_path / 'none.sqlite'))
+
+
+def test_a_full_disk_is_said(tmp_path):
+    journal = Journal(str(tmp_path / 'fleet.sqlite'))
+    journal._db.execute('PRAGMA max_page_count = 1')
+    with pytest.raises(JournalError, match='free space'):
+        for k in range(1000):
+            journal.write_value(f'{k}' * 100, k)
+        journal.commit()
+    assert sqlite3.connect(str(tmp_path / 'fleet.sqlite')).execute(
+        'SELECT COUNT(*) FROM value').fetchone() == (0,)
+
+
+@pytest.mark.parametrize('reason, outage', [
+    ('emergency stop', Outage.STOPPED), ('taken over', Outage.TAKEN_OVER),
+    ('lost link: commands: closed', Outage.LOST_LINK), ('off the corridor', Outage.FAILED)])
+def test_the_reason_of_a_failed_route_says_how_the_robot_comes_back(reason, outage):
+    assert outage_of(reason) is outage
+    assert outage.needs_person == (outage in (Outage.TAKEN_OVER, Outage.FAILED))

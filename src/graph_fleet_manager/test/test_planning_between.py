@@ -1,0 +1,25 @@
+"""Robots that stand between two vertices hold the point where they are, not their whole edge."""
+from __future__ import annotations
+
+import pytest
+from fleet_builders import AGV, corridor
+
+from graph_fleet_manager.planning.planner import FleetPlanner
+from graph_fleet_manager.planning.road_network import RoadNetwork
+from graph_fleet_manager.planning.tasks import Task
+
+
+@pytest.mark.parametrize('names', [('a', 'b'), ('b', 'a')])
+def test_a_robot_far_enough_from_one_between_vertices_is_planned(names):
+    planner = FleetPlanner(RoadNetwork(corridor(4)), 0.1, [AGV], (1, 2, 3, 4))
+    outcome = planner.plan([Task(names[0], AGV, 2, destinations=(1,)),
+                            Task(names[1], AGV, between=(2, 0.5), destinations=(4,))], rounds=0)
+    assert outcome.unserved == {}
+
+
+@pytest.mark.parametrize('names', [('a', 'b'), ('b', 'a')])
+def test_a_robot_too_near_to_one_between_vertices_is_told_so(names):
+    planner = FleetPlanner(RoadNetwork(corridor(4)), 0.1, [AGV], (1, 2, 3, 4))
+    outcome = planner.plan([Task(names[0], AGV, 2, destinations=(1,)),
+                            Task(names[1], AGV, between=(2, 0.4), destinations=(4,))], rounds=0)
+    assert set(outcome.unserved) == {'a', 'b'}

@@ -1,0 +1,184 @@
+"""The fleet manager's side of the route protocol."""
+from __future__ import annotations
+
+from itertools import count
+
+import pytest
+from fleet_builders import corridor
+
+from graph_fleet_manager.supervision.reports import (
+    EdgeState,
+    Place,
+    Pose,
+    Refusal,
+    Report,
+    WrongReport,
+    check_report,
+    place_of,
+)
+from graph_fleet_manager.supervision.route_client import REPEAT, RouteClient
+
+DONE, AHEAD, FAILED = EdgeState.COMPLETE, EdgeState.PROCESSING, EdgeState.FAILED
+GRAPH = corridor(6)  # vertices 1 to 6, edges of 2 m from k to k + 1
+
+
+@pytest.fixture
+def client():
+    client = RouteClient(GRAPH, speed=1.0)
+    client.place = Place(vertex=1)
+    return client
+
+
+@pytest.fixture
+def ids():
+    numbers = count(1)
+    return lambda: next(numbers)
+
+
+def report(id, edges, completed, fraction=0.0, state=AHEAD, reason='', age=0.0):
+    states = (DONE,) * completed + (state,) * (len(edges) - completed)
+    pose = Pose(edges[completed], fraction) if completed < len(edges) else Pose(edges[-1], 1.0)
+    return Report(id, tuple(edges), states, pose, reason, 100.0, age)
+
+
+def test_an_order_is_repeated_unchanged_until_the_report_has_its_length(client, ids):
+    client.extend([1, 2], ids)
+    first = client.due(0.0)
+    assert (first.route_id, first.edges, first.repeated) == (1, (1, 2), False)
+    assert client.due(REPEAT / 2) is None
+    again = client.due(REPEAT)
+    assert again == first._replace(repeated=True)
+    client.take(report(1, [1], 0))
+    assert client.due(2 * REPEAT) is not None
+    client.take(report(1, [1, 2], 0))
+    assert client.due(3 * REPEAT) is None
+
+
+def test_an_extension_keeps_the_id_and_another_mission_takes_a_new_one(client, ids):
+    client.extend([1, 2], ids)
+    client.take(report(1, [1, 2], 1))
+    client.extend([3], ids)
+    assert client.due(0.0)[:2] == (1, (1, 2, 3))
+    client.extend([4], ids, renew=True)
+    assert client.due(0.0)[:2] == (2, (2, 3, 4)), 'it begins on the edge being driven'
+
+
+def test_what_is_passed_is_told_once_whatever_is_reported_twice_or_late(client, ids):
+    client.extend([1, 2, 3], ids)
+    assert client.take(report(1, [1, 2, 3], 2)).passed == [2, 3]
+    assert client.take(report(1, [1, 2, 3], 2)).passed == []
+    assert client.take(report(1, [1, 2, 3], 1)).passed == []
+    assert client.done == 2
+
+
+def test_an_edge_is_left_by_the_reported_place_less_what_its_age_allows(client, ids):
+    client.extend([1, 2], ids)
+    client.take(report(1, [1, 2], 0, fraction=0.5, age=0.4))
+    assert client.left == (0, pytest.approx(0.3))
+    client.take(report(1, [1, 2], 1, fraction=0.1, age=0.4))
+    assert client.left == (0, pytest.approx(0.9))
+    client.take(report(1, [1, 2], 1, fraction=0.0, age=5.0))
+    assert client.left == (0, pytest.approx(0.9)), 'what is left stays so'
+
+
+def test_a_refused_extension_waits_for_the_truth_and_takes_a_new_id(client, ids):
+    client.extend([1], ids)
+    client.take(report(1, [1], 0))
+    client.extend([2, 3], ids)
+    assert client.refuse(Refusal(1, (1, 2, 3), 'no')).refused == 'no'
+    assert not client.is_ready and client.due(10.0) is None
+    client.take(report(1, [1], 0, fraction=0.2))
+    assert client.is_ready and client.ahead == (1,)
+    client.extend([2], ids)
+    assert client.due(10.0)[:2] == (2, (1, 2))
+
+
+def test_all_failed_as_the_first_word_about_an_id_is_a_refusal_and_no_failure(client, ids):
+    client.extend([1], ids)
+    client.take(report(1, [1], 0))
+    client.extend([2], ids, renew=True)
+    heard = client.take(report(2, [1, 2], 0, state=FAILED, reason='not where the robot is'))
+    assert heard.refused == 'not where the robot is' and not heard.failed
+
+
+def test_a_route_that_fails_says_why_and_stays_the_robots(client, ids):
+    client.extend([1, 2], ids)
+    client.take(report(1, [1, 2], 0))
+    heard = client.take(report(1, [1, 2], 1, state=FAILED, reason='off the corridor'))
+    assert heard.failed == 'off the corridor'
+    assert client.ahead == (2,)
+
+
+def test_shortening_frees_nothing_before_a_report_shows_it(client, ids):
+    client.extend([1, 2, 3], ids)
+    client.take(report(1, [1, 2, 3], 0))
+    assert client.shorten(ids)
+    assert client.due(0.0)[:2] == (1, (1,))
+    assert client.held == (1, 2, 3)
+    client.take(report(1, [1, 2, 3], 0, fraction=0.1))
+    assert client.held == (1, 2, 3)
+    client.take(report(1, [1], 0, fraction=0.2))
+    assert client.held == (1,) and not client.shorten(ids)
+
+
+def test_a_stop_holds_everything_until_the_place_is_known(client, ids):
+    client.extend([1, 2], ids)
+    client.take(report(1, [1, 2], 0))
+    client.halt(ids)
+    assert client.due(0.0)[:2] == (2, ())
+    client.take(Report(2, pose=Pose(1, 0.5), stamp=101.0))
+    assert client.held == (1, 2) and client.order is None
+    client.settle(Place(edge=1, fraction=0.5))
+    assert client.held == () and client.is_standing
+
+
+def test_a_route_of_somebody_else_is_noticed(client, ids):
+    client.extend([1], ids)
+    client.take(report(1, [1], 1))
+    assert client.take(report(77, [2, 3], 0)).foreign
+
+
+def test_a_robot_that_left_the_end_of_its_route_is_noticed(client, ids):
+    client.extend([1], ids)
+    assert not client.take(report(1, [1], 1)).left
+    away = Report(1, (1,), (DONE,), Pose(2, 0.5), stamp=101.0)
+    assert client.take(away).left
+
+
+def test_after_a_restart_an_order_on_its_way_is_repeated_under_its_old_id(client, ids):
+    client.extend([1], ids)
+    client.take(report(1, [1], 0))
+    client.extend([2], ids)
+    other = RouteClient(GRAPH, speed=1.0)
+    other.restore(client.memory)
+    seen = report(1, [1], 0, fraction=0.5)
+    other.adopt(seen)
+    other.take(seen)
+    assert other.ahead == (1, 2)
+    assert other.due(0.0)[:2] == (1, (1, 2))
+
+
+def test_after_a_restart_without_memory_what_is_reported_is_released_and_fixed():
+    client = RouteClient(GRAPH, speed=1.0)
+    seen = report(9, [1, 2, 3], 1, fraction=0.5)
+    client.adopt(seen)
+    heard = client.take(seen)
+    assert client.ahead == (2, 3) and not heard.foreign
+    assert client.due(0.0) is None, 'no motion is ordered by itself'
+
+
+@pytest.mark.parametrize('pose, place', [
+    (Pose(1, 0.0), Place(vertex=1)), (Pose(1, 0.9), Place(vertex=2)),
+    (Pose(-1, 0.1), Place(vertex=2)), (Pose(1, 0.5), Place(edge=1, fraction=0.5)),
+    (Pose(), None)])
+def test_the_place_that_a_pose_means(pose, place):
+    assert place_of(pose, GRAPH) == place
+
+
+@pytest.mark.parametrize('wrong', [
+    Report(1, (1, 2), (AHEAD,)), Report(1, pose=Pose(1, float('nan'))), Report(1, pose=Pose(99)),
+    Report(1, pose=Pose(1, 1.5)), Report(1, (1,) * 2000, (AHEAD,) * 2000),
+    Report(1, stamp=float('inf'))])
+def test_reports_that_make_no_sense_are_refused(wrong):
+    with pytest.raises(WrongReport):
+        check_report(wrong, GRAPH)

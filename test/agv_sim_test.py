@@ -1,0 +1,89 @@
+#!/usr/bin/env python3
+"""Simulated AGVs drive routes that come by topic, and tell the truth about it."""
+from __future__ import annotations
+
+import json
+import math
+import os
+import socket
+import unittest
+from typing import Dict, List
+
+import rospy
+from geometry_msgs.msg import PoseStamped
+from sensor_msgs.msg import BatteryState
+
+from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, RouteRefused, TargetRoute
+from system_support import Recorder, connected_publisher, run_cases
+from trajectory_graph import Graph, load_graph
+
+COMPLETE = EdgeState.COMPLETE
+
+
+class AgvSimTest(unittest.TestCase):
+    """Is the fleet manager of two AGVs."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.graph: Graph = load_graph(rospy.get_param('/agvs/graph_file'))
+        cls.states = Recorder('/agv_1/execution_route_states', ExecutionRouteStates)
+        cls.refusals = Recorder('/agv_1/route_refused', RouteRefused)
+        cls.route = connected_publisher('/agv_1/target_route', TargetRoute)
+        cls.states.wait_for(lambda _: True, 10.0, 'a first report')
+
+    def drive(self, route_id: int, edges: List[int]) -> ExecutionRouteStates:
+        before = len(self.states.messages)
+        self.route.publish(route_id=route_id, edges=edges)
+        return self.states.wait_for(
+            lambda one: one.route_id == route_id and len(one.edge_states) == len(edges)
+            and all(edge.state == COMPLETE for edge in one.edge_states),
+            30.0, f'complete route {route_id}', before)
+
+    def test_a_route_is_driven_and_extended(self) -> None:
+        first = self.graph.edges_from(18)[0]
+        middle = self.graph.end_vertex(first).id
+        second = next(edge for edge in self.graph.edges_from(middle) if edge != -first)
+        self.drive(1, [first])
+        end = self.drive(1, [first, second])
+        self.assertEqual((second, 100.0), (end.symbolic_pose.edge_id, end.symbolic_pose.percentage))
+        goal = self.graph.end_vertex(second)
+        pose = Recorder('/agv_1/pose', PoseStamped).wait_for(lambda _: True, 5.0, 'pose').pose
+        self.assertLess(math.dist(goal.position, (pose.position.x, pose.position.y)), 0.001)
+        robots = self.where()
+        told = robots['agv_1']['x'], robots['agv_1']['y']
+        self.assertLess(math.dist(goal.position, told), 0.001)
+        self.assertEqual({'agv_1', 'agv_2'}, set(robots))
+        self.drive(2, [-second, -first])
+
+    def test_what_it_cannot_drive_is_refused(self) -> None:
+        self.route.publish(route_id=77, edges=[9999])
+        refused = self.refusals.wait_for(lambda one: one.route_id == 77, 5.0, 'refusal')
+        self.assertIn('9999', refused.reason)
+        failed = self.states.wait_for(lambda one: one.route_id == 77, 5.0, 'failed report')
+        self.assertEqual([EdgeState.FAILED], [edge.state for edge in failed.edge_states])
+
+    def test_a_silent_agv_says_nothing_until_it_speaks_again(self) -> None:
+        self.ask('@agv_2 silence')
+        states = Recorder('/agv_2/execution_route_states', ExecutionRouteStates)
+        states.wait_for(lambda _: True, 5.0, 'the latched report')
+        heard = len(states.messages)
+        self.assertEqual('ok', self.ask('@agv_2 battery 40'))
+        self.assertEqual(heard, len(states.messages))
+        self.ask('@agv_2 silence 0')
+        states.wait_for(lambda _: True, 5.0, 'a report', heard)
+        Recorder('/agv_2/battery_state', BatteryState).wait_for(
+            lambda one: abs(one.percentage - 0.4) < 0.01, 5.0, 'battery at 40 %')
+
+    def where(self) -> Dict[str, Dict[str, float]]:
+        return json.loads(self.ask('where'))['robots']
+
+    def ask(self, line: str) -> str:
+        port = int(os.environ.get('LD90_ARCL_PORT', 17171))
+        with socket.create_connection(('127.0.0.1', port), timeout=5.0) as connection:
+            connection.sendall(line.encode() + b'\n')
+            return connection.makefile().readline().strip()
+
+
+if __name__ == '__main__':
+    rospy.init_node('agv_sim_test')
+    run_cases(__file__)
