@@ -138,7 +138,7 @@ def graph_pictures(screen: Screen) -> None:
             env=screen.environment, stdout=subprocess.DEVNULL)
         window = None
         try:
-            window = RvizWindow(screen, str(IMAGES), SCALE, 'graph_editor', 'rviz.launch',
+            window = RvizWindow(screen, str(IMAGES), SCALE, 'graph_editor', 'editor_rviz.launch',
                                 f'map_file:={lab}')
             wait_until(lambda: count_near(window.look(), VERTEX_2, NAVY), 60.0, 'the graph')
             window.click(VERTEX_2)

@@ -136,8 +136,8 @@ class Editor:
                                load_site(str(map_file), SiteOptions()).floor)
         scale, x, y = (float(re.search(rf'(?m)^      {name}: (\S+)$', configuration)[1])
                        for name in ('Scale', 'X', 'Y'))
-        self._window = RvizWindow(self._screen, artefacts, scale, 'graph_editor', 'rviz.launch',
-                                  f'map_file:={map_file}')
+        self._window = RvizWindow(self._screen, artefacts, scale, 'graph_editor',
+                                  'editor_rviz.launch', f'map_file:={map_file}')
         nothing = (0.8, -2.6)  # m: a place without handles
         self._window.calibrate((round(MIDDLE[0] + (nothing[0] - x) * scale),
                                 round(MIDDLE[1] - (nothing[1] - y) * scale)), nothing)

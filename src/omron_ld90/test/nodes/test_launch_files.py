@@ -15,6 +15,8 @@ LAUNCH_FILES = sorted([*ROOT.glob('launch/*.launch'), *ROOT.glob('src/*/launch/*
 PLACES = {file.name: file for file in LAUNCH_FILES}
 #: Arguments without a default: what a user would give.
 GIVEN = {
+    'edit.launch': ['map_file:=/nowhere/site.map', 'graph_file:=/nowhere/graph.yaml'],
+    'editor_rviz.launch': ['map_file:=/nowhere/site.map'],
     'fleet_manager.launch': ['graph_file:=/nowhere/graph.yaml', 'fleet_file:=/nowhere/fleet.yaml'],
     'map_converter.launch': ['base_map:=/nowhere/base.map', 'graph_file:=/nowhere/graph.yaml',
                              'output:=/nowhere/out.map'],
