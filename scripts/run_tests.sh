@@ -3,12 +3,13 @@
 # `catkin_make run_tests` both call it; people call scripts/test.sh. TEST_JOBS=2 runs two system tests at a time: they
 # mostly wait for robots that drive in real time.
 #
-#   run_tests.sh RESULTS unit             the unit tests, also under Python 3.8 where there is one
+#   run_tests.sh RESULTS unit             the unit tests
+#   run_tests.sh RESULTS python3.8        those without ROS under Python 3.8, where there is one
 #   run_tests.sh RESULTS system NAME...   the system tests test/NAME.test, each under its own ROS master
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-[ $# -ge 2 ] || { sed -n '2,7s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 1; }
+[ $# -ge 2 ] || { sed -n '2,8s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 1; }
 results="$1" kind="$2"; shift 2
 cd "$root"
 export PATH="/usr/bin:$PATH"
@@ -17,15 +18,10 @@ export SYSTEM_TEST_ARTEFACTS="$root/build/artefacts" ROS_IP=127.0.0.1 ROS_HOME="
 unset ROS_HOSTNAME DISPLAY
 if [ -n "${FKIE_ARCHIVE:-}" ]; then FKIE_ARCHIVE="$(realpath -m -- "$FKIE_ARCHIVE")"; fi
 
-unit_tests() {  # under both Pythons at once, for the sake of time
-  local log38="$results/unit38.log"
-  unit_tests_of_python38 >"$log38" 2>&1 &
-  local other=$!
+unit_tests() {
   say "Unit tests, $(/usr/bin/python3 --version)"
   /usr/bin/python3 -m pytest -q --junitxml="$results/unit.xml" src || true
   [ -f "$results/unit.xml" ] || record "$results" failed unit-tests "pytest did not finish"
-  wait "$other"
-  cat "$log38"
 }
 
 find_python38() {
@@ -107,8 +103,9 @@ system_tests() {  # so many at a time as TEST_JOBS says
 
 case "$kind" in
   unit) unit_tests ;;
+  python3.8) unit_tests_of_python38 ;;
   system)
     case " $*" in *' multimaster'*) provide_multimaster ;; esac
     system_tests "$@" ;;
-  *) die "there are unit and system tests, and no '$kind' tests" ;;
+  *) die "there are tests 'unit', 'python3.8' and 'system', and no '$kind'" ;;
 esac

@@ -123,9 +123,14 @@ class ClickTest(unittest.TestCase):
         dx, dy = x - turned.transform.translation.x, y - turned.transform.translation.y
 
         def goes_there() -> bool:
+            heard = len(self.feedback.messages)
             self.clicks.publish(click(dy, -dx, 'camera'))
-            return 'goto 32' in self.sent()
-        wait_until(goes_there, 10.0, 'goto 32')
+            answer = self.feedback.wait_for(
+                lambda text: 'no transform' in text.data or 'Arrived at 32' in text.data,
+                10.0, 'what becomes of the click', after=heard)
+            return 'Arrived' in answer.data
+        wait_until(goes_there, 20.0, 'a drive to 32')
+        self.assertEqual(['goto 32'], self.sent())
 
     def test_a_click_in_an_unknown_frame_does_nothing(self):
         self.clicks.publish(click(*self.place('12'), frame='nowhere'))
