@@ -212,9 +212,9 @@ class Editor:
         saved = self.graph().vertices[vertex].position
         there = saved[0], saved[1] + 0.6
         self._window.drag_handle(self._window.pixel(*saved), self._window.pixel(*there))
-        moved = self._graph_with(lambda graph: math.dist(graph.vertices[vertex].position, there)
-                                 < 0.1, 'the vertex that is not saved')
-        self._choose(moved.vertices[vertex].position, VERTEX_MENU, Action.LOAD)
+        self._graph_with(lambda graph: math.dist(graph.vertices[vertex].position, there) < 0.1,
+                         'the vertex that is not saved')
+        self._choose(there, VERTEX_MENU, Action.LOAD)  # the handle is where the mouse left it
         self._graph_with(lambda graph: graph.vertices[vertex].position == saved,
                          'the vertex as it was saved')
 
