@@ -157,10 +157,10 @@ class RvizWindow:
 
     def find_handle(self, pixel: Tuple[int, int]) -> None:
         """Bring the mouse to a handle, until RViz says so in its status bar."""
-        self.hover(self._nothing_here)
-        idle = self._at_rest(STATUS_BAR)
-
         def found() -> bool:  # RViz looks once a frame, at most, and only when the mouse moves
+            for _ in range(2):  # the first time it may still tell of the handle that it left
+                self.hover(self._nothing_here)
+                idle = self._at_rest(STATUS_BAR)
             self.hover(pixel)
             return self._at_rest(STATUS_BAR) != idle
         wait_until(found, PATIENCE, f'RViz finds the handle at {pixel}')
