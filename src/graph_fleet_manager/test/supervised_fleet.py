@@ -10,10 +10,11 @@ import tempfile
 from random import Random
 from typing import Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
+from supervised_agv import Agv
+
 from graph_fleet_manager.fleet import Fleet, Robot, RobotType
 from graph_fleet_manager.planning.planner import FleetPlanner
 from graph_fleet_manager.planning.tasks import Outcome
-from graph_fleet_manager.simulation.agv import Agv
 from graph_fleet_manager.supervision.actions import (
     Action,
     AskPlanner,

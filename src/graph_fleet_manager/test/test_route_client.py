@@ -6,11 +6,10 @@ from itertools import count
 import pytest
 from fleet_builders import corridor
 
+from graph_fleet_manager.route_protocol import EdgeState, RouteRefusal
 from graph_fleet_manager.supervision.reports import (
-    EdgeState,
     Place,
     Pose,
-    Refusal,
     Report,
     WrongReport,
     check_report,
@@ -85,7 +84,7 @@ def test_a_refused_extension_waits_for_the_truth_and_takes_a_new_id(client, ids)
     client.extend([1], ids)
     client.take(report(1, [1], 0))
     client.extend([2, 3], ids)
-    assert client.refuse(Refusal(1, (1, 2, 3), 'no')).refused == 'no'
+    assert client.refuse(RouteRefusal(1, (1, 2, 3), 'no')).refused == 'no'
     assert not client.is_ready and client.due(10.0) is None
     client.take(report(1, [1], 0, fraction=0.2))
     assert client.is_ready and client.ahead == (1,)

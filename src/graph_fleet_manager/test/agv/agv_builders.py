@@ -5,8 +5,8 @@ from typing import List, Optional, Sequence
 
 from fleet_builders import graph_of
 
-from graph_fleet_manager.agv.route_protocol import RouteOrder, RouteRefusal, RouteReport
 from graph_fleet_manager.agv.vehicle import Vehicle
+from graph_fleet_manager.route_protocol import RouteOrder, RouteRefusal, RouteReport
 from trajectory_graph import Graph
 
 TICK = 0.1

@@ -11,8 +11,8 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
-from graph_fleet_manager.agv.route_protocol import EdgeState, RouteOrder, RouteReport
 from graph_fleet_manager.agv.vehicle import Vehicle
+from graph_fleet_manager.route_protocol import EdgeState, RouteOrder, RouteReport
 from trajectory_graph import split_edges
 
 COMPLETE, FAILED = EdgeState.COMPLETE, EdgeState.FAILED

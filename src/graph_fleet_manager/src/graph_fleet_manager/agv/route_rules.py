@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Optional, Tuple
 
 from graph_fleet_manager.agv.drive import Drive
-from graph_fleet_manager.agv.route_protocol import EdgeState, Phase, RouteOrder
+from graph_fleet_manager.route_protocol import EdgeState, Phase, RouteOrder
 from trajectory_graph import TrajectoryGraphError, check_route
 
 MAXIMUM_EDGES = 1000

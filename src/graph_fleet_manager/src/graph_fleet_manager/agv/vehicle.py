@@ -6,15 +6,6 @@ from typing import Collection, List, Optional, Tuple
 
 from graph_fleet_manager.agv.battery import Battery
 from graph_fleet_manager.agv.drive import ON_PLACE, Drive
-from graph_fleet_manager.agv.route_protocol import (
-    EdgeState,
-    Message,
-    Phase,
-    RouteOrder,
-    RouteRefusal,
-    RouteReport,
-    SymbolicPose,
-)
 from graph_fleet_manager.agv.route_rules import (
     NotYet,
     Route,
@@ -24,6 +15,15 @@ from graph_fleet_manager.agv.route_rules import (
     find_start,
 )
 from graph_fleet_manager.agv.speed_limits import DriveLimits, SpeedLimits
+from graph_fleet_manager.route_protocol import (
+    EdgeState,
+    Message,
+    Phase,
+    RouteOrder,
+    RouteRefusal,
+    RouteReport,
+    SymbolicPose,
+)
 from trajectory_graph import Graph
 
 ORDER_TIMEOUT = 5.0  # s that an order waits for the vehicle to stand

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import genpy
 
-from graph_fleet_manager.agv.route_protocol import RouteOrder, RouteRefusal, RouteReport
+from graph_fleet_manager.route_protocol import RouteOrder, RouteRefusal, RouteReport
 from itrci_nav_msgs import msg
 
 

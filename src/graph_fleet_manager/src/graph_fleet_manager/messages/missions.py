@@ -6,15 +6,10 @@ from typing import Callable, Iterable, List, Sequence, Tuple
 
 import genpy
 
+from graph_fleet_manager.route_protocol import EdgeState, RouteRefusal
 from graph_fleet_manager.supervision.fleet_view import DriveView, RobotView
 from graph_fleet_manager.supervision.missions import Request, RequestRefused, Status
-from graph_fleet_manager.supervision.reports import (
-    EdgeState,
-    Pose,
-    Refusal,
-    Report,
-    WrongReport,
-)
+from graph_fleet_manager.supervision.reports import Pose, Report, WrongReport
 from itrci_nav_msgs import msg
 
 Moment = Callable[[float], genpy.Time]
@@ -56,9 +51,9 @@ def report_of(message: msg.ExecutionRouteStates, now: genpy.Time) -> Report:
                   stamp.to_sec(), max(age, 0.0))
 
 
-def refusal_of(message: msg.RouteRefused) -> Refusal:
+def refusal_of(message: msg.RouteRefused) -> RouteRefusal:
     """An order that a robot did not take up."""
-    return Refusal(message.route_id, tuple(message.edges), _words(message.reason))
+    return RouteRefusal(message.route_id, tuple(message.edges), _words(message.reason))
 
 
 def _words(text: str) -> str:

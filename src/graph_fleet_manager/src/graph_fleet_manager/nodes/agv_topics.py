@@ -9,9 +9,9 @@ import rospy
 from geometry_msgs.msg import PoseStamped, Quaternion, TransformStamped, Vector3
 from sensor_msgs.msg import BatteryState
 
-from graph_fleet_manager.agv.route_protocol import RouteReport
 from graph_fleet_manager.agv.vehicle import Vehicle
 from graph_fleet_manager.messages.agv import order_of, refusal_message, report_message
+from graph_fleet_manager.route_protocol import RouteReport
 from itrci_nav_msgs.msg import ExecutionRouteStates, RouteRefused, TargetRoute
 
 REPORT_PERIOD, IDLE_PERIOD = 0.1, 1.0  # s, with a route and without

@@ -3,21 +3,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from enum import IntEnum
 from typing import Optional, Tuple
 
+from graph_fleet_manager.route_protocol import EdgeState
 from trajectory_graph import Graph
 
 LONGEST = 1000  # edges in a route; more is a mistake or an attack
 NEAR = 0.3      # m from a vertex at which a robot counts as standing on it
-
-
-class EdgeState(IntEnum):
-    """State of an edge of a route; one that is still ahead is PROCESSING too."""
-
-    PROCESSING = 1
-    COMPLETE = 2
-    FAILED = 3
 
 
 @dataclass(frozen=True)
@@ -61,15 +53,6 @@ class Report:
     def is_running(self) -> bool:
         """Is anything of the route still to be driven?"""
         return EdgeState.PROCESSING in self.states
-
-
-@dataclass(frozen=True)
-class Refusal:
-    """An order that the robot did not take up."""
-
-    route_id: int
-    edges: Tuple[int, ...]
-    reason: str
 
 
 class WrongReport(Exception):

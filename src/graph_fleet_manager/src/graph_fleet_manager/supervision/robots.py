@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 from typing import List, Optional, Tuple
 
 from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.route_protocol import RouteRefusal
 from graph_fleet_manager.supervision.outages import Outage, outage_of
-from graph_fleet_manager.supervision.reports import Place, Pose, Refusal, Report, place_of
+from graph_fleet_manager.supervision.reports import Place, Pose, Report, place_of
 from graph_fleet_manager.supervision.route_client import Heard, NewId, RouteClient
 from trajectory_graph import Graph
 
@@ -111,7 +112,7 @@ class ManagedRobot:
         self._consider_link(report, now)
         self.stamp = report.stamp
 
-    def hear_refusal(self, refusal: Refusal) -> None:
+    def hear_refusal(self, refusal: RouteRefusal) -> None:
         """An order was not taken up."""
         self._judge(self.client.refuse(refusal), None)
 

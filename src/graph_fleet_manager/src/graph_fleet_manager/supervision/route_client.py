@@ -9,13 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
-from graph_fleet_manager.supervision.reports import (
-    Place,
-    Pose,
-    Refusal,
-    Report,
-    place_of,
-)
+from graph_fleet_manager.route_protocol import RouteRefusal
+from graph_fleet_manager.supervision.reports import Place, Pose, Report, place_of
 from trajectory_graph import Graph
 
 REPEAT = 1.0      # s after which an order that was not acknowledged is repeated
@@ -309,7 +304,7 @@ class RouteClient:
             heard.foreign = report.is_running
             return heard
         if report.is_failed and report.route_id not in self._acknowledged and report.completed == 0:
-            return self.refuse(Refusal(report.route_id, report.edges, report.reason))
+            return self.refuse(RouteRefusal(report.route_id, report.edges, report.reason))
         self._acknowledged = {id for id in self._acknowledged if id in self._bases}
         self._acknowledged.add(report.route_id)
         if self._awaits_report:
@@ -326,7 +321,7 @@ class RouteClient:
             heard.left = self._has_left()
         return heard
 
-    def refuse(self, refusal: Refusal) -> Heard:
+    def refuse(self, refusal: RouteRefusal) -> Heard:
         """The robot did not take up an order: the next report tells what it really drives."""
         heard = Heard()
         if self.order is not None and (refusal.route_id, refusal.edges) == (

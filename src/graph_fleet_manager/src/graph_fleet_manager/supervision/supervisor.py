@@ -12,6 +12,7 @@ from typing import Dict, Iterable, List, Mapping, Optional, Set, Tuple
 from graph_fleet_manager.fleet import Fleet
 from graph_fleet_manager.planning.road_network import RoadNetwork
 from graph_fleet_manager.planning.tasks import Outcome
+from graph_fleet_manager.route_protocol import RouteRefusal
 from graph_fleet_manager.supervision import mission_progress
 from graph_fleet_manager.supervision.actions import (
     Action,
@@ -44,7 +45,6 @@ from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.plan_in_force import PlanInForce
 from graph_fleet_manager.supervision.release import released
 from graph_fleet_manager.supervision.reports import (
-    Refusal,
     Report,
     WrongReport,
     check_report,
@@ -179,7 +179,7 @@ class Supervisor:
         self._note_outages()
         return self._answer()
 
-    def refusal(self, name: str, refusal: Refusal, now: float) -> List[Action]:
+    def refusal(self, name: str, refusal: RouteRefusal, now: float) -> List[Action]:
         """A robot did not take up an order."""
         robot = self.robots[name]
         robot.hear_refusal(refusal)

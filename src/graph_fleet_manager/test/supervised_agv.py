@@ -1,25 +1,19 @@
-"""An AGV that follows the edges of a graph and obeys routes as the route protocol says."""
+"""A simple AGV for tests of the supervisor: it obeys routes as the route protocol says.
+
+It shares no code with `agv_sim`, so that neither hides a mistake of the other.
+"""
 from __future__ import annotations
 
-from enum import Enum
 from typing import Optional, Tuple
 
 from graph_fleet_manager.fleet import RobotType
-from graph_fleet_manager.supervision.reports import EdgeState, Pose, Refusal, Report
+from graph_fleet_manager.route_protocol import EdgeState, Phase, RouteRefusal
+from graph_fleet_manager.supervision.reports import Pose, Report
 from trajectory_graph import Graph, TrajectoryGraphError, check_route
 
 _AT_END = 1e-6  # m
 _NEAR = 0.3     # m from a vertex at which a route may begin there
 _JUST_LEFT = 0.5  # m behind a vertex up to which a route may begin with the edge before it
-
-
-class Phase(Enum):
-    """What became of its route."""
-
-    RUNNING = 'running'
-    COMPLETE = 'complete'
-    FAILED = 'failed'
-    STOPPED = 'stopped'
 
 
 class Agv:
@@ -54,7 +48,7 @@ class Agv:
 
     # -- orders -----------------------------------------------------------------------------------
 
-    def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[Refusal]:
+    def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[RouteRefusal]:
         """Takes up a route, or a change of its route, or refuses it."""
         if not edges:
             self.route_id, self.edges, self.current, self._to_begin = route_id, (), 0, 0.0
@@ -63,7 +57,7 @@ class Agv:
         if (route_id, edges) == (self.route_id, self.edges):
             return None
         reason = self._take_up(route_id, edges)
-        return Refusal(route_id, edges, reason) if reason else None
+        return RouteRefusal(route_id, edges, reason) if reason else None
 
     def _take_up(self, route_id: int, edges: Tuple[int, ...]) -> str:
         if self.emergency:

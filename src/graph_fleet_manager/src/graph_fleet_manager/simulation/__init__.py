@@ -1,1 +1,0 @@
-"""Simulated robots that follow the edges of a graph. No ROS."""
