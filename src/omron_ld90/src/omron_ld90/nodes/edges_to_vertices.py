@@ -45,6 +45,7 @@ from diagnostic_updater import DiagnosticStatusWrapper
 from std_msgs.msg import String
 
 from itrci_nav_msgs.msg import ExecutionRouteStates, RouteRefused, TargetRoute
+from node_lifecycle import ConfigurationError, choice, number, parameter, publish_diagnostics, run
 from omron_ld90.bridge import route_protocol as p
 from omron_ld90.bridge.robot_monitor import moves_robot
 from omron_ld90.bridge.route_follower import RouteFollower
@@ -52,9 +53,8 @@ from omron_ld90.bridge.route_strategies import STRATEGIES, Settings
 from omron_ld90.bridge.running_clock import RunningClock
 from omron_ld90.nodes.bridge_memory import RouteMemory
 from omron_ld90.nodes.bridge_messages import command_ended, link_reported, robot_seen
-from omron_ld90.nodes.support import fleet_messages, shared_parameters, startup
+from omron_ld90.nodes.support import fleet_messages, shared_parameters
 from omron_ld90.nodes.support.command_client import CommandClient
-from omron_ld90.nodes.support.diagnostics import publish_diagnostics
 from omron_ld90.nodes.support.followed_graph import FollowedGraph
 from omron_ld90.nodes.support.worker import start_worker
 from omron_ld90_msgs.msg import ExecuteCommandResult, LinkState, RobotStatus
@@ -213,28 +213,28 @@ def _diagnosis(follower: RouteFollower, now: float) -> Diagnosis:
 
 
 def _read_settings(graph: Optional[Graph]) -> Settings:
-    dock = startup.parameter('~dock_vertex', 0, int)
+    dock = parameter('~dock_vertex', 0, int)
     if graph is not None and dock and dock not in graph.vertices:
-        raise startup.ConfigurationError(
+        raise ConfigurationError(
             f'~dock_vertex is {dock}, which is no vertex of the graph: set it to the id of the '
             'dock, or to 0 where there is none.')
-    strategy = startup.choice('~strategy', 'rolling', tuple(STRATEGIES))
-    native_command = startup.parameter('~native_command', '')
+    strategy = choice('~strategy', 'rolling', tuple(STRATEGIES))
+    native_command = parameter('~native_command', '')
     if strategy == 'native':
         _check_native_command(native_command)
     return Settings(
         dock_vertex=dock or None,
         strategy=STRATEGIES[strategy],
         native_command=native_command if strategy == 'native' else '',
-        vertex_tolerance=startup.number('~vertex_tolerance', 0.3, 0.05, 2.0),
-        corridor_width=startup.number('~corridor_width', 0.9, 0.3, 10.0),
-        stall_timeout=startup.number('~stall_timeout', 30.0, 1.0, 3600.0),
-        location_timeout=startup.number('~location_timeout', 5.0, 0.5, 60.0),
-        link_timeout=startup.number('~link_timeout', 2.0, 0.0, 60.0),
-        restart_timeout=startup.number('~restart_timeout', 20.0, 0.0, 600.0),
-        top_speed=startup.number('~top_speed', 1.35, 0.1, 10.0),
-        acceleration=startup.number('~acceleration', 0.5, 0.05, 10.0),
-        braking=startup.number('~braking', 0.2, 0.05, 10.0))
+        vertex_tolerance=number('~vertex_tolerance', 0.3, 0.05, 2.0),
+        corridor_width=number('~corridor_width', 0.9, 0.3, 10.0),
+        stall_timeout=number('~stall_timeout', 30.0, 1.0, 3600.0),
+        location_timeout=number('~location_timeout', 5.0, 0.5, 60.0),
+        link_timeout=number('~link_timeout', 2.0, 0.0, 60.0),
+        restart_timeout=number('~restart_timeout', 20.0, 0.0, 600.0),
+        top_speed=number('~top_speed', 1.35, 0.1, 10.0),
+        acceleration=number('~acceleration', 0.5, 0.05, 10.0),
+        braking=number('~braking', 0.2, 0.05, 10.0))
 
 
 def _check_native_command(template: str) -> None:
@@ -243,11 +243,11 @@ def _check_native_command(template: str) -> None:
     except (LookupError, ValueError, AttributeError):
         wrong = True
     if wrong:
-        raise startup.ConfigurationError(
+        raise ConfigurationError(
             f'~native_command is {template!r}, but strategy native needs the command that takes '
             'several goals, with {goals} for their names or {last} for the last one.')
 
 
 def main() -> None:
     """Runs the node."""
-    startup.run('omron_edges_to_vertices', EdgesToVertices)
+    run('omron_edges_to_vertices', EdgesToVertices)
