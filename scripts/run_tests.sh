@@ -75,7 +75,10 @@ system_test() {  # system_test NAME ARCL_PORT OUTGOING_PORT: one rostest on free
   local name="$1" log="$results/$1.log" begun=$SECONDS verdict=passed file
   export LD90_ARCL_PORT="$2" LD90_OUTGOING_PORT="$3" ROS_TEST_RESULTS_DIR="$results/ros/$name"
   timeout --kill-after=20 600 rostest --pkgdir="$root/src/omron_ld90" --package=omron_ld90 \
-    "$root/test/$name.test" >"$log" 2>&1 || verdict=failed
+    "$root/test/$name.test" >"$log" 2>&1 &
+  local rostest=$!
+  trap 'kill -TERM $rostest; wait $rostest' TERM
+  wait $rostest || verdict=failed
   for file in "$ROS_TEST_RESULTS_DIR"/omron_ld90/*.xml; do
     [ ! -f "$file" ] || mv "$file" "$results"
   done
@@ -92,6 +95,7 @@ system_test() {  # system_test NAME ARCL_PORT OUTGOING_PORT: one rostest on free
 system_tests() {  # so many at a time as TEST_JOBS says
   local name running=0 jobs="${TEST_JOBS:-1}"
   export PYTHONPATH="$root/test:${PYTHONPATH:-}"
+  trap 'kill -TERM $(jobs -p); wait; exit 130' INT TERM  # nothing goes on when the script is ended
   for name in "$@"; do
     if [ "$running" -ge "$jobs" ]; then wait -n || true; running=$((running - 1)); fi
     system_test "$name" "$(free_port)" "$(free_port)" &
