@@ -33,7 +33,7 @@ class FactoryTest(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls) -> None:
-        cls.factory = Factory('fleet:=4', 'longest_edge:=1.5', f'sim_speed:={SPEED}')
+        cls.factory = Factory('4', 'longest_edge:=1.5', f'sim_speed:={SPEED}')
         try:
             cls.factory.wait_until_ready()
         except BaseException:

@@ -49,7 +49,7 @@ class FleetByMouse(unittest.TestCase):
         missing = missing_programs()
         if missing:
             raise unittest.SkipTest(f'not installed: {", ".join(missing)}')
-        cls.factory = Factory('fleet:=4', 'longest_edge:=1.5', f'sim_speed:={SPEED}')
+        cls.factory = Factory('4', 'longest_edge:=1.5', f'sim_speed:={SPEED}')
         cls.screen = Screen()
         try:
             cls.closed = Recorder('/closed_edges_in_force', ClosedEdges)

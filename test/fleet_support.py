@@ -80,27 +80,31 @@ class Simulators:
 class Factory:
     """Started on free ports, without RViz; `stop` ends it and takes its files away."""
 
-    def __init__(self, *options: str) -> None:
-        first = free_fleet_ports()
+    def __init__(self, fleet: str, *options: str, first_port: int = 0) -> None:
+        """`fleet`: a number, or a fleet file."""
+        first = first_port or free_fleet_ports()
         made = subprocess.run(
-            ['rosrun', 'fleet_bringup', 'fleet_launch', 'rviz:=false', f'arcl_port:={first}',
-             f'outgoing_port:={first + 5}', f'control_port:={first + 2}', *options],
+            ['rosrun', 'fleet_bringup', 'fleet_launch', f'fleet:={fleet}', 'rviz:=false',
+             f'arcl_port:={first}', f'outgoing_port:={first + 5}', f'control_port:={first + 2}',
+             *options],
             check=True, stdout=subprocess.PIPE, text=True)
         launch = made.stdout.strip()
         self.folder = os.path.dirname(launch)
         self._launch = subprocess.Popen(['roslaunch', launch], start_new_session=True)
         self._control = first + 2, first + 3
         self._ids = itertools.count(1)
-        self.fleet = load_fleet(os.path.join(self.folder, 'fleet.yaml'))
+        self.fleet = load_fleet(os.path.join(self.folder, 'fleet.yaml')
+                                if fleet.isdigit() else fleet)
         self.graph = load_graph(os.path.join(self.folder, 'graph.yaml'))
         self.state = Recorder('/fleet_state', FleetState)
         self.statuses = Recorder('/mission_status', MissionStatus)
 
-    def wait_until_ready(self) -> None:
-        """All robots take missions."""
+    def wait_until_ready(self, *names: str) -> None:
+        """These robots take missions; all, where none is named."""
+        wanted = set(names or [robot.name for robot in self.fleet.robots])
         self.state.wait_for(
-            lambda state: len(state.robots) == len(self.fleet.robots)
-            and all(robot.state in READY for robot in state.robots), 120.0, 'fleet that is ready')
+            lambda state: wanted <= {robot.name for robot in state.robots if robot.state in READY},
+            120.0, f'fleet in which {", ".join(sorted(wanted))} are ready')
         self.simulators = Simulators(self._control)
         self._requests = connected_publisher('/mission_request', MissionRequest)
 
