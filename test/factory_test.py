@@ -5,65 +5,27 @@ The robots are where their simulators truly have them, not where they say they a
 """
 from __future__ import annotations
 
-import json
 import math
-import os
 import random
-import signal
-import socket
-import subprocess
 import threading
 import time
 import unittest
-from typing import Dict, List, Tuple
+from typing import Callable, List, Set
 
+import networkx as nx
 import rospy
+from fleet_support import READY, Factory
+from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from graph_fleet_manager.files.fleet_file import load_fleet
-from itrci_nav_msgs.msg import FleetRobot, FleetState, MissionRequest, MissionStatus
-from system_support import Recorder, connected_publisher, run_cases, wait_until
-from trajectory_graph import load_graph
+from itrci_nav_msgs.msg import FleetRobot, MissionStatus
+from system_support import connected_publisher, run_cases, wait_until
 
 SPEED = 5.0
 MISSIONS = 20
-SKEW = 0.06      # m that robots move between the answers of the two simulators
 CORRIDOR = 0.45  # m, half a corridor
 DOCK_ZONE = 2.0  # m around a dock, in which an LD-90 manoeuvres as it likes
-READY = (FleetRobot.IDLE, FleetRobot.BUSY)
-ENDED = (MissionStatus.SUCCEEDED, MissionStatus.FAILED, MissionStatus.REFUSED,
-         MissionStatus.CANCELLED)
-
-
-def free_ports() -> int:
-    """A port from which on 40 are free: those of four LD-90s, ten apart."""
-    while True:
-        first = random.randrange(20000, 32000, 50)
-        try:
-            for port in range(first, first + 40):
-                with socket.socket() as probe:
-                    probe.bind(('', port))
-            return first
-        except OSError:
-            continue
-
-
-class Eye:
-    """Sees where all robots truly are, and tells simulators what goes wrong."""
-
-    def __init__(self, ports: List[int]) -> None:
-        self._streams = [socket.create_connection(('127.0.0.1', port), timeout=10.0)
-                         .makefile('rwb', 0) for port in ports]
-
-    def ask(self, number: int, line: str) -> str:
-        self._streams[number].write(line.encode() + b'\n')
-        return self._streams[number].readline().decode().strip()
-
-    def places(self) -> Dict[str, Tuple[float, float]]:
-        robots: Dict[str, Dict[str, float]] = {}
-        for number in range(len(self._streams)):
-            robots.update(json.loads(self.ask(number, 'where'))['robots'])
-        return {name: (pose['x'], pose['y']) for name, pose in robots.items()}
+IN_THE_WAY = 2.0  # m around a robot that is out of order, in which nobody is sent anywhere
 
 
 class FactoryTest(unittest.TestCase):
@@ -71,105 +33,143 @@ class FactoryTest(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls) -> None:
-        first = free_ports()
-        made = subprocess.run(
-            ['rosrun', 'fleet_bringup', 'fleet_launch', 'fleet:=4', 'longest_edge:=1.5',
-             f'sim_speed:={SPEED}', 'rviz:=false', f'arcl_port:={first}',
-             f'outgoing_port:={first + 5}', f'control_port:={first + 2}'],
-            check=True, stdout=subprocess.PIPE, text=True)
-        launch = made.stdout.strip()
-        cls.folder = os.path.dirname(launch)
-        cls.launch = subprocess.Popen(['roslaunch', launch], start_new_session=True)
-        cls.fleet = load_fleet(os.path.join(cls.folder, 'fleet.yaml'))
-        cls.graph = load_graph(os.path.join(cls.folder, 'graph.yaml'))
-        cls.state = Recorder('/fleet_state', FleetState)
-        cls.statuses = Recorder('/mission_status', MissionStatus)
-        cls.state.wait_for(
-            lambda state: len(state.robots) == 8 and all(r.state in READY for r in state.robots),
-            90.0, 'fleet of 8 that is ready')
-        cls.eye = Eye([first + 2, first + 3])
-        cls.requests = connected_publisher('/mission_request', MissionRequest)
+        cls.factory = Factory('4', 'longest_edge:=1.5', f'sim_speed:={SPEED}')
+        try:
+            cls.factory.wait_until_ready()
+        except BaseException:
+            cls.factory.stop()
+            raise
 
     @classmethod
     def tearDownClass(cls) -> None:
-        os.killpg(cls.launch.pid, signal.SIGINT)
-        cls.launch.wait(30)
-        subprocess.run(['rm', '-rf', cls.folder], check=True)
+        cls.factory.stop()
 
-    def test_missions_end_whatever_stalls_and_nobody_comes_near_anybody(self) -> None:
+    def test_1_missions_end_whatever_stalls_and_nobody_comes_near_anybody(self) -> None:
         chance = random.Random(7)
-        places = [id for id, vertex in self.graph.vertices.items()
-                  if vertex.parking is not False and not vertex.dock]
-        for number in range(1, MISSIONS + 1):
-            request = MissionRequest(request_id=number,
-                                     destination_vertices_id=chance.sample(places, 2))
-            request.header.stamp = rospy.Time.now()
-            self.requests.publish(request)
-        deadline, next_stall, polls = time.monotonic() + 110.0, 0.0, 0
-        while len(self.ends()) < MISSIONS:
-            self.assertLess(time.monotonic(), deadline,
-                            f'missions at an end: {self.ends()}; {self.state.messages[-1]}')
+        missions = [self.factory.send(*chance.sample(self.factory.stations, 2))
+                    for _ in range(MISSIONS)]
+        next_stall, polls, nearest = 0.0, 0, math.inf
+        deadline = time.monotonic() + 240.0
+        while len(self.factory.ends(missions)) < MISSIONS:
+            self.assertLess(time.monotonic(), deadline, self.factory.why(missions))
             if time.monotonic() > next_stall:
                 next_stall = time.monotonic() + 4.0
-                name = chance.choice([r.name for r in self.fleet.robots if r.driver == 'agv'])
-                self.assertEqual('ok', self.eye.ask(1, f'@{name} stall 15'))
-            self.check_places()
+                self.factory.simulators.fault(f'agv_{chance.randint(1, 4)}', 'stall 15')
+            nearest = min(nearest, self.factory.check_distances())
+            self.check_corridors()
             polls += 1
             threading.Event().wait(0.03)
-        print(f'{polls} looks at all robots; nearest beyond the distance allowed: '
-              f'{self.nearest:.2f} m')
+        print(f'{polls} looks at all robots; nearest beyond the distance allowed: {nearest:.2f} m')
         self.assertGreater(polls, 200)
-        self.assertEqual({MissionStatus.SUCCEEDED}, set(self.ends().values()))
+        self.assertEqual({MissionStatus.SUCCEEDED}, set(self.factory.ends(missions).values()))
 
-    def test_stop_all_stops_all_and_they_go_on_afterwards(self) -> None:
-        for number, robot in enumerate(self.fleet.robots):
-            goal = next(id for id, vertex in self.graph.vertices.items()
-                        if vertex.parking is not False and not vertex.dock
-                        and id not in {one.vertex for one in self.fleet.robots})
-            request = MissionRequest(request_id=1000 + number, robot=robot.name,
-                                     destination_vertices_id=[goal, robot.vertex])
-            request.header.stamp = rospy.Time.now()
-            self.requests.publish(request)
-        before = self.eye.places()
-        wait_until(lambda: sum(math.dist(place, before[name]) > 0.5
-                               for name, place in self.eye.places().items()) >= 2, 30.0,
-                   'two robots drive')
+    def test_2_stop_all_stops_all_and_they_go_on_afterwards(self) -> None:
+        before = self.factory.simulators.places()
+        missions = [self.factory.send(self.free_station(), robot.vertex, robot=robot.name)
+                    for robot in self.factory.fleet.robots]
+        wait_until(lambda: len(self.factory.moved(before)) >= 2, 30.0, 'two robots drive')
         self.assertTrue(rospy.ServiceProxy('/stop_fleet', Trigger)().success)
-
-        def all_stand() -> bool:
-            places = self.eye.places()
-            threading.Event().wait(0.5)
-            return all(math.dist(place, places[name]) < 0.01
-                       for name, place in self.eye.places().items())
-        wait_until(all_stand, 10.0, 'all robots stand')
-        stood = self.eye.places()
+        self.factory.wait_until_all_stand()
+        stood = self.factory.simulators.places()
         self.assertTrue(rospy.ServiceProxy('/resume_fleet', Trigger)().success)
-        wait_until(lambda: any(math.dist(place, stood[name]) > 0.5
-                               for name, place in self.eye.places().items()), 30.0,
-                   'a robot goes on')
+        wait_until(lambda: self.factory.moved(stood), 30.0, 'a robot goes on')
+        self.all_succeed(missions)
 
-    nearest = math.inf
+    def test_3_an_emergency_stop_of_one_holds_up_nobody_else(self) -> None:
+        self.out_of_order(
+            'ld90_1', lambda: self.factory.simulators.fault('ld90_1', 'estop press'),
+            FleetRobot.STOPPED, self.switch_on)
 
-    def ends(self) -> Dict[int, int]:
-        """Missions of the first test at an end, and how they ended."""
-        return {status.request_id: status.state for status in list(self.statuses.messages)
-                if status.state in ENDED and status.request_id <= MISSIONS}
+    def switch_on(self) -> None:
+        self.factory.simulators.fault('ld90_1', 'estop release')
+        connected_publisher('/ld90_1/send_command', String, to='omron_controller').publish(
+            'enableMotors')
 
-    def check_places(self) -> None:
-        """Distances of all robots, and that each is in a corridor."""
-        places = self.eye.places()
-        robots = self.fleet.robots
-        for number, one in enumerate(robots):
-            for other in robots[:number]:
-                room = (math.dist(places[one.name], places[other.name]) - one.type.radius
-                        - other.type.radius - self.fleet.clearance)
-                type(self).nearest = min(self.nearest, room)
-                self.assertGreater(room, -SKEW, f'{one.name} and {other.name} are too near')
-            x, y = places[one.name]
+    def test_4_a_lost_link_to_one_holds_up_nobody_else(self) -> None:
+        def each(*faults: str) -> Callable[[], None]:
+            def inject() -> None:
+                for fault in faults:
+                    self.factory.simulators.fault('ld90_2', fault)
+            return inject
+        self.out_of_order('ld90_2', each('refuse on', 'drop', 'outgoing off'),
+                          FleetRobot.OFFLINE, each('refuse off', 'outgoing on'))
+
+    def test_5_a_robot_that_cannot_go_on_holds_up_nobody_else(self) -> None:
+        def clear() -> None:
+            self.factory.simulators.fault('ld90_3', 'unblock')
+            if self.factory.robot('ld90_3').state not in READY:  # it gave up: a person looks at it
+                rospy.ServiceProxy('/ld90_3/join_fleet', Trigger)()
+        self.out_of_order('ld90_3', lambda: self.factory.simulators.fault('ld90_3', 'block'),
+                          None, clear)
+
+    def out_of_order(self, name: str, bring_about: Callable[[], None], state, mend) -> None:
+        """While one robot is out of order on its way, others serve missions; then it goes on."""
+        before = self.factory.simulators.places()
+        own = self.factory.send(self.free_station(), self.home_of(name), robot=name)
+        wait_until(lambda: name in self.factory.moved(before), 60.0, f'{name} drives')
+        bring_about()
+        if state is not None:
+            self.factory.wait_for_state(name, state)
+        self.stands(name)
+        others = self.missions_of_others(name)
+        self.assertGreaterEqual(len(others), 2)
+        self.all_succeed(others)
+        self.assertNotIn(own, self.factory.ends([own]))
+        mend()
+        self.factory.wait_for_state(name, *READY)
+        self.all_succeed([own])
+
+    def stands(self, name: str) -> None:
+        before = self.factory.simulators.places()[name]
+
+        def rests() -> bool:
+            nonlocal before
+            rospy.sleep(0.5)
+            last, before = before, self.factory.simulators.places()[name]
+            return math.dist(last, before) < 0.01
+        wait_until(rests, 30.0, f'{name} stands')
+
+    def missions_of_others(self, name: str) -> List[int]:
+        """For up to three AGVs, to places that they reach without passing the robot."""
+        places = self.factory.simulators.places()
+        graph = self.factory.graph
+        ways = nx.Graph((edge.origin, edge.destination) for edge in graph.edges.values())
+        ways.remove_nodes_from([vertex.id for vertex in graph.vertices.values() if math.dist(
+            vertex.position, places[name]) < IN_THE_WAY])
+        open_ways: Set[int] = max(nx.connected_components(ways), key=len)
+        goals = [station for station in self.factory.stations if station in open_ways
+                 and all(math.dist(graph.vertices[station].position, place) > 1.0
+                         for place in places.values())]
+        robots = [robot.name for robot in self.factory.fleet.robots if robot.driver == 'agv'
+                  and min(graph.vertices.values(), key=lambda vertex: math.dist(
+                      vertex.position, places[robot.name])).id in open_ways]
+        return [self.factory.send(goal, robot=robot) for goal, robot in zip(goals, robots[:3])]
+
+    def all_succeed(self, missions: List[int]) -> None:
+        """They do, and nobody comes near anybody meanwhile."""
+        deadline = time.monotonic() + 180.0
+        while len(self.factory.ends(missions)) < len(missions):
+            self.assertLess(time.monotonic(), deadline, self.factory.why(missions))
+            self.factory.check_distances()
+            threading.Event().wait(0.05)
+        self.assertEqual({MissionStatus.SUCCEEDED}, set(self.factory.ends(missions).values()),
+                         self.factory.why(missions))
+
+    def home_of(self, name: str) -> int:
+        return next(robot.vertex for robot in self.factory.fleet.robots if robot.name == name)
+
+    def free_station(self) -> int:
+        """Where no robot was at the start."""
+        return next(id for id in self.factory.stations if id not in self.factory.homes())
+
+    def check_corridors(self) -> None:
+        """Every robot is in a corridor."""
+        graph = self.factory.graph
+        for name, (x, y) in self.factory.simulators.places().items():
             if all(math.dist((x, y), vertex.position) > DOCK_ZONE
-                   for vertex in self.graph.vertices.values() if vertex.dock):
-                _, nearest = self.graph.nearest_edge(x, y)
-                self.assertLess(nearest.distance, CORRIDOR, f'{one.name} is out of its corridor')
+                   for vertex in graph.vertices.values() if vertex.dock):
+                _, nearest = graph.nearest_edge(x, y)
+                self.assertLess(nearest.distance, CORRIDOR, f'{name} is out of its corridor')
 
 
 if __name__ == '__main__':

@@ -29,6 +29,7 @@ def test_a_real_robot_is_told_by_its_host(tmp_path):
 
 @pytest.mark.parametrize('robots, line, problem', [
     (['name: a, type: agv, vertex: 6, drivr: agv'], 6, "key 'drivr' .* did you mean driver?"),
+    (['name: a, typ: agv, vertex: 6, driver: agv'], 6, "key 'typ' .* did you mean type[?]$"),
     (['name: a, type: agv, vertex: 6'], 6, 'driver is missing'),
     (['name: a, type: agv, vertex: 6, driver: bus'], 6, 'must be ld90 or agv or none'),
     (['name: a-1, type: agv, vertex: 6, driver: agv'], 6, 'letters, digits and _'),
@@ -43,6 +44,8 @@ def test_a_real_robot_is_told_by_its_host(tmp_path):
     (['name: a, type: ld90, vertex: 6, driver: ld90',
       'name: b, type: ld90, vertex: 8, driver: ld90, outgoing_port: 7179'], 7,
      'the same outgoing_port 7179'),
+    (['name: a, type: ld90, vertex: 6, driver: ld90', 'name: b, type: agv, vertex: 6, driver: agv'],
+     7, r'robots a \(line 6\) and b have the same vertex 6'),
 ])
 def test_what_is_wrong_is_named_with_its_line(tmp_path, robots, line, problem):
     with pytest.raises(FileError, match=problem) as caught:

@@ -55,6 +55,14 @@ def test_an_emergency_stop_is_told_in_various_words(talk, said):
     assert outcome(other) is Outcome.EMERGENCY_STOPPED
 
 
+@pytest.mark.parametrize('said', ['EStop pressed', 'EStop relieved but motors still disabled'])
+def test_a_drive_refused_for_the_emergency_stop_has_the_same_outcome(talk, said):
+    drive, other = talk.give('goto 12'), talk.give('getGoals')
+    talk.robot('CommandError: goto 12', f'CommandErrorDescription: {said}')
+    assert outcome(drive) is Outcome.EMERGENCY_STOPPED
+    assert other.result is None
+
+
 @pytest.mark.parametrize('said', ['Motors disabled', 'Motors are disabled'])
 def test_disabled_motors_fail_a_drive(talk, said):
     drive = talk.give('goto 12')

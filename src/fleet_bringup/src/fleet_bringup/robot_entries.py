@@ -63,19 +63,29 @@ class Entry:
         return not self.host and self.robot.driver != NONE
 
 
+def check_keys(path: str) -> None:
+    """Raises FileError for a key of a fleet file that nobody reads: it is misspelt."""
+    try:
+        root = strict_yaml.compose(path)
+        whole = strict_yaml.mapping(root, 'the file')
+        _check_keys(root, 'the file', _FILE_KEYS)
+        for name, what, known in (('robot_types', 'a robot type', _TYPE_KEYS),
+                                  ('robots', 'a robot', _ROBOT_KEYS)):
+            for node in strict_yaml.items(strict_yaml.field(whole, name, root)):
+                _check_keys(node, what, known)
+    except WrongYaml as wrong:
+        raise FileError.of(path, wrong) from None
+
+
 def read_entries(path: str, fleet: Fleet, options: Options) -> List[Entry]:
     """The entries of all robots of a fleet file that `load_fleet` has read; raises FileError."""
     try:
         root = strict_yaml.compose(path)
         whole = strict_yaml.mapping(root, 'the file')
-        _check_keys(root, 'the file', _FILE_KEYS)
-        for node in strict_yaml.items(strict_yaml.field(whole, 'robot_types', root)):
-            _check_keys(node, 'a robot type', _TYPE_KEYS)
         entries = []
         simulated = 0
         for robot, node in zip(fleet.robots, strict_yaml.items(
                 strict_yaml.field(whole, 'robots', root))):
-            _check_keys(node, f'robot {robot.name}', _ROBOT_KEYS)
             entry = _entry(robot, node, os.path.dirname(path), options, simulated)
             simulated += robot.driver == LD90 and entry.is_simulated
             entries.append(entry)
@@ -117,15 +127,15 @@ def _entry(robot: Robot, node: yaml.Node, folder: str, options: Options, simulat
 
 
 def _check_each_other(entries: Sequence[Entry]) -> None:
-    """Raises WrongYaml where two robots would have the same connection."""
+    """Raises WrongYaml where two robots would have the same place or connection."""
     users: Dict[str, Entry] = {}
     for entry in entries:
-        if entry.robot.driver != LD90:
-            continue
-        own = [f'ARCL port {entry.arcl_port} of {entry.host or "127.0.0.1"}',
-               f'outgoing_port {entry.outgoing_port}']
+        own = [f'vertex {entry.robot.vertex}']
         if entry.host:
-            own.insert(0, f'host {entry.host}')
+            own.append(f'host {entry.host}')
+        if entry.robot.driver == LD90:
+            own += [f'ARCL port {entry.arcl_port} of {entry.host or "127.0.0.1"}',
+                    f'outgoing_port {entry.outgoing_port}']
         for what in own:
             other = users.setdefault(what, entry)
             if other is not entry:

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import socket
+import warnings
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
@@ -22,8 +23,10 @@ from trajectory_graph import load_graph  # noqa: E402
 @pytest.fixture(scope='module')
 def made(tmp_path_factory):
     folder = str(tmp_path_factory.mktemp('fleet'))
-    return prepare(parse(['fleet:=2', 'longest_edge:=1.5', 'rviz:=true', 'demo:=true']), folder,
-                   check=False)
+    with warnings.catch_warnings():
+        warnings.simplefilter('error', RuntimeWarning)  # a user would see it, and wonder
+        return prepare(parse(['fleet:=2', 'longest_edge:=1.5', 'rviz:=true', 'demo:=true']),
+                       folder, check=False)
 
 
 def test_a_number_makes_so_many_of_both_kinds_on_places_of_their_own(made):

@@ -13,7 +13,9 @@ from graph_fleet_manager.nodes.rviz.plan_picture import plan_markers
 from graph_fleet_manager.nodes.rviz.robot_picture import (
     GREY,
     RED,
+    WORDS_SATURATION,
     Place,
+    label_of,
     place_on_graph,
     robot_markers,
     words_of,
@@ -38,6 +40,10 @@ def named(markers, namespace):
 def robot(**fields):
     usual = {'name': 'agv_1', 'type': 'agv', 'pose': SymbolicPose(1, 50.0), 'battery': 0.5}
     return FleetRobot(**{**usual, **fields})
+
+
+def drawn(one, side=0):
+    return robot_markers(one, 3, HERE, label_of(one, HERE, 0.4, 0.0), side, False)
 
 
 def test_closed_edges_are_red_and_no_longer_grey():
@@ -75,6 +81,8 @@ def test_off_the_graph_it_is_nowhere(pose):
     ({'state': FleetRobot.BUSY, 'destination': 18}, 'agv_1  50 %\nto 18'),
     ({'state': FleetRobot.BUSY, 'destination': 18, 'waits_for': 'agv_2', 'battery': math.nan},
      'agv_1\nto 18\n(agv_2)'),
+    ({'state': FleetRobot.OUT_OF_SERVICE, 'waits_for': 'it was taken out of service'},
+     'agv_1  50 %\nout of service'),
     ({'state': FleetRobot.FAILED, 'waits_for': 'a broken belt'},
      'agv_1  50 %\nfailed\n(a broken belt)')])
 def test_its_words_tell_what_it_does_and_waits_for(fields, words):
@@ -86,14 +94,20 @@ def test_what_it_waits_for_takes_no_more_than_two_lines():
 
 
 def test_an_offline_robot_stays_visible_in_grey():
-    markers = robot_markers(robot(state=FleetRobot.OFFLINE), 3, HERE, 0.4, 0.0, False)
+    markers = drawn(robot(state=FleetRobot.OFFLINE))
     assert [one.color for one in named(markers, 'bodies') + named(markers, 'names')] == [GREY] * 2
 
 
 def test_a_failed_robot_has_a_red_ring_and_every_marker_ends_with_the_node():
-    markers = robot_markers(robot(state=FleetRobot.FAILED), 3, HERE, 0.4, 0.0, False)
+    markers = drawn(robot(state=FleetRobot.FAILED))
     assert named(markers, 'outlines')[0].color == RED
     assert all(marker.lifetime.to_sec() > 0.0 for marker in markers)
+
+
+def test_its_label_stands_beside_it_in_its_hue():
+    above, below = (named(drawn(robot(), side), 'names')[0] for side in (0, 1))
+    assert above.pose.position.y > HERE.y + 0.4 > HERE.y - 0.4 > below.pose.position.y
+    assert above.color == below.color == drawing.own_colour(3, WORDS_SATURATION)
 
 
 def plan(*drives):

@@ -74,8 +74,8 @@ class BadEndings:
             rejected = [e for e in self._commands.sent
                         if not e.begun and _mentions(reply.text, e.command.goals)]
         if rejected:
-            self._end(rejected[0], Outcome.NO_GOAL if no_goal else Outcome.REJECTED, text, now,
-                      reply.text)
+            self._end(rejected[0], Outcome.NO_GOAL if no_goal
+                      else _why_refused(rejected[0], reply.text), text, now, reply.text)
 
     def _on_unknown_command(self, reply: refusals.UnknownCommand, text: str, now: float) -> None:
         said = reply.name.strip(' "\':.').lower()
@@ -177,6 +177,12 @@ _HANDLERS: Mapping[Type[Reply], Callable[[BadEndings, Any, str, float], None]] =
     safety.EStop: BadEndings._on_estop,
     safety.Motors: BadEndings._on_motors,
 }
+
+
+def _why_refused(execution: Execution, words: str) -> Outcome:
+    if execution.command.spec.drives and _EMERGENCY_STOP.search(words):
+        return Outcome.EMERGENCY_STOPPED
+    return Outcome.REJECTED
 
 
 def _plain(command: str) -> str:

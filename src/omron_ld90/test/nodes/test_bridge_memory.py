@@ -1,6 +1,7 @@
 """What the bridge writes down is what the next one reads, whatever else stands there."""
 from __future__ import annotations
 
+import math
 import threading
 from typing import Any, Dict, Iterator, List
 
@@ -27,9 +28,9 @@ class Parameters:
         self.written = threading.Semaphore(0)
         self.memories: List[RouteMemory] = []
 
-    def memory(self) -> RouteMemory:
-        """Of a bridge that has just started."""
-        self.memories.append(RouteMemory())
+    def memory(self, launch: str = 'launch_1') -> RouteMemory:
+        """Of a bridge that this launch has just started."""
+        self.memories.append(RouteMemory(launch))
         return self.memories[-1]
 
     def get(self, name: str, default: Any) -> Any:
@@ -64,6 +65,13 @@ def test_a_record_comes_back_with_its_age(parameters, record):
     recalled, age = parameters.memory().recall()
     assert recalled == record
     assert 0.0 <= age < 10.0
+
+
+def test_a_record_of_another_launch_is_too_old_to_be_gone_on_with(parameters):
+    memory = parameters.memory('launch_1')
+    memory.keep(RECORD)
+    memory.close()
+    assert parameters.memory('launch_2').recall() == (RECORD, math.inf)
 
 
 def test_without_a_record_there_is_none(parameters):

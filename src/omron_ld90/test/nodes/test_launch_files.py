@@ -50,6 +50,21 @@ def test_every_argument_says_what_it_is(file):
     assert not missing, f'{file.name}: no doc= on {missing}'
 
 
+def test_each_launch_has_an_id_of_its_own_that_restarted_nodes_keep():
+    name = '/omron_ld90/omron_edges_to_vertices/launch_id'
+    assert len({expand('robot.launch')[1][name] for _ in range(3)}) == 3
+
+
+@pytest.mark.parametrize('name, is_simulated', [
+    ('full_stack.launch', 'true'), ('full_stack.launch', 'false'), ('two_robots.launch', 'true')])
+def test_a_simulated_robot_begins_anew_whatever_its_ros_master_remembers(name, is_simulated):
+    given = [f'sim:={is_simulated}'] if name == 'full_stack.launch' else []
+    records = [value for key, value in expand(name, *given)[1].items()
+               if key.endswith('/omron_edges_to_vertices/route_record')]
+    robots = {'full_stack.launch': 1, 'two_robots.launch': 2}[name]
+    assert records == [''] * (robots if is_simulated == 'true' else 0)
+
+
 @pytest.mark.parametrize('file', LAUNCH_FILES, ids=lambda file: file.name)
 def test_every_launch_file_expands(file):
     try:

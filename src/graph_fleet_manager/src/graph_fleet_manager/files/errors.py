@@ -29,4 +29,5 @@ class FileError(Exception):
 
     def __str__(self) -> str:
         line = f', line {self.line}' if self.line is not None else ''
-        return f'{self.file}{line}: {self.problem}.'
+        end = '' if self.problem.endswith('?') else '.'
+        return f'{self.file}{line}: {self.problem}{end}'

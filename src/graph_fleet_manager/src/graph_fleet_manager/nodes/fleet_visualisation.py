@@ -28,9 +28,15 @@ from graph_fleet_manager.nodes.fleet_acts import FleetActs
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
 from graph_fleet_manager.nodes.rviz import drawing
 from graph_fleet_manager.nodes.rviz.graph_picture import graph_markers
+from graph_fleet_manager.nodes.rviz.label_places import Label, LabelPlaces
 from graph_fleet_manager.nodes.rviz.menus import FleetMenus
 from graph_fleet_manager.nodes.rviz.plan_picture import plan_markers
-from graph_fleet_manager.nodes.rviz.robot_picture import Place, place_on_graph, robot_markers
+from graph_fleet_manager.nodes.rviz.robot_picture import (
+    Place,
+    label_of,
+    place_on_graph,
+    robot_markers,
+)
 from graph_fleet_manager.nodes.rviz.true_places import TruePlaces
 from itrci_nav_msgs.msg import (
     ClosedEdges,
@@ -71,6 +77,7 @@ class FleetVisualisation:
         self._changed = False
         self._ticks = 0
         self._places = TruePlaces()
+        self._label_places = LabelPlaces()
         self._pictures = {name: rospy.Publisher(f'/fleet_markers/{name}', MarkerArray,
                                                 queue_size=2, latch=name in ('graph', 'plans'))
                           for name in ('graph', 'plans', 'robots', 'feedback')}
@@ -167,17 +174,24 @@ class FleetVisualisation:
         """Draws all robots of which it is known where they are; tells these places."""
         now = rospy.Time.now().to_sec()
         places: Dict[str, Place] = {}
+        labels: Dict[str, Label] = {}
         markers: List[Marker] = []
         drawn: Dict[str, int] = {}
         for robot in state.robots:
             place = self._places.of(robot.name, now) or place_on_graph(robot, graph)
             place = place or self._places.last(robot.name)
-            if place is None:
-                continue
-            places[robot.name] = place
-            drawn[robot.name] = number = self._numbers[robot.name]
-            markers += robot_markers(robot, number, place, self._radii.get(robot.type, RADIUS), now,
-                                     robot.name == self._acts.chosen)
+            if place is not None:
+                places[robot.name] = place
+                labels[robot.name] = label_of(robot, place, self._radii.get(robot.type, RADIUS),
+                                              now)
+        if self._ticks % SLOW == 0:
+            self._label_places.choose(labels)
+        for robot in state.robots:
+            if robot.name in places:
+                drawn[robot.name] = number = self._numbers[robot.name]
+                markers += robot_markers(
+                    robot, number, places[robot.name], labels[robot.name],
+                    self._label_places.side(robot.name), robot.name == self._acts.chosen)
         for name, number in self._drawn.items():
             if name not in drawn:
                 markers += [Marker(ns=namespace, id=number, action=Marker.DELETE)

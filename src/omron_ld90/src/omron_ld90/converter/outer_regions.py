@@ -71,8 +71,12 @@ def _region(piece: Polygon, outlines: List[np.ndarray]) -> OuterRegion:
 
 
 def _outline(ring: LinearRing) -> np.ndarray:
-    """The corners (N,2) of a ring, from the lowest of the leftmost around to it again."""
+    """The corners (N,2) of a ring, from the lowest of the leftmost around to it again.
+
+    Those that are one when rounded to millimetres are one.
+    """
     corners = np.round(np.array(ring.coords)[:-1], 3)
+    corners = corners[np.any(corners != np.roll(corners, 1, axis=0), axis=1)]
     first = np.lexsort(corners.T[::-1])[0]
     around = np.roll(corners, -first, axis=0)
     return np.concatenate((around, around[:1]))

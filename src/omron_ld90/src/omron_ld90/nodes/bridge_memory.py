@@ -1,7 +1,12 @@
-"""What the bridge remembers of its last route over a restart, as long as the ROS master lives."""
+"""What the bridge remembers of its last route over a restart, as long as the ROS master lives.
+
+A route is gone on with only when the same launch has restarted the bridge. The ROS master may
+outlive a launch: what a person ends and starts again must not drive by itself.
+"""
 from __future__ import annotations
 
 import http.client
+import math
 import threading
 import time
 import xmlrpc.client
@@ -23,17 +28,23 @@ class RouteMemory:
     A thread of its own writes it, because the master may be slow to answer.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, launch: str = '') -> None:
+        """`launch`: an id that a new launch changes, and a restart of the node does not."""
+        self._launch = launch
         self._record: Optional[RouteRecord] = None
         self._changed = threading.Condition()
         self._closing = False
         self._thread = start_worker('route-memory', self._run)
 
     def recall(self) -> Tuple[Optional[RouteRecord], float]:
-        """The record left by the program before this one, and its age in s; None without one."""
+        """The record left by the program before this one, and its age in s; None without one.
+
+        One of another launch is infinitely old.
+        """
         content = rospy.get_param(PARAMETER, None)
         try:
-            return _record_of(content), max(time.time() - float(content['time']), 0.0)
+            record, age = _record_of(content), max(time.time() - float(content['time']), 0.0)
+            return record, age if content['launch'] == self._launch else math.inf
         except (KeyError, TypeError, ValueError):
             return None, 0.0
 
@@ -62,7 +73,7 @@ class RouteMemory:
                 closing = self._closing
             try:
                 if record is not None:
-                    rospy.set_param(PARAMETER, _content_of(record))
+                    rospy.set_param(PARAMETER, {'launch': self._launch, **_content_of(record)})
             except (OSError, http.client.HTTPException, xmlrpc.client.Error) as error:
                 rospy.logwarn_throttle(60.0, 'The route cannot be remembered over a restart: the '
                                              'ROS master does not answer (%s).', error)

@@ -30,6 +30,7 @@ Parameters
     ~top_speed         float   1.35 m/s
     ~acceleration      float   0.5 m/s2
     ~braking           float   0.2 m/s2, deceleration towards a goal
+    ~launch_id         string  (empty)  of the launch: a route of another one is not gone on with
 Uses ~route_record, a parameter of its own, to go on with a route after a restart.
 """
 from __future__ import annotations
@@ -82,7 +83,7 @@ class EdgesToVertices:
         self._clock = RunningClock()
         settings = _read_settings(graph)
         self._follower = RouteFollower(settings, graph, links=tuple(p.Link))
-        self._memory = RouteMemory()
+        self._memory = RouteMemory(startup.parameter('~launch_id', ''))
         record, age = self._memory.recall()
         if record:
             self._follower.restore(record, age < settings.restart_timeout, self._clock.read())

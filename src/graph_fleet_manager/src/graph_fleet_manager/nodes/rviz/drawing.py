@@ -24,9 +24,9 @@ def colour(red: float, green: float, blue: float, alpha: float = 1.0) -> ColorRG
     return ColorRGBA(red, green, blue, alpha)
 
 
-def own_colour(number: int, alpha: float = 1.0) -> ColorRGBA:
+def own_colour(number: int, saturation: float = 0.65) -> ColorRGBA:
     """The colour of the robot with this number: far from those of its neighbours."""
-    return colour(*colorsys.hsv_to_rgb((0.55 + number * _GOLDEN) % 1.0, 0.65, 1.0), alpha)
+    return colour(*colorsys.hsv_to_rgb((0.55 + number * _GOLDEN) % 1.0, saturation, 1.0))
 
 
 def shape(kind: int, namespace: str, number: int, paint: ColorRGBA,

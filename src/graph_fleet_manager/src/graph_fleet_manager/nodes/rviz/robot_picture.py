@@ -10,13 +10,15 @@ import rospy
 from visualization_msgs.msg import Marker
 
 from graph_fleet_manager.nodes.rviz import drawing
+from graph_fleet_manager.nodes.rviz.label_places import Label
 from itrci_nav_msgs.msg import FleetRobot
 from trajectory_graph import Graph
 
 GREY, RED = drawing.colour(0.62, 0.62, 0.62), drawing.colour(1.0, 0.25, 0.2)
 DARK, WHITE = drawing.colour(0.1, 0.1, 0.12), drawing.colour(1.0, 1.0, 1.0)
 LIFETIME = 3.0  # s: when the node ends, no robot stays on the screen
-TEXT_HEIGHT = 0.38
+TEXT_HEIGHT = 0.42
+WORDS_SATURATION = 0.4  # lighter than the body, to be read on a dark map
 _WORDS: Dict[int, str] = {
     FleetRobot.IDLE: 'idle', FleetRobot.CHARGING: 'charging', FleetRobot.OFFLINE: 'offline',
     FleetRobot.STOPPED: 'emergency stop', FleetRobot.TAKEN_OVER: 'taken over',
@@ -24,6 +26,8 @@ _WORDS: Dict[int, str] = {
     FleetRobot.OUT_OF_SERVICE: 'out of service'}
 _TROUBLE = frozenset((FleetRobot.STOPPED, FleetRobot.TAKEN_OVER, FleetRobot.FAILED,
                       FleetRobot.OFF_GRAPH))
+#: States whose word says all.
+_SAID = frozenset((FleetRobot.OFFLINE, FleetRobot.OUT_OF_SERVICE))
 WAIT_WIDTH, WAIT_LINES = 24, 2  # characters and lines for what a robot waits for
 
 
@@ -46,9 +50,15 @@ def place_on_graph(robot: FleetRobot, graph: Graph) -> Optional[Place]:
     return Place(*curve.point_at(s), curve.heading_at(s))
 
 
-def robot_markers(robot: FleetRobot, number: int, place: Place, radius: float,
-                  now: float, chosen: bool) -> List[Marker]:
-    """The markers of one robot with a body of this radius (m); `now` in s of the ROS clock."""
+def label_of(robot: FleetRobot, place: Place, radius: float, now: float) -> Label:
+    """What is written on a robot with a body of this radius (m); `now` in s of the ROS clock."""
+    return Label(place.x, place.y, radius, words_of(robot, now), TEXT_HEIGHT)
+
+
+def robot_markers(robot: FleetRobot, number: int, place: Place, label: Label, side: int,
+                  chosen: bool) -> List[Marker]:
+    """The markers of one robot, its label on that side of it; see LabelPlaces."""
+    radius = label.radius
     gone = robot.state in (FleetRobot.OFFLINE, FleetRobot.OUT_OF_SERVICE)
     paint = GREY if gone else drawing.own_colour(number)
     here = place.x, place.y
@@ -57,11 +67,11 @@ def robot_markers(robot: FleetRobot, number: int, place: Place, radius: float,
                          drawing.pose_at(here, place.heading, 0.2))
     nose = drawing.shape(Marker.ARROW, 'noses', number, DARK, (length * 0.8, width * 0.45, 0.05),
                          drawing.pose_at(_along(place, -0.4 * length), place.heading, 0.4))
-    label = drawing.text('names', number, words_of(robot, now),
-                         (place.x, place.y + radius + 0.5), TEXT_HEIGHT,
-                         RED if robot.state in _TROUBLE else GREY if gone else WHITE, 1.5)
-    markers = [body, nose, label]
     trouble = robot.state in _TROUBLE
+    words = drawing.text('names', number, label.words, label.middle(side), label.height,
+                         RED if trouble else GREY if gone else
+                         drawing.own_colour(number, WORDS_SATURATION), 1.5)
+    markers = [body, nose, words]
     outline = drawing.lines('outlines', number, RED if trouble else WHITE, 0.08,
                             [drawing.ring(here, radius + 0.12)] if trouble or chosen else [], 0.3)
     markers.append(outline)
@@ -79,7 +89,7 @@ def words_of(robot: FleetRobot, now: float) -> str:
     elif robot.state == FleetRobot.OFFLINE and robot.seen.to_sec() > 0.0:
         doing += f' for {_duration(now - robot.seen.to_sec())}'
     lines = [robot.name + charge, doing]
-    if robot.waits_for and robot.state != FleetRobot.OFFLINE:
+    if robot.waits_for and robot.state not in _SAID:
         lines += textwrap.wrap(f'({robot.waits_for})', WAIT_WIDTH, max_lines=WAIT_LINES,
                                placeholder=' ...')
     return '\n'.join(lines)

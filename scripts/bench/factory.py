@@ -1,0 +1,258 @@
+#!/usr/bin/env python3
+"""A fleet on one computer, as `scripts/run.sh fleet:=4 longest_edge:=1.5` starts it: four simulated
+LD-90s, four simulated AGVs, the fleet manager, RViz in software rendering.
+
+From the command to all robots ready, beside roslaunch with as many bare rospy nodes; CPU and memory
+of every part and RViz's frames while the robots drive; missions an hour at real speed. `--only
+SECTION` runs a part (see SECTIONS).
+"""
+from __future__ import annotations
+
+import argparse
+import multiprocessing
+import os
+import signal
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
+
+from rviz_support import Screen, missing_programs
+from stack import cpu_seconds, descendants
+
+from ports import free_port
+from rviz import frames_in
+
+ROOT = Path(__file__).resolve().parents[2]
+COUNT = 4  # LD-90s, and as many AGVs
+RUNS = 3
+WARM_UP = 20.0        # s in which the robots spread
+MEASURE = 40.0        # s of CPU and frames
+MISSION_TIME = 210.0  # s
+READY_LIMIT = 120.0
+BARE_NODE = ('<node name="bare_{0}" pkg="rostopic" type="rostopic" '
+             'args="pub -r 2 /bare_{0} std_msgs/String {{}}"/>')
+SIMULATORS = ('ld90_sim', 'agv_sim')
+MANAGER = ('graph_server', 'path_planner', 'path_supervisor')
+Message = Tuple[str, float]
+"""What was seen, and when (s of the monotonic clock)."""
+
+
+class Usage(NamedTuple):
+    """What one part used: processes, share of a core, MB that it has for itself."""
+
+    processes: int
+    share: float
+    memory: float
+
+
+def watch_fleet(master: str, count: int, seen: multiprocessing.Queue) -> None:
+    """Puts `ready` when so many robots take missions, and `mission` whenever one succeeded."""
+    import rosgraph
+    import rospy
+
+    from itrci_nav_msgs.msg import FleetRobot, FleetState, MissionStatus
+    os.environ['ROS_MASTER_URI'] = master
+    while not rosgraph.Master('/bench').is_online():
+        time.sleep(0.01)
+    rospy.init_node('bench', anonymous=True, disable_signals=True)
+
+    def on_state(state: FleetState) -> None:
+        ready = sum(one.state in (FleetRobot.IDLE, FleetRobot.BUSY) for one in state.robots)
+        if ready == count:
+            subscriber.unregister()
+            seen.put(('ready', time.monotonic()))
+
+    def on_status(status: MissionStatus) -> None:
+        if status.state == MissionStatus.SUCCEEDED:
+            seen.put(('mission', time.monotonic()))
+    subscriber = rospy.Subscriber('/fleet_state', FleetState, on_state, queue_size=1)
+    rospy.Subscriber('/mission_status', MissionStatus, on_status, queue_size=100)
+    rospy.spin()
+
+
+def watch_topics(master: str, count: int, seen: multiprocessing.Queue) -> None:
+    """Puts `ready` when something came on so many topics of bare nodes."""
+    import rosgraph
+    import rospy
+    from std_msgs.msg import String
+    os.environ['ROS_MASTER_URI'] = master
+    while not rosgraph.Master('/bench').is_online():
+        time.sleep(0.01)
+    rospy.init_node('bench', anonymous=True, disable_signals=True)
+    for number in range(count):
+        rospy.wait_for_message(f'/bare_{number}', String)
+    seen.put(('ready', time.monotonic()))
+
+
+class Run(NamedTuple):
+    """One run of a launch: its process id, s until it was ready, what is seen from then on."""
+
+    pid: int
+    ready_after: float
+    seen: Any
+
+
+@contextmanager
+def running(command: Callable[[str], List[str]], watch: Callable[..., None], count: int,
+            more: Optional[Dict[str, str]] = None) -> Iterator[Run]:
+    """Starts `command` (made from the port of its ROS master), and waits until it is ready."""
+    port = str(free_port())
+    environment = {**os.environ, **(more or {}), 'ROS_MASTER_URI': f'http://127.0.0.1:{port}'}
+    context = multiprocessing.get_context('spawn')
+    seen = context.Queue()
+    watcher = context.Process(target=watch, args=(environment['ROS_MASTER_URI'], count, seen),
+                              daemon=True)
+    watcher.start()
+    time.sleep(2.0)  # the watcher's own imports shall not be measured
+    begun = time.monotonic()
+    process = subprocess.Popen(command(port), env=environment, stdout=subprocess.DEVNULL,
+                               stderr=subprocess.DEVNULL)
+    try:
+        yield Run(process.pid, seen.get(timeout=READY_LIMIT)[1] - begun, seen)
+    finally:
+        process.send_signal(signal.SIGINT)
+        process.wait(60)
+        watcher.terminate()
+
+
+def factory(*options: str) -> Callable[[str], List[str]]:
+    """The user's command, on free ports."""
+    first = free_ports_of_a_fleet()
+    return lambda _port: [str(ROOT / 'scripts/run.sh'), f'fleet:={COUNT}', 'longest_edge:=1.5',
+                          f'arcl_port:={first}', f'outgoing_port:={first + 5}',
+                          f'control_port:={first + 2}', *options]
+
+
+def free_ports_of_a_fleet() -> int:
+    """The first of the ports that its simulated robots take."""
+    from fleet_bringup.ports import is_taken
+    return next(first for first in range(22000, 32000, 50)
+                if not any(is_taken(first + number) for number in range(10 * COUNT)))
+
+
+@contextmanager
+def screen_with_frames() -> Iterator[Tuple[Dict[str, str], Callable[[], List[float]]]]:
+    """The environment for an RViz that counts its frames, and the counts so far; see rviz.py."""
+    screen = Screen()
+    with tempfile.TemporaryDirectory() as folder:
+        try:
+            yield {'DISPLAY': screen.environment['DISPLAY'], 'LIBGL_ALWAYS_SOFTWARE': '1',
+                   'GALLIUM_HUD': 'fps', 'GALLIUM_HUD_PERIOD': '1', 'GALLIUM_HUD_VISIBLE': 'false',
+                   'GALLIUM_HUD_DUMP_DIR': folder}, lambda: frames_in(folder)
+        finally:
+            screen.close()
+
+
+def part_of(pid: int) -> str:
+    """What a process is: the name of its node, else that of its program."""
+    words = Path(f'/proc/{pid}/cmdline').read_text().split('\0')
+    node = next((word[len('__name:='):] for word in words if word.startswith('__name:=')), '')
+    python = 'python' in os.path.basename(words[0]) and len(words) > 1
+    return node or os.path.basename(words[1] if python else words[0])
+
+
+def memory_of(pid: int) -> float:
+    """MB: its own, and its share of what it has in common with others."""
+    for line in Path(f'/proc/{pid}/smaps_rollup').read_text().splitlines():
+        if line.startswith('Pss:'):
+            return int(line.split()[1]) / 1024.0
+    return 0.0
+
+
+def usage_of(pid: int) -> Dict[str, Usage]:
+    """What every part of a launch uses over some time; the script's own shells are left out."""
+    before = {one: (part_of(one), cpu_seconds(one)[1]) for one in descendants(pid)}
+    time.sleep(MEASURE)
+    parts: Dict[str, Usage] = {}
+    for one, (name, used) in [*before.items(), (pid, (part_of(pid), 0.0))]:
+        if name in ('bash', 'tail', 'run.sh'):
+            continue
+        share = (cpu_seconds(one)[1] - used) / MEASURE if one != pid else 0.0
+        processes, total, memory = parts.get(name, Usage(0, 0.0, 0.0))
+        parts[name] = Usage(processes + 1, total + share, memory + memory_of(one))
+    return parts
+
+
+def start() -> None:
+    """From the command to all robots ready, with RViz and without; and the floor."""
+    with tempfile.NamedTemporaryFile('w', suffix='.launch') as bare, \
+            screen_with_frames() as (environment, _):
+        with running(factory('rviz:=false'), watch_fleet, 2 * COUNT) as run:
+            nodes = len(nodes_of(run.pid))
+        bare.write('<launch>' + ''.join(map(BARE_NODE.format, range(nodes))) + '</launch>')
+        bare.flush()
+
+        def median(*case: Any) -> str:
+            seconds = []
+            for _ in range(RUNS):
+                with running(*case) as run:
+                    seconds.append(run.ready_after)
+            return f'{statistics.median(seconds):.1f} s ({min(seconds):.1f} to {max(seconds):.1f})'
+        shown = median(factory('rviz:=true'), watch_fleet, 2 * COUNT, environment)
+        hidden = median(factory('rviz:=false'), watch_fleet, 2 * COUNT)
+        floor = median(lambda port: ['roslaunch', '-p', port, bare.name], watch_topics, nodes)
+    print(f'| `run.sh fleet:={COUNT}` to all {2 * COUNT} robots ready, median of {RUNS} runs '
+          f'| measured | floor ({nodes} bare rospy nodes) | goal |\n|---|---|---|---|')
+    print(f'| with RViz | {shown} | {floor} | < 20 s |\n| without | {hidden} | {floor} | |')
+
+
+def nodes_of(pid: int) -> List[int]:
+    """The ROS nodes below a process."""
+    return [one for one in descendants(pid) if cpu_seconds(one)[0]]
+
+
+def load() -> None:
+    """CPU and memory of every part, and frames a second, while all robots are at work."""
+    with screen_with_frames() as (environment, frames), running(
+            factory('rviz:=true', 'demo:=true'), watch_fleet, 2 * COUNT, environment) as run:
+        time.sleep(WARM_UP)
+        drawn = len(frames())
+        parts = usage_of(run.pid)
+        rates = frames()[drawn:]
+    print(f'RViz, software rendering, 1280 x 900, {2 * COUNT} robots at work: '
+          f'{statistics.median(rates):.1f} frames a second (median of {len(rates)} seconds; '
+          f'least {min(rates):.1f}); goal >= 10\n')
+    print('| part, all at work | processes | % of a core | MB |\n|---|---|---|---|')
+    for name, use in sorted(parts.items(), key=lambda item: -item[1].share):
+        print(f'| `{name}` | {use.processes} | {100 * use.share:.1f} | {use.memory:.0f} |')
+    print(f'| all | {sum(use.processes for use in parts.values())} '
+          f'| {100 * sum(use.share for use in parts.values()):.0f} '
+          f'| {sum(use.memory for use in parts.values()):.0f} |')
+
+
+def missions() -> None:
+    """Missions that succeed in some minutes at real speed, taken for an hour."""
+    with running(factory('rviz:=false', 'demo:=true'), watch_fleet, 2 * COUNT) as run:
+        time.sleep(WARM_UP)
+        begun = time.monotonic()
+        time.sleep(MISSION_TIME)
+        ends = [run.seen.get() for _ in range(run.seen.qsize())]
+    count = sum(what == 'mission' and begun <= at < begun + MISSION_TIME for what, at in ends)
+    print(f'{count} missions of one or two random destinations succeeded in {MISSION_TIME:.0f} s '
+          f'at real speed: {3600 * count / MISSION_TIME:.0f} an hour, by {2 * COUNT} robots')
+
+
+SECTIONS: Dict[str, Callable[[], None]] = {'start': start, 'load': load, 'missions': missions}
+
+
+def main() -> None:
+    """Prints the tables."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument('--only', choices=SECTIONS, help='run only this section')
+    parser.add_argument('--markdown', action='store_true', help='the tables are Markdown anyway')
+    only = parser.parse_args().only
+    missing = missing_programs()
+    if missing and only != 'missions':
+        sys.exit(f'RViz cannot be measured, not installed: {", ".join(missing)}')
+    for section in [only] if only else list(SECTIONS):
+        SECTIONS[section]()
+        print(flush=True)
+
+
+if __name__ == '__main__':
+    main()

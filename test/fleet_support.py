@@ -1,0 +1,190 @@
+"""A fleet as scripts/run.sh fleet:=... starts it, for tests: its places, missions and faults."""
+from __future__ import annotations
+
+import itertools
+import json
+import math
+import os
+import random
+import shutil
+import signal
+import socket
+import subprocess
+from typing import IO, Dict, List, Sequence, Tuple
+
+import rospy
+
+from graph_fleet_manager.files.fleet_file import load_fleet
+from itrci_nav_msgs.msg import FleetRobot, FleetState, MissionRequest, MissionStatus
+from system_support import Recorder, connected_publisher, wait_until
+from trajectory_graph import load_graph
+
+READY = (FleetRobot.IDLE, FleetRobot.BUSY)
+ENDED = (MissionStatus.SUCCEEDED, MissionStatus.FAILED, MissionStatus.REFUSED,
+         MissionStatus.CANCELLED)
+SKEW = 0.06      # m that robots move between the answers of the two simulators
+STANDS = 0.01    # m that a robot that stands moves in half a second
+Place = Tuple[float, float]
+
+
+def free_fleet_ports() -> int:
+    """A port from which on 40 are free: those of four LD-90s, ten apart."""
+    while True:
+        first = random.randrange(20000, 32000, 50)
+        try:
+            for port in range(first, first + 40):
+                with socket.socket() as probe:
+                    probe.bind(('', port))
+            return first
+        except OSError:
+            continue
+
+
+def _connected(port: int) -> IO[bytes]:
+    return socket.create_connection(('127.0.0.1', port), timeout=10.0).makefile('rwb', 0)
+
+
+class Simulators:
+    """Sees where all robots truly are, and tells simulators what goes wrong."""
+
+    def __init__(self, ports: Sequence[int]) -> None:
+        self._ports = ports
+        self._streams = [_connected(port) for port in ports]
+
+    def _ask(self, number: int, line: str) -> str:
+        """One line, answered; on a new connection where one that was quiet for long was ended."""
+        for _ in range(2):
+            try:
+                self._streams[number].write(line.encode() + b'\n')
+                answer = self._streams[number].readline()
+            except OSError:
+                answer = b''
+            if answer:
+                return answer.decode().strip()
+            self._streams[number] = _connected(self._ports[number])
+        raise AssertionError(f'the simulator on port {self._ports[number]} does not answer')
+
+    def places(self) -> Dict[str, Place]:
+        """Of every simulated robot."""
+        robots: Dict[str, Dict[str, float]] = {}
+        for number in range(len(self._ports)):
+            robots.update(json.loads(self._ask(number, 'where'))['robots'])
+        return {name: (pose['x'], pose['y']) for name, pose in robots.items()}
+
+    def fault(self, robot: str, fault: str) -> None:
+        """Brings about a fault of one robot, whichever simulator plays it."""
+        answers = [self._ask(number, f'@{robot} {fault}') for number in range(len(self._ports))]
+        assert 'ok' in answers, f'{fault} of {robot}: {answers}'
+
+
+class Factory:
+    """Started on free ports, without RViz; `stop` ends it and takes its files away."""
+
+    def __init__(self, fleet: str, *options: str, first_port: int = 0) -> None:
+        """`fleet`: a number, or a fleet file."""
+        first = first_port or free_fleet_ports()
+        made = subprocess.run(
+            ['rosrun', 'fleet_bringup', 'fleet_launch', f'fleet:={fleet}', 'rviz:=false',
+             f'arcl_port:={first}', f'outgoing_port:={first + 5}', f'control_port:={first + 2}',
+             *options],
+            check=True, stdout=subprocess.PIPE, text=True)
+        launch = made.stdout.strip()
+        self.folder = os.path.dirname(launch)
+        self._launch = subprocess.Popen(['roslaunch', launch], start_new_session=True)
+        self._control = first + 2, first + 3
+        self._ids = itertools.count(1)
+        self.fleet = load_fleet(os.path.join(self.folder, 'fleet.yaml')
+                                if fleet.isdigit() else fleet)
+        self.graph = load_graph(os.path.join(self.folder, 'graph.yaml'))
+        self.state = Recorder('/fleet_state', FleetState)
+        self.statuses = Recorder('/mission_status', MissionStatus)
+
+    def wait_until_ready(self, *names: str) -> None:
+        """These robots take missions; all, where none is named."""
+        wanted = set(names or [robot.name for robot in self.fleet.robots])
+        self.state.wait_for(
+            lambda state: wanted <= {robot.name for robot in state.robots if robot.state in READY},
+            120.0, f'fleet in which {", ".join(sorted(wanted))} are ready')
+        self.simulators = Simulators(self._control)
+        self._requests = connected_publisher('/mission_request', MissionRequest)
+
+    def stop(self) -> None:
+        """Ends all of it."""
+        os.killpg(self._launch.pid, signal.SIGINT)
+        try:
+            self._launch.wait(30)
+        finally:
+            shutil.rmtree(self.folder)
+
+    def robot(self, name: str) -> FleetRobot:
+        """What the fleet manager said last of a robot."""
+        return next(robot for robot in self.state.messages[-1].robots if robot.name == name)
+
+    def wait_for_state(self, name: str, *states: int, timeout: float = 60.0) -> None:
+        """The fleet manager says that the robot is in one of these states."""
+        wait_until(lambda: self.robot(name).state in states, timeout,
+                   f'{name} in a state of {states}')
+
+    @property
+    def stations(self) -> List[int]:
+        """Where robots may be sent: neither docks nor where a long edge was cut."""
+        return [id for id, vertex in self.graph.vertices.items()
+                if vertex.parking is not False and not vertex.dock]
+
+    def homes(self) -> List[int]:
+        """Where robots stood at the start."""
+        return [robot.vertex for robot in self.fleet.robots]
+
+    def send(self, *vertices: int, robot: str = '', dwell: Sequence[float] = ()) -> int:
+        """Sends a mission, and tells its id."""
+        request = MissionRequest(request_id=next(self._ids), robot=robot,
+                                 destination_vertices_id=vertices, dwell=dwell)
+        request.header.stamp = rospy.Time.now()
+        self._requests.publish(request)
+        return request.request_id
+
+    def ends(self, missions: Sequence[int]) -> Dict[int, int]:
+        """Those of the missions that are at an end, and how they ended."""
+        return {status.request_id: status.state for status in list(self.statuses.messages)
+                if status.state in ENDED and status.request_id in missions}
+
+    def status_of(self, mission: int) -> int:
+        """What was said last of a mission; PENDING before that."""
+        return next((status.state for status in reversed(self.statuses.messages)
+                     if status.request_id == mission), MissionStatus.PENDING)
+
+    def why(self, missions: Sequence[int]) -> str:
+        """For a person who reads why a test failed: the open missions, and all robots."""
+        last = {status.request_id: (status.state, status.robot, status.reason)
+                for status in list(self.statuses.messages) if status.request_id in missions}
+        robots = [(robot.name, robot.state, robot.pose.edge_id, robot.destination, robot.waits_for)
+                  for robot in self.state.messages[-1].robots]
+        return f'missions (state, robot, reason): {last}; robots: {robots}'
+
+    def check_distances(self) -> float:
+        """How far the two nearest robots are beyond the distance allowed, in m; fails below 0."""
+        places = self.simulators.places()
+        nearest = math.inf
+        for one, other in itertools.combinations(self.fleet.robots, 2):
+            room = (math.dist(places[one.name], places[other.name]) - one.type.radius
+                    - other.type.radius - self.fleet.clearance)
+            assert room > -SKEW, f'{one.name} and {other.name} are too near: {places}'
+            nearest = min(nearest, room)
+        return nearest
+
+    def moved(self, before: Dict[str, Place]) -> List[str]:
+        """The robots that are not where they were."""
+        return [name for name, place in self.simulators.places().items()
+                if math.dist(place, before[name]) > 0.5]
+
+    def wait_until_all_stand(self) -> None:
+        """Nobody moves any more."""
+        before = self.simulators.places()
+
+        def all_stand() -> bool:
+            nonlocal before
+            rospy.sleep(0.5)
+            places, last = self.simulators.places(), before
+            before = places
+            return all(math.dist(place, last[name]) < STANDS for name, place in places.items())
+        wait_until(all_stand, 20.0, 'all robots stand')
