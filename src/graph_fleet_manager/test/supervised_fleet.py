@@ -191,16 +191,16 @@ class SupervisedFleet:
         lines = [f'{self.now:.1f} s']
         for name, agv in self.agvs.items():
             robot = self.supervisor.robots[name]
-            client = robot.client
+            client, track = robot.client, robot.track
             lines.append(f'{name}: edge {agv.edge} at {agv.arc:.2f}, route {agv.route_id} '
                          f'{agv.edges} {agv.current} {agv.phase.value}; known: {robot.outage} '
-                         f'{robot.why} place {client.place} ahead {client.ahead} order '
-                         f'{client.order} waits {self.supervisor.waits_for.get(name)!r}')
+                         f'{robot.why} place {track.place} ahead {track.ahead} order '
+                         f'{client.order} waits {self.supervisor.dispatcher.waits_for.get(name)!r}')
         for mission in self.supervisor.book.open:
             lines.append(str(mission))
-        if self.supervisor.plan:
-            lines.append(f'unserved {self.supervisor.plan.unserved}')
+        if self.supervisor.dispatcher.plan:
+            lines.append(f'unserved {self.supervisor.dispatcher.plan.unserved}')
             lines += [f'{name}: {[d.edge for d in plan.drives]} from {plan.base}'
-                      for name, plan in self.supervisor.plan.plans.items()]
-        lines.append(f'asked {self.supervisor._asked is not None}; {self.notes[-5:]}')
+                      for name, plan in self.supervisor.dispatcher.plan.plans.items()]
+        lines.append(f'asked {self.supervisor.dispatcher.is_planning}; {self.notes[-5:]}')
         return '\n'.join(lines)

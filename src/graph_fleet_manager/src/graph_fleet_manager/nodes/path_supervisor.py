@@ -231,7 +231,7 @@ class PathSupervisor:
         self._states.publish(messages.state_message(robot_views(supervisor, now), moment, stamp))
 
         def planned(seconds: float) -> rospy.Time:
-            plan = supervisor.plan
+            plan = supervisor.dispatcher.plan
             made_at = plan.made_at if plan else now
             return moment(made_at + (seconds - made_at) / self._rate)
         self._plans.publish(messages.plan_message(plan_views(supervisor), planned, stamp))

@@ -118,12 +118,12 @@ def can_end(mission: Mission, robot: ManagedRobot, network: RoadNetwork) -> bool
 
 def time_to(vertex: int, robot: ManagedRobot, network: RoadNetwork) -> float:
     """Seconds from where a robot will come to rest to a vertex, alone; infinite: no way."""
-    client = robot.client
+    track = robot.track
     ways = network.ways_to(robot.type, (network.index[vertex],))[0]
-    at = client.last_vertex
+    at = track.last_vertex
     if at is not None:
         return float(ways[network.index[at]])
-    place = client.place
+    place = track.place
     if place is None:
         return inf
     return min(seconds + float(ways[network.index[end]])
