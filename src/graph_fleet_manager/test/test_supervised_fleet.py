@@ -285,3 +285,34 @@ def test_the_view_of_the_fleet_says_what_each_robot_is_about():
     fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     view, = robot_views(fleet.supervisor, fleet.now)
     assert view.waits_for == 'the fleet is stopped'
+
+
+@pytest.mark.parametrize('seconds', [0.0, 0.1, 3.0])
+def test_a_robot_out_of_service_stays_where_it_is_through_a_restart(seconds):
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)},
+                            settings=RobotSettings(release_ahead=8.0))
+    fleet.request(1, 8)
+    fleet.run(3.0)
+    fleet.do(fleet.supervisor.take_out('a', fleet.now))
+    fleet.run(seconds)
+    fleet.restart()
+    fleet.run(3.0)
+    stopped = fleet.agvs['a'].travelled
+    fleet.run(20.0)
+    assert fleet.agvs['a'].travelled == stopped < 6.0
+    assert fleet.supervisor.robots['a'].outage is Outage.OUT_OF_SERVICE
+
+
+def test_a_stop_that_was_obeyed_is_not_given_again_by_a_restart():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    fleet.request(1, 8)
+    fleet.run(3.0)
+    fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+    fleet.run(3.0)
+    sent = len(fleet.sent)
+    fleet.restart()
+    fleet.run(10.0)
+    assert fleet.sent[sent:] == [], 'whoever drives it meanwhile would be stopped'
+    fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
+    fleet.run_until_done(1)
+    assert fleet.state(1) is MissionState.SUCCEEDED

@@ -78,6 +78,11 @@ class ManagedRobot:
         """Where it stands; None while it drives or nobody knows."""
         return self.track.place if self.track.is_standing else None
 
+    @property
+    def progress(self) -> Tuple[int, int, bool, bool]:
+        """All of a report that must outlive a restart: when it changes, it is to be stored."""
+        return self.track.done, self.track.end, self.client.over, self.client.is_stopping
+
     def range_left(self) -> float:
         """How far (m) it may drive with what is left in its battery, the reserve aside."""
         if math.isnan(self.battery):

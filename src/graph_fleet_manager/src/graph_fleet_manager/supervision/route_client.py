@@ -45,6 +45,7 @@ class Memory(NamedTuple):
     place: Optional[Place]
     over: bool
     ended: Tuple[int, ...] = ()
+    is_stopping: bool = False
 
 
 @dataclass
@@ -87,6 +88,11 @@ class RouteClient:
     def is_ready(self) -> bool:
         """May it be given more? Not while it is being shortened, or after a refusal."""
         return not self._awaits_report and (self.order is None or not self._is_shorter(self.order))
+
+    @property
+    def is_stopping(self) -> bool:
+        """Was it told to stop, without an answer yet?"""
+        return self.order is not None and not self.order.edges
 
     # -- orders -----------------------------------------------------------------------------------
 
@@ -167,30 +173,34 @@ class RouteClient:
         track = self.track
         bases = {id: base - track.first for id, base in self._bases.items()}
         return Memory(self.route_id, tuple(track.edges), track.done - track.first, bases,
-                      track.place, self.over, tuple(sorted(self._ended)))
+                      track.place, self.over, tuple(sorted(self._ended)), self.is_stopping)
 
     def restore(self, memory: Memory) -> None:
         """What was known before: the robot may hold all of these edges."""
         self.route_id, self._bases = memory.route_id, dict(memory.bases)
         self.over, self._ended = memory.over, set(memory.ended)
         self.track.restore(memory.track, memory.done, memory.place)
+        if memory.is_stopping:
+            self._give(Order(self.route_id, self.track.done, ()))
 
     def adopt(self, report: Report) -> None:
         """The first report after a restart, to be taken next: what it has not driven is fixed.
 
-        An order that may still be under way to the robot is repeated until it is acknowledged.
+        An order that may still be under way to the robot is repeated until it is acknowledged; to
+        one that has obeyed a stop nothing is under way.
         """
         base = self._bases.get(report.route_id)
         if base is None:
             if report.route_id in self._ended:
-                if self.track.ahead and self.route_id in self._bases:
+                if self.track.ahead and self.route_id in self._bases and not self.is_stopping:
                     self._order_all()  # it did not reach the robot
             elif not self.track.ahead:
                 self._adopt_other(report)
             # In any other case `take` finds that the robot was taken over, or lost its route.
         else:
             self._acknowledged.add(report.route_id)
-            if report.is_failed:
+            has_stopped = report.route_id == self.route_id and not report.edges
+            if report.is_failed or has_stopped or self.is_stopping:
                 return
             end = base + len(report.edges)
             if self.track.end > end or report.route_id != self.route_id:

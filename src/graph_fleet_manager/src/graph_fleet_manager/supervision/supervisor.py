@@ -88,8 +88,6 @@ class Supervisor:
             if memory.outage is not None and memory.outage.needs_person:
                 robot.outage, robot.why = memory.outage, memory.why
             robot.is_halted = memory.is_halted
-            if memory.is_halted:
-                robot.client.halt(self.journal.next_route_id)
         for mission in mission_progress.with_robot_gone(self.book, self.robots):
             self.book.set(mission, MissionState.FAILED, 'its robot is no longer in the fleet')
 
@@ -151,9 +149,9 @@ class Supervisor:
         except WrongReport as wrong:
             self._out.note(f'A report of {name} is ignored: {wrong}.', True)
             return self._out.take()
-        before = robot.track.done, robot.track.end, robot.client.over
+        before = robot.progress
         robot.hear(report, now)
-        if before != (robot.track.done, robot.track.end, robot.client.over):
+        if before != robot.progress:
             self._out.robot_changed(name)
             if mission_progress.follow(self.book, robot, now):
                 self._go_on(now)
