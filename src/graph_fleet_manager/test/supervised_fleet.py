@@ -75,7 +75,7 @@ class SupervisedFleet:
         self._to_robots: List[SendRoute] = []
         self._reports: List[Tuple[float, str, Report]] = []
         self._answers: List[Tuple[float, int, Outcome]] = []
-        self._planners: Dict[frozenset, FleetPlanner] = {}
+        self._planners: Dict[Tuple[frozenset, frozenset], FleetPlanner] = {}
         self._begin()
 
     def _begin(self) -> None:
@@ -207,11 +207,12 @@ class SupervisedFleet:
                 self._answers.append((self.now + self.planning, action.number, self._plan(action)))
 
     def _plan(self, question: AskPlanner) -> Outcome:
-        planner = self._planners.get(question.closed)
+        roads = question.closed, frozenset(question.edge_times.items())
+        planner = self._planners.get(roads)
         if planner is None:
-            planner = self._planners[question.closed] = FleetPlanner(
-                self.supervisor.network.with_closed(question.closed), self.clearance,
-                self.fleet.types, self._parking)
+            planner = self._planners[roads] = FleetPlanner(
+                self.supervisor.network.with_closed(question.closed, question.edge_times),
+                self.clearance, self.fleet.types, self._parking)
         return planner.plan(question.tasks, question.obstacles, rounds=0)
 
     def _check_room(self) -> None:

@@ -196,7 +196,8 @@ class PathSupervisor:
         """
         if self._graph is None or self._closed is None:
             return ()
-        self._supervisor = Supervisor(self._graph, self._fleet, self._settings, self._journal, now)
+        self._supervisor = Supervisor(self._graph, self._fleet, self._settings, self._journal, now,
+                                      self._rate)
         return self._supervisor.close_edges(self._closed, now)
 
     def _on_request(self, message: MissionRequest) -> None:

@@ -158,4 +158,4 @@ class Dispatcher:
         self._number += 1
         self._asked = (self._number, now, question)
         self._outbox.put(AskPlanner(self._number, question.tasks, question.obstacles,
-                                    network.closed))
+                                    network.closed, network.learned))

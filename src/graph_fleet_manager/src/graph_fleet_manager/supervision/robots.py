@@ -7,6 +7,7 @@ from typing import List, Optional, Tuple
 
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.route_protocol import RouteRefusal
+from graph_fleet_manager.supervision.edge_times import Driven, EdgeTimer
 from graph_fleet_manager.supervision.outages import Outage, outage_of
 from graph_fleet_manager.supervision.reports import Place, Pose, Report, place_of
 from graph_fleet_manager.supervision.route_client import Heard, NewId, RouteClient
@@ -56,6 +57,9 @@ class ManagedRobot:
     """It was given an empty route, as all robots are by stop all."""
     passed: List[int] = field(default_factory=list)
     """Vertices passed that its mission was not told of yet."""
+    driven: List[Driven] = field(default_factory=list)
+    """Edges driven of which nothing was learned yet."""
+    _timer: EdgeTimer = field(default_factory=EdgeTimer)
     _refusals: int = 0
     _tried: float = -math.inf
     _moved: float = -math.inf
@@ -122,6 +126,11 @@ class ManagedRobot:
         self._judge(heard, report)
         self._consider_link(report, now)
         self.stamp = report.stamp
+        if not self.works:
+            self._timer.stop()
+        driven = self._timer.follow(self.track, now)
+        if driven is not None:
+            self.driven.append(driven)
 
     def hear_refusal(self, refusal: RouteRefusal) -> None:
         """An order was not taken up."""

@@ -13,16 +13,10 @@ from graph_fleet_manager.planning.road_network import RoadNetwork
 from graph_fleet_manager.planning.tasks import Outcome
 from graph_fleet_manager.route_protocol import RouteRefusal
 from graph_fleet_manager.supervision import mission_progress
-from graph_fleet_manager.supervision.actions import (
-    Action,
-    TellStatus,
-)
+from graph_fleet_manager.supervision.actions import Action, TellStatus
 from graph_fleet_manager.supervision.charging import ChargeQueue
 from graph_fleet_manager.supervision.dispatcher import Dispatcher
-from graph_fleet_manager.supervision.errands import (
-    Errand,
-    errand_of,
-)
+from graph_fleet_manager.supervision.errands import Errand, errand_of
 from graph_fleet_manager.supervision.journal import Journal
 from graph_fleet_manager.supervision.missions import (
     Acceptance,
@@ -35,12 +29,8 @@ from graph_fleet_manager.supervision.missions import (
 )
 from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.outbox import Outbox
-from graph_fleet_manager.supervision.reports import (
-    Report,
-    WrongReport,
-    check_report,
-    place_of,
-)
+from graph_fleet_manager.supervision.reports import Report, WrongReport, check_report, place_of
+from graph_fleet_manager.supervision.roads import Roads
 from graph_fleet_manager.supervision.robots import SILENCE, ManagedRobot, RobotSettings
 from graph_fleet_manager.supervision.route_client import RouteClient
 from graph_fleet_manager.supervision.track import Track
@@ -54,10 +44,11 @@ class Supervisor:
     """All robots and missions of one fleet.
 
     settings -- of robots by name; those that are missing are as RobotSettings has them
+    rate     -- simulated robots are so many times faster than the clock
     """
 
     def __init__(self, graph: Graph, fleet: Fleet, settings: Mapping[str, RobotSettings],
-                 journal: Journal, now: float) -> None:
+                 journal: Journal, now: float, rate: float = 1.0) -> None:
         self.journal = journal
         self._fleet = fleet
         self.robots: Dict[str, ManagedRobot] = {}
@@ -66,7 +57,7 @@ class Supervisor:
             self.robots[robot.name] = ManagedRobot(
                 robot.name, robot.type, own,
                 RouteClient(Track(graph, robot.type.speed, own.slack)))
-        self.network = RoadNetwork(graph, (), fleet.dock_approach)
+        self.roads = Roads(graph, fleet, rate)
         self.is_stopped = bool(journal.value(_STOPPED))
         self.charging = ChargeQueue()
         self.book = MissionBook(journal.missions(), journal.last_serial() + 1)
@@ -90,6 +81,11 @@ class Supervisor:
             robot.is_halted = memory.is_halted
         for mission in mission_progress.with_robot_gone(self.book, self.robots):
             self.book.set(mission, MissionState.FAILED, 'its robot is no longer in the fleet')
+
+    @property
+    def network(self) -> RoadNetwork:
+        """The graph without what is closed, by learned times."""
+        return self.roads.network
 
     @property
     def acceptance(self) -> Acceptance:
@@ -151,6 +147,7 @@ class Supervisor:
             return self._out.take()
         before = robot.progress
         robot.hear(report, now)
+        self.roads.learn(robot, now)
         if before != robot.progress:
             self._out.robot_changed(name)
             if mission_progress.follow(self.book, robot, now):
@@ -226,9 +223,7 @@ class Supervisor:
 
     def close_edges(self, edges: Iterable[int], now: float) -> List[Action]:
         """Edges not to be used from now on; what is released already is driven to its end."""
-        known = frozenset(abs(e) for e in edges) & frozenset(self.network.graph.edges)
-        if known != self.network.closed:
-            self.network = self.network.with_closed(known)
+        if self.roads.close(edges):
             self.dispatcher.replan()
             self._go_on(now)
         return self._out.take()
@@ -276,7 +271,7 @@ class Supervisor:
         busy = {m.robot for m in self.book.open if m.robot}
         if self.charging.update(self.robots, busy, self.network):
             self.dispatcher.replan()
-        for name in self._waiting.assign(self.acceptance, self.network, now):
+        for name in self._waiting.assign(self.acceptance, self.roads, now):
             self.dispatcher.begin_mission(name)
             mission_progress.follow(self.book, self.robots[name], now)
         self.dispatcher.go_on(self.errands(), self.network, now)

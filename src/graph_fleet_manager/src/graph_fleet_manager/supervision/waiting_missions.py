@@ -4,10 +4,10 @@ from __future__ import annotations
 from math import inf
 from typing import List, Mapping, Tuple
 
-from graph_fleet_manager.planning.road_network import RoadNetwork
 from graph_fleet_manager.supervision.assignment import assign
 from graph_fleet_manager.supervision.charging import ChargeQueue
 from graph_fleet_manager.supervision.missions import Acceptance, MissionBook, MissionState
+from graph_fleet_manager.supervision.roads import Roads
 from graph_fleet_manager.supervision.robots import ManagedRobot
 
 AGAIN = 1.0  # s after which waiting missions are looked at although nobody came free
@@ -23,7 +23,7 @@ class WaitingMissions:
         self._charging = charging
         self._looked: Tuple[object, float] = ((), -inf)
 
-    def assign(self, acceptance: Acceptance, network: RoadNetwork, now: float) -> List[str]:
+    def assign(self, acceptance: Acceptance, roads: Roads, now: float) -> List[str]:
         """The robots that got a mission now."""
         pending = [m for m in self._book.open if m.state is MissionState.PENDING]
         if not pending:
@@ -36,7 +36,7 @@ class WaitingMissions:
         if question == self._looked[0] and now - self._looked[1] < AGAIN:
             return []
         self._looked = question, now
-        found = assign(pending, free, self._robots, acceptance, network)
+        found = assign(pending, free, self._robots, acceptance, roads)
         for mission, name in found.assigned:
             self._book.set(mission, MissionState.ACTIVE, '', name)
         for mission in pending:
