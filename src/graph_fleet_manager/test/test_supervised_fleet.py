@@ -316,3 +316,18 @@ def test_a_stop_that_was_obeyed_is_not_given_again_by_a_restart():
     fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
     fleet.run_until_done(1)
     assert fleet.state(1) is MissionState.SUCCEEDED
+
+
+@pytest.mark.parametrize('seconds', [1.0, 3.0])
+def test_a_robot_that_was_switched_off_and_on_again_mid_route_needs_a_person(seconds):
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    for id, vertex in enumerate((4, 8), 1):  # on its first route, and on a later one
+        fleet.request(id, vertex)
+        fleet.run(seconds)
+        fleet.agvs['a'].forget()
+        fleet.run(5.0)
+        robot = fleet.supervisor.robots['a']
+        assert (robot.outage, robot.why) == (Outage.FAILED, 'it has forgotten its route')
+        fleet.do(fleet.supervisor.bring_in('a', fleet.now)[1])
+        fleet.run_until_done(id)
+        assert fleet.state(id) is MissionState.SUCCEEDED

@@ -248,6 +248,10 @@ class RouteClient:
             return self.refuse(RouteRefusal(report.route_id, report.edges, report.reason))
         self._acknowledged = {id for id in self._acknowledged if id in self._bases}
         self._acknowledged.add(report.route_id)
+        if report.route_id:
+            # It has taken up a route: who now tells of none, or of one before, has forgotten it.
+            self._bases.pop(0, None)
+            self._ended.clear()
         if self._awaits_report:
             self._take_truth(report)
         track.pose = report.pose
