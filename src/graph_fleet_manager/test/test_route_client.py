@@ -182,3 +182,15 @@ def test_the_place_that_a_pose_means(pose, place):
 def test_reports_that_make_no_sense_are_refused(wrong):
     with pytest.raises(WrongReport):
         check_report(wrong, GRAPH)
+
+
+def test_after_a_restart_what_was_refused_is_not_ordered_again(client, ids):
+    client.take(report(0, [], 0))
+    client.adopt(report(0, [], 0))
+    client.extend([1], ids)
+    client.refuse(RouteRefusal(1, (1,), 'no'))
+    client.take(report(0, [], 0))
+    other = RouteClient(Track(GRAPH, speed=1.0))
+    other.restore(client.memory)
+    other.adopt(report(0, [], 0))
+    assert other.due(0.0) is None and other.track.ahead == ()

@@ -249,6 +249,7 @@ def check_orders(sent: Sequence[SendRoute], shortened: bool) -> None:
 
 TestFleetLife = FleetLife.TestCase
 TestFleetLife.settings = settings(max_examples=300 if LONG else 25, stateful_step_count=25,
+                                  derandomize=not LONG,
                                   deadline=None, suppress_health_check=list(HealthCheck))
 
 

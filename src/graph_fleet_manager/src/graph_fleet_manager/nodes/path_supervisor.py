@@ -28,6 +28,7 @@ import os
 import queue
 import threading
 import time
+import traceback
 from typing import Any, Callable, Iterable, List, Optional, Sequence, Tuple
 
 import rospkg
@@ -141,6 +142,10 @@ class PathSupervisor:
             except JournalError as error:
                 rospy.logfatal('%s The robots go on with what they were given; this node ends.',
                                error)
+                os._exit(1)
+            except Exception:  # a fleet manager that decides nothing must not look alive
+                rospy.logfatal('A defect; the robots go on with what they were given, and this '
+                               'node ends to be started anew.\n%s', traceback.format_exc())
                 os._exit(1)
 
     def _put(self, event: Callable[[Supervisor, float], Sequence[Action]]) -> None:

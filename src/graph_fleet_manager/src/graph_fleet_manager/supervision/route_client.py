@@ -200,7 +200,8 @@ class RouteClient:
         else:
             self._acknowledged.add(report.route_id)
             has_stopped = report.route_id == self.route_id and not report.edges
-            if report.is_failed or has_stopped or self.is_stopping:
+            if report.is_failed or has_stopped or self.is_stopping or (
+                    self.route_id not in self._bases):  # it was refused, so nothing is under way
                 return
             end = base + len(report.edges)
             if self.track.end > end or report.route_id != self.route_id:
