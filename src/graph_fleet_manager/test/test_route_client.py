@@ -185,12 +185,12 @@ def test_reports_that_make_no_sense_are_refused(wrong):
 
 
 def test_after_a_restart_what_was_refused_is_not_ordered_again(client, ids):
-    client.take(report(0, [], 0))
-    client.adopt(report(0, [], 0))
+    idle = Report(0, pose=Pose(1, 0.0), stamp=100.0)
+    client.adopt(idle)
     client.extend([1], ids)
     client.refuse(RouteRefusal(1, (1,), 'no'))
-    client.take(report(0, [], 0))
+    client.take(idle)
     other = RouteClient(Track(GRAPH, speed=1.0))
     other.restore(client.memory)
-    other.adopt(report(0, [], 0))
+    other.adopt(idle)
     assert other.due(0.0) is None and other.track.ahead == ()
