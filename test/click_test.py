@@ -13,7 +13,14 @@ from geometry_msgs.msg import PointStamped, TransformStamped
 from std_msgs.msg import String
 from visualization_msgs.msg import InteractiveMarkerFeedback, InteractiveMarkerInit
 
-from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates
+from itrci_nav_msgs.msg import (
+    EdgeState,
+    ExecutionRouteStates,
+    FleetRobot,
+    FleetState,
+    MissionRequest,
+    MissionStatus,
+)
 from omron_ld90_msgs.msg import (
     CommandRefused,
     ExecuteCommandAction,
@@ -184,6 +191,45 @@ class ClickTest(unittest.TestCase):
         wait_until(taken, 10.0, 'goto 12')
         self.assertEqual('goto 12', controller.commands[0])
 
+    def test_a_click_on_a_managed_robot_becomes_a_mission_and_any_other_is_refused(self):
+        fleet = connected_publisher('/fleet_state', FleetState, subscribers=3)
+        requests = Recorder('/mission_request', MissionRequest)
+        statuses = connected_publisher('/mission_status', MissionStatus, subscribers=3)
+        manager = FleetManager(fleet)
+        try:
+            manager.state = FleetRobot.IDLE
+            wait_until(lambda: self.localize_is_answered('Not sent: the fleet manager drives'),
+                       20.0, 'a refusal')
+            self.assertIn('mission VERTEX --robot omron_ld90', self.feedback.messages[-1].data)
+            self.note_what_was()
+
+            def mission() -> bool:
+                self.clicks.publish(click(*self.place('12')))
+                return bool(requests.messages)
+            wait_until(mission, 20.0, 'a mission')
+            request = requests.messages[-1]
+            self.assertEqual(('omron_ld90', (12,)),
+                             (request.robot, tuple(request.destination_vertices_id)))
+            statuses.publish(MissionStatus(request_id=request.request_id, reason='no way',
+                                           state=MissionStatus.REFUSED))
+            self.told(f'Mission {request.request_id} was refused: no way')
+            self.assertEqual([], self.sent())
+
+            manager.state = FleetRobot.OUT_OF_SERVICE  # left to a person
+            wait_until(lambda: self.localize_is_answered('localizeToPoint'), 20.0, 'a command')
+            self.assertTrue(self.sent()[-1].startswith('localizeToPoint'))
+        finally:
+            manager.end()
+
+    def localize_is_answered(self, words: str) -> bool:
+        """Says that the robot is at the dock; whether the answer holds these words."""
+        heard = len(self.feedback.messages)
+        self.handle_event(InteractiveMarkerFeedback.MENU_SELECT, near='16', menu_entry=3)
+        answer = self.feedback.wait_for(
+            lambda text: 'Not sent' in text.data or 'localizeToPoint' in text.data, 10.0,
+            'what becomes of it', after=heard)
+        return words in answer.data
+
     def test_what_becomes_of_a_command_is_told_in_the_robots_words(self):
         self.controller.answers['goto 35'] = (ExecuteCommandResult.FAILED, 'No goal 35')
         self.clicks.publish(click(*self.place('35')))
@@ -213,6 +259,22 @@ class ClickTest(unittest.TestCase):
             return any('never sent: omron_controller is not running' in text.data
                        for text in feedback.messages)
         wait_until(told, 10.0, 'that the controller is not there')
+
+
+class FleetManager:
+    """Tells twice a second that it manages the robots, in a state that may change."""
+
+    def __init__(self, publisher: rospy.Publisher) -> None:
+        self.state = FleetRobot.OUT_OF_SERVICE
+        self._publisher = publisher
+        self._timer = rospy.Timer(rospy.Duration(0.5), lambda _: self._publisher.publish(
+            FleetState(robots=[FleetRobot(name='omron_ld90', state=self.state)])))
+
+    def end(self) -> None:
+        """From the next message on nobody is managed any more."""
+        self._timer.shutdown()
+        self._timer.join(2.0)
+        self._publisher.publish(FleetState())
 
 
 class FakeController:

@@ -4,7 +4,7 @@ It shares no code with `agv_sim`, so that neither hides a mistake of the other.
 """
 from __future__ import annotations
 
-from typing import Optional, Tuple
+from typing import List, Optional, Tuple
 
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.supervision.reports import Pose, Report
@@ -17,7 +17,11 @@ _JUST_LEFT = 0.5  # m behind a vertex up to which a route may begin with the edg
 
 
 class Agv:
-    """One AGV. It stands still for `stalled` s, and with `emergency` set it fails and refuses."""
+    """One AGV.
+
+    It stands still for `stalled` s, drives with `pace` of its speed, and refuses the next
+    `refusing` orders; with `emergency` set it fails and refuses.
+    """
 
     def __init__(self, graph: Graph, kind: RobotType, vertex: int) -> None:
         self.graph, self.kind = graph, kind
@@ -33,7 +37,11 @@ class Agv:
         self._to_begin = 0.0  # m to drive back on its edge, to the vertex at which the route begins
         self.stalled = 0.0
         self.emergency = False
+        self.pace = 1.0
+        self.refusing = 0
         self.travelled = 0.0
+        self.visited: List[int] = [vertex]
+        """Vertices at which it was, in order."""
 
     @property
     def position(self) -> Tuple[float, float]:
@@ -51,8 +59,8 @@ class Agv:
     def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[RouteRefusal]:
         """Takes up a route, or a change of its route, or refuses it."""
         if not edges:
-            self.route_id, self.edges, self.current, self._to_begin = route_id, (), 0, 0.0
-            self.phase, self.reason = Phase.STOPPED, ''
+            self.forget()
+            self.route_id = route_id
             return None
         if (route_id, edges) == (self.route_id, self.edges):
             return None
@@ -62,6 +70,9 @@ class Agv:
     def _take_up(self, route_id: int, edges: Tuple[int, ...]) -> str:
         if self.emergency:
             return 'emergency stop'
+        if self.refusing:
+            self.refusing -= 1
+            return 'it does not want to'
         try:
             check_route(self.graph, edges)
         except TrajectoryGraphError as error:
@@ -116,6 +127,17 @@ class Agv:
 
     def drive(self, seconds: float) -> None:
         """Drives along its route for so long, or stands."""
+        self._drive(seconds)
+        if self.arc <= _NEAR:
+            self._visit(self.graph.start_vertex(self.edge).id)
+        if self.graph.curve(self.edge).length - self.arc <= _NEAR:
+            self._visit(self.graph.end_vertex(self.edge).id)
+
+    def _visit(self, vertex: int) -> None:
+        if vertex != self.visited[-1]:
+            self.visited.append(vertex)
+
+    def _drive(self, seconds: float) -> None:
         stalled = min(self.stalled, seconds)
         self.stalled -= stalled
         seconds -= stalled
@@ -137,6 +159,7 @@ class Agv:
             if self.arc < length - _AT_END:
                 return
             self.arc = length
+            self._visit(self.graph.end_vertex(self.edge).id)
             seconds -= step / speed
             self.current += 1
             if self.current == len(self.edges):
@@ -147,7 +170,12 @@ class Agv:
     def _speed(self) -> float:
         edge = self.graph.edge(self.edge)
         speed = edge.velocity_forward if self.edge > 0 else edge.velocity_backwards
-        return self.kind.drives_at(speed) or self.kind.speed
+        return self.pace * (self.kind.drives_at(speed) or self.kind.speed)
+
+    def forget(self) -> None:
+        """It is switched off and on again: it stands where it is and knows of no route."""
+        self.route_id, self.edges, self.current, self._to_begin = 0, (), 0, 0.0
+        self.phase, self.reason = Phase.STOPPED, ''
 
     def fail(self, reason: str) -> None:
         """Ends its route."""

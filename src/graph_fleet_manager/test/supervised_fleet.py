@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 import os
 import tempfile
+from dataclasses import replace
 from random import Random
 from typing import Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
@@ -24,11 +25,22 @@ from graph_fleet_manager.supervision.actions import (
 )
 from graph_fleet_manager.supervision.journal import Journal
 from graph_fleet_manager.supervision.missions import MissionState, Request, Status
+from graph_fleet_manager.supervision.reports import Report
 from graph_fleet_manager.supervision.robots import RobotSettings
 from graph_fleet_manager.supervision.supervisor import Supervisor
 from trajectory_graph import Graph
 
 STEP = 0.1  # s
+
+
+class _CountingJournal(Journal):
+    """Counts how often something was really written."""
+
+    commits = 0
+
+    def commit(self) -> None:
+        self.commits += self._is_writing
+        super().commit()
 
 
 class SupervisedFleet:
@@ -49,26 +61,35 @@ class SupervisedFleet:
         self._folder = tempfile.TemporaryDirectory()
         self.now = 0.0
         self.silent: Dict[str, float] = {}
+        self.late: Dict[str, float] = {}
+        """s that reports of a robot are under way."""
+        self.closed: Tuple[int, ...] = ()
+        self.crash_at: Optional[int] = None
+        """With this commit the supervisor dies, before anything is done that relies on it."""
+        self.commits = 0
         self.statuses: List[Status] = []
         self.notes: List[str] = []
         self.sent: List[SendRoute] = []
         self.nearest = math.inf
         """The least room (m) that any two robots left each other beyond the clearance."""
         self._to_robots: List[SendRoute] = []
+        self._reports: List[Tuple[float, str, Report]] = []
         self._answers: List[Tuple[float, int, Outcome]] = []
-        self._planners: Dict[frozenset, FleetPlanner] = {}
+        self._planners: Dict[Tuple[frozenset, frozenset], FleetPlanner] = {}
         self._begin()
 
     def _begin(self) -> None:
-        self.journal = Journal(os.path.join(self._folder.name, 'journal.sqlite'),
-                               lambda: 1e9 + self.now)
+        self.journal = _CountingJournal(os.path.join(self._folder.name, 'journal.sqlite'),
+                                        lambda: 1e9 + self.now)
         self.journal._db.execute('PRAGMA synchronous=OFF')  # no test here cuts the power
         self.supervisor = Supervisor(self.graph, self.fleet, self.settings, self.journal, self.now)
+        self.do(self.supervisor.close_edges(self.closed, self.now))
 
     def restart(self) -> None:
         """The supervisor dies, with all messages to and from it, and comes back."""
+        self.commits += self.journal.commits
         self.journal.close()
-        self._to_robots, self._answers = [], []
+        self._to_robots, self._answers, self._reports = [], [], []
         self._begin()
 
     # -- what users do ----------------------------------------------------------------------------
@@ -76,6 +97,11 @@ class SupervisedFleet:
     def request(self, id: int, *destinations: int, **more: object) -> None:
         """Sends a mission."""
         self.do(self.supervisor.request(Request(id, destinations, **more), self.now))
+
+    def close(self, *edges: int) -> None:
+        """Closes these edges only."""
+        self.closed = edges
+        self.do(self.supervisor.close_edges(edges, self.now))
 
     def state(self, id: int) -> MissionState:
         """The state of a mission."""
@@ -131,8 +157,15 @@ class SupervisedFleet:
         self._check_room()
         for name, agv in self.agvs.items():
             if self.silent.get(name, 0.0) <= self.now:
-                for _ in range(self._copies()):
-                    self.do(self.supervisor.report(name, agv.report(self.now), self.now))
+                at = self.now + self.late.get(name, 0.0)
+                self._reports += [(at, name, agv.report(self.now))] * self._copies()
+        reports, self._reports = self._reports, []
+        for at, name, report in reports:
+            if at <= self.now:
+                self.do(self.supervisor.report(name, replace(report, age=self.now - report.stamp),
+                                               self.now))
+            else:
+                self._reports.append((at, name, report))
         answers, self._answers = self._answers, []
         for at, number, outcome in answers:
             if at <= self.now:
@@ -157,7 +190,11 @@ class SupervisedFleet:
                     self.do(self.supervisor.refusal(order.robot, refusal, self.now))
 
     def do(self, actions: Sequence[Action]) -> None:
-        """Does what the supervisor wants done."""
+        """Does what the supervisor wants done, unless it dies first."""
+        if self.crash_at is not None and self.commits + self.journal.commits >= self.crash_at:
+            self.crash_at = None
+            self.restart()
+            return
         for action in actions:
             if isinstance(action, SendRoute):
                 self.sent.append(action)
@@ -170,11 +207,12 @@ class SupervisedFleet:
                 self._answers.append((self.now + self.planning, action.number, self._plan(action)))
 
     def _plan(self, question: AskPlanner) -> Outcome:
-        planner = self._planners.get(question.closed)
+        roads = question.closed, frozenset(question.edge_times.items())
+        planner = self._planners.get(roads)
         if planner is None:
-            planner = self._planners[question.closed] = FleetPlanner(
-                self.supervisor.network.with_closed(question.closed), self.clearance,
-                self.fleet.types, self._parking)
+            planner = self._planners[roads] = FleetPlanner(
+                self.supervisor.network.with_closed(question.closed, question.edge_times),
+                self.clearance, self.fleet.types, self._parking)
         return planner.plan(question.tasks, question.obstacles, rounds=0)
 
     def _check_room(self) -> None:
@@ -191,16 +229,16 @@ class SupervisedFleet:
         lines = [f'{self.now:.1f} s']
         for name, agv in self.agvs.items():
             robot = self.supervisor.robots[name]
-            client = robot.client
+            client, track = robot.client, robot.track
             lines.append(f'{name}: edge {agv.edge} at {agv.arc:.2f}, route {agv.route_id} '
                          f'{agv.edges} {agv.current} {agv.phase.value}; known: {robot.outage} '
-                         f'{robot.why} place {client.place} ahead {client.ahead} order '
-                         f'{client.order} waits {self.supervisor.waits_for.get(name)!r}')
+                         f'{robot.why} place {track.place} ahead {track.ahead} order '
+                         f'{client.order} waits {self.supervisor.dispatcher.waits_for.get(name)!r}')
         for mission in self.supervisor.book.open:
             lines.append(str(mission))
-        if self.supervisor.plan:
-            lines.append(f'unserved {self.supervisor.plan.unserved}')
+        if self.supervisor.dispatcher.plan:
+            lines.append(f'unserved {self.supervisor.dispatcher.plan.unserved}')
             lines += [f'{name}: {[d.edge for d in plan.drives]} from {plan.base}'
-                      for name, plan in self.supervisor.plan.plans.items()]
-        lines.append(f'asked {self.supervisor._asked is not None}; {self.notes[-5:]}')
+                      for name, plan in self.supervisor.dispatcher.plan.plans.items()]
+        lines.append(f'asked {self.supervisor.dispatcher.is_planning}; {self.notes[-5:]}')
         return '\n'.join(lines)

@@ -15,6 +15,7 @@ from graph_fleet_manager.supervision.reports import (
     place_of,
 )
 from graph_fleet_manager.supervision.route_client import REPEAT, RouteClient
+from graph_fleet_manager.supervision.track import Track
 from trajectory_graph.route_protocol import EdgeState, RouteRefusal
 
 DONE, AHEAD, FAILED = EdgeState.COMPLETE, EdgeState.PROCESSING, EdgeState.FAILED
@@ -23,8 +24,8 @@ GRAPH = corridor(6)  # vertices 1 to 6, edges of 2 m from k to k + 1
 
 @pytest.fixture
 def client():
-    client = RouteClient(GRAPH, speed=1.0)
-    client.place = Place(vertex=1)
+    client = RouteClient(Track(GRAPH, speed=1.0))
+    client.track.place = Place(vertex=1)
     return client
 
 
@@ -67,17 +68,17 @@ def test_what_is_passed_is_told_once_whatever_is_reported_twice_or_late(client, 
     assert client.take(report(1, [1, 2, 3], 2)).passed == [2, 3]
     assert client.take(report(1, [1, 2, 3], 2)).passed == []
     assert client.take(report(1, [1, 2, 3], 1)).passed == []
-    assert client.done == 2
+    assert client.track.done == 2
 
 
 def test_an_edge_is_left_by_the_reported_place_less_what_its_age_allows(client, ids):
     client.extend([1, 2], ids)
     client.take(report(1, [1, 2], 0, fraction=0.5, age=0.4))
-    assert client.left == (0, pytest.approx(0.3))
+    assert client.track.left == (0, pytest.approx(0.3))
     client.take(report(1, [1, 2], 1, fraction=0.1, age=0.4))
-    assert client.left == (0, pytest.approx(0.9))
+    assert client.track.left == (0, pytest.approx(0.9))
     client.take(report(1, [1, 2], 1, fraction=0.0, age=5.0))
-    assert client.left == (0, pytest.approx(0.9)), 'what is left stays so'
+    assert client.track.left == (0, pytest.approx(0.9)), 'what is left stays so'
 
 
 def test_a_refused_extension_waits_for_the_truth_and_takes_a_new_id(client, ids):
@@ -87,7 +88,7 @@ def test_a_refused_extension_waits_for_the_truth_and_takes_a_new_id(client, ids)
     assert client.refuse(RouteRefusal(1, (1, 2, 3), 'no')).refused == 'no'
     assert not client.is_ready and client.due(10.0) is None
     client.take(report(1, [1], 0, fraction=0.2))
-    assert client.is_ready and client.ahead == (1,)
+    assert client.is_ready and client.track.ahead == (1,)
     client.extend([2], ids)
     assert client.due(10.0)[:2] == (2, (1, 2))
 
@@ -105,7 +106,7 @@ def test_a_route_that_fails_says_why_and_stays_the_robots(client, ids):
     client.take(report(1, [1, 2], 0))
     heard = client.take(report(1, [1, 2], 1, state=FAILED, reason='off the corridor'))
     assert heard.failed == 'off the corridor'
-    assert client.ahead == (2,)
+    assert client.track.ahead == (2,)
 
 
 def test_shortening_frees_nothing_before_a_report_shows_it(client, ids):
@@ -113,11 +114,11 @@ def test_shortening_frees_nothing_before_a_report_shows_it(client, ids):
     client.take(report(1, [1, 2, 3], 0))
     assert client.shorten(ids)
     assert client.due(0.0)[:2] == (1, (1,))
-    assert client.held == (1, 2, 3)
+    assert client.track.held == (1, 2, 3)
     client.take(report(1, [1, 2, 3], 0, fraction=0.1))
-    assert client.held == (1, 2, 3)
+    assert client.track.held == (1, 2, 3)
     client.take(report(1, [1], 0, fraction=0.2))
-    assert client.held == (1,) and not client.shorten(ids)
+    assert client.track.held == (1,) and not client.shorten(ids)
 
 
 def test_a_stop_holds_everything_until_the_place_is_known(client, ids):
@@ -126,9 +127,9 @@ def test_a_stop_holds_everything_until_the_place_is_known(client, ids):
     client.halt(ids)
     assert client.due(0.0)[:2] == (2, ())
     client.take(Report(2, pose=Pose(1, 0.5), stamp=101.0))
-    assert client.held == (1, 2) and client.order is None
+    assert client.track.held == (1, 2) and client.order is None
     client.settle(Place(edge=1, fraction=0.5))
-    assert client.held == () and client.is_standing
+    assert client.track.held == () and client.track.is_standing
 
 
 def test_a_route_of_somebody_else_is_noticed(client, ids):
@@ -148,21 +149,21 @@ def test_after_a_restart_an_order_on_its_way_is_repeated_under_its_old_id(client
     client.extend([1], ids)
     client.take(report(1, [1], 0))
     client.extend([2], ids)
-    other = RouteClient(GRAPH, speed=1.0)
+    other = RouteClient(Track(GRAPH, speed=1.0))
     other.restore(client.memory)
     seen = report(1, [1], 0, fraction=0.5)
     other.adopt(seen)
     other.take(seen)
-    assert other.ahead == (1, 2)
+    assert other.track.ahead == (1, 2)
     assert other.due(0.0)[:2] == (1, (1, 2))
 
 
 def test_after_a_restart_without_memory_what_is_reported_is_released_and_fixed():
-    client = RouteClient(GRAPH, speed=1.0)
+    client = RouteClient(Track(GRAPH, speed=1.0))
     seen = report(9, [1, 2, 3], 1, fraction=0.5)
     client.adopt(seen)
     heard = client.take(seen)
-    assert client.ahead == (2, 3) and not heard.foreign
+    assert client.track.ahead == (2, 3) and not heard.foreign
     assert client.due(0.0) is None, 'no motion is ordered by itself'
 
 
@@ -181,3 +182,15 @@ def test_the_place_that_a_pose_means(pose, place):
 def test_reports_that_make_no_sense_are_refused(wrong):
     with pytest.raises(WrongReport):
         check_report(wrong, GRAPH)
+
+
+def test_after_a_restart_what_was_refused_is_not_ordered_again(client, ids):
+    idle = Report(0, pose=Pose(1, 0.0), stamp=100.0)
+    client.adopt(idle)
+    client.extend([1], ids)
+    client.refuse(RouteRefusal(1, (1,), 'no'))
+    client.take(idle)
+    other = RouteClient(Track(GRAPH, speed=1.0))
+    other.restore(client.memory)
+    other.adopt(idle)
+    assert other.due(0.0) is None and other.track.ahead == ()

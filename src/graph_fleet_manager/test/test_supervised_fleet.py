@@ -85,7 +85,7 @@ def test_a_cancelled_robot_stops_at_the_end_of_its_edge():
                             settings=RobotSettings(release_ahead=8.0))
     fleet.request(1, 8)
     fleet.run(3.0)
-    assert len(fleet.supervisor.robots['a'].client.ahead) > 2
+    assert len(fleet.supervisor.robots['a'].track.ahead) > 2
     fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
     fleet.run(20.0)
     assert fleet.state(1) is MissionState.CANCELLED
@@ -111,7 +111,7 @@ def test_a_lone_robot_is_released_so_far_ahead_that_it_never_brakes():
     fleet.run_until(lambda: fleet.agvs['a'].is_driving)
     begun = fleet.now
     while fleet.agvs['a'].is_driving:
-        ahead = fleet.supervisor.robots['a'].client.distance_ahead()
+        ahead = fleet.supervisor.robots['a'].track.distance_ahead()
         assert ahead <= 4.0 + 2.0, 'no more than the first edge that ends beyond release_ahead'
         fleet.step()
     assert fleet.supervisor.robots['a'].place.vertex == 12
@@ -261,7 +261,7 @@ def test_two_robots_that_report_one_place_are_not_moved():
     fleet.clearance = -1e9
     fleet.request(1, 4)
     fleet.run(10.0)
-    assert not fleet.sent and 'nearer' in fleet.supervisor.plan.unserved['a']
+    assert not fleet.sent and 'nearer' in fleet.supervisor.dispatcher.plan.unserved['a']
 
 
 def test_a_wrong_report_is_ignored_with_a_sentence():
@@ -285,3 +285,49 @@ def test_the_view_of_the_fleet_says_what_each_robot_is_about():
     fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     view, = robot_views(fleet.supervisor, fleet.now)
     assert view.waits_for == 'the fleet is stopped'
+
+
+@pytest.mark.parametrize('seconds', [0.0, 0.1, 3.0])
+def test_a_robot_out_of_service_stays_where_it_is_through_a_restart(seconds):
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)},
+                            settings=RobotSettings(release_ahead=8.0))
+    fleet.request(1, 8)
+    fleet.run(3.0)
+    fleet.do(fleet.supervisor.take_out('a', fleet.now))
+    fleet.run(seconds)
+    fleet.restart()
+    fleet.run(3.0)
+    stopped = fleet.agvs['a'].travelled
+    fleet.run(20.0)
+    assert fleet.agvs['a'].travelled == stopped < 6.0
+    assert fleet.supervisor.robots['a'].outage is Outage.OUT_OF_SERVICE
+
+
+def test_a_stop_that_was_obeyed_is_not_given_again_by_a_restart():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    fleet.request(1, 8)
+    fleet.run(3.0)
+    fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+    fleet.run(3.0)
+    sent = len(fleet.sent)
+    fleet.restart()
+    fleet.run(10.0)
+    assert fleet.sent[sent:] == [], 'whoever drives it meanwhile would be stopped'
+    fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
+    fleet.run_until_done(1)
+    assert fleet.state(1) is MissionState.SUCCEEDED
+
+
+@pytest.mark.parametrize('seconds', [1.0, 3.0])
+def test_a_robot_that_was_switched_off_and_on_again_mid_route_needs_a_person(seconds):
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    for id, vertex in enumerate((4, 8), 1):  # on its first route, and on a later one
+        fleet.request(id, vertex)
+        fleet.run(seconds)
+        fleet.agvs['a'].forget()
+        fleet.run(5.0)
+        robot = fleet.supervisor.robots['a']
+        assert (robot.outage, robot.why) == (Outage.FAILED, 'it has forgotten its route')
+        fleet.do(fleet.supervisor.bring_in('a', fleet.now)[1])
+        fleet.run_until_done(id)
+        assert fleet.state(id) is MissionState.SUCCEEDED

@@ -12,7 +12,7 @@ from types import MappingProxyType
 from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from graph_fleet_manager.fleet import RobotType
-from graph_fleet_manager.planning.plans import Plans
+from graph_fleet_manager.planning.plans import Drive, Plans
 from graph_fleet_manager.planning.timetable import Timetable
 
 _ROUNDING = 1e-9  # s
@@ -49,6 +49,8 @@ def precedence(timetable: Timetable, plans: Plans, kinds: Mapping[str, RobotType
     for planned, start, end, name, k in order:
         drive, kind = plans[name][k], kinds[name]
         before = users[kind][drive.drive]
+        if before and planned and drive.begun:
+            before = _users_of_rest(timetable, plans, kinds, name, drive)
         if before and planned:
             for other, (i, fraction, until) in before.items():
                 if other == name:
@@ -70,6 +72,27 @@ def precedence(timetable: Timetable, plans: Plans, kinds: Mapping[str, RobotType
                     share = (clear - begun) / (1.0 - begun) if begun else clear
                     using[name] = (k, clear, start + share * seconds)
     return constraints
+
+
+def _users_of_rest(timetable: Timetable, plans: Plans, kinds: Mapping[str, RobotType], name: str,
+                   rest: Drive) -> Dict[str, Tuple[int, float, float]]:
+    """Who uses, before a robot that stands between two vertices, what the rest of its edge needs.
+
+    For each the last such drive, the fraction at which it is out of the way, and the time of that.
+    What only concerns the part that lies behind the robot is left out, as in the timetable.
+    """
+    found: Dict[str, Tuple[int, float, float]] = {}
+    kind = kinds[name]
+    behind = rest.begun * timetable.network.times(kind)[rest.drive]
+    for other, plan in plans.items():
+        for k, (drive, start, end, begun) in enumerate(plan):
+            if other == name or start > rest.start:
+                continue
+            for slot, clear, lead in timetable.blocking[kinds[other], kind].drive(drive):
+                if slot == rest.drive and clear > begun and lead > behind:
+                    share = (clear - begun) / (1.0 - begun)
+                    found[other] = (k, clear, start + share * (end - start))
+    return found
 
 
 def has_cycle(lengths: Mapping[str, int], constraints: Sequence[Constraint]) -> bool:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import FrozenSet, Tuple, Union
 
 from graph_fleet_manager.planning.tasks import Obstacle, Task
+from graph_fleet_manager.supervision.edge_times import Times
 from graph_fleet_manager.supervision.missions import Status
 
 
@@ -27,12 +28,16 @@ class TellStatus:
 
 @dataclass(frozen=True)
 class AskPlanner:
-    """Ask the planner; its answer comes back with this number."""
+    """Ask the planner; its answer comes back with this number.
+
+    edge_times -- learned ones, instead of length / speed
+    """
 
     number: int
     tasks: Tuple[Task, ...]
     obstacles: Tuple[Obstacle, ...]
     closed: FrozenSet[int]
+    edge_times: Times
 
 
 @dataclass(frozen=True)

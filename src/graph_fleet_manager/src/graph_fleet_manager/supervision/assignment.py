@@ -11,6 +11,7 @@ from scipy.optimize import linear_sum_assignment
 from graph_fleet_manager.planning.road_network import RoadNetwork
 from graph_fleet_manager.supervision.missions import Acceptance, Mission
 from graph_fleet_manager.supervision.reports import Place
+from graph_fleet_manager.supervision.roads import Roads
 from graph_fleet_manager.supervision.robots import ManagedRobot
 
 _NEVER = 1e9  # s: as good as never; linear_sum_assignment wants finite costs
@@ -33,11 +34,11 @@ class Assignment:
 
 def assign(missions: Sequence[Mission], free: Mapping[str, ManagedRobot],
            robots: Mapping[str, ManagedRobot], acceptance: Acceptance,
-           network: RoadNetwork) -> Assignment:
+           roads: Roads) -> Assignment:
     """Assigns missions to `free` robots; those of higher priority first, then the oldest.
 
     Among robots that may serve several missions of one priority the sum of the times to their
-    first destinations is least.
+    first destinations is least. What a battery is good for is reckoned by nominal times.
     """
     free = dict(free)
     assigned: List[Assigned] = []
@@ -48,12 +49,12 @@ def assign(missions: Sequence[Mission], free: Mapping[str, ManagedRobot],
         order = order[len(group):]
         able: List[Mission] = []
         for mission in group:
-            reason = _why_nobody(mission, free, robots, acceptance, network)
+            reason = _why_nobody(mission, free, robots, acceptance, roads.nominal)
             if reason:
                 waiting[mission.serial] = reason
             else:
                 able.append(mission)
-        for mission, name in _match(able, free, acceptance, network):
+        for mission, name in _match(able, free, acceptance, roads):
             assigned.append(Assigned(mission, name))
             del free[name]
         taken = {mission.serial for mission, _ in assigned}
@@ -63,7 +64,7 @@ def assign(missions: Sequence[Mission], free: Mapping[str, ManagedRobot],
 
 
 def _match(missions: Sequence[Mission], free: Mapping[str, ManagedRobot], acceptance: Acceptance,
-           network: RoadNetwork) -> List[Tuple[Mission, str]]:
+           roads: Roads) -> List[Tuple[Mission, str]]:
     names = list(free)
     found: List[Tuple[Mission, str]] = []
     pending = list(missions)
@@ -73,8 +74,8 @@ def _match(missions: Sequence[Mission], free: Mapping[str, ManagedRobot], accept
     costs = np.full((len(pending), len(names)), _NEVER)
     for row, mission in enumerate(pending):
         for name in acceptance.robots_for(mission.request):
-            if name in free and can_end(mission, free[name], network):
-                time = time_to(mission.request.destinations[0], free[name], network)
+            if name in free and can_end(mission, free[name], roads.nominal):
+                time = time_to(mission.request.destinations[0], free[name], roads.network)
                 costs[row, names.index(name)] = min(time, _NEVER)
     rows, columns = linear_sum_assignment(costs)
     for row, column in zip(rows.tolist(), columns.tolist()):
@@ -118,12 +119,12 @@ def can_end(mission: Mission, robot: ManagedRobot, network: RoadNetwork) -> bool
 
 def time_to(vertex: int, robot: ManagedRobot, network: RoadNetwork) -> float:
     """Seconds from where a robot will come to rest to a vertex, alone; infinite: no way."""
-    client = robot.client
+    track = robot.track
     ways = network.ways_to(robot.type, (network.index[vertex],))[0]
-    at = client.last_vertex
+    at = track.last_vertex
     if at is not None:
         return float(ways[network.index[at]])
-    place = client.place
+    place = track.place
     if place is None:
         return inf
     return min(seconds + float(ways[network.index[end]])

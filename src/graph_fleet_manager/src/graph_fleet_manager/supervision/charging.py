@@ -52,8 +52,8 @@ class ChargeQueue:
     def _is_free(self, dock: int, robots: Mapping[str, ManagedRobot]) -> bool:
         """Nobody has it, and nobody stands there who cannot leave."""
         return dock not in self.granted.values() and not any(
-            not robot.works and robot.client.place is not None
-            and robot.client.place.vertex == dock for robot in robots.values())
+            not robot.works and robot.track.place is not None
+            and robot.track.place.vertex == dock for robot in robots.values())
 
 
 def needs_charge(robot: ManagedRobot) -> bool:

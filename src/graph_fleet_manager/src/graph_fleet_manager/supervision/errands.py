@@ -62,7 +62,7 @@ class Snapshot(NamedTuple):
 
     def fits(self, robots: Mapping[str, ManagedRobot]) -> bool:
         """Is everything that was released still what it was, and nothing more?"""
-        return all(robots[name].client.end == cut.end and robots[name].client.first <= cut.base
+        return all(robots[name].track.end == cut.end and robots[name].track.first <= cut.base
                    for name, cut in self.cuts.items())
 
     def plan(self, outcome: Outcome, made_at: float) -> PlanInForce:
@@ -77,33 +77,33 @@ def snapshot(robots: Mapping[str, ManagedRobot], errands: Mapping[str, Errand],
     obstacles: List[Obstacle] = []
     cuts: Dict[str, Cut] = {}
     for name, robot in robots.items():
-        client = robot.client
+        track = robot.track
         errand = errands[name]
-        stands = errand.duty is Duty.STAND and client.is_standing
-        if not robot.works or stands or (client.place is None and not client.held):
+        stands = errand.duty is Duty.STAND and track.is_standing
+        if not robot.works or stands or (track.place is None and not track.held):
             vertices, edges = robot.blocked()
             if vertices or edges:
                 obstacles.append(Obstacle(name, robot.type, vertices, edges))
             continue
         own = plan.plan_of(name) if plan is not None else None
         tasks.append(_task(robot, errand, own, now))
-        cuts[name] = Cut(client.left[0] if client.held else client.end, client.end)
+        cuts[name] = Cut(track.left[0] if track.held else track.end, track.end)
     return Snapshot(tuple(tasks), tuple(obstacles), cuts)
 
 
 def _task(robot: ManagedRobot, errand: Errand, own: Optional[RobotPlan], now: float) -> Task:
-    client, mission = robot.client, errand.mission
+    track, mission = robot.track, errand.mission
     vertex: Optional[int] = None
     between: Optional[Tuple[int, float]] = None
     begun = 0.0
-    held = client.held
+    held = track.held
     if held:
-        begun = client.left[1]
-    elif client.place is not None and client.place.vertex is None:
-        between = (client.place.edge,
-                   min(max(client.place.fraction, _BETWEEN), 1.0 - _BETWEEN))
-    elif client.place is not None:
-        vertex = client.place.vertex
+        begun = track.left[1]
+    elif track.place is not None and track.place.vertex is None:
+        between = (track.place.edge,
+                   min(max(track.place.fraction, _BETWEEN), 1.0 - _BETWEEN))
+    elif track.place is not None:
+        vertex = track.place.vertex
     destinations: Tuple[int, ...] = ()
     dwells: Tuple[float, ...] = ()
     priority = 0
@@ -113,7 +113,7 @@ def _task(robot: ManagedRobot, errand: Errand, own: Optional[RobotPlan], now: fl
     elif errand.duty is Duty.CHARGE and errand.dock is not None:
         destinations = (errand.dock,)
     return Task(robot.name, robot.type, vertex, held, begun, between, 0.0, destinations, dwells,
-                errand.duty is Duty.CHARGE, _kept(own, client.end), priority)
+                errand.duty is Duty.CHARGE, _kept(own, track.end), priority)
 
 
 def _kept(own: Optional[RobotPlan], end: int) -> Optional[Tuple[PlannedDrive, ...]]:
@@ -125,8 +125,8 @@ def _kept(own: Optional[RobotPlan], end: int) -> Optional[Tuple[PlannedDrive, ..
 def to_visit(robot: ManagedRobot, mission: Mission,
              now: float) -> Tuple[Tuple[int, ...], Tuple[float, ...]]:
     """Destinations, and s to stay at each, behind what the robot was given already."""
-    graph = robot.client.graph
-    ahead = [graph.end_vertex(edge).id for edge in robot.client.ahead]
+    graph = robot.track.graph
+    ahead = [graph.end_vertex(edge).id for edge in robot.track.ahead]
     first = mission.reached + mission.visits(ahead)
     count = len(mission.request.destinations)
     destinations = mission.request.destinations[first:]
@@ -146,17 +146,17 @@ def goes_until(robot: ManagedRobot, errand: Errand, own: RobotPlan, asked: bool)
     On a mission: at a destination where it stays, and at the last one. Idle, or with a plan that
     does not lead to its destination: where it is, unless somebody asks it to make room.
     """
-    client = robot.client
+    track = robot.track
     end = own.base + len(own.drives)
     if errand.duty is Duty.STAND:
-        return client.end
+        return track.end
     if errand.duty is Duty.CHARGE:
         return end
     if errand.mission is not None:
-        stop = _next_stop(client.graph, own.behind(client.done), errand.mission)
+        stop = _next_stop(track.graph, own.behind(track.done), errand.mission)
         if stop is not None:
-            return client.done + stop
-    return end if asked else client.end
+            return track.done + stop
+    return end if asked else track.end
 
 
 def _next_stop(graph: Graph, drives: Sequence[PlannedDrive], mission: Mission) -> Optional[int]:

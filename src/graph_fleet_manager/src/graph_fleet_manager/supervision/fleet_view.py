@@ -84,7 +84,7 @@ def _view(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: floa
     destination = errand.dock
     if mission is not None and mission.left:
         destination = mission.left[0]
-    return RobotView(robot.name, robot.type.name, state, robot.client.pose, robot.seen,
+    return RobotView(robot.name, robot.type.name, state, robot.track.pose, robot.seen,
                      robot.battery, None if mission is None else mission.request.id, destination,
                      _waits_for(robot, errand, supervisor, now))
 
@@ -106,22 +106,22 @@ def _waits_for(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now:
         if math.isinf(mission.dwell_until):
             return 'the release of its mission'
         return f'the end of its stay, {max(mission.dwell_until - now, 0.0):.0f} s'
-    plan = supervisor.plan
+    plan = supervisor.dispatcher.plan
     if plan is not None and robot.name in plan.unserved:
         return plan.unserved[robot.name]
-    return supervisor.waits_for.get(robot.name, '') if robot.client.is_standing else ''
+    return supervisor.dispatcher.waits_for.get(robot.name, '') if robot.track.is_standing else ''
 
 
 def plan_views(supervisor: Supervisor) -> List[Tuple[str, List[DriveView]]]:
     """Every robot's plan, from the edge that it drives on."""
-    plan = supervisor.plan
+    plan = supervisor.dispatcher.plan
     if plan is None:
         return []
     found = []
     for name, own in plan.plans.items():
-        client = supervisor.robots[name].client
+        track = supervisor.robots[name].track
         found.append((name, [
             DriveView(drive.edge, plan.made_at + drive.start, plan.made_at + drive.end,
-                      own.base + k < client.end)
-            for k, drive in enumerate(own.drives) if own.base + k >= client.done]))
+                      own.base + k < track.end)
+            for k, drive in enumerate(own.drives) if own.base + k >= track.done]))
     return found

@@ -202,6 +202,7 @@ def _memory_text(memory: RobotMemory) -> str:
     return json.dumps({
         'route_id': client.route_id, 'track': client.track, 'done': client.done,
         'bases': sorted(client.bases.items()), 'over': client.over, 'ended': client.ended,
+        'stopping': client.is_stopping,
         'place': None if client.place is None else astuple(client.place),
         'outage': None if memory.outage is None else memory.outage.name, 'why': memory.why,
         'halted': memory.is_halted})
@@ -212,7 +213,7 @@ def _memory(text: str) -> RobotMemory:
     place = stored['place']
     client = Memory(stored['route_id'], tuple(stored['track']), stored['done'],
                     dict(map(tuple, stored['bases'])), None if place is None else Place(*place),
-                    stored['over'], tuple(stored['ended']))
+                    stored['over'], tuple(stored['ended']), stored.get('stopping', False))
     outage = stored['outage']
     return RobotMemory(client, None if outage is None else Outage[outage], stored['why'],
                        stored['halted'])

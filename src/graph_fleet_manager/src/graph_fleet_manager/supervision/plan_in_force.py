@@ -4,7 +4,7 @@ from __future__ import annotations
 from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Set, Tuple
 
 from graph_fleet_manager.planning.tasks import Outcome, PlannedDrive
-from graph_fleet_manager.supervision.route_client import RouteClient
+from graph_fleet_manager.supervision.track import Track
 
 
 class RobotPlan(NamedTuple):
@@ -48,13 +48,13 @@ class PlanInForce:
         """A robot does not follow its plan any more; who waits for it goes on waiting."""
         self.plans.pop(name, None)
 
-    def in_the_way(self, name: str, drive: int, clients: Mapping[str, RouteClient]) -> str:
+    def in_the_way(self, name: str, drive: int, tracks: Mapping[str, Track]) -> str:
         """Who must go on before a robot may begin its drive; empty: nobody."""
         for turn in self._turns.get((name, drive), ()):
             plan = self.plans.get(turn.first)
             if plan is None:
                 return turn.first
-            number, fraction = clients[turn.first].left
+            number, fraction = tracks[turn.first].left
             if (number - plan.base, fraction) < (turn.before, turn.fraction):
                 return turn.first
         return ''

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import AbstractSet, List, Mapping, NamedTuple
 
 from graph_fleet_manager.supervision.plan_in_force import PlanInForce
-from graph_fleet_manager.supervision.route_client import RouteClient
+from graph_fleet_manager.supervision.track import Track
 
 
 class Release(NamedTuple):
@@ -19,7 +19,7 @@ class Release(NamedTuple):
     waits_for: str = ''
 
 
-def released(name: str, plan: PlanInForce, clients: Mapping[str, RouteClient], until: int,
+def released(name: str, plan: PlanInForce, tracks: Mapping[str, Track], until: int,
              ahead: float, closed: AbstractSet[int]) -> Release:
     """What one robot may be given.
 
@@ -27,20 +27,20 @@ def released(name: str, plan: PlanInForce, clients: Mapping[str, RouteClient], u
     ahead  -- m: no more than the first edge that ends farther ahead than this is given
     closed -- ids of edges that nobody may be given
     """
-    own, client = plan.plans[name], clients[name]
+    own, track = plan.plans[name], tracks[name]
     edges: List[int] = []
-    distance = client.distance_ahead()
-    number = client.end
+    distance = track.distance_ahead()
+    number = track.end
     while number < min(until, own.base + len(own.drives)):
-        if distance > ahead and not (number == client.end and client.is_standing):
+        if distance > ahead and not (number == track.end and track.is_standing):
             break
         edge = own.drives[number - own.base].edge
         if abs(edge) in closed:
             return Release(edges, f'edge {abs(edge)}, which is closed')
-        other = plan.in_the_way(name, number - own.base, clients)
+        other = plan.in_the_way(name, number - own.base, tracks)
         if other:
             return Release(edges, other)
         edges.append(edge)
-        distance += client.graph.curve(edge).length
+        distance += track.graph.curve(edge).length
         number += 1
     return Release(edges)

@@ -6,9 +6,11 @@ from dataclasses import dataclass, field
 from typing import List, Optional, Tuple
 
 from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.supervision.edge_times import Driven, EdgeTimer
 from graph_fleet_manager.supervision.outages import Outage, outage_of
 from graph_fleet_manager.supervision.reports import Place, Pose, Report, place_of
 from graph_fleet_manager.supervision.route_client import Heard, NewId, RouteClient
+from graph_fleet_manager.supervision.track import Track
 from trajectory_graph import Graph
 from trajectory_graph.route_protocol import RouteRefusal
 
@@ -55,6 +57,9 @@ class ManagedRobot:
     """It was given an empty route, as all robots are by stop all."""
     passed: List[int] = field(default_factory=list)
     """Vertices passed that its mission was not told of yet."""
+    driven: List[Driven] = field(default_factory=list)
+    """Edges driven of which nothing was learned yet."""
+    _timer: EdgeTimer = field(default_factory=EdgeTimer)
     _refusals: int = 0
     _tried: float = -math.inf
     _moved: float = -math.inf
@@ -75,7 +80,12 @@ class ManagedRobot:
     @property
     def place(self) -> Optional[Place]:
         """Where it stands; None while it drives or nobody knows."""
-        return self.client.place if self.client.is_standing else None
+        return self.track.place if self.track.is_standing else None
+
+    @property
+    def progress(self) -> Tuple[int, int, bool, bool]:
+        """All of a report that must outlive a restart: when it changes, it is to be stored."""
+        return self.track.done, self.track.end, self.client.over, self.client.is_stopping
 
     def range_left(self) -> float:
         """How far (m) it may drive with what is left in its battery, the reserve aside."""
@@ -86,6 +96,11 @@ class ManagedRobot:
     def is_still(self, now: float) -> bool:
         """Does it report, and has it not moved for a while?"""
         return now - self.seen <= STANDING and now - self._moved >= STANDING
+
+    @property
+    def track(self) -> Track:
+        """What it was given to drive, and how far it is."""
+        return self.client.track
 
     # -- what comes in ----------------------------------------------------------------------------
 
@@ -105,12 +120,17 @@ class ManagedRobot:
             self.outage, self.why = None, ''
         if self.outage is Outage.OFF_GRAPH and report.pose.edge and self._was_nowhere:
             self.outage, self.why = None, ''
-            self.client.settle(place_of(report.pose, self.client.graph))
+            self.client.settle(place_of(report.pose, self.track.graph))
         heard = self.client.take(report)
         self.passed += heard.passed
         self._judge(heard, report)
         self._consider_link(report, now)
         self.stamp = report.stamp
+        if not self.works:
+            self._timer.stop()
+        driven = self._timer.follow(self.track, now)
+        if driven is not None:
+            self.driven.append(driven)
 
     def hear_refusal(self, refusal: RouteRefusal) -> None:
         """An order was not taken up."""
@@ -137,10 +157,10 @@ class ManagedRobot:
             self.fail(outage_of(heard.failed), heard.failed)
             self._fresh_after = report.stamp if report else 0.0
         elif report is not None and self.outage is None and not report.pose.edge and (
-                self.client.is_standing):
+                self.track.is_standing):
             self.fail(Outage.OFF_GRAPH, 'it reports to be off the graph')
         elif heard.left and self.outage is None:
-            self.fail(Outage.TAKEN_OVER, f'it left {self.client.place} without a route')
+            self.fail(Outage.TAKEN_OVER, f'it left {self.track.place} without a route')
 
     def fail(self, outage: Outage, why: str) -> None:
         """Something keeps it from working; what needs a person outlasts what does not."""
@@ -150,7 +170,7 @@ class ManagedRobot:
     @property
     def _was_nowhere(self) -> bool:
         """Was it never on the graph, so that nothing is blocked for it?"""
-        return self.client.place is None and not self.client.held
+        return self.track.place is None and not self.track.held
 
     # -- the clock --------------------------------------------------------------------------------
 
@@ -170,11 +190,11 @@ class ManagedRobot:
         if self.client.order is not None:
             return False
         self._tried = now
-        ahead = self.client.ahead
+        ahead = self.track.ahead
         if not ahead:
             self.outage, self.why = None, ''
             return False
-        place = place_of(self.client.pose, graph)
+        place = place_of(self.track.pose, graph)
         if place is None or not place.touches(graph, ahead[:1]):
             self.fail(Outage.TAKEN_OVER, 'it was moved during an emergency stop')
             return False
@@ -186,10 +206,10 @@ class ManagedRobot:
         if not self.is_halted or self.client.order is not None or not self.is_still(now) or (
                 self.outage not in (None, Outage.STOPPED)):
             return False
-        place = place_of(self.client.pose, self.client.graph)
-        held = self.client.held
+        place = place_of(self.track.pose, self.track.graph)
+        held = self.track.held
         self.is_halted = False
-        if place is None or (held and not place.touches(self.client.graph, held)):
+        if place is None or (held and not place.touches(self.track.graph, held)):
             self.fail(Outage.TAKEN_OVER, 'it is not where it was stopped')
         else:
             self.client.settle(place)
@@ -201,7 +221,7 @@ class ManagedRobot:
         if self.outage is not Outage.LOST_LINK or report.stamp <= self._fresh_after + STANDING:
             return
         if self.is_still(now) and report.age < STANDING:
-            self.come_back(place_of(report.pose, self.client.graph))
+            self.come_back(place_of(report.pose, self.track.graph))
 
     def come_back(self, place: Optional[Place]) -> str:
         """It works again, from where it is; returns why not, or nothing.
@@ -210,9 +230,9 @@ class ManagedRobot:
         """
         if place is None:
             return f'{self.name} is off the graph: bring it onto an edge'
-        expected = self.client.held
+        expected = self.track.held
         if self.outage is Outage.LOST_LINK and expected and not place.touches(
-                self.client.graph, expected):
+                self.track.graph, expected):
             self.fail(Outage.TAKEN_OVER, f'it was expected elsewhere, but is at {place}')
             return self.why
         self.client.settle(place)
@@ -223,10 +243,10 @@ class ManagedRobot:
 
     def blocked(self) -> Tuple[Tuple[int, ...], Tuple[int, ...]]:
         """Vertices and edges on which it may be while nobody can plan for it."""
-        client = self.client
-        vertices, edges = set(), {abs(edge) for edge in client.held}
-        for place in (client.place, place_of(client.pose, client.graph) if self.is_seen else None):
-            if place is not None and (not client.ahead or place is not client.place):
+        track = self.track
+        vertices, edges = set(), {abs(edge) for edge in track.held}
+        for place in (track.place, place_of(track.pose, track.graph) if self.is_seen else None):
+            if place is not None and (not track.ahead or place is not track.place):
                 if place.vertex is not None:
                     vertices.add(place.vertex)
                 else:

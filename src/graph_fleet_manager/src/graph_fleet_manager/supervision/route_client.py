@@ -1,21 +1,18 @@
-"""The fleet manager's side of the route protocol, for one robot.
+"""The fleet manager's side of the route protocol, for one robot: orders out, reports in.
 
-All edges that a robot was ever given are counted through, whatever the ids of its routes: the
-*track*. What is on it and not yet left is the robot's alone; a track only gets shorter when a
-report says so.
+What the robot holds by them is its track; a route is a part of that, under an id.
 """
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
-from graph_fleet_manager.supervision.reports import Place, Pose, Report, place_of
-from trajectory_graph import Graph
+from graph_fleet_manager.supervision.reports import Place, Report, place_of
+from graph_fleet_manager.supervision.track import Track
 from trajectory_graph.route_protocol import RouteRefusal
 
 REPEAT = 1.0      # s after which an order that was not acknowledged is repeated
 NEW_ID_AFTER = 50  # edges
-_NOT_OVER = 1.0 - 1e-9  # the fraction of an edge that is nearly driven
 _OVERTAKEN = 10.0  # s: a report that is older than the last by more tells of a clock set back
 
 NewId = Callable[[], int]
@@ -48,6 +45,7 @@ class Memory(NamedTuple):
     place: Optional[Place]
     over: bool
     ended: Tuple[int, ...] = ()
+    is_stopping: bool = False
 
 
 @dataclass
@@ -69,30 +67,15 @@ class Heard:
 
 
 class RouteClient:
-    """Orders routes, repeats what is not acknowledged, and follows the reports.
+    """Orders routes, repeats what is not acknowledged, and follows the reports on a track."""
 
-    speed -- m/s, the most that the robot may drive back in the time that a report is old
-    slack -- m that it may be short of where it reports to be
-    """
-
-    def __init__(self, graph: Graph, speed: float, slack: float = 0.0) -> None:
-        self.graph = graph
-        self.place: Optional[Place] = None
-        """Where the robot stands, or stood before its track; None: nobody knows."""
-        self.track: List[int] = []
-        self.first = 0
-        """Number of the first edge that is still in `track`."""
-        self.done = 0
-        """Number of the edge that is being driven: so many are complete."""
-        self.left: Tuple[int, float] = (0, 0.0)
-        """Edge and fraction that certainly lie behind the robot."""
+    def __init__(self, track: Track) -> None:
+        self.track = track
         self.route_id = 0
         self.order: Optional[Order] = None
         """What is not acknowledged yet."""
         self.over = True
         """The last route cannot be extended: another one needs another id."""
-        self.pose = Pose()
-        self._speed, self._slack = speed, slack
         self._bases: Dict[int, int] = {}
         self._acknowledged: Set[int] = set()
         self._ended: Set[int] = set()
@@ -101,74 +84,35 @@ class RouteClient:
         self._awaits_report = False
         self._stamp = 0.0
 
-    # -- what is known ----------------------------------------------------------------------------
-
-    @property
-    def end(self) -> int:
-        """Number behind the last edge of the track."""
-        return self.first + len(self.track)
-
-    @property
-    def ahead(self) -> Tuple[int, ...]:
-        """The edges not yet complete, the one being driven first."""
-        return tuple(self.track[self.done - self.first:])
-
-    @property
-    def held(self) -> Tuple[int, ...]:
-        """The edges that nobody else may be given."""
-        return tuple(self.track[max(self.left[0] - self.first, 0):])
-
-    @property
-    def is_standing(self) -> bool:
-        """Is everything driven that was ordered?"""
-        return self.done == self.end
-
     @property
     def is_ready(self) -> bool:
         """May it be given more? Not while it is being shortened, or after a refusal."""
         return not self._awaits_report and (self.order is None or not self._is_shorter(self.order))
 
     @property
-    def last_vertex(self) -> Optional[int]:
-        """Where the track ends; None between vertices and nowhere."""
-        if self.ahead:
-            return self.graph.end_vertex(self.ahead[-1]).id
-        return self.place.vertex if self.place else None
-
-    def distance_ahead(self) -> float:
-        """Length (m) of what is still to be driven."""
-        edges = self.ahead
-        if not edges:
-            return 0.0
-        whole = sum(self.graph.curve(edge).length for edge in edges)
-        fraction = self.pose.fraction if self.pose.edge == edges[0] else 0.0
-        return whole - fraction * self.graph.curve(edges[0]).length
+    def is_stopping(self) -> bool:
+        """Was it told to stop, without an answer yet?"""
+        return self.order is not None and not self.order.edges
 
     # -- orders -----------------------------------------------------------------------------------
 
     def extend(self, edges: Sequence[int], new_id: NewId, renew: bool = False) -> None:
         """Lets the robot drive more edges; `renew`: under a new id, as for another mission."""
-        if self.is_standing and self.place is not None and self.place.vertex is None:
-            fraction = self.place.fraction if edges[0] == self.place.edge else (
-                1.0 - self.place.fraction)
-            slack = self._slack / self.graph.curve(edges[0]).length
-            self.left = (self.done, min(max(fraction - slack, 0.0), _NOT_OVER))
-        if renew or self.over or self.end - self._bases[self.route_id] >= NEW_ID_AFTER:
+        if renew or self.over or self.track.end - self._bases[self.route_id] >= NEW_ID_AFTER:
             self._begin(new_id())
-        self.track += edges
+        self.track.append(edges)
         self._order_all()
 
     def shorten(self, new_id: NewId) -> bool:
         """Asks the robot to stop at the end of its edge; tells whether it may drive farther."""
-        if len(self.ahead) <= 1:
+        if len(self.track.ahead) <= 1:
             return False
         if self._awaits_report or (self.order is not None and self._is_shorter(self.order)):
             return True
         if self.over:
             self._begin(new_id())
         base = self._bases[self.route_id]
-        self._give(Order(self.route_id, base,
-                         tuple(self.track[base - self.first:self.done + 1 - self.first])))
+        self._give(Order(self.route_id, base, self.track.between(base, self.track.done + 1)))
         return True
 
     def halt(self, new_id: NewId) -> None:
@@ -176,22 +120,18 @@ class RouteClient:
         self._begin(new_id())
         self.over = True
         self._awaits_report = False
-        self._give(Order(self.route_id, self.done, ()))
+        self._give(Order(self.route_id, self.track.done, ()))
 
     def try_again(self, new_id: NewId) -> None:
         """Orders once more, under a new id, what an emergency stop kept the robot from driving."""
         self._begin(new_id())
-        self._give(Order(self.route_id, self.done, self.ahead))
+        self._give(Order(self.route_id, self.track.done, self.track.ahead))
 
     def settle(self, place: Optional[Place]) -> None:
         """The robot stands here, and holds nothing else any more."""
         self._ended = {*self._bases, self.route_id}
         self._bases = {}
-        # One number is left out, so that no plan made before can fit what comes after.
-        self.first = self.done = self.end + 1
-        self.track = []
-        self.left = (self.done, 0.0)
-        self.place = place
+        self.track.settle(place)
         self.over = True
         self.order = None
         self._awaits_report = False
@@ -209,79 +149,81 @@ class RouteClient:
     def _begin(self, route_id: int) -> None:
         kept = (self.route_id, self._reported)
         self._bases = {id: base for id, base in self._bases.items() if id in kept}
-        self._bases[route_id] = self.done
+        self._bases[route_id] = self.track.done
         self.route_id = route_id
         self.over = False
 
     def _order_all(self) -> None:
         """Orders the whole track, from where the route begins."""
         base = self._bases[self.route_id]
-        self._give(Order(self.route_id, base, tuple(self.track[base - self.first:])))
+        self._give(Order(self.route_id, base, self.track.between(base, self.track.end)))
 
     def _give(self, order: Order) -> None:
         self.order = order
         self._sent_at = None
 
     def _is_shorter(self, order: Order) -> bool:
-        return order.base + len(order.edges) < self.end
+        return order.base + len(order.edges) < self.track.end
 
     # -- after a restart --------------------------------------------------------------------------
 
     @property
     def memory(self) -> Memory:
         """What `restore` needs after a restart; it is to be stored before an order is sent."""
-        bases = {id: base - self.first for id, base in self._bases.items()}
-        return Memory(self.route_id, tuple(self.track), self.done - self.first, bases, self.place,
-                      self.over, tuple(sorted(self._ended)))
+        track = self.track
+        bases = {id: base - track.first for id, base in self._bases.items()}
+        return Memory(self.route_id, tuple(track.edges), track.done - track.first, bases,
+                      track.place, self.over, tuple(sorted(self._ended)), self.is_stopping)
 
     def restore(self, memory: Memory) -> None:
         """What was known before: the robot may hold all of these edges."""
         self.route_id, self._bases = memory.route_id, dict(memory.bases)
-        self.track, self.done = list(memory.track), memory.done
-        self.left = (self.done, 0.0)
-        self.place, self.over = memory.place, memory.over
-        self._ended = set(memory.ended)
+        self.over, self._ended = memory.over, set(memory.ended)
+        self.track.restore(memory.track, memory.done, memory.place)
+        if memory.is_stopping:
+            self._give(Order(self.route_id, self.track.done, ()))
 
     def adopt(self, report: Report) -> None:
         """The first report after a restart, to be taken next: what it has not driven is fixed.
 
-        An order that may still be under way to the robot is repeated until it is acknowledged.
+        An order that may still be under way to the robot is repeated until it is acknowledged; to
+        one that has obeyed a stop nothing is under way.
         """
         base = self._bases.get(report.route_id)
         if base is None:
             if report.route_id in self._ended:
-                if self.ahead and self.route_id in self._bases:
+                if self.track.ahead and self.route_id in self._bases and not self.is_stopping:
                     self._order_all()  # it did not reach the robot
-            elif not self.ahead:
+            elif not self.track.ahead:
                 self._adopt_other(report)
             # In any other case `take` finds that the robot was taken over, or lost its route.
         else:
             self._acknowledged.add(report.route_id)
-            if report.is_failed:
+            has_stopped = report.route_id == self.route_id and not report.edges
+            if report.is_failed or has_stopped or self.is_stopping or (
+                    self.route_id not in self._bases):  # it was refused, so nothing is under way
                 return
             end = base + len(report.edges)
-            if self.end > end or report.route_id != self.route_id:
+            if self.track.end > end or report.route_id != self.route_id:
                 self._order_all()
 
     def _adopt_other(self, report: Report) -> None:
         """A route of which nothing is known here; a stop that is under way stays so."""
-        self.first = self.end
-        self.track, self.done = list(report.edges), self.first
-        self.left = (self.done, 0.0)
-        self._bases = {self.route_id: self.done} if self.order is not None else {}
-        self._bases[report.route_id] = self.first
+        self.track.adopt(report.edges)
+        self._bases = {self.route_id: self.track.done} if self.order is not None else {}
+        self._bases[report.route_id] = self.track.first
         self._acknowledged.add(report.route_id)
         if self.order is None:
             self.route_id = report.route_id
             self.over = not report.edges or report.is_failed
         if not report.is_running:
-            self.place = place_of(report.pose, self.graph)
+            self.track.place = place_of(report.pose, self.track.graph)
 
     # -- what the robot says ----------------------------------------------------------------------
 
     def take(self, report: Report) -> Heard:
         """Follows a report."""
-        heard = Heard()
+        heard, track = Heard(), self.track
         if 0.0 < self._stamp - report.stamp < _OVERTAKEN:
             return heard
         self._stamp = report.stamp
@@ -289,17 +231,17 @@ class RouteClient:
         if self._awaits_report and report.route_id != self.route_id:
             self._take_truth(report)
         if report.route_id not in self._bases:
-            self.pose = report.pose
+            track.pose = report.pose
             if report.is_running:
                 heard.foreign = report.route_id not in self._ended
             elif self.order is None:
-                heard.left = self.is_standing and self._has_left()
-                if self.ahead and report.route_id not in self._ended:
+                heard.left = track.is_standing and track.has_left()
+                if track.ahead and report.route_id not in self._ended:
                     heard.failed = 'it has forgotten its route'
             return heard
         base = self._bases[report.route_id]
-        skipped = max(self.first - base, 0)
-        mine = tuple(self.track[base + skipped - self.first:][:len(report.edges) - skipped])
+        skipped = max(track.first - base, 0)
+        mine = track.between(base + skipped, base + len(report.edges))
         if mine != report.edges[skipped:]:
             heard.foreign = report.is_running
             return heard
@@ -307,18 +249,23 @@ class RouteClient:
             return self.refuse(RouteRefusal(report.route_id, report.edges, report.reason))
         self._acknowledged = {id for id in self._acknowledged if id in self._bases}
         self._acknowledged.add(report.route_id)
+        if report.route_id:
+            # It has taken up a route: who now tells of none, or of one before, has forgotten it.
+            self._bases.pop(0, None)
+            self._ended.clear()
         if self._awaits_report:
             self._take_truth(report)
-        self.pose = report.pose
+        track.pose = report.pose
         self._acknowledge(report)
-        heard.passed = self._complete(base + report.completed)
-        self._leave(report.age)
-        self._forget()
+        heard.passed = track.complete(base + report.completed)
+        track.leave(report.age)
+        # What belongs to a route that may still be reported is kept.
+        track.forget(min([*self._bases.values(), *([self.order.base] if self.order else [])]))
         if report.is_failed:
             self.order, self.over = None, True
             heard.failed = report.reason or 'it gave no reason'
-        elif self.is_standing and self.order is None and report.edges:
-            heard.left = self._has_left()
+        elif track.is_standing and self.order is None and report.edges:
+            heard.left = track.has_left()
         return heard
 
     def refuse(self, refusal: RouteRefusal) -> Heard:
@@ -345,11 +292,10 @@ class RouteClient:
         self.over = True
         base = self._bases.get(report.route_id)
         if base is None:
-            end = self.done
+            end = self.track.done
         else:
             end = base + len(report.edges) if report.is_running else base + report.completed
-        end = min(max(end, self.done), self.end)
-        del self.track[end - self.first:]
+        self.track.cut(min(max(end, self.track.done), self.track.end))
         if base is not None:
             self._bases = {report.route_id: base}
 
@@ -358,50 +304,4 @@ class RouteClient:
         if order and report.route_id == order.route_id and len(report.edges) == len(order.edges):
             self.order = None
             if order.edges and self._is_shorter(order):
-                del self.track[order.base + len(order.edges) - self.first:]
-
-    def _complete(self, done: int) -> List[int]:
-        passed = []
-        while self.done < min(done, self.end):
-            vertex = self.graph.end_vertex(self.track[self.done - self.first]).id
-            self.done += 1
-            self.place = Place(vertex=vertex)
-            passed.append(vertex)
-        return passed
-
-    def _leave(self, age: float) -> None:
-        """What certainly lies behind the robot, however old its report."""
-        if self.is_standing:
-            self.left = (self.done, 0.0)
-            return
-        edge = self.track[self.done - self.first]
-        if self.pose.edge != edge:
-            return
-        number, arc = self.done, self.pose.fraction * self.graph.curve(edge).length
-        arc -= self._slack + max(age, 0.0) * self._speed
-        while arc < 0.0 and number > max(self.left[0], self.first):
-            number -= 1
-            arc += self.graph.curve(self.track[number - self.first]).length
-        length = self.graph.curve(self.track[number - self.first]).length
-        self.left = max(self.left, (number, min(max(arc / length, 0.0), _NOT_OVER)))
-
-    def _forget(self) -> None:
-        """Drops edges that are left and belong to no route that may still be reported."""
-        keep = min([self.left[0], self.done, *self._bases.values()])
-        if self.order is not None:
-            keep = min(keep, self.order.base)
-        if keep > self.first:
-            del self.track[:keep - self.first]
-            self.first = keep
-
-    def _has_left(self) -> bool:
-        """Does a robot that has nothing to drive say that it is somewhere else?"""
-        place = place_of(self.pose, self.graph)
-        if self.place is None:
-            self.place = place
-            return False
-        if self.place.vertex is not None:
-            return place != self.place
-        if place is None or place.vertex is not None:
-            return place is None or not place.touches(self.graph, (self.place.edge,))
-        return abs(place.edge) != abs(self.place.edge)
+                self.track.cut(order.base + len(order.edges))

@@ -2,26 +2,30 @@
 
 A click of the Publish Point tool means the nearest goal or dock within `~click_tolerance`; the
 handles of `interactive_goals` mean their own. Both go by the map that `map_visualisation` says it
-displays, never by another. While the fleet drives a route, only stop is taken, unless
-`~allow_takeover` is true: then the route ends as `taken over`. A command is given once, and not
-again while the robot obeys it; what becomes of it is told where the person looks.
+displays, never by another. A robot in `/fleet_state` is managed: a click on a goal that is a vertex
+sends it a mission, any other is refused; one that was left to a person (`fleet out`, taken over,
+failed, off the graph) is driven directly. While a fleet drives a route, only stop is taken. With
+`~allow_takeover` all clicks drive the robot: a route ends as `taken over`. A command is given once,
+and not again while the robot obeys it; what becomes of it is told where the person looks.
 
 Subscribes
     clicked_point (geometry_msgs/PointStamped), in any frame that TF knows
     map_file (std_msgs/String, latched): path of the displayed map
     execution_route_states (itrci_nav_msgs/ExecutionRouteStates)
+    /fleet_state (itrci_nav_msgs/FleetState), /mission_status (itrci_nav_msgs/MissionStatus)
     command_refused (omron_ld90_msgs/CommandRefused)
     link_state (omron_ld90_msgs/LinkState), pose (geometry_msgs/PoseStamped)
     interactive_goals/feedback (visualization_msgs/InteractiveMarkerFeedback)
 Client of
     execute_command (omron_ld90_msgs/ExecuteCommand)
 Publishes
+    /mission_request (itrci_nav_msgs/MissionRequest)
     user_feedback (std_msgs/String): what happened, in a sentence
     feedback_markers (visualization_msgs/MarkerArray): the same as text in RViz
     interactive_goals/update, update_full (visualization_msgs/InteractiveMarker...)
 Parameters
     ~click_tolerance  float   0.5 m  a click farther than this from every goal and dock is a miss
-    ~allow_takeover   bool    false  true: a click ends a running fleet route
+    ~allow_takeover   bool    false  true: a click drives a managed robot, too
     ~handle_size      float   0.7 m  across the handles on goals; one of its own for each robot
     ~map_frame        string  map
     ~base_frame       string  <namespace>/base_link
@@ -48,6 +52,7 @@ from omron_ld90.nodes.rviz.user_feedback import UserFeedback
 from omron_ld90.nodes.support import shared_parameters
 from omron_ld90.nodes.support.command_client import CommandClient
 from omron_ld90.nodes.support.displayed_map import DisplayedMap
+from omron_ld90.nodes.support.fleet_missions import FleetMissions
 from omron_ld90.nodes.support.poses import yaw_from_quaternion
 from omron_ld90.operator.goal_clicks import (
     Target,
@@ -116,6 +121,7 @@ class GoalSender:
         self._buffer = tf2_ros.Buffer()
         self._listener = tf2_ros.TransformListener(self._buffer)
         self._commands = CommandClient(self._on_end, self._on_line)
+        self._missions = FleetMissions(rospy.get_namespace().strip('/'), self._on_mission)
         for topic, message, callback in (
                 ('execution_route_states', ExecutionRouteStates, self._on_route),
                 ('command_refused', CommandRefused, self._on_refused),
@@ -219,7 +225,10 @@ class GoalSender:
 
     def _drive(self, command: str, target: Optional[Target]) -> None:
         route = self._routes.running(time.monotonic())
-        if route is not None and not self._allow_takeover:
+        if self._missions.manages and not self._allow_takeover:
+            notice = self._missions.send(target if target and _drives_to(command) else None)
+            self._feedback.say(notice.severity, notice.text, _place(target))
+        elif route is not None and not self._allow_takeover:
             self._feedback.say(
                 Severity.BAD, f'Not sent: the fleet drives route {route}. Stop it first.',
                 _place(target))
@@ -251,10 +260,19 @@ class GoalSender:
             notice = tell(given.command, result.message)
             self._feedback.say(notice.severity, notice.text, given.place)
 
+    def _on_mission(self, notice: Notice, target: Optional[Target]) -> None:
+        with self._lock:
+            self._feedback.say(notice.severity, notice.text, _place(target))
+
     def _on_refused(self, message: CommandRefused) -> None:
         """The controller refused what somebody sent by topic; it has logged that already."""
         self._feedback.show(Notice(
             Severity.BAD, f'{message.command} refused: {message.reason}'))
+
+
+def _drives_to(command: str) -> bool:
+    """Does a command on a target mean to go there?"""
+    return command.split()[0] in ('goto', 'dock')
 
 
 def _place(target: Optional[Target]) -> Optional[Tuple[float, float]]:

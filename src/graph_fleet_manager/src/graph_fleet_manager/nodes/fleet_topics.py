@@ -1,0 +1,111 @@
+"""What the supervisor tells: routes, statuses, questions to the planner, and views of the fleet."""
+from __future__ import annotations
+
+from typing import Any, Callable, Dict, Iterable, Sequence
+
+import rospy
+
+from graph_fleet_manager.messages import missions as messages
+from graph_fleet_manager.messages.planning import request_message
+from graph_fleet_manager.plan_requests import PlanRequest
+from graph_fleet_manager.supervision.actions import (
+    Action,
+    AskPlanner,
+    Note,
+    SendRoute,
+    TellStatus,
+)
+from graph_fleet_manager.supervision.fleet_view import plan_views, robot_views
+from graph_fleet_manager.supervision.missions import Status
+from graph_fleet_manager.supervision.supervisor import Supervisor
+from itrci_nav_msgs.msg import FleetPlan, FleetState, MissionStatus, TargetRoute
+from itrci_nav_msgs.msg import PlanRequest as PlanRequestMessage
+
+TellStatuses = Callable[[MissionStatus], None]
+"""Publishes to one subscriber only."""
+
+
+class FleetTopics:
+    """The publishers of path_supervisor.
+
+    rate        -- simulated robots are so many times faster
+    improvement -- s in which the planner makes a plan better
+    newcomer    -- is called for every new subscriber of /mission_status
+    """
+
+    def __init__(self, robots: Iterable[str], rate: float, improvement: float,
+                 newcomer: Callable[[TellStatuses], None]) -> None:
+        self._rate = rate
+        self._improvement = improvement
+        self.graph_stamp = rospy.Time(0)
+        self._asked: Dict[int, rospy.Time] = {}
+        self._route_stamps: Dict[str, rospy.Time] = {}
+        self._statuses = rospy.Publisher('/mission_status', MissionStatus, queue_size=1000,
+                                         subscriber_listener=_Newcomers(newcomer))
+        self._states = rospy.Publisher('/fleet_state', FleetState, queue_size=1, latch=True)
+        self._plans = rospy.Publisher('/fleet_plan', FleetPlan, queue_size=1, latch=True)
+        self._requests = rospy.Publisher('/plan_request', PlanRequestMessage, queue_size=10)
+        self._routes = {robot: rospy.Publisher(f'/{robot}/target_route', TargetRoute,
+                                               queue_size=10) for robot in robots}
+
+    def do(self, actions: Sequence[Action]) -> None:
+        """Does what the supervisor wants done, in the order given."""
+        for action in actions:
+            if isinstance(action, SendRoute):
+                self._send(action)
+            elif isinstance(action, TellStatus):
+                self._statuses.publish(status_message(action.status))
+            elif isinstance(action, AskPlanner):
+                self._ask(action)
+            elif isinstance(action, Note):
+                (rospy.logwarn if action.is_warning else rospy.loginfo)('%s', action.text)
+
+    def _send(self, action: SendRoute) -> None:
+        """A repeat carries the stamp that it had before."""
+        if not action.repeated or action.robot not in self._route_stamps:
+            self._route_stamps[action.robot] = rospy.Time.now()
+        self._routes[action.robot].publish(messages.route_message(
+            action.route_id, action.edges, self._route_stamps[action.robot]))
+
+    def _ask(self, question: AskPlanner) -> None:
+        stamp = rospy.Time.now()
+        self._asked = {question.number: stamp}
+        self._requests.publish(request_message(
+            PlanRequest(question.tasks, question.obstacles, question.closed,
+                        question.edge_times, time_limit=0.0, improvement=self._improvement),
+            question.number, stamp, self.graph_stamp, self._rate))
+
+    def has_asked(self, number: int, stamp: rospy.Time) -> bool:
+        """Is an answer with this number and stamp one to the last question?"""
+        return self._asked.get(number) == stamp
+
+    def publish_views(self, supervisor: Supervisor, now: float) -> None:
+        """Every robot's state and plan, as they are at the monotonic time `now`."""
+        stamp = rospy.Time.now()
+
+        def moment(seconds: float) -> rospy.Time:
+            return max(stamp + rospy.Duration.from_sec(seconds - now), rospy.Time(0))
+
+        def planned(seconds: float) -> rospy.Time:
+            plan = supervisor.dispatcher.plan
+            made_at = plan.made_at if plan else now
+            return moment(made_at + (seconds - made_at) / self._rate)
+        self._states.publish(messages.state_message(robot_views(supervisor, now), moment, stamp))
+        self._plans.publish(messages.plan_message(plan_views(supervisor), planned, stamp))
+
+
+def status_message(status: Status) -> MissionStatus:
+    """A status as it is told now."""
+    return messages.status_message(status, rospy.Time.now())
+
+
+class _Newcomers(rospy.SubscribeListener):  # type: ignore[misc]  # rospy has no types
+    """Calls `tell(publish)` for every new subscriber."""
+
+    def __init__(self, tell: Callable[[TellStatuses], None]) -> None:
+        super().__init__()
+        self._new = tell
+
+    def peer_subscribe(self, topic_name: str, topic_publish: Callable[[Any], None],
+                       peer_publish: TellStatuses) -> None:
+        self._new(peer_publish)

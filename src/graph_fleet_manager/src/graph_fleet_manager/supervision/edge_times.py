@@ -1,0 +1,90 @@
+"""How long robots really take for an edge: learned while they drive, for the running fleet only.
+
+A nominal time is length over speed; what bends, turns, doors and people cost shows only at work.
+Learned times make plans and arrivals truer; safety rests on the order of use, never on times.
+"""
+from __future__ import annotations
+
+from collections import deque
+from math import inf
+from statistics import median
+from types import MappingProxyType
+from typing import Callable, Deque, Dict, Mapping, NamedTuple, Optional, Tuple
+
+from graph_fleet_manager.supervision.track import Track
+
+KEPT = 9         # drives of an edge of which the median is taken: one long wait does not count
+ENOUGH = 3       # drives after which it replaces the nominal time
+WORTH_IT = 0.2   # change of a time that is worth a new table: planners prepare anew for it
+PERIOD = 60.0    # s between two tables
+
+Times = Mapping[Tuple[str, int], float]
+"""Seconds by robot type's name and signed edge id."""
+
+
+class Driven(NamedTuple):
+    """An edge that was driven from end to end, and how long it took (s)."""
+
+    edge: int
+    seconds: float
+
+
+class EdgeTimer:
+    """Times one robot's edges, each from when the robot may drive it; waits do not count."""
+
+    def __init__(self) -> None:
+        self._number: Optional[int] = None
+        self._edge = 0
+        self._since: Optional[float] = None
+        self._counts = False
+
+    def stop(self) -> None:
+        """The edge that is being driven does not count."""
+        self._counts, self._since = False, None
+
+    def follow(self, track: Track, now: float) -> Optional[Driven]:
+        """Looks at a robot after its report; tells when it completed an edge."""
+        driven = None
+        if self._number is not None and self._since is not None and (
+                track.done == self._number + 1):
+            driven = Driven(self._edge, now - self._since)
+        if track.done != self._number:
+            # Nobody knows when one that is already driving set out.
+            self._counts = self._number is not None or track.is_standing
+            self._number, self._since = track.done, None
+        if self._counts and self._since is None and track.ahead:
+            if track.place is None or track.place.vertex is None:
+                self.stop()  # it begins in the middle of an edge
+            else:
+                self._edge, self._since = track.ahead[0], now
+        return driven
+
+
+class EdgeTimes:
+    """What was learned so far; `table` is what planner and assignment go by."""
+
+    def __init__(self) -> None:
+        self.table: Times = MappingProxyType({})
+        self._driven: Dict[Tuple[str, int], Deque[float]] = {}
+        self._looked = -inf
+
+    def learn(self, kind: str, driven: Driven) -> None:
+        """A robot of this type has driven an edge."""
+        if driven.seconds > 0.0:
+            self._driven.setdefault((kind, driven.edge), deque(maxlen=KEPT)).append(driven.seconds)
+
+    def renew(self, nominal: Callable[[str, int], float], now: float) -> bool:
+        """Makes another table where that is worth it; tells whether it did.
+
+        nominal -- seconds for a robot type's name and signed edge, by length and speed
+        """
+        if now - self._looked < PERIOD:
+            return False
+        self._looked = now
+        learned = {key: median(times) for key, times in self._driven.items()
+                   if len(times) >= ENOUGH}
+        if all(abs(seconds - self.table.get(key, nominal(*key))) <= WORTH_IT * nominal(*key)
+               for key, seconds in learned.items()):
+            return False
+        self.table = MappingProxyType(learned)
+        return True

@@ -1,0 +1,47 @@
+"""What is to be done about an event, once all that it relies on is on the disk."""
+from __future__ import annotations
+
+from typing import List, Mapping, Set
+
+from graph_fleet_manager.supervision.actions import Action, Note, TellStatus
+from graph_fleet_manager.supervision.journal import Journal, RobotMemory
+from graph_fleet_manager.supervision.missions import MissionBook
+from graph_fleet_manager.supervision.robots import ManagedRobot
+
+
+class Outbox:
+    """Collects the actions of one event; `take` stores first what changed, and then gives them."""
+
+    def __init__(self, journal: Journal, book: MissionBook,
+                 robots: Mapping[str, ManagedRobot]) -> None:
+        self.journal = journal
+        self._book = book
+        self._robots = robots
+        self._stale: Set[str] = set()
+        self._actions: List[Action] = []
+
+    def put(self, action: Action) -> None:
+        """This is to be done."""
+        self._actions.append(action)
+
+    def note(self, text: str, is_warning: bool = False) -> None:
+        """The people who watch are to be told."""
+        self.put(Note(text, is_warning))
+
+    def robot_changed(self, name: str) -> None:
+        """What is stored of a robot is not true any more."""
+        self._stale.add(name)
+
+    def take(self) -> List[Action]:
+        """Everything to be done, in order; all that it relies on is on the disk."""
+        for mission in self._book.take_changes():
+            self.journal.write_mission(mission)
+            self.put(TellStatus(mission.status))
+        for name in sorted(self._stale):
+            robot = self._robots[name]
+            self.journal.write_robot(name, RobotMemory(robot.client.memory, robot.outage, robot.why,
+                                                       robot.is_halted))
+        self._stale.clear()
+        self.journal.commit()
+        actions, self._actions = self._actions, []
+        return actions

@@ -1,0 +1,55 @@
+"""The graph as robots can drive it now: which edges are closed, how long edges really take."""
+from __future__ import annotations
+
+from math import inf
+from typing import Iterable
+
+from graph_fleet_manager.fleet import Fleet
+from graph_fleet_manager.planning.road_network import RoadNetwork
+from graph_fleet_manager.supervision.edge_times import EdgeTimes
+from graph_fleet_manager.supervision.robots import ManagedRobot
+from trajectory_graph import Graph
+
+
+class Roads:
+    """One network by nominal times, and one by those that were learned.
+
+    rate -- simulated robots are so many times faster than the clock
+    """
+
+    def __init__(self, graph: Graph, fleet: Fleet, rate: float = 1.0) -> None:
+        self.nominal = RoadNetwork(graph, (), fleet.dock_approach)
+        self.network = self.nominal
+        """With learned times."""
+        self.edge_times = EdgeTimes()
+        self._types = {kind.name: kind for kind in fleet.types}
+        self._rate = rate
+
+    def close(self, edges: Iterable[int]) -> bool:
+        """Closes these edges only, where the graph has them; tells whether that is news."""
+        graph = self.nominal.graph
+        closed = frozenset(abs(edge) for edge in edges) & frozenset(graph.edges)
+        if closed == self.nominal.closed:
+            return False
+        self.nominal = self.nominal.with_closed(closed)
+        self._renew()
+        return True
+
+    def learn(self, robot: ManagedRobot, now: float) -> None:
+        """Learns from the edges that a robot has driven; plans go by it from the next one on."""
+        for driven in robot.driven:
+            self.edge_times.learn(robot.type.name, driven._replace(
+                seconds=driven.seconds * self._rate))
+        robot.driven.clear()
+        if self.edge_times.renew(self._nominal_time, now):
+            self._renew()
+
+    def _renew(self) -> None:
+        self.network = self.nominal.with_closed(self.nominal.closed, self.edge_times.table)
+
+    def _nominal_time(self, kind: str, edge: int) -> float:
+        graph = self.nominal.graph
+        driven = graph.edge(edge)
+        speed = self._types[kind].drives_at(
+            driven.velocity_forward if edge > 0 else driven.velocity_backwards)
+        return graph.curve(edge).length / speed if speed else inf

@@ -1,0 +1,115 @@
+"""Learned edge times: what counts as a drive, and when it replaces the nominal time."""
+from __future__ import annotations
+
+import pytest
+from fleet_builders import AGV, corridor
+from supervised_fleet import SupervisedFleet
+
+from graph_fleet_manager.supervision.edge_times import ENOUGH, PERIOD, Driven, EdgeTimer, EdgeTimes
+from graph_fleet_manager.supervision.reports import Place
+from graph_fleet_manager.supervision.track import Track
+
+NOMINAL = 2.0  # s for every edge
+
+
+@pytest.fixture
+def track():
+    track = Track(corridor(5), speed=1.0)
+    track.place = Place(vertex=1)
+    return track
+
+
+def nominal(kind, edge):
+    return NOMINAL
+
+
+def learned(*seconds, table=None):
+    """What is known after these drives of edge 1, and one look at the clock."""
+    times = table or EdgeTimes()
+    for each in seconds:
+        times.learn('agv', Driven(1, each))
+    times.renew(nominal, PERIOD)
+    return times
+
+
+def test_an_edge_is_timed_from_its_order_to_its_completion(track):
+    timer = EdgeTimer()
+    assert timer.follow(track, 0.0) is None
+    track.append([1, 2])
+    assert timer.follow(track, 10.0) is None
+    track.complete(1)
+    assert timer.follow(track, 13.0) == Driven(1, 3.0)
+    track.complete(2)
+    assert timer.follow(track, 15.5) == Driven(2, 2.5)
+
+
+def test_waiting_at_a_vertex_is_not_driving(track):
+    timer = EdgeTimer()
+    track.append([1])
+    timer.follow(track, 0.0)
+    track.complete(1)
+    timer.follow(track, 2.0)
+    timer.follow(track, 100.0)
+    track.append([2])
+    timer.follow(track, 101.0)
+    track.complete(2)
+    assert timer.follow(track, 103.0) == Driven(2, 2.0)
+
+
+def test_what_was_not_seen_from_end_to_end_does_not_count(track):
+    timer = EdgeTimer()
+    track.append([1, 2, 3, 4])
+    timer.follow(track, 0.0)  # found driving, as after a restart
+    track.complete(1)
+    assert timer.follow(track, 1.0) is None
+    track.complete(3)
+    assert timer.follow(track, 5.0) is None, 'two edges at once'
+    timer.stop()
+    track.complete(4)
+    assert timer.follow(track, 6.0) is None, 'it was stopped on the way'
+
+
+def test_a_drive_from_the_middle_of_an_edge_does_not_count(track):
+    timer = EdgeTimer()
+    track.place = Place(edge=1, fraction=0.5)
+    timer.follow(track, 0.0)
+    track.append([1])
+    timer.follow(track, 1.0)
+    track.complete(1)
+    assert timer.follow(track, 2.0) is None
+
+
+def test_the_median_of_enough_drives_replaces_the_nominal_time():
+    assert learned(*[4.0] * (ENOUGH - 1)).table == {}
+    assert learned(4.0, 90.0, 4.0, 4.0).table == {('agv', 1): 4.0}, 'one long wait does not count'
+
+
+def test_small_changes_are_not_worth_a_new_table():
+    assert learned(2.1, 2.2, 2.1).table == {}
+    times = learned(4.0, 4.0, 4.0)
+    before = times.table
+    for _ in range(9):
+        times.learn('agv', Driven(1, 4.1))
+    assert not times.renew(nominal, 3.0 * PERIOD) and times.table is before
+
+
+def test_tables_come_seldom():
+    times = learned(4.0, 4.0, 4.0)
+    for _ in range(9):
+        times.learn('agv', Driven(1, 9.0))
+    assert not times.renew(nominal, 1.5 * PERIOD)
+    assert times.renew(nominal, 2.0 * PERIOD) and times.table == {('agv', 1): 9.0}
+
+
+def test_a_fleet_of_slow_robots_plans_with_the_times_that_they_need():
+    fleet = SupervisedFleet(corridor(3), {'a': (AGV, 1)})
+    fleet.agvs['a'].pace = 0.5
+    for id in range(1, 9):
+        fleet.request(id, 3 if id % 2 else 1)
+        fleet.run_until_done(id)
+    fleet.run(PERIOD)
+    assert fleet.supervisor.roads.edge_times.table[AGV.name, 1] == pytest.approx(4.0, abs=0.3)
+    fleet.request(9, 3)
+    fleet.run(1.0)
+    drive = fleet.supervisor.dispatcher.plan.plan_of('a').drives[0]
+    assert drive.end - drive.start == pytest.approx(4.0, abs=0.3)

@@ -1,0 +1,188 @@
+#!/usr/bin/env python3
+"""A fleet of AGVs in a corridor with one siding: they swap places, and drop out one by one.
+
+How near they come to each other is measured on the simulator's true poses, all the time.
+"""
+from __future__ import annotations
+
+import itertools
+import json
+import math
+import os
+import socket
+import threading
+import unittest
+from typing import Dict, List, Tuple
+
+import rospy
+from std_srvs.srv import Trigger
+
+from itrci_nav_msgs.msg import FleetRobot, FleetState, MissionRequest, MissionStatus
+from system_support import Recorder, connected_publisher, run_cases, wait_until
+
+LONG = os.environ.get('LD90_LONG_TESTS') == '1'
+SWAPS = 10 if LONG else 3
+ALLOWED = 0.4 + 0.4 + 0.1  # m: both radii and the clearance of vectors/siding_fleet.yaml
+OFTEN = 120.0  # s, generous: another test runs beside this one
+
+
+class FleetFaults(unittest.TestCase):
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        rospy.init_node('fleet_faults_test')
+        cls.control = Control()
+        cls.fleet = Recorder('/fleet_state', FleetState)
+        cls.statuses = Recorder('/mission_status', MissionStatus)
+        cls.requests = connected_publisher('/mission_request', MissionRequest, to='path_supervisor')
+        cls.ids = itertools.count(1)
+        cls.fleet.wait_for(lambda state: len(state.robots) == 3 and all(
+            robot.seen and robot.pose.edge_id for robot in state.robots), 60, 'fleet on the graph')
+        wait_until(cls.statuses.is_connected, 30, 'connection to /mission_status')
+        cls.watch = Watch()
+
+    def setUp(self) -> None:
+        self.assertGreater(self.control.time(), 0.0)
+
+    def tearDown(self) -> None:
+        distance, who = self.watch.nearest
+        self.assertGreaterEqual(distance, ALLOWED - 0.001, f'{who} came too near to each other')
+        self.assertGreater(self.watch.looks, 10)
+
+    def send(self, robot: str, *vertices: int) -> int:
+        id = next(self.ids)
+        self.requests.publish(request_id=id, robot=robot, destination_vertices_id=vertices)
+        return id
+
+    def wait_for_success(self, *ids: int) -> None:
+        for id in ids:
+            end = self.statuses.wait_for(
+                lambda status, id=id: status.request_id == id and status.state in (
+                    MissionStatus.SUCCEEDED, MissionStatus.FAILED, MissionStatus.REFUSED),
+                OFTEN, f'end of mission {id}')
+            self.assertEqual(MissionStatus.SUCCEEDED, end.state, end.reason)
+
+    def wait_for_state(self, name: str, *states: int) -> FleetRobot:
+        def robot(message: FleetState) -> FleetRobot:
+            return next(robot for robot in message.robots if robot.name == name)
+        return robot(self.fleet.wait_for(
+            lambda message: robot(message).state in states, OFTEN,
+            f'{name} in one of the states {states}', after=max(len(self.fleet.messages) - 1, 0)))
+
+    def wait_until_on_its_way(self, name: str) -> None:
+        x, y = self.control.places()[name]
+        wait_until(lambda: math.dist(self.control.places()[name], (x, y)) > 0.5, OFTEN,
+                   f'{name} on its way')
+
+    def bring_in(self, name: str) -> None:
+        """As `fleet in` does; it is refused until the robot stands still for a while."""
+        service = f'/{name}/join_fleet'
+        rospy.wait_for_service(service, 30)
+        wait_until(lambda: rospy.ServiceProxy(service, Trigger)().success, OFTEN,
+                   f'{name} back in service')
+
+    def test_1_two_robots_swap_their_places_through_one_siding(self) -> None:
+        ends = (5, 1)
+        for _ in range(SWAPS):
+            self.wait_for_success(self.send('agv_1', ends[0]), self.send('agv_2', ends[1]))
+            places = self.control.places()
+            for name, vertex in zip(('agv_1', 'agv_2'), ends):
+                self.assertLess(math.dist(places[name], (3.0 * (vertex - 1), 0.0)), 0.01)
+            ends = ends[::-1]
+        if SWAPS % 2:  # everybody where the other tests expect them
+            self.wait_for_success(self.send('agv_1', 1), self.send('agv_2', 5))
+
+    def test_2_after_an_emergency_stop_a_robot_goes_on_by_itself(self) -> None:
+        mission = self.send('agv_1', 11)
+        self.wait_until_on_its_way('agv_1')
+        self.control.inject('agv_1', 'estop')
+        self.wait_for_state('agv_1', FleetRobot.STOPPED)
+        other = self.send('agv_2', 4)  # nobody else is kept from working
+        self.wait_for_success(other)
+        self.control.inject('agv_1', 'release')
+        self.wait_for_success(mission)
+
+    def test_3_a_robot_that_was_taken_over_waits_for_a_person(self) -> None:
+        mission = self.send('agv_2', 2)
+        self.wait_until_on_its_way('agv_2')
+        self.control.inject('agv_2', 'takeover')
+        robot = self.wait_for_state('agv_2', FleetRobot.TAKEN_OVER)
+        self.assertIn('taken over', robot.waits_for)
+        self.statuses.wait_for(lambda status: status.request_id == mission
+                               and status.state == MissionStatus.PENDING and status.reason,
+                               OFTEN, 'mission without a robot', self.given_at(mission))
+        self.bring_in('agv_2')
+        self.wait_for_success(mission)
+
+    def given_at(self, mission: int) -> int:
+        """The index of the first status that gives the mission to a robot."""
+        return next(k for k, status in enumerate(self.statuses.messages)
+                    if status.request_id == mission and status.state == MissionStatus.ACTIVE)
+
+    def test_4_a_robot_that_leaves_keeps_its_place_until_a_person_brings_it_back(self) -> None:
+        mission = self.send('agv_3', 4)
+        self.wait_until_on_its_way('agv_3')
+        self.control.inject('agv_3', 'leave')
+        self.wait_for_state('agv_3', FleetRobot.OFFLINE)
+        other = self.send('agv_1', 3)  # up to the one that left, but not into it
+        self.wait_for_success(other)
+        self.control.inject('agv_3', 'join')
+        robot = self.wait_for_state('agv_3', FleetRobot.FAILED)
+        self.assertIn('forgotten its route', robot.waits_for)
+        self.bring_in('agv_3')
+        self.wait_for_success(mission)
+
+
+class Control:
+    """The simulator's control socket: faults, and where all truly are."""
+
+    def __init__(self) -> None:
+        port = int(os.environ.get('LD90_ARCL_PORT', 17171))
+        self._lock = threading.Lock()
+        self._connection = wait_until(lambda: _connected(port), 30, 'the control socket')
+        self._replies = self._connection.makefile()
+
+    def ask(self, line: str) -> str:
+        with self._lock:
+            self._connection.sendall(line.encode() + b'\n')
+            return self._replies.readline().strip()
+
+    def inject(self, robot: str, fault: str) -> None:
+        answer = self.ask(f'@{robot} {fault}')
+        assert answer == 'ok', answer
+
+    def time(self) -> float:
+        return json.loads(self.ask('where'))['time']
+
+    def places(self) -> Dict[str, Tuple[float, float]]:
+        robots = json.loads(self.ask('where'))['robots']
+        return {name: (place['x'], place['y']) for name, place in robots.items()}
+
+
+def _connected(port: int) -> socket.socket:
+    try:
+        return socket.create_connection(('127.0.0.1', port), timeout=20.0)
+    except ConnectionRefusedError:
+        return None
+
+
+class Watch:
+    """Looks at the true poses all the time, and keeps how near any two robots came."""
+
+    def __init__(self) -> None:
+        self.nearest: Tuple[float, List[str]] = (math.inf, [])
+        self.looks = 0
+        self._control = Control()
+        threading.Thread(target=self._look, daemon=True).start()
+
+    def _look(self) -> None:
+        pause = threading.Event()
+        while not pause.wait(0.02):
+            places = self._control.places()
+            for pair in itertools.combinations(sorted(places), 2):
+                self.nearest = min(self.nearest, (math.dist(*map(places.get, pair)), list(pair)))
+            self.looks += 1
+
+
+if __name__ == '__main__':
+    run_cases(__file__)
