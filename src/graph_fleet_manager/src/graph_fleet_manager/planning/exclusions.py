@@ -15,6 +15,7 @@ from typing import Dict, FrozenSet, List, NamedTuple, Tuple
 import numpy as np
 from scipy.spatial import cKDTree
 
+from graph_fleet_manager.planning.arrays import count_up
 from graph_fleet_manager.planning.capsules import time_within
 from graph_fleet_manager.planning.pieces import Pieces
 
@@ -121,7 +122,7 @@ class Exclusions:
         at_vertex = pairs.place < self.vertices
         vertex, other = pairs.place[at_vertex], pairs.other[at_vertex]
         repeats = counts[vertex]
-        end = by_vertex[np.repeat(firsts[vertex], repeats) + _count_up(repeats)]
+        end = by_vertex[np.repeat(firsts[vertex], repeats) + count_up(repeats)]
         edge, other = self.vertices + end // 2, np.repeat(other, repeats)
         different = edge != other
         fraction = (end % 2).astype(float)[different]
@@ -179,8 +180,8 @@ def _cut(pieces: Pieces, longest: float) -> Pieces:
     if parts.max() == 1:
         return pieces
     which = np.repeat(np.arange(len(parts)), parts)
-    low = _count_up(parts) / parts[which]
-    high = (_count_up(parts) + 1) / parts[which]
+    low = count_up(parts) / parts[which]
+    high = (count_up(parts) + 1) / parts[which]
     place, start, end, begins, ends, margin = (column[..., which] for column in pieces)
     path, share = end - start, ends - begins
     return Pieces(place, start + low * path, start + high * path,
@@ -208,7 +209,7 @@ def _candidates(pieces: Pieces, distance: float,
     one, other = _close_by(pairs.T, middle, radius, distance)
     combinations = count[one] * count[other]
     if len(combinations) and combinations.max() > 1:
-        number = _count_up(combinations)
+        number = count_up(combinations)
         others = np.repeat(count[other], combinations)
         one = np.repeat(first[one], combinations) + number // others
         other = np.repeat(first[other], combinations) + number % others
@@ -254,9 +255,3 @@ def _within_approach(approach: Approach) -> Tuple[np.ndarray, ...]:
     place, other, low, high = zip(*pairs) if pairs else ((), (), (), ())
     return (np.array(place, dtype=np.int64), np.array(other, dtype=np.int64),
             np.array(low, dtype=float), np.array(high, dtype=float))
-
-
-def _count_up(repeats: np.ndarray) -> np.ndarray:
-    """0, 1 .. r - 1 for each r of `repeats`, one after the other."""
-    ends = np.cumsum(repeats)
-    return np.arange(ends[-1] if len(ends) else 0) - np.repeat(ends - repeats, repeats)
