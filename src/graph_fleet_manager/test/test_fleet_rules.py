@@ -56,7 +56,8 @@ def _a_drive_is_given_back_when_it_begins(patch):
 
     def given_back(self, distance):
         conflicts = at(self, distance)
-        return conflicts._replace(forward=0.0 * conflicts.forward, backward=0.0 * conflicts.backward)
+        return conflicts._replace(forward=0.0 * conflicts.forward,
+                                  backward=0.0 * conflicts.backward)
     patch.setattr(exclusions.Exclusions, 'at', given_back)
 
 

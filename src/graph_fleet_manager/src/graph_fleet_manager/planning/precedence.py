@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from itertools import accumulate, chain
 from types import MappingProxyType
-from typing import Dict, List, Mapping, NamedTuple, Sequence, Tuple
+from typing import Dict, List, Mapping, NamedTuple, Sequence
 
 import numpy as np
 from scipy.sparse import csr_matrix
