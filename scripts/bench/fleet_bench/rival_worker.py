@@ -1,5 +1,7 @@
 """Runs a rival in its own virtual environment: instances as JSON on stdin, paths on stdout.
 
+A rival that runs in C++ cannot be stopped; what it finds after its time does not count.
+
 Input: {"edges": [[a, b], ...], "instances": [{"starts": [...], "goals": [...]}], "solver": name,
 "limit": seconds}. Output: for each instance [seconds, paths or null], a path being the vertex of
 one robot at each step.
@@ -14,54 +16,64 @@ class TooLong(Exception):
     """The time for an instance is over."""
 
 
-def pymapf_solver(name, edges):
-    """LaCAM and PIBT of pymapf, pure Python."""
+def pymapf_solver(name, edges, limit):
+    """LaCAM and PIBT of pymapf, pure Python: one robot per vertex, none swap their places."""
     import pymapf
     graph = pymapf.ExplicitGraph.undirected([tuple(edge) for edge in edges])
 
     def solve(starts, goals):
         agents = [pymapf.Agent(str(k), *ends) for k, ends in enumerate(zip(starts, goals))]
-        solution = pymapf.solve(pymapf.MAPFProblem(graph, agents), name)
+        solution = pymapf.solve(pymapf.MAPFProblem(graph, agents), name, time_limit=limit)
         return solution and [solution.paths[str(k)] for k in range(len(agents))]
     return solve
 
 
-def w9_solver(name, edges):
-    """HCA* and CBS of w9-pathfinding, C++."""
+def w9_solver(name, edges, limit):
+    """HCA* and CBS of w9-pathfinding, C++: one robot per vertex, one per edge."""
     from w9_pathfinding.envs import Graph
     from w9_pathfinding.mapf import CBS, HCAStar
-    vertices = max(map(max, edges)) + 1
-    graph = Graph(vertices, [[a, b, 1.0] for a, b in edges] + [[b, a, 1.0] for a, b in edges])
-    finder = {'hca': HCAStar, 'cbs': CBS}[name](graph)
+    both_ways = [*edges, *(edge[::-1] for edge in edges)]  # undirected, it would let robots swap
+    graph = Graph(max(map(max, edges)) + 1, edges=both_ways, edge_collision=True)
+    longest = {'max_length': len(edges)}
+    if name == 'cbs':
+        finder, longest['max_time'] = CBS(graph, seed=0), limit
+    else:
+        finder = HCAStar(graph)
 
     def solve(starts, goals):
-        paths = finder.mapf(starts, goals)
-        return paths if paths and all(paths) else None
+        return finder.mapf(starts, goals, **longest) or None
     return solve
+
+
+def stopped_after(limit, solve, *instance):
+    """Runs Python for at most `limit` s; raises TooLong when they are over."""
+    def stop(*_):
+        raise TooLong
+    signal.signal(signal.SIGALRM, stop)
+    signal.setitimer(signal.ITIMER_REAL, limit)
+    try:
+        return solve(*instance)
+    finally:
+        signal.signal(signal.SIGALRM, signal.SIG_IGN)
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
 
 
 def main():
     """Solves what stdin asks for."""
     asked = json.load(sys.stdin)
     package, name = asked['solver'].split('/')
-    solve = {'pymapf': pymapf_solver, 'w9': w9_solver}[package](name, asked['edges'])
+    solve = {'pymapf': pymapf_solver, 'w9': w9_solver}[package](
+        name, [tuple(edge) for edge in asked['edges']], asked['limit'])
 
-    def stop(*_):
-        raise TooLong
-    signal.signal(signal.SIGALRM, stop)
     results = []
     for instance in asked['instances']:
         begun = time.perf_counter()
-        signal.setitimer(signal.ITIMER_REAL, asked['limit'])
         try:
-            paths = solve(instance['starts'], instance['goals'])
-        except TooLong:
+            paths = stopped_after(asked['limit'], solve, instance['starts'], instance['goals'])
+        except (TooLong, RuntimeError):  # the latter is w9's own way to say so
             paths = None
-        except Exception as error:  # a rival's own way to say that it found nothing
-            print(f'{asked["solver"]}: {type(error).__name__}: {error}', file=sys.stderr)
-            paths = None
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        results.append([time.perf_counter() - begun, paths])
+        seconds = time.perf_counter() - begun
+        results.append([seconds, paths if seconds <= asked['limit'] else None])
     json.dump(results, sys.stdout)
 
 

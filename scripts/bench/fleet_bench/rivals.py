@@ -1,8 +1,9 @@
 """Other planners on the same instances, and whether robots could really drive what they plan.
 
-They know vertices and unit steps, no durations, sizes or delays. Their moves are put into an order,
-step by step, who leaves a vertex before who enters it; what cannot be ordered, or leads robots
-nearer to each other than is allowed, does not count as solved.
+They know vertices, edges and steps that all take equally long; conflict sets, durations, sizes and
+delays cannot be told to any of them. So their moves are put into an order, step by step, who leaves
+a vertex before who enters it, and timed by our own rules; then the checker says whether that is
+safe. A plan in which robots follow each other in a ring has no such order.
 """
 from __future__ import annotations
 
@@ -13,10 +14,10 @@ from pathlib import Path
 from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from fleet_builders import as_files
-from plan_checker import Order, World, held_faults
+from plan_checker import World, faults
 
 from fleet_bench.instances import AGV, CLEARANCE, Instance
-from graph_fleet_manager.planning.plans import Plans
+from graph_fleet_manager.planning.plans import makespan, sum_of_costs
 from graph_fleet_manager.planning.precedence import Conflicting, precedence
 from graph_fleet_manager.planning.problem import Problem
 from graph_fleet_manager.planning.road_network import RoadNetwork
@@ -29,12 +30,14 @@ PACKAGES = {'pymapf': 'pymapf==0.9.0', 'w9': 'w9-pathfinding==0.1.3'}
 SOLVERS = ('pymapf/lacam', 'pymapf/pibt', 'w9/hca', 'w9/cbs')
 
 
-class Result(NamedTuple):
-    """What a rival came to."""
+class Judged(NamedTuple):
+    """What came of one instance."""
 
-    solved: int
-    drivable: Tuple[bool, ...]
-    seconds: Tuple[float, ...]
+    seconds: float
+    solved: bool
+    """Was a plan found in time?"""
+    ratio: Optional[float]
+    """Its cost over the lower bound, at true durations; None where it cannot be driven safely."""
 
 
 def environment(package: str) -> Tuple[Optional[Path], str]:
@@ -58,7 +61,7 @@ def environment(package: str) -> Tuple[Optional[Path], str]:
 
 
 def run(solver: str, python: Path, graph: Graph, instances: Sequence[Instance],
-        limit: float) -> Result:
+        limit: float) -> List[Judged]:
     """A rival on all instances."""
     asked = {'solver': solver, 'limit': limit,
              'edges': [[e.origin, e.destination] for e in graph.edges.values()],
@@ -67,17 +70,16 @@ def run(solver: str, python: Path, graph: Graph, instances: Sequence[Instance],
     worker = Path(__file__).with_name('rival_worker.py')
     answer = json.loads(subprocess.run([str(python), str(worker)], input=json.dumps(asked),
                                        stdout=subprocess.PIPE, text=True, check=True).stdout)
-    return Result(sum(paths is not None for _, paths in answer),
-                  tuple(paths is not None and is_drivable(graph, instance, paths)
-                        for instance, (_, paths) in zip(instances, answer)),
-                  tuple(seconds for seconds, _ in answer))
+    return [Judged(seconds, paths is not None, paths and driven(graph, instance, paths))
+            for instance, (seconds, paths) in zip(instances, answer)]
 
 
-def is_drivable(graph: Graph, instance: Instance, paths: Sequence[Sequence[int]]) -> bool:
-    """Is there a safe order for these moves, with true sizes and curves?"""
+def driven(graph: Graph, instance: Instance, paths: Sequence[Sequence[int]]) -> Optional[float]:
+    """Cost over the lower bound of these moves with true sizes, curves and durations, None where no
+    order makes them safe."""
     order = _in_order(graph, instance, paths)
     if order is None:
-        return False
+        return None
     network = RoadNetwork(graph)
     timetable = Timetable(network, CLEARANCE, [AGV])
     travellers = Problem(timetable, instance.tasks(), ()).travellers
@@ -85,11 +87,13 @@ def is_drivable(graph: Graph, instance: Instance, paths: Sequence[Sequence[int]]
     try:
         constraints = precedence(timetable, plans, dict.fromkeys(plans, AGV))
     except Conflicting:
-        return False
-    plan = _as_file(network, plans, constraints)
-    world = _world(graph, instance)
-    judged = Order(plan)
-    return not judged.cyclic and not held_faults(world, plan, judged)
+        return None
+    bound = sum(traveller.errand.lower_bound for traveller in travellers.values())
+    plan = {'sum_of_costs': sum_of_costs(plans), 'makespan': makespan(plans), 'lower_bound': bound,
+            'robots': {name: [{'edge': network.signed_id(d.drive), 'start': d.start, 'end': d.end}
+                              for d in drives] for name, drives in plans.items()},
+            'precedence': [list(constraint) for constraint in constraints]}
+    return None if faults(world_of(graph, instance), plan) else plan['sum_of_costs'] / bound
 
 
 def _in_order(graph: Graph, instance: Instance,
@@ -114,13 +118,8 @@ def _in_order(graph: Graph, instance: Instance,
     return order
 
 
-def _as_file(network: RoadNetwork, plans: Plans, constraints: Sequence[tuple]) -> dict:
-    return {'robots': {name: [{'edge': network.signed_id(d.drive), 'start': d.start, 'end': d.end}
-                              for d in plan] for name, plan in plans.items()},
-            'precedence': [list(constraint) for constraint in constraints]}
-
-
-def _world(graph: Graph, instance: Instance) -> World:
+def world_of(graph: Graph, instance: Instance) -> World:
+    """An instance for the checker."""
     return World(*as_files(graph, [AGV], {name: (AGV.name, vertex)
                                           for name, vertex in instance.starts.items()},
                            {name: [goal] for name, goal in instance.goals.items()}, CLEARANCE))

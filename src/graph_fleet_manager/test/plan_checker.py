@@ -241,26 +241,24 @@ def held_faults(world: World, plan: dict, order: Order) -> List[str]:
     """Pairs of places that two robots can hold at once although they are too near."""
     found: List[str] = []
     names = order.names
-    boxes = {name: [_shape(world, plan, name, k).bounds
-                    for k in range(-1, len(plan['robots'][name]))] for name in names}
+    boxes = {name: np.array([_shape(world, plan, name, k).bounds
+                             for k in range(-1, len(plan['robots'][name]))]) for name in names}
     for x, a in enumerate(names):
         for b in names[x + 1:]:
             apart = world.apart(a, b)
-            for i, box_a in enumerate(boxes[a], -1):
-                for j, box_b in enumerate(boxes[b], -1):
-                    if box_a[0] - apart > box_b[2] or box_b[0] - apart > box_a[2] \
-                            or box_a[1] - apart > box_b[3] or box_b[1] - apart > box_a[3]:
-                        continue
-                    # b is at j, so a has come to `least_a`, and the other way round.
-                    least_a, least_b = order.at_least(a, b, j), order.at_least(b, a, i)
-                    if least_a[0] > i or least_b[0] > j:
-                        continue
-                    rest_a = _rest(_shape(world, plan, a, i), least_a[1] if least_a[0] == i else 0)
-                    rest_b = _rest(_shape(world, plan, b, j), least_b[1] if least_b[0] == j else 0)
-                    distance = rest_a.distance(rest_b)
-                    if distance < apart - TOLERANCE:
-                        found.append(f'{a} at drive {i} and {b} at drive {j} may come within '
-                                     f'{distance:.4f} m of each other, not {apart:.4f}')
+            gaps = np.maximum(boxes[a][:, None, :2] - boxes[b][None, :, 2:],
+                              boxes[b][None, :, :2] - boxes[a][:, None, 2:]).max(axis=2)
+            for i, j in (np.argwhere(gaps <= apart) - 1).tolist():
+                # b is at j, so a has come to `least_a`, and the other way round.
+                least_a, least_b = order.at_least(a, b, j), order.at_least(b, a, i)
+                if least_a[0] > i or least_b[0] > j:
+                    continue
+                rest_a = _rest(_shape(world, plan, a, i), least_a[1] if least_a[0] == i else 0)
+                rest_b = _rest(_shape(world, plan, b, j), least_b[1] if least_b[0] == j else 0)
+                distance = rest_a.distance(rest_b)
+                if distance < apart - TOLERANCE:
+                    found.append(f'{a} at drive {i} and {b} at drive {j} may come within '
+                                 f'{distance:.4f} m of each other, not {apart:.4f}')
     return found
 
 

@@ -52,9 +52,13 @@ def _who_has_arrived_is_in_no_way(patch):
 
 
 def _a_drive_is_given_back_when_it_begins(patch):
-    drive = Blocking.drive
-    patch.setattr(Blocking, 'drive', lambda self, number: [
-        (slot, 0.0, lead) for slot, _, lead in drive(self, number)])
+    at = exclusions.Exclusions.at
+
+    def given_back(self, distance):
+        conflicts = at(self, distance)
+        return conflicts._replace(forward=0.0 * conflicts.forward,
+                                  backward=0.0 * conflicts.backward)
+    patch.setattr(exclusions.Exclusions, 'at', given_back)
 
 
 def _the_order_is_not_told(patch):

@@ -39,20 +39,21 @@ class Blocking:
         self._waits: List[Optional[List[Tuple[int, float]]]] = [None] * network.vertices
 
     @property
-    def _conflicts(self) -> Conflicts:
+    def conflicts(self) -> Conflicts:
+        """The places that exclude each other, and for how long."""
         return self._network.exclusions.at(self._distance)
 
     def prepare(self) -> None:
         """Makes everything at once, unless the graph is so dense that it would take long."""
-        if len(self._conflicts.other) <= _PREPARED:
-            self._make(0, len(self._conflicts.starts) - 1)
+        if len(self.conflicts.other) <= _PREPARED:
+            self._make(0, len(self.conflicts.starts) - 1)
 
     def drive(self, drive: int) -> List[Block]:
         """What driving blocks."""
         blocks = self._drives[drive]
         if blocks is None:
             first = self._network.vertices + (drive >> 1) // _EDGES_AT_ONCE * _EDGES_AT_ONCE
-            self._make(first, min(first + _EDGES_AT_ONCE, len(self._conflicts.starts) - 1))
+            self._make(first, min(first + _EDGES_AT_ONCE, len(self.conflicts.starts) - 1))
             blocks = self._drives[drive]
             assert blocks is not None
         return blocks
@@ -69,7 +70,7 @@ class Blocking:
 
     def excluded(self, place: int) -> List[int]:
         """The places (not slots) that an observer may not hold while a mover holds this one."""
-        return self._conflicts.row(place)
+        return self.conflicts.row(place)
 
     def excludes(self, place: int, other: int) -> bool:
         """May two robots not hold these two places at once?"""
@@ -81,7 +82,7 @@ class Blocking:
 
     def of_place(self, place: int) -> List[Tuple[int, float]]:
         """(slot, lead) blocked by who may be anywhere on a place."""
-        return self._seen_by_other(np.array(self._conflicts.row(place), dtype=np.int64))
+        return self._seen_by_other(np.array(self.conflicts.row(place), dtype=np.int64))
 
     def _seen_by_other(self, places: np.ndarray) -> List[Tuple[int, float]]:
         """All slots of these places; a drive must be over before."""
@@ -93,7 +94,7 @@ class Blocking:
 
     def _make(self, first: int, last: int) -> None:
         """Fills in the rows of the places `first` to `last` - 1."""
-        conflicts = self._conflicts
+        conflicts = self.conflicts
         begin, end = conflicts.starts[first], conflicts.starts[last]
         pairs = slice(begin, end)
         other, mirrored = conflicts.other[pairs], conflicts.transpose[pairs]

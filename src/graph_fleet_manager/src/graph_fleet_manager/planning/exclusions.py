@@ -10,16 +10,17 @@ from __future__ import annotations
 
 import time
 from math import inf
-from typing import Dict, FrozenSet, List, NamedTuple, Tuple
+from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Tuple
 
 import numpy as np
 from scipy.spatial import cKDTree
 
+from graph_fleet_manager.planning.arrays import count_up
 from graph_fleet_manager.planning.capsules import time_within
 from graph_fleet_manager.planning.pieces import Pieces
 
 ROUNDING = 1e-11  # m: places exactly as far apart as asked do not exclude each other
-_AT_ONCE = 200000  # pairs of pieces looked at in one step, to bound the memory
+_AT_ONCE = 100000  # pairs of pieces looked at in one step, to bound the memory
 
 
 class OutOfTime(Exception):
@@ -90,15 +91,18 @@ class Exclusions:
         pairs = _Pairs(self.places)
         lengths = _lengths(self._pieces)
         lengths = lengths[lengths > 0.0]
-        longest = max(float(np.median(lengths)) if len(lengths) else 0.0, 2.0 * distance, 1e-3)
+        longest = max(float(np.median(lengths)) if len(lengths) else 0.0, 1.5 * distance, 1e-3)
         pieces = _cut(self._pieces, longest)
-        one, other = _candidates(pieces, distance, longest)
-        for begin in range(0, len(one), _AT_ONCE):
+        stretches = _stretches(pieces, longest)
+        one, other = _candidates(stretches, distance)
+        combinations = stretches.count[one] * stretches.count[other]
+        blocks = np.cumsum(combinations) // _AT_ONCE
+        begins = np.flatnonzero(np.diff(blocks, prepend=-1)).tolist()
+        for begin, end in zip(begins, [*begins[1:], len(one)]):
             if time.monotonic() > self.deadline:
                 raise OutOfTime()
-            part = slice(begin, begin + _AT_ONCE)
-            pairs.add(*_near(pieces, one[part], other[part], distance))
-            pairs.add(*_near(pieces, other[part], one[part], distance))
+            for met in _near(pieces, stretches, one[begin:end], other[begin:end], distance):
+                pairs.add(*met)
         all_places = np.arange(self.places)
         pairs.add(all_places, all_places, np.zeros(self.places), np.ones(self.places))
         for approach in self._approaches:
@@ -121,7 +125,7 @@ class Exclusions:
         at_vertex = pairs.place < self.vertices
         vertex, other = pairs.place[at_vertex], pairs.other[at_vertex]
         repeats = counts[vertex]
-        end = by_vertex[np.repeat(firsts[vertex], repeats) + _count_up(repeats)]
+        end = by_vertex[np.repeat(firsts[vertex], repeats) + count_up(repeats)]
         edge, other = self.vertices + end // 2, np.repeat(other, repeats)
         different = edge != other
         fraction = (end % 2).astype(float)[different]
@@ -179,54 +183,49 @@ def _cut(pieces: Pieces, longest: float) -> Pieces:
     if parts.max() == 1:
         return pieces
     which = np.repeat(np.arange(len(parts)), parts)
-    low = _count_up(parts) / parts[which]
-    high = (_count_up(parts) + 1) / parts[which]
+    low = count_up(parts) / parts[which]
+    high = (count_up(parts) + 1) / parts[which]
     place, start, end, begins, ends, margin = (column[..., which] for column in pieces)
     path, share = end - start, ends - begins
     return Pieces(place, start + low * path, start + high * path,
                   begins + low * share, begins + high * share, margin)
 
 
-def _candidates(pieces: Pieces, distance: float,
-                longest: float) -> Tuple[np.ndarray, np.ndarray]:
-    """Pairs of pieces, none longer than `longest`, of different places that may be near each other.
+class _Stretches(NamedTuple):
+    """Pieces that follow each other on one place, so few that they are looked for together."""
 
-    Short pieces of a curve are looked for together, up to that length.
-    """
+    first: np.ndarray   # (S,) index of the first piece
+    count: np.ndarray   # (S,)
+    place: np.ndarray   # (S,)
+    middle: np.ndarray  # (2, S) m
+    radius: np.ndarray  # (S,) m: the curves of all pieces are within it around the middle
+    piece_middle: np.ndarray  # (2, N) m, of each piece
+    piece_half: np.ndarray    # (N,) m, half of its length
+
+
+def _stretches(pieces: Pieces, longest: float) -> _Stretches:
+    """All pieces, none longer than `longest` (m), in stretches of about that length."""
     lengths = _lengths(pieces)
     along = np.cumsum(lengths) - lengths
     new_place = np.concatenate(([True], pieces.place[1:] != pieces.place[:-1]))
     along -= np.repeat(along[new_place], np.diff(np.flatnonzero(np.append(new_place, True))))
-    stretch = np.floor((along + lengths / 2.0) / longest)
-    first = np.flatnonzero(new_place | np.concatenate(([True], np.diff(stretch) != 0.0)))
+    number = np.floor((along + lengths / 2.0) / longest)
+    first = np.flatnonzero(new_place | np.concatenate(([True], np.diff(number) != 0.0)))
     count = np.diff(np.append(first, len(lengths)))
     low = np.minimum.reduceat(np.minimum(pieces.start, pieces.end), first, axis=1)
     high = np.maximum.reduceat(np.maximum(pieces.start, pieces.end), first, axis=1)
-    middle = (low + high) / 2.0
     radius = np.hypot(*(high - low)) / 2.0 + np.maximum.reduceat(pieces.margin, first)
-    pairs = cKDTree(middle.T).query_pairs(2.0 * radius.max() + distance, output_type='ndarray')
-    one, other = _close_by(pairs.T, middle, radius, distance)
-    combinations = count[one] * count[other]
-    if len(combinations) and combinations.max() > 1:
-        number = _count_up(combinations)
-        others = np.repeat(count[other], combinations)
-        one = np.repeat(first[one], combinations) + number // others
-        other = np.repeat(first[other], combinations) + number % others
-        one, other = _close_by(np.array((one, other)), (pieces.start + pieces.end) / 2.0,
-                               lengths / 2.0 + pieces.margin, distance)
-    else:
-        one, other = first[one], first[other]
-    different = pieces.place[one] != pieces.place[other]
-    return one[different], other[different]
+    return _Stretches(first, count, pieces.place[first], (low + high) / 2.0, radius,
+                      (pieces.start + pieces.end) / 2.0, lengths / 2.0)
 
 
-def _close_by(pairs: np.ndarray, middle: np.ndarray, radius: np.ndarray,
-              distance: float) -> Tuple[np.ndarray, np.ndarray]:
-    """The pairs whose circles are no farther apart than `distance`."""
-    one, other = pairs
-    across, up = middle[0][one] - middle[0][other], middle[1][one] - middle[1][other]
-    reach = (radius + distance)[one] + radius[other]
-    near = across * across + up * up <= reach * reach
+def _candidates(stretches: _Stretches, distance: float) -> Tuple[np.ndarray, np.ndarray]:
+    """Pairs of stretches of different places that may come nearer than `distance` (m)."""
+    place, middle, radius = stretches.place, stretches.middle, stretches.radius
+    one, other = cKDTree(middle.T).query_pairs(2.0 * radius.max() + distance,
+                                               output_type='ndarray').T
+    near = ((_between(middle, one, other) <= radius[one] + radius[other] + distance)
+            & (place[one] != place[other]))
     return one[near], other[near]
 
 
@@ -234,17 +233,40 @@ def _lengths(pieces: Pieces) -> np.ndarray:
     return np.hypot(*(pieces.end - pieces.start))
 
 
-def _near(pieces: Pieces, one: np.ndarray, other: np.ndarray,
-          distance: float) -> Tuple[np.ndarray, ...]:
-    """Pairs of places, with the stretch of the first that is too near to the second."""
-    keep = distance - ROUNDING + pieces.margin[one] + pieces.margin[other]
-    entry, exit = time_within(pieces.start[:, one], pieces.end[:, one],
-                              pieces.start[:, other], pieces.end[:, other], keep)
-    met = entry <= exit
-    one, other, entry, exit = one[met], other[met], entry[met], exit[met]
-    share = pieces.ends[one] - pieces.begins[one]
-    return (pieces.place[one], pieces.place[other],
-            pieces.begins[one] + entry * share, pieces.begins[one] + exit * share)
+def _between(middle: np.ndarray, one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Distances (m) of points `middle` (2,N)."""
+    return np.hypot(middle[0][one] - middle[0][other], middle[1][one] - middle[1][other])
+
+
+def _near(pieces: Pieces, stretches: _Stretches, one: np.ndarray, other: np.ndarray,
+          distance: float) -> Iterator[Tuple[np.ndarray, ...]]:
+    """Of pairs of stretches those that are too near, both ways round: the places, and the part of
+    the first one that is too near to the second."""
+    counts, others = stretches.count[one] * stretches.count[other], stretches.count[other]
+    pair, number = np.repeat(np.arange(len(one)), counts), count_up(counts)
+    ours = stretches.first[one][pair] + number // others[pair]
+    theirs = stretches.first[other][pair] + number % others[pair]
+    keep = distance - ROUNDING + pieces.margin[ours] + pieces.margin[theirs]
+    half = stretches.piece_half
+    apart = _between(stretches.piece_middle, ours, theirs)
+    near = apart < keep + half[ours] + half[theirs]
+    pair, ours, theirs, keep, apart = (c[near] for c in (pair, ours, theirs, keep, apart))
+    for mine, yours in ((ours, theirs), (theirs, ours)):
+        entry, exit = np.zeros(len(pair)), np.ones(len(pair))
+        partly = np.flatnonzero(apart + half[mine] >= keep)  # the others lie within it altogether
+        to, of = mine[partly], yours[partly]
+        entry[partly], exit[partly] = time_within(
+            pieces.start[:, to], pieces.end[:, to], pieces.start[:, of], pieces.end[:, of],
+            keep[partly])
+        met = entry <= exit
+        if not met.any():
+            continue
+        to = mine[met]
+        share = pieces.ends[to] - pieces.begins[to]
+        first = np.flatnonzero(np.diff(pair[met], prepend=-1))
+        yield (pieces.place[to[first]], pieces.place[yours[met][first]],
+               np.minimum.reduceat(pieces.begins[to] + entry[met] * share, first),
+               np.maximum.reduceat(pieces.begins[to] + exit[met] * share, first))
 
 
 def _within_approach(approach: Approach) -> Tuple[np.ndarray, ...]:
@@ -254,9 +276,3 @@ def _within_approach(approach: Approach) -> Tuple[np.ndarray, ...]:
     place, other, low, high = zip(*pairs) if pairs else ((), (), (), ())
     return (np.array(place, dtype=np.int64), np.array(other, dtype=np.int64),
             np.array(low, dtype=float), np.array(high, dtype=float))
-
-
-def _count_up(repeats: np.ndarray) -> np.ndarray:
-    """0, 1 .. r - 1 for each r of `repeats`, one after the other."""
-    ends = np.cumsum(repeats)
-    return np.arange(ends[-1] if len(ends) else 0) - np.repeat(ends - repeats, repeats)

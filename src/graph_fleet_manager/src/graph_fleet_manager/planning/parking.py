@@ -3,8 +3,9 @@
 A set of parking vertices is *well-formed* if, with a robot standing on every one of them, the rest
 of the graph still hangs together and each of these robots can leave and come back (Cap et al.,
 arXiv 1501.07704). Then somebody can always move, whatever missions come. Vertices that the graph
-forbids as parking, like those that cut an edge into sections, may be cut off. How many vertices
-such a set can have is the capacity of the graph. The largest set is hard to find; here it is
+forbids as parking, like those that cut an edge into sections, may be cut off. Where closed edges
+leave parts of a graph without a way between them, all this holds for each of them. How many
+vertices such a set can have is the capacity of the graph. The largest set is hard to find; here it is
 searched for from many beginnings, so what is found is certain to be well-formed, and small graphs
 are rarely undersold.
 """
@@ -20,6 +21,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components
 
 from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.planning.arrays import count_up
 from graph_fleet_manager.planning.road_network import RoadNetwork
 
 _TRIALS = 20
@@ -41,26 +43,27 @@ class Parking:
         self._vertices = network.vertices
         self._wanted = np.array([network.graph.vertices[id].parking is not False
                                  for id in network.vertex_ids])
-        conflicts = network.exclusions.at(2.0 * kind.reach + clearance)
-        self._by_vertex = [np.array(conflicts.row(vertex), dtype=np.int64)
-                           for vertex in range(self._vertices)]
+        self._conflicts = network.exclusions.at(2.0 * kind.reach + clearance)
         times = np.array(network.times(kind))
         usable = [drive for drive in range(network.drives) if np.isfinite(times[drive])
                   and network.edge_ids[drive >> 1] not in network.closed]
         self._begin = np.array([network.origin[d] for d in usable], dtype=np.int64)
         self._end = np.array([network.origin[d ^ 1] for d in usable], dtype=np.int64)
         self._edge = np.array([self._vertices + (d >> 1) for d in usable], dtype=np.int64)
+        self._part = self._parts(self._begin, self._end, self._vertices)
+        """Of each vertex: which may be several, while edges are closed."""
 
     def is_well_formed(self, parked: Iterable[int]) -> bool:
         """Does nobody cut anybody off while robots stand on all these vertices?"""
-        parked = sorted(parked)
+        vertices = np.array(sorted(parked), dtype=np.int64)
+        starts = self._conflicts.starts
+        lengths = starts[vertices + 1] - starts[vertices]
+        taken = self._conflicts.other[np.repeat(starts[vertices], lengths) + count_up(lengths)]
         places = self._vertices + len(self._network.edge_ids)
-        count = np.zeros(places, dtype=np.int64)
+        count = np.bincount(taken, minlength=places)
         owner = np.full(places, -1, dtype=np.int64)
-        for vertex in parked:
-            count[self._by_vertex[vertex]] += 1
-            owner[self._by_vertex[vertex]] = vertex
-        if any(count[vertex] != 1 for vertex in parked):
+        owner[taken] = np.repeat(vertices, lengths)
+        if (count[vertices] != 1).any():
             return False  # two of them exclude each other
         core = self._core(count)
         if core is None:
@@ -75,19 +78,26 @@ class Parking:
             fits &= core[side] | ((count[side] == 1) & (owner[side] == whose))
             sides.append(np.where(core[side], self._vertices + whose, side))
         part = self._parts(sides[0][fits], sides[1][fits], 2 * self._vertices)
-        return not core.any() and len(parked) == 1 or all(
-            part[vertex] == part[self._vertices + vertex] for vertex in parked)
+        around = np.bincount(self._part[core], minlength=self._vertices)[self._part[vertices]]
+        robots = np.bincount(self._part[vertices], minlength=self._vertices)[self._part[vertices]]
+        alone = (around == 0) & (robots == 1)
+        return bool((alone | (part[vertices] == part[self._vertices + vertices])).all())
 
     def _core(self, count: np.ndarray) -> Optional[np.ndarray]:
         """The vertices (V,) between which everybody can drive, as `count` robots stand in the way
-        of each place; None where that leaves some out that somebody may want to come to."""
+        of each place, in each part of the graph; None where that leaves some out that somebody may
+        want to come to."""
         free = count[:self._vertices] == 0
         usable = count[self._edge] == 0
-        part = self._parts(self._begin[usable], self._end[usable], self._vertices)
-        sizes = np.bincount(part[free], minlength=1)
-        wanted = part[free & self._wanted]
-        core = wanted[0] if len(wanted) else sizes.argmax()
-        return free & (part == core) if (wanted == core).all() else None
+        left = self._parts(self._begin[usable], self._end[usable], self._vertices)
+        sizes = np.bincount(left[free], minlength=self._vertices)
+        # Of every part of the graph the largest of what is left, but rather what is wanted.
+        vertices = np.flatnonzero(free)
+        order = vertices[np.lexsort((sizes[left[vertices]], self._wanted[vertices]))]
+        core = np.full(self._vertices, -1, dtype=np.int64)
+        core[self._part[order]] = left[order]  # the last one counts
+        inside = free & (left == core[self._part])
+        return inside if inside[free & self._wanted].all() else None
 
     @staticmethod
     def _parts(begin: np.ndarray, end: np.ndarray, nodes: int) -> np.ndarray:

@@ -14,6 +14,7 @@ from trajectory_graph.curves import bezier_arc_lengths, bezier_lengths, bezier_p
 
 TOLERANCE = 5e-3  # m, how far a curve may be from its pieces; what it really is, is accounted for
 _FINE = 64  # parts of a spline from which the pieces are chosen; a power of two
+_COARSE = 16  # so many fine parts are one piece where the curve is nearly straight
 _BULGE = 1.5  # a part's curve strays from its chord no more than so many times what its middle does
 
 
@@ -75,7 +76,9 @@ def _spline_pieces(places: np.ndarray, control: np.ndarray) -> Pieces:
     bulge = _strayed(points, arcs, which, 2 * begins, 2).reshape(len(places), _FINE).max(axis=1)
     bulge *= _BULGE
     points, arcs = points[:, ::2], arcs[:, ::2]
-    which, begins, step = np.arange(len(places)), np.zeros(len(places), dtype=int), _FINE
+    pieces = _FINE // _COARSE
+    which, step = np.repeat(np.arange(len(places)), pieces), _COARSE
+    begins = np.tile(np.arange(pieces) * step, len(places))
     done = []
     while len(which):
         strayed = _strayed(points, arcs, which, begins, step) + bulge[which]

@@ -80,9 +80,11 @@ class FleetPlanner:
         """
         check(self.network, tasks)
         with _without_garbage_collection():
-            attempts = Attempts(self.timetable, tasks, obstacles, self.parking, self._search,
-                                Random(self._seed))
-            return attempts.run(deadline, rounds, improve_until)
+            try:
+                return Attempts(self.timetable, tasks, obstacles, self.parking, self._search,
+                                Random(self._seed)).run(deadline, rounds, improve_until)
+            finally:
+                self.timetable.clear()
 
 
 @contextmanager

@@ -7,12 +7,17 @@ begin its drive j only once robot a has driven the fraction f of its drive i.
 """
 from __future__ import annotations
 
-from collections import deque
+from itertools import accumulate, chain
 from types import MappingProxyType
-from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, List, Mapping, NamedTuple, Sequence, Tuple
+
+import numpy as np
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import connected_components
 
 from graph_fleet_manager.fleet import RobotType
-from graph_fleet_manager.planning.plans import Drive, Plans
+from graph_fleet_manager.planning.arrays import count_up
+from graph_fleet_manager.planning.plans import Plans
 from graph_fleet_manager.planning.timetable import Timetable
 
 _ROUNDING = 1e-9  # s
@@ -32,6 +37,26 @@ class Conflicting(Exception):
     """A plan in which two robots hold at once what they may not: a defect of the planner."""
 
 
+class _Drives(NamedTuple):
+    """All N drives of all robots, in the order in which they begin, as columns."""
+
+    robot: np.ndarray    # (N,) counted in the order of their names
+    number: np.ndarray   # (N,) within the robot's plan
+    drive: np.ndarray    # (N,)
+    start: np.ndarray    # (N,) s
+    end: np.ndarray      # (N,) s
+    begun: np.ndarray    # (N,) 0..1
+    planned: np.ndarray  # (N,) not yet released
+
+
+class _Pairs(NamedTuple):
+    """M pairs of drives of different robots, the first of which must clear the second."""
+
+    first: np.ndarray     # (M,) index into _Drives
+    fraction: np.ndarray  # (M,) of the first's arc length, after which it is out of the way
+    then: np.ndarray      # (M,) index into _Drives
+
+
 def precedence(timetable: Timetable, plans: Plans, kinds: Mapping[str, RobotType],
                released: Mapping[str, int] = MappingProxyType({})) -> List[Constraint]:
     """The constraints that keep `plans` safe, none of which follows from another of the same pair.
@@ -39,84 +64,145 @@ def precedence(timetable: Timetable, plans: Plans, kinds: Mapping[str, RobotType
     So many first drives of each robot as `released` says need none any more: all that had to come
     before them has come. Raises Conflicting where the times of the plans themselves are not safe.
     """
-    users: Dict[RobotType, List[Optional[Dict[str, Tuple[int, float, float]]]]] = {
-        kind: [None] * timetable.network.drives for kind in timetable.kinds}
-    drives = timetable.network.drives
-    constraints: List[Constraint] = []
-    known: Dict[Tuple[str, str], Tuple[int, float]] = {}
-    order = sorted((k >= released.get(name, 0), drive.start, drive.end, name, k)
-                   for name, plan in plans.items() for k, drive in enumerate(plan))
-    for planned, start, end, name, k in order:
-        drive, kind = plans[name][k], kinds[name]
-        before = users[kind][drive.drive]
-        if before and planned and drive.begun:
-            before = _users_of_rest(timetable, plans, kinds, name, drive)
-        if before and planned:
-            for other, (i, fraction, until) in before.items():
-                if other == name:
-                    continue
-                if until > start + _ROUNDING:
-                    raise Conflicting(f'{name} would begin edge '
-                                      f'{timetable.network.signed_id(drive.drive)} at {start} s, '
-                                      f'but {other} is not out of its way before {until} s')
-                if known.get((name, other), (-1, 0.0)) < (i, fraction):
-                    known[name, other] = (i, fraction)
-                    constraints.append(Constraint(other, i, fraction, name, k))
-        begun, seconds = drive.begun, end - start
-        for observer, rows in users.items():
-            for slot, clear, _ in timetable.blocking[kind, observer].drive(drive.drive):
-                if slot < drives and clear > begun:
-                    using = rows[slot]
-                    if using is None:
-                        using = rows[slot] = {}
-                    share = (clear - begun) / (1.0 - begun) if begun else clear
-                    using[name] = (k, clear, start + share * seconds)
-    return constraints
+    names = sorted(name for name, plan in plans.items() if plan)
+    if not names:
+        return []
+    drives = _in_order(plans, names, released)
+    kind_of = np.array([timetable.kinds.index(kinds[name]) for name in names])[drives.robot]
+    found = [meetings(timetable, drives, mover, observer, kind_of == m, kind_of == o)
+             for m, mover in enumerate(timetable.kinds)
+             for o, observer in enumerate(timetable.kinds)
+             for meetings in (_meetings, _meetings_of_rests)]
+    pairs = _Pairs(*map(np.concatenate, zip(*found)))
+    _check(timetable, names, drives, pairs)
+    pairs = _without_what_follows(drives, pairs)
+    return [Constraint(names[a], i, fraction, names[b], j) for a, i, fraction, b, j in zip(
+        drives.robot[pairs.first].tolist(), drives.number[pairs.first].tolist(),
+        pairs.fraction.tolist(), drives.robot[pairs.then].tolist(),
+        drives.number[pairs.then].tolist())]
 
 
-def _users_of_rest(timetable: Timetable, plans: Plans, kinds: Mapping[str, RobotType], name: str,
-                   rest: Drive) -> Dict[str, Tuple[int, float, float]]:
-    """Who uses, before a robot that stands between two vertices, what the rest of its edge needs.
+def _in_order(plans: Plans, names: Sequence[str], released: Mapping[str, int]) -> _Drives:
+    """What was released comes first, the rest by its times."""
+    counts = np.array([len(plans[name]) for name in names])
+    robot, number = np.repeat(np.arange(len(names)), counts), count_up(counts)
+    rows = chain.from_iterable(plans[name] for name in names)
+    values = np.fromiter(chain.from_iterable(rows), dtype=float, count=4 * len(robot))
+    drive, start, end, begun = values.reshape(-1, 4).T
+    planned = number >= np.array([released.get(name, 0) for name in names])[robot]
+    order = np.lexsort((number, robot, end, start, planned))
+    columns = robot, number, drive.astype(np.int64), start, end, begun, planned
+    return _Drives(*(column[order] for column in columns))
 
-    For each the last such drive, the fraction at which it is out of the way, and the time of that.
-    What only concerns the part that lies behind the robot is left out, as in the timetable.
-    """
-    found: Dict[str, Tuple[int, float, float]] = {}
-    kind = kinds[name]
-    behind = rest.begun * timetable.network.times(kind)[rest.drive]
-    for other, plan in plans.items():
-        for k, (drive, start, end, begun) in enumerate(plan):
-            if other == name or start > rest.start:
-                continue
-            for slot, clear, lead in timetable.blocking[kinds[other], kind].drive(drive):
-                if slot == rest.drive and clear > begun and lead > behind:
-                    share = (clear - begun) / (1.0 - begun)
-                    found[other] = (k, clear, start + share * (end - start))
-    return found
+
+def _meetings(timetable: Timetable, drives: _Drives, mover: RobotType, observer: RobotType,
+              moves: np.ndarray, observes: np.ndarray) -> _Pairs:
+    """For each planned drive of an observer the last drive of each mover before it that excludes
+    it, where both are drives of the types given."""
+    conflicts = timetable.blocking[mover, observer].conflicts
+    vertices, count = timetable.network.vertices, len(drives.drive)
+    after = np.flatnonzero(observes & drives.planned & (drives.begun == 0.0))
+    edge_after = drives.drive[after] >> 1
+    wanted = np.zeros(len(conflicts.starts) - 1, dtype=bool)
+    wanted[vertices + edge_after] = True
+    before = np.flatnonzero(moves)
+    place = vertices + (drives.drive[before] >> 1)
+    lengths = conflicts.starts[place + 1] - conflicts.starts[place]
+    at = np.repeat(conflicts.starts[place], lengths) + count_up(lengths)
+    before = np.repeat(before, lengths)
+    forward = drives.drive[before] % 2 == 0
+    fraction = np.where(forward, conflicts.forward[at], conflicts.backward[at])
+    counts = wanted[conflicts.other[at]] & (fraction > drives.begun[before])
+    before, fraction = before[counts], fraction[counts]
+    # All uses of each edge: of each robot one after the other, each until its next.
+    edge = conflicts.other[at][counts] - vertices
+    by_robot = (edge * (drives.robot.max() + 1) + drives.robot[before]) * count + before
+    use = np.argsort(by_robot)
+    same = np.diff(by_robot[use] // count) == 0
+    until = np.full(len(use), count)
+    until[use[:-1][same]] = before[use[1:][same]]
+    # The same in the order of time: those before a drive are the beginning of a row.
+    use = np.argsort(edge * count + before)
+    edge, before, fraction, until = edge[use], before[use], fraction[use], until[use]
+    key = edge * count + before
+    low = np.searchsorted(key, edge_after * count)
+    lengths = np.searchsorted(key, edge_after * count + after) - low
+    at = np.repeat(low, lengths) + count_up(lengths)
+    then = np.repeat(after, lengths)
+    last = (until[at] >= then) & (drives.robot[before[at]] != drives.robot[then])
+    return _Pairs(before[at][last], fraction[at][last], then[last])
+
+
+def _meetings_of_rests(timetable: Timetable, drives: _Drives, mover: RobotType,
+                       observer: RobotType, moves: np.ndarray, observes: np.ndarray) -> _Pairs:
+    """The same for observers that stand between two vertices: what only concerns the part of the
+    edge that lies behind them is left out, as in the timetable."""
+    conflicts = timetable.blocking[mover, observer].conflicts
+    clear = conflicts.forward, conflicts.backward
+    place = timetable.network.vertices + (drives.drive >> 1)
+    found = [_Pairs(np.empty(0, dtype=np.int64), np.empty(0), np.empty(0, dtype=np.int64))]
+    for then in np.flatnonzero(observes & drives.planned & (drives.begun > 0.0)).tolist():
+        row = slice(conflicts.starts[place[then]], conflicts.starts[place[then] + 1])
+        ahead = clear[drives.drive[then] % 2][row] > drives.begun[then]
+        mirrored = dict(zip(conflicts.other[row][ahead].tolist(),
+                            conflicts.transpose[row][ahead].tolist()))
+        last: Dict[int, Tuple[int, float]] = {}
+        for k in np.flatnonzero(moves[:then] & (drives.robot[:then] != drives.robot[then])):
+            if place[k] in mirrored:
+                fraction = clear[drives.drive[k] % 2][mirrored[place[k]]]
+                if fraction > drives.begun[k]:
+                    last[int(drives.robot[k])] = (int(k), float(fraction))
+        if last:
+            first, fractions = zip(*last.values())
+            found.append(_Pairs(np.array(first), np.array(fractions), np.full(len(first), then)))
+    return _Pairs(*map(np.concatenate, zip(*found)))
+
+
+def _check(timetable: Timetable, names: Sequence[str], drives: _Drives, pairs: _Pairs) -> None:
+    """Do the times of the plans keep the order?"""
+    start, begun = drives.start[pairs.first], drives.begun[pairs.first]
+    share = (pairs.fraction - begun) / (1.0 - begun)
+    until = start + share * (drives.end[pairs.first] - start)
+    wrong = np.flatnonzero(until > drives.start[pairs.then] + _ROUNDING)
+    if len(wrong):
+        k = wrong[0]
+        first, then = pairs.first[k], pairs.then[k]
+        raise Conflicting(
+            f'{names[drives.robot[then]]} would begin edge '
+            f'{timetable.network.signed_id(int(drives.drive[then]))} at {drives.start[then]} s, '
+            f'but {names[drives.robot[first]]} is not out of its way before {until[k]} s')
+
+
+def _without_what_follows(drives: _Drives, pairs: _Pairs) -> _Pairs:
+    """Only the pairs that ask more of one robot than another of its drives already waited for."""
+    first, fraction, then = pairs
+    by_demand = np.lexsort((fraction, drives.number[first]))
+    demand = np.zeros(len(first), dtype=np.int64)
+    more = ((np.diff(drives.number[first][by_demand]) != 0)
+            | (np.diff(fraction[by_demand]) != 0.0))
+    demand[by_demand[1:]] = np.cumsum(more)
+    two = drives.robot[then] * (drives.robot.max() + 1) + drives.robot[first]
+    order = np.lexsort((then, two))
+    group = np.cumsum(np.concatenate(([0], np.diff(two[order]) != 0)))[:len(order)]
+    most = np.maximum.accumulate(demand[order] + group * (len(order) + 1))
+    new = np.concatenate(([True], np.diff(most) > 0))[:len(order)]
+    return _Pairs(*(column[np.sort(order[new])] for column in pairs))
 
 
 def has_cycle(lengths: Mapping[str, int], constraints: Sequence[Constraint]) -> bool:
     """Would robots wait for each other in a ring? `lengths`: how many drives each plan has."""
-    waits: Dict[Tuple[str, int], int] = {}
-    frees: Dict[Tuple[str, int], List[Tuple[str, int]]] = {}
-
-    def add(before: Tuple[str, int], after: Tuple[str, int]) -> None:
-        frees.setdefault(before, []).append(after)
-        waits[after] = waits.get(after, 0) + 1
-
-    for name, count in lengths.items():
-        for k in range(count):
-            waits.setdefault((name, k), 0)
-            if k:
-                add((name, k - 1), (name, k))
-    for constraint in constraints:
-        add((constraint.first, constraint.before), (constraint.then, constraint.drive))
-    ready = deque(drive for drive, count in waits.items() if count == 0)
-    done = 0
-    while ready:
-        done += 1
-        for after in frees.get(ready.popleft(), ()):
-            waits[after] -= 1
-            if waits[after] == 0:
-                ready.append(after)
-    return done < len(waits)
+    ends = list(accumulate(lengths.values()))
+    begins: Dict[str, int] = {name: end - lengths[name] for name, end in zip(lengths, ends)}
+    drives = ends[-1] if ends else 0
+    if not drives:
+        return False
+    follows = np.ones(drives, dtype=bool)
+    follows[[begin for name, begin in begins.items() if lengths[name]]] = False
+    second = np.flatnonzero(follows)
+    before = [begins[c.first] + c.before for c in constraints]
+    after = [begins[c.then] + c.drive for c in constraints]
+    waits = csr_matrix((np.ones(len(second) + len(before)),
+                        (np.concatenate((second - 1, np.array(before, dtype=np.int64))),
+                         np.concatenate((second, np.array(after, dtype=np.int64))))),
+                       shape=(drives, drives))
+    return connected_components(waits, directed=True, connection='strong')[0] < drives

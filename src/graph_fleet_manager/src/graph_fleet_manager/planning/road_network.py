@@ -12,12 +12,11 @@ from typing import Dict, FrozenSet, Iterable, List, Mapping, Sequence, Tuple
 
 import networkx as nx
 import numpy as np
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import dijkstra
 
 from graph_fleet_manager.fleet import DOCK_APPROACH, RobotType
 from graph_fleet_manager.planning.exclusions import Approach, Exclusions
 from graph_fleet_manager.planning.pieces import edge_lengths, pieces_of
+from graph_fleet_manager.planning.shortest_ways import ShortestWays
 from trajectory_graph import Graph
 
 GUIDED = 1.0 + 1e-9
@@ -57,7 +56,7 @@ class RoadNetwork:
         self._exclusions: Dict[None, Exclusions] = {}
         self._times: Dict[RobotType, List[float]] = {}
         self._roads: Dict[RobotType, Roads] = {}
-        self._matrices: Dict[Tuple[RobotType, int], csr_matrix] = {}
+        self._shortest: Dict[RobotType, ShortestWays] = {}
         self._ways: Dict[Tuple[RobotType, int], np.ndarray] = {}
         self._listed: Dict[Tuple[RobotType, int], List[float]] = {}
 
@@ -131,13 +130,39 @@ class RoadNetwork:
         They are remembered, so targets that come again cost nothing.
         """
         missing = [t for t in dict.fromkeys(targets) if (kind, t) not in self._ways]
-        for dock in self.docks.intersection(missing):
-            self._ways[kind, dock] = dijkstra(self._towards(kind, dock), indices=dock)
-        plain = [t for t in missing if t not in self.docks]
-        if plain:
-            for target, row in zip(plain, dijkstra(self._towards(kind, -1), indices=plain)):
-                self._ways[kind, target] = row
+        docks = {dock: [(self.origin[drive], seconds)
+                        for drive, seconds in enumerate(self.times(kind))
+                        if self.destination(drive) == dock and self._open(drive, seconds)]
+                 for dock in self.docks.intersection(missing)}
+        plain = dict.fromkeys(
+            vertex for vertex in (*missing, *(begin for roads in docks.values()
+                                              for begin, _ in roads))
+            if vertex not in self.docks and (kind, vertex) not in self._ways)
+        for target, row in zip(plain, self.prepared(kind).to(list(plain)) if plain else ()):
+            self._ways[kind, target] = row
+        for dock, roads in docks.items():
+            self._ways[kind, dock] = self._ways_to_dock(kind, dock, roads)
         return [self._ways[kind, target] for target in targets]
+
+    def _ways_to_dock(self, kind: RobotType, dock: int,
+                      roads: Sequence[Tuple[int, float]]) -> np.ndarray:
+        """Over the last edges (vertex where it begins, seconds); through no other dock."""
+        ways = np.full(self.vertices, math.inf)
+        for begin, seconds in roads:
+            if begin in self.docks:
+                ways[begin] = min(ways[begin], seconds)
+            else:
+                ways = np.minimum(ways, self._ways[kind, begin] + seconds)
+        ways[dock] = 0.0
+        return ways
+
+    def prepared(self, kind: RobotType) -> ShortestWays:
+        """The roads of a robot type, ready to be asked for ways; made when first asked for."""
+        if kind not in self._shortest:
+            self._shortest[kind] = ShortestWays(self.vertices, (
+                (begin, end, seconds) for begin, away in enumerate(self.roads(kind))
+                for _, end, seconds in away))
+        return self._shortest[kind]
 
     def estimates(self, kind: RobotType, target: int) -> List[float]:
         """`ways_to` a target as the searches use it: a list, and longer by a hair.
@@ -148,30 +173,8 @@ class RoadNetwork:
             self._listed[kind, target] = (self.ways_to(kind, (target,))[0] * GUIDED).tolist()
         return self._listed[kind, target]
 
-    def _towards(self, kind: RobotType, dock: int) -> csr_matrix:
-        """The roads turned round, as a matrix; those into docks left out but for `dock`."""
-        if (kind, dock) not in self._matrices:
-            times = np.array(self.times(kind))
-            ends = np.array(self.origin).reshape(-1, 2)
-            begin, end = ends.ravel(), ends[:, ::-1].ravel()
-            usable = np.isfinite(times) & self._open_drives()
-            for other in self.docks - {dock}:
-                usable &= end != other
-            begin, end, times = begin[usable], end[usable], times[usable]
-            order = np.lexsort((times, begin, end))  # of parallel edges the fastest comes first
-            begin, end, times = begin[order], end[order], times[order]
-            first = np.ones(len(order), dtype=bool)
-            first[1:] = (begin[1:] != begin[:-1]) | (end[1:] != end[:-1])
-            self._matrices[kind, dock] = csr_matrix(
-                (times[first], (end[first], begin[first])), shape=(self.vertices, self.vertices))
-        return self._matrices[kind, dock]
-
     def _open(self, drive: int, seconds: float) -> bool:
         return seconds < math.inf and self.edge_ids[drive >> 1] not in self.closed
-
-    def _open_drives(self) -> np.ndarray:
-        is_open = np.array([id not in self.closed for id in self.edge_ids], dtype=bool)
-        return np.repeat(is_open, 2)
 
     # -- geometry ---------------------------------------------------------------------------------
 

@@ -112,7 +112,9 @@ class Timetable:
         self._touched = {}
 
     def prepare(self) -> None:
-        """Computes from geometry what can be computed beforehand."""
+        """Computes what can be computed beforehand, for the graph and what is closed of it."""
+        for kind in self.kinds:
+            self.network.prepared(kind)
         for blocking in self.blocking.values():
             blocking.prepare()
 

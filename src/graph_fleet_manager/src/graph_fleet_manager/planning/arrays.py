@@ -1,0 +1,10 @@
+"""Rows of different lengths, one behind the other in flat arrays."""
+from __future__ import annotations
+
+import numpy as np
+
+
+def count_up(lengths: np.ndarray) -> np.ndarray:
+    """0, 1 .. n - 1 for each n of `lengths`, one row behind the other."""
+    ends = np.cumsum(lengths)
+    return np.arange(ends[-1] if len(ends) else 0) - np.repeat(ends - lengths, lengths)

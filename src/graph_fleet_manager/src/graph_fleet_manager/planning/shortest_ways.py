@@ -1,0 +1,130 @@
+"""Least times from everywhere to some vertices, on graphs that are mostly lanes and dead ends.
+
+Vertices with at most two neighbours are taken out first, in rounds, each leaving a link between its
+neighbours; so a lane that was cut into sections becomes one link, and a dead end nothing at all.
+Dijkstra's algorithm runs on what is left, and the rest follows round by round (PHAST: Delling et
+al., IPDPS 2011).
+"""
+from __future__ import annotations
+
+from heapq import heappop, heappush
+from math import inf
+from typing import Dict, Iterable, List, NamedTuple, Sequence, Tuple
+
+import numpy as np
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import dijkstra
+
+
+class _Round(NamedTuple):
+    """N vertices that were taken out together, none of them next to another."""
+
+    vertices: np.ndarray    # (N,)
+    neighbours: np.ndarray  # (2, N) that were there by then; the vertex itself where there is none
+    seconds: np.ndarray     # (2, N) from the vertex to the neighbour
+
+
+class ShortestWays:
+    """The roads between counted vertices, prepared to be asked for ways to any of them.
+
+    vertices -- how many there are
+    roads    -- (begin, end, seconds)
+    """
+
+    def __init__(self, vertices: int, roads: Iterable[Tuple[int, int, float]]) -> None:
+        self._away: List[Dict[int, float]] = [{} for _ in range(vertices)]
+        self._back: List[Dict[int, float]] = [{} for _ in range(vertices)]
+        """For each vertex seconds to its neighbours and from them; of one that was taken out, to
+        and from those that were still there."""
+        for begin, end, seconds in roads:
+            if begin != end:
+                self._join(begin, end, seconds)
+        self._round: List[int] = [-1] * vertices
+        self._rounds: List[_Round] = []
+        self._take_out()
+        self._core = np.array([v for v in range(vertices) if self._round[v] < 0], dtype=np.int64)
+        self._number = np.zeros(vertices, dtype=np.int64)
+        self._number[self._core] = np.arange(len(self._core))
+        rows = [self._back[v] for v in self._core.tolist()]
+        self._starts = np.concatenate(([0], np.cumsum([len(row) for row in rows]))).astype(np.int64)
+        self._ends = self._number[np.array([v for row in rows for v in row], dtype=np.int64)]
+        self._seconds = np.array([s for row in rows for s in row.values()], dtype=float)
+
+    @property
+    def left(self) -> int:
+        """How many vertices are left for Dijkstra's algorithm."""
+        return len(self._core)
+
+    def _join(self, begin: int, end: int, seconds: float) -> None:
+        for links, one, other in ((self._away, begin, end), (self._back, end, begin)):
+            if seconds < links[one].get(other, inf):
+                links[one][other] = seconds
+
+    def _take_out(self) -> None:
+        waiting: Iterable[int] = range(len(self._away))
+        while True:
+            taken: List[Tuple[int, List[int]]] = []
+            touched: Dict[int, None] = {}
+            for vertex in waiting:
+                near = list(dict.fromkeys((*self._away[vertex], *self._back[vertex])))
+                if len(near) <= 2 and vertex not in touched:
+                    taken.append((vertex, near))
+                    touched.update(dict.fromkeys(near))
+            if not taken:
+                return
+            for vertex, near in taken:
+                self._round[vertex] = len(self._rounds)
+                self._bridge(vertex, near)
+            padded = [(near + [vertex, vertex])[:2] for vertex, near in taken]
+            self._rounds.append(_Round(
+                np.array([vertex for vertex, _ in taken]), np.array(padded).T,
+                np.array([[self._away[vertex].get(other, inf) for other in near]
+                          for (vertex, _), near in zip(taken, padded)]).T))
+            waiting = touched
+
+    def _bridge(self, vertex: int, near: Sequence[int]) -> None:
+        """Takes a vertex away from its neighbours and joins these instead."""
+        for neighbour in near:
+            self._away[neighbour].pop(vertex, None)
+            self._back[neighbour].pop(vertex, None)
+        for begin, before in self._back[vertex].items():
+            for end, behind in self._away[vertex].items():
+                if begin != end:
+                    self._join(begin, end, before + behind)
+
+    def to(self, targets: Sequence[int]) -> np.ndarray:
+        """Seconds (T,V) from every vertex to each of T targets; infinite where there is no way."""
+        descents = [self._descents(target) for target in targets]
+        count, core = len(targets), len(self._core)
+        # One node more for each target, linked to what is left of the graph.
+        rows = [{v: s for v, s in row.items() if self._round[v] < 0} for row in descents]
+        starts = self._starts[-1] + np.cumsum([len(row) for row in rows])
+        ends = self._number[np.array([v for row in rows for v in row], dtype=np.int64)]
+        seconds = [s for row in rows for s in row.values()]
+        links = csr_matrix((np.concatenate((self._seconds, seconds)),
+                            np.concatenate((self._ends, ends)),
+                            np.concatenate((self._starts, starts))),
+                           shape=(core + count, core + count))
+        ways = np.full((count, len(self._away)), inf)
+        ways[:, self._core] = dijkstra(links, indices=np.arange(core, core + count))[:, :core]
+        for row, descent in zip(ways, descents):
+            below = [v for v in descent if self._round[v] >= 0]
+            row[below] = [descent[v] for v in below]
+        for vertices, neighbours, to_them in reversed(self._rounds):
+            further = (ways[:, neighbours] + to_them).min(axis=1)
+            ways[:, vertices] = np.minimum(ways[:, vertices], further)
+        return ways
+
+    def _descents(self, target: int) -> Dict[int, float]:
+        """Seconds to the target from all that lie above it, through ever earlier rounds only."""
+        found = {target: 0.0}
+        waiting = [(self._round[target], target)]
+        while waiting:
+            number, vertex = heappop(waiting)
+            if number < 0:
+                continue
+            for above, seconds in self._back[vertex].items():
+                if above not in found:
+                    heappush(waiting, (self._round[above], above))
+                found[above] = min(found[vertex] + seconds, found.get(above, inf))
+        return found
