@@ -40,16 +40,9 @@ from graph_fleet_manager.files.robot_settings import load_settings
 from graph_fleet_manager.messages import missions as messages
 from graph_fleet_manager.messages.planning import outcome_of
 from graph_fleet_manager.nodes.fleet_diagnosis import report_fleet, report_missions
+from graph_fleet_manager.nodes.fleet_parameter import fleet_of
 from graph_fleet_manager.nodes.fleet_services import Event, serve
 from graph_fleet_manager.nodes.fleet_topics import FleetTopics, TellStatuses, status_message
-from graph_fleet_manager.nodes.startup import (
-    ConfigurationError,
-    diagnose,
-    fleet_of,
-    number,
-    parameter,
-    run,
-)
 from graph_fleet_manager.supervision.actions import Action, TellStatus
 from graph_fleet_manager.supervision.journal import Journal, JournalError
 from graph_fleet_manager.supervision.missions import (
@@ -69,6 +62,7 @@ from itrci_nav_msgs.msg import (
     RouteRefused,
 )
 from itrci_nav_msgs.msg import Graph as GraphMessage
+from node_lifecycle import ConfigurationError, number, parameter, publish_diagnostics, run
 from trajectory_graph import Graph, GraphError
 from trajectory_graph.messages import graph_from_message
 
@@ -98,7 +92,7 @@ class PathSupervisor:
                                    self._tell_open)
         self._thread = threading.Thread(target=self._work, name='supervisor', daemon=True)
         self._thread.start()
-        self._timer = diagnose({
+        publish_diagnostics('none', {
             'fleet': lambda status: report_fleet(self._supervisor, status),
             'missions': lambda status: report_missions(self._supervisor, status)})
         self._subscribers = self._subscribe(robots)

@@ -11,7 +11,6 @@ from typing import Dict, Iterable, List, Mapping, Optional, Tuple
 from graph_fleet_manager.fleet import Fleet
 from graph_fleet_manager.planning.road_network import RoadNetwork
 from graph_fleet_manager.planning.tasks import Outcome
-from graph_fleet_manager.route_protocol import RouteRefusal
 from graph_fleet_manager.supervision import mission_progress
 from graph_fleet_manager.supervision.actions import Action, TellStatus
 from graph_fleet_manager.supervision.charging import ChargeQueue
@@ -36,6 +35,7 @@ from graph_fleet_manager.supervision.route_client import RouteClient
 from graph_fleet_manager.supervision.track import Track
 from graph_fleet_manager.supervision.waiting_missions import WaitingMissions
 from trajectory_graph import Graph
+from trajectory_graph.route_protocol import RouteRefusal
 
 _STOPPED = 'fleet_is_stopped'
 
