@@ -1,0 +1,245 @@
+#!/usr/bin/env python3
+"""The fleet's supervisor: what it costs a mission, and what it costs the computer.
+
+Everything runs as users run it: nodes under a ROS master, simulated robots, missions by topic, the
+journal on this computer's disk. `--only SECTION` runs a part (see SECTIONS), each within five
+minutes.
+"""
+from __future__ import annotations
+
+import argparse
+import sqlite3
+import statistics
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any, Callable, Dict, Iterator, List, Sequence, Tuple
+
+import rospy
+from stack import cpu_seconds, descendants
+from supervisor_bench.arcl_tap import ArclTap
+from supervisor_bench.stacks import AGVS, MANAGER, ROBOT, Stack
+
+from itrci_nav_msgs.msg import (
+    EdgeState,
+    ExecutionRouteStates,
+    FleetState,
+    MissionCommand,
+    MissionRequest,
+    MissionStatus,
+    TargetRoute,
+)
+from ports import free_port
+from system_support import Recorder, connected_publisher, wait_until
+
+ROOT = Path(__file__).resolve().parents[2]
+LAB = {'graph': ROOT / 'maps/lab_graph.yaml', 'fleet': ROOT / 'maps/lab_fleet.yaml'}
+MISSION = (18, 39, 52, 6, 16)
+ROBOT_NAME = 'omron_ld90'
+RUNS = 5
+SPEED = 8.0      # of the simulated LD-90's clock; every delay of ours counts so many times
+DRIVES = 20
+ACCEPTED = 300
+AGV_COUNT = 50
+LOAD_SECONDS = 60.0
+Row = Tuple[str, str, str, str]
+"""What, the figure, its floor, the aim."""
+
+
+class Robot:
+    """One simulated LD-90 behind the real nodes, and what they tell."""
+
+    def __init__(self, stack: Stack, speed: float) -> None:
+        ports = {name: free_port() for name in ('robot', 'tap', 'outgoing')}
+        self.tap = ArclTap(ports['tap'], ports['robot'])
+        stack.launch(ROBOT, speed=speed, **ports)
+        rospy.init_node('bench', anonymous=True, disable_signals=True)
+        self.reports = Recorder(f'/{ROBOT_NAME}/execution_route_states', ExecutionRouteStates)
+        self.reports.wait_for(lambda report: report.symbolic_pose.edge_id, 90, 'robot on the graph')
+
+    def drive(self, begin: Callable[[], Any], ends: Callable[[ExecutionRouteStates], bool]
+              ) -> Tuple[float, Tuple[int, ...]]:
+        """Seconds from `begin` to the report that ends it, and the edges driven."""
+        heard, begun = len(self.reports.messages), time.monotonic()
+        begin()
+        last = self.reports.wait_for(ends, 200, 'end of the drive', heard)
+        return time.monotonic() - begun, tuple(edge.edge_id for edge in last.edge_states)
+
+
+class Missions:
+    """Sends missions to the fleet manager, and hears what becomes of them."""
+
+    def __init__(self, robots: int) -> None:
+        self.statuses = Recorder('/mission_status', MissionStatus)
+        self.requests = connected_publisher('/mission_request', MissionRequest,
+                                            to='path_supervisor')
+        Recorder('/fleet_state', FleetState).wait_for(
+            lambda state: sum(robot.seen != rospy.Time(0) for robot in state.robots) == robots,
+            90, 'all robots')
+        wait_until(self.statuses.is_connected, 30, 'connection to /mission_status')
+        self.last = 0
+
+    def send(self, *vertices: int) -> int:
+        """Sends one; its id."""
+        self.last += 1
+        self.requests.publish(request_id=self.last, destination_vertices_id=vertices)
+        return self.last
+
+    def wait(self, id: int, *states: int) -> None:
+        """Until a mission is in one of these states."""
+        self.statuses.wait_for(lambda status: status.request_id == id and status.state in states,
+                               200, f'mission {id} in {states}')
+
+
+def is_complete(report: ExecutionRouteStates) -> bool:
+    """Is the whole route driven, and the robot docked?"""
+    return bool(report.edge_states) and report.edge_states[-1].edge_id == 13 and all(
+        edge.state == EdgeState.COMPLETE for edge in report.edge_states)
+
+
+def headline() -> Iterator[Row]:
+    """The dissertation's mission by the fleet, and the same edges sent by hand at once."""
+    with Stack() as stack:
+        robot = Robot(stack, SPEED)
+        manager = stack.launch(MANAGER, speed=SPEED, **LAB)
+        missions = Missions(1)
+        runs = []
+        for _ in range(RUNS):
+            runs.append(robot.drive(lambda: missions.send(*MISSION), is_complete))
+            missions.wait(missions.last, MissionStatus.SUCCEEDED)
+        stack.end(manager)
+        edges = runs[-1][1]
+        by_hand = connected_publisher(f'/{ROBOT_NAME}/target_route', TargetRoute)
+        floors = [robot.drive(lambda id=id: by_hand.publish(route_id=1000 + id, edges=edges),
+                              lambda report, id=id: report.route_id == 1000 + id
+                              and is_complete(report)) for id in range(RUNS)]
+    seconds, floor = (statistics.median(run[0] for run in found) * SPEED
+                      for found in (runs, floors))
+    yield (f'mission {" ".join(map(str, MISSION))} from the dock, {len(edges)} edges; the robot '
+           f'{SPEED:.0f} times as fast, so that every delay of ours counts so many times',
+           f'{seconds:.1f} s of the robot: {100 * (seconds / floor - 1):+.1f} %',
+           f'{floor:.1f} s, the same edges sent by hand at once', '< 2 %')
+
+
+def latency() -> Iterator[Row]:
+    """From /mission_request to the first byte of the robot's first motion command."""
+    with Stack() as stack:
+        robot = Robot(stack, SPEED)
+        stack.launch(MANAGER, speed=SPEED, **LAB)
+        missions = Missions(1)
+        found = []
+        for run in range(DRIVES + 2):
+            begun = time.monotonic()
+            id = missions.send(20 if run % 2 else 18)
+            missions.wait(id, MissionStatus.SUCCEEDED)
+            first = min(moment for moment in robot.tap.motions if moment > begun)
+            found.append(1e3 * (first - begun))
+    found = sorted(found[2:])  # the first two prepare the planner
+    yield ('`/mission_request` to the first byte of a motion command, one LD-90',
+           f'p50 {statistics.median(found):.0f} ms, at most {found[-1]:.0f} ms of {len(found)}',
+           '', 'p50 < 60 ms')
+
+
+def acceptance() -> Iterator[Row]:
+    """From a mission sent to its status heard, and a bare commit on the same disk."""
+    with Stack() as stack:
+        stack.launch(MANAGER, speed=1.0, **LAB)
+        rospy.init_node('bench', anonymous=True, disable_signals=True)
+        missions = Missions(0)
+        commands = connected_publisher('/mission_command', MissionCommand, to='path_supervisor')
+        found = []
+        for _ in range(ACCEPTED):
+            begun = time.monotonic()
+            id = missions.send(18)
+            missions.wait(id, MissionStatus.PENDING)
+            found.append(1e3 * (time.monotonic() - begun))
+            commands.publish(request_id=id, command=MissionCommand.CANCEL)
+            missions.wait(id, MissionStatus.CANCELLED)
+        floor = bare_commits(stack.folder)
+    yield (f'mission sent to its status heard, on the disk before ({ACCEPTED} missions)',
+           percentiles(found), f'{percentiles(floor)}: a bare SQLite commit', 'p99 < 30 ms')
+
+
+def bare_commits(folder: Path) -> List[float]:
+    """Milliseconds of one small row each, as safe as the journal."""
+    database = sqlite3.connect(folder / 'bare.sqlite', isolation_level=None)
+    database.execute('PRAGMA journal_mode=WAL')
+    database.execute('PRAGMA synchronous=FULL')
+    database.execute('CREATE TABLE row (text TEXT)')
+    found = []
+    for _ in range(ACCEPTED):
+        begun = time.monotonic()
+        database.execute('INSERT INTO row VALUES (?)', ('x' * 200,))
+        found.append(1e3 * (time.monotonic() - begun))
+    return found
+
+
+def percentiles(milliseconds: Sequence[float]) -> str:
+    """Median and 99th percentile."""
+    ordered = sorted(milliseconds)
+    return (f'p50 {statistics.median(ordered):.1f} ms, p99 '
+            f'{ordered[int(0.99 * (len(ordered) - 1))]:.1f} ms')
+
+
+def load() -> Iterator[Row]:
+    """CPU and memory of the three nodes while fifty AGVs drive random missions."""
+    with Stack() as stack:
+        files = stack.agv_fleet(AGV_COUNT)
+        manager = stack.launch(MANAGER, speed=1.0, **files)
+        stack.launch(AGVS, **files)
+        rospy.init_node('bench', anonymous=True, disable_signals=True)
+        reports = [Recorder(f'/agv_{k}/execution_route_states', ExecutionRouteStates)
+                   for k in range(1, AGV_COUNT + 1)]
+        fleet = Recorder('/fleet_state', FleetState)
+        fleet.wait_for(lambda state: sum(robot.has_mission for robot in state.robots)
+                       >= 0.9 * AGV_COUNT, 120, 'a busy fleet')
+        time.sleep(20.0)  # the first plans for all of them are made
+        before = {pid: cpu_seconds(pid) for pid in descendants(manager.pid)}
+        heard = sum(len(recorder.messages) for recorder in reports)
+        begun = time.monotonic()
+        time.sleep(LOAD_SECONDS)
+        seconds = time.monotonic() - begun
+        rate = (sum(len(recorder.messages) for recorder in reports) - heard) / seconds
+        shares: Dict[str, float] = {}
+        memory = 0.0
+        for pid, (name, used) in before.items():
+            if name:
+                shares[name] = 100 * (cpu_seconds(pid)[1] - used) / seconds
+                memory += resident(pid)
+        busy = sum(robot.has_mission for robot in fleet.messages[-1].robots)
+    each = ', '.join(f'{name} {share:.0f} %' for name, share in sorted(shares.items()))
+    yield (f'supervisor, planner and server with {AGV_COUNT} AGVs, {busy} of them on missions, '
+           f'{rate:.0f} reports a second',
+           f'{sum(shares.values()):.0f} % of a core ({each}), {memory:.0f} MB', '',
+           '< 50 %, 200 MB')
+
+
+def resident(pid: int) -> float:
+    """Megabytes that are the process's own: of what it shares, its part."""
+    lines = Path(f'/proc/{pid}/smaps_rollup').read_text().splitlines()
+    return next(int(line.split()[1]) for line in lines if line.startswith('Pss:')) / 1024
+
+
+SECTIONS: Dict[str, Callable[[], Iterator[Row]]] = {
+    'headline': headline, 'latency': latency, 'acceptance': acceptance, 'load': load}
+
+
+def main() -> None:
+    """Prints the table; each section in a process of its own, as a process is one ROS node."""
+    options = argparse.ArgumentParser(description=__doc__)
+    options.add_argument('--markdown', action='store_true', help='print a Markdown table')
+    options.add_argument('--only', choices=sorted(SECTIONS), action='append')
+    arguments = options.parse_args()
+    sections = arguments.only or list(SECTIONS)
+    if len(sections) > 1:
+        print('| what | figure | floor | aim |\n|---|---|---|---|', flush=True)
+        for section in sections:
+            subprocess.run([sys.executable, __file__, '--only', section], check=True)
+        return
+    for row in SECTIONS[sections[0]]():
+        print(f'| {" | ".join(row)} |', flush=True)
+
+
+if __name__ == '__main__':
+    main()

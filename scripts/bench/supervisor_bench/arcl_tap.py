@@ -1,0 +1,46 @@
+"""Stands between the controller and the robot, and notes when a motion command goes out."""
+from __future__ import annotations
+
+import socket
+import threading
+import time
+from typing import List
+
+MOTIONS = (b'goto', b'dock', b'executeMacro', b'gotoPoint', b'undock')
+
+
+class ArclTap:
+    """A TCP proxy on loopback; `motions` are the monotonic times of motion commands."""
+
+    def __init__(self, port: int, robot_port: int) -> None:
+        self.motions: List[float] = []
+        self._robot_port = robot_port
+        self._server = socket.create_server(('127.0.0.1', port))
+        threading.Thread(target=self._serve, daemon=True).start()
+
+    def _serve(self) -> None:
+        while True:
+            client, _ = self._server.accept()
+            try:
+                robot = socket.create_connection(('127.0.0.1', self._robot_port))
+            except OSError:  # the simulator is not up yet; the controller tries again
+                client.close()
+                continue
+            for source, sink, is_client in ((client, robot, True), (robot, client, False)):
+                source.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+                threading.Thread(target=self._pass_on, args=(source, sink, is_client),
+                                 daemon=True).start()
+
+    def _pass_on(self, source: socket.socket, sink: socket.socket, is_client: bool) -> None:
+        try:
+            while True:
+                data = source.recv(65536)
+                if is_client and data.lstrip().startswith(MOTIONS):
+                    self.motions.append(time.monotonic())
+                if not data:
+                    break
+                sink.sendall(data)
+        except OSError:
+            pass  # one of them is gone; so the other is to go, too
+        for end in (source, sink):
+            end.close()

@@ -1,0 +1,91 @@
+"""What is measured: one LD-90 with or without its fleet manager, or a fleet of simulated AGVs."""
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from fleet_bench.instances import aisles
+
+from ports import free_port
+from trajectory_graph import save_graph
+
+ROBOT = '''<launch>
+  <include file="$(find omron_ld90)/launch/sim.launch">
+    <arg name="arcl_port" value="{robot}"/> <arg name="outgoing_port" value="{outgoing}"/>
+    <arg name="sim_speed" value="{speed}"/>
+  </include>
+  <include file="$(find omron_ld90)/launch/robot.launch">
+    <arg name="arcl_port" value="{tap}"/> <arg name="outgoing_port" value="{outgoing}"/>
+    <arg name="password_file" value="$(find omron_ld90_sim)/config/simulator_password"/>
+    <arg name="graph_file" value="$(find omron_ld90)/maps/lab_graph.yaml"/>
+    <arg name="dock_vertex" value="16"/>
+  </include>
+</launch>'''
+MANAGER = '''<launch>
+  <include file="$(find graph_fleet_manager)/launch/fleet_manager.launch">
+    <arg name="graph_file" value="{graph}"/> <arg name="fleet_file" value="{fleet}"/>
+    <arg name="journal" value="{folder}/fleet.sqlite"/> <arg name="sim_speed" value="{speed}"/>
+    <arg name="closed_edges_file" value="{folder}/closed.json"/>
+    <arg name="graph_in_force_file" value="{folder}/in_force.yaml"/>
+  </include>
+</launch>'''
+AGVS = '''<launch>
+  <node name="agvs" pkg="graph_fleet_manager" type="agv_sim">
+    <param name="graph_file" value="{graph}"/> <param name="fleet_file" value="{fleet}"/>
+  </node>
+  <node name="random_missions" pkg="graph_fleet_manager" type="random_missions">
+    <param name="seed" value="1"/>
+  </node>
+</launch>'''
+
+
+class Stack:
+    """A ROS master of its own, and launch texts on it; ended with `with`."""
+
+    def __init__(self) -> None:
+        self._folder = tempfile.TemporaryDirectory()
+        self.folder = Path(self._folder.name)
+        port = free_port()
+        os.environ['ROS_MASTER_URI'] = f'http://127.0.0.1:{port}'
+        self._processes = [subprocess.Popen(['roscore', '-p', str(port)],
+                                            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)]
+
+    def __enter__(self) -> Stack:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for process in reversed(self._processes):
+            self.end(process)
+        self._folder.cleanup()
+
+    def launch(self, text: str, **values: Any) -> subprocess.Popen:
+        """Starts what a launch text says."""
+        path = self.folder / f'{len(self._processes)}.launch'
+        path.write_text(text.format(folder=self.folder, **values))
+        log = (self.folder / f'{len(self._processes)}.log').open('w')
+        process = subprocess.Popen(['roslaunch', '--wait', str(path)], stdout=log,
+                                   stderr=subprocess.STDOUT)
+        self._processes.append(process)
+        return process
+
+    @staticmethod
+    def end(process: subprocess.Popen) -> None:
+        """Ends what was launched."""
+        if process.poll() is None:
+            process.send_signal(signal.SIGINT)
+            process.wait(40)
+
+    def agv_fleet(self, count: int) -> dict:
+        """Files of a warehouse with so many AGVs at stations of their own."""
+        graph, stations = aisles(500)
+        save_graph(graph, self.folder / 'graph.yaml')
+        lines = ['clearance: 0.1', 'robot_types:',
+                 '- {name: agv, radius: 0.43, speed: 1.0, release_ahead: 0.0}', 'robots:']
+        lines += [f'- {{name: agv_{k}, type: agv, vertex: {stations[3 * k]}, driver: agv}}'
+                  for k in range(1, count + 1)]
+        (self.folder / 'fleet.yaml').write_text('\n'.join(lines) + '\n')
+        return {'graph': self.folder / 'graph.yaml', 'fleet': self.folder / 'fleet.yaml'}
