@@ -83,7 +83,7 @@ class EdgesToVertices:
         self._clock = RunningClock()
         settings = _read_settings(graph)
         self._follower = RouteFollower(settings, graph, links=tuple(p.Link))
-        self._memory = RouteMemory(startup.parameter('~launch_id', ''))
+        self._memory = RouteMemory(parameter('~launch_id', ''))
         record, age = self._memory.recall()
         if record:
             self._follower.restore(record, age < settings.restart_timeout, self._clock.read())
