@@ -25,7 +25,7 @@ SPEED = 5.0
 MISSIONS = 20
 CORRIDOR = 0.45  # m, half a corridor
 DOCK_ZONE = 2.0  # m around a dock, in which an LD-90 manoeuvres as it likes
-IN_THE_WAY = 2.0  # m around a robot that is out of order, in which nobody is sent anywhere
+IN_THE_WAY = 1.5  # m around what a robot that is out of order holds: nobody is sent there
 
 
 class FactoryTest(unittest.TestCase):
@@ -112,7 +112,7 @@ class FactoryTest(unittest.TestCase):
             self.factory.wait_for_state(name, state)
         self.stands(name)
         others = self.missions_of_others(name)
-        self.assertGreaterEqual(len(others), 2)
+        self.assertTrue(others, 'somebody has a way around it')
         self.all_succeed(others)
         self.assertNotIn(own, self.factory.ends([own]))
         mend()
@@ -130,12 +130,16 @@ class FactoryTest(unittest.TestCase):
         wait_until(rests, 30.0, f'{name} stands')
 
     def missions_of_others(self, name: str) -> List[int]:
-        """For up to three AGVs, to places that they reach without passing the robot."""
+        """For up to three AGVs, to places that they reach without passing what the robot holds."""
         places = self.factory.simulators.places()
         graph = self.factory.graph
+        held = [places[name], *(graph.vertices[vertex].position
+                                for edge in self.factory.released(name) for vertex in (
+                                    graph.edges[edge].origin, graph.edges[edge].destination))]
         ways = nx.Graph((edge.origin, edge.destination) for edge in graph.edges.values())
-        ways.remove_nodes_from([vertex.id for vertex in graph.vertices.values() if math.dist(
-            vertex.position, places[name]) < IN_THE_WAY])
+        ways.remove_nodes_from([
+            vertex.id for vertex in graph.vertices.values()
+            if any(math.dist(vertex.position, place) < IN_THE_WAY for place in held)])
         open_ways: Set[int] = max(nx.connected_components(ways), key=len)
         goals = [station for station in self.factory.stations if station in open_ways
                  and all(math.dist(graph.vertices[station].position, place) > 1.0

@@ -15,7 +15,7 @@ from typing import IO, Dict, List, Sequence, Tuple
 import rospy
 
 from graph_fleet_manager.files.fleet_file import load_fleet
-from itrci_nav_msgs.msg import FleetRobot, FleetState, MissionRequest, MissionStatus
+from itrci_nav_msgs.msg import FleetPlan, FleetRobot, FleetState, MissionRequest, MissionStatus
 from system_support import Recorder, connected_publisher, wait_until
 from trajectory_graph import load_graph
 
@@ -97,6 +97,7 @@ class Factory:
                                 if fleet.isdigit() else fleet)
         self.graph = load_graph(os.path.join(self.folder, 'graph.yaml'))
         self.state = Recorder('/fleet_state', FleetState)
+        self.plans = Recorder('/fleet_plan', FleetPlan)
         self.statuses = Recorder('/mission_status', MissionStatus)
 
     def wait_until_ready(self, *names: str) -> None:
@@ -119,6 +120,11 @@ class Factory:
     def robot(self, name: str) -> FleetRobot:
         """What the fleet manager said last of a robot."""
         return next(robot for robot in self.state.messages[-1].robots if robot.name == name)
+
+    def released(self, name: str) -> List[int]:
+        """The edges that a robot may drive, or hold while it does not."""
+        return [abs(drive.edge_id) for plan in self.plans.messages[-1].plans if plan.robot == name
+                for drive in plan.drives if drive.released]
 
     def wait_for_state(self, name: str, *states: int, timeout: float = 60.0) -> None:
         """The fleet manager says that the robot is in one of these states."""

@@ -210,7 +210,9 @@ class ManagedRobot:
         held = self.track.held
         self.is_halted = False
         if place is None or (held and not place.touches(self.track.graph, held)):
-            self.fail(Outage.TAKEN_OVER, 'it is not where it was stopped')
+            edges = ', '.join(map(str, held))
+            self.fail(Outage.TAKEN_OVER, f'it was stopped on its way over the edges {edges}, but '
+                                         f'is {f"at {place}" if place else "off the graph"}')
         else:
             self.client.settle(place)
             self.outage, self.why = None, ''
