@@ -26,9 +26,9 @@ class Parameters:
         self.written = threading.Semaphore(0)
         self.memories: List[RouteMemory] = []
 
-    def memory(self) -> RouteMemory:
+    def memory(self, file: str = '') -> RouteMemory:
         """Of a bridge that has just started."""
-        self.memories.append(RouteMemory())
+        self.memories.append(RouteMemory(file))
         return self.memories[-1]
 
     def get(self, name: str, default: Any) -> Any:
@@ -63,6 +63,46 @@ def test_a_record_comes_back_with_its_age(parameters, record):
     recalled, age = parameters.memory().recall()
     assert recalled == record
     assert 0.0 <= age < 10.0
+
+
+def test_a_file_outlives_the_master(parameters, tmp_path):
+    file = str(tmp_path / 'folder' / 'route.json')
+    before = parameters.memory(file)
+    before.keep(RECORD)
+    before.close()
+    parameters.content = None
+    recalled, age = parameters.memory(file).recall()
+    assert recalled == RECORD
+    assert 0.0 <= age < 10.0
+
+
+def test_of_parameter_and_file_the_later_counts(parameters, tmp_path):
+    file = tmp_path / 'route.json'
+    for record in (RECORD, ENDED):
+        memory = parameters.memory(str(file))
+        memory.keep(record)
+        memory.close()
+        if record is RECORD:
+            before = file.read_text()
+    file.write_text(before)
+    assert parameters.memory(str(file)).recall()[0] == ENDED
+    parameters.content = {**parameters.content, 'time': 1.0}
+    assert parameters.memory(str(file)).recall()[0] == RECORD
+
+
+@pytest.mark.parametrize('text', ['', '{', '[]', '7', '{"time": 1}'])
+def test_a_file_that_holds_no_record_is_none(parameters, tmp_path, text):
+    file = tmp_path / 'route.json'
+    file.write_text(text)
+    assert parameters.memory(str(file)).recall() == (None, 0.0)
+
+
+def test_a_file_that_cannot_be_written_leaves_the_parameter(parameters, tmp_path):
+    (tmp_path / 'file').write_text('')
+    memory = parameters.memory(str(tmp_path / 'file' / 'route.json'))
+    memory.keep(RECORD)
+    memory.close()
+    assert memory.recall()[0] == RECORD
 
 
 def test_without_a_record_there_is_none(parameters):

@@ -27,6 +27,8 @@ Parameters
     ~link_timeout      float   2 s      without a link to the robot, the route fails
     ~restart_timeout   float   20 s     so long omron_controller or the receiver may be away, or
                                         this node, before the route fails
+    ~route_file        string  (empty)  where the last route is kept, so that it outlives the ROS
+                                        master; empty: in the master only
     ~top_speed         float   1.35 m/s
     ~acceleration      float   0.5 m/s2
     ~braking           float   0.2 m/s2, deceleration towards a goal
@@ -80,7 +82,7 @@ class EdgesToVertices:
         self._clock = RunningClock()
         settings = _read_settings(graph)
         self._follower = RouteFollower(settings, graph, links=tuple(p.Link))
-        self._memory = RouteMemory()
+        self._memory = RouteMemory(startup.parameter('~route_file', ''))
         record, age = self._memory.recall()
         if record:
             self._follower.restore(record, age < settings.restart_timeout, self._clock.read())
