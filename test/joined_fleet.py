@@ -7,12 +7,12 @@ import math
 import os
 import re
 import socket
-import subprocess
 import threading
 from pathlib import Path
 from typing import Callable, Dict, List, Tuple
 
 from joined_masters import Computer, join, loopback_addresses, program
+from network_namespaces import entering, inside
 
 from graph_fleet_manager.supervision.journal import HistoryLine, JournalError, history
 from graph_fleet_manager.supervision.missions import MissionState
@@ -48,8 +48,11 @@ class JoinedFleet:
     """The computers of a fleet, not started yet but for the LD-90 itself, which is no computer."""
 
     def __init__(self, folder: Path, sim_speed: float, agvs: int = 0,
-                 prefixes: Tuple[List[str], List[str]] = ([], []),
+                 namespaces: Tuple[str, str] = ('', ''),
                  addresses: Tuple[str, ...] = ()) -> None:
+        """`namespaces` are network namespaces of the LD-90 with its computer, and of the fleet
+        manager's; `addresses` those of the LD-90's computer, the fleet manager's, the AGVs'.
+        """
         self._folder = folder
         self._sim_speed = sim_speed
         self.journal = folder / 'fleet.sqlite'
@@ -64,16 +67,16 @@ class JoinedFleet:
             f'fleet_file:={fleet_file}', f'journal:={self.journal}',
             f'closed_edges_file:={folder / "closed.json"}',
             f'graph_in_force_file:={folder / "graph.yaml"}', f'sim_speed:={sim_speed}',
-        ]], folder / 'fleet.log', peers_from_file=True, prefix=prefixes[1])
+        ]], folder / 'fleet.log', peers_from_file=True, namespace=namespaces[1])
         self.robot = Computer(LD90, own, [[
             'omron_ld90', 'full_stack.launch', 'sim:=false', 'robot_ip:=127.0.0.1', 'rviz:=false',
             f'arcl_port:={self._ports[0]}', f'outgoing_port:={self._ports[1]}',
             f'password_file:={PASSWORD}', f'route_file:={folder / "route.json"}',
             'restart_timeout:=120',
-        ]], folder / 'robot.log', prefix=prefixes[0])
+        ]], folder / 'robot.log', namespace=namespaces[0])
         self.agvs = [self._agv(name, names) for name in list(names)[1:]]
         join(self.manager, [self.robot, *self.agvs])
-        self._prefix = prefixes[0]
+        self._namespaces = namespaces
         self._stack = contextlib.ExitStack()
 
     def _agv(self, name: str, names: Dict[str, str]) -> Computer:
@@ -87,8 +90,8 @@ class JoinedFleet:
     def __enter__(self) -> JoinedFleet:
         arcl, outgoing, control = self._ports
         self._stack.enter_context(program(
-            *self._prefix, 'rosrun', 'omron_ld90_sim', 'ld90_sim', '--map', MAPS / 'lab.map',
-            '--port', arcl, '--outgoing', f'127.0.0.1:{outgoing}', '--password-file', PASSWORD,
+            *entering(self._namespaces[0]), 'rosrun', 'omron_ld90_sim', 'ld90_sim',
+            '--map', MAPS / 'lab.map', '--port', arcl, '--outgoing', f'127.0.0.1:{outgoing}', '--password-file', PASSWORD,
             '--speed', self._sim_speed, '--control', control, '--log', self.session,
             log=self._folder / 'ld90.log'))
         return self
@@ -113,20 +116,12 @@ class JoinedFleet:
         return re.findall(rf'^\S+ C\d*> ({word}.*?)\s*$',
                           self.session.read_text(errors='replace'), re.MULTILINE)
 
-    def where(self) -> Tuple[float, float]:
-        """Where the LD-90 truly is, m."""
-        ask = ('import socket, sys; s = socket.create_connection(("127.0.0.1", int(sys.argv[1])), '
-               '5.0); s.sendall(b"where\\n"); print(s.makefile().readline())')
-        if self._prefix:
-            answer = subprocess.run([*self._prefix, '/usr/bin/python3', '-c', ask,
-                                     str(self._ports[2])], text=True, stdout=subprocess.PIPE,
-                                    check=True).stdout
-        else:
-            with socket.create_connection(('127.0.0.1', self._ports[2]), timeout=5.0) as connection:
-                connection.sendall(b'where\n')
-                answer = connection.makefile().readline()
-        robot, = json.loads(answer)['robots'].values()
-        return robot['x'], robot['y']
+    def control(self) -> socket.socket:
+        """A connection to the control socket of the LD-90's simulator."""
+        def connect() -> socket.socket:
+            with contextlib.suppress(ConnectionRefusedError):
+                return socket.create_connection(('127.0.0.1', self._ports[2]), timeout=10.0)
+        return wait_until(lambda: inside(self._namespaces[0], connect), 30, 'the simulated LD-90')
 
     def send(self, *destinations: int, robot: str = LD90) -> int:
         """Sends a mission from the fleet manager's computer; its id."""
@@ -175,7 +170,8 @@ class Odometer:
 
     def __init__(self, fleet: JoinedFleet) -> None:
         self.metres = 0.0
-        self._where = fleet.where
+        self._control = fleet.control()
+        self._answers = self._control.makefile()
         self._over = threading.Event()
         self._last = self._where()
         self._thread = threading.Thread(target=self._look, daemon=True)
@@ -187,6 +183,13 @@ class Odometer:
     def __exit__(self, *_: object) -> None:
         self._over.set()
         self._thread.join(10.0)
+        self._control.close()
+
+    def _where(self) -> Tuple[float, float]:
+        """Where the LD-90 truly is, m."""
+        self._control.sendall(b'where\n')
+        robot, = json.loads(self._answers.readline())['robots'].values()
+        return robot['x'], robot['y']
 
     def _look(self) -> None:
         while not self._over.wait(self.PERIOD):

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, Dict, Iterator, List, Optional, Sequence, Set
 
 import rosgraph
+from network_namespaces import entering
 
 from ports import free_port
 from system_support import wait_until
@@ -45,10 +46,9 @@ class Computer:
     """
 
     def __init__(self, name: str, address: str, launches: Sequence[Sequence[object]], log: Path,
-                 peers_from_file: bool = False, prefix: Sequence[str] = (),
-                 python_path: str = '') -> None:
+                 peers_from_file: bool = False, namespace: str = '') -> None:
         self.name, self.address = name, address
-        self.port = free_port(address) if not prefix else 11311
+        self.port = 11311 if namespace else free_port(address)
         self.uri = f'http://{address}:{self.port}'
         self.peers: List[Computer] = []
         self.fkie = has_fkie()
@@ -57,16 +57,17 @@ class Computer:
         self._launches = launches
         self._peers_from_file = peers_from_file
         self._log = log
-        self._prefix = list(prefix)
-        self._python_path = python_path
+        self.python_path = ''
+        """Where its programs look for Python modules first."""
+        self._prefix = entering(namespace)
         self._processes: List[subprocess.Popen] = []
 
     @property
     def environment(self) -> Dict[str, str]:
         """What a shell on that computer would have set."""
         own = {**os.environ, 'ROS_IP': self.address, 'ROS_MASTER_URI': self.uri}
-        if self._python_path:
-            own['PYTHONPATH'] = f'{self._python_path}:{own["PYTHONPATH"]}'
+        if self.python_path:
+            own['PYTHONPATH'] = f'{self.python_path}:{own["PYTHONPATH"]}'
         return own
 
     @property
