@@ -181,5 +181,16 @@ record() { /usr/bin/python3 "$root/scripts/test_results.py" record "$@"; }
 # port_is_free PORT: nothing listens there on this machine.
 port_is_free() { ! (exec 3<>"/dev/tcp/127.0.0.1/$1") 2>/dev/null; }
 
+# address_towards HOST: this machine's own address on the way to HOST; fails without a way.
+address_towards() {
+  /usr/bin/python3 - "$1" 2>/dev/null <<'END'
+import socket
+import sys
+with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+    probe.connect((sys.argv[1], 11311))  # sends nothing
+    print(probe.getsockname()[0])
+END
+}
+
 # free_port: a TCP port that nothing uses now.
 free_port() { /usr/bin/python3 "$root/test/ports.py"; }

@@ -5,6 +5,7 @@
 #   scripts/run.sh map_file:=my.map sim_speed:=2      any argument of launch/full_stack.launch
 #   scripts/run.sh sim:=false robot_ip:=10.0.0.5 password_file:=secret.txt
 #   scripts/run.sh vda5050:=true                      driven by a VDA 5050 master, over MQTT on 127.0.0.1:18830
+#   scripts/run.sh sim:=false ... multimaster:=true peer:=10.0.0.9    the fleet manager is on another computer
 #   scripts/run.sh fleet:=4 longest_edge:=1.5 demo:=true    so many simulated LD-90s and AGVs, and their fleet manager
 #   scripts/run.sh fleet:=fleet.yaml                  the robots of a fleet file, real and simulated; --print shows all files
 #
@@ -13,7 +14,7 @@ set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 if [ "${1:-}" = -h ] || [ "${1:-}" = --help ]; then
-  sed -n '2,11s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
+  sed -n '2,12s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
   echo
   echo 'Arguments of launch/full_stack.launch:'
   sed -n 's/.*<arg name="\([^"]*\)".*doc="\([^"]*\)".*/  \1:=  \2/p' "$root/launch/full_stack.launch"
@@ -30,8 +31,12 @@ start_fleet() {
   local launch
   launch="$(rosrun fleet_bringup fleet_launch "$@")" || exit 1
   (trap '' INT TERM HUP; tail -s 0.5 -f --pid=$$ /dev/null; rm -rf "$(dirname "$launch")") </dev/null >/dev/null 2>&1 &
+  if grep -q 'name="multimaster" value="true"' "$launch"; then
+    [ -n "${ROS_IP:-}" ] || die "robots of this fleet have computers of their own: export ROS_IP to this computer's address, by which they reach it."
   # Nobody outside this computer needs its nodes where all robots are simulated.
-  grep '"robot_ip"' "$launch" | grep -qv '"127.0.0.1"' || export ROS_IP="${ROS_IP:-127.0.0.1}"
+  elif ! grep '"robot_ip"' "$launch" | grep -qv '"127.0.0.1"'; then
+    export ROS_IP="${ROS_IP:-127.0.0.1}"
+  fi
   unset OMRON_LD90_PASSWORD
   say "Starting: roslaunch $launch"
   exec roslaunch "$launch"
@@ -68,6 +73,16 @@ for name in arcl_port outgoing_port; do
 done
 
 is_true() { [[ "${1,,}" =~ ^(true|1)$ ]]; }
+if is_true "${given[multimaster]:-}"; then
+  [ -n "${given[peer]:-}" ] || die "multimaster:=true needs peer:=ADDRESS, that of the fleet manager's computer."
+  for name in fleet_manager vda5050; do
+    ! is_true "${given[$name]:-}" ||
+      die "multimaster:=true takes missions from the fleet manager at ${given[peer]}, so $name:=true would be a second master of the robot: choose one."
+  done
+  [ -n "${ROS_IP:-}" ] || ROS_IP="$(address_towards "${given[peer]}")" ||
+    die "there is no way to peer:=${given[peer]}: is it the address of the fleet manager's computer, and is the network up?"
+  export ROS_IP
+fi
 if is_true "${given[vda5050]:-}"; then
   is_true "${given[fleet_manager]:-}" &&
     die "vda5050:=true and fleet_manager:=true are two masters of one robot: choose one."

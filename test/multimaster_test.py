@@ -1,119 +1,152 @@
 #!/usr/bin/env python3
-"""A fleet manager under its own ROS master drives a robot that runs under another.
+"""A fleet manager under its own ROS master drives robots that run under others.
 
-The robot's stack runs under a master on 127.0.0.2; this test is the fleet manager's side, under a
-master on 127.0.0.3. multimaster_fkie joins the two; nothing leaves the loopback interface.
+Each master has a loopback address of its own; nothing leaves the loopback interface. The simulated
+LD-90 is no part of any computer: like a real one, it goes on when its computer dies.
 """
 from __future__ import annotations
 
 import os
-import signal
+import re
+import shutil
 import subprocess
 import unittest
 from pathlib import Path
-from typing import Dict
+from typing import Set
 
-import rosgraph
-import rospy
+import yaml
+from joined_fleet import LD90, JoinedFleet, Odometer, kept_folder
+from joined_masters import CROSSING, Computer, has_fkie, program
 
-from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, TargetRoute
-from ports import free_port
-from system_support import Recorder, connected_publisher, run_cases, wait_until
+import itrci_nav_msgs
+from system_support import run_cases, wait_until
 
-ROBOT, FLEET = '127.0.0.2', '127.0.0.3'
-HERE = Path(__file__).resolve().parent
-# From the dock (vertex 16) into the corridor, in maps/lab_graph.yaml.
-ROUTE = [-13, -7, 1]
+DESTINATIONS = [18, 39, 52, 6, 16]
+SIM_SPEED = 8.0
 
 
-def environment(address: str, master_port: int) -> Dict[str, str]:
-    """What a shell on that machine would have set."""
-    return {'ROS_IP': address, 'ROS_MASTER_URI': f'http://{address}:{master_port}'}
-
-
-class TwoMasters(unittest.TestCase):
+class JoinedMasters(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls) -> None:
-        cls.processes = []
-        if subprocess.run(['rospack', 'find', 'fkie_master_sync'], stdout=subprocess.DEVNULL,
-                          stderr=subprocess.DEVNULL, check=False).returncode:
-            return
-        robot_port, fleet_port = free_port(ROBOT), free_port(FLEET)
-        cls.robot = environment(ROBOT, robot_port)
-        fleet = environment(FLEET, fleet_port)
-        cls.launch(cls.robot, robot_port, HERE / 'multimaster_robot_side.launch',
-                   peer=FLEET, rpc_port=free_port(ROBOT),
-                   arcl_port=os.environ['LD90_ARCL_PORT'],
-                   outgoing_port=os.environ['LD90_OUTGOING_PORT'])
-        cls.launch(fleet, fleet_port, HERE.parent / 'launch' / 'multimaster.launch',
-                   peer=ROBOT, rpc_port=free_port(FLEET))
-        os.environ.update(fleet)
-        master = rosgraph.Master('/fleet_side')
-        wait_until(master.is_online, 30, 'the ROS master of the fleet side')
-        rospy.init_node('fleet_side')
+        print('ROS masters are joined by', 'fkie multimaster' if has_fkie() else
+              'the tests\' own mirror, as fkie multimaster is not there: '
+              + os.environ.get('MULTIMASTER_MISSING', 'run scripts/multimaster.sh once'))
+        cls.folder = kept_folder('multimaster')
+        cls.fleet = JoinedFleet(cls.folder, SIM_SPEED, agvs=2)
+        cls.fleet.__enter__()
+        cls.addClassCleanup(cls.fleet.__exit__)
+        agv_1, cls.newcomer = cls.fleet.agvs
+        for computer in (cls.fleet.robot, cls.fleet.manager, agv_1):
+            computer.start()
 
-    @classmethod
-    def launch(cls, variables: Dict[str, str], master_port: int, file: Path,
-               **args: object) -> None:
-        cls.processes.append(subprocess.Popen(
-            ['roslaunch', '-p', str(master_port), str(file)]
-            + [f'{name}:={value}' for name, value in args.items()],
-            env={**os.environ, **variables}))
+    def test_1_a_mission_across_two_masters(self) -> None:
+        mission = self.fleet.send(*DESTINATIONS)
+        with Odometer(self.fleet) as odometer:
+            done = self.fleet.succeeded(mission)
+        self.assertEqual((done.robot, done.reached), (LD90, len(DESTINATIONS)))
+        self.assertEqual(self.fleet.sent_to_ld90('dock'), ['dock'])
+        type(self).undisturbed = odometer.metres
 
-    @classmethod
-    def tearDownClass(cls) -> None:
-        for process in cls.processes:
-            process.send_signal(signal.SIGINT)
-        for process in cls.processes:
-            try:
-                process.wait(30)
-            except subprocess.TimeoutExpired:
-                process.kill()
-
-    def setUp(self) -> None:
-        if not self.processes:
-            self.skipTest('fkie multimaster is not there: '
-                       + os.environ.get('MULTIMASTER_MISSING', 'run scripts/multimaster.sh once'))
-
-    def test_a_route_of_the_fleet_side_is_driven_and_reported_back(self) -> None:
-        states = Recorder('/omron_ld90/execution_route_states', ExecutionRouteStates)
-        routes = connected_publisher('/omron_ld90/target_route', TargetRoute, timeout=60)
-        states.wait_for(lambda message: message.symbolic_pose.edge_id != 0, 60,
-                        'report of the robot on the graph')
-
-        done = self.drive(states, routes)
-        self.assertEqual([edge.edge_id for edge in done.edge_states], ROUTE)
-        self.assertEqual([edge.state for edge in done.edge_states],
-                         [EdgeState.COMPLETE] * len(ROUTE), done.reason)
-        self.assertEqual(done.symbolic_pose.edge_id, ROUTE[-1])
-        self.assertAlmostEqual(done.symbolic_pose.percentage, 100.0, places=3)
+    def test_2_only_what_is_listed_crosses(self) -> None:
+        wanted = re.compile('|'.join(topic.replace('*', '[^/]+') for topic in yaml.safe_load(
+            CROSSING.read_text())['sync_topics']) + r'\Z')
+        for here, there, must in (
+                (self.fleet.manager, self.fleet.robot,
+                 {f'/{LD90}/{topic}' for topic in ('target_route', 'execution_route_states',
+                                                   'route_refused', 'battery_state')}),
+                (self.fleet.robot, self.fleet.manager,
+                 {'/fleet_state', '/mission_status', '/graph', '/fleet_plan'})):
+            self.wait_for_topics(here, there, must)
+            strange = {topic for topic in here.topics_of(there) if not wanted.match(topic)}
+            self.assertEqual(strange, set(), f'topics that crossed to {here.name}')
 
     @staticmethod
-    def drive(states: Recorder, routes: rospy.Publisher) -> ExecutionRouteStates:
-        """The route's end; as a fleet manager does, it is sent anew while the link is down."""
-        for route_id in range(1, 61):
-            routes.publish(TargetRoute(route_id=route_id, edges=ROUTE))
-            done = states.wait_for(
-                lambda message, route_id=route_id: message.route_id == route_id and all(
-                    edge.state in (EdgeState.COMPLETE, EdgeState.FAILED)
-                    for edge in message.edge_states),
-                90, f'end of route {route_id}')
-            if 'lost link' not in done.reason:
-                break
-            states.wait_for(lambda _: True, 10, 'next report', after=len(states.messages))
-        return done
+    def wait_for_topics(here: Computer, there: Computer, must: Set[str]) -> None:
+        wait_until(lambda: must <= here.topics_of(there), 60,
+                   f'{must} of {there.name} on {here.name}')
 
-    def test_only_the_route_topics_cross(self) -> None:
-        master = rosgraph.Master('/fleet_side')
-        wanted = {'/omron_ld90/execution_route_states', '/omron_ld90/route_refused'}
-        wait_until(lambda: wanted <= {topic for topic, _ in master.getPublishedTopics('')}, 60,
-                   'the route states and refusals on the fleet side')
-        crossed = {topic for topic, _ in master.getTopicTypes()
-                   if topic.startswith('/omron_ld90/')}
-        self.assertEqual(crossed, {'/omron_ld90/target_route',
-                                   '/omron_ld90/execution_route_states',
-                                   '/omron_ld90/route_refused'})
+    def test_3_the_network_is_found_well_from_either_side(self) -> None:
+        self.skip_without_fkie()
+        sides = (self.fleet.robot, self.fleet.manager)
+        for here, there in (sides, sides[::-1]):
+            checked = here.run('rosrun', 'graph_fleet_manager', 'check_network', there.address,
+                               '--master-port', there.port)
+            self.assertEqual(checked.returncode, 0, checked.stdout)
+            self.assertIn('message definitions are alike', checked.stdout)
+
+    def test_4_a_mission_outlives_the_death_of_either_side_and_of_both(self) -> None:
+        fleet = self.fleet
+        gone_to = len(fleet.sent_to_ld90('goto'))
+        docked = len(fleet.sent_to_ld90('dock'))
+        mission = fleet.send(*DESTINATIONS)
+        with Odometer(fleet) as odometer:
+            for reached, dying in enumerate(([fleet.manager], [fleet.robot],
+                                             [fleet.manager, fleet.robot])):
+                fleet.wait_for_mission(mission, f'{reached} reached',
+                                       lambda line, count=reached: line.reached >= count)
+                odometer.wait_for(1.0)
+                for computer in dying:
+                    computer.kill()
+                odometer.wait_for(0.5)   # nobody stops what is being driven
+                for computer in dying:
+                    computer.start()
+            done = fleet.succeeded(mission)
+        self.assertEqual(done.reached, len(DESTINATIONS))
+        self.assertAlmostEqual(odometer.metres, self.undisturbed, delta=3.0,
+                               msg='driven, undisturbed and disturbed (m)')
+        drives = fleet.sent_to_ld90('goto')[gone_to:]
+        repeated = [one for one, other in zip(drives, drives[1:]) if one == other]
+        self.assertEqual(repeated, [], drives)
+        self.assertEqual(len(fleet.sent_to_ld90('dock')) - docked, 1)
+
+    def test_5_a_robot_that_joins_with_other_definitions_is_named_and_one_with_the_same_drives(
+            self) -> None:
+        newcomer, manager = self.newcomer, self.fleet.manager
+        if has_fkie():
+            newcomer.python_path = str(other_definitions(self.folder / 'python'))
+            newcomer.start()
+            self.wait_for_diagnosis(manager, newcomer, 'other definitions of '
+                                                       'itrci_nav_msgs/TargetRoute')
+            newcomer.kill()
+            newcomer.python_path = ''
+        newcomer.start()
+        missions = [self.fleet.send(10, robot='agv_1'), self.fleet.send(35, robot='agv_2')]
+        for mission in missions:
+            self.fleet.succeeded(mission)
+        if has_fkie():
+            self.wait_for_diagnosis(manager, newcomer, 'message: "joined"')
+
+    def wait_for_diagnosis(self, here: Computer, there: Computer, words: str) -> None:
+        """Until /diagnostics says so of a peer: within 10 s of its discovery being there."""
+        file = self.folder / 'diagnostics.log'
+        file.write_text('')
+        with program('rostopic', 'echo', '/diagnostics', log=file, env=here.environment):
+            wait_until(lambda: subprocess.run(
+                ['rosnode', 'ping', '-c', '1', '/master_discovery'], env=there.environment,
+                stdout=subprocess.PIPE, text=True, check=False).stdout.count('xmlrpc reply'), 60,
+                'the discovery of the newcomer')
+
+            def said() -> bool:
+                statuses = file.read_text(errors='replace').split('- \n')
+                return any(there.address in one and words in ' '.join(one.split())
+                           for one in statuses)
+            wait_until(said, 10, f'{words!r} of {there.address} in /diagnostics')
+
+    def skip_without_fkie(self) -> None:
+        if not has_fkie():
+            self.skipTest('fkie multimaster is not there')
+
+
+def other_definitions(folder: Path) -> Path:
+    """The project's messages, but for one whose definition is another."""
+    package = folder / 'itrci_nav_msgs'
+    shutil.copytree(Path(itrci_nav_msgs.__path__[0]), package, dirs_exist_ok=True)
+    module = package / 'msg' / '_TargetRoute.py'
+    text = module.read_text()
+    md5 = re.search(r'_md5sum = "(\w+)"', text).group(1)
+    module.write_text(text.replace(md5, md5[::-1]))
+    return folder
 
 
 if __name__ == '__main__':

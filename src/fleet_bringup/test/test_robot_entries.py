@@ -27,7 +27,18 @@ def test_a_real_robot_is_told_by_its_host(tmp_path):
     assert not other.is_simulated
 
 
+def test_nothing_is_started_for_a_robot_with_a_computer_of_its_own(tmp_path):
+    elsewhere, = entries(tmp_path, 'name: a, type: ld90, vertex: 6, driver: ld90, '
+                         'computer: 10.0.0.21')
+    assert (elsewhere.computer, elsewhere.is_simulated, elsewhere.robot.driver) == (
+        '10.0.0.21', False, 'none')
+
+
 @pytest.mark.parametrize('robots, line, problem', [
+    (['name: a, type: agv, vertex: 6, driver: agv, computer: 10.0.0.21'], 6,
+     'with a computer of its own its driver is ld90 or none'),
+    (['name: a, type: ld90, vertex: 6, driver: ld90, computer: 10.0.0.321'], 6,
+     'must be the IPv4 address or the name'),
     (['name: a, type: agv, vertex: 6, drivr: agv'], 6, "key 'drivr' .* did you mean driver?"),
     (['name: a, typ: agv, vertex: 6, driver: agv'], 6, "key 'typ' .* did you mean type[?]$"),
     (['name: a, type: agv, vertex: 6'], 6, 'driver is missing'),

@@ -13,6 +13,8 @@ from fleet_bringup.options import Options
 from fleet_bringup.robot_entries import AGV, LD90, Entry
 
 RESPAWN = {'respawn': 'true', 'respawn_delay': '2'}
+#: Where the bridge of a real robot keeps its last route.
+ROUTE_FILE = "$(eval optenv('ROS_HOME', env('HOME') + '/.ros') + '/omron_ld90/{}_route.json')"
 #: Namespace of the one node that shows the LD-90s' map.
 MAP = 'fleet'
 
@@ -34,7 +36,8 @@ def launch_text(entries: Sequence[Entry], site: Site, options: Options,
     if options.fleet_manager:
         _include(root, 'graph_fleet_manager', 'fleet_manager', {
             'graph_file': site.graph_file, 'fleet_file': files['fleet'],
-            'sim_speed': options.sim_speed, **_memory(files)})
+            'sim_speed': options.sim_speed, **_memory(files),
+            **({'multimaster': 'true'} if any(entry.computer for entry in entries) else {})})
     if options.demo:
         _node(root, 'random_missions', 'graph_fleet_manager', 'random_missions', {}, RESPAWN)
     _pictures(root, site, options, files)
@@ -62,6 +65,7 @@ def _ld90(root: ET.Element, entry: Entry, site: Site, options: Options,
         'arcl_port': entry.arcl_port, 'outgoing_port': entry.outgoing_port,
         'password_file': entry.password_file or files['simulator_password'],
         'map_file': site.map_file, 'graph_file': site.graph_file, 'dock_vertex': site.dock,
+        'route_file': '' if entry.is_simulated else ROUTE_FILE.format(entry.name),
         'strategy': options.strategy, 'nav_goal': 'move_base_simple/goal',
         'pose_estimate': 'initialpose'})
     group = ET.SubElement(root, 'group', ns=entry.name)

@@ -6,9 +6,11 @@
     - {name: ld90_2, type: ld90, vertex: 18, driver: ld90, start: [-9.2, 7.2, -90]}
     - {name: agv_1, type: agv, vertex: 8, driver: agv}
     - {name: visitor, type: agv, vertex: 10, driver: none}
+    - {name: ld90_3, type: ld90, vertex: 6, driver: ld90, computer: 10.0.0.21}
 
 An LD-90 with a `host` is a real robot, one without is simulated; so are all AGVs. Of a robot with
-driver `none` nothing is started: it comes with its own software.
+driver `none` nothing is started: it comes with its own software. One with a `computer` has a ROS
+master of its own there, which is joined with the fleet's.
 """
 from __future__ import annotations
 
@@ -16,7 +18,7 @@ import difflib
 import math
 import os
 import re
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Dict, List, Optional, Sequence, Tuple
 
 import yaml
@@ -24,6 +26,7 @@ import yaml
 from fleet_bringup.errors import CannotStart
 from fleet_bringup.options import Options
 from graph_fleet_manager.files.errors import FileError
+from graph_fleet_manager.files.robot_computers import computer
 from graph_fleet_manager.fleet import Fleet, Robot
 from graph_fleet_manager.supervision.robots import RobotSettings
 from trajectory_graph import strict_yaml
@@ -36,13 +39,16 @@ _FILE_KEYS = ('clearance', 'dock_approach', 'robot_types', 'robots')
 _SETTINGS = tuple(field.name for field in fields(RobotSettings))
 _TYPE_KEYS = ('name', 'radius', 'speed', 'play', 'obeys_edge_speed', 'docks', *_SETTINGS)
 _ROBOT_KEYS = ('name', 'type', 'vertex', 'driver', 'start', 'host', 'arcl_port', 'outgoing_port',
-               'password_file', *_SETTINGS)
+               'password_file', 'computer', *_SETTINGS)
 _NAME = re.compile(r'[A-Za-z][A-Za-z0-9_]*\Z')
 
 
 @dataclass(frozen=True)
 class Entry:
-    """How one robot is started. `start`: m, m, degrees; an empty `host`: it is simulated."""
+    """How one robot is started. `start`: m, m, degrees; an empty `host`: it is simulated.
+
+    Of one with a `computer` of its own nothing is started here; its driver counts as `none`.
+    """
 
     robot: Robot
     line: int
@@ -51,6 +57,7 @@ class Entry:
     outgoing_port: int = 0
     password_file: str = ''
     start: Optional[Tuple[float, float, float]] = None
+    computer: str = ''
 
     @property
     def name(self) -> str:
@@ -102,6 +109,12 @@ def _entry(robot: Robot, node: yaml.Node, folder: str, options: Options, simulat
                         ' a letter: it becomes part of topics', given['name'])
     driver = strict_yaml.choice((LD90, AGV, NONE), 'a driver')(
         strict_yaml.field(given, 'driver', node))
+    if 'computer' in given:
+        if driver == AGV:
+            raise WrongYaml(f'robot {robot.name}: driver agv is simulated here; with a computer of '
+                            'its own its driver is ld90 or none', given['computer'])
+        return Entry(replace(robot, driver=NONE), strict_yaml.line_of(node),
+                     computer=computer(('computer', given['computer'])))
     if driver != LD90:
         wrong = next((key for key in ('host', 'arcl_port', 'outgoing_port', 'password_file')
                       if key in given), None)

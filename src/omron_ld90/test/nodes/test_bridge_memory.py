@@ -28,9 +28,9 @@ class Parameters:
         self.written = threading.Semaphore(0)
         self.memories: List[RouteMemory] = []
 
-    def memory(self, launch: str = 'launch_1') -> RouteMemory:
+    def memory(self, launch: str = 'launch_1', file: object = '') -> RouteMemory:
         """Of a bridge that this launch has just started."""
-        self.memories.append(RouteMemory(launch))
+        self.memories.append(RouteMemory(launch, str(file)))
         return self.memories[-1]
 
     def get(self, name: str, default: Any) -> Any:
@@ -95,3 +95,59 @@ def test_a_master_that_does_not_answer_is_told_again_with_the_next_record(parame
     while parameters.content['route_id'] != ENDED.route_id:
         assert parameters.written.acquire(timeout=10.0)
     assert memory.recall()[0] == ENDED
+
+
+def test_a_file_outlives_the_master(parameters, tmp_path):
+    file = tmp_path / 'folder' / 'route.json'
+    before = parameters.memory(file=file)
+    before.keep(RECORD)
+    before.close()
+    parameters.content = None
+    recalled, age = parameters.memory(file=file).recall()
+    assert recalled == RECORD
+    assert 0.0 <= age < 10.0
+
+
+def test_of_parameter_and_file_the_later_counts(parameters, tmp_path):
+    file = tmp_path / 'route.json'
+    for record in (RECORD, ENDED):
+        memory = parameters.memory(file=file)
+        memory.keep(record)
+        memory.close()
+        if record is RECORD:
+            before = file.read_text()
+    file.write_text(before)
+    assert parameters.memory(file=file).recall()[0] == ENDED
+    parameters.content = {**parameters.content, 'time': 1.0}
+    assert parameters.memory(file=file).recall()[0] == RECORD
+
+
+@pytest.mark.parametrize('text', ['', '{', '[]', '7', '{"time": 1}'])
+def test_a_file_that_holds_no_record_is_none(parameters, tmp_path, text):
+    file = tmp_path / 'route.json'
+    file.write_text(text)
+    assert parameters.memory(file=file).recall() == (None, 0.0)
+
+
+def test_a_file_that_cannot_be_written_leaves_the_parameter(parameters, tmp_path):
+    (tmp_path / 'file').write_text('')
+    memory = parameters.memory(file=tmp_path / 'file' / 'route.json')
+    memory.keep(RECORD)
+    memory.close()
+    assert memory.recall()[0] == RECORD
+
+
+@pytest.mark.parametrize('ended', [False, True], ids=['died', 'ended by a person'])
+def test_a_launch_is_gone_on_with_by_another_only_where_it_died(parameters, tmp_path, ended):
+    file = tmp_path / 'route.json'
+    memory = parameters.memory('launch_1', file)
+    memory.keep(RECORD)
+    assert parameters.written.acquire(timeout=10.0)
+    if ended:
+        memory.close()
+    left = file.read_text(), parameters.content
+    memory.close()
+    file.write_text(left[0])
+    parameters.content = left[1]
+    record, age = parameters.memory('launch_2', file).recall()
+    assert (record, math.isinf(age)) == (RECORD, ended)

@@ -18,6 +18,7 @@ GIVEN = {
     'edit.launch': ['map_file:=/nowhere/site.map', 'graph_file:=/nowhere/graph.yaml'],
     'editor_rviz.launch': ['map_file:=/nowhere/site.map'],
     'fleet_manager.launch': ['graph_file:=/nowhere/graph.yaml', 'fleet_file:=/nowhere/fleet.yaml'],
+    'join_masters.launch': ['peer:=127.0.0.3'],
     'map_converter.launch': ['base_map:=/nowhere/base.map', 'graph_file:=/nowhere/graph.yaml',
                              'output:=/nowhere/out.map'],
     'multimaster.launch': ['peer:=127.0.0.3'],
@@ -113,6 +114,36 @@ def test_a_real_robot_gets_no_simulator():
     assert '/omron_ld90/ld90_sim' not in nodes
     assert parameters['/omron_ld90/omron_controller/robot_ip'] == '10.0.0.5'
     assert parameters['/omron_ld90/omron_controller/password_file'] == ''
+
+
+def test_both_sides_of_joined_masters_read_one_list_of_what_crosses():
+    sides = [expand('full_stack.launch', 'multimaster:=true', 'peer:=10.0.0.9'),
+             expand('fleet_manager.launch', 'multimaster:=true', 'peer:=10.0.0.5',
+                    f'fleet_file:={ROOT}/maps/lab_fleet.yaml')]
+    robot, fleet = (parameters for _, parameters in sides)
+    assert robot['/master_sync/sync_topics'] == fleet['/master_sync/sync_topics']
+    assert '/*/target_route' in fleet['/master_sync/sync_topics']
+    assert robot['/master_discovery/robot_hosts'] == ['10.0.0.9']
+    assert fleet['/master_discovery/robot_hosts'] == ['10.0.0.5']
+
+
+def test_where_masters_are_joined_only_the_fleets_side_has_a_fleet_manager():
+    nodes, _ = expand('full_stack.launch', 'fleet_manager:=true', 'multimaster:=true',
+                      'peer:=10.0.0.9')
+    assert not {'/path_supervisor', '/path_planner', '/graph_server'} & set(nodes)
+
+
+def test_masters_are_not_joined_with_nobody(capfd):
+    with pytest.raises(roslaunch.RLException):
+        expand('full_stack.launch', 'multimaster:=true')
+    assert 'set peer:=ADDRESS' in capfd.readouterr().err
+
+
+def test_the_bridge_of_a_real_robot_remembers_its_route_over_a_restart_of_the_computer():
+    _, simulated = expand('full_stack.launch')
+    assert simulated[f'{BRIDGE}/route_file'] == ''
+    _, real = expand('full_stack.launch', 'sim:=false', 'robot_ip:=10.0.0.5', 'robot_name:=r')
+    assert real['/r/omron_edges_to_vertices/route_file'].endswith('/omron_ld90/r_route.json')
 
 
 LAB = ROOT / 'maps' / 'lab.map'

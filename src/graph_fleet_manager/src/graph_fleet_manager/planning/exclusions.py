@@ -95,7 +95,7 @@ class Exclusions:
         pieces = _cut(self._pieces, longest)
         stretches = _stretches(pieces, longest)
         one, other = _candidates(stretches, distance)
-        combinations = stretches.count[one] * stretches.count[other]
+        combinations = stretches.pieces[one] * stretches.pieces[other]
         blocks = np.cumsum(combinations) // _AT_ONCE
         begins = np.flatnonzero(np.diff(blocks, prepend=-1)).tolist()
         for begin, end in zip(begins, [*begins[1:], len(one)]):
@@ -195,7 +195,7 @@ class _Stretches(NamedTuple):
     """Pieces that follow each other on one place, so few that they are looked for together."""
 
     first: np.ndarray   # (S,) index of the first piece
-    count: np.ndarray   # (S,)
+    pieces: np.ndarray  # (S,) how many
     place: np.ndarray   # (S,)
     middle: np.ndarray  # (2, S) m
     radius: np.ndarray  # (S,) m: the curves of all pieces are within it around the middle
@@ -242,7 +242,7 @@ def _near(pieces: Pieces, stretches: _Stretches, one: np.ndarray, other: np.ndar
           distance: float) -> Iterator[Tuple[np.ndarray, ...]]:
     """Of pairs of stretches those that are too near, both ways round: the places, and the part of
     the first one that is too near to the second."""
-    counts, others = stretches.count[one] * stretches.count[other], stretches.count[other]
+    counts, others = stretches.pieces[one] * stretches.pieces[other], stretches.pieces[other]
     pair, number = np.repeat(np.arange(len(one)), counts), count_up(counts)
     ours = stretches.first[one][pair] + number // others[pair]
     theirs = stretches.first[other][pair] + number % others[pair]

@@ -1,16 +1,19 @@
-"""What the bridge remembers of its last route over a restart, as long as the ROS master lives.
+"""What the bridge remembers of its last route over a restart.
 
-A route is gone on with only when the same launch has restarted the bridge. The ROS master may
-outlive a launch: what a person ends and starts again must not drive by itself.
+A route is gone on with only when the same launch has restarted the bridge, or when its whole
+computer died: the ROS master may outlive a launch, and what a person ends and starts again must
+not drive by itself.
 """
 from __future__ import annotations
 
 import http.client
+import json
 import math
+import os
 import threading
 import time
 import xmlrpc.client
-from typing import Any, Dict, Optional, Tuple
+from typing import Any, Dict, List, Optional, Tuple
 
 import rospy
 
@@ -23,14 +26,18 @@ REFRESHED = 5.0     # s between two writings of the same record
 
 
 class RouteMemory:
-    """Keeps the record of the route in a private parameter, with the time.
+    """Keeps the record of the route in a private parameter and in a file, with the time.
 
     A thread of its own writes it, because the master may be slow to answer.
     """
 
-    def __init__(self, launch: str = '') -> None:
-        """`launch`: an id that a new launch changes, and a restart of the node does not."""
+    def __init__(self, launch: str = '', file: str = '') -> None:
+        """`launch`: an id that a new launch changes, and a restart of the node does not.
+
+        `file` outlives the ROS master, as the parameter does not; an empty one means none.
+        """
         self._launch = launch
+        self._file = file
         self._record: Optional[RouteRecord] = None
         self._changed = threading.Condition()
         self._closing = False
@@ -39,14 +46,20 @@ class RouteMemory:
     def recall(self) -> Tuple[Optional[RouteRecord], float]:
         """The record left by the program before this one, and its age in s; None without one.
 
-        One of another launch is infinitely old.
+        One of another launch is infinitely old, unless it stands in the file and nobody ended that
+        launch: its computer died.
         """
-        content = rospy.get_param(PARAMETER, None)
-        try:
-            record, age = _record_of(content), max(time.time() - float(content['time']), 0.0)
-            return record, age if content['launch'] == self._launch else math.inf
-        except (KeyError, TypeError, ValueError):
+        found: List[Tuple[float, RouteRecord, bool]] = []
+        for content, outlives in ((rospy.get_param(PARAMETER, None), False), (self._read(), True)):
+            try:
+                counts = content['launch'] == self._launch or outlives and not content['closed']
+                found.append((float(content['time']), _record_of(content), counts))
+            except (KeyError, TypeError, ValueError):
+                continue
+        if not found:
             return None, 0.0
+        written, record, counts = max(found, key=lambda one: (one[0], one[2]))
+        return record, max(time.time() - written, 0.0) if counts else math.inf
 
     def keep(self, record: Optional[RouteRecord]) -> None:
         """Has a record written down."""
@@ -71,12 +84,39 @@ class RouteMemory:
                     self._changed.wait(REFRESHED)
                 record = written = self._record
                 closing = self._closing
+            if record is not None:
+                self._write({'launch': self._launch, 'closed': closing, **_content_of(record)})
+
+    def _write(self, content: Dict[str, Any]) -> None:
+        if self._file:
             try:
-                if record is not None:
-                    rospy.set_param(PARAMETER, {'launch': self._launch, **_content_of(record)})
-            except (OSError, http.client.HTTPException, xmlrpc.client.Error) as error:
-                rospy.logwarn_throttle(60.0, 'The route cannot be remembered over a restart: the '
-                                             'ROS master does not answer (%s).', error)
+                _replace(self._file, json.dumps(content))
+            except OSError as error:
+                rospy.logwarn_throttle(60.0, 'The route is not remembered over a restart of the '
+                                             'ROS master: %s cannot be written (%s).', self._file,
+                                       error.strerror)
+        try:
+            rospy.set_param(PARAMETER, content)
+        except (OSError, http.client.HTTPException, xmlrpc.client.Error) as error:
+            rospy.logwarn_throttle(60.0, 'The route cannot be remembered over a restart: the '
+                                         'ROS master does not answer (%s).', error)
+
+    def _read(self) -> Any:
+        """What the file holds; None without one, or where it is no JSON."""
+        try:
+            with open(self._file, encoding='utf-8') as stream:
+                return json.load(stream)
+        except (OSError, ValueError):
+            return None
+
+
+def _replace(path: str, text: str) -> None:
+    """Writes a file that is complete at any time; raises OSError."""
+    os.makedirs(os.path.dirname(os.path.abspath(path)), exist_ok=True)
+    part = f'{path}.part'
+    with open(part, 'w', encoding='utf-8') as stream:
+        stream.write(text)
+    os.replace(part, path)
 
 
 def _content_of(record: RouteRecord) -> Dict[str, Any]:

@@ -30,7 +30,9 @@ Parameters
     ~top_speed         float   1.35 m/s
     ~acceleration      float   0.5 m/s2
     ~braking           float   0.2 m/s2, deceleration towards a goal
-    ~launch_id         string  (empty)  of the launch: a route of another one is not gone on with
+    ~launch_id         string  (empty)  of the launch: a route of another one, that a person has
+                                        ended, is not gone on with
+    ~route_file        string  (empty)  keeps the route over a restart of the whole computer
 Uses ~route_record, a parameter of its own, to go on with a route after a restart.
 """
 from __future__ import annotations
@@ -83,7 +85,7 @@ class EdgesToVertices:
         self._clock = RunningClock()
         settings = _read_settings(graph)
         self._follower = RouteFollower(settings, graph, links=tuple(p.Link))
-        self._memory = RouteMemory(parameter('~launch_id', ''))
+        self._memory = RouteMemory(parameter('~launch_id', ''), parameter('~route_file', ''))
         record, age = self._memory.recall()
         if record:
             self._follower.restore(record, age < settings.restart_timeout, self._clock.read())

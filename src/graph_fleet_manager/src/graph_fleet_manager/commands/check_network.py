@@ -1,0 +1,48 @@
+"""The command `check_network`: can this computer's ROS master be joined with that of another?
+
+    check_network HOST [--master-port N] [--discovery-port N]
+
+To be run in the shell from which this side is launched, best while both sides run. Prints a line
+for each check, with what to do. Exit status 0: all is well; 2: something is wrong; 1: wrong input.
+"""
+from __future__ import annotations
+
+import os
+import sys
+from typing import List, Optional, Sequence
+
+from graph_fleet_manager.commands.fleet_client import NOT_DONE, OK, CommandError, Parser, run
+from graph_fleet_manager.files.robot_computers import is_address
+from graph_fleet_manager.joining.findings import Level
+from graph_fleet_manager.joining.network_checks import NetworkChecks
+from graph_fleet_manager.joining.peer_master import DISCOVERY_PORT, MASTER_PORT
+from graph_fleet_manager.messages.definitions import own_definitions
+
+_WORDS = {Level.OK: 'ok', Level.WARN: 'WARN', Level.WRONG: 'WRONG'}
+
+
+def main(arguments: Optional[Sequence[str]] = None) -> int:
+    """Runs the command; returns its exit status."""
+    return run('check_network', _check, sys.argv[1:] if arguments is None else arguments)
+
+
+def _check(arguments: List[str]) -> int:
+    parser = Parser('check_network', description='Looks whether this computer and another one can '
+                    'be joined by multimaster:=true, and says what to do where not.')
+    parser.add_argument('host', help='address or name of the other computer')
+    parser.add_argument('--master-port', type=int, default=MASTER_PORT,
+                        help='of the ROS master there (%(default)s)')
+    parser.add_argument('--discovery-port', type=int, default=DISCOVERY_PORT,
+                        help='of master_discovery there (%(default)s)')
+    options = parser.parse_args(arguments)
+    if not is_address(options.host):
+        raise CommandError(f'{options.host!r} is neither an IPv4 address nor the name of a '
+                           'computer.')
+    wrong = False
+    for finding in NetworkChecks(options.host, os.environ, own_definitions(), options.master_port,
+                                 options.discovery_port).run():
+        print(f'{_WORDS[finding.level]:5}  {finding.subject}: {finding.text}', flush=True)
+        if finding.advice:
+            print(f'       -> {finding.advice}', flush=True)
+        wrong = wrong or finding.level is Level.WRONG
+    return NOT_DONE if wrong else OK

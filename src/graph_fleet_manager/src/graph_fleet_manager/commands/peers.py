@@ -1,0 +1,43 @@
+"""The command `peers`: the addresses of the computers whose ROS masters are joined with this one.
+
+    peers ADDRESS[,ADDRESS...] FLEET_FILE
+
+Either may be empty. Prints a YAML list: those given, and the `computer`s of the fleet file's
+robots. Exit status 0; 1 with one sentence where there is none, or an address is none.
+"""
+from __future__ import annotations
+
+import sys
+from typing import List, Optional, Sequence
+
+from graph_fleet_manager.commands.fleet_client import OK, WRONG
+from graph_fleet_manager.files.errors import FileError
+from graph_fleet_manager.files.robot_computers import is_address, load_computers
+
+
+def main(arguments: Optional[Sequence[str]] = None) -> int:
+    """Runs the command; returns its exit status."""
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    addresses, file = (given + ['', ''])[:2]
+    try:
+        print(f'[{", ".join(peers(addresses, file))}]')
+    except (FileError, ValueError) as error:
+        print(f'peers: {error}', file=sys.stderr)
+        return WRONG
+    return OK
+
+
+def peers(addresses: str, fleet_file: str) -> List[str]:
+    """The addresses, each once; raises ValueError with a sentence, or FileError."""
+    found = [address.strip() for address in addresses.split(',') if address.strip()]
+    wrong = next((address for address in found if not is_address(address)), None)
+    if wrong is not None:
+        raise ValueError(f'{wrong!r} is neither an IPv4 address nor the name of a computer: set '
+                         'peer:=ADDRESS to that of the computer with the other ROS master.')
+    if fleet_file:
+        found += load_computers(fleet_file).values()
+    if not found:
+        where = f', and no robot in {fleet_file} has a computer:' if fleet_file else ''
+        raise ValueError('There is no ROS master to join with: set peer:=ADDRESS to that of the '
+                         f'computer with the other one{where}.')
+    return list(dict.fromkeys(found))

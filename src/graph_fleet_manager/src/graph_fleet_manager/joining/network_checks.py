@@ -1,0 +1,263 @@
+"""Can this computer and another one be joined? One check after another, each judged with advice.
+
+What the checks need of ROS is the masters' XML-RPC API; no node is started.
+"""
+from __future__ import annotations
+
+import contextlib
+import random
+import socket
+import threading
+from typing import Any, Callable, Dict, Iterator, List, Mapping, Optional
+from urllib.parse import urlsplit
+from xmlrpc.server import SimpleXMLRPCServer
+
+from graph_fleet_manager.joining.findings import (
+    Finding,
+    Level,
+    clock_finding,
+    definitions_finding,
+)
+from graph_fleet_manager.joining.peer_master import (
+    DISCOVERY_PORT,
+    MASTER_PORT,
+    TIMEOUT,
+    Discovery,
+    Master,
+    NoAnswer,
+)
+
+_CALL_BACK = 3.0     # s in which a master calls back
+_ASKED = 5           # nodes of the other side whose ports are tried
+
+
+class NetworkChecks:
+    """All checks between this computer and `host`, in the order in which they make sense.
+
+    environment -- of the shell: ROS_IP, ROS_HOSTNAME, ROS_MASTER_URI
+    own         -- this side's message definitions (MD5 sums by type)
+    """
+
+    def __init__(self, host: str, environment: Mapping[str, str], own: Mapping[str, str],
+                 master_port: int = MASTER_PORT, discovery_port: int = DISCOVERY_PORT) -> None:
+        self._host = host
+        self._environment = environment
+        self._own = own
+        self._discovery_port = discovery_port
+        self._ros_ip = environment.get('ROS_IP', '')
+        self._own_uri = environment.get('ROS_MASTER_URI', f'http://localhost:{MASTER_PORT}')
+        self._master = Master(f'http://{host}:{master_port}')
+        self._master_port = master_port
+        self._address = ''
+        self._nodes: Optional[Dict[str, str]] = None
+
+    def run(self) -> Iterator[Finding]:
+        """The findings, one by one; without an address there is nothing else to look at."""
+        name = self._check_name()
+        yield name
+        if name.level is Level.WRONG:
+            return
+        for check in (self._check_ros_ip, self._check_own_master, self._check_master,
+                      self._check_call_back, self._check_node_addresses, self._check_node_names,
+                      self._check_discovery, self._check_clock, self._check_definitions):
+            finding = check()
+            if finding is not None:
+                yield finding
+
+    # -- this computer ----------------------------------------------------------------------------
+
+    def _check_name(self) -> Finding:
+        try:
+            self._address = socket.getaddrinfo(self._host, None, socket.AF_INET)[0][4][0]
+        except (OSError, UnicodeError) as error:
+            return Finding('name', Level.WRONG, f'{self._host} has no IPv4 address ({error})',
+                           'give the address, or add the name to /etc/hosts')
+        if self._address.startswith('127.') and self._address != self._host:
+            return Finding('name', Level.WRONG, f'{self._host} is {self._address}, this computer '
+                           'itself', 'mend its line in /etc/hosts')
+        shown = '' if self._address == self._host else f'{self._host} is '
+        return Finding('name', Level.OK, f'{shown}{self._address}')
+
+    def _check_ros_ip(self) -> Finding:
+        towards = address_towards(self._address)
+        if not towards:
+            return Finding('ROS_IP', Level.WRONG, f'there is no way to {self._address}',
+                           'see to the network between both computers')
+        advice = f'export ROS_IP={towards}'
+        if self._environment.get('ROS_HOSTNAME'):
+            return Finding('ROS_IP', Level.WRONG, 'ROS_HOSTNAME is set and goes before ROS_IP',
+                           f'unset ROS_HOSTNAME, then {advice}')
+        if not self._ros_ip:
+            return Finding('ROS_IP', Level.WRONG, 'it is not set, so this computer gives out a '
+                           'name that the other one may not know', advice)
+        if not is_own_address(self._ros_ip):
+            return Finding('ROS_IP', Level.WRONG, f'{self._ros_ip} is no address of this computer',
+                           advice)
+        if self._ros_ip.startswith('127.') != self._address.startswith('127.'):
+            return Finding('ROS_IP', Level.WRONG, f'{self._ros_ip} is not to be reached from '
+                           f'{self._address}', advice)
+        if self._ros_ip != towards and not towards.startswith('127.'):
+            return Finding('ROS_IP', Level.WARN, f'{self._ros_ip} is this computer\'s, but the way '
+                           f'to {self._address} begins at {towards}', advice)
+        return Finding('ROS_IP', Level.OK, f'{self._ros_ip}')
+
+    def _check_own_master(self) -> Finding:
+        try:
+            Master(self._own_uri).pid()
+        except NoAnswer as silence:
+            return Finding('own master', Level.WRONG, f'no ROS master answers at {self._own_uri} '
+                           f'({silence})', 'start this side\'s launch file, or mend '
+                           'ROS_MASTER_URI')
+        return Finding('own master', Level.OK, f'{self._own_uri} answers')
+
+    # -- the other master -------------------------------------------------------------------------
+
+    def _check_master(self) -> Finding:
+        try:
+            self._nodes = self._master.nodes()
+        except NoAnswer as silence:
+            return Finding('master', Level.WRONG, f'no ROS master answers at {self._master.uri} '
+                           f'({silence})', f'start its launch file there, and open TCP port '
+                           f'{self._master_port} in its firewall')
+        return Finding('master', Level.OK, f'{self._master.uri} answers, with {len(self._nodes)} '
+                       'nodes')
+
+    def _check_call_back(self) -> Optional[Finding]:
+        """The other master is made to call this computer, as it does with nodes of joined masters.
+        """
+        if self._nodes is None:
+            return None
+        address = self._ros_ip or address_towards(self._address)
+        try:
+            came = calls_back(self._master, address)
+        except (NoAnswer, OSError) as error:
+            return Finding('way back', Level.WRONG, f'it could not be tried ({error})',
+                           'mend what is wrong above first')
+        if not came:
+            return Finding('way back', Level.WRONG, f'the master there does not reach this '
+                           f'computer at {address}', 'open all TCP ports from 1024 on between the '
+                           'two computers in this one\'s firewall, and see that ROS_IP is right')
+        return Finding('way back', Level.OK, f'the master there reaches this computer at {address}')
+
+    def _check_node_addresses(self) -> Optional[Finding]:
+        """Nodes are reached where they say they are, at ports that nobody knows beforehand."""
+        local = self._local_nodes()
+        for name, uri in list(local.items())[:_ASKED]:
+            where = urlsplit(uri)
+            try:
+                socket.create_connection((where.hostname or '', where.port or 0), TIMEOUT).close()
+            except (OSError, UnicodeError) as error:
+                return Finding('nodes', Level.WRONG, f'{name} there says it is at {uri}, where it '
+                               f'is not reached ({error})', f'export ROS_IP={self._address} there '
+                               'before its launch file is started, and open all TCP ports from '
+                               '1024 on between the two computers')
+        if not local:
+            return None
+        return Finding('nodes', Level.OK, f'{min(len(local), _ASKED)} nodes there are reached')
+
+    def _local_nodes(self) -> Dict[str, str]:
+        """The nodes of the other computer itself: those where its rosout is, others crossed."""
+        nodes = self._nodes or {}
+        where = urlsplit(nodes.get('/rosout', '')).hostname
+        return {name: uri for name, uri in nodes.items()
+                if where is not None and urlsplit(uri).hostname == where}
+
+    def _check_node_names(self) -> Optional[Finding]:
+        """ROS ends one of two nodes of the same name when the masters are joined."""
+        try:
+            own = Master(self._own_uri).nodes()
+        except NoAnswer:
+            return None
+        theirs = self._nodes or {}
+        twice = sorted(name for name, uri in own.items() if name not in _ON_EVERY_SIDE
+                       and theirs.get(name, uri) != uri)
+        if twice:
+            return Finding('node names', Level.WRONG, f'both sides have a {", ".join(twice)}',
+                           'there must be one fleet manager, and each robot needs a robot_name of '
+                           'its own')
+        return Finding('node names', Level.OK, 'no node is on both sides')
+
+    # -- what is beside it ------------------------------------------------------------------------
+
+    def _check_discovery(self) -> Finding:
+        try:
+            self._discovery.clock()
+        except NoAnswer as silence:
+            return Finding('discovery', Level.WRONG, f'no master_discovery answers at '
+                           f'{self._address}:{self._discovery_port} ({silence})',
+                           'start it there with multimaster:=true, and open that TCP port and UDP '
+                           'port 11511 in its firewall')
+        return Finding('discovery', Level.OK, f'it answers at {self._address}:'
+                       f'{self._discovery_port}')
+
+    def _check_clock(self) -> Optional[Finding]:
+        with contextlib.suppress(NoAnswer):
+            return clock_finding(*self._discovery.clock())
+        return None
+
+    def _check_definitions(self) -> Optional[Finding]:
+        with contextlib.suppress(NoAnswer):
+            return definitions_finding(self._own, self._discovery.definitions(sorted(self._own)))
+        return None
+
+    @property
+    def _discovery(self) -> Discovery:
+        return Discovery(self._address, self._discovery_port)
+
+
+_ON_EVERY_SIDE = ('/rosout', '/master_discovery', '/master_sync', '/peer_watch')
+
+
+def address_towards(address: str) -> str:
+    """This computer's address on the way to another; empty without a way. Sends nothing."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect((address, MASTER_PORT))
+        except OSError:
+            return ''
+        return str(probe.getsockname()[0])
+
+
+def is_own_address(address: str) -> bool:
+    """Can this computer listen there?"""
+    with socket.socket() as probe:
+        try:
+            probe.bind((address, 0))
+        except (OSError, UnicodeError):
+            return False
+    return True
+
+
+def calls_back(master: Master, address: str) -> bool:
+    """Does a master reach a server of ours at `address`, as it must to tell of new publishers?
+
+    For a moment it has a publisher and a subscriber of a topic that nobody else has. Raises
+    NoAnswer and, where nothing can listen at the address, OSError.
+    """
+    called = threading.Event()
+
+    def publisher_update(*_: Any) -> List[Any]:
+        called.set()
+        return [1, '', 0]
+
+    number = random.randrange(10 ** 9)
+    node, topic = f'/check_network_{number}', f'/check_network/{number}'
+    with SimpleXMLRPCServer((address, 0), logRequests=False) as server:
+        server.register_function(publisher_update, 'publisherUpdate')
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        uri = f'http://{address}:{server.server_address[1]}/'
+        steps: List[Callable[[], Any]] = [
+            lambda: master.api.registerSubscriber(node, topic, 'std_msgs/Empty', uri),
+            lambda: master.api.registerPublisher(node, topic, 'std_msgs/Empty', uri)]
+        back: List[Callable[[], Any]] = [
+            lambda: master.api.unregisterPublisher(node, topic, uri),
+            lambda: master.api.unregisterSubscriber(node, topic, uri)]
+        try:
+            for step in steps:
+                master.value(step)
+            return called.wait(_CALL_BACK)
+        finally:
+            for step in back:
+                with contextlib.suppress(NoAnswer):
+                    master.value(step)
+            server.shutdown()

@@ -1,0 +1,109 @@
+"""Questions to another ROS master, and to fkie's master_discovery beside it, over XML-RPC.
+
+Nothing here is a ROS node. Every question ends within its timeout; a peer's answers are checked for
+their form, as it is another computer's program that gives them.
+"""
+from __future__ import annotations
+
+import http.client
+import math
+import time
+import xml.parsers.expat
+import xmlrpc.client
+from typing import Any, Callable, Dict, List, NamedTuple, Sequence
+
+MASTER_PORT = 11311     # of a ROS master
+DISCOVERY_PORT = 11621  # of master_discovery, as join_masters.launch sets it
+TIMEOUT = 2.0           # s for one question
+_CALLER = '/graph_fleet_manager'
+_MOST = 10000           # entries of an answer that are looked at
+_FAILURES = (OSError, http.client.HTTPException, xmlrpc.client.Error,
+             xml.parsers.expat.ExpatError, ValueError, TypeError, KeyError)
+
+
+class NoAnswer(Exception):
+    """Nobody answers, or not as one should; the text, a clause, says how that showed."""
+
+
+class Clock(NamedTuple):
+    """How far (s) another clock is ahead of this one, and how well that is known."""
+
+    offset: float
+    uncertainty: float
+
+
+class _Transport(xmlrpc.client.Transport):
+    """A transport whose calls end in time."""
+
+    def make_connection(self, host: Any) -> http.client.HTTPConnection:
+        """Connects, with the timeout."""
+        connection = super().make_connection(host)
+        connection.timeout = TIMEOUT
+        return connection
+
+
+def proxy(uri: str) -> Any:
+    """Calls the XML-RPC server at `uri`, with a timeout."""
+    return xmlrpc.client.ServerProxy(uri, transport=_Transport())
+
+
+def _ask(question: Callable[[], Any]) -> Any:
+    try:
+        return question()
+    except _FAILURES as failure:
+        reason = failure.strerror if isinstance(failure, OSError) else None
+        raise NoAnswer(reason or str(failure) or type(failure).__name__) from None
+
+
+class Master:
+    """A ROS master's API."""
+
+    def __init__(self, uri: str) -> None:
+        self.uri = uri
+        self.api = proxy(uri)
+
+    def nodes(self) -> Dict[str, str]:
+        """Every node that it knows, with the URI of its API; raises NoAnswer."""
+        state = self.value(lambda: self.api.getSystemState(_CALLER))
+        names = _ask(lambda: sorted({str(node) for kind in state for _, nodes in kind
+                                     for node in nodes})[:_MOST])
+        return {name: str(self.value(lambda name=name: self.api.lookupNode(_CALLER, name)))
+                for name in names}
+
+    def pid(self) -> int:
+        """The process that it is: another one after a restart. Raises NoAnswer."""
+        return int(self.value(lambda: self.api.getPid(_CALLER)))
+
+    @staticmethod
+    def value(question: Callable[[], Any]) -> Any:
+        """What a call of the API gives; raises NoAnswer, also where the master refuses it."""
+        code, said, value = _ask(lambda: _triple(question()))
+        if code != 1:
+            raise NoAnswer(said)
+        return value
+
+
+class Discovery:
+    """fkie's master_discovery on another computer."""
+
+    def __init__(self, address: str, port: int = DISCOVERY_PORT) -> None:
+        self._api = proxy(f'http://{address}:{port}')
+
+    def clock(self) -> Clock:
+        """Compares the other computer's clock with this one; raises NoAnswer."""
+        before = time.time()
+        moment = _ask(lambda: float(self._api.getCurrentTime()[1]))
+        after = time.time()
+        if not math.isfinite(moment):
+            raise NoAnswer('its time is no number')
+        return Clock(moment - (before + after) / 2.0, (after - before) / 2.0)
+
+    def definitions(self, types: Sequence[str]) -> Dict[str, str]:
+        """The MD5 sums of those of these message types that it has; raises NoAnswer."""
+        pairs: List[Any] = _ask(lambda: list(self._api.getTopicsMd5sum(list(types)))[:_MOST])
+        return _ask(lambda: {str(kind): str(md5) for kind, md5 in pairs if kind in types})
+
+
+def _triple(answer: Any) -> Any:
+    code, said, value = answer
+    return int(code), str(said), value

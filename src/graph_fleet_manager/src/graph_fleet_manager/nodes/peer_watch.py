@@ -1,0 +1,101 @@
+"""peer_watch: says in /diagnostics how it stands with each ROS master that this one is joined with.
+
+Is the other side there, does its clock go right, has it the same message definitions: what is wrong
+there shows else only as topics that are listed and stay silent. It runs beside master_discovery,
+see docs/multimaster.md, and moves nothing.
+
+Publishes
+    /diagnostics: one status for each peer, `peer_watch: <address>`
+Parameters
+    ~peers           list of strings  addresses of the other masters' computers
+    ~discovery_port  int              11621, of master_discovery on all of them
+"""
+from __future__ import annotations
+
+import threading
+import time
+from typing import List, Optional
+
+import rospy
+from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_updater import DiagnosticStatusWrapper
+
+from graph_fleet_manager.files.robot_computers import is_address
+from graph_fleet_manager.joining.findings import (
+    Finding,
+    Level,
+    clock_finding,
+    definitions_finding,
+)
+from graph_fleet_manager.joining.peer_master import (
+    DISCOVERY_PORT,
+    Discovery,
+    NoAnswer,
+)
+from graph_fleet_manager.messages.definitions import own_definitions
+from node_lifecycle import ConfigurationError, parameter, publish_diagnostics, run
+
+PERIOD = 2.0  # s between two looks at a peer
+LEVELS = {Level.OK: DiagnosticStatus.OK, Level.WARN: DiagnosticStatus.WARN,
+          Level.WRONG: DiagnosticStatus.ERROR}
+
+
+class Peer:
+    """One peer, looked at by a thread of its own, as who is away answers late."""
+
+    def __init__(self, address: str, port: int) -> None:
+        self.address = address
+        self._discovery = Discovery(address, port)
+        self._own = own_definitions()
+        self._findings: List[Finding] = []
+        self._seen: Optional[float] = None
+        self._lock = threading.Lock()
+        threading.Thread(target=self._run, name=f'peer {address}', daemon=True).start()
+
+    def _run(self) -> None:
+        while not rospy.is_shutdown():
+            findings = self._look()
+            with self._lock:
+                self._findings = findings
+            time.sleep(PERIOD)
+
+    def _look(self) -> List[Finding]:
+        try:
+            clock = self._discovery.clock()
+            theirs = self._discovery.definitions(sorted(self._own))
+        except NoAnswer as silence:
+            since = '' if self._seen is None else (
+                f' for {time.monotonic() - self._seen:.0f} s')
+            return [Finding('link', Level.WRONG, f'it does not answer{since} ({silence})',
+                            f'scripts/check_network.sh {self.address} finds out why')]
+        self._seen = time.monotonic()
+        return [definitions_finding(self._own, theirs), clock_finding(*clock)]
+
+    def report(self, status: DiagnosticStatusWrapper) -> None:
+        """For /diagnostics."""
+        with self._lock:
+            findings = self._findings
+        if not findings:
+            status.summary(DiagnosticStatus.WARN, 'it was not asked yet')
+            return
+        worst = max(findings, key=lambda finding: finding.level)
+        status.summary(LEVELS[worst.level], 'joined' if worst.level is Level.OK else str(worst))
+        for finding in findings:
+            status.add(finding.subject, str(finding))
+
+
+def _start() -> object:
+    addresses = parameter('~peers', kind=list)
+    wrong = next((one for one in addresses if not is_address(str(one))), None)
+    if wrong is not None or not addresses:
+        raise ConfigurationError(f'Parameter ~peers holds {wrong!r}, but must be a list of '
+                                 'addresses of computers.')
+    port = parameter('~discovery_port', DISCOVERY_PORT, int)
+    peers = [Peer(str(address), port) for address in addresses]
+    publish_diagnostics('none', {peer.address: peer.report for peer in peers})
+    return peers
+
+
+def main() -> None:
+    """Runs the node."""
+    run('peer_watch', _start)

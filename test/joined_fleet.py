@@ -1,0 +1,214 @@
+"""A fleet over several ROS masters: an LD-90 that outlives its computer, AGVs, a fleet manager."""
+from __future__ import annotations
+
+import contextlib
+import json
+import math
+import os
+import re
+import socket
+import threading
+from pathlib import Path
+from typing import Callable, Dict, List, Tuple
+
+from joined_masters import Computer, join, loopback_addresses, program
+from network_namespaces import entering, inside
+
+from graph_fleet_manager.supervision.journal import HistoryLine, JournalError, history
+from graph_fleet_manager.supervision.missions import MissionState
+from ports import free_port
+from system_support import wait_until
+
+HERE = Path(__file__).resolve().parent
+MAPS = HERE.parent / 'maps'
+PASSWORD = HERE.parent / 'src' / 'omron_ld90_sim' / 'config' / 'simulator_password'
+LD90 = 'omron_ld90'
+#: Where the AGVs stand: dead ends beside all ways of the LD-90.
+AGVS = {'agv_1': 32, 'agv_2': 41}
+FLEET = '''clearance: 0.1
+robot_types:
+- {name: omron_ld90, radius: 0.43, speed: 1.35, play: 0.25, obeys_edge_speed: false,
+   docks: [16], release_ahead: 8.0, slack: 0.3}
+- {name: agv, radius: 0.35, speed: 1.0, obeys_edge_speed: false, release_ahead: 2.0}
+robots:
+'''
+
+
+def fleet_text(computers: Dict[str, str], driven: str = '') -> str:
+    """A fleet file with the robots that have these computers; `driven` is an AGV to simulate."""
+    lines = []
+    for name, address in computers.items():
+        kind = 'omron_ld90' if name == LD90 else 'agv'
+        driver = 'driver: agv' if name == driven else f'driver: none, computer: {address}'
+        lines.append(f'- {{name: {name}, type: {kind}, vertex: {AGVS.get(name, 16)}, {driver}}}\n')
+    return FLEET + ''.join(lines)
+
+
+class JoinedFleet:
+    """The computers of a fleet, not started yet but for the LD-90 itself, which is no computer."""
+
+    def __init__(self, folder: Path, sim_speed: float, agvs: int = 0,
+                 namespaces: Tuple[str, str] = ('', ''),
+                 addresses: Tuple[str, ...] = ()) -> None:
+        """`namespaces` are network namespaces of the LD-90 with its computer, and of the fleet
+        manager's; `addresses` those of the LD-90's computer, the fleet manager's, the AGVs'.
+        """
+        self._folder = folder
+        self._sim_speed = sim_speed
+        self.journal = folder / 'fleet.sqlite'
+        own, manager, *others = addresses or loopback_addresses(2 + agvs)
+        names = dict(zip([LD90, *list(AGVS)[:agvs]], [own, *others]))
+        fleet_file = folder / 'fleet.yaml'
+        fleet_file.write_text(fleet_text(names))
+        self._ports = [free_port() for _ in range(3)]  # ARCL, outgoing, control
+        graph = MAPS / 'lab_graph.yaml'
+        self.manager = Computer('fleet', manager, [[
+            'graph_fleet_manager', 'fleet_manager.launch', f'graph_file:={graph}',
+            f'fleet_file:={fleet_file}', f'journal:={self.journal}',
+            f'closed_edges_file:={folder / "closed.json"}',
+            f'graph_in_force_file:={folder / "graph.yaml"}', f'sim_speed:={sim_speed}',
+        ]], folder / 'fleet.log', peers_from_file=True, namespace=namespaces[1])
+        self.robot = Computer(LD90, own, [[
+            'omron_ld90', 'full_stack.launch', 'sim:=false', 'robot_ip:=127.0.0.1', 'rviz:=false',
+            f'arcl_port:={self._ports[0]}', f'outgoing_port:={self._ports[1]}',
+            f'password_file:={PASSWORD}', f'route_file:={folder / "route.json"}',
+            'restart_timeout:=120',
+        ]], folder / 'robot.log', namespace=namespaces[0])
+        self.agvs = [self._agv(name, names) for name in list(names)[1:]]
+        join(self.manager, [self.robot, *self.agvs])
+        self._namespaces = namespaces
+        self._stack = contextlib.ExitStack()
+
+    def _agv(self, name: str, names: Dict[str, str]) -> Computer:
+        file = self._folder / f'{name}.yaml'
+        file.write_text(fleet_text(names, driven=name))
+        return Computer(name, names[name], [[
+            str(HERE / 'multimaster_agv.launch'), f'robot:={name}', f'fleet_file:={file}',
+            f'graph_file:={MAPS / "lab_graph.yaml"}', f'sim_speed:={self._sim_speed}',
+        ]], self._folder / f'{name}.log')
+
+    def __enter__(self) -> JoinedFleet:
+        arcl, outgoing, control = self._ports
+        self._stack.enter_context(program(
+            *entering(self._namespaces[0]), 'rosrun', 'omron_ld90_sim', 'ld90_sim',
+            '--map', MAPS / 'lab.map', '--port', arcl,
+            '--outgoing', f'127.0.0.1:{outgoing}', '--password-file', PASSWORD,
+            '--speed', self._sim_speed, '--control', control, '--log', self.session,
+            log=self._folder / 'ld90.log'))
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for computer in self.computers:
+            computer.end()
+        self._stack.close()
+
+    @property
+    def computers(self) -> List[Computer]:
+        """All of them."""
+        return [self.robot, self.manager, *self.agvs]
+
+    @property
+    def session(self) -> Path:
+        """Every ARCL line between the LD-90 and its computer, as the LD-90 has it."""
+        return self._folder / 'arcl.log'
+
+    def sent_to_ld90(self, word: str) -> List[str]:
+        """The commands of this name that its computer gave to the LD-90, in order."""
+        return re.findall(rf'^\S+ C\d*> ({word}.*?)\s*$',
+                          self.session.read_text(errors='replace'), re.MULTILINE)
+
+    def control(self) -> socket.socket:
+        """A connection to the control socket of the LD-90's simulator."""
+        def connect() -> socket.socket:
+            with contextlib.suppress(ConnectionRefusedError):
+                return socket.create_connection(('127.0.0.1', self._ports[2]), timeout=10.0)
+        return wait_until(lambda: inside(self._namespaces[0], connect), 30, 'the simulated LD-90')
+
+    def send(self, *destinations: int, robot: str = LD90) -> int:
+        """Sends a mission from the fleet manager's computer; its id."""
+        def accepted() -> str:
+            said = self.manager.run('rosrun', 'graph_fleet_manager', 'mission', *destinations,
+                                    '--robot', robot, timeout=60.0).stdout
+            return said if 'is accepted' in said else ''
+        return int(re.search(r'Mission (\d+)', wait_until(
+            accepted, 90, f'a mission to {destinations} is accepted')).group(1))
+
+    def mission(self, number: int) -> HistoryLine:
+        """How a mission stands, out of the fleet manager's journal."""
+        return next(line for line in history(str(self.journal)) if line.request_id == number)
+
+    def wait_for_mission(self, number: int, what: str, reached: Callable[[HistoryLine], bool],
+                         timeout: float = 120.0) -> HistoryLine:
+        """Waits until a mission stands so; fails at once when it ended otherwise."""
+        def look() -> bool:
+            try:
+                line = self.mission(number)
+            except JournalError:  # the fleet manager is being killed, or starts
+                return False
+            if not reached(line) and not line.state.is_open:
+                raise AssertionError(f'mission {number}: {line.state.name} ({line.reason}), not '
+                                     f'{what}; the fleet manager said:\n'
+                                     f'{self.manager.log()[-3000:]}\nthe robot\'s computer:\n'
+                                     f'{self.robot.log()[-3000:]}')
+            return reached(line)
+        try:
+            wait_until(look, timeout, f'mission {number}: {what}')
+        except AssertionError as late:
+            raise AssertionError(f'{late}; {self.mission(number)}\n{self.manager.log()[-3000:]}\n'
+                                 f'{self.robot.log()[-3000:]}') from None
+        return self.mission(number)
+
+    def succeeded(self, number: int, timeout: float = 120.0) -> HistoryLine:
+        """Waits until a mission has succeeded."""
+        return self.wait_for_mission(
+            number, 'it has succeeded', lambda line: line.state is MissionState.SUCCEEDED, timeout)
+
+
+class Odometer:
+    """How far the LD-90 truly drives, by looking where it is."""
+
+    PERIOD = 0.05  # s
+
+    def __init__(self, fleet: JoinedFleet) -> None:
+        self.metres = 0.0
+        self._control = fleet.control()
+        self._answers = self._control.makefile()
+        self._over = threading.Event()
+        self._last = self._where()
+        self._thread = threading.Thread(target=self._look, daemon=True)
+
+    def __enter__(self) -> Odometer:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._over.set()
+        self._thread.join(10.0)
+        self._control.close()
+
+    def _where(self) -> Tuple[float, float]:
+        """Where the LD-90 truly is, m."""
+        self._control.sendall(b'where\n')
+        robot, = json.loads(self._answers.readline())['robots'].values()
+        return robot['x'], robot['y']
+
+    def _look(self) -> None:
+        while not self._over.wait(self.PERIOD):
+            place = self._where()
+            self.metres += math.dist(place, self._last)
+            self._last = place
+
+    def wait_for(self, metres: float, timeout: float = 60.0) -> None:
+        """Until the robot has driven so far from now on."""
+        begin = self.metres
+        wait_until(lambda: self.metres - begin >= metres, timeout,
+                   f'the robot drives another {metres} m')
+
+
+def kept_folder(name: str) -> Path:
+    """A folder for what the computers print, kept for who looks for what went wrong."""
+    folder = Path(os.environ.get('SYSTEM_TEST_ARTEFACTS', '/tmp')) / name
+    folder.mkdir(parents=True, exist_ok=True)
+    for file in folder.iterdir():
+        file.unlink()
+    return folder

@@ -1,0 +1,193 @@
+"""Several ROS masters on one host, each on a loopback address of its own, joined in pairs.
+
+fkie multimaster joins them; where it is not to be had, `master_mirror.py` does, so that the
+behaviour of the project's own nodes is tested everywhere.
+"""
+from __future__ import annotations
+
+import contextlib
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any, Dict, Iterator, List, Optional, Sequence, Set
+
+import rosgraph
+from network_namespaces import entering
+
+from ports import free_port
+from system_support import wait_until
+
+HERE = Path(__file__).resolve().parent
+CROSSING = HERE.parent / 'src' / 'graph_fleet_manager' / 'config' / 'crossing.yaml'
+
+
+def has_fkie() -> bool:
+    """Is fkie multimaster in this environment?"""
+    return subprocess.run(['rospack', 'find', 'fkie_master_sync'], stdout=subprocess.DEVNULL,
+                          stderr=subprocess.DEVNULL, check=False).returncode == 0
+
+
+def loopback_addresses(count: int) -> List[str]:
+    """Addresses that no other test has at this time; not 127.0.0.1, where discovery hears itself.
+    """
+    net = random.randint(16, 254)
+    return [f'127.0.{net}.{number}' for number in range(2, 2 + count)]
+
+
+class Computer:
+    """One computer: a ROS master on an address of its own, and what is launched under it.
+
+    `peers` are those that it joins; with `peers_from_file` the launch knows them. Each launch is
+    the words behind `roslaunch`; the first one joins the masters.
+    """
+
+    def __init__(self, name: str, address: str, launches: Sequence[Sequence[object]], log: Path,
+                 peers_from_file: bool = False, namespace: str = '') -> None:
+        self.name, self.address = name, address
+        self.port = 11311 if namespace else free_port(address)
+        self.uri = f'http://{address}:{self.port}'
+        self.peers: List[Computer] = []
+        self.fkie = has_fkie()
+        self.started = 0.0
+        """When it was last started, s, monotonic."""
+        self._launches = launches
+        self._peers_from_file = peers_from_file
+        self._log = log
+        self.python_path = ''
+        """Where its programs look for Python modules first."""
+        self._prefix = entering(namespace)
+        self._processes: List[subprocess.Popen] = []
+
+    @property
+    def environment(self) -> Dict[str, str]:
+        """What a shell on that computer would have set."""
+        own = {**os.environ, 'ROS_IP': self.address, 'ROS_MASTER_URI': self.uri}
+        if self.python_path:
+            own['PYTHONPATH'] = f'{self.python_path}:{own["PYTHONPATH"]}'
+        return own
+
+    @property
+    def master(self) -> rosgraph.Master:
+        """Its ROS master, as the test sees it."""
+        return rosgraph.Master('/multimaster_test', self.uri)
+
+    def start(self) -> None:
+        """Starts master and launches; returns at once."""
+        self.started = time.monotonic()
+        first, *others = self._launches
+        self._run('roslaunch', '-p', self.port, *first, *self._joining())
+        for launch in others:
+            self._run('roslaunch', '--wait', *launch)
+        if not self.fkie:
+            for peer in self.peers:
+                self._run(sys.executable, HERE / 'master_mirror.py', self.uri, peer.uri, CROSSING)
+
+    def _joining(self) -> List[str]:
+        if not self.fkie:
+            return []
+        peers = ','.join(peer.address for peer in self.peers)
+        return ['multimaster:=true', *([] if self._peers_from_file else [f'peer:={peers}'])]
+
+    def _run(self, *words: object) -> None:
+        with self._log.open('ab') as log:
+            self._processes.append(subprocess.Popen(
+                [*self._prefix, *map(str, words)], env=self.environment, stdout=log,
+                stderr=subprocess.STDOUT))
+
+    def kill(self) -> None:
+        """Ends everything without a word, as when the power fails."""
+        processes = self._processes
+        self._processes = []
+        family = family_of([process.pid for process in processes])
+        for pid in family:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+        for process in processes:
+            process.wait(30)
+        wait_until(lambda: not any(map(is_alive, family)), 30, f'the end of {self.name}')
+
+    def end(self) -> None:
+        """Ends everything as a user does, with Ctrl-C."""
+        for process in reversed(self._processes):
+            process.send_signal(signal.SIGINT)
+        deadline = time.monotonic() + 25.0
+        while time.monotonic() < deadline and any(p.poll() is None for p in self._processes):
+            time.sleep(0.05)
+        self.kill()
+
+    def run(self, *words: object, timeout: float = 60.0) -> subprocess.CompletedProcess:
+        """What a user types there, and what comes of it."""
+        return subprocess.run([*self._prefix, *map(str, words)], env=self.environment, text=True,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=timeout,
+                              check=False)
+
+    def topics_of(self, other: Computer) -> Set[str]:
+        """What this master has of the other's nodes: topics that crossed. None without a master."""
+        try:
+            publishers, subscribers, _ = self.master.getSystemState()
+            nodes = {node for _, names in [*publishers, *subscribers] for node in names}
+            foreign = {node for node in nodes
+                       if f'//{other.address}:' in self.master.lookupNode(node)}
+        except (OSError, rosgraph.MasterException):
+            return set()
+        return {topic for topic, names in [*publishers, *subscribers] if foreign & set(names)}
+
+    def log(self) -> str:
+        """What was printed there."""
+        return self._log.read_text(encoding='utf-8', errors='replace')
+
+
+def join(fleet: Computer, robots: Sequence[Computer]) -> None:
+    """Each robot has the fleet for its peer, the fleet all robots."""
+    fleet.peers = list(robots)
+    for robot in robots:
+        robot.peers = [fleet]
+
+
+def family_of(pids: Sequence[int]) -> List[int]:
+    """These processes and all that they began, the eldest first."""
+    children: Dict[int, List[int]] = {}
+    for folder in Path('/proc').glob('[0-9]*'):
+        fields = _stat(int(folder.name))
+        if fields:
+            children.setdefault(int(fields[1]), []).append(int(folder.name))
+    found = list(pids)
+    for pid in found:
+        found += children.get(pid, [])
+    return found
+
+
+def is_alive(pid: int) -> bool:
+    """Does the process run? One that only waits to be asked for its end does not."""
+    fields = _stat(pid)
+    return bool(fields) and fields[0] != 'Z'
+
+
+def _stat(pid: int) -> List[str]:
+    """The fields of /proc/PID/stat from the state on; none without such a process."""
+    try:
+        return Path(f'/proc/{pid}/stat').read_text().rpartition(')')[2].split()
+    except OSError:
+        return []
+
+
+@contextlib.contextmanager
+def program(*words: object, log: Optional[Path] = None, **options: Any
+            ) -> Iterator[subprocess.Popen]:
+    """A program without ROS that runs meanwhile."""
+    with (log or Path(os.devnull)).open('ab') as output:
+        process = subprocess.Popen([*map(str, words)], stdout=output, stderr=subprocess.STDOUT,
+                                   **options)
+    try:
+        yield process
+    finally:
+        process.terminate()
+        try:
+            process.wait(20)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()

@@ -1,0 +1,50 @@
+#!/usr/bin/env python3
+"""Fleet manager and robot on computers of their own, while the cable between them is pulled."""
+from __future__ import annotations
+
+import time
+import unittest
+
+from joined_fleet import LD90, JoinedFleet, Odometer, kept_folder
+from joined_masters import has_fkie
+from network_namespaces import Cable, why_not
+
+from system_support import run_cases
+
+SIM_SPEED = 4.0
+DESTINATIONS = [18, 16]
+PULLED = 20.0  # s
+
+
+class PulledCable(unittest.TestCase):
+
+    def setUp(self) -> None:
+        reason = why_not() or ('' if has_fkie() else 'fkie multimaster is not there')
+        if reason:
+            self.skipTest(reason)
+
+    def test_the_route_goes_on_without_the_link_and_the_mission_with_it(self) -> None:
+        with Cable() as cable, JoinedFleet(
+                kept_folder('multimaster_network'), SIM_SPEED, namespaces=cable.namespaces,
+                addresses=cable.addresses) as fleet:
+            for computer in fleet.computers:
+                computer.start()
+            mission = fleet.send(*DESTINATIONS)
+            with Odometer(fleet) as odometer:
+                odometer.wait_for(3.0)
+                with cable.pulled():
+                    until = time.monotonic() + PULLED
+                    odometer.wait_for(2.0)  # it drives what it was given
+                    time.sleep(until - time.monotonic())
+                    reached = fleet.mission(mission).reached
+                done = fleet.succeeded(mission)
+            self.assertLess(reached, len(DESTINATIONS), 'all was over before the cable was back')
+            self.assertEqual((done.robot, done.reached), (LD90, len(DESTINATIONS)))
+            drives = fleet.sent_to_ld90('goto')
+            repeated = [one for one, other in zip(drives, drives[1:]) if one == other]
+            self.assertEqual(repeated, [], drives)
+            self.assertEqual(fleet.sent_to_ld90('dock'), ['dock'])
+
+
+if __name__ == '__main__':
+    run_cases(__file__)

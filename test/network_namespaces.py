@@ -1,0 +1,100 @@
+"""Two computers as two network namespaces, joined by a cable that can be pulled. Needs root."""
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import os
+import shutil
+import subprocess
+import threading
+from pathlib import Path
+from typing import Callable, Iterator, List, Tuple, TypeVar
+
+Result = TypeVar('Result')
+
+_NETWORK = 0x40000000  # CLONE_NEWNET
+
+
+def why_not() -> str:
+    """Why there can be no network namespaces here; empty where there can."""
+    if not shutil.which('ip'):
+        return 'there is no program ip (Debian: iproute2)'
+    name = f'probe_{os.getpid()}'
+    made = subprocess.run(['ip', 'netns', 'add', name], stderr=subprocess.PIPE, text=True,
+                          check=False)
+    if made.returncode:
+        return f'network namespaces cannot be made: {made.stderr.strip()}'
+    joined = subprocess.run(['ip', 'link', 'add', f'p{os.getpid()}', 'type', 'veth', 'peer',
+                             'name', 'eth0', 'netns', name], stderr=subprocess.PIPE, text=True,
+                            check=False)
+    subprocess.run(['ip', 'netns', 'del', name], check=False)
+    return f'veth pairs cannot be made: {joined.stderr.strip()}' if joined.returncode else ''
+
+
+class Cable:
+    """Two namespaces with an address each, and the link between them."""
+
+    def __init__(self) -> None:
+        self.namespaces = (f'robot_{os.getpid()}', f'fleet_{os.getpid()}')
+        self.addresses = ('10.199.0.5', '10.199.0.9')
+
+    def __enter__(self) -> Cable:
+        one, other = self.namespaces
+        for name in self.namespaces:
+            _ip('netns', 'add', name)
+        _ip('-n', one, 'link', 'add', 'eth0', 'type', 'veth', 'peer', 'name', 'eth0', 'netns',
+            other)
+        for name, address in zip(self.namespaces, self.addresses):
+            _ip('-n', name, 'address', 'add', f'{address}/24', 'dev', 'eth0')
+            _ip('-n', name, 'link', 'set', 'lo', 'up')
+            _ip('-n', name, 'link', 'set', 'eth0', 'up')
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for name in self.namespaces:
+            _ip('netns', 'del', name)
+
+    @contextlib.contextmanager
+    def pulled(self) -> Iterator[None]:
+        """Without the link meanwhile."""
+        _ip('-n', self.namespaces[0], 'link', 'set', 'eth0', 'down')
+        try:
+            yield
+        finally:
+            _ip('-n', self.namespaces[0], 'link', 'set', 'eth0', 'up')
+
+    def bytes_sent(self) -> Tuple[int, int]:
+        """What crossed the link so far, from the first namespace and from the second."""
+        one, other = (int(inside(name, _transmitted)) for name in self.namespaces)
+        return one, other
+
+
+def _transmitted() -> str:
+    lines = Path('/proc/thread-self/net/dev').read_text(encoding='ascii').splitlines()
+    return next(line.split()[9] for line in lines if line.split()[0] == 'eth0:')
+
+
+def entering(namespace: str) -> List[str]:
+    """The words in front of a command that is to run in a namespace; none without one."""
+    return ['ip', 'netns', 'exec', namespace] if namespace else []
+
+
+def inside(namespace: str, act: Callable[[], Result]) -> Result:
+    """What `act` gives in a namespace; a socket stays there. Another thread does it."""
+    if not namespace:
+        return act()
+    results: List[Result] = []
+
+    def run() -> None:
+        with open(f'/run/netns/{namespace}', encoding='ascii') as file:
+            if ctypes.CDLL(None, use_errno=True).setns(file.fileno(), _NETWORK):
+                raise OSError(ctypes.get_errno(), f'namespace {namespace} cannot be entered')
+        results.append(act())
+    thread = threading.Thread(target=run)
+    thread.start()
+    thread.join()
+    return results[0]
+
+
+def _ip(*words: str) -> None:
+    subprocess.run(['ip', *words], check=True)
