@@ -8,13 +8,13 @@ import math
 from dataclasses import replace
 from typing import Any, Callable, ContextManager, Dict, Iterable, List, Mapping, Optional, Tuple
 
-from interactive_markers.interactive_marker_server import InteractiveMarkerServer
 from visualization_msgs.msg import InteractiveMarker, InteractiveMarkerFeedback
 
 from graph_editor.checking.findings import Finding, Severity
 from graph_editor.editor.session import Session
 from graph_editor.nodes import drawing, handles
 from graph_editor.nodes.handles import Look, ShownEdge
+from graph_editor.nodes.marker_server import OrderedMarkerServer
 from trajectory_graph import CurveType, Vertex
 
 NAMESPACE = 'graph_editor'
@@ -32,7 +32,7 @@ class Board:
         self._session = session
         self._lock = lock
         self._changed = changed
-        self._server = InteractiveMarkerServer(NAMESPACE)
+        self._server = OrderedMarkerServer(NAMESPACE)
         self._shown: Dict[str, Shown] = {}
         self._severities: Dict[Key, Severity] = {}
         self._grabbed: Optional[str] = None
