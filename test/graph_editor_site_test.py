@@ -226,7 +226,11 @@ class Editor:
         self._words.wait_for(lambda message: message.data.startswith(words), 20.0, f'"{words}"')
 
     def _graph_with(self, condition: Callable[[Graph], bool], what: str) -> Graph:
-        wait_until(lambda: condition(self.graph()), 20.0, f'{what} on /graph')
+        try:
+            wait_until(lambda: condition(self.graph()), 20.0, f'{what} on /graph')
+        except AssertionError as error:
+            self._window.picture('graph_editor_failed')
+            raise AssertionError(f'{error}; last words: {self._words.messages[-1].data}') from None
         return self.graph()
 
     def _red_near(self, x: float, y: float):

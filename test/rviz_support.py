@@ -8,7 +8,9 @@ the status bar tells of it, an entry of a menu when it is lit.
 """
 from __future__ import annotations
 
+import math
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -16,7 +18,7 @@ import sys
 import tempfile
 import time
 import traceback
-from typing import Callable, List, Optional, Sequence, Tuple
+from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 from PIL import Image
@@ -30,9 +32,11 @@ TOOLBAR_Y = 42
 TOOLBAR = (0, 24, 1000, 60)
 STATUS_BAR = (0, 872, 1100, 900)
 MENU_INSET = 24  # pixels from a menu's left edge to between the mouse's arrow and the words
+GEOMETRY = re.compile(r'WINDOW=(\d+)\nX=(-?\d+)\nY=(-?\d+)\nWIDTH=(\d+)\nHEIGHT=(\d+)')
 REST = 0.5  # s without a change: a picture is complete
 PATIENCE = 30.0  # s for RViz to draw what it was told, on a loaded computer
 Colour = Tuple[int, int, int]
+Box = Tuple[int, int, int, int]  # left, top, right, bottom; pixels
 MENU_COLOUR: Colour = (255, 255, 255)
 
 
@@ -67,6 +71,15 @@ class Screen:
     def mouse(self, *command: object) -> None:
         subprocess.run(['xdotool', *map(str, command)], env=self.environment, check=True,
                        timeout=60, stdout=subprocess.DEVNULL)
+
+    def windows(self) -> Dict[str, Box]:
+        """Where the windows on the screen are, by their ids; an open menu is one of them."""
+        found = subprocess.run(
+            ['xdotool', 'search', '--onlyvisible', '--maxdepth', '1', '--name', '',
+             'getwindowgeometry', '--shell', '%@'], env=self.environment, check=False, timeout=60,
+            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True).stdout
+        return {id: (int(x), int(y), int(x) + int(width), int(y) + int(height))
+                for id, x, y, width, height in GEOMETRY.findall(found)}
 
     def picture(self) -> Image.Image:
         """What is on the screen: Xvfb keeps it in a file in the format of xwd."""
@@ -175,30 +188,38 @@ class RvizWindow:
     def choose_from_menu(self, pixel: Tuple[int, int], menu: Sequence, entry: object) -> None:
         """Open the `menu` of the handle at `pixel`, and click on one of its entries.
 
-        The menu opens right and below of the mouse: there must be room for it.
+        A menu is known by its window: by its colour it cannot be told from a white floor.
         """
-        self.click_handle(pixel, button=3)
-        column = pixel[0] + MENU_INSET
-        height = wait_until(lambda: self._height_of_menu(column, pixel[1]), PATIENCE,
-                            f'the menu at {pixel}')
-        y = pixel[1] + round((menu.index(entry) + 0.5) * height / len(menu))
-
         def lit() -> bool:
-            self.hover((column + MENU_INSET, y))
-            return count_near(self.look(), (column, y), MENU_COLOUR, reach=1) == 0
+            nonlocal opened
+            if opened not in self._screen.windows().items():  # closed by itself: once more
+                opened = self._open_menu(pixel)
+            left, top, _, bottom = opened[1]
+            y = top + round((menu.index(entry) + 0.5) * (bottom - top) / len(menu))
+            self.hover((left + 2 * MENU_INSET, y))
+            return count_near(self.look(), (left + MENU_INSET, y), MENU_COLOUR, reach=1) == 0
+        opened = self._open_menu(pixel)
         wait_until(lit, PATIENCE, f'{entry} of the menu at {pixel} is lit')
         self._screen.mouse('click', 1)
+        wait_until(lambda: opened not in self._screen.windows().items(), PATIENCE,
+                   f'the menu at {pixel} closes')
 
-    def _height_of_menu(self, column: int, top: int) -> int:
-        """How many pixels of the menu's colour lie below each other; 0 while there is no menu."""
-        pixels = np.asarray(self.look())[top + 4:, column]
-        beyond = np.flatnonzero(~close_to(pixels, MENU_COLOUR, 5.0))
-        return int(beyond[0]) + 4 if beyond.size and beyond[0] > 0 else 0
+    def _open_menu(self, pixel: Tuple[int, int]) -> Tuple[str, Box]:
+        """The window of the menu of the handle at `pixel`."""
+        before = self._screen.windows()
 
-    def _part(self, box: Tuple[int, int, int, int]) -> bytes:
+        def opened() -> Optional[Tuple[str, Box]]:
+            for id, box in self._screen.windows().items():
+                if id not in before and math.dist(box[:2], pixel) < MENU_INSET:
+                    return id, box
+            return None
+        self.click_handle(pixel, button=3)
+        return wait_until(opened, PATIENCE, f'the menu at {pixel}')
+
+    def _part(self, box: Box) -> bytes:
         return self.look().crop(box).tobytes()
 
-    def _at_rest(self, box: Tuple[int, int, int, int]) -> bytes:
+    def _at_rest(self, box: Box) -> bytes:
         """A part of the window once it stayed the same for a while."""
         shot, since = self._part(box), time.monotonic()
 

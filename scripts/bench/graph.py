@@ -30,6 +30,7 @@ from graph_editor.floor import EVERY_NEIGHBOUR
 from graph_editor.making.coverage import Coverage
 from graph_editor.making.maker import make_graph
 from graph_editor.making.options import MakingOptions
+from graph_editor.nodes.handles import VERTICES, vertex_group
 from graph_editor.nodes.view import fitted, rendering_arguments
 from graph_editor.site import Site, SiteOptions, load_site
 from ports import free_port
@@ -44,6 +45,7 @@ RUNS = 3
 OPTIONS = MakingOptions()
 ROOM = 1.1  # m of clearance: the middles of the laboratory's rooms and halls, parted by their doors
 ROWS, COLUMNS, PITCH, EDGES = 20, 25, 3.0, 1000
+MIDDLE = ((COLUMNS // 2) * PITCH, (ROWS // 2 + 1) * PITCH)  # m: of the vertex that is dragged
 DRAGS, RATE = 300, 30.0  # s-1
 SETTLE, MEASURE = 8.0, 6.0  # s
 IMPORTS = ('import numpy, networkx, scipy.ndimage, scipy.spatial, shapely.geometry, '
@@ -175,13 +177,12 @@ class Mouse:
     """Drags a vertex as RViz tells of it, and waits for the update with its edges."""
 
     def __init__(self, vertex: int) -> None:
-        self._name = f'vertex {vertex}'
+        self._name = f'{VERTICES} {vertex_group(vertex)}'
         self._answered = threading.Event()
         self._publisher = rospy.Publisher('graph_editor/feedback', InteractiveMarkerFeedback,
                                           queue_size=100, tcp_nodelay=True)
         self._subscriber = rospy.Subscriber('graph_editor/update', InteractiveMarkerUpdate,
                                             self._on_update, tcp_nodelay=True)
-        self._tell(InteractiveMarkerFeedback.MOUSE_DOWN, 0.0, 0.0)
 
     def drag(self, x: float, y: float) -> float:
         """s from the feedback to the update."""
@@ -196,6 +197,7 @@ class Mouse:
         """Until it answers: while it starts, feedback is lost."""
         self._answered.clear()
         for x, y in list(circle(60))[1:]:  # a drag to where it is would not be answered
+            self._tell(InteractiveMarkerFeedback.MOUSE_DOWN, 0.0, 0.0)
             self._tell(InteractiveMarkerFeedback.POSE_UPDATE, x, y)
             if self._answered.wait(1.0):
                 return
@@ -212,6 +214,7 @@ class Mouse:
                                              event_type=event, pose=Pose())
         feedback.header.frame_id = 'map'
         feedback.pose.position.x, feedback.pose.position.y = x, y
+        feedback.mouse_point.x, feedback.mouse_point.y = MIDDLE
         feedback.pose.orientation.w = 1.0
         self._publisher.publish(feedback)
 
@@ -231,10 +234,9 @@ def drags(mouse: Mouse, count: int) -> List[float]:
 
 
 def circle(count: int) -> Iterator[Tuple[float, float]]:
-    """Places around the vertex that is dragged."""
-    middle = ((COLUMNS // 2) * PITCH, (ROWS // 2 + 1) * PITCH)
+    """How far the mouse has moved from the vertex that is dragged."""
     for angle in np.linspace(0.0, 4.0 * np.pi, count, endpoint=False):
-        yield middle[0] + np.cos(angle), middle[1] + np.sin(angle)
+        yield np.cos(angle), np.sin(angle)
 
 
 def editing() -> None:

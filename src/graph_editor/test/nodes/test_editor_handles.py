@@ -10,8 +10,8 @@ from visualization_msgs.msg import InteractiveMarkerControl, Marker
 
 from graph_editor.checking.findings import Severity
 from graph_editor.editor.actions import Action
-from graph_editor.nodes import handles
-from graph_editor.nodes.handles import Look, ShownEdge
+from graph_editor.nodes import drawing, handles
+from graph_editor.nodes.handles import Look, ShownEdge, ShownVertex
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 from trajectory_graph.editing import Draft
 
@@ -30,23 +30,47 @@ def shapes(marker, kind: int) -> list:
             if shape.type == kind]
 
 
-def test_a_vertex_is_dragged_in_its_plane_and_has_a_menu():
-    vertex = draft().vertices[2]
-    marker = handles.vertex_handle(vertex, Look())
-    assert marker.name == 'vertex 2'
-    assert (marker.pose.position.x, marker.pose.position.y) == (4.0, 0.0)
+def test_vertices_are_dragged_in_their_plane_and_have_a_menu():
+    marker = handles.vertices_handle(0, [(4.0, 0.0), (0.0, 0.0)])
+    assert marker.name == 'vertices 0'
     assert marker.controls[0].interaction_mode == InteractiveMarkerControl.MOVE_PLANE
     delete, = (entry for entry in marker.menu_entries
                if entry.title == Action.DELETE_VERTEX.value)
     assert handles.VERTEX_ACTIONS[delete.id].action is Action.DELETE_VERTEX
-    text, = shapes(marker, Marker.TEXT_VIEW_FACING)
-    assert text.text == '2 press'
+
+
+def test_the_handle_of_vertices_cannot_be_seen_and_is_on_top_of_their_drawing():
+    shape, = shapes(handles.vertices_handle(0, [(4.0, 0.0)]), Marker.TRIANGLE_LIST)
+    assert shape.color.a == 0.0 and not shape.colors
+    assert {point.z for point in shape.points} == {handles.HANDLE_Z - 0.01}
+    disc = np.array([(point.x, point.y) for point in shape.points])
+    assert np.hypot(*(disc - (4.0, 0.0)).T).max() == pytest.approx(handles.VERTEX_SIZE / 2.0)
+    assert handles.HANDLE_Z - 0.01 > handles.VERTEX_Z + 0.01
+
+
+def drawn(vertex: Vertex, look: Look = Look()):  # noqa: B008, a value
+    return handles.drawn_vertices(0, [ShownVertex(vertex, look)])
+
+
+def test_what_is_seen_of_vertices_moves_with_no_mouse_and_tells_ids_and_labels():
+    marker = handles.drawn_vertices(0, [ShownVertex(vertex, Look())
+                                        for vertex in draft().vertices.values()])
+    assert marker.controls[0].interaction_mode == InteractiveMarkerControl.NONE
+    assert [text.text for text in shapes(marker, Marker.TEXT_VIEW_FACING)] == ['press', 'dock']
+
+
+def test_ids_differ():
+    strokes = {id: [part.corners.round(6).tolist() for part in drawing.number(
+        id, 0.2, 0.1, handles.BLACK)] for id in range(120)}
+    assert len({str(parts) for parts in strokes.values()}) == 120
+    assert all(0.0 <= np.array(corner)[..., 1].mean() <= 0.2
+               for parts in strokes.values() for corner in parts)
 
 
 def colours(marker) -> list:
-    """The colours in a marker, in their order."""
-    return list(dict.fromkeys((paint.r, paint.g, paint.b) for paint in shapes(
-        marker, Marker.TRIANGLE_LIST)[0].colors))
+    """The colours in a marker but for words and numbers, in their order."""
+    return list(dict.fromkeys(rgb(paint) for paint in shapes(
+        marker, Marker.TRIANGLE_LIST)[0].colors if paint != handles.BLACK))
 
 
 def rgb(paint) -> tuple:
@@ -57,8 +81,8 @@ def rgb(paint) -> tuple:
     (Severity.ERROR, handles.RED), (Severity.WARNING, handles.AMBER), (None, handles.NAVY)])
 def test_what_is_wrong_has_another_colour_also_when_it_is_selected(severity, paint):
     vertex = draft().vertices[1]
-    assert colours(handles.vertex_handle(vertex, Look(severity))) == [rgb(paint)]
-    assert colours(handles.vertex_handle(vertex, Look(severity, selected=True))) == [
+    assert colours(drawn(vertex, Look(severity))) == [rgb(paint)]
+    assert colours(drawn(vertex, Look(severity, selected=True))) == [
         rgb(paint), rgb(handles.YELLOW)]
 
 

@@ -1,27 +1,42 @@
 """The editor's board in RViz: keeps the handles there true to the session, changing few at a time.
 
-What is being dragged is never replaced under the mouse: only its pose is corrected.
+While a vertex is dragged, its group's handle holds no other: RViz moves all of it with the mouse.
 """
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass
 from typing import Any, Callable, ContextManager, Dict, Iterable, List, Mapping, Optional, Tuple
 
-from interactive_markers.interactive_marker_server import InteractiveMarkerServer
+from geometry_msgs.msg import Point
 from visualization_msgs.msg import InteractiveMarker, InteractiveMarkerFeedback
 
 from graph_editor.checking.findings import Finding, Severity
 from graph_editor.editor.session import Session
-from graph_editor.nodes import drawing, handles
-from graph_editor.nodes.handles import Look, ShownEdge
-from trajectory_graph import CurveType, Vertex
+from graph_editor.nodes import handles
+from graph_editor.nodes.handles import Look, ShownEdge, ShownVertex
+from graph_editor.nodes.marker_server import OrderedMarkerServer
+from trajectory_graph import CurveType
 
 NAMESPACE = 'graph_editor'
 MOVED = 0.02  # m that the mouse must move a vertex by, for a drag and no click
 Key = Tuple[str, int]
 Shown = Any
 """What a handle shows; it is drawn anew when that is another."""
+
+
+@dataclass
+class Grabbed:
+    """What the mouse holds."""
+
+    handle: str
+    vertex: Optional[int] = None
+    start: Tuple[float, float] = (0.0, 0.0)
+    """m: where the vertex was."""
+    handle_start: Tuple[float, float] = (0.0, 0.0)
+    moved: Tuple[float, float] = (0.0, 0.0)
+    """m: by the mouse, until now."""
+    dragged: bool = False
 
 
 class Board:
@@ -32,17 +47,15 @@ class Board:
         self._session = session
         self._lock = lock
         self._changed = changed
-        self._server = InteractiveMarkerServer(NAMESPACE)
+        self._server = OrderedMarkerServer(NAMESPACE)
         self._shown: Dict[str, Shown] = {}
         self._severities: Dict[Key, Severity] = {}
-        self._grabbed: Optional[str] = None
-        self._grabbed_at = (0.0, 0.0)
-        self._dragged = False
+        self._grabbed: Optional[Grabbed] = None
 
     @property
     def is_dragging(self) -> bool:
         """Is a handle being dragged now?"""
-        return self._dragged
+        return self._grabbed is not None and self._grabbed.dragged
 
     def mark(self, findings: Iterable[Finding]) -> None:
         """From now on these are wrong."""
@@ -57,21 +70,7 @@ class Board:
         """Brings RViz up to date; the severities are those of elements that changed just now."""
         draft = self._session.draft
         wanted: Dict[str, Shown] = {}
-        for vertex in draft.vertices.values():
-            name = handles.vertex_name(vertex.id)
-            look = self._look('vertex', vertex.id, own_severities)
-            wanted[name] = vertex, look
-            shown = self._shown.get(name)
-            if shown == wanted[name]:
-                continue
-            if name == self._grabbed or (shown is not None and shown[1] == look and _same_but_place(
-                    shown[0], vertex)):
-                self._server.setPose(name, drawing.pose_at(*vertex.position))
-                if name == self._grabbed:
-                    wanted[name] = shown  # what else changed is drawn when it is let go
-                    continue
-            else:
-                self._insert(handles.vertex_handle(vertex, look))
+        self._show_vertices(wanted, own_severities)
         groups: Dict[int, List[ShownEdge]] = {}
         for edge in draft.edges.values():
             look = self._look('edge', edge.id, own_severities)
@@ -87,6 +86,26 @@ class Board:
             self._server.erase(name)
         self._shown = wanted
         self._server.applyChanges()
+
+    def _show_vertices(self, wanted: Dict[str, Shown],
+                       own_severities: Mapping[Key, Optional[Severity]]) -> None:
+        groups: Dict[int, List[ShownVertex]] = {}
+        for vertex in self._session.draft.vertices.values():
+            look = self._look('vertex', vertex.id, own_severities)
+            groups.setdefault(handles.vertex_group(vertex.id), []).append(ShownVertex(vertex, look))
+        for group, vertices in groups.items():
+            drawn, name = f'{handles.DRAWN} {group}', f'{handles.VERTICES} {group}'
+            wanted[drawn] = vertices
+            if self._shown.get(drawn) != vertices:
+                self._insert(handles.drawn_vertices(group, vertices))
+            grabbed = self._grabbed
+            if grabbed is not None and grabbed.handle == name:
+                places, moved = [grabbed.start], grabbed.moved
+            else:
+                places, moved = [one.vertex.position for one in vertices], (0.0, 0.0)
+            wanted[name] = places
+            if self._shown.get(name) != places:
+                self._insert(handles.vertices_handle(group, places, moved))
 
     def _show_handles_of_selected(self, wanted: Dict[str, Shown]) -> None:
         selected, draft = self._session.selected, self._session.draft
@@ -119,18 +138,17 @@ class Board:
 
     def _take(self, feedback: InteractiveMarkerFeedback) -> None:
         kind = feedback.event_type
-        place = feedback.pose.position.x, feedback.pose.position.y
         if kind == InteractiveMarkerFeedback.MOUSE_DOWN:
-            self._grabbed, self._grabbed_at, self._dragged = feedback.marker_name, place, False
+            self._grab(feedback)
             return
         if kind == InteractiveMarkerFeedback.POSE_UPDATE:
-            if not self._dragged and math.dist(place, self._grabbed_at) < MOVED:
+            if not self._drag(feedback):
                 return
-            self._grabbed, self._dragged = feedback.marker_name, True
-            self._drag(feedback.marker_name, *place)
         elif kind == InteractiveMarkerFeedback.MOUSE_UP:
-            clicked = not self._dragged
-            self._grabbed, self._dragged = None, False
+            clicked = not self.is_dragging
+            if not clicked and self._grabbed is not None and self._grabbed.vertex is not None:
+                self._shown.pop(feedback.marker_name, None)  # RViz has it where the mouse went
+            self._grabbed = None
             self._session.end_drag()
             if clicked:
                 self._click(*self._meant(feedback))
@@ -140,24 +158,45 @@ class Board:
             return
         self._changed()
 
-    def _drag(self, name: str, x: float, y: float) -> None:
-        what, _, id = name.rpartition(' ')
-        selected = self._session.selected
-        if what == 'vertex':
-            self._session.drag_vertex(int(id), x, y)
-        elif selected is not None and name == handles.TURNER:
-            self._session.drag_heading(selected.id, x, y)
-        elif selected is not None and name in handles.BENDERS:
-            self._session.drag_handle(selected.id, name == handles.BENDERS[0], x, y)
+    def _grab(self, feedback: InteractiveMarkerFeedback) -> None:
+        self._grabbed = Grabbed(feedback.marker_name,
+                                handle_start=_place_of(feedback.pose.position))
+        what, id = self._meant(feedback)
+        if what == 'vertex' and id in self._session.draft.vertices:
+            self._grabbed.vertex = id
+            self._grabbed.start = self._session.draft.vertices[id].position
+
+    def _drag(self, feedback: InteractiveMarkerFeedback) -> bool:
+        """Does what is held as the mouse does; False while that is no drag yet."""
+        grabbed, selected = self._grabbed, self._session.selected
+        if grabbed is None or grabbed.handle != feedback.marker_name:
+            return False
+        place = x, y = _place_of(feedback.pose.position)
+        moved = x - grabbed.handle_start[0], y - grabbed.handle_start[1]
+        if not grabbed.dragged and math.hypot(*moved) < MOVED:
+            return False
+        grabbed.moved, grabbed.dragged = moved, True
+        if grabbed.vertex is not None:
+            self._session.drag_vertex(grabbed.vertex, grabbed.start[0] + moved[0],
+                                      grabbed.start[1] + moved[1])
+        elif selected is not None and grabbed.handle == handles.TURNER:
+            self._session.drag_heading(selected.id, *place)
+        elif selected is not None and grabbed.handle in handles.BENDERS:
+            self._session.drag_handle(selected.id, grabbed.handle == handles.BENDERS[0], *place)
+        return True
 
     def _meant(self, feedback: InteractiveMarkerFeedback) -> Tuple[str, int]:
-        """Kind and id of what was clicked; of edges the one that is nearest to the mouse."""
-        what, _, id = feedback.marker_name.rpartition(' ')
-        if what != handles.EDGES:
-            return what, int(id) if id.isdigit() else 0
-        edges = self._shown.get(feedback.marker_name, ())
-        place = feedback.mouse_point.x, feedback.mouse_point.y
-        return 'edge', self._session.nearest_edge(place, [shown.edge.id for shown in edges]) or 0
+        """Kind and id of what is under the mouse: of what shares the handle the nearest to it."""
+        what, _, group = feedback.marker_name.rpartition(' ')
+        place = _place_of(feedback.mouse_point)
+        if what == handles.EDGES:
+            edges = self._shown.get(feedback.marker_name, ())
+            return 'edge', self._session.nearest_edge(place, [one.edge.id for one in edges]) or 0
+        if what == handles.VERTICES:
+            vertices = [one.vertex for one in self._shown.get(f'{handles.DRAWN} {group}', ())]
+            return 'vertex', min(((math.dist(vertex.position, place), vertex.id)
+                                  for vertex in vertices), default=(0.0, 0))[1]
+        return what, 0
 
     def _click(self, what: str, id: int) -> None:
         if what == 'vertex':
@@ -172,6 +211,5 @@ class Board:
             self._session.do(entry.action, what, id, entry.argument)
 
 
-def _same_but_place(one: Vertex, other: Vertex) -> bool:
-    """Do two vertices differ in their place only?"""
-    return replace(one, x=other.x, y=other.y) == other
+def _place_of(point: Point) -> Tuple[float, float]:
+    return point.x, point.y

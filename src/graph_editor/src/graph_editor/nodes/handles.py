@@ -1,6 +1,9 @@
 """The handles of vertices, edges and splines: what each looks like, as messages.
 
-Edges share handles, so that RViz stays fast: the place of a click tells which one is meant.
+RViz is slow with many handles and words, so elements share handles: the place of the mouse tells
+which one is meant. As RViz moves all of a handle with the mouse, those of vertices cannot be seen,
+and what is seen of vertices is no handle.
+
 Left: a vertex is dragged or selected, an edge selected. Right: a menu. The selected vertex has a
 ball ahead of it that turns it; the selected spline has two that bend it.
 """
@@ -22,16 +25,19 @@ from trajectory_graph import CurveType, Edge, Graph, GraphError, Vertex
 from trajectory_graph.editing import Draft
 
 VERTEX_SIZE, HANDLE_SIZE, EDGE_WIDTH = 0.32, 0.26, 0.08  # m
+ID_HEIGHT, ID_PLACE = 0.21, (0.16, 0.2)  # m; from the vertex to the left lower corner of its id
 HEADING_REACH = 0.75  # m from a vertex to the ball that turns it
-EDGE_Z, VERTEX_Z, HANDLE_Z, TEXT_Z = 0.02, 0.06, 0.1, 0.14
+EDGE_Z, VERTEX_Z, HANDLE_Z, TEXT_Z = 0.02, 0.06, 0.1, 0.14  # the mouse finds what is on top
 SMOOTH = 0.15  # m between the points of a drawn curve
 BLUE, VIOLET, NAVY = colour(0.1, 0.4, 0.8), colour(0.55, 0.25, 0.8), colour(0.12, 0.2, 0.35)
 ORANGE, PURPLE, GREEN = colour(0.95, 0.55, 0.0), colour(0.6, 0.0, 0.6), colour(0.0, 0.6, 0.25)
+UNSEEN = colour(0.0, 0.0, 0.0, 0.0)
 YELLOW, RED, AMBER, BLACK = (colour(1.0, 0.85, 0.1), colour(0.9, 0.05, 0.05),
                              colour(1.0, 0.6, 0.1), colour(0.05, 0.05, 0.05))
 GROUP = 25
 """Edges in one handle: RViz is slow with a thousand handles, an update with a thousand edges."""
-EDGES = 'edges'
+VERTEX_GROUP = 10
+EDGES, VERTICES, DRAWN = 'edges', 'vertices', 'drawn vertices'
 TURNER, BENDERS = 'turn', ('bend f', 'bend b')
 """Names of the handles of what is selected."""
 
@@ -43,6 +49,13 @@ class Look(NamedTuple):
     selected: bool = False
     waiting: bool = False
     """For its connection."""
+
+
+class ShownVertex(NamedTuple):
+    """What the drawing of a vertex depends on."""
+
+    vertex: Vertex
+    look: Look
 
 
 class ShownEdge(NamedTuple):
@@ -64,32 +77,54 @@ _VERTEX_ENTRIES, VERTEX_ACTIONS = _menu(VERTEX_MENU)
 _EDGE_ENTRIES, EDGE_ACTIONS = _menu(EDGE_MENU)
 
 
-def vertex_name(id: int) -> str:
-    """Of a vertex's handle."""
-    return f'vertex {id}'
-
-
 def edge_group(id: int) -> int:
     """Which handle an edge belongs to."""
     return (id - 1) // GROUP
 
 
-def vertex_handle(vertex: Vertex, look: Look) -> InteractiveMarker:
-    """A disc that can be dragged, an arrow along its heading, its id and label."""
-    paint = _warning(look) or (PURPLE if vertex.dock else ORANGE if vertex.parking else NAVY)
-    label = f' {vertex.label}' if vertex.label not in ('', 'pass', 'parking') else ''
-    marker = _handle(vertex_name(vertex.id), vertex.position)
+def vertex_group(id: int) -> int:
+    """Which handle a vertex belongs to."""
+    return (id - 1) // VERTEX_GROUP
+
+
+def vertices_handle(group: int, places: Iterable[Tuple[float, float]],
+                    moved: Tuple[float, float] = (0.0, 0.0)) -> InteractiveMarker:
+    """Discs that cannot be seen, at `places` and with the mouse `moved` from there."""
+    marker = _handle(f'{VERTICES} {group}', moved)
     marker.menu_entries = _VERTEX_ENTRIES
+    shape = drawing.flat(drawing.moved(drawing.disc(VERTEX_SIZE, HANDLE_Z - 0.01, UNSEEN), place)
+                         for place in places)
+    shape.color, shape.colors = UNSEEN, []
+    marker.controls.append(_plane_control('move', 'Vertex: drag, or right click', [shape]))
+    return marker
+
+
+def drawn_vertices(group: int, vertices: Iterable[ShownVertex]) -> InteractiveMarker:
+    """What is seen of a group of vertices."""
+    marker = _handle(f'{DRAWN} {group}', (0.0, 0.0))
+    shown = [_drawn_vertex(*one) for one in vertices]
+    marker.controls.append(InteractiveMarkerControl(
+        name='drawn', interaction_mode=InteractiveMarkerControl.NONE, always_visible=True,
+        markers=[drawing.together(shape for shape, _ in shown),
+                 *(words for _, words in shown if words is not None)]))
+    return marker
+
+
+@lru_cache(maxsize=20_000)
+def _drawn_vertex(vertex: Vertex, look: Look) -> Tuple[Marker, Optional[Marker]]:
+    """A disc, an arrow along the heading and the id; and the label, which RViz writes."""
+    paint = _warning(look) or (PURPLE if vertex.dock else ORANGE if vertex.parking else NAVY)
     parts = [drawing.disc(VERTEX_SIZE, VERTEX_Z, paint),
              drawing.arrow(vertex.theta, 0.42, 0.2, VERTEX_Z + 0.01, paint)]
     if look.selected or look.waiting:
         halo = VERTEX_SIZE * (2.0 if look.waiting else 1.6)
         parts.append(drawing.disc(halo, VERTEX_Z - 0.015, YELLOW))
-    marker.controls.append(_plane_control(
-        'move', f'Vertex {vertex.id}{label}: drag, or right click',
-        [drawing.flat(parts),
-         drawing.text(f'{vertex.id}{label}', 0.28, 0.32, TEXT_Z, 0.3, BLACK)]))
-    return marker
+    number = drawing.number(vertex.id, ID_HEIGHT, TEXT_Z, BLACK)
+    parts += [drawing.moved(stroke, ID_PLACE) for stroke in number]
+    shape = drawing.flat(drawing.moved(part, vertex.position) for part in parts)
+    if vertex.label in ('', 'pass', 'parking'):
+        return shape, None
+    return shape, drawing.text(vertex.label, vertex.x, vertex.y - 0.36, TEXT_Z, 0.3, BLACK)
 
 
 def edges_handle(group: int, edges: Iterable[ShownEdge]) -> InteractiveMarker:
