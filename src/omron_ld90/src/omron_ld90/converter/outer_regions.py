@@ -71,11 +71,13 @@ def _region(piece: Polygon, outlines: List[np.ndarray]) -> OuterRegion:
 
 
 def _outline(ring: LinearRing) -> np.ndarray:
-    """The corners (N,2) of a ring, from the lowest of the leftmost around to it again."""
+    """The corners (N,2) of a ring, from the lowest of the leftmost around to it again; those that
+    rounding lets fall together are one."""
     corners = np.round(np.array(ring.coords)[:-1], 3)
     first = np.lexsort(corners.T[::-1])[0]
     around = np.roll(corners, -first, axis=0)
-    return np.concatenate((around, around[:1]))
+    closed = np.concatenate((around, around[:1]))
+    return closed[np.append(True, (np.diff(closed, axis=0) != 0.0).any(axis=1))]
 
 
 def _resampled(outline: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
