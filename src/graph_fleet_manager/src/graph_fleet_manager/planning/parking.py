@@ -5,9 +5,9 @@ of the graph still hangs together and each of these robots can leave and come ba
 arXiv 1501.07704). Then somebody can always move, whatever missions come. Vertices that the graph
 forbids as parking, like those that cut an edge into sections, may be cut off. Where closed edges
 leave parts of a graph without a way between them, all this holds for each of them. How many
-vertices such a set can have is the capacity of the graph. The largest set is hard to find; here it is
-searched for from many beginnings, so what is found is certain to be well-formed, and small graphs
-are rarely undersold.
+vertices such a set can have is the capacity of the graph. The largest set is hard to find; here it
+is searched for from many beginnings, so what is found is certain to be well-formed, and small
+graphs are rarely undersold.
 """
 from __future__ import annotations
 
