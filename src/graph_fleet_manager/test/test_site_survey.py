@@ -18,6 +18,7 @@ from graph_fleet_manager.site.survey import (
     dead_ends,
     long_edges,
     near_edges,
+    parking_for_all,
     survey,
 )
 from trajectory_graph import Graph, load_graph
@@ -73,6 +74,17 @@ class TestParking:
         assert found.capacities == (Capacity('omron_ld90', 12, 1),)
         assert 16 in found.parking
         assert not found.near_edges
+
+
+    def test_while_a_ring_is_cut_nobody_is_parked_on_the_only_way_that_is_left(self):
+        graph, fleet = ring(1, 2, 3), Fleet((AGV,), (), 0.1)
+        assert parking_for_all(RoadNetwork(graph), fleet) > {11, 12, 13}
+        assert parking_for_all(RoadNetwork(graph, closed=(2,)), fleet) == {11, 12, 13}
+
+    def test_in_each_part_that_closed_edges_leave_somebody_can_park(self):
+        graph, fleet = ring(1, 2, 3, 4), Fleet((AGV,), (), 0.1)
+        parking = parking_for_all(RoadNetwork(graph, closed=(2, 4)), fleet)
+        assert parking == {11, 12, 13, 14}
 
 
 class TestDeadEnds:

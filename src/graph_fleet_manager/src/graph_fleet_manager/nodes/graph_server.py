@@ -3,7 +3,8 @@
 Publishes (all latched)
     /graph (itrci_nav_msgs/Graph): the graph in force; header.stamp is its version
     /docking_points (itrci_nav_msgs/DockingPoints)
-    /parking (itrci_nav_msgs/ParkingPlaces): where robots may stand, how many the graph holds
+    /parking (itrci_nav_msgs/ParkingPlaces): where robots may stand while what is closed is closed,
+        how many the graph holds
     /closed_edges_in_force (itrci_nav_msgs/ClosedEdges)
     /diagnostics
 Subscribes
@@ -21,7 +22,8 @@ from __future__ import annotations
 
 import os
 import threading
-from typing import List, Optional
+from dataclasses import replace
+from typing import FrozenSet, List, Optional, Tuple
 
 import rospkg
 import rospy
@@ -43,7 +45,7 @@ from graph_fleet_manager.planning.road_network import RoadNetwork
 from graph_fleet_manager.site.closures import Closures, OutOfDate
 from graph_fleet_manager.site.graph_in_force import GraphInForce
 from graph_fleet_manager.site.remarks import Remark, remarks
-from graph_fleet_manager.site.survey import survey
+from graph_fleet_manager.site.survey import Survey, parking_for_all, survey
 from itrci_nav_msgs.msg import (
     ClosedEdges,
     DockingPoints,
@@ -73,6 +75,10 @@ class GraphServer:
         self._trouble = ''
         """Why the file was not taken up when it was last read."""
         self._remarks: List[Remark] = []
+        self._surveyed: Optional[Tuple[RoadNetwork, Survey]] = None
+        """What was found out about the graph in force, all of its edges open."""
+        self._parked_with: FrozenSet[int] = frozenset()
+        """The closed edges with which /parking was worked out."""
         self._graphs = rospy.Publisher('/graph', GraphMessage, queue_size=1, latch=True)
         self._docks = rospy.Publisher('/docking_points', DockingPoints, queue_size=1, latch=True)
         self._parking = rospy.Publisher('/parking', ParkingPlaces, queue_size=1, latch=True)
@@ -138,7 +144,7 @@ class GraphServer:
         """Tells everybody of a new graph in force."""
         graph = self._graph
         assert graph is not None
-        self._remarks = []
+        self._remarks, self._surveyed, self._parked_with = [], None, frozenset()
         self._stamp = max(rospy.Time.now(), self._stamp + rospy.Duration(0, 1))
         self._forget_closures(graph)
         self._graphs.publish(graph_message(graph, self._stamp))
@@ -170,9 +176,26 @@ class GraphServer:
             if stamp != self._stamp:
                 return
             self._remarks = said
+            self._surveyed = network, found
             self._parking.publish(parking_message(found, stamp))
         for remark in said:
             (rospy.logwarn if remark.warning else rospy.loginfo)('%s', remark.text)
+        self._park_by_closures()
+
+    def _park_by_closures(self) -> None:
+        """Tells where robots may be parked with the edges that are closed now, as soon as that has
+        been found out; until then what was told before stays."""
+        with self._lock:
+            known, closed = self._surveyed, self._closures.edges
+        if known is None or closed == self._parked_with:
+            return
+        network, found = known
+        parking = parking_for_all(network.with_closed(closed), self._fleet)
+        with self._lock:
+            if known is self._surveyed and closed == self._closures.edges:
+                self._parked_with = closed
+                self._parking.publish(parking_message(replace(found, parking=parking),
+                                                      self._stamp))
 
     # -- closures and robots ----------------------------------------------------------------------
 
@@ -189,6 +212,7 @@ class GraphServer:
                 return
             self._publish_closed()
             closed = self._closures.edges
+        threading.Thread(target=self._park_by_closures, name='parking', daemon=True).start()
         rospy.loginfo('Closed edges: %s.', _listed(closed) if closed else 'none')
         if unknown:
             rospy.logwarn('Edges %s are to be closed, but the graph does not have them.',

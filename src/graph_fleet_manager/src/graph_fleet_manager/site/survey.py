@@ -71,7 +71,7 @@ class Survey:
 
 
 def survey(network: RoadNetwork, fleet: Fleet) -> Survey:
-    """Surveys a graph for a fleet; takes seconds, on large graphs up to a minute."""
+    """Surveys a graph for a fleet; takes some seconds."""
     largest = max(fleet.types, key=lambda kind: kind.reach)
     distance = 2.0 * largest.reach + fleet.clearance
     parking, capacities = _parking(network, fleet, largest)
@@ -87,7 +87,7 @@ def _parking(network: RoadNetwork, fleet: Fleet,
 
     Places for all are those of the largest: who is smaller is in less of a way there.
     """
-    anywhere = {vertex for kind in fleet.types for vertex in named_parking(network, kind)}
+    anywhere = _anywhere(network, fleet)
     for_all = Parking(network, largest, fleet.clearance, anywhere).largest()
     known: Dict[Tuple[float, FrozenSet[int], Tuple[bool, ...]], FrozenSet[int]] = {}
     capacities = []
@@ -100,6 +100,18 @@ def _parking(network: RoadNetwork, fleet: Fleet,
         docks = known[same] & network.docks
         capacities.append(Capacity(kind.name, len(known[same] - docks), len(docks)))
     return frozenset(network.vertex_ids[vertex] for vertex in for_all), tuple(capacities)
+
+
+def parking_for_all(network: RoadNetwork, fleet: Fleet) -> FrozenSet[int]:
+    """`Survey.parking` alone, as it is with the edges of `network` that are closed now."""
+    largest = max(fleet.types, key=lambda kind: kind.reach)
+    parking = Parking(network, largest, fleet.clearance, _anywhere(network, fleet))
+    return frozenset(network.vertex_ids[vertex] for vertex in parking.largest())
+
+
+def _anywhere(network: RoadNetwork, fleet: Fleet) -> Set[int]:
+    """The vertices at which the graph allows robots of any type to be parked."""
+    return {vertex for kind in fleet.types for vertex in named_parking(network, kind)}
 
 
 def dead_ends(network: RoadNetwork) -> Tuple[DeadEnd, ...]:
