@@ -217,7 +217,8 @@ class ClickTest(unittest.TestCase):
 
             manager.state = FleetRobot.OUT_OF_SERVICE  # left to a person
             wait_until(lambda: self.localize_is_answered('localizeToPoint'), 20.0, 'a command')
-            self.assertTrue(self.sent()[-1].startswith('localizeToPoint'))
+            wait_until(lambda: any(text.startswith('localizeToPoint') for text in self.sent()),
+                       20.0, 'the command at the robot')
         finally:
             manager.end()
 

@@ -21,7 +21,7 @@ from itrci_nav_msgs.msg import FleetRobot, FleetState, MissionRequest, MissionSt
 from system_support import Recorder, connected_publisher, run_cases, wait_until
 
 LONG = os.environ.get('LD90_LONG_TESTS') == '1'
-SWAPS = 10 if LONG else 3
+SWAPS = 10 if LONG else 2
 ALLOWED = 0.4 + 0.4 + 0.1  # m: both radii and the clearance of vectors/siding_fleet.yaml
 OFTEN = 120.0  # s, generous: another test runs beside this one
 

@@ -82,10 +82,11 @@ class Stack:
     def agv_fleet(self, count: int) -> dict:
         """Files of a warehouse with so many AGVs at stations of their own."""
         graph, stations = aisles(500)
+        step = len(stations) // count
         save_graph(graph, self.folder / 'graph.yaml')
         lines = ['clearance: 0.1', 'robot_types:',
                  '- {name: agv, radius: 0.43, speed: 1.0, release_ahead: 0.0}', 'robots:']
-        lines += [f'- {{name: agv_{k}, type: agv, vertex: {stations[3 * k]}, driver: agv}}'
-                  for k in range(1, count + 1)]
+        lines += [f'- {{name: agv_{k}, type: agv, vertex: {vertex}, driver: agv}}'
+                  for k, vertex in enumerate(stations[:count * step:step], 1)]
         (self.folder / 'fleet.yaml').write_text('\n'.join(lines) + '\n')
         return {'graph': self.folder / 'graph.yaml', 'fleet': self.folder / 'fleet.yaml'}

@@ -1,0 +1,119 @@
+"""What makes no sense, comes twice, late or from a stranger: ignored or refused in one sentence."""
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from fleet_builders import AGV, corridor
+from supervised_fleet import SupervisedFleet
+
+from graph_fleet_manager.planning.tasks import Outcome
+from graph_fleet_manager.supervision.missions import Command, MissionState
+from graph_fleet_manager.supervision.outages import Outage
+from graph_fleet_manager.supervision.reports import Pose, Report
+from trajectory_graph.route_protocol import EdgeState, RouteRefusal
+
+
+@pytest.fixture
+def fleet():
+    """One robot on its way from 1 to 6, with a mission that is open."""
+    fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
+    fleet.request(1, 6)
+    fleet.run(3.0)
+    assert fleet.agvs['a'].is_driving
+    return fleet
+
+
+def hear(fleet, report):
+    """The supervisor hears a report out of the blue; returns the orders that follow."""
+    sent = len(fleet.sent)
+    fleet.do(fleet.supervisor.report('a', report, fleet.now))
+    return fleet.sent[sent:]
+
+
+def ends_well(fleet):
+    """Does the mission end as if nothing had been?"""
+    fleet.run_until_done(1)
+    return fleet.state(1) is MissionState.SUCCEEDED and fleet.agvs['a'].travelled == pytest.approx(
+        10.0)
+
+
+@pytest.mark.parametrize('wrong', [
+    Pose(1, float('nan')), Pose(1, float('inf')), Pose(1, -0.5), Pose(1, 1.5), Pose(99, 0.5)])
+def test_a_place_that_cannot_be_is_ignored_in_one_sentence(fleet, wrong):
+    assert hear(fleet, replace(fleet.agvs['a'].report(fleet.now), pose=wrong)) == []
+    assert fleet.notes[-1].startswith('A report of a is ignored: it is ')
+    assert ends_well(fleet)
+
+
+@pytest.mark.parametrize('wrong', [
+    {'stamp': float('nan')}, {'age': float('nan')}, {'edges': (1,), 'states': ()},
+    {'edges': (2,) * 2000, 'states': (EdgeState.COMPLETE,) * 2000}])
+def test_a_report_that_makes_no_sense_is_ignored_in_one_sentence(fleet, wrong):
+    assert hear(fleet, replace(fleet.agvs['a'].report(fleet.now), **wrong)) == []
+    assert fleet.notes[-1].startswith('A report of a is ignored: ')
+    assert ends_well(fleet)
+
+
+def test_reports_that_come_again_late_and_out_of_order_change_nothing(fleet):
+    reports = []
+    for _ in range(20):
+        reports.append(fleet.agvs['a'].report(fleet.now))
+        fleet.step()
+    done = fleet.supervisor.robots['a'].track.done
+    for report in reversed(reports):
+        hear(fleet, report)
+        hear(fleet, report)
+    assert fleet.supervisor.robots['a'].track.done == done
+    assert ends_well(fleet)
+
+
+def test_a_robot_that_reports_from_two_places_at_once_is_left_to_a_person(fleet):
+    fleet.run_until_done(1)
+    other = Report(fleet.agvs['a'].route_id, fleet.agvs['a'].edges,
+                   (EdgeState.COMPLETE,) * len(fleet.agvs['a'].edges), Pose(2, 0.5), '',
+                   fleet.now)
+    hear(fleet, other)
+    assert fleet.supervisor.robots['a'].outage is Outage.TAKEN_OVER
+
+
+def test_a_robot_off_the_graph_gets_nothing_to_drive_and_its_missions_wait():
+    fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
+    fleet.step()
+    hear(fleet, Report(0, stamp=fleet.now))
+    fleet.silent['a'] = fleet.now + 4.0
+    fleet.request(1, 6)
+    fleet.run(3.0)
+    assert fleet.supervisor.robots['a'].outage is Outage.OFF_GRAPH
+    assert fleet.statuses[-1].reason == 'a: it reports to be off the graph' and not fleet.sent
+
+
+def test_a_route_of_a_stranger_takes_the_robot_over_and_nobody_else_is_sent_there(fleet):
+    hear(fleet, Report(77, (4, 5), (EdgeState.PROCESSING,) * 2, Pose(4, 0.5), '', fleet.now))
+    robot = fleet.supervisor.robots['a']
+    assert robot.outage is Outage.TAKEN_OVER
+    assert 'a route that was not given to it here' in robot.why
+
+
+def test_a_refusal_of_what_was_never_ordered_changes_nothing(fleet):
+    fleet.do(fleet.supervisor.refusal('a', RouteRefusal(4711, (3,), 'no'), fleet.now))
+    assert fleet.supervisor.robots['a'].works and ends_well(fleet)
+
+
+def test_a_plan_that_was_not_asked_for_is_not_driven(fleet):
+    before = fleet.supervisor.dispatcher.plan
+    fleet.do(fleet.supervisor.plan_made(4711, Outcome({}, ()), fleet.now))
+    fleet.do(fleet.supervisor.plan_failed(4711, 'a stranger says so', fleet.now))
+    assert fleet.supervisor.dispatcher.plan is before and ends_well(fleet)
+
+
+@pytest.mark.parametrize('command', list(Command))
+def test_a_command_for_a_mission_that_is_not_there_is_told_so(fleet, command):
+    fleet.do(fleet.supervisor.command(4711, command, fleet.now))
+    assert fleet.notes[-1] == f'There is no open mission 4711 for {command.name}.'
+    assert ends_well(fleet)
+
+
+def test_closing_edges_that_the_graph_does_not_have_closes_nothing(fleet):
+    fleet.close(4711, -4712)
+    assert not fleet.supervisor.network.closed and ends_well(fleet)
