@@ -163,6 +163,29 @@ import_multimaster() {
   rmdir "$staging"
 }
 
+# provide_multimaster: fkie multimaster in this environment, in a workspace of its own (build/multimaster, kept between
+# runs) unless scripts/multimaster.sh has put it into this one. Where it cannot be had, MULTIMASTER_MISSING says why; it
+# fails where it cannot be built.
+provide_multimaster() {
+  ! rospack find fkie_master_sync >/dev/null 2>&1 || return 0
+  local workspace="$root/build/multimaster" log="$root/build/multimaster_build.log" made_of
+  made_of="$root $(sha256sum <"$root/catkin_ws.repos")"  # a build says where it is, so it does not move with the folder
+  if [ "$(cat "$workspace/.made_of" 2>/dev/null)" != "$made_of" ]; then
+    say "Building fkie multimaster in build/multimaster"
+    rm -rf "$workspace"
+    mkdir -p "$workspace/src"
+    MULTIMASTER_MISSING="$(import_multimaster "$workspace/src/multimaster_fkie" 2>&1 | tail -1)" || true
+    export MULTIMASTER_MISSING
+    [ -d "$workspace/src/multimaster_fkie" ] || return 0
+    if ! catkin_make -C "$workspace" -DPYTHON_EXECUTABLE=/usr/bin/python3 >"$log" 2>&1; then
+      MULTIMASTER_MISSING="it could not be built"
+      return 1
+    fi
+    echo "$made_of" >"$workspace/.made_of"
+  fi
+  _source "$workspace/devel/setup.bash"
+}
+
 # virtual_environment NAME PYTHON [--system-site-packages] PIP_ARGS...: build/NAME with these packages, kept until they change
 virtual_environment() {
   local folder="$root/build/$1" python="$2" options=() log="$root/build/pip.log"; shift 2

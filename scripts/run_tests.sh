@@ -48,33 +48,10 @@ unit_tests_of_python38() {
   fi
 }
 
-# provide_multimaster: fkie multimaster in this environment, in a workspace of its own (build/multimaster, kept between
-# runs) unless scripts/multimaster.sh has put it into this one. Where it cannot be had, the test says why.
-provide_multimaster() {
-  ! rospack find fkie_master_sync >/dev/null 2>&1 || return 0
-  local workspace="$root/build/multimaster" log="$root/build/multimaster_build.log" made_of
-  made_of="$root $(sha256sum <catkin_ws.repos)"  # a build says where it is, so it does not move with the folder
-  if [ "$(cat "$workspace/.made_of" 2>/dev/null)" != "$made_of" ]; then
-    say "Building fkie multimaster in build/multimaster"
-    rm -rf "$workspace"
-    mkdir -p "$workspace/src"
-    MULTIMASTER_MISSING="$(import_multimaster "$workspace/src/multimaster_fkie" 2>&1 | tail -1)" || true
-    export MULTIMASTER_MISSING
-    [ -d "$workspace/src/multimaster_fkie" ] || return 0
-    if ! catkin_make -C "$workspace" -DPYTHON_EXECUTABLE=/usr/bin/python3 >"$log" 2>&1; then
-      record "$results" failed build-of-multimaster "see $log"
-      MULTIMASTER_MISSING="it could not be built"
-      return 0
-    fi
-    echo "$made_of" >"$workspace/.made_of"
-  fi
-  _source "$workspace/devel/setup.bash"
-}
-
 system_test() {  # system_test NAME ARCL_PORT OUTGOING_PORT: one rostest on free ports, under its own ROS master
   local name="$1" log="$results/$1.log" begun=$SECONDS verdict=passed file
   export LD90_ARCL_PORT="$2" LD90_OUTGOING_PORT="$3" ROS_TEST_RESULTS_DIR="$results/ros/$name"
-  timeout --kill-after=20 600 rostest --pkgdir="$root/src/omron_ld90" --package=omron_ld90 \
+  timeout --kill-after=20 "${LD90_LONG_TESTS:+1}600" rostest --pkgdir="$root/src/omron_ld90" --package=omron_ld90 \
     "$root/test/$name.test" >"$log" 2>&1 &
   local rostest=$!
   trap 'kill -TERM $rostest; wait $rostest' TERM
@@ -109,7 +86,7 @@ case "$kind" in
   unit) unit_tests ;;
   python3.8) unit_tests_of_python38 ;;
   system)
-    case " $*" in *' multimaster'*) provide_multimaster ;; esac
+    case " $*" in *' multimaster'*) provide_multimaster || record "$results" failed build-of-multimaster "see build/multimaster_build.log" ;; esac
     system_tests "$@" ;;
   *) die "there are tests 'unit', 'python3.8' and 'system', and no '$kind'" ;;
 esac

@@ -6,6 +6,7 @@ import json
 import math
 import os
 import re
+import shutil
 import socket
 import threading
 from pathlib import Path
@@ -49,8 +50,10 @@ class JoinedFleet:
 
     def __init__(self, folder: Path, sim_speed: float, agvs: int = 0,
                  namespaces: Tuple[str, str] = ('', ''),
-                 addresses: Tuple[str, ...] = ()) -> None:
-        """`namespaces` are network namespaces of the LD-90 with its computer, and of the fleet
+                 addresses: Tuple[str, ...] = (), pictures: bool = True) -> None:
+        """Without `pictures`, nothing is drawn on the LD-90's computer.
+
+        `namespaces` are network namespaces of the LD-90 with its computer, and of the fleet
         manager's; `addresses` those of the LD-90's computer, the fleet manager's, the AGVs'.
         """
         self._folder = folder
@@ -69,7 +72,8 @@ class JoinedFleet:
             f'graph_in_force_file:={folder / "graph.yaml"}', f'sim_speed:={sim_speed}',
         ]], folder / 'fleet.log', peers_from_file=True, namespace=namespaces[1])
         self.robot = Computer(LD90, own, [[
-            'omron_ld90', 'full_stack.launch', 'sim:=false', 'robot_ip:=127.0.0.1', 'rviz:=false',
+            *(['omron_ld90', 'full_stack.launch', 'sim:=false', 'robot_ip:=127.0.0.1',
+               'rviz:=false'] if pictures else [str(HERE / 'multimaster_ld90.launch')]),
             f'arcl_port:={self._ports[0]}', f'outgoing_port:={self._ports[1]}',
             f'password_file:={PASSWORD}', f'route_file:={folder / "route.json"}',
             'restart_timeout:=120',
@@ -91,9 +95,9 @@ class JoinedFleet:
         arcl, outgoing, control = self._ports
         self._stack.enter_context(program(
             *entering(self._namespaces[0]), 'rosrun', 'omron_ld90_sim', 'ld90_sim',
-            '--map', MAPS / 'lab.map', '--port', arcl,
-            '--outgoing', f'127.0.0.1:{outgoing}', '--password-file', PASSWORD,
-            '--speed', self._sim_speed, '--control', control, '--log', self.session,
+            '--map', MAPS / 'lab.map', '--port', arcl, '--outgoing', f'127.0.0.1:{outgoing}',
+            '--password-file', PASSWORD, '--speed', self._sim_speed, '--control', control,
+            '--log', self.session,
             log=self._folder / 'ld90.log'))
         return self
 
@@ -208,7 +212,6 @@ class Odometer:
 def kept_folder(name: str) -> Path:
     """A folder for what the computers print, kept for who looks for what went wrong."""
     folder = Path(os.environ.get('SYSTEM_TEST_ARTEFACTS', '/tmp')) / name
-    folder.mkdir(parents=True, exist_ok=True)
-    for file in folder.iterdir():
-        file.unlink()
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
     return folder

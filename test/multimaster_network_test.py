@@ -26,7 +26,7 @@ class PulledCable(unittest.TestCase):
     def test_the_route_goes_on_without_the_link_and_the_mission_with_it(self) -> None:
         with Cable() as cable, JoinedFleet(
                 kept_folder('multimaster_network'), SIM_SPEED, namespaces=cable.namespaces,
-                addresses=cable.addresses) as fleet:
+                addresses=cable.addresses, pictures=False) as fleet:
             for computer in fleet.computers:
                 computer.start()
             mission = fleet.send(*DESTINATIONS)

@@ -67,8 +67,11 @@ class Master:
         state = self.value(lambda: self.api.getSystemState(_CALLER))
         names = _ask(lambda: sorted({str(node) for kind in state for _, nodes in kind
                                      for node in nodes})[:_MOST])
-        return {name: str(self.value(lambda name=name: self.api.lookupNode(_CALLER, name)))
-                for name in names}
+        return {name: self.node_uri(name) for name in names}
+
+    def node_uri(self, name: str) -> str:
+        """The URI of a node's API; raises NoAnswer."""
+        return str(self.value(lambda: self.api.lookupNode(_CALLER, name)))
 
     def pid(self) -> int:
         """The process that it is: another one after a restart. Raises NoAnswer."""
