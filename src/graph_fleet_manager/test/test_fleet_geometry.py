@@ -3,17 +3,18 @@ from __future__ import annotations
 
 import math
 from random import Random
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 from fleet_builders import as_files, graph_of, random_graph
-from hypothesis import given, settings
+from hypothesis import given, reject, settings
 from hypothesis import strategies as st
 from plan_checker import World
 from shapely.geometry import Point
 
 from graph_fleet_manager.planning.capsules import time_within
-from graph_fleet_manager.planning.exclusions import OutOfTime
+from graph_fleet_manager.planning.exclusions import Conflicts, OutOfTime
 from graph_fleet_manager.planning.pieces import TOLERANCE, edge_lengths, pieces_of
 from graph_fleet_manager.planning.road_network import RoadNetwork
 from trajectory_graph import CurveType, Edge, Graph, GraphError, Vertex
@@ -36,24 +37,35 @@ def test_a_point_is_in_a_capsule_exactly_between_entry_and_exit(start, end, firs
     assert not (inside & (gap > distance + 1e-7)).any()
 
 
-def _case(seed):
+class Measured(NamedTuple):
+    """A random graph with its conflict sets, and what the checker thinks of its shapes."""
+
+    graph: Graph
+    distance: float
+    network: RoadNetwork
+    conflicts: Conflicts
+    world: World
+    shapes: list  # of the vertices, then of the edges
+
+
+def _measured(seed) -> Measured:
+    """Skips the few drawings that are no graph."""
     random = Random(seed)
-    graph = random_graph(random, random.randint(3, 10), random.randint(0, 8), 2.0)
-    return graph, random.uniform(0.2, 1.2)
-
-
-def _world(graph):
-    return World(*as_files(graph, [], {}, {}, 0.0))
+    try:
+        graph = random_graph(random, random.randint(3, 10), random.randint(0, 8), 2.0)
+    except GraphError:
+        reject()
+    distance = random.uniform(0.2, 1.2)
+    world, network = World(*as_files(graph, [], {}, {}, 0.0)), RoadNetwork(graph)
+    return Measured(graph, distance, network, network.exclusions.at(distance), world,
+                    [world.at(v) for v in graph.vertices] + [world.line(e) for e in graph.edges])
 
 
 @given(st.integers(0, 2 ** 32 - 1))
 @settings(max_examples=40)
 def test_pieces_follow_their_curves_as_nearly_as_they_say(seed):
-    try:
-        graph, _ = _case(seed)
-    except GraphError:
-        return
-    world, pieces = _world(graph), pieces_of(graph)
+    graph, _, _, _, world, _ = _measured(seed)
+    pieces = pieces_of(graph)
     lengths = edge_lengths(graph)
     for k, edge in enumerate(graph.edges):
         assert lengths[k] == pytest.approx(world.line(edge).length, rel=1e-4)
@@ -71,13 +83,7 @@ def test_pieces_follow_their_curves_as_nearly_as_they_say(seed):
 @given(st.integers(0, 2 ** 32 - 1))
 @settings(max_examples=40)
 def test_places_exclude_each_other_exactly_where_they_are_too_near(seed):
-    try:
-        graph, distance = _case(seed)
-    except GraphError:
-        return
-    world, network = _world(graph), RoadNetwork(graph)
-    conflicts = network.exclusions.at(distance)
-    shapes = [world.at(v) for v in graph.vertices] + [world.line(e) for e in graph.edges]
+    _, distance, _, conflicts, _, shapes = _measured(seed)
     for one, shape in enumerate(shapes):
         row = conflicts.row(one)
         assert one in row
@@ -93,13 +99,7 @@ def test_places_exclude_each_other_exactly_where_they_are_too_near(seed):
 @given(st.integers(0, 2 ** 32 - 1))
 @settings(max_examples=8)
 def test_behind_the_clear_fraction_a_drive_is_out_of_the_way(seed):
-    try:
-        graph, distance = _case(seed)
-    except GraphError:
-        return
-    world, network = _world(graph), RoadNetwork(graph)
-    conflicts = network.exclusions.at(distance)
-    shapes = [world.at(v) for v in graph.vertices] + [world.line(e) for e in graph.edges]
+    graph, distance, network, conflicts, world, shapes = _measured(seed)
     for k, edge in enumerate(graph.edges):
         place = network.vertices + k
         for n in range(conflicts.starts[place], conflicts.starts[place + 1]):
