@@ -210,9 +210,12 @@ def test_corridors_of_narrow_edges_are_measured():
 
 @settings(max_examples=15, deadline=None)
 @given(st.lists(st.tuples(st.sampled_from((1, 2, 3, 4)), st.integers(5, 115),
-                          st.integers(5, 75)), max_size=6))
-def test_what_a_checker_remembers_is_what_another_finds_anew(moves):
+                          st.integers(5, 75)), max_size=6),
+       st.sampled_from((1, 2, 3, 4)))
+def test_what_a_checker_remembers_is_what_another_finds_anew(moves, deleted):
     checker, draft = Checker(CheckRules(), HALL.site()), ring()
+    checker.all(draft)
+    draft = editing.delete_edge(draft, deleted)
     for id, decimetres_x, decimetres_y in moves:
         draft = editing.move_vertex(draft, id, decimetres_x / 10.0, decimetres_y / 10.0)
         checker.all(draft)

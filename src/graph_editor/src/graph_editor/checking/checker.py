@@ -15,6 +15,7 @@ from graph_editor.checking.draft_checks import (
 from graph_editor.checking.edge_checks import GRAIN, check_edge, check_vertex, tightest
 from graph_editor.checking.findings import Finding, in_order
 from graph_editor.checking.rules import CheckRules
+from graph_editor.checking.served_floor import ServedFloor
 from graph_editor.floor import Floor
 from graph_editor.site import Site
 from trajectory_graph import Edge, Graph, GraphError, Vertex
@@ -31,6 +32,8 @@ class Checker:
         self.rules = rules
         self._site = site
         floor = None if site is None else site.floor
+        self._served = None if floor is None else ServedFloor(
+            floor, rules.robot_width / 2.0, rules.reach)
 
         @lru_cache(maxsize=KEPT)
         def edge_findings(origin: Vertex, destination: Vertex, edge: Edge) -> Tuple[Finding, ...]:
@@ -46,7 +49,8 @@ class Checker:
                 curve = Graph((origin, destination), (edge,)).curve(edge.id)
             except GraphError:
                 return None
-            return DrawnEdge(curve, LineString(curve.points))
+            line = LineString(curve.points)
+            return DrawnEdge(curve, line, line.bounds)
         self._drawn = drawn
         self._edge_findings = edge_findings
         self._vertex_findings = vertex_findings
@@ -70,10 +74,9 @@ class Checker:
             findings += self.of_edge(draft, id)
         curves = self._curves(draft)
         findings += check_together(draft, curves, self.rules)
-        if self._site is not None:
+        if self._site is not None and self._served is not None:
             findings += check_corners(draft, curves, self._site.floor, self.rules)
-            findings += check_service(draft, curves, self._site.floor, self._site.places,
-                                      self.rules)
+            findings += check_service(draft, curves, self._served, self._site.places, self.rules)
         return in_order(findings)
 
     def _curves(self, draft: Draft) -> Dict[int, DrawnEdge]:

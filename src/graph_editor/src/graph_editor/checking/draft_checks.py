@@ -2,7 +2,9 @@
 from __future__ import annotations
 
 import math
-from typing import Dict, Iterable, List, Mapping, NamedTuple, Sequence, Set, Tuple
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Dict, FrozenSet, Iterable, List, Mapping, Sequence, Set, Tuple
 
 import networkx as nx
 import numpy as np
@@ -12,21 +14,24 @@ from shapely.geometry import LineString, Point
 
 from graph_editor.checking.findings import Finding, Severity
 from graph_editor.checking.rules import CheckRules
+from graph_editor.checking.served_floor import ServedFloor
 from graph_editor.floor import EVERY_NEIGHBOUR, Floor
-from graph_editor.making.coverage import Coverage, dense
 from graph_editor.site import Place, PlaceKind
 from trajectory_graph.curves import Curve
 from trajectory_graph.editing import Draft
 
 SHARP_CORNER = math.radians(45.0)
+KEPT = 20_000  # pairs of edges whose crossings are remembered
 NAMED_LIKE_PLACE = 1.0  # m between a place of the map and the vertex for it
 
 
-class DrawnEdge(NamedTuple):
-    """The curve of an edge, and the same for shapely."""
+@dataclass(frozen=True, eq=False)
+class DrawnEdge:
+    """The curve of an edge, and the same for shapely; one edge that stays has one of it."""
 
     curve: Curve
     line: LineString
+    bounds: Tuple[float, float, float, float]
 
 
 Curves = Mapping[int, DrawnEdge]
@@ -56,7 +61,7 @@ def check_corners(draft: Draft, curves: Curves, floor: Floor, rules: CheckRules)
     return findings
 
 
-def check_service(draft: Draft, curves: Curves, floor: Floor, places: Sequence[Place],
+def check_service(draft: Draft, curves: Curves, served: ServedFloor, places: Sequence[Place],
                   rules: CheckRules) -> List[Finding]:
     """Places of the map that are no vertices, and floor that is far from all edges."""
     findings = []
@@ -68,18 +73,17 @@ def check_service(draft: Draft, curves: Curves, floor: Floor, places: Sequence[P
                 findings.append(Finding(
                     Severity.WARNING, f'{place.kind.value} {place.name!r} of the map is no vertex',
                     place=place.position))
-    starts = [vertex.position for vertex in draft.vertices.values()]
-    served = Coverage(floor, floor.reachable(rules.robot_width / 2.0, starts), rules.reach)
-    paths = [dense(drawn.curve.points, served.pitch) for drawn in curves.values()]
-    left = served.mask & ~(served.distances(np.vstack([starts, *paths])) <= rules.reach)
-    parts, count = ndimage.label(left, EVERY_NEIGHBOUR)
+    served.update([vertex.position for vertex in draft.vertices.values()],
+                  {id: drawn.curve.points for id, drawn in curves.items()})
+    grid, left = served.coverage, served.left()
+    parts, _ = ndimage.label(left, EVERY_NEIGHBOUR)
     for part, window in enumerate(ndimage.find_objects(parts), 1):
         cells = np.argwhere(parts[window] == part)
-        area = len(cells) * served.cell_area
+        area = len(cells) * grid.cell_area
         if area >= rules.least_floor:
             middle = cells[int(np.argmin(((cells - cells.mean(axis=0)) ** 2).sum(axis=1)))]
-            (x, y), = served.points_of(np.array([middle[0] + window[0].start]),
-                                       np.array([middle[1] + window[1].start]))
+            (x, y), = grid.points_of(np.array([middle[0] + window[0].start]),
+                                     np.array([middle[1] + window[1].start]))
             findings.append(Finding(
                 Severity.WARNING, f'{area:.1f} m2 of floor that robots can reach are farther than '
                 f'{rules.reach:g} m from all edges', place=(float(x), float(y))))
@@ -139,16 +143,22 @@ def _crossings(draft: Draft, curves: Curves) -> Iterable[Finding]:
     for a, b in _near_pairs(curves):
         one, other = draft.edges[a], draft.edges[b]
         shared = {one.origin, one.destination} & {other.origin, other.destination}
-        if shared and _are_lines_at_an_angle(curves[a].curve, curves[b].curve):
-            continue  # they meet in the vertex only
-        meeting = curves[a].line.intersection(curves[b].line)
-        ends = [Point(draft.vertices[id].position) for id in shared]
-        for part in getattr(meeting, 'geoms', [meeting]):
-            if part.is_empty or any(part.distance(end) < 0.1 for end in ends):
-                continue
-            place = part.centroid
+        for place in _meetings(curves[a], curves[b], frozenset(
+                draft.vertices[id].position for id in shared)):
             yield Finding(Severity.WARNING, f'it crosses edge {a} where there is no vertex', 'edge',
-                          b, (place.x, place.y))
+                          b, place)
+
+
+@lru_cache(maxsize=KEPT)
+def _meetings(one: DrawnEdge, other: DrawnEdge, shared: FrozenSet[Tuple[float, float]]
+              ) -> Tuple[Tuple[float, float], ...]:
+    """Where two edges meet but in the vertices that they share."""
+    if shared and _are_lines_at_an_angle(one.curve, other.curve):
+        return ()
+    ends = [Point(place) for place in shared]
+    meeting = one.line.intersection(other.line)
+    return tuple((part.centroid.x, part.centroid.y) for part in getattr(meeting, 'geoms', [meeting])
+                 if not part.is_empty and all(part.distance(end) >= 0.1 for end in ends))
 
 
 def _are_lines_at_an_angle(one: Curve, other: Curve) -> bool:
@@ -159,7 +169,7 @@ def _are_lines_at_an_angle(one: Curve, other: Curve) -> bool:
 def _near_pairs(curves: Curves) -> Iterable[Tuple[int, int]]:
     """Pairs of edges whose boxes overlap."""
     ids = sorted(curves)
-    boxes = np.array([curves[id].line.bounds for id in ids]).reshape(-1, 4)
+    boxes = np.array([curves[id].bounds for id in ids]).reshape(-1, 4)
     for k, id in enumerate(ids):
         left, bottom, right, top = boxes[k]
         rest = boxes[k + 1:]
@@ -200,8 +210,8 @@ def _separates(draft: Draft, id: int) -> bool:
 def _directions(draft: Draft, curves: Curves) -> Dict[int, List[float]]:
     """The directions (rad) in which edges leave each vertex."""
     directions: Dict[int, List[float]] = {id: [] for id in draft.vertices}
-    for id, (curve, _) in curves.items():
-        edge = draft.edges[id]
+    for id, drawn in curves.items():
+        edge, curve = draft.edges[id], drawn.curve
         directions[edge.origin].append(curve.heading_at(0.0))
         directions[edge.destination].append(curve.heading_at(curve.length) + math.pi)
     return directions

@@ -50,6 +50,12 @@ class Coverage:
         starts = np.unique(np.column_stack((rows, columns)), axis=0)
         return np.where(self.mask, self._ways(self.mask, starts) * self.pitch, np.inf)
 
+    def near(self, window: np.ndarray, starts: np.ndarray) -> np.ndarray:
+        """Which cells of a `window` of the mask lie within the reach of cells `starts` (N,2)."""
+        if not len(starts):
+            return np.zeros_like(window)
+        return self._ways(window, starts) * self.pitch <= self._reach
+
     def cells_of(self, points: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
         """Rows and columns of the coarser cells that hold points (N,2)."""
         rows, columns = self._floor.cells_of(points)

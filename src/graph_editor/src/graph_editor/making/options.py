@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from graph_editor.errors import SiteError
+from graph_editor.robot import RobotSize
 
 
 class Halls(Enum):
@@ -17,16 +18,12 @@ class Halls(Enum):
 
 
 @dataclass(frozen=True)
-class MakingOptions:
+class MakingOptions(RobotSize):
     """How big the robot is, and what its lanes shall be like.
 
     Raises SiteError for numbers that fit no robot.
     """
 
-    robot_width: float = 0.5
-    robot_length: float = 0.7
-    corridor: float = 0.9
-    """Floor that a lane gets where there is room for it."""
     margin: float = 0.05
     """What stays free on either side of robot and corridor, and covers the grid's inaccuracy."""
     longest_edge: float = 5.0
@@ -38,16 +35,10 @@ class MakingOptions:
     lattice_pitch: float = 3.0
 
     def __post_init__(self) -> None:
-        for name in ('robot_width', 'robot_length', 'corridor', 'longest_edge', 'reach', 'speed',
-                     'lattice_pitch'):
-            value = getattr(self, name)
-            if not 0.05 <= value <= 1000.0:
-                raise SiteError(f'{name} is {value:g}, but must lie in 0.05..1000.')
+        super().__post_init__()
+        self._require('longest_edge', 'reach', 'speed', 'lattice_pitch')
         if not 0.0 <= self.margin <= 1.0:
             raise SiteError(f'margin is {self.margin:g}, but must lie in 0..1 m.')
-        if self.corridor < self.robot_width:
-            raise SiteError(f'A corridor of {self.corridor:g} m is of no use to a robot '
-                            f'{self.robot_width:g} m wide.')
         if self.lattice_pitch < self.corridor:
             raise SiteError(f'Lanes {self.lattice_pitch:g} m apart leave no corridor of '
                             f'{self.corridor:g} m.')
@@ -65,4 +56,4 @@ class MakingOptions:
     @property
     def turning(self) -> float:
         """The clearance of a place where the robot can turn on the spot."""
-        return (self.robot_width ** 2 + self.robot_length ** 2) ** 0.5 / 2.0 + self.margin
+        return self.half_diagonal + self.margin

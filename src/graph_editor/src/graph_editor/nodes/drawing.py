@@ -111,7 +111,7 @@ def number(value: int, height: float, z: float, paint: ColorRGBA) -> List[Part]:
     unit, parts = height / 8.0, []
     for place, digit in enumerate(str(value)):
         stroke = np.array(DIGITS.get(digit, [(0, 4), (4, 4)]), float) + (6.0 * place, 0.0)
-        parts.append(strip(unit * stroke, 1.1 * unit, z, paint))
+        parts.append(strip(unit * stroke, 1.4 * unit, z, paint))
     return parts
 
 

@@ -25,7 +25,7 @@ from trajectory_graph import CurveType, Edge, Graph, GraphError, Vertex
 from trajectory_graph.editing import Draft
 
 VERTEX_SIZE, HANDLE_SIZE, EDGE_WIDTH = 0.32, 0.26, 0.08  # m
-ID_HEIGHT, ID_PLACE = 0.21, (0.16, 0.2)  # m; from the vertex to the left lower corner of its id
+ID_HEIGHT, ID_PLACE = 0.24, (0.16, 0.19)  # m; from the vertex to the left lower corner of its id
 HEADING_REACH = 0.75  # m from a vertex to the ball that turns it
 EDGE_Z, VERTEX_Z, HANDLE_Z, TEXT_Z = 0.02, 0.06, 0.1, 0.14  # the mouse finds what is on top
 SMOOTH = 0.15  # m between the points of a drawn curve
