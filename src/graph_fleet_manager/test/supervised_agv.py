@@ -7,9 +7,9 @@ from __future__ import annotations
 from typing import Optional, Tuple
 
 from graph_fleet_manager.fleet import RobotType
-from graph_fleet_manager.route_protocol import EdgeState, Phase, RouteRefusal
 from graph_fleet_manager.supervision.reports import Pose, Report
 from trajectory_graph import Graph, TrajectoryGraphError, check_route
+from trajectory_graph.route_protocol import EdgeState, Phase, RouteRefusal
 
 _AT_END = 1e-6  # m
 _NEAR = 0.3     # m from a vertex at which a route may begin there

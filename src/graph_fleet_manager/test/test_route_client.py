@@ -6,7 +6,6 @@ from itertools import count
 import pytest
 from fleet_builders import corridor
 
-from graph_fleet_manager.route_protocol import EdgeState, RouteRefusal
 from graph_fleet_manager.supervision.reports import (
     Place,
     Pose,
@@ -16,6 +15,7 @@ from graph_fleet_manager.supervision.reports import (
     place_of,
 )
 from graph_fleet_manager.supervision.route_client import REPEAT, RouteClient
+from trajectory_graph.route_protocol import EdgeState, RouteRefusal
 
 DONE, AHEAD, FAILED = EdgeState.COMPLETE, EdgeState.PROCESSING, EdgeState.FAILED
 GRAPH = corridor(6)  # vertices 1 to 6, edges of 2 m from k to k + 1

@@ -23,5 +23,5 @@ def listener() -> Iterator[socket.socket]:
     with socket.socket() as sock:
         sock.bind(('127.0.0.1', 0))
         sock.listen(4)
-        sock.settimeout(20.0)
+        sock.settimeout(60.0)
         yield sock

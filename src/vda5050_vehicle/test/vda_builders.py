@@ -10,6 +10,7 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 import yaml
 
 from trajectory_graph import Graph, load_graph
+from trajectory_graph.route_protocol import EdgeState
 from vda5050_vehicle.conformance.checker import VehicleChecker
 from vda5050_vehicle.conformance.layout import track_on
 from vda5050_vehicle.conformance.track import Track, action
@@ -23,13 +24,7 @@ from vda5050_vehicle.drivers.driver import Driver, Pose
 from vda5050_vehicle.drivers.order_fields import Abilities
 from vda5050_vehicle.drivers.order_graph import Matching
 from vda5050_vehicle.drivers.route_driver import SETTLING, RouteDriver
-from vda5050_vehicle.drivers.route_messages import (
-    COMPLETE,
-    FAILED,
-    PROCESSING,
-    RouteCommand,
-    RouteReport,
-)
+from vda5050_vehicle.drivers.route_messages import RouteCommand, RouteReport
 from vda5050_vehicle.protocol.codecs import VERSION_2_1, Codec
 from vda5050_vehicle.protocol.fields import write_json
 from vda5050_vehicle.protocol.headers import Headers
@@ -102,8 +97,8 @@ class RobotSide:
 
     def report(self) -> RouteReport:
         """What the bridge says now."""
-        rest = FAILED if self.reason else PROCESSING
-        states = (COMPLETE,) * self.done + (rest,) * (len(self.route) - self.done)
+        rest = EdgeState.FAILED if self.reason else EdgeState.PROCESSING
+        states = (EdgeState.COMPLETE,) * self.done + (rest,) * (len(self.route) - self.done)
         current = min(self.done, len(self.route) - 1)
         edge = self.route[current] if self.route else 0
         percentage = 100.0 if self.done == len(self.route) else self.percentage

@@ -6,7 +6,7 @@ from agv_builders import GRAPH, Conversation
 from fleet_builders import graph_of
 
 from graph_fleet_manager.agv.vehicle import Vehicle
-from graph_fleet_manager.route_protocol import RouteOrder, SymbolicPose
+from trajectory_graph.route_protocol import RouteOrder, SymbolicPose
 
 
 def test_a_route_is_acknowledged_driven_and_complete() -> None:

@@ -5,10 +5,11 @@ import heapq
 import math
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
-from omron_ld90.bridge import route_protocol as p
+from omron_ld90.bridge import events as p
 from omron_ld90.bridge.route_follower import RouteFollower
 from omron_ld90.bridge.route_strategies import STRATEGIES, Settings
 from trajectory_graph import Edge, Graph, Vertex
+from trajectory_graph.route_protocol import RouteOrder, RouteRefusal, RouteReport
 
 DOCK_VERTEX = 90
 NANOSECONDS = 1_000_000_000
@@ -180,8 +181,8 @@ class Bench:
             links)
         self.now = 100.0
         self.link_is_up = dict.fromkeys(links, True)  # None: its node is away
-        self.reports: List[p.RouteReport] = []
-        self.refusals: List[p.RouteRefusal] = []
+        self.reports: List[RouteReport] = []
+        self.refusals: List[RouteRefusal] = []
         self.notes: List[str] = []
         self.hear_links()
         self.look()
@@ -202,7 +203,7 @@ class Bench:
                 self.tell(p.LinkReported(link, up, '' if up else 'connection refused'))
 
     def order(self, route_id: int, *edges: int, stamp: float = 0.0) -> None:
-        self.tell(p.RouteOrder(route_id, edges, int(stamp * NANOSECONDS)))
+        self.tell(RouteOrder(route_id, edges, int(stamp * NANOSECONDS)))
 
     def run(self, until: Optional[Callable[[Bench], bool]] = None, seconds: float = 300.0) -> None:
         """Lets time pass until the condition holds (by default: no route runs)."""
@@ -250,7 +251,7 @@ class Bench:
         self.look()
 
     @property
-    def last(self) -> Optional[p.RouteReport]:
+    def last(self) -> Optional[RouteReport]:
         return self.reports[-1] if self.reports else None
 
     @property
@@ -268,9 +269,9 @@ class Bench:
         for action in actions:
             if isinstance(action, p.Give):
                 self.give(action)
-            elif isinstance(action, p.RouteReport):
+            elif isinstance(action, RouteReport):
                 self.reports.append(action)
-            elif isinstance(action, p.RouteRefusal):
+            elif isinstance(action, RouteRefusal):
                 self.refusals.append(action)
             else:
                 self.notes.append(action.text)

@@ -23,7 +23,7 @@ from omron_arcl import (
 )
 from omron_arcl.dispatcher import Dispatcher
 from omron_arcl.replies import DockingStatus, OneLineStatus
-from omron_ld90.bridge import route_protocol as p
+from omron_ld90.bridge import events as p
 from omron_ld90.bridge.motions import motion_of
 from omron_ld90.bridge.route_follower import RouteFollower
 from omron_ld90.bridge.route_strategies import STRATEGIES, Settings
@@ -37,6 +37,7 @@ from omron_ld90_sim.motion.floor import Floor
 from omron_ld90_sim.motion.kinematics import Pose
 from omron_map import MapDocument
 from trajectory_graph import Graph, load_graph
+from trajectory_graph.route_protocol import RouteOrder, RouteReport
 
 MAPS = Path(__file__).resolve().parents[4] / 'maps'
 STEP = 0.02           # s
@@ -76,7 +77,7 @@ class SimulatedDrive:
         self._faults = Faults(self.server)
         self.follower = RouteFollower(Settings(
             dock_vertex=DOCK_VERTEX, strategy=STRATEGIES[strategy], **settings), self.graph)
-        self.reports: List[p.RouteReport] = []
+        self.reports: List[RouteReport] = []
         self.commands: List[str] = []
         self.path: List[Tuple[float, float]] = []  # m
         self.lines: List[str] = []
@@ -100,7 +101,7 @@ class SimulatedDrive:
 
     def order(self, route_id: int, *edges: int) -> None:
         """The fleet manager publishes a route."""
-        self._act(self.follower.handle(p.RouteOrder(route_id, edges), self.now))
+        self._act(self.follower.handle(RouteOrder(route_id, edges), self.now))
 
     def drive(self, route_id: int, *edges: int, seconds: float = 600.0) -> float:
         """Drives a route to its end; the seconds that took."""
@@ -213,7 +214,7 @@ class SimulatedDrive:
         for action in actions:
             if isinstance(action, p.Give):
                 self._give(action)
-            elif isinstance(action, p.RouteReport):
+            elif isinstance(action, RouteReport):
                 self.reports.append(action)
             elif isinstance(action, p.Note):
                 self.notes.append(action.text)

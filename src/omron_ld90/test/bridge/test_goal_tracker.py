@@ -5,8 +5,8 @@ import math
 
 import pytest
 
+from omron_ld90.bridge.events import CommandEnded, Ending, Motion, RobotSeen
 from omron_ld90.bridge.goal_tracker import DOCK, GoalTracker, Knowledge, TakenOver
-from omron_ld90.bridge.route_protocol import CommandEnded, Ending, Motion, RobotSeen
 
 HERE, THERE = (0.0, 0.0), (3.0, 0.0)
 LONG_AGO = -math.inf

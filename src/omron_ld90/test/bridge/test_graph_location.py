@@ -6,9 +6,10 @@ from typing import Optional, Tuple
 import pytest
 from bridge_builders import DOCK_VERTEX, graph_of, yard
 
+from omron_ld90.bridge.events import Docking
 from omron_ld90.bridge.graph_location import GraphLocation
-from omron_ld90.bridge.route_protocol import Docking, SymbolicPose
 from trajectory_graph import Graph
+from trajectory_graph.route_protocol import SymbolicPose
 
 
 def at(x: float, y: float, docking: Optional[Docking] = None, graph: Optional[Graph] = None,

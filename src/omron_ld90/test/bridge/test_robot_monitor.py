@@ -3,9 +3,7 @@ from __future__ import annotations
 
 import pytest
 
-from omron_ld90.bridge.goal_tracker import RouteFailed
-from omron_ld90.bridge.robot_monitor import RobotMonitor, moves_robot
-from omron_ld90.bridge.route_protocol import (
+from omron_ld90.bridge.events import (
     CommandEnded,
     Docking,
     Ending,
@@ -15,6 +13,8 @@ from omron_ld90.bridge.route_protocol import (
     Motion,
     RobotSeen,
 )
+from omron_ld90.bridge.goal_tracker import RouteFailed
+from omron_ld90.bridge.robot_monitor import RobotMonitor, moves_robot
 from omron_ld90.bridge.route_strategies import Settings
 
 

@@ -3,8 +3,8 @@ from __future__ import annotations
 
 import pytest
 
+from omron_ld90.bridge.events import Link, LinkReported
 from omron_ld90.bridge.robot_state import Located, RobotLinks, RobotLocation
-from omron_ld90.bridge.route_protocol import Link, LinkReported
 
 SECOND = 1_000_000_000
 

@@ -7,10 +7,10 @@ from bridge_builders import DOCK_VERTEX, Bench, graph_of, yard
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from omron_ld90.bridge import route_protocol as p
-from omron_ld90.bridge.route_protocol import EdgeState
+from omron_ld90.bridge import events as p
 from omron_ld90.bridge.route_strategies import STRATEGIES
 from trajectory_graph import Graph
+from trajectory_graph.route_protocol import EdgeState, RouteReport
 
 PART_OF_THE_YARD = graph_of({1: (0, 0), 2: (4, 0), 5: (8, 0), DOCK_VERTEX: (0, -4)},
                             {1: (1, 2), 5: (2, 5), 9: (1, DOCK_VERTEX)})
@@ -112,7 +112,7 @@ def test_no_happenings_confuse_the_follower(strategy, happenings):
         check_states(report)
 
 
-def check_states(report: p.RouteReport) -> None:
+def check_states(report: RouteReport) -> None:
     """States come in the order of the edges, and a failure has a reason."""
     done = report.states.count(EdgeState.COMPLETE)
     assert set(report.states[:done]) <= {EdgeState.COMPLETE}
@@ -122,7 +122,7 @@ def check_states(report: p.RouteReport) -> None:
     assert 0.0 <= report.pose.percentage <= 100.0
 
 
-def check_change(before: p.RouteReport, after: p.RouteReport) -> None:
+def check_change(before: RouteReport, after: RouteReport) -> None:
     """Of one route, what is complete stays so, and so does what has failed."""
     if after.route_id == before.route_id and after.edges == before.edges:
         assert after.states.count(EdgeState.COMPLETE) >= before.states.count(EdgeState.COMPLETE)

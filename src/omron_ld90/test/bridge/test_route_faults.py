@@ -4,8 +4,9 @@ from __future__ import annotations
 import pytest
 from bridge_builders import Bench, dissertation_graph, yard
 
-from omron_ld90.bridge import route_protocol as p
-from omron_ld90.bridge.route_protocol import EdgeState, Ending, Link, Motion
+from omron_ld90.bridge import events as p
+from omron_ld90.bridge.events import Ending, Link, Motion
+from trajectory_graph.route_protocol import EdgeState
 
 LINKS = (Link.COMMANDS, Link.OUTGOING)
 

@@ -8,7 +8,7 @@ from bridge_builders import Bench, dissertation_graph, yard
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from omron_ld90.bridge.route_protocol import SymbolicPose
+from trajectory_graph.route_protocol import SymbolicPose
 
 ALL = ('vertex_by_vertex', 'direct', 'rolling')
 

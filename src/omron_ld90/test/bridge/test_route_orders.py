@@ -4,17 +4,10 @@ from __future__ import annotations
 import pytest
 from bridge_builders import Bench, dissertation_graph, graph_of, yard
 
+from omron_ld90.bridge.events import Link, LinkReported, RobotSeen
 from omron_ld90.bridge.route_follower import RouteFollower
-from omron_ld90.bridge.route_protocol import (
-    EdgeState,
-    Link,
-    LinkReported,
-    RobotSeen,
-    RouteOrder,
-    RouteRefusal,
-    RouteReport,
-)
 from omron_ld90.bridge.route_strategies import Settings
+from trajectory_graph.route_protocol import EdgeState, RouteOrder, RouteRefusal, RouteReport
 
 
 def under_way(edges=(1, 4, 5), strategy='vertex_by_vertex') -> Bench:

@@ -5,8 +5,9 @@ import pytest
 from bridge_builders import Bench, dissertation_graph, graph_of, yard
 from test_route_faults import end_of_drive
 
+from omron_ld90.bridge.events import Ending, Motion
 from omron_ld90.bridge.route_follower import RouteFollower
-from omron_ld90.bridge.route_protocol import EdgeState, Ending, Motion, SymbolicPose
+from trajectory_graph.route_protocol import EdgeState, SymbolicPose
 
 
 def under_way(strategy: str = 'vertex_by_vertex') -> Bench:

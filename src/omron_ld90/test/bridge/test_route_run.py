@@ -6,13 +6,14 @@ from typing import Tuple
 import pytest
 from bridge_builders import DOCK_VERTEX, yard
 
+from omron_ld90.bridge.events import CommandEnded, Ending
 from omron_ld90.bridge.goal_tracker import DOCK, GoalTracker, RouteFailed
 from omron_ld90.bridge.graph_location import GraphLocation
 from omron_ld90.bridge.robot_state import Located, RobotLocation
 from omron_ld90.bridge.route_progress import RouteProgress
-from omron_ld90.bridge.route_protocol import CommandEnded, EdgeState, Ending, Phase, RouteOrder
 from omron_ld90.bridge.route_run import RouteRun
 from omron_ld90.bridge.route_strategies import Settings, vertex_by_vertex
+from trajectory_graph.route_protocol import EdgeState, Phase, RouteOrder
 
 SETTINGS = Settings(dock_vertex=DOCK_VERTEX, strategy=vertex_by_vertex)
 NEVER = float('-inf')

@@ -3,7 +3,6 @@ from __future__ import annotations
 
 import pytest
 
-from omron_ld90.bridge.route_protocol import EdgeState
 from omron_ld90.bridge.route_watch import (
     SHOWN_AFTER_THE_END,
     SILENCE,
@@ -11,6 +10,7 @@ from omron_ld90.bridge.route_watch import (
     RouteView,
     RouteWatch,
 )
+from trajectory_graph.route_protocol import EdgeState
 
 DONE, DRIVING, FAILED = EdgeState.COMPLETE, EdgeState.PROCESSING, EdgeState.FAILED
 

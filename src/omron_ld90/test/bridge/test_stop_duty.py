@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import pytest
 
-from omron_ld90.bridge.route_protocol import CommandEnded, Ending, Motion, RobotSeen
+from omron_ld90.bridge.events import CommandEnded, Ending, Motion, RobotSeen
 from omron_ld90.bridge.stop_duty import StopDuty
 
 OURS = frozenset({'12'})

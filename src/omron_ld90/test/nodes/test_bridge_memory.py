@@ -7,9 +7,10 @@ from typing import Any, Dict, Iterator, List
 import pytest
 import rospy
 
-from omron_ld90.bridge.route_protocol import Phase, RouteRecord
+from omron_ld90.bridge.events import RouteRecord
 from omron_ld90.nodes import bridge_memory
 from omron_ld90.nodes.bridge_memory import PARAMETER, RouteMemory
+from trajectory_graph.route_protocol import Phase
 
 RECORD = RouteRecord(route_id=7, edges=(1, -4, 5), stamp=1_700_000_000_123_456_789,
                      phase=Phase.RUNNING, reason='', completed=1, target=2, goal='12',

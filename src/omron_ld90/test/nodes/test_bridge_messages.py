@@ -4,7 +4,7 @@ from __future__ import annotations
 import genpy
 import pytest
 
-from omron_ld90.bridge.route_protocol import (
+from omron_ld90.bridge.events import (
     CommandEnded,
     Docking,
     Ending,

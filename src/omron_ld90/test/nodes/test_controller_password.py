@@ -5,9 +5,9 @@ import os
 
 import pytest
 
+from node_lifecycle import ConfigurationError
 from omron_ld90.nodes import controller_password
 from omron_ld90.nodes.controller_password import PASSWORD_VARIABLE, read_password
-from omron_ld90.nodes.support.startup import ConfigurationError
 
 
 @pytest.fixture(autouse=True)

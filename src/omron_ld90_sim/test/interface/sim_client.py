@@ -9,7 +9,7 @@ class Talk:
     """A client on a socket; every wait is limited."""
 
     def __init__(self, port: int, password: str = 'adept') -> None:
-        self.sock = socket.create_connection(('127.0.0.1', port), timeout=20.0)
+        self.sock = socket.create_connection(('127.0.0.1', port), timeout=60.0)
         self._lines = self.sock.makefile('r', newline='\r\n', encoding='ascii')
         if password:
             self.send(password)

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Optional, Tuple
 
 from graph_fleet_manager.agv.drive import Drive
-from graph_fleet_manager.route_protocol import EdgeState, Phase, RouteOrder
 from trajectory_graph import TrajectoryGraphError, check_route
+from trajectory_graph.route_protocol import EdgeState, Phase, RouteOrder
 
 MAXIMUM_EDGES = 1000
 CLOCK_TOLERANCE = 1_000_000_000  # ns that the sender's clock may be ahead of ours

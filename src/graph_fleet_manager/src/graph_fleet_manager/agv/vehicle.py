@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import math
-from typing import Collection, List, Optional, Tuple
+from typing import Collection, List, Optional, Tuple, Union
 
 from graph_fleet_manager.agv.battery import Battery
 from graph_fleet_manager.agv.drive import ON_PLACE, Drive
@@ -15,16 +15,15 @@ from graph_fleet_manager.agv.route_rules import (
     find_start,
 )
 from graph_fleet_manager.agv.speed_limits import DriveLimits, SpeedLimits
-from graph_fleet_manager.route_protocol import (
+from trajectory_graph import Graph
+from trajectory_graph.route_protocol import (
     EdgeState,
-    Message,
     Phase,
     RouteOrder,
     RouteRefusal,
     RouteReport,
     SymbolicPose,
 )
-from trajectory_graph import Graph
 
 ORDER_TIMEOUT = 5.0  # s that an order waits for the vehicle to stand
 MOST = 99.9          # per cent, of an edge that is not complete
@@ -54,7 +53,7 @@ class Vehicle:
         self._waiting: Optional[Tuple[RouteOrder, float]] = None
         self._refused: Optional[Tuple[RouteOrder, str]] = None
         self._reported: object = None
-        self._messages: List[Message] = []
+        self._messages: List[Union[RouteReport, RouteRefusal]] = []
         self.drive = self._placed(graph, vertex)
 
     # --- what the fleet manager sees --------------------------------------------------------------
@@ -95,7 +94,7 @@ class Vehicle:
         return RouteReport(self.stamp, route.order.route_id, route.edges, route.states,
                            self._symbolic_pose(), route.reason)
 
-    def take_messages(self) -> List[Message]:
+    def take_messages(self) -> List[Union[RouteReport, RouteRefusal]]:
         """What there is to be told since the last call: refusals, and reports of changes."""
         messages, self._messages = self._messages, []
         return [] if self.silent else messages

@@ -6,11 +6,11 @@ from typing import Callable, Iterable, List, Sequence, Tuple
 
 import genpy
 
-from graph_fleet_manager.route_protocol import EdgeState, RouteRefusal
 from graph_fleet_manager.supervision.fleet_view import DriveView, RobotView
 from graph_fleet_manager.supervision.missions import Request, RequestRefused, Status
 from graph_fleet_manager.supervision.reports import Pose, Report, WrongReport
 from itrci_nav_msgs import msg
+from trajectory_graph.route_protocol import EdgeState, RouteRefusal
 
 Moment = Callable[[float], genpy.Time]
 """The ROS time of a moment of the supervisor's clock."""

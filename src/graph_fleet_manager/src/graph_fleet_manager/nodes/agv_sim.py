@@ -33,8 +33,9 @@ from graph_fleet_manager.agv.control_socket import ControlServer
 from graph_fleet_manager.agv.simulation import Simulation
 from graph_fleet_manager.fleet import Robot
 from graph_fleet_manager.nodes.agv_topics import AgvTopics
-from graph_fleet_manager.nodes.startup import ConfigurationError, fleet_of, number, parameter
+from graph_fleet_manager.nodes.fleet_parameter import fleet_of
 from itrci_nav_msgs.msg import Graph
+from node_lifecycle import ConfigurationError, number, parameter
 from trajectory_graph import Graph as TrajectoryGraph
 from trajectory_graph import GraphError, load_graph
 from trajectory_graph.messages import graph_from_message

@@ -10,9 +10,9 @@ from geometry_msgs.msg import PoseStamped, Quaternion, TransformStamped, Vector3
 from sensor_msgs.msg import BatteryState
 
 from graph_fleet_manager.agv.vehicle import Vehicle
-from graph_fleet_manager.messages.agv import order_of, refusal_message, report_message
-from graph_fleet_manager.route_protocol import RouteReport
-from itrci_nav_msgs.msg import ExecutionRouteStates, RouteRefused, TargetRoute
+from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, RouteRefused, TargetRoute
+from trajectory_graph.route_messages import fill_refusal, fill_report, order_of
+from trajectory_graph.route_protocol import RouteReport
 
 REPORT_PERIOD, IDLE_PERIOD = 0.1, 1.0  # s, with a route and without
 BATTERY_PERIOD = 1.0                   # s
@@ -62,7 +62,7 @@ class AgvTopics:
 
     def _on_route(self, message: TargetRoute) -> None:
         with self._lock:
-            self._vehicle.handle(order_of(message, rospy.Time.now()))
+            self._vehicle.handle(order_of(message, rospy.Time.now().to_nsec()))
             self._pass_on(self._reported)
 
     def _pass_on(self, now: float) -> None:
@@ -72,11 +72,12 @@ class AgvTopics:
             else:
                 rospy.logwarn('%s refused route %d: %s.', self._vehicle.name, message.route_id,
                               message.reason)
-                self._refusals.publish(refusal_message(message, rospy.Time.now()))
+                self._refusals.publish(fill_refusal(RouteRefused(), message,
+                                                    rospy.Time.now().to_nsec()))
 
     def _report(self, report: RouteReport, now: float) -> None:
         self._reported = now
-        self._states.publish(report_message(report))
+        self._states.publish(fill_report(ExecutionRouteStates(), report, EdgeState))
 
 
 def _pose_message(vehicle: Vehicle, stamp: rospy.Time) -> PoseStamped:

@@ -25,13 +25,13 @@ import rospy
 from visualization_msgs.msg import Marker, MarkerArray
 
 from graph_fleet_manager.nodes.fleet_acts import FleetActs
+from graph_fleet_manager.nodes.fleet_parameter import fleet_of
 from graph_fleet_manager.nodes.rviz import drawing
 from graph_fleet_manager.nodes.rviz.graph_picture import graph_markers
 from graph_fleet_manager.nodes.rviz.menus import FleetMenus
 from graph_fleet_manager.nodes.rviz.plan_picture import plan_markers
 from graph_fleet_manager.nodes.rviz.robot_picture import Place, place_on_graph, robot_markers
 from graph_fleet_manager.nodes.rviz.true_places import TruePlaces
-from graph_fleet_manager.nodes.startup import fleet_of, parameter, run
 from itrci_nav_msgs.msg import (
     ClosedEdges,
     DockingPoints,
@@ -41,6 +41,7 @@ from itrci_nav_msgs.msg import (
     ParkingPlaces,
 )
 from itrci_nav_msgs.msg import Graph as GraphMessage
+from node_lifecycle import parameter, run
 from trajectory_graph import Graph, GraphError
 from trajectory_graph.messages import graph_from_message
 

@@ -38,13 +38,7 @@ from graph_fleet_manager.messages.graphs import (
     parking_message,
     reported_route,
 )
-from graph_fleet_manager.nodes.startup import (
-    ConfigurationError,
-    diagnose,
-    fleet_of,
-    parameter,
-    run,
-)
+from graph_fleet_manager.nodes.fleet_parameter import fleet_of
 from graph_fleet_manager.planning.road_network import RoadNetwork
 from graph_fleet_manager.site.closures import Closures, OutOfDate
 from graph_fleet_manager.site.graph_in_force import GraphInForce
@@ -57,6 +51,7 @@ from itrci_nav_msgs.msg import (
     ParkingPlaces,
 )
 from itrci_nav_msgs.msg import Graph as GraphMessage
+from node_lifecycle import ConfigurationError, parameter, publish_diagnostics, run
 from trajectory_graph import Graph
 
 _REPORTED_WITHIN = 3.0  # s in which every robot that is there has reported, at 1 Hz or more
@@ -83,7 +78,8 @@ class GraphServer:
         self._parking = rospy.Publisher('/parking', ParkingPlaces, queue_size=1, latch=True)
         self._closed = rospy.Publisher('/closed_edges_in_force', ClosedEdges, queue_size=1,
                                        latch=True)
-        self._timer = diagnose({'graph': self._report_graph, 'closed edges': self._report_closed})
+        publish_diagnostics('none', {'graph': self._report_graph,
+                                     'closed edges': self._report_closed})
         self._subscribers = [rospy.Subscriber('/closed_edges', ClosedEdges, self._on_closed,
                                               queue_size=10)]
         for robot in self._fleet.robots:

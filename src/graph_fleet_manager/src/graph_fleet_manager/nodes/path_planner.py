@@ -31,13 +31,14 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
 from graph_fleet_manager.messages.planning import answer_message, no_plan_message, request_of
-from graph_fleet_manager.nodes.startup import choice, diagnose, fleet_of, number, parameter, run
+from graph_fleet_manager.nodes.fleet_parameter import fleet_of
 from graph_fleet_manager.plan_service import PlanService
 from graph_fleet_manager.planning.layers import layered
 from graph_fleet_manager.planning.safe_intervals import find_way
 from graph_fleet_manager.planning.tasks import CannotPlan
 from itrci_nav_msgs.msg import Graph as GraphMessage
 from itrci_nav_msgs.msg import ParkingPlaces, PlanAnswer, PlanRequest
+from node_lifecycle import choice, number, parameter, publish_diagnostics, run
 from trajectory_graph import GraphError
 from trajectory_graph.messages import graph_from_message
 
@@ -68,7 +69,7 @@ class PathPlanner:
         self._status = (DiagnosticStatus.WARN, 'waiting for /graph')
         self._figures = {'planning time': '', 'robots': '', 'unserved': ''}
         self._answers = rospy.Publisher('/plan_answer', PlanAnswer, queue_size=10)
-        self._timer = diagnose({'planner': self._report})
+        publish_diagnostics('none', {'planner': self._report})
         threading.Thread(target=self._work, name='planner', daemon=True).start()
         self._subscribers = [
             rospy.Subscriber('/graph', GraphMessage, self._on_graph, queue_size=1),

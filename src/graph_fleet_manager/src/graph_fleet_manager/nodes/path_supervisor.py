@@ -41,14 +41,7 @@ from graph_fleet_manager.files.errors import FileError
 from graph_fleet_manager.files.robot_settings import load_settings
 from graph_fleet_manager.messages import missions as messages
 from graph_fleet_manager.messages.planning import outcome_of, request_message
-from graph_fleet_manager.nodes.startup import (
-    ConfigurationError,
-    diagnose,
-    fleet_of,
-    number,
-    parameter,
-    run,
-)
+from graph_fleet_manager.nodes.fleet_parameter import fleet_of
 from graph_fleet_manager.plan_requests import PlanRequest
 from graph_fleet_manager.supervision.actions import (
     Action,
@@ -81,6 +74,7 @@ from itrci_nav_msgs.msg import (
 )
 from itrci_nav_msgs.msg import Graph as GraphMessage
 from itrci_nav_msgs.msg import PlanRequest as PlanRequestMessage
+from node_lifecycle import ConfigurationError, number, parameter, publish_diagnostics, run
 from trajectory_graph import Graph, GraphError
 from trajectory_graph.messages import graph_from_message
 
@@ -123,7 +117,8 @@ class PathSupervisor:
                         for robot in self._fleet.robots}
         self._thread = threading.Thread(target=self._work, name='supervisor', daemon=True)
         self._thread.start()
-        self._timer = diagnose({'fleet': self._report_fleet, 'missions': self._report_missions})
+        publish_diagnostics('none', {'fleet': self._report_fleet,
+                                     'missions': self._report_missions})
         self._subscribers = self._subscribe()
         self._services = self._serve()
 

@@ -21,8 +21,8 @@ from typing import Dict, List
 
 import rospy
 
-from graph_fleet_manager.nodes.startup import parameter, run
 from itrci_nav_msgs.msg import FleetRobot, FleetState, Graph, MissionRequest, MissionStatus
+from node_lifecycle import parameter, run
 
 PERIOD = 1.0  # s between two looks
 REPEAT = 5.0  # s after which a request without any answer is sent again, unchanged

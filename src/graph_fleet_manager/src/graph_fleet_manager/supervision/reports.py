@@ -5,8 +5,8 @@ import math
 from dataclasses import dataclass
 from typing import Optional, Tuple
 
-from graph_fleet_manager.route_protocol import EdgeState
 from trajectory_graph import Graph
+from trajectory_graph.route_protocol import EdgeState
 
 LONGEST = 1000  # edges in a route; more is a mistake or an attack
 NEAR = 0.3      # m from a vertex at which a robot counts as standing on it

@@ -6,11 +6,11 @@ from dataclasses import dataclass, field
 from typing import List, Optional, Tuple
 
 from graph_fleet_manager.fleet import RobotType
-from graph_fleet_manager.route_protocol import RouteRefusal
 from graph_fleet_manager.supervision.outages import Outage, outage_of
 from graph_fleet_manager.supervision.reports import Place, Pose, Report, place_of
 from graph_fleet_manager.supervision.route_client import Heard, NewId, RouteClient
 from trajectory_graph import Graph
+from trajectory_graph.route_protocol import RouteRefusal
 
 SILENCE = 5.0      # s without a report after which a robot counts as silent
 STANDING = 2.0     # s without motion after which a robot that lost its link is believed to stand

@@ -9,9 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
-from graph_fleet_manager.route_protocol import RouteRefusal
 from graph_fleet_manager.supervision.reports import Place, Pose, Report, place_of
 from trajectory_graph import Graph
+from trajectory_graph.route_protocol import RouteRefusal
 
 REPEAT = 1.0      # s after which an order that was not acknowledged is repeated
 NEW_ID_AFTER = 50  # edges

@@ -12,7 +12,6 @@ from typing import Dict, Iterable, List, Mapping, Optional, Set, Tuple
 from graph_fleet_manager.fleet import Fleet
 from graph_fleet_manager.planning.road_network import RoadNetwork
 from graph_fleet_manager.planning.tasks import Outcome
-from graph_fleet_manager.route_protocol import RouteRefusal
 from graph_fleet_manager.supervision import mission_progress
 from graph_fleet_manager.supervision.actions import (
     Action,
@@ -53,6 +52,7 @@ from graph_fleet_manager.supervision.reports import (
 from graph_fleet_manager.supervision.robots import SILENCE, ManagedRobot, RobotSettings
 from graph_fleet_manager.supervision.route_client import RouteClient
 from trajectory_graph import Graph
+from trajectory_graph.route_protocol import RouteRefusal
 
 PLANNER_PATIENCE = 10.0  # s after which an answer of the planner is no longer waited for
 AGAIN = 2.0              # s between two plans while somebody has none that serves it

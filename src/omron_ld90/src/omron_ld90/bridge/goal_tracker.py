@@ -10,7 +10,7 @@ import math
 from enum import Enum
 from typing import FrozenSet, Iterable, Optional, Tuple
 
-from omron_ld90.bridge.route_protocol import CommandEnded, Ending, Motion, RobotSeen
+from omron_ld90.bridge.events import CommandEnded, Ending, Motion, RobotSeen
 
 STOP = 'stop'
 DOCK = 'dock'

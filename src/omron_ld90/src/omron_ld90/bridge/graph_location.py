@@ -5,8 +5,9 @@ import math
 from dataclasses import dataclass
 from typing import Optional, Sequence, Tuple
 
-from omron_ld90.bridge.route_protocol import Docking, SymbolicPose
+from omron_ld90.bridge.events import Docking
 from trajectory_graph import Graph
+from trajectory_graph.route_protocol import SymbolicPose
 
 DOCK_ZONE = 2.0  # m around the dock vertex, in which the robot manoeuvres outside the corridors
 

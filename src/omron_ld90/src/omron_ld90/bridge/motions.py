@@ -4,7 +4,7 @@ from __future__ import annotations
 from typing import Dict, Tuple
 
 from omron_arcl import ActivityKind
-from omron_ld90.bridge.route_protocol import Motion
+from omron_ld90.bridge.events import Motion
 
 MOTIONS: Dict[ActivityKind, Motion] = {
     ActivityKind.UNKNOWN: Motion.UNKNOWN,

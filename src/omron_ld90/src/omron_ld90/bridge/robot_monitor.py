@@ -5,7 +5,7 @@ import math
 from typing import Callable, Dict, Iterable, List, Optional, Type
 
 from omron_arcl import InvalidCommand, parse_command
-from omron_ld90.bridge import route_protocol as p
+from omron_ld90.bridge import events as p
 from omron_ld90.bridge.goal_tracker import STOP, GoalTracker, RouteFailed, TakenOver
 from omron_ld90.bridge.robot_state import Located, RobotLinks, RobotLocation
 from omron_ld90.bridge.route_strategies import Settings

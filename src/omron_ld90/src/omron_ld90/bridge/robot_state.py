@@ -8,7 +8,7 @@ import math
 from dataclasses import dataclass
 from typing import Dict, Iterable, Optional, Tuple
 
-from omron_ld90.bridge.route_protocol import Link, LinkReported
+from omron_ld90.bridge.events import Link, LinkReported
 
 NANOSECONDS = 1e-9
 CLOCK_SET_BACK = 5_000_000_000  # ns: an older stamp than the last by more than this is no late one

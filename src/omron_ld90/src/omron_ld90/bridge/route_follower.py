@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Callable, Iterable, List, Optional, Tuple, TypeVar
 
-from omron_ld90.bridge import route_protocol as p
+from omron_ld90.bridge import events as p
 from omron_ld90.bridge.goal_tracker import RouteFailed, TakenOver
 from omron_ld90.bridge.graph_location import GraphLocation
 from omron_ld90.bridge.robot_monitor import RobotMonitor
@@ -24,17 +24,18 @@ from omron_ld90.bridge.route_orders import (
     is_same_in,
 )
 from omron_ld90.bridge.route_progress import RouteProgress
-from omron_ld90.bridge.route_protocol import (
-    EdgeState,
-    Phase,
-    RouteOrder,
-    RouteReport,
-    SymbolicPose,
-)
 from omron_ld90.bridge.route_restart import current_edge, resume
 from omron_ld90.bridge.route_run import RouteRun
 from omron_ld90.bridge.route_strategies import Settings
 from trajectory_graph import Graph
+from trajectory_graph.route_protocol import (
+    EdgeState,
+    Phase,
+    RouteOrder,
+    RouteRefusal,
+    RouteReport,
+    SymbolicPose,
+)
 
 _Event = TypeVar('_Event')
 
@@ -247,7 +248,7 @@ class RouteFollower:
     def _refuse(self, order: RouteOrder, reason: str) -> None:
         """Says so; where the id is not that of the route in the reports, by a report, too."""
         self._refused = (order, reason)
-        self._out.append(p.RouteRefusal(order.route_id, order.edges, reason))
+        self._out.append(RouteRefusal(order.route_id, order.edges, reason))
         if self.route is None or self.route.order.route_id != order.route_id:
             self._out.append(RouteReport(
                 self._stamp, order.route_id, order.edges,

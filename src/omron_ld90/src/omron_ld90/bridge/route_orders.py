@@ -4,9 +4,9 @@ from __future__ import annotations
 from typing import Optional, Tuple
 
 from omron_ld90.bridge.graph_location import GraphLocation
-from omron_ld90.bridge.route_protocol import Phase, RouteOrder
 from omron_ld90.bridge.route_run import RouteRun
 from trajectory_graph import Graph, TrajectoryGraphError, check_route
+from trajectory_graph.route_protocol import Phase, RouteOrder
 
 MAXIMUM_EDGES = 1000
 CLOCK_TOLERANCE = 1_000_000_000  # ns that the sender's clock may be ahead of ours

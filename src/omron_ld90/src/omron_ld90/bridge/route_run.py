@@ -4,14 +4,15 @@ from __future__ import annotations
 import math
 from typing import List, Optional, Tuple
 
+from omron_ld90.bridge.events import RouteRecord
 from omron_ld90.bridge.goal_tracker import DOCK, GoalTracker, RouteFailed
 from omron_ld90.bridge.graph_location import GraphLocation
 from omron_ld90.bridge.robot_state import RobotLocation
 from omron_ld90.bridge.route_progress import RouteProgress
-from omron_ld90.bridge.route_protocol import EdgeState, Phase, RouteOrder, RouteRecord
 from omron_ld90.bridge.route_strategies import Settings, StrategyContext
 from omron_ld90.goal_names import goal_name
 from trajectory_graph import Graph
+from trajectory_graph.route_protocol import EdgeState, Phase, RouteOrder
 
 PROGRESS = 0.05  # m along the route that count as progress
 LEAD = 2.0       # s from our command to the robot's driving on a new way, and some to spare

@@ -7,7 +7,7 @@ from __future__ import annotations
 import math
 from typing import Collection, Optional
 
-from omron_ld90.bridge.route_protocol import CommandEnded, Ending, Motion, RobotSeen
+from omron_ld90.bridge.events import CommandEnded, Ending, Motion, RobotSeen
 
 RETRY = 1.0       # s between two attempts that came to nothing
 STATUS_LAG = 1.0  # s that a status may be older than what the robot was told

@@ -14,8 +14,9 @@ from typing import Any, Dict, List, Optional, Tuple
 
 import rospy
 
-from omron_ld90.bridge.route_protocol import Phase, RouteRecord
+from omron_ld90.bridge.events import RouteRecord
 from omron_ld90.nodes.support.worker import start_worker
+from trajectory_graph.route_protocol import Phase
 
 PARAMETER = '~route_record'
 REFRESHED = 5.0     # s between two writings of the same record

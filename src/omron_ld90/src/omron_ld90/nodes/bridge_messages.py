@@ -4,15 +4,8 @@ from __future__ import annotations
 from typing import Dict, Optional
 
 from omron_arcl import ActivityKind
+from omron_ld90.bridge.events import CommandEnded, Docking, Ending, Link, LinkReported, RobotSeen
 from omron_ld90.bridge.motions import motion_of
-from omron_ld90.bridge.route_protocol import (
-    CommandEnded,
-    Docking,
-    Ending,
-    Link,
-    LinkReported,
-    RobotSeen,
-)
 from omron_ld90.nodes.support.command_client import NEVER_SENT
 from omron_ld90.nodes.support.link_reports import words_of
 from omron_ld90_msgs.msg import ExecuteCommandResult, LinkState, RobotStatus

@@ -29,6 +29,7 @@ from typing import Any, Callable, Dict, Optional
 import rospy
 from sensor_msgs.msg import BatteryState, PointCloud2
 
+from node_lifecycle import ConfigurationError, number, parameter, publish_diagnostics, run, warn
 from omron_arcl import Link, Listener, Received, Reply, SessionLog, StatusAssembler, read_activity
 from omron_arcl.connection import resolve
 from omron_arcl.replies import (
@@ -44,17 +45,14 @@ from omron_arcl.replies import (
     Temperature,
 )
 from omron_ld90.nodes.receiver_messages import battery_state, point_cloud, robot_status
-from omron_ld90.nodes.support.diagnostics import publish_diagnostics
 from omron_ld90.nodes.support.link_reports import (
     LinkReporter,
     misconfigured,
     robot_host,
     session_log,
 )
-from omron_ld90.nodes.support.log_throttle import warn
 from omron_ld90.nodes.support.publishing import LineMessage, publish_checked
 from omron_ld90.nodes.support.robot_health import RobotHealth
-from omron_ld90.nodes.support.startup import ConfigurationError, number, parameter, run
 from omron_ld90_msgs.msg import LinkState, RobotStatus
 
 _LINE_TOPICS = {
@@ -200,4 +198,4 @@ def start() -> ConnectionReceiver:
 
 def main() -> None:
     """Runs the node."""
-    run('omron_connection_receiver', start, misconfigured(LinkState.OUTGOING))
+    run('omron_connection_receiver', start, misconfigured(LinkState.OUTGOING), ('omron_arcl',))

@@ -38,6 +38,7 @@ from typing import Any, Callable, List, Optional
 import rospy
 from geometry_msgs.msg import PoseStamped
 
+from node_lifecycle import ConfigurationError, number, parameter, publish_diagnostics, run
 from omron_arcl import (
     ArclError,
     Backoff,
@@ -60,7 +61,6 @@ from omron_ld90.nodes.controller_help import HelpReport
 from omron_ld90.nodes.controller_password import read_password
 from omron_ld90.nodes.controller_refusals import OldMessages, Refusals, publishers_by_master
 from omron_ld90.nodes.controller_topics import TopicCommands
-from omron_ld90.nodes.support.diagnostics import publish_diagnostics
 from omron_ld90.nodes.support.link_reports import (
     LinkReporter,
     misconfigured,
@@ -71,7 +71,6 @@ from omron_ld90.nodes.support.poses import pose_from_robot
 from omron_ld90.nodes.support.publishing import LineMessage
 from omron_ld90.nodes.support.robot_health import RobotHealth
 from omron_ld90.nodes.support.shared_parameters import map_sources
-from omron_ld90.nodes.support.startup import ConfigurationError, number, parameter, run
 from omron_ld90_msgs.msg import LinkState
 
 STOP_WITHIN = 1.5  # s that a stop may take at shutdown
@@ -211,4 +210,4 @@ def start() -> Controller:
 
 def main() -> None:
     """Runs the node."""
-    run('omron_controller', start, misconfigured(LinkState.COMMANDS))
+    run('omron_controller', start, misconfigured(LinkState.COMMANDS), ('omron_arcl',))

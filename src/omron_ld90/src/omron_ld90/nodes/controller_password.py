@@ -6,7 +6,7 @@ import stat
 
 import rospy
 
-from omron_ld90.nodes.support.startup import ConfigurationError
+from node_lifecycle import ConfigurationError
 
 PASSWORD_VARIABLE = 'OMRON_LD90_PASSWORD'
 _MAXIMUM_BYTES = 1000

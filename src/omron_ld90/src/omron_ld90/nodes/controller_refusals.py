@@ -8,8 +8,8 @@ from typing import Callable, Dict, Iterable, Mapping, Optional, Set
 import rosgraph
 import rospy
 
+from node_lifecycle import warn
 from omron_arcl import Outcome, Result, printable
-from omron_ld90.nodes.support.log_throttle import warn
 from omron_ld90_msgs.msg import CommandRefused
 
 LATCHED = ('It was published before the controller started, and is not carried out late: give it '

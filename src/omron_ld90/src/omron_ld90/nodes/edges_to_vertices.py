@@ -46,21 +46,23 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 from std_msgs.msg import String
 
-from itrci_nav_msgs.msg import ExecutionRouteStates, RouteRefused, TargetRoute
-from omron_ld90.bridge import route_protocol as p
+from itrci_nav_msgs import msg
+from node_lifecycle import ConfigurationError, choice, number, parameter, publish_diagnostics, run
+from omron_ld90.bridge import events as p
 from omron_ld90.bridge.robot_monitor import moves_robot
 from omron_ld90.bridge.route_follower import RouteFollower
 from omron_ld90.bridge.route_strategies import STRATEGIES, Settings
 from omron_ld90.bridge.running_clock import RunningClock
 from omron_ld90.nodes.bridge_memory import RouteMemory
 from omron_ld90.nodes.bridge_messages import command_ended, link_reported, robot_seen
-from omron_ld90.nodes.support import fleet_messages, shared_parameters, startup
+from omron_ld90.nodes.support import shared_parameters
 from omron_ld90.nodes.support.command_client import CommandClient
-from omron_ld90.nodes.support.diagnostics import publish_diagnostics
 from omron_ld90.nodes.support.followed_graph import FollowedGraph
 from omron_ld90.nodes.support.worker import start_worker
 from omron_ld90_msgs.msg import ExecuteCommandResult, LinkState, RobotStatus
 from trajectory_graph import Graph
+from trajectory_graph.route_messages import fill_refusal, fill_report, order_of
+from trajectory_graph.route_protocol import EdgeState, RouteRefusal, RouteReport
 
 TICK = 0.1          # s between two looks at the clock, and two reports while a route runs
 IDLE_PERIOD = 1.0   # s between two reports without a route
@@ -91,16 +93,16 @@ class EdgesToVertices:
         self._ending = threading.Event()
         self._diagnosis: Diagnosis = (DiagnosticStatus.WARN, 'starting', {})
 
-        self._states = rospy.Publisher('execution_route_states', ExecutionRouteStates,
+        self._states = rospy.Publisher('execution_route_states', msg.ExecutionRouteStates,
                                        queue_size=10, latch=True, tcp_nodelay=True)
-        self._refusals = rospy.Publisher('route_refused', RouteRefused, queue_size=10,
+        self._refusals = rospy.Publisher('route_refused', msg.RouteRefused, queue_size=10,
                                          tcp_nodelay=True)
         self._commands = CommandClient(self._on_end)
         for topic, kind, callback in (
                 ('link_state', LinkState, self._on_link),
                 ('robot_status', RobotStatus, self._on_status),
                 ('send_command', String, self._on_command),
-                ('target_route', TargetRoute, self._on_route)):
+                ('target_route', msg.TargetRoute, self._on_route)):
             rospy.Subscriber(topic, kind, callback, queue_size=100, tcp_nodelay=True)
         FollowedGraph(graph, self._on_graph).subscribe()
         publish_diagnostics('none', {'route': self._diagnose})
@@ -128,8 +130,8 @@ class EdgesToVertices:
         event = command_ended(number, result)
         self._calls.put(lambda now: self._follower.handle(event, now))
 
-    def _on_route(self, message: TargetRoute) -> None:
-        self._tell(fleet_messages.order_of(message, rospy.Time.now()))
+    def _on_route(self, message: msg.TargetRoute) -> None:
+        self._tell(order_of(message, rospy.Time.now().to_nsec()))
 
     def _on_status(self, message: RobotStatus) -> None:
         self._tell(robot_seen(message))
@@ -169,19 +171,23 @@ class EdgesToVertices:
         period = TICK if self._follower.running else IDLE_PERIOD
         if now - self._reported >= period - TICK / 2.0:
             self._reported = now
-            self._states.publish(fleet_messages.states_of(self._follower.report()))
+            self._report(self._follower.report())
 
     def _act(self, actions: Iterable[p.Action]) -> None:
         for action in actions:
             if isinstance(action, p.Give):
                 self._commands.give(action.number, action.command)
-            elif isinstance(action, p.RouteReport):
-                self._states.publish(fleet_messages.states_of(action))
-            elif isinstance(action, p.RouteRefusal):
-                self._refusals.publish(fleet_messages.refusal_of(action, rospy.Time.now()))
+            elif isinstance(action, RouteReport):
+                self._report(action)
+            elif isinstance(action, RouteRefusal):
+                self._refusals.publish(fill_refusal(msg.RouteRefused(), action,
+                                                    rospy.Time.now().to_nsec()))
             else:
                 rospy.logwarn('%s', action.text)
         self._memory.keep(self._follower.record)
+
+    def _report(self, report: RouteReport) -> None:
+        self._states.publish(fill_report(msg.ExecutionRouteStates(), report, msg.EdgeState))
 
     def _diagnose(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
         level, summary, values = self._diagnosis
@@ -208,35 +214,35 @@ def _diagnosis(follower: RouteFollower, now: float) -> Diagnosis:
         if unknown:
             summary = f'{summary.rstrip(".")}. The robot cannot be driven now: {unknown}'
     return level, summary, {
-        'edges done': f'{list(report.states).count(p.EdgeState.COMPLETE)} of {len(report.edges)}',
+        'edges done': f'{list(report.states).count(EdgeState.COMPLETE)} of {len(report.edges)}',
         'edge': str(report.pose.edge), 'percentage': f'{report.pose.percentage:.1f}',
         'going to': str(follower.robot.tracker.goal),
         'command': follower.robot.tracker.knowledge.value}
 
 
 def _read_settings(graph: Optional[Graph]) -> Settings:
-    dock = startup.parameter('~dock_vertex', 0, int)
+    dock = parameter('~dock_vertex', 0, int)
     if graph is not None and dock and dock not in graph.vertices:
-        raise startup.ConfigurationError(
+        raise ConfigurationError(
             f'~dock_vertex is {dock}, which is no vertex of the graph: set it to the id of the '
             'dock, or to 0 where there is none.')
-    strategy = startup.choice('~strategy', 'rolling', tuple(STRATEGIES))
-    native_command = startup.parameter('~native_command', '')
+    strategy = choice('~strategy', 'rolling', tuple(STRATEGIES))
+    native_command = parameter('~native_command', '')
     if strategy == 'native':
         _check_native_command(native_command)
     return Settings(
         dock_vertex=dock or None,
         strategy=STRATEGIES[strategy],
         native_command=native_command if strategy == 'native' else '',
-        vertex_tolerance=startup.number('~vertex_tolerance', 0.3, 0.05, 2.0),
-        corridor_width=startup.number('~corridor_width', 0.9, 0.3, 10.0),
-        stall_timeout=startup.number('~stall_timeout', 30.0, 1.0, 3600.0),
-        location_timeout=startup.number('~location_timeout', 5.0, 0.5, 60.0),
-        link_timeout=startup.number('~link_timeout', 2.0, 0.0, 60.0),
-        restart_timeout=startup.number('~restart_timeout', 20.0, 0.0, 600.0),
-        top_speed=startup.number('~top_speed', 1.35, 0.1, 10.0),
-        acceleration=startup.number('~acceleration', 0.5, 0.05, 10.0),
-        braking=startup.number('~braking', 0.2, 0.05, 10.0))
+        vertex_tolerance=number('~vertex_tolerance', 0.3, 0.05, 2.0),
+        corridor_width=number('~corridor_width', 0.9, 0.3, 10.0),
+        stall_timeout=number('~stall_timeout', 30.0, 1.0, 3600.0),
+        location_timeout=number('~location_timeout', 5.0, 0.5, 60.0),
+        link_timeout=number('~link_timeout', 2.0, 0.0, 60.0),
+        restart_timeout=number('~restart_timeout', 20.0, 0.0, 600.0),
+        top_speed=number('~top_speed', 1.35, 0.1, 10.0),
+        acceleration=number('~acceleration', 0.5, 0.05, 10.0),
+        braking=number('~braking', 0.2, 0.05, 10.0))
 
 
 def _check_native_command(template: str) -> None:
@@ -245,11 +251,11 @@ def _check_native_command(template: str) -> None:
     except (LookupError, ValueError, AttributeError):
         wrong = True
     if wrong:
-        raise startup.ConfigurationError(
+        raise ConfigurationError(
             f'~native_command is {template!r}, but strategy native needs the command that takes '
             'several goals, with {goals} for their names or {last} for the last one.')
 
 
 def main() -> None:
     """Runs the node."""
-    startup.run('omron_edges_to_vertices', EdgesToVertices)
+    run('omron_edges_to_vertices', EdgesToVertices)

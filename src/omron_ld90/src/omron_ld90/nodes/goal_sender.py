@@ -39,12 +39,13 @@ import tf2_ros
 from geometry_msgs.msg import PointStamped, PoseStamped
 
 from itrci_nav_msgs.msg import ExecutionRouteStates
+from node_lifecycle import number, parameter, run
 from omron_arcl import InvalidCommand, parse_line
 from omron_arcl.replies import driving
 from omron_ld90.bridge.route_watch import RouteWatch
 from omron_ld90.nodes.rviz.interactive_goals import Action, InteractiveGoals
 from omron_ld90.nodes.rviz.user_feedback import UserFeedback
-from omron_ld90.nodes.support import shared_parameters, startup
+from omron_ld90.nodes.support import shared_parameters
 from omron_ld90.nodes.support.command_client import CommandClient
 from omron_ld90.nodes.support.displayed_map import DisplayedMap
 from omron_ld90.nodes.support.poses import yaw_from_quaternion
@@ -97,9 +98,9 @@ class GoalSender:
     """The node: see the module's text."""
 
     def __init__(self) -> None:
-        self._map_frame = startup.parameter('~map_frame', 'map')
-        self._tolerance = startup.number('~click_tolerance', 0.5, 0.01, 10.0)
-        self._allow_takeover = startup.parameter('~allow_takeover', False, bool)
+        self._map_frame = parameter('~map_frame', 'map')
+        self._tolerance = number('~click_tolerance', 0.5, 0.01, 10.0)
+        self._allow_takeover = parameter('~allow_takeover', False, bool)
 
         self._lock = threading.RLock()
         self._targets: Optional[List[Target]] = None  # None: no map is displayed
@@ -111,7 +112,7 @@ class GoalSender:
         self._feedback = UserFeedback(self._map_frame)
         self._handles = InteractiveGoals(
             self._map_frame, shared_parameters.base_frame(),
-            startup.number('~handle_size', 0.7, 0.3, 3.0), self._on_handle)
+            number('~handle_size', 0.7, 0.3, 3.0), self._on_handle)
         self._buffer = tf2_ros.Buffer()
         self._listener = tf2_ros.TransformListener(self._buffer)
         self._commands = CommandClient(self._on_end, self._on_line)
@@ -262,4 +263,4 @@ def _place(target: Optional[Target]) -> Optional[Tuple[float, float]]:
 
 def main() -> None:
     """Run the node."""
-    startup.run('goal_sender', GoalSender)
+    run('goal_sender', GoalSender)

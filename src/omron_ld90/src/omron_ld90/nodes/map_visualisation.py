@@ -45,13 +45,12 @@ from sensor_msgs.msg import PointCloud2
 from std_msgs.msg import Header, String
 from visualization_msgs.msg import Marker, MarkerArray
 
+from node_lifecycle import choice, number, parameter, publish_diagnostics, run
 from omron_ld90.nodes.rviz import map_markers
 from omron_ld90.nodes.rviz.fast_messages import GetGridResponse, GridMessage, LoadGridResponse
 from omron_ld90.nodes.support.clouds import places_in
-from omron_ld90.nodes.support.diagnostics import publish_diagnostics
 from omron_ld90.nodes.support.poses import pose_from_robot
 from omron_ld90.nodes.support.shared_parameters import map_sources
-from omron_ld90.nodes.support.startup import choice, number, parameter, run
 from omron_ld90.units import metres, millimetres
 from omron_map import (
     FREE,

@@ -50,9 +50,9 @@ from diagnostic_updater import DiagnosticStatusWrapper
 from geometry_msgs.msg import Pose, PoseStamped, TransformStamped
 from nav_msgs.msg import Odometry
 
+from node_lifecycle import number, parameter, publish_diagnostics, run
 from omron_ld90.nodes.laser_scans import LaserScans
-from omron_ld90.nodes.support import poses, shared_parameters, startup
-from omron_ld90.nodes.support.diagnostics import publish_diagnostics
+from omron_ld90.nodes.support import poses, shared_parameters
 from omron_ld90.odometry import Location, Motion, Odometer
 from omron_ld90_msgs.msg import RobotStatus
 
@@ -88,17 +88,17 @@ class RobotStatePublisher:
     """The node: see the module's text."""
 
     def __init__(self) -> None:
-        self._map_frame = startup.parameter('~map_frame', 'map')
+        self._map_frame = parameter('~map_frame', 'map')
         self._base_frame = shared_parameters.base_frame()
-        self._odom_frame = startup.parameter('~odom_frame', '')
-        self._filter = LocationFilter(rospy.Duration(startup.number('~max_age', 1.0, 0.05, 60.0)))
+        self._odom_frame = parameter('~odom_frame', '')
+        self._filter = LocationFilter(rospy.Duration(number('~max_age', 1.0, 0.05, 60.0)))
         self._last: Optional[rospy.Time] = None
 
         self._pose = rospy.Publisher('pose', PoseStamped, queue_size=10, tcp_nodelay=True)
         self._transforms = tf2_ros.TransformBroadcaster()
         self._odometer = Odometer()
         self._odometry = rospy.Publisher('odom', Odometry, queue_size=10, tcp_nodelay=True)
-        with_scan = startup.parameter('~laser_scan', False, bool)
+        with_scan = parameter('~laser_scan', False, bool)
         self._buffer = tf2_ros.Buffer() if self._odom_frame or with_scan else None
         self._listener = tf2_ros.TransformListener(self._buffer) if self._buffer else None
         self._scans = None
@@ -197,4 +197,4 @@ def _diagonal(x: float, y: float, yaw: float) -> List[float]:
 
 def main() -> None:
     """Run the node."""
-    startup.run('robot_state_publisher', RobotStatePublisher)
+    run('robot_state_publisher', RobotStatePublisher)

@@ -38,7 +38,7 @@ def main(arguments: Optional[List[str]] = None) -> None:
 def _run_node() -> int:
     import rospy
 
-    from omron_ld90.nodes.support.startup import ConfigurationError, choice, parameter
+    from node_lifecycle import ConfigurationError, choice, parameter
 
     rospy.init_node('omron_ros_map')
     try:

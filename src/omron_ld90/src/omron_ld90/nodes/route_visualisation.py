@@ -39,13 +39,14 @@ from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import MapMetaData, Path
 from visualization_msgs.msg import Marker, MarkerArray
 
+from node_lifecycle import ConfigurationError, number, parameter, run
 from omron_ld90.bridge.route_watch import EdgeProgress, RouteView
 from omron_ld90.nodes.driven_path import DrivenPath
 from omron_ld90.nodes.rviz import drawing
 from omron_ld90.nodes.rviz.body_markers import body_markers
 from omron_ld90.nodes.rviz.route_markers import GraphPicture
 from omron_ld90.nodes.rviz.status_markers import banner, status_markers
-from omron_ld90.nodes.support import shared_parameters, startup
+from omron_ld90.nodes.support import shared_parameters
 from omron_ld90.nodes.support.displayed_map import DisplayedMap
 from omron_ld90.nodes.support.followed_graph import FollowedGraph
 from omron_ld90.nodes.support.poses import is_plausible
@@ -65,14 +66,14 @@ class RouteVisualisation:
 
     def __init__(self) -> None:
         self._robot = rospy.get_namespace().strip('/') or 'robot'
-        self._frame = startup.parameter('~map_frame', 'map')
-        self._dock_vertex = startup.parameter('~dock_vertex', 0, int)
-        self._silence = startup.number('~silence', 3.0, 0.5, 60.0)
-        self._path = DrivenPath(self._frame, int(startup.number('~path_length', 400, 2, 10000)),
-                                startup.number('~path_step', 0.1, 0.01, 10.0))
-        self._row = startup.parameter('~status_row', 0, int)
+        self._frame = parameter('~map_frame', 'map')
+        self._dock_vertex = parameter('~dock_vertex', 0, int)
+        self._silence = number('~silence', 3.0, 0.5, 60.0)
+        self._path = DrivenPath(self._frame, int(number('~path_length', 400, 2, 10000)),
+                                number('~path_step', 0.1, 0.01, 10.0))
+        self._row = parameter('~status_row', 0, int)
         graph = shared_parameters.trajectory_graph()
-        self._body = _body_of(startup.parameter('robot_description', ''))
+        self._body = _body_of(parameter('robot_description', ''))
 
         self._lock = threading.Lock()
         self._status: Optional[RobotStatus] = None
@@ -212,11 +213,11 @@ def _body_of(urdf: str) -> List[Marker]:
     try:
         return body_markers(urdf) if urdf else []
     except (ElementTree.ParseError, KeyError, ValueError) as error:
-        raise startup.ConfigurationError(
+        raise ConfigurationError(
             f'robot_description is no URDF that can be drawn ({error}). Correct it, or leave it '
             'out.') from error
 
 
 def main() -> None:
     """Run the node."""
-    startup.run('route_visualisation', RouteVisualisation)
+    run('route_visualisation', RouteVisualisation)

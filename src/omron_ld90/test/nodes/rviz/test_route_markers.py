@@ -7,11 +7,11 @@ import math
 import pytest
 from marker_reader import drawn, of
 
-from omron_ld90.bridge.route_protocol import EdgeState
 from omron_ld90.bridge.route_watch import EdgeProgress
 from omron_ld90.nodes.rviz import route_markers
 from omron_ld90.nodes.rviz.route_markers import GraphPicture
 from trajectory_graph import CurveType, Edge, Graph, Vertex
+from trajectory_graph.route_protocol import EdgeState
 
 PROCESSING, COMPLETE, FAILED = EdgeState.PROCESSING, EdgeState.COMPLETE, EdgeState.FAILED
 NAMES = {'COMPLETE': 'done', 'CURRENT': 'current', 'COMING': 'coming', 'FAILED': 'failed'}

@@ -8,10 +8,10 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
+from node_lifecycle import ConfigurationError
 from omron_arcl import Link, LinkPhase
 from omron_ld90.nodes.support import link_reports
 from omron_ld90.nodes.support.link_reports import LinkReporter, robot_host, words_of
-from omron_ld90.nodes.support.startup import ConfigurationError
 from omron_ld90_msgs.msg import LinkState
 
 ROBOT = '10.0.0.5:7171'

@@ -10,12 +10,11 @@ from dataclasses import replace
 from typing import Any, Dict, Optional, Sequence, Tuple
 
 from trajectory_graph import Graph
+from trajectory_graph.route_protocol import EdgeState
 from vda5050_vehicle.drivers.driver import Driver, Leg, Pose, Progress
 from vda5050_vehicle.drivers.order_fields import Abilities, check_headings, heading_of, is_within
 from vda5050_vehicle.drivers.order_graph import Matching, OrderGraph
 from vda5050_vehicle.drivers.route_messages import (
-    COMPLETE,
-    FAILED,
     RouteCommand,
     RouteReport,
     SentRoute,
@@ -169,19 +168,19 @@ class RouteDriver(Driver):
         if self._refused == route.edges:  # its own id was refused: what is left, under another
             self._begin_anew(route, report, now)
             return
-        done = report.states.count(COMPLETE)
+        done = report.states.count(EdgeState.COMPLETE)
         passed = route.first + done
         leg = self._legs.get(passed)
         along = leg.length * report.percentage / 100.0 if leg and report.edge == leg.edge else 0.0
         self._set_passed(passed, along)
-        if FAILED in report.states:
+        if EdgeState.FAILED in report.states:
             self._fail(report.reason or 'the route failed')
         elif len(report.states) == len(route.edges):
             self._waiting_since = math.inf
             self.progress = replace(self.progress, complete=done == len(route.edges))
 
     def _begin_anew(self, route: SentRoute, report: RouteReport, now: float) -> None:
-        done = report.states.count(COMPLETE)
+        done = report.states.count(EdgeState.COMPLETE)
         self._set_passed(route.first + done, 0.0)
         self._begin(route.first + done, route.edges[done:], now)
 

@@ -17,6 +17,7 @@ class RouteCommand:
 class RouteReport:
     """What the robot's side tells of a route.
 
+    states           -- of its edges: `trajectory_graph.route_protocol.EdgeState`
     edge, percentage -- where on the graph the robot is; edge 0: nowhere
     """
 
@@ -25,9 +26,6 @@ class RouteReport:
     edge: int
     percentage: float
     reason: str = ''
-
-
-PROCESSING, COMPLETE, FAILED = 1, 2, 3  # of an edge, as itrci_nav_msgs/EdgeState has them
 
 
 @dataclass(frozen=True)

@@ -1,17 +1,15 @@
-"""What /diagnostics tells of the adapter: the broker, the order, and a wrong configuration."""
+"""What /diagnostics tells of the adapter: the broker and the order."""
 from __future__ import annotations
 
 from typing import Callable
 
-import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
-from diagnostic_updater import DiagnosticStatusWrapper, Updater
+from diagnostic_updater import DiagnosticStatusWrapper
 
+from node_lifecycle import publish_diagnostics
 from vda5050_vehicle.core.vehicle import Vehicle
 from vda5050_vehicle.mqtt.link import MqttLink
 from vda5050_vehicle.nodes.settings import Settings
-
-PERIOD = 1.0  # s
 
 
 def show_state(settings: Settings, vehicle: Vehicle, link: MqttLink,
@@ -35,23 +33,4 @@ def show_state(settings: Settings, vehicle: Vehicle, link: MqttLink,
         status.add('nodes left', str(max(len(vehicle.order.nodes) - 1, 0)))
         return status
 
-    _show(settings.prefix, broker=broker, order=order)
-
-
-def show_problem(reason: str) -> None:
-    """Shows why the node cannot work."""
-    def configuration(status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
-        status.summary(DiagnosticStatus.ERROR, reason)
-        return status
-
-    _show('none', configuration=configuration)
-
-
-def _show(hardware_id: str,
-          **tasks: Callable[[DiagnosticStatusWrapper], DiagnosticStatusWrapper]) -> None:
-    updater = Updater()
-    updater.setHardwareID(hardware_id)
-    for name, task in tasks.items():
-        updater.add(name, task)
-    timer = rospy.Timer(rospy.Duration(PERIOD), lambda _: updater.force_update())
-    rospy.on_shutdown(timer.shutdown)
+    publish_diagnostics(settings.prefix, {'broker': broker, 'order': order})

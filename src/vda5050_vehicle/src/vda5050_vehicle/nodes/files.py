@@ -10,7 +10,7 @@ from typing import Any, Dict, Optional, Sequence
 
 import rospy
 
-from vda5050_vehicle.nodes.parameters import ConfigurationError
+from node_lifecycle import ConfigurationError
 
 MAX_REPORTS = 20
 MAX_JOURNAL = 10_000_000  # bytes

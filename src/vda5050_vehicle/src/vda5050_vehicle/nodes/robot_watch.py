@@ -20,10 +20,10 @@ from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState as BatteryMessage
 
+from node_lifecycle import ConfigurationError
 from vda5050_vehicle.core.robot_view import RobotView
 from vda5050_vehicle.drivers.driver import Pose
 from vda5050_vehicle.nodes.headings import heading
-from vda5050_vehicle.nodes.parameters import ConfigurationError
 from vda5050_vehicle.protocol.values import BatteryState, EStop, Velocity
 
 SIGNALS = ('emergency_stop', 'lost', 'field_violation', 'localization_score')

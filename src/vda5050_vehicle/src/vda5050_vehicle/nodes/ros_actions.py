@@ -8,8 +8,8 @@ import actionlib
 import roslib.message
 from actionlib import ClientGoalHandle, CommState, GoalStatus
 
+from node_lifecycle import ConfigurationError
 from vda5050_vehicle.core.action_table import ActionSpec, ActionTable, Call
-from vda5050_vehicle.nodes.parameters import ConfigurationError
 
 OnEnd = Callable[[str, bool, str], None]  # name of the goal, whether it succeeded, what was said
 

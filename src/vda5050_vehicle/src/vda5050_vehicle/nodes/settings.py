@@ -10,6 +10,7 @@ import rospkg
 import rospy
 
 from itrci_nav_msgs.msg import Graph as GraphMessage
+from node_lifecycle import ConfigurationError, choice, number, parameter
 from trajectory_graph import Graph, TrajectoryGraphError, load_graph
 from trajectory_graph.messages import graph_from_message
 from vda5050_vehicle.core import factsheet as sheet
@@ -27,14 +28,7 @@ from vda5050_vehicle.mqtt.credentials import (
 )
 from vda5050_vehicle.mqtt.link import Broker
 from vda5050_vehicle.nodes.files import JournalFile, LogReports
-from vda5050_vehicle.nodes.parameters import (
-    ConfigurationError,
-    choice,
-    number,
-    parameter,
-    topic_level,
-    yaml_file,
-)
+from vda5050_vehicle.nodes.parameters import topic_level, yaml_file
 from vda5050_vehicle.nodes.robot_watch import Signal, read_signals
 from vda5050_vehicle.nodes.ros_actions import check_types
 from vda5050_vehicle.protocol.codec_3 import CODECS

@@ -51,6 +51,7 @@ from typing import Any, Callable, Dict, Optional, Tuple, Union
 import rospy
 from geometry_msgs.msg import PoseWithCovarianceStamped
 
+from node_lifecycle import run
 from vda5050_vehicle.core import effects as fx
 from vda5050_vehicle.core import factsheet as sheet
 from vda5050_vehicle.core import journal
@@ -59,10 +60,9 @@ from vda5050_vehicle.drivers.driver import Driver, Pose
 from vda5050_vehicle.drivers.pose_driver import PoseDriver
 from vda5050_vehicle.drivers.route_driver import RouteDriver
 from vda5050_vehicle.mqtt.link import MqttLink
-from vda5050_vehicle.nodes.diagnostics import show_problem, show_state
+from vda5050_vehicle.nodes.diagnostics import show_state
 from vda5050_vehicle.nodes.headings import quaternion
 from vda5050_vehicle.nodes.move_base_link import MoveBaseLink
-from vda5050_vehicle.nodes.parameters import ConfigurationError
 from vda5050_vehicle.nodes.robot_watch import RobotWatch
 from vda5050_vehicle.nodes.ros_actions import RosActions
 from vda5050_vehicle.nodes.route_link import RouteLink
@@ -264,14 +264,5 @@ class VehicleNode:
 
 
 def main() -> None:
-    """Runs the node; where it is misconfigured it says so, shows it, and waits for a restart."""
-    rospy.init_node('vda5050_vehicle')
-    try:
-        node = VehicleNode(Settings())
-    except ConfigurationError as error:
-        reason = str(error)
-        rospy.logerr('%s cannot work: %s Mend it and restart the node.', rospy.get_name(), reason)
-        show_problem(reason)
-    else:
-        rospy.on_shutdown(node.close)
-    rospy.spin()
+    """Runs the node."""
+    run('vda5050_vehicle', lambda: VehicleNode(Settings()))

@@ -14,10 +14,9 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
+from node_lifecycle import ConfigurationError, parameter, warn
 from omron_arcl import Link, LinkPhase, SessionLog, printable
 from omron_arcl.connection import is_host
-from omron_ld90.nodes.support.log_throttle import warn
-from omron_ld90.nodes.support.startup import ConfigurationError, parameter
 from omron_ld90_msgs.msg import LinkState
 
 _STATES: Dict[LinkPhase, int] = {
@@ -58,7 +57,7 @@ def session_log() -> Optional[SessionLog]:
 
 
 def misconfigured(link: str) -> Callable[[str], rospy.Publisher]:
-    """For `startup.run`: publishes once on `link_state` why `link` will not come about."""
+    """For `node_lifecycle.run`: publishes once on `link_state` why `link` will not come about."""
     def tell(reason: str) -> rospy.Publisher:
         publisher = _publisher()
         message = LinkState(link=link, state=LinkState.MISCONFIGURED, reason=reason)

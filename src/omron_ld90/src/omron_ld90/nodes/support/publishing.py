@@ -8,7 +8,7 @@ import genpy
 import rospy
 from std_msgs.msg import String
 
-from omron_ld90.nodes.support.log_throttle import warn
+from node_lifecycle import warn
 
 _UNSERIALISABLE = (genpy.SerializationError, struct.error, ArithmeticError, TypeError, ValueError)
 

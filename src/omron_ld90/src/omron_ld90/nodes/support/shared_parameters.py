@@ -5,7 +5,7 @@ from typing import Optional, Tuple
 
 import rospy
 
-from omron_ld90.nodes.support.startup import ConfigurationError, parameter
+from node_lifecycle import ConfigurationError, parameter
 from trajectory_graph import Graph, GraphError, load_graph
 
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import Enum, IntEnum
-from typing import Tuple, Union
+from typing import Tuple
 
 
 @dataclass(frozen=True)
@@ -63,6 +63,3 @@ class Phase(Enum):
     COMPLETE = 'complete'
     FAILED = 'failed'
     STOPPED = 'stopped'
-
-
-Message = Union[RouteReport, RouteRefusal]

@@ -1,4 +1,4 @@
-"""How every node starts: parameters are read strictly; a wrong one is logged and reported.
+"""How a node starts and ends, and what watches it meanwhile.
 
 Under `respawn` a node that exits on a wrong configuration would come back for ever. So it stays: it
 logs once what is wrong, shows it as ERROR in /diagnostics, and waits for its restart. Every node
@@ -7,75 +7,31 @@ is watched for threads that stand still, and registers anew with a ROS master th
 from __future__ import annotations
 
 import logging
-import math
 import os
 import signal
 import threading
-from typing import Any, Callable, Tuple, Type
+from typing import Any, Callable, Tuple
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
-from diagnostic_updater import DiagnosticStatusWrapper
 
-from omron_ld90.nodes.support import master_watch, watchdog
-from omron_ld90.nodes.support.diagnostics import Task, publish_diagnostics
+from node_lifecycle.diagnostics import Task, publish_diagnostics
+from node_lifecycle.master_watch import watch_master
+from node_lifecycle.parameters import ConfigurationError
+from node_lifecycle.watchdog import Watchdog
 
-REQUIRED = object()
 END_WITHIN = 3.0  # s from SIGINT or SIGTERM to the end of the process, whatever rospy does
 
 
-class ConfigurationError(Exception):
-    """A parameter that the node cannot work with; the text says which one and what to do."""
-
-
-def parameter(name: str, default: Any = REQUIRED, kind: Type = str) -> Any:
-    """The parameter `name` (e.g. `~robot_ip`) as `kind`; strict, but an int will do for a float.
-
-    Raises ConfigurationError when it is missing without a default, or of another type. `kind=str`
-    accepts numbers too, because roslaunch turns `password:=1234` into one.
-    """
-    resolved = rospy.resolve_name(name)
-    value = rospy.get_param(name, default)
-    if value is REQUIRED:
-        raise ConfigurationError(f'Parameter {resolved} is missing: set it in the launch file.')
-    if kind is str and isinstance(value, (int, float)) and not isinstance(value, bool):
-        return str(value)
-    if kind is float and isinstance(value, int) and not isinstance(value, bool):
-        return float(value)
-    if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
-        raise ConfigurationError(
-            f'Parameter {resolved} is {value!r}, but must be of type {kind.__name__}.')
-    return value
-
-
-def number(name: str, default: float, minimum: float = -math.inf,
-           maximum: float = math.inf) -> float:
-    """A float parameter within `minimum`..`maximum`; raises ConfigurationError outside, on nan."""
-    value = parameter(name, default, float)
-    if not minimum <= value <= maximum:
-        raise ConfigurationError(
-            f'Parameter {rospy.resolve_name(name)} is {value}, but must lie in '
-            f'{minimum}..{maximum}.')
-    return value
-
-
-def choice(name: str, default: str, allowed: Tuple[str, ...]) -> str:
-    """A string parameter that must be one of `allowed`."""
-    value = parameter(name, default, str)
-    if value not in allowed:
-        raise ConfigurationError(
-            f'Parameter {rospy.resolve_name(name)} is {value!r}, '
-            f'but must be one of {", ".join(allowed)}.')
-    return value
-
-
 def run(name: str, start: Callable[[], Any],
-        misconfigured: Callable[[str], Any] = lambda reason: None) -> None:
+        misconfigured: Callable[[str], Any] = lambda reason: None,
+        libraries: Tuple[str, ...] = ()) -> None:
     """Run a node: `start` reads parameters, builds objects and connects callbacks; then wait.
 
     What `start` returns is kept alive, and its `close()`, if it has one, is called at shutdown.
     `misconfigured` is called with the reason when `start` raises ConfigurationError: there a node
-    tells of it on topics of its own; what it returns is kept alive.
+    tells of it on topics of its own; what it returns is kept alive. The threads of the package that
+    `start` belongs to are watched, and those of its `libraries`.
     """
     _end_on_signals()
     try:
@@ -87,8 +43,8 @@ def run(name: str, start: Callable[[], Any],
     ending = threading.Event()
     rospy.on_shutdown(ending.set)
     _end_quietly(ending)
-    watchdog.Watchdog()
-    master_watch.watch_master()
+    Watchdog((start.__module__.split('.')[0], *libraries))
+    watch_master()
     try:
         node = start()
     except ConfigurationError as error:
@@ -103,10 +59,7 @@ def run(name: str, start: Callable[[], Any],
 
 def _wrong(reason: str) -> Task:
     """Says what is wrong for as long as the node waits to be restarted."""
-    def tell(status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
-        status.summary(DiagnosticStatus.ERROR, reason)
-        return status
-    return tell
+    return lambda status: status.summary(DiagnosticStatus.ERROR, reason)
 
 
 def _end_on_signals() -> None:

@@ -1,7 +1,7 @@
 """Few messages of a kind are logged, and none is left out without being counted."""
 from __future__ import annotations
 
-from omron_ld90.nodes.support.log_throttle import BURST, PERIOD, LogThrottle
+from node_lifecycle.log_throttle import BURST, PERIOD, LogThrottle
 
 
 class Clock:

@@ -1,68 +1,15 @@
-"""The values that routes are spoken of in: orders in, reports out, robot events, commands out.
+"""What the bridge is told, what it does about it, and what it remembers.
 
-Metres; stamps in nanoseconds of the ROS clock.
+Metres; stamps in nanoseconds of the ROS clock. Orders and reports are those of
+`trajectory_graph.route_protocol`.
 """
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from enum import Enum, IntEnum
+from dataclasses import dataclass
+from enum import Enum
 from typing import Optional, Tuple, Union
 
-
-@dataclass(frozen=True)
-class RouteOrder:
-    """The fleet manager's wish: drive `edges` (signed ids), or stop where there are none."""
-
-    route_id: int
-    edges: Tuple[int, ...]
-    stamp: int = 0  # when it was sent; 0 where the sender did not say
-    received: int = field(default=0, compare=False)  # when it came
-
-
-class EdgeState(IntEnum):
-    """State of a route's edge; an accepted edge that is still ahead is PROCESSING too."""
-
-    PROCESSING = 1
-    COMPLETE = 2
-    FAILED = 3
-
-
-@dataclass(frozen=True)
-class SymbolicPose:
-    """Place on the graph: percentage (0..100) along the driving direction of a signed edge."""
-
-    edge: int = 0  # 0 = off the graph
-    percentage: float = 0.0
-
-
-@dataclass(frozen=True)
-class RouteReport:
-    """What the fleet manager is told; `stamp` is that of the location used, 0 before any."""
-
-    stamp: int
-    route_id: int
-    edges: Tuple[int, ...]
-    states: Tuple[EdgeState, ...]
-    pose: SymbolicPose
-    reason: str = ''
-
-
-@dataclass(frozen=True)
-class RouteRefusal:
-    """An order that was not taken up."""
-
-    route_id: int
-    edges: Tuple[int, ...]
-    reason: str
-
-
-class Phase(Enum):
-    """What became of a route."""
-
-    RUNNING = 'running'
-    COMPLETE = 'complete'
-    FAILED = 'failed'
-    STOPPED = 'stopped'
+from trajectory_graph.route_protocol import Phase, RouteOrder, RouteRefusal, RouteReport
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
-from omron_ld90.nodes.support import diagnostics
+from node_lifecycle import diagnostics
 
 
 @pytest.fixture(autouse=True)

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import pytest
 
-from omron_ld90.nodes.support.master_watch import MasterWatch
+from node_lifecycle.master_watch import MasterWatch
 
 
 class Master:

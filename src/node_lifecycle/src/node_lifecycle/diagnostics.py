@@ -1,16 +1,16 @@
 """A node's part in /diagnostics: what its tasks say of it, once a second until it ends."""
 from __future__ import annotations
 
-from typing import Callable, Mapping
+from typing import Any, Callable, Mapping
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper, Updater
 
-from omron_ld90.nodes.support.log_throttle import warn
+from node_lifecycle.log_throttle import warn
 
 PERIOD = rospy.Duration(1.0)
-Task = Callable[[DiagnosticStatusWrapper], DiagnosticStatusWrapper]
+Task = Callable[[DiagnosticStatusWrapper], Any]  # fills the status in
 
 
 def publish_diagnostics(hardware_id: str, tasks: Mapping[str, Task]) -> None:
@@ -26,7 +26,7 @@ def publish_diagnostics(hardware_id: str, tasks: Mapping[str, Task]) -> None:
     rospy.on_shutdown(timer.shutdown)
 
 
-def guarded(task: Task) -> Task:
+def guarded(task: Task) -> Callable[[DiagnosticStatusWrapper], DiagnosticStatusWrapper]:
     """The task, but one that fails says so itself, for an exception would end all diagnostics.
 
     Text that is no Unicode, as some names in files are, is escaped for the same reason.

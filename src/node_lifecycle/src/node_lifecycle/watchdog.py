@@ -19,9 +19,8 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 PERIOD = 1.0  # s
 STANDSTILL = 10.0  # s
-# Whose threads are watched: of ours, and of libraries that call ours with their locks held.
-PACKAGES = ('omron_ld90', 'omron_arcl', 'omron_map', 'trajectory_graph', 'actionlib',
-            'diagnostic_updater', 'interactive_markers')
+CALLERS = ('actionlib', 'diagnostic_updater', 'interactive_markers')
+"""Libraries that call nodes with their locks held: their threads are watched, too."""
 
 
 class Standstill(NamedTuple):
@@ -116,8 +115,8 @@ def _run_so_far(native_id: Optional[int]) -> str:
 class Watchdog:
     """Publishes as `<node>: threads` in /diagnostics whether the node's threads move on."""
 
-    def __init__(self, packages: Tuple[str, ...] = PACKAGES) -> None:
-        self._watch = ThreadWatch(packages)
+    def __init__(self, packages: Tuple[str, ...]) -> None:
+        self._watch = ThreadWatch((*packages, *CALLERS))
         self._publisher = rospy.Publisher('/diagnostics', DiagnosticArray, queue_size=1)
         self._reported = False
         threading.Thread(target=self._run, name='watchdog', daemon=True).start()

@@ -8,7 +8,7 @@ from typing import Callable, List
 
 import pytest
 
-from omron_ld90.nodes.support.watchdog import Standstill, ThreadWatch
+from node_lifecycle.watchdog import Standstill, ThreadWatch
 
 
 @pytest.fixture

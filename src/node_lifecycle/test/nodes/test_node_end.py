@@ -6,7 +6,7 @@ import threading
 
 import pytest
 
-from omron_ld90.nodes.support.startup import _end_quietly
+from node_lifecycle.startup import _end_quietly
 
 CLOSED = 'bad callback: ... ROSException: publish() to a closed topic'
 

@@ -1,0 +1,27 @@
+"""The parameter ~fleet_file, which most nodes of the fleet manager have."""
+from __future__ import annotations
+
+from rosgraph.names import is_legal_base_name
+
+from graph_fleet_manager.files.errors import FileError
+from graph_fleet_manager.files.fleet_file import load_fleet
+from graph_fleet_manager.fleet import Fleet
+from node_lifecycle import ConfigurationError, parameter
+
+
+def fleet_of(name: str = '~fleet_file') -> Fleet:
+    """The fleet in the file that a parameter names; raises ConfigurationError.
+
+    Names of robots are those of their topics, too.
+    """
+    file = parameter(name)
+    try:
+        fleet = load_fleet(file)
+    except FileError as error:
+        raise ConfigurationError(str(error)) from None
+    for robot in fleet.robots:
+        if not is_legal_base_name(robot.name):
+            raise ConfigurationError(f'{file}: robot {robot.name!r} has topics of its own, so its '
+                                     'name must begin with a letter and hold only letters, digits '
+                                     'and underscores.')
+    return fleet

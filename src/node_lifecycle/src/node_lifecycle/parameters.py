@@ -1,0 +1,53 @@
+"""Parameters are read strictly: a missing or wrong one is one sentence that says what to do."""
+from __future__ import annotations
+
+import math
+from typing import Any, Tuple, Type
+
+import rospy
+
+REQUIRED = object()
+
+
+class ConfigurationError(Exception):
+    """A parameter or file that the node cannot work with; the text says which and what to do."""
+
+
+def parameter(name: str, default: Any = REQUIRED, kind: Type = str) -> Any:
+    """The parameter `name` (e.g. `~robot_ip`) as `kind`; raises ConfigurationError.
+
+    Strict, but a whole number will do for a float, and a number for a text, as roslaunch makes one
+    of `password:=1234`. A required text must not be empty, and a float must be finite.
+    """
+    where = f'Parameter {rospy.resolve_name(name)}'
+    value = rospy.get_param(name, default)
+    if value is REQUIRED or (default is REQUIRED and value == ''):
+        raise ConfigurationError(f'{where} is missing: set it in the launch file.')
+    is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    if is_number and kind is str:
+        return str(value)
+    if is_number and kind is float and math.isfinite(value):
+        return float(value)
+    if kind is float or not isinstance(value, kind) or (kind is int and not is_number):
+        wanted = 'a finite number' if kind is float else f'of type {kind.__name__}'
+        raise ConfigurationError(f'{where} is {value!r}, but must be {wanted}.')
+    return value
+
+
+def number(name: str, default: float, minimum: float = -math.inf,
+           maximum: float = math.inf) -> float:
+    """A float parameter within `minimum`..`maximum`; raises ConfigurationError."""
+    value: float = parameter(name, default, float)
+    if not minimum <= value <= maximum:
+        raise ConfigurationError(f'Parameter {rospy.resolve_name(name)} is {value}, but must lie '
+                                 f'in {minimum}..{maximum}.')
+    return value
+
+
+def choice(name: str, default: str, allowed: Tuple[str, ...]) -> str:
+    """A text parameter that must be one of `allowed`; raises ConfigurationError."""
+    value: str = parameter(name, default)
+    if value not in allowed:
+        raise ConfigurationError(f'Parameter {rospy.resolve_name(name)} is {value!r}, but must be '
+                                 f'one of {", ".join(allowed)}.')
+    return value

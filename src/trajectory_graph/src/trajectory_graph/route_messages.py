@@ -1,0 +1,44 @@
+"""Routes in messages of `itrci_nav_msgs`, told apart from ROS: only the fields' names are used.
+
+The original definitions of INESC TEC (itrci_nav_msgs) are not public; adapting to another one is
+this file, and `trajectory_graph.messages` for the graph.
+"""
+from __future__ import annotations
+
+from typing import Any
+
+from trajectory_graph.route_protocol import RouteOrder, RouteRefusal, RouteReport
+
+
+def order_of(message: Any, received: int) -> RouteOrder:
+    """What an `itrci_nav_msgs/TargetRoute` orders that came at `received` (ns)."""
+    return RouteOrder(message.route_id, tuple(message.edges), message.header.stamp.to_nsec(),
+                      received)
+
+
+def fill_refusal(message: Any, refusal: RouteRefusal, now: int) -> Any:
+    """Fills an empty `itrci_nav_msgs/RouteRefused`, sent at `now` (ns). Returns it."""
+    _set_stamp(message, now)
+    message.route_id, message.edges = refusal.route_id, list(refusal.edges)
+    message.reason = refusal.reason
+    return message
+
+
+def fill_report(message: Any, report: RouteReport, state_type: Any) -> Any:
+    """Fills an empty `itrci_nav_msgs/ExecutionRouteStates`; the type is that of its states.
+
+    Returns it.
+    """
+    _set_stamp(message, report.stamp)
+    message.header.frame_id = 'map'
+    message.route_id = report.route_id
+    message.edge_states = [state_type(edge, int(state))
+                           for edge, state in zip(report.edges, report.states)]
+    message.symbolic_pose.edge_id = report.pose.edge
+    message.symbolic_pose.percentage = report.pose.percentage
+    message.reason = report.reason
+    return message
+
+
+def _set_stamp(message: Any, nanoseconds: int) -> None:
+    message.header.stamp.secs, message.header.stamp.nsecs = divmod(nanoseconds, 1_000_000_000)
