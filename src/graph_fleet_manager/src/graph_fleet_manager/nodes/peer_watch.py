@@ -33,7 +33,7 @@ from graph_fleet_manager.joining.peer_master import (
     NoAnswer,
 )
 from graph_fleet_manager.messages.definitions import own_definitions
-from graph_fleet_manager.nodes.startup import ConfigurationError, diagnose, parameter, run
+from node_lifecycle import ConfigurationError, parameter, publish_diagnostics, run
 
 PERIOD = 2.0  # s between two looks at a peer
 LEVELS = {Level.OK: DiagnosticStatus.OK, Level.WARN: DiagnosticStatus.WARN,
@@ -92,7 +92,8 @@ def _start() -> object:
                                  'addresses of computers.')
     port = parameter('~discovery_port', DISCOVERY_PORT, int)
     peers = [Peer(str(address), port) for address in addresses]
-    return peers, diagnose({peer.address: peer.report for peer in peers})
+    publish_diagnostics('none', {peer.address: peer.report for peer in peers})
+    return peers
 
 
 def main() -> None:

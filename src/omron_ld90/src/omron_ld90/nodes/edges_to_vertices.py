@@ -84,7 +84,7 @@ class EdgesToVertices:
         self._clock = RunningClock()
         settings = _read_settings(graph)
         self._follower = RouteFollower(settings, graph, links=tuple(p.Link))
-        self._memory = RouteMemory(startup.parameter('~route_file', ''))
+        self._memory = RouteMemory(parameter('~route_file', ''))
         record, age = self._memory.recall()
         if record:
             self._follower.restore(record, age < settings.restart_timeout, self._clock.read())
