@@ -10,7 +10,7 @@ import subprocess
 import tempfile
 import unittest
 from pathlib import Path
-from typing import Callable, Dict, List, Tuple
+from typing import Callable, Dict, List, Sequence, Tuple
 
 import networkx as nx
 import numpy as np
@@ -99,26 +99,63 @@ class NewSite(unittest.TestCase):
         if self.new_vertex is not None:
             self.assertIn('was edited and is used as it is', self.new_site())
             self.check_fences()
-        graph = load_graph(self.graph_file)
-        dock, = (vertex.id for vertex in graph.vertices.values() if vertex.dock)
-        wanted = [*far_vertices(graph, dock, 5), *filter(None, [self.new_vertex]), dock]
-        with Launched('full_stack.launch', map_file=f'{self.folder.name}/site_fleet.map',
-                      graph_file=self.graph_file, dock_vertex=dock, sim_speed=SPEED, rviz='false',
-                      arcl_port=os.environ['LD90_ARCL_PORT'],
-                      outgoing_port=os.environ['LD90_OUTGOING_PORT']):
-            fleet = FleetManager()
-            here = dock
-            for there in wanted:
-                route = shortest_route(graph, here, there)
-                done = fleet.end_of(fleet.order(route))
-                self.assertEqual(state_list(done), [EdgeState.COMPLETE] * len(route),
-                                 f'{here} to {there}: {done.reason}')
-                here = there
+        drive_to_far_vertices(self, Path(self.folder.name) / 'site_fleet.map', self.graph_file,
+                              [self.new_vertex] if self.new_vertex is not None else [])
+
+
+class RealSite(unittest.TestCase):
+    """The same on the maps of real robots, where there are any: with --long."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        rospy.init_node('graph_editor_site_test')
+
+    def test_a_robot_drives_on_the_graphs_of_real_maps(self) -> None:
+        maps = sorted(Path(os.environ.get('LD90_REAL_MAPS') or '/nowhere').glob('*.map'))
+        if not maps or not os.environ.get('LD90_LONG_TESTS'):
+            self.skipTest('maps of real robots are driven on with --long and LD90_REAL_MAPS')
+        for map_file in maps:
+            with self.subTest(map=map_file.name), tempfile.TemporaryDirectory() as folder:
+                copy = Path(folder) / 'site.map'
+                shutil.copy(map_file, copy)
+                subprocess.run([str(ROOT / 'scripts' / 'new_site.sh'), str(copy), '--no-start'],
+                               check=True, timeout=200, stdout=subprocess.DEVNULL)
+                drive_to_far_vertices(self, Path(folder) / 'site_fleet.map',
+                                      Path(folder) / 'site_graph.yaml')
+
+
+def drive_to_far_vertices(case: unittest.TestCase, map_file: Path, graph_file: Path,
+                          more: Sequence[int] = ()) -> None:
+    """Drives to up to five far vertices and `more`, and back into the dock where there is one."""
+    graph = load_graph(graph_file)
+    docks = [vertex.id for vertex in graph.vertices.values() if vertex.dock]
+    start = docks[0] if docks else None
+    with Launched('full_stack.launch', map_file=map_file, graph_file=graph_file,
+                  dock_vertex=start or 0, sim_speed=SPEED, rviz='false',
+                  arcl_port=os.environ['LD90_ARCL_PORT'],
+                  outgoing_port=os.environ['LD90_OUTGOING_PORT']):
+        fleet = FleetManager()
+        if start is None:  # where the simulated robot is put, the fleet manager learns from it
+            wait_until(lambda: fleet.status.messages, 60, 'a status of the robot')
+            place = fleet.status.messages[-1].pose.position
+            start = min(graph.vertices, key=lambda id: math.dist(graph.vertices[id].position,
+                                                                 (place.x, place.y)))
+        far = far_vertices(graph, start, min(5, len(graph.vertices) - 1))
+        here = start
+        for there in [*far, *more, start]:
+            if here == there:
+                continue
+            route = shortest_route(graph, here, there)
+            done = fleet.end_of(fleet.order(route))
+            case.assertEqual(state_list(done), [EdgeState.COMPLETE] * len(route),
+                             f'{here} to {there}: {done.reason}')
+            here = there
+        if docks:
             wait_until(lambda: fleet.status.messages[-1].docking_state == 'Docked', 20,
                        'a status of the docked robot')
-            places = [status.pose.position for status in fleet.status.messages]
-        farthest = max(graph.nearest_edge(place.x, place.y)[1].distance for place in places)
-        self.assertLess(farthest, 0.45, 'the robot stays in the corridors')
+        places = [status.pose.position for status in fleet.status.messages]
+    farthest = max(graph.nearest_edge(place.x, place.y)[1].distance for place in places)
+    case.assertLess(farthest, 0.45, 'the robot stays in the corridors')
 
 
 class Editor:

@@ -107,7 +107,7 @@ def test_a_hall_is_a_lattice_if_wanted():
     assert share_served(site, graph, 2.0) > 0.98
 
 
-@settings(max_examples=200 if LONG else 12, suppress_health_check=list(HealthCheck))
+@settings(max_examples=200 if LONG else 8, suppress_health_check=list(HealthCheck))
 @given(floor_plans())
 def test_any_floor_plan_gets_a_graph_that_robots_can_drive(plan):
     site = plan.site()

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import os
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +32,12 @@ def made(request):
     path = (MAPS if request.param.startswith('lab') else REAL) / request.param
     if not path.exists():
         pytest.skip(f'{request.param} is not there: set LD90_REAL_MAPS')
+    return made_of(path)
+
+
+@lru_cache(maxsize=None)
+def made_of(path: Path):
+    """A site and the graph that is made of it, once for all tests."""
     site = load_site(str(path), SiteOptions())
     return site, make_graph(site, OPTIONS).graph
 
@@ -68,7 +75,6 @@ def test_made_again_it_is_the_same(made):
 
 
 def test_it_is_not_much_longer_than_what_a_person_drew():
-    site = load_site(str(MAPS / 'lab_base.map'), SiteOptions())
-    graphs = make_graph(site, OPTIONS).graph, load_graph(MAPS / 'lab_graph.yaml')
+    graphs = made_of(MAPS / 'lab_base.map')[1], load_graph(MAPS / 'lab_graph.yaml')
     made, drawn = (sum(graph.curve(id).length for id in graph.edges) for graph in graphs)
     assert made <= 1.3 * drawn
