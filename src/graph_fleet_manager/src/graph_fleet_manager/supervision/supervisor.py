@@ -47,7 +47,6 @@ from graph_fleet_manager.supervision.reports import (
     Report,
     WrongReport,
     check_report,
-    place_of,
 )
 from graph_fleet_manager.supervision.robots import SILENCE, ManagedRobot, RobotSettings
 from graph_fleet_manager.supervision.route_client import RouteClient
@@ -214,7 +213,7 @@ class Supervisor:
             return f'{name} does not report: mend its link first', self._answer()
         if robot.client.order is not None or not robot.is_still(now):
             return f'{name} does not stand still yet: try again in a moment', self._answer()
-        problem = robot.come_back(place_of(robot.client.pose, self.network.graph))
+        problem = robot.come_back(robot.place_at(robot.client.pose))
         self._forget_plan_of(name)
         self._note_outages()
         self._go_on(now)
