@@ -4,7 +4,7 @@ from __future__ import annotations
 from itertools import count
 
 import pytest
-from fleet_builders import corridor
+from fleet_builders import corridor, graph_of
 
 from graph_fleet_manager.supervision.reports import (
     Place,
@@ -173,6 +173,14 @@ def test_after_a_restart_without_memory_what_is_reported_is_released_and_fixed()
     (Pose(), None)])
 def test_the_place_that_a_pose_means(pose, place):
     assert place_of(pose, GRAPH) == place
+
+
+@pytest.mark.parametrize('fraction, play, touches', [
+    (0.1, 0.25, True),    # 0.14 m from edge 1: which of the two is nearest is chance
+    (0.1, 0.0, False), (0.5, 0.25, False)])
+def test_where_edges_part_a_robot_that_strays_may_be_told_on_either(fraction, play, touches):
+    fork = graph_of({1: (0.0, 0.0), 2: (5.0, 0.0), 3: (5.0, 1.4)}, {1: (1, 2), 2: (1, 3)})
+    assert Place(edge=2, fraction=fraction).touches(fork, (1,), play) is touches
 
 
 @pytest.mark.parametrize('wrong', [

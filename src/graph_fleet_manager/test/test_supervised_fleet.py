@@ -184,6 +184,22 @@ def test_stop_all_works_without_a_planner_and_resume_goes_on():
     fleet.run_until_done(1)
 
 
+def test_a_robot_stopped_just_before_a_vertex_is_sent_over_the_rest_of_its_edge():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    fleet.request(1, 8)
+    agv = fleet.agvs['a']
+    while not 1.75 < agv.arc < 1.95:
+        fleet.step()
+    fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+    fleet.run(5.0)
+    before = agv.edge
+    fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
+    while not agv.edges:
+        fleet.step()
+    assert agv.edges[0] == before, 'not the vertex: it is not there yet'
+    fleet.run_until_done(1)
+
+
 def test_a_stopped_fleet_stays_stopped_through_a_restart():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.request(1, 8)

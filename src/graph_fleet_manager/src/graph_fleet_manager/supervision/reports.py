@@ -81,10 +81,18 @@ class Place:
     edge: int = 0
     fraction: float = 0.0
 
-    def touches(self, graph: Graph, edges: Tuple[int, ...]) -> bool:
-        """Is it on one of these edges, or at an end of one?"""
+    def touches(self, graph: Graph, edges: Tuple[int, ...], play: float = 0.0) -> bool:
+        """Is it on one of these edges, or at an end of one?
+
+        A robot that strays by up to `play` (m) from its edge is told on the one that is nearest,
+        which beside another edge need not be its own: then it is no farther than twice that away.
+        """
         if self.vertex is None:
-            return abs(self.edge) in map(abs, edges)
+            if abs(self.edge) in map(abs, edges):
+                return True
+            curve = graph.curve(self.edge)
+            here = curve.point_at(self.fraction * curve.length)
+            return any(graph.curve(e).project(*here).distance <= 2.0 * play for e in edges)
         return any(self.vertex in (graph.edge(e).origin, graph.edge(e).destination) for e in edges)
 
     def __str__(self) -> str:
@@ -93,13 +101,13 @@ class Place:
         return f'{100.0 * self.fraction:.0f} % of edge {self.edge}'
 
 
-def place_of(pose: Pose, graph: Graph) -> Optional[Place]:
-    """The place that a symbolic pose means; None off the graph."""
+def place_of(pose: Pose, graph: Graph, near: float = NEAR) -> Optional[Place]:
+    """The place that a pose means: a vertex within `near` m of it; None off the graph."""
     if not pose.edge:
         return None
     length = graph.curve(pose.edge).length
     from_end = (1.0 - pose.fraction) * length
-    near_end, near_start = from_end <= NEAR, length - from_end <= NEAR
+    near_end, near_start = from_end <= near, length - from_end <= near
     if near_end and (not near_start or pose.fraction > 0.5):
         return Place(vertex=graph.end_vertex(pose.edge).id)
     if near_start:

@@ -8,13 +8,14 @@ from typing import List, Optional, Tuple
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.supervision.edge_times import Driven, EdgeTimer
 from graph_fleet_manager.supervision.outages import Outage, outage_of
-from graph_fleet_manager.supervision.reports import Place, Pose, Report, place_of
+from graph_fleet_manager.supervision.reports import NEAR, Place, Pose, Report, place_of
 from graph_fleet_manager.supervision.route_client import Heard, NewId, RouteClient
 from graph_fleet_manager.supervision.track import Track
 from trajectory_graph import Graph
 from trajectory_graph.route_protocol import RouteRefusal
 
 SILENCE = 5.0      # s without a report after which a robot counts as silent
+AT_VERTEX = 0.02   # m from a vertex at which a robot that follows its edges exactly stands on it
 STANDING = 2.0     # s without motion after which a robot that lost its link is believed to stand
 TRIAL = 2.0        # s between two tries to go on after an emergency stop
 REFUSALS = 3       # in a row, after which a person must look
@@ -87,6 +88,10 @@ class ManagedRobot:
         """All of a report that must outlive a restart: when it changes, it is to be stored."""
         return self.track.done, self.track.end, self.client.over, self.client.is_stopping
 
+    def place_at(self, pose: Pose) -> Optional[Place]:
+        """Where it can begin a route: on a vertex only if it is as near as it can tell."""
+        return place_of(pose, self.track.graph, min(self.type.play + AT_VERTEX, NEAR))
+
     def range_left(self) -> float:
         """How far (m) it may drive with what is left in its battery, the reserve aside."""
         if math.isnan(self.battery):
@@ -120,7 +125,7 @@ class ManagedRobot:
             self.outage, self.why = None, ''
         if self.outage is Outage.OFF_GRAPH and report.pose.edge and self._was_nowhere:
             self.outage, self.why = None, ''
-            self.client.settle(place_of(report.pose, self.track.graph))
+            self.client.settle(self.place_at(report.pose))
         heard = self.client.take(report)
         self.passed += heard.passed
         self._judge(heard, report)
@@ -194,8 +199,8 @@ class ManagedRobot:
         if not ahead:
             self.outage, self.why = None, ''
             return False
-        place = place_of(self.track.pose, graph)
-        if place is None or not place.touches(graph, ahead[:1]):
+        place = self.place_at(self.track.pose)
+        if place is None or not place.touches(graph, ahead[:1], self.type.play):
             self.fail(Outage.TAKEN_OVER, 'it was moved during an emergency stop')
             return False
         self.client.try_again(new_id)
@@ -206,10 +211,11 @@ class ManagedRobot:
         if not self.is_halted or self.client.order is not None or not self.is_still(now) or (
                 self.outage not in (None, Outage.STOPPED)):
             return False
-        place = place_of(self.track.pose, self.track.graph)
+        place = self.place_at(self.track.pose)
         held = self.track.held
         self.is_halted = False
-        if place is None or (held and not place.touches(self.track.graph, held)):
+        if place is None or (
+                held and not place.touches(self.track.graph, held, self.type.play)):
             edges = ', '.join(map(str, held))
             self.fail(Outage.TAKEN_OVER, f'it was stopped on its way over the edges {edges}, but '
                                          f'is {f"at {place}" if place else "off the graph"}')
@@ -223,7 +229,7 @@ class ManagedRobot:
         if self.outage is not Outage.LOST_LINK or report.stamp <= self._fresh_after + STANDING:
             return
         if self.is_still(now) and report.age < STANDING:
-            self.come_back(place_of(report.pose, self.track.graph))
+            self.come_back(self.place_at(report.pose))
 
     def come_back(self, place: Optional[Place]) -> str:
         """It works again, from where it is; returns why not, or nothing.
@@ -234,7 +240,7 @@ class ManagedRobot:
             return f'{self.name} is off the graph: bring it onto an edge'
         expected = self.track.held
         if self.outage is Outage.LOST_LINK and expected and not place.touches(
-                self.track.graph, expected):
+                self.track.graph, expected, self.type.play):
             self.fail(Outage.TAKEN_OVER, f'it was expected elsewhere, but is at {place}')
             return self.why
         self.client.settle(place)

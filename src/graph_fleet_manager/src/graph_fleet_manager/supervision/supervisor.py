@@ -28,7 +28,7 @@ from graph_fleet_manager.supervision.missions import (
 )
 from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.outbox import Outbox
-from graph_fleet_manager.supervision.reports import Report, WrongReport, check_report, place_of
+from graph_fleet_manager.supervision.reports import Report, WrongReport, check_report
 from graph_fleet_manager.supervision.roads import Roads
 from graph_fleet_manager.supervision.robots import SILENCE, ManagedRobot, RobotSettings
 from graph_fleet_manager.supervision.route_client import RouteClient
@@ -190,7 +190,7 @@ class Supervisor:
             return f'{name} does not report: mend its link first', self._out.take()
         if robot.client.order is not None or not robot.is_still(now):
             return f'{name} does not stand still yet: try again in a moment', self._out.take()
-        problem = robot.come_back(place_of(robot.track.pose, self.network.graph))
+        problem = robot.come_back(robot.place_at(robot.track.pose))
         self.dispatcher.forget_plan_of(name)
         self._note_outages()
         self._go_on(now)

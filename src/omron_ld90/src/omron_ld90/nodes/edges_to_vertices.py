@@ -85,11 +85,7 @@ class EdgesToVertices:
         self._clock = RunningClock()
         settings = _read_settings(graph)
         self._follower = RouteFollower(settings, graph, links=tuple(p.Link))
-<<<<<<< HEAD
         self._memory = RouteMemory(parameter('~launch_id', ''), parameter('~route_file', ''))
-=======
-        self._memory = RouteMemory(parameter('~route_file', ''))
->>>>>>> masters
         record, age = self._memory.recall()
         if record:
             self._follower.restore(record, age < settings.restart_timeout, self._clock.read())
