@@ -142,11 +142,17 @@ class Factory:
         return [robot.vertex for robot in self.fleet.robots]
 
     def send(self, *vertices: int, robot: str = '', dwell: Sequence[float] = ()) -> int:
-        """Sends a mission, and tells its id."""
+        """Sends a mission, and tells its id once the fleet manager has it.
+
+        Of many at once the publisher's queue would drop some.
+        """
         request = MissionRequest(request_id=next(self._ids), robot=robot,
                                  destination_vertices_id=vertices, dwell=dwell)
         request.header.stamp = rospy.Time.now()
         self._requests.publish(request)
+        wait_until(lambda: any(status.request_id == request.request_id
+                               for status in list(self.statuses.messages)), 30.0,
+                   f'a status of mission {request.request_id}')
         return request.request_id
 
     def ends(self, missions: Sequence[int]) -> Dict[int, int]:
