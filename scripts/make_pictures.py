@@ -3,8 +3,8 @@
 
 After `source devel/setup.bash`: `PYTHONPATH=test:$PYTHONPATH scripts/make_pictures.py`
 
-Writes rviz_map.png, rviz_route.png, rviz_drive.gif, made_graph.png and graph_editor.png into
-docs/images; with the argument `graph` the last two only.
+Writes rviz_map.png, rviz_route.png, rviz_drive.gif, made_graph.png, graph_editor.png and fleet.gif
+into docs/images; with `stack`, `graph` or `fleet` the first three, the next two, the last one.
 """
 from __future__ import annotations
 
@@ -17,7 +17,9 @@ import time
 from pathlib import Path
 from typing import Callable, List, Optional, Tuple
 
+import rosgraph
 import rospy
+from fleet_support import Factory
 from geometry_msgs.msg import PointStamped
 from PIL import Image, ImageDraw
 from rviz_support import RvizWindow, Screen, count_near, missing_programs
@@ -40,6 +42,8 @@ PERIOD, SPEED_UP = 1.0, 5.0  # s between two pictures of the film, and how much 
 STATION_SIDE = '-13.2,-7.0,180'  # where the laboratory's charger stands
 VERTEX_2 = (600, 198)  # pixel of a vertex of the made graph
 NAVY, YELLOW = (31, 51, 89), (255, 217, 26)
+FLEET_FILM = 45.0  # s
+CORNER = (1240, 860)  # pixel where the mouse hides nothing
 ROUTE = (9, 3, 4, 31, 32, 34)  # from vertex 4 to 52
 
 
@@ -152,18 +156,51 @@ def graph_pictures(screen: Screen) -> None:
             editor.wait(30)
 
 
+def fleet_film(screen: Screen) -> None:
+    """Eight robots at work: what `scripts/run.sh fleet:=4 longest_edge:=1.5 demo:=true` shows."""
+    port = free_port()
+    os.environ['ROS_MASTER_URI'] = screen.environment['ROS_MASTER_URI'] = (
+        f'http://127.0.0.1:{port}')
+    master = subprocess.Popen(['roscore', '-p', str(port)], stdout=subprocess.DEVNULL)
+    fleet = window = None
+    try:
+        wait_until(rosgraph.Master('/make_pictures').is_online, 60.0, 'the ROS master')
+        rospy.init_node('make_pictures', disable_signals=True)
+        fleet = Factory('4', 'longest_edge:=1.5', 'demo:=true')
+        window = RvizWindow(screen, str(IMAGES), SCALE, 'omron_ld90', 'rviz.launch',
+                            'robot_name:=rviz_of_fleet', f'map_file:={fleet.folder}/fleet.map',
+                            f'rviz_config:={fleet.folder}/fleet.rviz')
+        fleet.wait_until_ready()
+        wait_until(lambda: sum(robot.has_mission for robot in fleet.state.messages[-1].robots) == 8,
+                   120.0, 'eight missions')
+        window.hover(CORNER)
+        pictures = Film(window)
+        pictures.take_until(lambda: False, FLEET_FILM)
+        pictures.save(IMAGES / 'fleet.gif')
+    finally:
+        if window is not None:
+            window.close()
+        if fleet is not None:
+            fleet.stop()
+        master.send_signal(signal.SIGINT)
+        master.wait(30)
+
+
 def main() -> int:
-    """Start the stack on free ports, film it, and end it."""
+    """Start what is filmed on free ports, film it, and end it."""
     missing = missing_programs()
     if missing:
         print(f'Not installed: {", ".join(missing)}.', file=sys.stderr)
         return 1
     IMAGES.mkdir(parents=True, exist_ok=True)
+    parts = {'stack': stack_pictures, 'graph': graph_pictures, 'fleet': fleet_film}
+    if sys.argv[1:] not in [[name] for name in parts]:
+        for name in parts:  # each in a program of its own: a program has one ROS master
+            subprocess.run([sys.executable, __file__, name], check=True)
+        return 0
     screen = Screen()
     try:
-        if sys.argv[1:] != ['graph']:
-            stack_pictures(screen)
-        graph_pictures(screen)
+        parts[sys.argv[1]](screen)
     finally:
         screen.close()
     return 0

@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, List, Sequence, Tuple
 
 import rospy
+from arcl_tap import ArclTap
 from stack import cpu_seconds, descendants
-from supervisor_bench.arcl_tap import ArclTap
 from supervisor_bench.stacks import AGVS, MANAGER, ROBOT, Stack
 
 from itrci_nav_msgs.msg import (

@@ -2,7 +2,7 @@
 """VDA 5050: latencies through the adapter beside bare MQTT, many vehicles on one broker, driving.
 
 A mosquitto of its own on loopback; the stack with a simulated LD-90; the ARCL line goes through a
-relay that notes when the first command of an order passes.
+tap that notes when the first command of an order passes.
 """
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import argparse
 import json
 import os
 import signal
-import socket
 import statistics
 import subprocess
 import sys
@@ -24,6 +23,7 @@ from typing import Callable, Dict, Iterator, List, Sequence, Tuple
 
 import rosgraph
 import rospy
+from arcl_tap import ArclTap
 from stack import cpu_seconds, descendants
 from std_msgs.msg import Bool
 
@@ -46,50 +46,11 @@ VEHICLES, RATE, SECONDS = 50, 2.0, 20.0
 AHEAD = 8.0  # m that the base is kept ahead
 
 
-class Relay:
-    """Carries TCP to the robot and back; `seen` has the times at which a driving command passed."""
-
-    def __init__(self, robot_port: int) -> None:
-        self.port = free_port()
-        self.seen: List[float] = []
-        self._robot_port = robot_port
-        self._listener = socket.create_server(('127.0.0.1', self.port))
-        threading.Thread(target=self._serve, daemon=True).start()
-
-    def _serve(self) -> None:
-        while True:
-            near, _ = self._listener.accept()
-            try:
-                far = socket.create_connection(('127.0.0.1', self._robot_port))
-            except OSError:
-                near.close()
-                continue
-            for sock in (near, far):
-                sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            for source, target, watch in ((near, far, True), (far, near, False)):
-                threading.Thread(target=self._carry, args=(source, target, watch),
-                                 daemon=True).start()
-
-    def _carry(self, source: socket.socket, target: socket.socket, watch: bool) -> None:
-        try:
-            while True:
-                data = source.recv(65536)
-                if watch and (b'goto' in data or b'dock' in data):
-                    self.seen.append(time.monotonic())
-                if not data:
-                    break
-                target.sendall(data)
-        except OSError:
-            pass  # one side has closed: so does the other
-        for sock in (source, target):
-            sock.close()
-
-
 @contextmanager
-def stack(broker: Broker, sim_speed: float, folder: Path) -> Iterator[Tuple[Relay, int]]:
-    """The stack under a ROS master of its own; yields the relay and roslaunch's process id."""
+def stack(broker: Broker, sim_speed: float, folder: Path) -> Iterator[Tuple[ArclTap, int]]:
+    """The stack under a ROS master of its own; yields the tap and roslaunch's process id."""
     master_port, robot_port, outgoing = free_port(), free_port(), free_port()
-    relay = Relay(robot_port)
+    tap = ArclTap(free_port(), robot_port)
     launch, vehicle = folder / 'bench.launch', folder / 'vehicle.yaml'
     vehicle.write_text((ROOT / 'src/vda5050_vehicle/config/ld90/vehicle.yaml').read_text()
                        + '  field_violation: {topic: bench, type: std_msgs/Bool, field: data}\n')
@@ -99,7 +60,7 @@ def stack(broker: Broker, sim_speed: float, folder: Path) -> Iterator[Tuple[Rela
     <arg name="sim_speed" value="{sim_speed}"/>
   </include>
   <include file="{ROOT}/launch/robot.launch">
-    <arg name="arcl_port" value="{relay.port}"/><arg name="outgoing_port" value="{outgoing}"/>
+    <arg name="arcl_port" value="{tap.port}"/><arg name="outgoing_port" value="{outgoing}"/>
     <arg name="password_file" value="$(find omron_ld90_sim)/config/simulator_password"/>
     <arg name="map_file" value="{ROOT}/maps/lab.map"/>
     <arg name="graph_file" value="{ROOT}/maps/lab_graph.yaml"/>
@@ -119,7 +80,7 @@ def stack(broker: Broker, sim_speed: float, folder: Path) -> Iterator[Tuple[Rela
     process = subprocess.Popen(['roslaunch', '-p', str(master_port), str(launch)],
                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
-        yield relay, process.pid
+        yield tap, process.pid
     finally:
         process.send_signal(signal.SIGINT)
         process.wait(30)
@@ -233,15 +194,15 @@ def by_single_edges(master: Master, track: Track, lengths: Sequence[float],
     return send
 
 
-def order_to_arcl(master: Master, relay: Relay, graph) -> List[float]:
+def order_to_arcl(master: Master, tap: ArclTap, graph) -> List[float]:
     """From sending an order to the first byte of its command on the ARCL line."""
     latencies = []
     there = track_on(graph, (8, 10), 'map')
     for track in (there, there.reversed()) * (ORDERS // 2 + 1):
-        passed = len(relay.seen)
+        passed = len(tap.motions)
         begun = time.monotonic()
         drive(master, track, whole(master, track))
-        latencies.append(relay.seen[passed] - begun)
+        latencies.append(tap.motions[passed] - begun)
     return latencies[:ORDERS]
 
 
@@ -343,11 +304,11 @@ def part_mission(broker: Broker, folder: Path) -> None:
     master = Master(broker, PREFIX)
     speed = 4.0
     times: Dict[str, List[float]] = {'whole': [], 'single': []}
-    with stack(broker, speed, folder) as (relay, _):
+    with stack(broker, speed, folder) as (tap, _):
         ready(master)
         way = track_on(graph, (DOCK, 8), 'map')
         drive(master, way, whole(master, way))
-        first = order_to_arcl(master, relay, graph)
+        first = order_to_arcl(master, tap, graph)
         row('order to first ARCL byte, p50, p99', milliseconds(first), '', 'p50 < 10 ms')
         drive(master, way, whole(master, way.reversed()))
         for _ in range(2):

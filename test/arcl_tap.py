@@ -13,6 +13,7 @@ class ArclTap:
     """A TCP proxy on loopback; `motions` are the monotonic times of motion commands."""
 
     def __init__(self, port: int, robot_port: int) -> None:
+        self.port = port
         self.motions: List[float] = []
         self._robot_port = robot_port
         self._server = socket.create_server(('127.0.0.1', port))
