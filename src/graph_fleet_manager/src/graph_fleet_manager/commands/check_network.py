@@ -11,7 +11,8 @@ import os
 import sys
 from typing import List, Optional, Sequence
 
-from graph_fleet_manager.commands.fleet_client import NOT_DONE, OK, CommandError, Parser, run
+from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandError, Parser
+from graph_fleet_manager.commands.fleet_client import run
 from graph_fleet_manager.files.robot_computers import is_address
 from graph_fleet_manager.joining.findings import Level
 from graph_fleet_manager.joining.network_checks import NetworkChecks

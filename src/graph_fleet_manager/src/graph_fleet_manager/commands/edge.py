@@ -9,12 +9,10 @@ from typing import List, Optional, Sequence, Set
 
 import rospy
 
+from graph_fleet_manager.commands.command_line import OK, CommandError, Parser
 from graph_fleet_manager.commands.fleet_client import (
-    OK,
     PATIENCE,
-    CommandError,
     Listener,
-    Parser,
     connect,
     connected_publisher,
     run,

@@ -9,16 +9,8 @@ from typing import List, Optional, Sequence
 
 import rospy
 
-from graph_fleet_manager.commands.fleet_client import (
-    OK,
-    CommandError,
-    Listener,
-    Parser,
-    call,
-    connect,
-    run,
-    table,
-)
+from graph_fleet_manager.commands.command_line import OK, CommandError, Parser
+from graph_fleet_manager.commands.fleet_client import Listener, call, connect, run, table
 from itrci_nav_msgs.msg import FleetRobot, FleetState
 
 _STATES = {value: name.lower().replace('_', ' ') for name, value in vars(FleetRobot).items()

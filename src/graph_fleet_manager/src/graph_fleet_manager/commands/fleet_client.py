@@ -1,35 +1,18 @@
 """What the commands share: a ROS master that is there, messages waited for, plain errors."""
 from __future__ import annotations
 
-import argparse
 import sys
 import threading
 import time
-from typing import Any, Callable, List, NoReturn, Optional, Sequence, Type
+from typing import Any, Callable, List, Optional, Sequence, Type
 
 import rosgraph
 import rospy
 from std_srvs.srv import Trigger
 
+from graph_fleet_manager.commands.command_line import NOT_DONE, CommandError
+
 PATIENCE = 10.0  # s to wait for the fleet manager
-OK, WRONG, NOT_DONE = 0, 1, 2
-"""Exit statuses: done; wrong input, or no fleet manager; refused or not succeeded."""
-
-
-class CommandError(Exception):
-    """What keeps a command from doing its work: one sentence that says what to do."""
-
-    def __init__(self, text: str, status: int = WRONG) -> None:
-        super().__init__(text)
-        self.status = status
-
-
-class Parser(argparse.ArgumentParser):
-    """Says what is wrong in one line, with exit status 1."""
-
-    def error(self, message: str) -> NoReturn:
-        """Ends the command."""
-        self.exit(WRONG, f'{self.prog}: {message}; see {self.prog} --help.\n')
 
 
 def run(name: str, command: Callable[[List[str]], int],

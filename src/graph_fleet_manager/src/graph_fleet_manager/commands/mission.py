@@ -21,13 +21,10 @@ from typing import List, Optional, Sequence
 import rospkg
 import rospy
 
+from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandError, Parser
 from graph_fleet_manager.commands.fleet_client import (
-    NOT_DONE,
-    OK,
     PATIENCE,
-    CommandError,
     Listener,
-    Parser,
     connect,
     connected_publisher,
     run,

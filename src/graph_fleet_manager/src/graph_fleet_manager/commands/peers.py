@@ -10,7 +10,7 @@ from __future__ import annotations
 import sys
 from typing import List, Optional, Sequence
 
-from graph_fleet_manager.commands.fleet_client import OK, WRONG
+from graph_fleet_manager.commands.command_line import OK, WRONG
 from graph_fleet_manager.files.errors import FileError
 from graph_fleet_manager.files.robot_computers import is_address, load_computers
 
