@@ -9,6 +9,7 @@ import re
 import shutil
 import socket
 import threading
+import time
 from pathlib import Path
 from typing import Callable, Dict, List, Tuple
 
@@ -172,6 +173,7 @@ class Odometer:
     """How far the LD-90 truly drives, by looking where it is."""
 
     PERIOD = 0.05  # s
+    RESTS = 1.0    # s without motion after which it stands
 
     def __init__(self, fleet: JoinedFleet) -> None:
         self.metres = 0.0
@@ -179,6 +181,7 @@ class Odometer:
         self._answers = self._control.makefile()
         self._over = threading.Event()
         self._last = self._where()
+        self._moved = time.monotonic()
         self._thread = threading.Thread(target=self._look, daemon=True)
 
     def __enter__(self) -> Odometer:
@@ -199,14 +202,22 @@ class Odometer:
     def _look(self) -> None:
         while not self._over.wait(self.PERIOD):
             place = self._where()
-            self.metres += math.dist(place, self._last)
-            self._last = place
+            if place != self._last:
+                self.metres += math.dist(place, self._last)
+                self._last, self._moved = place, time.monotonic()
 
     def wait_for(self, metres: float, timeout: float = 60.0) -> None:
         """Until the robot has driven so far from now on."""
         begin = self.metres
         wait_until(lambda: self.metres - begin >= metres, timeout,
                    f'the robot drives another {metres} m')
+
+    def wait_for_rest_or(self, metres: float) -> None:
+        """Until the robot has driven so far from now on, or stands where it was last sent."""
+        begin = self.metres
+        wait_until(lambda: self.metres - begin >= metres
+                   or time.monotonic() - self._moved > self.RESTS, 60.0,
+                   f'the robot drives another {metres} m, or stands')
 
 
 def kept_folder(name: str) -> Path:

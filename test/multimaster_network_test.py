@@ -34,7 +34,7 @@ class PulledCable(unittest.TestCase):
                 odometer.wait_for(3.0)
                 with cable.pulled():
                     until = time.monotonic() + PULLED
-                    odometer.wait_for(2.0)  # it drives what it was given
+                    odometer.wait_for_rest_or(2.0)  # it drives what it was given
                     time.sleep(until - time.monotonic())
                     reached = fleet.mission(mission).reached
                 done = fleet.succeeded(mission)

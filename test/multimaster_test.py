@@ -88,7 +88,7 @@ class JoinedMasters(unittest.TestCase):
                 odometer.wait_for(1.0)
                 for computer in dying:
                     computer.kill()
-                odometer.wait_for(0.5)   # nobody stops what is being driven
+                odometer.wait_for_rest_or(0.5)   # nobody stops what is being driven
                 for computer in dying:
                     computer.start()
             done = fleet.succeeded(mission)
