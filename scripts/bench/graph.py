@@ -4,6 +4,7 @@ Uses the maps of real LD robots in LD90_REAL_MAPS where there are any, beside th
 """
 from __future__ import annotations
 
+import argparse
 import os
 import signal
 import statistics
@@ -194,12 +195,14 @@ class Mouse:
         return time.perf_counter() - begun
 
     def wait_for_editor(self) -> None:
-        """Until it answers: while it starts, feedback is lost."""
-        self._answered.clear()
+        """Until it answers: feedback is lost while it starts, and its first update is none."""
+        answers = 0
         for x, y in list(circle(60))[1:]:  # a drag to where it is would not be answered
+            self._answered.clear()
             self._tell(InteractiveMarkerFeedback.MOUSE_DOWN, 0.0, 0.0)
             self._tell(InteractiveMarkerFeedback.POSE_UPDATE, x, y)
-            if self._answered.wait(1.0):
+            answers = answers + 1 if self._answered.wait(1.0) else 0
+            if answers == 3:
                 return
         raise RuntimeError('the editor did not start within 60 s')
 
@@ -327,10 +330,16 @@ def measured_frames(screen: Screen, text: str, mouse: Mouse) -> Tuple[List[float
 
 
 def main() -> None:
-    """Print the tables."""
-    making()
-    compare_with_hand()
-    editing()
+    """Print the tables, or with --only editing the last one."""
+    options = argparse.ArgumentParser(description=__doc__)
+    options.add_argument('--markdown', action='store_true', help='as everywhere; it is one anyway')
+    options.add_argument('--only', choices=('making', 'editing'), help='a part of it')
+    only = options.parse_args().only
+    if only != 'editing':
+        making()
+        compare_with_hand()
+    if only != 'making':
+        editing()
 
 
 if __name__ == '__main__':
