@@ -38,6 +38,7 @@ run_packages=(
 )
 test_packages=(
   "catkin-lint         python3-catkin-lint"
+  "iproute2            iproute2"
   "python3-hypothesis  python3-hypothesis"
   "python3-jsonschema  python3-jsonschema"
   "python3-pytest      python3-pytest"

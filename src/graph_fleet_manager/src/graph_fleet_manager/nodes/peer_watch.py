@@ -86,10 +86,9 @@ class Peer:
 
 def _start() -> object:
     addresses = parameter('~peers', kind=list)
-    wrong = next((one for one in addresses if not is_address(str(one))), None)
-    if wrong is not None or not addresses:
-        raise ConfigurationError(f'Parameter ~peers holds {wrong!r}, but must be a list of '
-                                 'addresses of computers.')
+    if not addresses or not all(is_address(str(address)) for address in addresses):
+        raise ConfigurationError(f'Parameter {rospy.resolve_name("~peers")} is {addresses!r}, but '
+                                 'must be a list of addresses of computers.')
     port = parameter('~discovery_port', DISCOVERY_PORT, int)
     peers = [Peer(str(address), port) for address in addresses]
     publish_diagnostics('none', {peer.address: peer.report for peer in peers})
