@@ -17,10 +17,11 @@ import actionlib
 import rospy
 from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
+from geometry_msgs.msg import PoseStamped, PoseWithCovariance, PoseWithCovarianceStamped
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from std_msgs.msg import String
 
+from itrci_nav_msgs.msg import FleetRobot, FleetState
 from omron_arcl import parse_line
 from omron_arcl.replies import GoingToPoint, Location, OneLineStatus
 from omron_ld90_msgs.msg import (
@@ -201,6 +202,36 @@ class ControllerTest(unittest.TestCase):
         publisher.publish(pose_in_map(0.0, 0.0, 0.0, frame='odom'))
         refusal = self.refusals.wait_for(lambda _: True, SOON, 'refusal', refused)
         self.assertIn('"odom"', refusal.reason)
+        self.result_of(self.run_command('stop'))
+
+    def test_rvizs_goal_and_pose_tools_are_refused_while_a_fleet_manager_drives_the_robot(self):
+        fleet = connected_publisher('/fleet_state', FleetState, to='omron_controller')
+        goals = connected_publisher('/omron_ld90/move_base_simple/goal', PoseStamped)
+        poses = connected_publisher('/omron_ld90/initialpose', PoseWithCovarianceStamped)
+        nowhere, here = pose_in_map(0.0, 0.0, 0.0, frame='odom'), pose_in_map(0.0, 0.0, 0.0)
+        robot = FleetRobot(name='omron_ld90', state=FleetRobot.BUSY)
+        said, told = len(self.responses.messages), len(self.refusals.messages)
+
+        def wait_for_refusal(command: str, words: str, robots: List[FleetRobot]) -> None:
+            """A goal that drives nowhere shows whom the controller takes for the driver."""
+            def is_refused() -> bool:
+                fleet.publish(FleetState(robots=robots))  # as the fleet manager does all the time
+                goals.publish(nowhere)
+                return any(refusal.command == command and words in refusal.reason
+                           for refusal in self.refusals.messages[told:])
+            wait_until(is_refused, SOON, f'refusal of {command} with the words {words}')
+
+        wait_for_refusal('move_base_simple/goal', '"fleet out omron_ld90" first', [robot])
+        goals.publish(here)
+        poses.publish(PoseWithCovarianceStamped(here.header, PoseWithCovariance(pose=here.pose)))
+        wait_for_refusal('initialpose', '"fleet out omron_ld90" first', [robot])
+        wait_for_refusal('gotoPoint', '"odom"', [])
+        moved = [line.data for line in self.responses.messages[said:]
+                 if line.data.startswith(('Going', 'Localized'))]
+        self.assertEqual([], moved)
+        goals.publish(here)
+        self.responses.wait_for(lambda line: parse_line(line.data) == GoingToPoint(), SOON,
+                                'drive once nobody manages the robot', said)
         self.result_of(self.run_command('stop'))
 
     def test_a_simple_goal_is_a_new_goal_of_the_action(self):

@@ -11,18 +11,30 @@ from typing import List
 from xmlrpc.client import ServerProxy
 
 import rosgraph
+import rospkg
 import rospy
+from geometry_msgs.msg import Point, PointStamped
+from std_msgs.msg import Header, String
 
 from itrci_nav_msgs.msg import (
     EdgeState,
     ExecutionRouteStates,
+    FleetRobot,
     FleetState,
     MissionStatus,
     TargetRoute,
 )
 from omron_ld90_msgs.msg import RobotStatus
-from system_support import CommandRecorder, Recorder, run_cases, wait_until
+from omron_map import MapDocument
+from system_support import (
+    CommandRecorder,
+    Recorder,
+    connected_publisher,
+    run_cases,
+    wait_until,
+)
 
+LAB = rospkg.RosPack().get_path('omron_ld90') + '/../../maps/lab.map'
 DESTINATIONS = [18, 39, 52, 6, 16]
 TYPE = 'omron_ld90'
 
@@ -45,6 +57,7 @@ class FleetMission(unittest.TestCase):
         cls.statuses = Recorder('/mission_status', MissionStatus)
         cls.fleet = Recorder('/fleet_state', FleetState)
         cls.commands = CommandRecorder('omron_ld90')
+        cls.lines = Recorder('/omron_ld90/arcl_response', String)
         cls.fleet.wait_for(lambda state: state.robots and state.robots[0].seen
                            and state.robots[0].pose.edge_id, 60, 'robot on the graph')
 
@@ -82,10 +95,7 @@ class FleetMission(unittest.TestCase):
     def test_3_stop_and_resume_from_the_command_line(self) -> None:
         sent = command('mission', 18)
         mission = re.search(r'Mission (\d+)', sent.stdout).group(1)
-        self.reports.wait_for(lambda report: any(
-            edge.state == EdgeState.COMPLETE for edge in report.edge_states)
-            and report.symbolic_pose.edge_id not in (0, 13), 60, 'robot on its way',
-            after=len(self.reports.messages))
+        self.wait_until_on_its_way()
         self.assertEqual(command('fleet', 'stop').returncode, 0)
         wait_until(lambda: self.commands.texts[-1] == 'stop', 10, 'a stop to the robot')
         self.fleet.wait_for(lambda state: 'stopped' in state.robots[0].waits_for, 10, 'stop',
@@ -97,6 +107,14 @@ class FleetMission(unittest.TestCase):
         history = command('mission', 'history', '--csv', '--journal', rospy.get_param(
             '/path_supervisor/journal'))
         self.assertIn(f'{mission},18,,0,SUCCEEDED,omron_ld90', history.stdout)
+
+    def wait_until_on_its_way(self) -> None:
+        """Until an edge of its route is behind the robot, and it is not in its dock."""
+        self.reports.wait_for(lambda report: any(
+            edge.state == EdgeState.COMPLETE for edge in report.edge_states)
+            and any(edge.state == EdgeState.PROCESSING for edge in report.edge_states)
+            and report.symbolic_pose.edge_id not in (0, 13), 60, 'robot on its way',
+            after=len(self.reports.messages))
 
     def test_4_killed_nodes_lose_no_mission_and_repeat_no_motion(self) -> None:
         given = len(self.commands.texts)
@@ -114,6 +132,26 @@ class FleetMission(unittest.TestCase):
         drives = [text for text in self.commands.texts[given:] if text.startswith('goto')]
         repeated = [one for one, other in zip(drives, drives[1:]) if one == other]
         self.assertEqual(repeated, [], drives)
+
+    def test_5_a_click_takes_the_robot_over_and_fleet_in_gives_it_back(self) -> None:
+        click = connected_publisher('/clicked_point', PointStamped, to='goal_sender')
+        goal = next(goal for goal in MapDocument.load(LAB).goals if goal.name == '39')
+        sent = command('mission', 6)
+        mission = int(re.search(r'Mission (\d+)', sent.stdout).group(1))
+        self.wait_until_on_its_way()
+        given, said = len(self.commands.texts), len(self.lines.messages)
+        click.publish(Header(frame_id='map'), Point(goal.x / 1000.0, goal.y / 1000.0, 0.0))
+        taken = self.fleet.wait_for(lambda state: state.robots[0].state == FleetRobot.TAKEN_OVER,
+                                    30, 'robot taken over', after=len(self.fleet.messages))
+        self.assertIn('taken over', taken.robots[0].waits_for)
+        self.lines.wait_for(lambda line: line.data == 'Arrived at 39', 60, 'end of the drive to 39',
+                            after=said)
+        self.assertEqual(['goto 39'], self.commands.texts[given:])  # and nobody interfered
+        wait_until(lambda: command('fleet', 'in', 'omron_ld90').returncode == 0, 30, 'fleet in')
+        end = self.statuses.wait_for(
+            lambda status: status.request_id == mission and status.state not in (
+                MissionStatus.PENDING, MissionStatus.ACTIVE), 120, 'end of the mission')
+        self.assertEqual(MissionStatus.SUCCEEDED, end.state, end.reason)
 
 
 def kill(node: str) -> None:

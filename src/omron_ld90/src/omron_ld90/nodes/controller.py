@@ -4,6 +4,8 @@ Topics in:
   send_command (std_msgs/String): one ARCL command, e.g. `goto 12`
   move_base_simple/goal (geometry_msgs/PoseStamped): drive there; becomes a goal of `move_base`
   initialpose (geometry_msgs/PoseWithCovarianceStamped): the robot is there (`localizeToPoint`)
+  /fleet_state (itrci_nav_msgs/FleetState), execution_route_states (.../ExecutionRouteStates): while
+      a fleet drives the robot, the two topics above, which are clicks in RViz, are refused
 Topics out:
   arcl_response (std_msgs/String): every line that the robot sends after the login, byte for byte
   command_refused (omron_ld90_msgs/CommandRefused): what came by topic and came to nothing
@@ -23,6 +25,7 @@ Parameters:
       query, motion, device, configuration, dangerous, unknown
   ~session_log (''): file for all that both sides say, passwords redacted; an older one is kept as
       <file>.old; ld90_sim --replay serves it
+  ~allow_takeover (false): the two topics of clicks move a robot that a fleet drives, too
   ~stop_on_shutdown (false): send `stop` when the node is ended, as by Ctrl-C; without it the robot
       drives on to its goal
   ~heartbeat (1.5 s): between signs of life asked of the robot
@@ -61,6 +64,7 @@ from omron_ld90.nodes.controller_help import HelpReport
 from omron_ld90.nodes.controller_password import read_password
 from omron_ld90.nodes.controller_refusals import OldMessages, Refusals, publishers_by_master
 from omron_ld90.nodes.controller_topics import TopicCommands
+from omron_ld90.nodes.support.click_rule import ClickRule
 from omron_ld90.nodes.support.link_reports import (
     LinkReporter,
     misconfigured,
@@ -97,7 +101,8 @@ class Controller:
         ExecuteCommandServer(self._execute, self._client.cancel, old)
         self._move_base = MoveBaseServer(self._execute, self._client.cancel, old, refusals,
                                          map_frame)
-        TopicCommands(self._execute, self._move_base, refusals, old, map_frame)
+        TopicCommands(self._execute, self._move_base, refusals, old, map_frame,
+                      ClickRule.of_this_node().refusal)
         publish_diagnostics(self._client.peer, {'link to the robot': self._reporter.diagnose,
                                                 'robot': self._health.diagnose,
                                                 'goals': goals.diagnose,

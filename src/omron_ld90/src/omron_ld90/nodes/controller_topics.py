@@ -1,7 +1,7 @@
-"""The controller's topics in: commands and poses."""
+"""The controller's topics in: commands, and the poses of RViz's two tools."""
 from __future__ import annotations
 
-from typing import Callable
+from typing import Callable, Optional
 
 import rospy
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
@@ -18,11 +18,18 @@ from omron_ld90.nodes.controller_refusals import (
 
 
 class TopicCommands:
-    """Subscribes to the topics; `execute` gives a command and raises ArclError."""
+    """Subscribes to the topics.
+
+    execute       -- gives a command; raises ArclError
+    refuse_click  -- why a person's click must not move the robot now, None where it may: what
+                     comes from 2D Nav Goal and 2D Pose Estimate is a click
+    """
 
     def __init__(self, execute: Callable[..., Execution], move_base: MoveBaseServer,
-                 refusals: Refusals, old: OldMessages, map_frame: str) -> None:
+                 refusals: Refusals, old: OldMessages, map_frame: str,
+                 refuse_click: Callable[[], Optional[str]]) -> None:
         self._execute = execute
+        self._refuse_click = refuse_click
         self._move_base = move_base
         self._refusals = refusals
         self._map_frame = map_frame
@@ -32,15 +39,18 @@ class TopicCommands:
                 ('move_base_simple/goal', PoseStamped, 1, self._on_goal_pose),
                 ('initialpose', PoseWithCovarianceStamped, 1, self._on_initial_pose)):
             old.watch(topic)
-            rospy.Subscriber(topic, kind, self._unless_old(callback, topic),
+            rospy.Subscriber(topic, kind, self._unless_refused(callback, topic),
                              queue_size=queue_size, tcp_nodelay=True)
 
-    def _unless_old(self, callback: Callable[[rospy.Message, str], None],
-                    topic: str) -> Callable[[rospy.Message], None]:
+    def _unless_refused(self, callback: Callable[[rospy.Message, str], None],
+                        topic: str) -> Callable[[rospy.Message], None]:
         def receive(message: rospy.Message) -> None:
             caller = getattr(message, '_connection_header', {}).get('callerid', 'unknown')
-            text = message.data if isinstance(message, String) else topic
+            is_click = not isinstance(message, String)
+            text = topic if is_click else message.data
             reason = self._old.reason(message, topic, is_stop(text))
+            if is_click and not reason:
+                reason = self._refuse_click()
             if reason:
                 self._refusals.tell(text, caller, reason)
             else:

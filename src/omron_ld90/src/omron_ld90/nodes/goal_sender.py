@@ -34,7 +34,6 @@ from __future__ import annotations
 
 import math
 import threading
-import time
 from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
 
 import rospy
@@ -42,14 +41,13 @@ import tf2_geometry_msgs  # noqa: F401  registers PointStamped with tf2
 import tf2_ros
 from geometry_msgs.msg import PointStamped, PoseStamped
 
-from itrci_nav_msgs.msg import ExecutionRouteStates
 from node_lifecycle import number, parameter, run
 from omron_arcl import InvalidCommand, parse_line
 from omron_arcl.replies import driving
-from omron_ld90.bridge.route_watch import RouteWatch
 from omron_ld90.nodes.rviz.interactive_goals import Action, InteractiveGoals
 from omron_ld90.nodes.rviz.user_feedback import UserFeedback
 from omron_ld90.nodes.support import shared_parameters
+from omron_ld90.nodes.support.click_rule import ClickRule
 from omron_ld90.nodes.support.command_client import CommandClient
 from omron_ld90.nodes.support.displayed_map import DisplayedMap
 from omron_ld90.nodes.support.fleet_missions import FleetMissions
@@ -105,11 +103,10 @@ class GoalSender:
     def __init__(self) -> None:
         self._map_frame = parameter('~map_frame', 'map')
         self._tolerance = number('~click_tolerance', 0.5, 0.01, 10.0)
-        self._allow_takeover = parameter('~allow_takeover', False, bool)
+        self._rule = ClickRule.of_this_node()
 
         self._lock = threading.RLock()
         self._targets: Optional[List[Target]] = None  # None: no map is displayed
-        self._routes = RouteWatch()
         self._given: Dict[int, Given] = {}  # by number, until it has ended
         self._count = 0
         self._heading: Optional[float] = None  # degrees
@@ -121,9 +118,8 @@ class GoalSender:
         self._buffer = tf2_ros.Buffer()
         self._listener = tf2_ros.TransformListener(self._buffer)
         self._commands = CommandClient(self._on_end, self._on_line)
-        self._missions = FleetMissions(rospy.get_namespace().strip('/'), self._on_mission)
+        self._missions = FleetMissions(self._rule.robot, self._on_mission)
         for topic, message, callback in (
-                ('execution_route_states', ExecutionRouteStates, self._on_route),
                 ('command_refused', CommandRefused, self._on_refused),
                 ('link_state', LinkState, self._on_link),
                 ('pose', PoseStamped, self._on_pose),
@@ -145,11 +141,6 @@ class GoalSender:
             if document is not None:
                 self._feedback.stay_within(*extent_in_x(document))
             self._handles.show(self._targets or ())
-
-    def _on_route(self, message: ExecutionRouteStates) -> None:
-        with self._lock:
-            self._routes.update(message.route_id, [edge.state for edge in message.edge_states],
-                                time.monotonic())
 
     def _on_pose(self, message: PoseStamped) -> None:
         with self._lock:
@@ -224,14 +215,12 @@ class GoalSender:
             self._feedback.say(Severity.BAD, str(error), target.place)
 
     def _drive(self, command: str, target: Optional[Target]) -> None:
-        route = self._routes.running(time.monotonic())
-        if self._missions.manages and not self._allow_takeover:
-            notice = self._missions.send(target if target and _drives_to(command) else None)
+        refusal = self._rule.refusal()
+        if self._rule.asks_for_missions and target and _is_vertex(target, command):
+            notice = self._missions.send(target)
             self._feedback.say(notice.severity, notice.text, _place(target))
-        elif route is not None and not self._allow_takeover:
-            self._feedback.say(
-                Severity.BAD, f'Not sent: the fleet drives route {route}. Stop it first.',
-                _place(target))
+        elif refusal:
+            self._feedback.say(Severity.BAD, refusal, _place(target))
         elif any(given.command == command for given in self._given.values()):
             self._feedback.show(Notice(Severity.INFO, f'{command}: already under way.'),
                                 _place(target))
@@ -270,9 +259,9 @@ class GoalSender:
             Severity.BAD, f'{message.command} refused: {message.reason}'))
 
 
-def _drives_to(command: str) -> bool:
-    """Does a command on a target mean to go there?"""
-    return command.split()[0] in ('goto', 'dock')
+def _is_vertex(target: Target, command: str) -> bool:
+    """Does a command mean to go to a vertex of the graph?"""
+    return target.name.isdigit() and command.split()[0] in ('goto', 'dock')
 
 
 def _place(target: Optional[Target]) -> Optional[Tuple[float, float]]:
