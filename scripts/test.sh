@@ -6,14 +6,15 @@
 #   scripts/test.sh NAME...   only the system tests test/NAME.test
 #
 # Environment: LD90_REAL_MAPS, a folder with .map files of real robots; FKIE_ARCHIVE, sources of fkie multimaster (.tar.gz)
-# where GitHub cannot be reached; what lies there is tested, too. TEST_JOBS, how many system tests run at a time (1).
+# where GitHub cannot be reached; what lies there is tested, too. TEST_JOBS, how many system tests run at a time: 2 where
+# there are two processors, else 1.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 system_tests=()
 for arg in "$@"; do
   case "$arg" in
-    -h | --help) sed -n '2,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -h | --help) sed -n '2,10s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     --long) export LD90_LONG_TESTS=1 ;;
     *) [ -f "$root/test/$arg.test" ] || die "there is no system test '$arg'; there are: $(cd "$root/test" && ls ./*.test | sed 's/.*\///; s/\.test$//' | paste -sd' ')"
        system_tests+=("$arg") ;;
@@ -73,6 +74,7 @@ if [ ${#system_tests[@]} = 0 ]; then
   scripts/run_tests.sh "$results" unit
   for file in test/*.test; do system_tests+=("$(basename "$file" .test)"); done
 fi
+export TEST_JOBS="${TEST_JOBS:-$(($(nproc) < 2 ? 1 : 2))}"
 say "System tests"
 scripts/run_tests.sh "$results" system "${system_tests[@]}"
 wait

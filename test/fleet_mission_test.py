@@ -84,13 +84,10 @@ class FleetMission(unittest.TestCase):
             if before.route_id == after.route_id:
                 self.assertEqual(after.edges[:len(before.edges)], before.edges)
 
-    def test_2_bad_missions_are_refused_in_a_sentence(self) -> None:
-        for words, reason in ((['99'], 'the graph has no vertex 99'),
-                              (['18', '--type', 'truck'], "there is no robot of type 'truck'"),
-                              (['18', '--robot', 'nobody'], "there is no robot 'nobody'")):
-            refused = command('mission', *words)
-            self.assertEqual(refused.returncode, 2, refused.stdout)
-            self.assertIn(reason, refused.stdout)
+    def test_2_a_bad_mission_is_refused_in_a_sentence(self) -> None:
+        refused = command('mission', 99)
+        self.assertEqual(refused.returncode, 2, refused.stdout)
+        self.assertIn('the graph has no vertex 99', refused.stdout)
 
     def test_3_stop_and_resume_from_the_command_line(self) -> None:
         sent = command('mission', 18)

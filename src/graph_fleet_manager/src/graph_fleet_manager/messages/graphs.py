@@ -1,15 +1,19 @@
 """The graph, what of it is closed, what it allows; and what robots report of their routes on it."""
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import genpy
 
 from graph_fleet_manager.fleet import Fleet
 from graph_fleet_manager.site.changes import ReportedRoute
 from graph_fleet_manager.site.closures import Closures
-from graph_fleet_manager.site.survey import Survey
 from itrci_nav_msgs import msg
 from trajectory_graph import Graph
 from trajectory_graph.messages import fill_message
+
+if TYPE_CHECKING:  # only the graph server surveys, and only it needs the memory of networkx
+    from graph_fleet_manager.site.survey import Survey
 
 
 def graph_message(graph: Graph, stamp: genpy.Time) -> msg.Graph:

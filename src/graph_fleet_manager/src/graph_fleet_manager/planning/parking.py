@@ -15,7 +15,6 @@ from math import inf
 from random import Random
 from typing import FrozenSet, Iterable, List, Optional, Sequence, Set, Tuple
 
-import networkx as nx
 import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components
@@ -127,6 +126,7 @@ class Parking:
 
     def _by_promise(self) -> List[int]:
         """Dead ends first, then what lies on few ways."""
+        import networkx as nx  # here: 8 MB that no node needs which only uses the parking places
         roads = nx.Graph(zip(self._begin.tolist(), self._end.tolist()))
         roads.add_nodes_from(range(self._vertices))
         cut = set(nx.articulation_points(roads))

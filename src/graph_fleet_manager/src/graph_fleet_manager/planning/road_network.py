@@ -10,7 +10,6 @@ import math
 from types import MappingProxyType
 from typing import Dict, FrozenSet, Iterable, List, Mapping, Sequence, Tuple
 
-import networkx as nx
 import numpy as np
 
 from graph_fleet_manager.fleet import DOCK_APPROACH, RobotType
@@ -184,21 +183,26 @@ class RoadNetwork:
         if None not in self._exclusions:
             ends = np.array(self.origin, dtype=np.int64).reshape(-1, 2)
             self._exclusions[None] = Exclusions(pieces_of(self.graph), ends, self.vertices,
-                                                tuple(map(self._approach, sorted(self.docks))))
+                                                self._approaches())
         return self._exclusions[None]
 
-    def _approach(self, dock: int) -> Approach:
-        """All that lies within `dock_approach` of a dock along the edges."""
-        roads = nx.MultiGraph()
-        roads.add_node(dock)
-        for edge, length in enumerate(self._lengths.tolist()):
-            roads.add_edge(self.origin[2 * edge], self.origin[2 * edge + 1], edge, weight=length)
+    def _approaches(self) -> Tuple[Approach, ...]:
+        """All that lies within `dock_approach` of each dock along the edges."""
+        docks = sorted(self.docks)
+        if not docks:
+            return ()
+        begins, ends, lengths = self.origin[::2], self.origin[1::2], self._lengths.tolist()
+        ways = ShortestWays(self.vertices, (*zip(begins, ends, lengths),
+                                            *zip(ends, begins, lengths)))
+        return tuple(self._approach(dock, distances.tolist())
+                     for dock, distances in zip(docks, ways.to(docks)))
+
+    def _approach(self, dock: int, distances: Sequence[float]) -> Approach:
+        """By the distance of each vertex from the dock, in metres."""
         reach = self.dock_approach
-        near: Dict[int, float] = nx.single_source_dijkstra_path_length(roads, dock, cutoff=reach)
-        near = {vertex: distance for vertex, distance in near.items() if distance < reach}
+        near = {vertex: distance for vertex, distance in enumerate(distances) if distance < reach}
         edges: Dict[int, Tuple[float, float]] = {}
-        for _, _, edge in roads.edges(list(near), keys=True):
-            length = float(self._lengths[edge])
+        for edge, length in enumerate(self._lengths.tolist()):
             from_origin, from_destination = (
                 min(max((reach - near.get(self.origin[2 * edge + end], reach)) / length, 0.0), 1.0)
                 for end in (0, 1))
