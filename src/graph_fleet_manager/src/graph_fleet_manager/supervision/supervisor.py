@@ -303,5 +303,5 @@ class Supervisor:
                 mission = self.book.of_robot(name)
                 if mission is not None:
                     self.book.set(mission, mission.state)
-                if before is not None:
+                if before not in (None, Outage.UNSEEN):
                     self._out.note(f'{name} works again.')
