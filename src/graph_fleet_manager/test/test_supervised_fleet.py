@@ -133,12 +133,24 @@ def test_after_an_emergency_stop_the_robot_goes_on_by_itself():
     fleet.request(1, 6)
     fleet.run(3.0)
     fleet.agvs['a'].emergency = True
-    fleet.run(10.0)
+    told = len(fleet.notes)
+    fleet.run(20.0)
     assert fleet.supervisor.robots['a'].outage is Outage.STOPPED
     assert fleet.state(1) is MissionState.ACTIVE
     fleet.agvs['a'].emergency = False
     fleet.run_until_done(1)
     assert fleet.state(1) is MissionState.SUCCEEDED
+    assert fleet.notes[told:] == ['a cannot work: emergency stop.', 'a works again.']
+
+
+def test_a_robot_that_has_just_stopped_is_given_time_before_it_is_ordered_on():
+    fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
+    fleet.request(1, 6)
+    fleet.run(3.0)
+    fleet.agvs['a'].fail('emergency stop')  # said before it refuses orders for it
+    fleet.run(1.0)
+    assert fleet.supervisor.robots['a'].outage is Outage.STOPPED
+    fleet.run_until_done(1)
 
 
 def test_a_robot_taken_over_needs_a_person_and_its_mission_goes_to_another():

@@ -13,8 +13,8 @@ from fleet_bringup.options import Options
 from fleet_bringup.robot_entries import AGV, LD90, Entry
 
 RESPAWN = {'respawn': 'true', 'respawn_delay': '2'}
-#: Where the bridge of a real robot keeps its last route.
-ROUTE_FILE = "$(eval optenv('ROS_HOME', env('HOME') + '/.ros') + '/omron_ld90/{}_route.json')"
+#: Where the bridge of a real robot keeps its last route, in ROS_HOME.
+ROUTE_FILE = 'omron_ld90/{}_route.json'
 #: Namespace of the one node that shows the LD-90s' map.
 MAP = 'fleet'
 

@@ -9,6 +9,7 @@ from visualization_msgs.msg import Marker
 
 from graph_fleet_manager.nodes.rviz import drawing
 from graph_fleet_manager.nodes.rviz.graph_picture import graph_markers
+from graph_fleet_manager.nodes.rviz.picture import Changes
 from graph_fleet_manager.nodes.rviz.plan_picture import plan_markers
 from graph_fleet_manager.nodes.rviz.robot_picture import (
     GREY,
@@ -47,19 +48,15 @@ def drawn(one, side=0):
 
 
 def test_closed_edges_are_red_and_no_longer_grey():
-    markers = graph_markers(GRAPH, {2}, [], []).markers
+    markers = graph_markers(GRAPH, {2}, [], [])
     grey, red = named(markers, 'edges')[0], named(markers, 'closed')[0]
     assert all(not 2.0 < point.x < 4.0 for point in grey.points)
     xs = [point.x for point in red.points]
     assert (min(xs), max(xs)) == (2.0, 4.0)
 
 
-def test_a_picture_takes_away_the_one_before():
-    assert graph_markers(GRAPH, (), [1], [4]).markers[0].action == Marker.DELETEALL
-
-
 def test_parking_and_docks_are_squares_on_their_vertices():
-    markers = graph_markers(GRAPH, (), [1, 99], [4]).markers
+    markers = graph_markers(GRAPH, (), [1, 99], [4])
     assert [one.pose.position.x for one in named(markers, 'parking')] == [0.0]
     assert [one.pose.position.x for one in named(markers, 'docks')] == [6.0]
 
@@ -118,7 +115,7 @@ def plan(*drives):
 def test_plan_and_released_part_are_told_apart_in_the_robots_colour():
     state = FleetState(robots=[robot(state=FleetRobot.BUSY, has_mission=True, destination=4)])
     driven = plan((1, True), (2, False), (3, False))
-    markers = plan_markers(GRAPH, driven, state, {'agv_1': 5}).markers
+    markers = plan_markers(GRAPH, driven, state, {'agv_1': 5})
     thick, thin = named(markers, 'released')[0], named(markers, 'plans')[0]
     assert thick.scale.x > thin.scale.x
     assert thick.color == thin.color == drawing.own_colour(5)
@@ -128,7 +125,7 @@ def test_plan_and_released_part_are_told_apart_in_the_robots_colour():
 
 def test_what_a_robot_that_obeys_nobody_holds_is_blocked():
     state = FleetState(robots=[robot(state=FleetRobot.OFFLINE)])
-    markers = plan_markers(GRAPH, plan((1, True), (2, True), (3, False)), state, {}).markers
+    markers = plan_markers(GRAPH, plan((1, True), (2, True), (3, False)), state, {})
     xs = [point.x for point in named(markers, 'blocked')[0].points]
     assert (min(xs), max(xs)) == (0.0, 4.0)
     assert not named(markers, 'released')
@@ -143,3 +140,50 @@ def test_colours_of_the_first_eight_robots_differ_clearly():
 
 def test_letters_that_rviz_lacks_do_not_hide_a_text():
     assert drawing.text('n', 0, 'K\u00fcche \u4e2d', (0.0, 0.0), 0.3, RED).text == 'K\u00fcche ?'
+
+
+def deleted(markers):
+    return {(one.ns, one.id) for one in markers if one.action == Marker.DELETE}
+
+
+def test_what_stays_is_changed_in_place():
+    changes = Changes()
+    first = changes.to(graph_markers(GRAPH, {2}, [1], [4]))
+    assert [one.action for one in first].count(Marker.DELETEALL) == 1
+    assert first[0].action == Marker.DELETEALL  # what a node before this one left
+    second = changes.to(graph_markers(GRAPH, {2}, [1], [4]))
+    assert {one.action for one in second} == {Marker.ADD}
+    assert second == first[1:]
+
+
+def test_nothing_is_left_behind_when_an_edge_opens():
+    changes = Changes()
+    changes.to(graph_markers(GRAPH, {2}, [], []))
+    opened = changes.to(graph_markers(GRAPH, (), [], []))
+    assert deleted(opened) == {('closed', 0), ('closed_names', 2)}
+    assert not {(one.ns, one.id) for one in opened if one.action == Marker.ADD} & deleted(opened)
+    shut = changes.to(graph_markers(GRAPH, {2}, [], []))
+    assert not deleted(shut)
+
+
+def test_nothing_is_left_behind_when_a_robot_leaves():
+    changes = Changes()
+    there = changes.to(drawn(robot(state=FleetRobot.FAILED)))
+    names = {(one.ns, one.id) for one in there if one.action == Marker.ADD}
+    assert names == {(part, 3) for part in ('bodies', 'noses', 'names', 'outlines')}
+    assert deleted(changes.to([])) == names
+
+
+def test_a_plan_that_is_driven_goes_and_those_of_others_stay():
+    changes = Changes()
+    state = FleetState(robots=[robot(state=FleetRobot.BUSY)])
+    changes.to(plan_markers(GRAPH, plan((1, True), (2, False)), state, {'agv_1': 5}))
+    after = changes.to(plan_markers(GRAPH, plan((1, True)), state, {'agv_1': 5}))
+    assert deleted(after) == {('plans', 5)}
+    assert named(after, 'released')[-1].action == Marker.ADD
+
+
+def test_who_looks_first_sees_nothing_of_before():
+    changes = Changes()
+    changes.to(drawn(robot()))
+    assert changes.to(drawn(robot()), afresh=True)[0].action == Marker.DELETEALL

@@ -220,6 +220,20 @@ def test_a_robot_in_emergency_stop_takes_no_route():
     assert bench.commands == []
 
 
+def test_who_tries_again_and_again_in_an_emergency_stop_does_not_fill_the_log():
+    bench = Bench(dissertation_graph(), 1)
+    bench.robot.emergency = True
+    bench.look()
+    for id in (7, 8, 9):
+        bench.order(id, 1)
+        assert refusals(bench, id)
+    bench.robot.emergency = False
+    bench.look()
+    bench.order(10, 1)
+    assert bench.notes == ['Route 7 was refused: emergency stop.',
+                           'Route 10 is driven: the emergency stop is over.']
+
+
 def test_an_order_waits_for_a_link_that_is_down_but_not_for_long():
     bench = Bench(dissertation_graph(), 1, links=[Link.COMMANDS])
     bench.link_is_up[Link.COMMANDS] = False

@@ -129,6 +129,14 @@ def test_a_file_that_holds_no_record_is_none(parameters, tmp_path, text):
     assert parameters.memory(file=file).recall() == (None, 0.0)
 
 
+def test_a_relative_path_begins_in_ros_home(parameters, tmp_path, monkeypatch):
+    monkeypatch.setenv('ROS_HOME', str(tmp_path))
+    memory = parameters.memory(file='omron_ld90/r_route.json')
+    memory.keep(RECORD)
+    memory.close()
+    assert (tmp_path / 'omron_ld90' / 'r_route.json').exists()
+
+
 def test_a_file_that_cannot_be_written_leaves_the_parameter(parameters, tmp_path):
     (tmp_path / 'file').write_text('')
     memory = parameters.memory(file=tmp_path / 'file' / 'route.json')

@@ -1,8 +1,7 @@
 """Simulated AGVs: every robot of the fleet file with `driver: agv`, all in this one process.
 
 They follow the edges of the graph exactly and speak the robot's side of the route protocol
-(docs/interface/route_protocol.md). A simulator is not respawned: what keeps it from starting is
-said once.
+(docs/interface/route_protocol.md).
 
 Subscribes
     /graph (itrci_nav_msgs/Graph): replaces the graph of ~graph_file
@@ -35,7 +34,7 @@ from graph_fleet_manager.fleet import Robot
 from graph_fleet_manager.nodes.agv_topics import AgvTopics
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
 from itrci_nav_msgs.msg import Graph
-from node_lifecycle import ConfigurationError, number, parameter
+from node_lifecycle import ConfigurationError, number, parameter, run
 from trajectory_graph import Graph as TrajectoryGraph
 from trajectory_graph import GraphError, load_graph
 from trajectory_graph.messages import graph_from_message
@@ -62,7 +61,14 @@ class AgvSim:
         if port:
             self._open_control(port)
         rospy.Subscriber('/graph', Graph, self._on_graph, queue_size=1)
-        threading.Thread(target=self._run, name='simulation', daemon=True).start()
+        self._ending = threading.Event()
+        self._thread = threading.Thread(target=self._run, name='simulation', daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """Ends the simulation, before its topics close."""
+        self._ending.set()
+        self._thread.join(1.0)
 
     def _begin(self, graph: TrajectoryGraph, source: str) -> None:
         for robot in self._robots:
@@ -105,10 +111,9 @@ class AgvSim:
 
     def _run(self) -> None:
         before = due = time.monotonic()
-        while not rospy.is_shutdown():
-            due = max(due + TICK, time.monotonic())
-            time.sleep(max(due - time.monotonic(), 0.0))
+        while not self._ending.wait(max(due - time.monotonic(), 0.0)):
             now = time.monotonic()
+            due = max(due + TICK, now)
             with self._lock:
                 if self._simulation is not None:
                     self._simulation.advance(now - before, rospy.Time.now().to_nsec())
@@ -136,13 +141,6 @@ def _read_graph(path: str) -> TrajectoryGraph:
         raise ConfigurationError(str(error)) from None
 
 
-def main() -> int:
-    """Runs the node; 1 with one sentence when it cannot start."""
-    rospy.init_node('agv_sim')
-    try:
-        AgvSim()
-    except ConfigurationError as error:
-        rospy.logfatal('%s', error)
-        return 1
-    rospy.spin()
-    return 0
+def main() -> None:
+    """Runs the node."""
+    run('agv_sim', AgvSim)

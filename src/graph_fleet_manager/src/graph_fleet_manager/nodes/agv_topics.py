@@ -12,7 +12,7 @@ from sensor_msgs.msg import BatteryState
 from graph_fleet_manager.agv.vehicle import Vehicle
 from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, RouteRefused, TargetRoute
 from trajectory_graph.route_messages import fill_refusal, fill_report, order_of
-from trajectory_graph.route_protocol import RouteReport
+from trajectory_graph.route_protocol import RouteRefusal, RouteReport
 
 REPORT_PERIOD, IDLE_PERIOD = 0.1, 1.0  # s, with a route and without
 BATTERY_PERIOD = 1.0                   # s
@@ -25,6 +25,7 @@ class AgvTopics:
     def __init__(self, vehicle: Vehicle, lock: threading.Lock) -> None:
         self._vehicle, self._lock = vehicle, lock
         self._reported = self._charge_told = -math.inf
+        self._emergency_told = False
         name = f'/{vehicle.name}/'
         self._frame = f'{vehicle.name}/base_link'
         self._states = rospy.Publisher(name + 'execution_route_states', ExecutionRouteStates,
@@ -70,10 +71,16 @@ class AgvTopics:
             if isinstance(message, RouteReport):
                 self._report(message, now)
             else:
-                rospy.logwarn('%s refused route %d: %s.', self._vehicle.name, message.route_id,
-                              message.reason)
+                self._log_refusal(message)
                 self._refusals.publish(fill_refusal(RouteRefused(), message,
                                                     rospy.Time.now().to_nsec()))
+
+    def _log_refusal(self, refusal: RouteRefusal) -> None:
+        """In an emergency stop the first one only: who waits for its end tries again and again."""
+        if not (self._vehicle.emergency and self._emergency_told):
+            rospy.logwarn('%s refused route %d: %s.', self._vehicle.name, refusal.route_id,
+                          refusal.reason)
+        self._emergency_told = self._vehicle.emergency
 
     def _report(self, report: RouteReport, now: float) -> None:
         self._reported = now

@@ -30,6 +30,7 @@ from graph_fleet_manager.nodes.rviz import drawing
 from graph_fleet_manager.nodes.rviz.graph_picture import graph_markers
 from graph_fleet_manager.nodes.rviz.label_places import Label, LabelPlaces
 from graph_fleet_manager.nodes.rviz.menus import FleetMenus
+from graph_fleet_manager.nodes.rviz.picture import Picture
 from graph_fleet_manager.nodes.rviz.plan_picture import plan_markers
 from graph_fleet_manager.nodes.rviz.robot_picture import (
     Place,
@@ -73,14 +74,13 @@ class FleetVisualisation:
         self._docks: FrozenSet[int] = frozenset()
         self._state, self._plan = FleetState(), FleetPlan()
         self._numbers: Dict[str, int] = {}
-        self._drawn: Dict[str, int] = {}
         self._changed = False
         self._ticks = 0
         self._places = TruePlaces()
         self._label_places = LabelPlaces()
-        self._pictures = {name: rospy.Publisher(f'/fleet_markers/{name}', MarkerArray,
-                                                queue_size=2, latch=name in ('graph', 'plans'))
-                          for name in ('graph', 'plans', 'robots', 'feedback')}
+        self._pictures = {name: Picture(f'/fleet_markers/{name}', latch=name != 'robots')
+                          for name in ('graph', 'plans', 'robots')}
+        self._feedback = rospy.Publisher('/fleet_markers/feedback', MarkerArray, queue_size=2)
         self._acts = FleetActs(self._say)
         self._menus = FleetMenus(self._acts.act)
         for topic, kind, callback in (
@@ -103,6 +103,10 @@ class FleetVisualisation:
             rospy.logerr('The graph of /graph is not shown: %s', error)
             return
         with self._lock:
+            known = self._graph
+            if known is not None and (known.vertices, known.edges) == (
+                    graph.vertices, graph.edges):
+                return
             self._graph = graph
             self._menus.show_graph(graph)
             self._draw_graph()
@@ -146,7 +150,7 @@ class FleetVisualisation:
         if self._graph is not None:
             docks = self._docks or frozenset(
                 vertex.id for vertex in self._graph.vertices.values() if vertex.dock)
-            self._pictures['graph'].publish(graph_markers(
+            self._pictures['graph'].show(graph_markers(
                 self._graph, self._closed, self._parking - docks, docks))
 
     def _tick(self, _event: rospy.timer.TimerEvent) -> None:
@@ -167,7 +171,7 @@ class FleetVisualisation:
             self._menus.show_robots(places)
             if self._changed:
                 self._changed = False
-                self._pictures['plans'].publish(
+                self._pictures['plans'].show(
                     plan_markers(graph, self._plan, state, self._numbers))
 
     def _draw_robots(self, graph: Graph, state: FleetState) -> Dict[str, Place]:
@@ -176,7 +180,6 @@ class FleetVisualisation:
         places: Dict[str, Place] = {}
         labels: Dict[str, Label] = {}
         markers: List[Marker] = []
-        drawn: Dict[str, int] = {}
         for robot in state.robots:
             place = self._places.of(robot.name, now) or place_on_graph(robot, graph)
             place = place or self._places.last(robot.name)
@@ -188,17 +191,10 @@ class FleetVisualisation:
             self._label_places.choose(labels)
         for robot in state.robots:
             if robot.name in places:
-                drawn[robot.name] = number = self._numbers[robot.name]
                 markers += robot_markers(
-                    robot, number, places[robot.name], labels[robot.name],
+                    robot, self._numbers[robot.name], places[robot.name], labels[robot.name],
                     self._label_places.side(robot.name), robot.name == self._acts.chosen)
-        for name, number in self._drawn.items():
-            if name not in drawn:
-                markers += [Marker(ns=namespace, id=number, action=Marker.DELETE)
-                            for namespace in ('bodies', 'noses', 'names', 'outlines')]
-        self._drawn = drawn
-        if markers:
-            self._pictures['robots'].publish(MarkerArray(markers))
+        self._pictures['robots'].show(markers)
         return places
 
     def _say(self, sentence: str) -> None:
@@ -212,7 +208,7 @@ class FleetVisualisation:
         marker = drawing.text('feedback', 0, sentence, ((min(xs) + max(xs)) / 2.0 + 3.0, top + 2.4),
                               0.4, drawing.colour(1.0, 0.9, 0.4), z=2.0)
         marker.lifetime = rospy.Duration(FEEDBACK_TIME)
-        self._pictures['feedback'].publish(MarkerArray([marker]))
+        self._feedback.publish(MarkerArray([marker]))
 
 
 def main() -> None:

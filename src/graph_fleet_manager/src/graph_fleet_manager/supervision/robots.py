@@ -126,9 +126,12 @@ class ManagedRobot:
         if self.outage is Outage.OFF_GRAPH and report.pose.edge and self._was_nowhere:
             self.outage, self.why = None, ''
             self.client.settle(self.place_at(report.pose))
+        was_stopped = self.outage is Outage.STOPPED
         heard = self.client.take(report)
         self.passed += heard.passed
         self._judge(heard, report)
+        if self.outage is Outage.STOPPED and not was_stopped:
+            self._tried = now  # it might take an order yet, for what it knows of its stop
         self._consider_link(report, now)
         self.stamp = report.stamp
         if not self.works:

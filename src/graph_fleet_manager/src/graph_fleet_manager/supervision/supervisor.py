@@ -65,6 +65,7 @@ class Supervisor:
         self._is_starting = True
         self._waiting = WaitingMissions(self.book, self.robots, self.charging)
         self._outages: Dict[str, Optional[Outage]] = {}
+        self._wrong_reports: Dict[str, str] = {}
         self._out = Outbox(journal, self.book, self.robots)
         self.dispatcher = Dispatcher(self.robots, self._out)
         self._restore()
@@ -143,8 +144,12 @@ class Supervisor:
         try:
             check_report(report, self.network.graph)
         except WrongReport as wrong:
-            self._out.note(f'A report of {name} is ignored: {wrong}.', True)
+            if self._wrong_reports.get(name) != str(wrong):
+                self._wrong_reports[name] = str(wrong)
+                self._out.note(f'A report of {name} is ignored: {wrong}.', True)
             return self._out.take()
+        if self._wrong_reports.pop(name, ''):
+            self._out.note(f'The reports of {name} make sense again.')
         before = robot.progress
         robot.hear(report, now)
         self.roads.learn(robot, now)
@@ -158,9 +163,11 @@ class Supervisor:
     def refusal(self, name: str, refusal: RouteRefusal, now: float) -> List[Action]:
         """A robot did not take up an order."""
         robot = self.robots[name]
+        was_stopped = robot.outage is Outage.STOPPED
         robot.hear_refusal(refusal)
         self._out.robot_changed(name)
-        self._out.note(f'{name} refused route {refusal.route_id}: {refusal.reason}.', True)
+        if not (was_stopped and robot.outage is Outage.STOPPED):  # each trial is refused then
+            self._out.note(f'{name} refused route {refusal.route_id}: {refusal.reason}.', True)
         self._note_outages()
         return self._out.take()
 
@@ -296,5 +303,5 @@ class Supervisor:
                 mission = self.book.of_robot(name)
                 if mission is not None:
                     self.book.set(mission, mission.state)
-                if before is not None:
+                if before not in (None, Outage.UNSEEN):
                     self._out.note(f'{name} works again.')

@@ -55,6 +55,7 @@ class RouteFollower:
         self._waiting: Optional[Tuple[RouteOrder, float]] = None      # to be judged; give up
         self._refused: Optional[Tuple[RouteOrder, str]] = None        # the last one, and why
         self._explained: Optional[int] = None  # route of which a duplicate was explained
+        self._emergency_told = False  # a refusal in the emergency stop was noted
         self._last_reported: Tuple[object, ...] = ()
         self._out: List[p.Action] = []
 
@@ -223,6 +224,9 @@ class RouteFollower:
         else:
             check_start(order, route, here)
             self._begin(order, now)
+        if self._emergency_told:
+            self._emergency_told = False
+            self._note(f'Route {order.route_id} is driven: the emergency stop is over.')
 
     def _begin(self, order: RouteOrder, now: float) -> None:
         """Drives a new route."""
@@ -253,7 +257,9 @@ class RouteFollower:
             self._out.append(RouteReport(
                 self._stamp, order.route_id, order.edges,
                 (EdgeState.FAILED,) * len(order.edges), self._pose(), reason))
-        self._note(f'Route {order.route_id} was refused: {reason}.')
+        if not (self.robot.emergency and self._emergency_told):  # who waits for its end tries on
+            self._note(f'Route {order.route_id} was refused: {reason}.')
+        self._emergency_told = self.robot.emergency
 
     # --- what happens to the route ----------------------------------------------------------------
 

@@ -15,6 +15,7 @@ import time
 import xmlrpc.client
 from typing import Any, Dict, List, Optional, Tuple
 
+import rospkg
 import rospy
 
 from omron_ld90.bridge.events import RouteRecord
@@ -34,10 +35,11 @@ class RouteMemory:
     def __init__(self, launch: str = '', file: str = '') -> None:
         """`launch`: an id that a new launch changes, and a restart of the node does not.
 
-        `file` outlives the ROS master, as the parameter does not; an empty one means none.
+        `file` outlives the ROS master, as the parameter does not; an empty one means none. A
+        relative path begins in ROS_HOME.
         """
         self._launch = launch
-        self._file = file
+        self._file = os.path.join(rospkg.get_ros_home(), file) if file else ''
         self._record: Optional[RouteRecord] = None
         self._changed = threading.Condition()
         self._closing = False

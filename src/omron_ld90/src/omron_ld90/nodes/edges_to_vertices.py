@@ -32,7 +32,8 @@ Parameters
     ~braking           float   0.2 m/s2, deceleration towards a goal
     ~launch_id         string  (empty)  of the launch: a route of another one, that a person has
                                         ended, is not gone on with
-    ~route_file        string  (empty)  keeps the route over a restart of the whole computer
+    ~route_file        string  (empty)  keeps the route over a restart of the whole computer; a
+                                        relative path begins in ROS_HOME
 Uses ~route_record, a parameter of its own, to go on with a route after a restart.
 """
 from __future__ import annotations

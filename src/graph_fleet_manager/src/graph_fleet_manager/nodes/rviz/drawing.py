@@ -3,12 +3,12 @@ from __future__ import annotations
 
 import colorsys
 import math
-from typing import Iterable, Sequence, Tuple
+from typing import Iterable, Tuple
 
 import numpy as np
 from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
 from std_msgs.msg import ColorRGBA
-from visualization_msgs.msg import Marker, MarkerArray
+from visualization_msgs.msg import Marker
 
 from trajectory_graph import Curve
 
@@ -57,7 +57,7 @@ def pose_at(place: Tuple[float, float], yaw: float = 0.0, z: float = 0.0) -> Pos
 
 def lines(namespace: str, number: int, paint: ColorRGBA, width: float,
           polylines: Iterable[np.ndarray], z: float) -> Marker:
-    """Many polylines (N, 2) in one marker; without any it takes an older one away."""
+    """Many polylines (N, 2) in one marker; without any it is one that is to be deleted."""
     marker = shape(Marker.LINE_LIST, namespace, number, paint, (width, 0.0, 0.0),
                    pose_at((0.0, 0.0)))
     for polyline in polylines:
@@ -80,8 +80,3 @@ def ring(centre: Tuple[float, float], radius: float, corners: int = 20) -> np.nd
     """A closed polyline around `centre`."""
     angles = np.linspace(0.0, 2.0 * math.pi, corners + 1)
     return np.array(centre) + radius * np.column_stack((np.cos(angles), np.sin(angles)))
-
-
-def complete(markers: Sequence[Marker]) -> MarkerArray:
-    """All there is to see: whatever the display showed before is taken away first."""
-    return MarkerArray([Marker(action=Marker.DELETEALL), *markers])

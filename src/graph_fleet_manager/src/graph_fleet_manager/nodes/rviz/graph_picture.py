@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from typing import Collection, List
 
-from visualization_msgs.msg import Marker, MarkerArray
+from visualization_msgs.msg import Marker
 
 from graph_fleet_manager.nodes.rviz import drawing
 from trajectory_graph import Graph
@@ -17,7 +17,7 @@ _Z = 0.02
 
 
 def graph_markers(graph: Graph, closed: Collection[int], parking: Collection[int],
-                  docks: Collection[int]) -> MarkerArray:
+                  docks: Collection[int]) -> List[Marker]:
     """Everything of the graph; `closed` are ids of edges, `parking` and `docks` of vertices.
 
     A vertex that the graph forbids as parking, like those where a long edge was cut, has no name.
@@ -46,7 +46,7 @@ def graph_markers(graph: Graph, closed: Collection[int], parking: Collection[int
         if is_place(graph, vertex.id):
             markers.append(drawing.text('names', vertex.id, str(vertex.id),
                                         (vertex.x + 0.34, vertex.y - 0.38), 0.32, NAME, z=0.1))
-    return drawing.complete(markers)
+    return markers
 
 
 def is_place(graph: Graph, vertex: int) -> bool:

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from typing import Dict, List, Mapping, Sequence, Set
 
-from visualization_msgs.msg import Marker, MarkerArray
+from visualization_msgs.msg import Marker
 
 from graph_fleet_manager.nodes.rviz import drawing
 from itrci_nav_msgs.msg import FleetPlan, FleetRobot, FleetState
@@ -20,7 +20,7 @@ BLOCKING = frozenset((FleetRobot.OFFLINE, FleetRobot.STOPPED, FleetRobot.TAKEN_O
 
 
 def plan_markers(graph: Graph, plan: FleetPlan, state: FleetState,
-                 numbers: Mapping[str, int]) -> MarkerArray:
+                 numbers: Mapping[str, int]) -> List[Marker]:
     """Plans thin, their released parts thick, a ring at each destination; blocked edges orange.
 
     numbers -- by robot, which colour it has
@@ -52,4 +52,4 @@ def plan_markers(graph: Graph, plan: FleetPlan, state: FleetState,
     markers.append(drawing.lines('blocked', 0, BLOCKED, BLOCKED_WIDTH,
                                  [graph.curve(edge).sample(drawing.STEP) for edge in blocked],
                                  _Z / 2))
-    return drawing.complete([marker for marker in markers if marker.action == Marker.ADD])
+    return markers
