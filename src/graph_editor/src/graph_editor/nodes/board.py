@@ -15,7 +15,7 @@ from graph_editor.checking.findings import Finding, Severity
 from graph_editor.editor.session import Session
 from graph_editor.nodes import handles
 from graph_editor.nodes.handles import Look, ShownEdge, ShownVertex
-from graph_editor.nodes.marker_server import OrderedMarkerServer
+from node_lifecycle.marker_server import OrderedMarkerServer
 from trajectory_graph import CurveType
 
 NAMESPACE = 'graph_editor'
