@@ -18,17 +18,25 @@ def graph_from_message(message: Any) -> Graph:
 
 def fill_message(message: Any, graph: Graph, vertex_type: Any, edge_type: Any) -> Any:
     """Fills an empty `itrci_nav_msgs/Graph`; the types are those of its elements. Returns it."""
-    message.vertices = [
-        vertex_type(id=v.id, label=v.label, frame_id=v.frame_id, x=v.x, y=v.y, theta=v.theta,
-                    theta_holonomic=v.theta_holonomic, dock=v.dock, parking=v.parking is True,
-                    no_parking=v.parking is False)
-        for v in graph.vertices.values()]
-    message.edges = [
-        edge_type(id=e.id, origin_id=e.origin, destination_id=e.destination,
-                  curve_type=e.curve_type.value, param_f=e.param_f, param_b=e.param_b,
-                  velocity_forward=e.velocity_forward, velocity_backwards=e.velocity_backwards)
-        for e in graph.edges.values()]
+    message.vertices = [vertex_message(vertex, vertex_type) for vertex in graph.vertices.values()]
+    message.edges = [edge_message(edge, edge_type) for edge in graph.edges.values()]
     return message
+
+
+def vertex_message(vertex: Vertex, vertex_type: Any) -> Any:
+    """The `itrci_nav_msgs/Vertex` of a vertex."""
+    return vertex_type(
+        id=vertex.id, label=vertex.label, frame_id=vertex.frame_id, x=vertex.x, y=vertex.y,
+        theta=vertex.theta, theta_holonomic=vertex.theta_holonomic, dock=vertex.dock,
+        parking=vertex.parking is True, no_parking=vertex.parking is False)
+
+
+def edge_message(edge: Edge, edge_type: Any) -> Any:
+    """The `itrci_nav_msgs/Edge` of an edge."""
+    return edge_type(
+        id=edge.id, origin_id=edge.origin, destination_id=edge.destination,
+        curve_type=edge.curve_type.value, param_f=edge.param_f, param_b=edge.param_b,
+        velocity_forward=edge.velocity_forward, velocity_backwards=edge.velocity_backwards)
 
 
 def _parking(vertex: Any) -> Optional[bool]:

@@ -14,8 +14,8 @@ from visualization_msgs.msg import InteractiveMarker, InteractiveMarkerFeedback
 from graph_editor.checking.findings import Finding, Severity
 from graph_editor.editor.session import Session
 from graph_editor.nodes import handles
-from graph_editor.nodes.handles import Look, ShownEdge, ShownVertex
-from graph_editor.nodes.marker_server import OrderedMarkerServer
+from graph_editor.nodes.handles import PLAIN, Look, ShownEdge, ShownVertex
+from node_lifecycle.marker_server import OrderedMarkerServer
 from trajectory_graph import CurveType
 
 NAMESPACE = 'graph_editor'
@@ -49,7 +49,7 @@ class Board:
         self._changed = changed
         self._server = OrderedMarkerServer(NAMESPACE)
         self._shown: Dict[str, Shown] = {}
-        self._severities: Dict[Key, Severity] = {}
+        self._severities: Dict[Key, Optional[Severity]] = {}
         self._grabbed: Optional[Grabbed] = None
 
     @property
@@ -70,12 +70,13 @@ class Board:
         """Brings RViz up to date; the severities are those of elements that changed just now."""
         draft = self._session.draft
         wanted: Dict[str, Shown] = {}
-        self._show_vertices(wanted, own_severities)
+        looks = self._looks({**self._severities, **own_severities})
+        self._show_vertices(wanted, looks['vertex'])
         groups: Dict[int, List[ShownEdge]] = {}
         for edge in draft.edges.values():
-            look = self._look('edge', edge.id, own_severities)
             groups.setdefault(handles.edge_group(edge.id), []).append(ShownEdge(
-                edge, draft.vertices[edge.origin], draft.vertices[edge.destination], look))
+                edge, draft.vertices[edge.origin], draft.vertices[edge.destination],
+                looks['edge'].get(edge.id, PLAIN)))
         for group, edges in groups.items():
             name = f'{handles.EDGES} {group}'
             wanted[name] = edges
@@ -87,12 +88,11 @@ class Board:
         self._shown = wanted
         self._server.applyChanges()
 
-    def _show_vertices(self, wanted: Dict[str, Shown],
-                       own_severities: Mapping[Key, Optional[Severity]]) -> None:
+    def _show_vertices(self, wanted: Dict[str, Shown], looks: Mapping[int, Look]) -> None:
         groups: Dict[int, List[ShownVertex]] = {}
         for vertex in self._session.draft.vertices.values():
-            look = self._look('vertex', vertex.id, own_severities)
-            groups.setdefault(handles.vertex_group(vertex.id), []).append(ShownVertex(vertex, look))
+            groups.setdefault(handles.vertex_group(vertex.id), []).append(
+                ShownVertex(vertex, looks.get(vertex.id, PLAIN)))
         for group, vertices in groups.items():
             drawn, name = f'{handles.DRAWN} {group}', f'{handles.VERTICES} {group}'
             wanted[drawn] = vertices
@@ -123,11 +123,20 @@ class Board:
             else:
                 self._insert(marker)
 
-    def _look(self, kind: str, id: int, own: Mapping[Key, Optional[Severity]]) -> Look:
-        selected = self._session.selected
-        return Look(own.get((kind, id), self._severities.get((kind, id))),
-                    selected is not None and (selected.kind, selected.id) == (kind, id),
-                    kind == 'vertex' and self._session.connecting_from == id)
+    def _looks(self, severities: Mapping[Key, Optional[Severity]]) -> Dict[str, Dict[int, Look]]:
+        """By kind and id, of all that do not look plain: few of many."""
+        looks: Dict[str, Dict[int, Look]] = {'vertex': {}, 'edge': {}}
+        for (kind, id), severity in severities.items():
+            if severity is not None:
+                looks[kind][id] = Look(severity)
+        selected, waiting = self._session.selected, self._session.connecting_from
+        if selected is not None:
+            of_kind = looks[selected.kind]
+            of_kind[selected.id] = of_kind.get(selected.id, PLAIN)._replace(selected=True)
+        if waiting is not None:
+            look = looks['vertex'].get(waiting, PLAIN)
+            looks['vertex'][waiting] = look._replace(waiting=True)
+        return looks
 
     def _insert(self, marker: InteractiveMarker) -> None:
         self._server.insert(marker, self._on_feedback)

@@ -38,6 +38,7 @@ GROUP = 25
 """Edges in one handle: RViz is slow with a thousand handles, an update with a thousand edges."""
 VERTEX_GROUP = 10
 EDGES, VERTICES, DRAWN = 'edges', 'vertices', 'drawn vertices'
+KEPT = 5_000  # drawings that are remembered; each drag makes new ones
 TURNER, BENDERS = 'turn', ('bend f', 'bend b')
 """Names of the handles of what is selected."""
 
@@ -49,6 +50,9 @@ class Look(NamedTuple):
     selected: bool = False
     waiting: bool = False
     """For its connection."""
+
+
+PLAIN = Look()
 
 
 class ShownVertex(NamedTuple):
@@ -110,7 +114,7 @@ def drawn_vertices(group: int, vertices: Iterable[ShownVertex]) -> InteractiveMa
     return marker
 
 
-@lru_cache(maxsize=20_000)
+@lru_cache(maxsize=KEPT)
 def _drawn_vertex(vertex: Vertex, look: Look) -> Tuple[Marker, Optional[Marker]]:
     """A disc, an arrow along the heading and the id; and the label, which RViz writes."""
     paint = _warning(look) or (PURPLE if vertex.dock else ORANGE if vertex.parking else NAVY)
@@ -138,7 +142,7 @@ def edges_handle(group: int, edges: Iterable[ShownEdge]) -> InteractiveMarker:
     return marker
 
 
-@lru_cache(maxsize=20_000)
+@lru_cache(maxsize=KEPT)
 def _drawn(shown: ShownEdge) -> Marker:
     """The curve of an edge, with an arrow for each way that may be driven."""
     edge, origin, destination, look = shown

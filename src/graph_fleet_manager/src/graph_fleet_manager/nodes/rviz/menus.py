@@ -4,7 +4,6 @@ from __future__ import annotations
 import enum
 from typing import Callable, Dict, Iterable, List, Mapping, NamedTuple, Optional, Tuple
 
-from interactive_markers.interactive_marker_server import InteractiveMarkerServer
 from interactive_markers.menu_handler import MenuHandler
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import (
@@ -17,6 +16,7 @@ from visualization_msgs.msg import (
 from graph_fleet_manager.nodes.rviz import drawing
 from graph_fleet_manager.nodes.rviz.graph_picture import is_place
 from graph_fleet_manager.nodes.rviz.robot_picture import Place
+from node_lifecycle.marker_server import OrderedMarkerServer
 from trajectory_graph import Graph
 
 VERTEX_SIZE, EDGE_SIZE, ROBOT_SIZE = 0.6, 0.3, 1.2  # m across
@@ -67,7 +67,7 @@ class FleetMenus:
 
     def __init__(self, act: Callable[[Act, Subject], None]) -> None:
         self._act = act
-        self._server = InteractiveMarkerServer('/fleet_menus', q_size=10)
+        self._server = OrderedMarkerServer('/fleet_menus', q_size=10)
         self._menus: Dict[str, MenuHandler] = {}
         self._robots: Dict[str, Place] = {}
 

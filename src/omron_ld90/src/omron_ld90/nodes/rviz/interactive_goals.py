@@ -9,7 +9,6 @@ import enum
 import math
 from typing import Callable, Dict, Iterable, Optional
 
-from interactive_markers.interactive_marker_server import InteractiveMarkerServer
 from interactive_markers.menu_handler import MenuHandler
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import (
@@ -19,6 +18,7 @@ from visualization_msgs.msg import (
     Marker,
 )
 
+from node_lifecycle.marker_server import OrderedMarkerServer
 from omron_ld90.nodes.rviz import drawing
 from omron_ld90.operator.goal_clicks import Target, TargetKind
 
@@ -63,7 +63,7 @@ class InteractiveGoals:
         self._map_frame, self._base_frame, self._size = map_frame, base_frame, size
         self._robot = base_frame.split('/')[0]
         self._act = act
-        self._server = InteractiveMarkerServer('interactive_goals')
+        self._server = OrderedMarkerServer('interactive_goals')
         self._menus: Dict[str, MenuHandler] = {}
 
     def show(self, targets: Iterable[Target]) -> None:

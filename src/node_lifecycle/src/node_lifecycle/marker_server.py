@@ -1,4 +1,7 @@
-"""An interactive marker server that RViz does not lose, and that is quick with many markers."""
+"""An interactive marker server that RViz does not lose, and that is quick with many markers.
+
+It is imported from here, not from `node_lifecycle`: most nodes have no markers.
+"""
 from __future__ import annotations
 
 import threading
@@ -18,11 +21,14 @@ class OrderedMarkerServer(InteractiveMarkerServer):  # type: ignore[misc]  # it 
     rather than with every update: it is many times as long as an update.
     """
 
-    def __init__(self, topic_ns: str) -> None:
-        """`topic_ns`: namespace of the topics `update`, `update_full` and `feedback`."""
+    def __init__(self, topic_ns: str, q_size: int = 100) -> None:
+        """`topic_ns`: namespace of the topics `update`, `update_full` and `feedback`.
+
+        `q_size`: feedback that may wait while some is handled; more loses the oldest.
+        """
         self._order = threading.RLock()
         self._whole_is_due = False
-        super().__init__(topic_ns)
+        super().__init__(topic_ns, q_size=q_size)
 
     def applyChanges(self) -> None:  # noqa: N802, the name is the library's
         """Sends what has changed."""

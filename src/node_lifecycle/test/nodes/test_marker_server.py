@@ -6,7 +6,7 @@ import threading
 import pytest
 from interactive_markers.interactive_marker_server import InteractiveMarkerServer
 
-from graph_editor.nodes.marker_server import OrderedMarkerServer
+from node_lifecycle.marker_server import OrderedMarkerServer
 
 
 @pytest.fixture
@@ -16,7 +16,8 @@ def sent(monkeypatch) -> list:
     for name in ('publishInit', 'keepAlive', 'applyChanges'):
         monkeypatch.setattr(InteractiveMarkerServer, name,
                             lambda self, *_, name=name: messages.append(name))
-    monkeypatch.setattr(InteractiveMarkerServer, '__init__', lambda self, _: self.publishInit())
+    monkeypatch.setattr(InteractiveMarkerServer, '__init__',
+                        lambda self, _, q_size: self.publishInit())
     monkeypatch.setattr(InteractiveMarkerServer, '__del__', lambda self: None)
     return messages
 

@@ -1,0 +1,51 @@
+"""The graph as it is edited, for all who follow /graph."""
+from __future__ import annotations
+
+from typing import Any, Dict, Mapping, Tuple
+
+import rospy
+
+from graph_editor.nodes.drawing import MAP_FRAME
+from itrci_nav_msgs.msg import Edge, Graph, Vertex
+from trajectory_graph import GraphError
+from trajectory_graph.editing import Draft
+from trajectory_graph.messages import edge_message, vertex_message
+
+Made = Dict[int, Tuple[Any, Any]]
+"""By id: an element, and its message."""
+
+
+class GraphTopic:
+    """Publishes drafts, latched. An element that stays the same keeps its message.
+
+    While a vertex is dragged that happens four times a second, beside the answers to the mouse:
+    1,500 new messages would hold one of those up.
+    """
+
+    def __init__(self) -> None:
+        self._publisher = rospy.Publisher('/graph', Graph, queue_size=1, latch=True)
+        self._vertices: Made = {}
+        self._edges: Made = {}
+
+    def publish(self, draft: Draft) -> None:
+        """Sends a draft, but for one that is not valid: who follows keeps the last one that was."""
+        try:
+            draft.graph()
+        except GraphError:
+            return
+        self._vertices = _made(draft.vertices, self._vertices, vertex_message, Vertex)
+        self._edges = _made(draft.edges, self._edges, edge_message, Edge)
+        message = Graph(vertices=[one for _, one in self._vertices.values()],
+                        edges=[one for _, one in self._edges.values()])
+        message.header.frame_id = MAP_FRAME
+        message.header.stamp = rospy.Time.now()
+        self._publisher.publish(message)
+
+
+def _made(elements: Mapping[int, Any], before: Made, make: Any, message_type: Any) -> Made:
+    made: Made = {}
+    for id, element in elements.items():
+        old = before.get(id)
+        made[id] = (old if old is not None and old[0] is element
+                    else (element, make(element, message_type)))
+    return made
