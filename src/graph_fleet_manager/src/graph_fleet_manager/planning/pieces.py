@@ -15,6 +15,7 @@ from trajectory_graph.curves import bezier_arc_lengths, bezier_lengths, bezier_p
 TOLERANCE = 5e-3  # m, how far a curve may be from its pieces; what it really is, is accounted for
 _FINE = 64  # parts of a spline from which the pieces are chosen; a power of two
 _COARSE = 16  # so many fine parts are one piece where the curve is nearly straight
+_AT_ONCE = 256  # splines looked at in one step, so that their arrays stay in the processor's cache
 _BULGE = 1.5  # a part's curve strays from its chord no more than so many times what its middle does
 
 
@@ -46,8 +47,10 @@ def pieces_of(graph: Graph) -> Pieces:
                             np.zeros(len(lines))))
     splines = [k for k, edge in enumerate(edges) if edge.curve_type is CurveType.SPLINE]
     if splines:
+        places = count + np.array(splines)
         control = np.array([graph.control_points(edges[k].id) for k in splines])
-        parts.append(_spline_pieces(count + np.array(splines), control))
+        parts += [_spline_pieces(places[k:k + _AT_ONCE], control[k:k + _AT_ONCE])
+                  for k in range(0, len(places), _AT_ONCE)]
     return Pieces(*(np.concatenate(columns, axis=-1) for columns in zip(*parts)))
 
 

@@ -41,7 +41,8 @@ class FleetPlanner:
 
     def prepare(self) -> None:
         """Computes beforehand what depends on the graph only."""
-        self.timetable.prepare()
+        with _without_garbage_collection():
+            self.timetable.prepare()
 
     def too_near(self, places: Sequence[Place]) -> Optional[Tuple[Place, Place]]:
         """Two of the robots (name, type, vertex id) that may not stand there at once, or None."""
@@ -89,7 +90,8 @@ class FleetPlanner:
 
 @contextmanager
 def _without_garbage_collection() -> Iterator[None]:
-    """Plans are many small values without cycles: collecting among them only costs time."""
+    """Plans, and what drives block, are many small values without cycles: collecting among them
+    only costs time."""
     enabled = gc.isenabled()
     gc.disable()
     try:
