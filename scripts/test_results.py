@@ -46,7 +46,10 @@ def results(folder: Path) -> Iterator[Result]:
 
 
 def summary(folder: Path) -> int:
-    """Prints skips, failures and the one last line; 0 when nothing failed and something passed."""
+    """Prints skips, failures, what is in `*.note` files of the folder, and the one last line.
+
+    0 when nothing failed and something passed.
+    """
     found = list(results(folder))
     counts = Counter(verdict for verdict, _, _ in found)
     print()
@@ -54,6 +57,8 @@ def summary(folder: Path) -> int:
         for verdict, name, reason in found:
             if verdict == wanted:
                 print(f'{verdict}: {name}: {reason.splitlines()[0] if reason else ""}')
+    for note in sorted(folder.glob('*.note')):
+        print(note.read_text().rstrip())
     print(f'{counts["passed"]} passed, {counts["failed"]} failed, {counts["skipped"]} skipped')
     return 0 if counts['passed'] and not counts['failed'] else 1
 

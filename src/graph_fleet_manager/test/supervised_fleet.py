@@ -61,6 +61,8 @@ class SupervisedFleet:
         self._folder = tempfile.TemporaryDirectory()
         self.now = 0.0
         self.silent: Dict[str, float] = {}
+        self.deaf: Dict[str, float] = {}
+        """Until when no order reaches a robot, which goes on reporting."""
         self.late: Dict[str, float] = {}
         """s that reports of a robot are under way."""
         self.closed: Tuple[int, ...] = ()
@@ -182,7 +184,7 @@ class SupervisedFleet:
     def _deliver_orders(self) -> None:
         orders, self._to_robots = self._to_robots, []
         for order in orders:
-            if self.silent.get(order.robot, 0.0) > self.now:
+            if max(self.silent.get(order.robot, 0.0), self.deaf.get(order.robot, 0.0)) > self.now:
                 continue
             for _ in range(self._copies()):
                 refusal = self.agvs[order.robot].order(order.route_id, order.edges)

@@ -4,7 +4,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from fleet_builders import AGV, corridor, graph_of
+from fleet_builders import AGV, corridor, graph_of, ladder
 from supervised_fleet import SupervisedFleet
 
 from graph_fleet_manager.supervision.fleet_view import RobotState, plan_views, robot_views
@@ -246,6 +246,60 @@ def test_a_silent_robot_keeps_its_places_and_others_go_round_it():
     assert fleet.state(2) is MissionState.ACTIVE, 'a may be anywhere on its edge'
     fleet.silent.clear()
     fleet.run_until_done(1)
+
+
+def test_others_go_round_a_robot_that_reports_but_answers_no_order():
+    fleet = SupervisedFleet(ladder(8), {'a': (AGV, 1), 'b': (AGV, 4)}, parking=(1, 4, 8, 108))
+    fleet.deaf['b'] = 1e9
+    fleet.request(1, 4, 8, robot='b')
+    fleet.request(2, 8, robot='a')
+    fleet.run_until_done(2)
+    assert fleet.supervisor.robots['b'].outage is Outage.DEAF
+    assert fleet.agvs['b'].travelled == 0.0
+    fleet.deaf.clear()
+    fleet.request(3, 1, robot='a')
+    fleet.run_until_done(1, 3)
+
+
+def test_who_waits_for_a_robot_that_answers_no_order_is_told_so_and_goes_on_once_it_does():
+    fleet = SupervisedFleet(corridor(6, siding_at=3), {'a': (AGV, 1), 'b': (AGV, 3)},
+                            parking=(1, 6, 100))
+    fleet.deaf['b'] = 1e9
+    fleet.request(1, 5, robot='a')
+    fleet.run(30.0)
+    views = {view.name: view for view in robot_views(fleet.supervisor, fleet.now)}
+    assert 'blocked by b, which cannot move' in views['a'].waits_for
+    assert views['b'].state is RobotState.OFFLINE
+    assert 'reports, but has not answered an order for' in views['b'].waits_for
+    assert any('b cannot work' in note for note in fleet.notes)
+    fleet.deaf.clear()
+    fleet.run_until_done(1)
+
+
+def test_a_robot_that_answers_no_stop_is_named():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    fleet.run(1.0)
+    fleet.deaf['a'] = 1e9
+    fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+    fleet.run(10.0)
+    assert fleet.supervisor.robots['a'].outage is Outage.DEAF
+    fleet.deaf.clear()
+    fleet.run(5.0)
+    assert fleet.supervisor.robots['a'].outage is None
+    fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
+    fleet.request(1, 8)
+    fleet.run_until_done(1)
+
+
+def test_a_robot_whose_reports_are_back_before_its_answer_is_not_called_deaf():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    fleet.run(1.0)
+    fleet.silent['a'] = 21.0
+    fleet.request(1, 8)
+    fleet.run_until(lambda: fleet.now >= 21.0)
+    fleet.deaf['a'] = 24.0
+    fleet.run_until_done(1)
+    assert not any('answered' in note for note in fleet.notes)
 
 
 def test_a_closed_edge_is_driven_by_nobody_who_was_not_let_onto_it():

@@ -117,6 +117,11 @@ class FleetLife(RuleBasedStateMachine):
         self.fleet.silent[robot] = self.fleet.now + pause
 
     @rule(robot=robots, pause=seconds(15.0))
+    def deafness(self, robot: str, pause: float) -> None:
+        """It goes on reporting, and no order reaches it."""
+        self.fleet.deaf[robot] = self.fleet.now + pause
+
+    @rule(robot=robots, pause=seconds(15.0))
     def leave_and_join(self, robot: str, pause: float) -> None:
         """It is switched off, and on again without a memory."""
         self.may_fail = True
@@ -156,7 +161,8 @@ class FleetLife(RuleBasedStateMachine):
         self.fleet.run(2.0)
         stood = [agv.travelled for agv in self.fleet.agvs.values()]
         heard = not self.fleet.loss and not any(
-            until > self.fleet.now - 2.5 for until in self.fleet.silent.values())
+            until > self.fleet.now - 2.5
+            for until in (*self.fleet.silent.values(), *self.fleet.deaf.values()))
         self.fleet.run(pause)
         if heard and self.fleet.supervisor.is_stopped:
             assert stood == [agv.travelled for agv in self.fleet.agvs.values()]
@@ -184,6 +190,7 @@ class FleetLife(RuleBasedStateMachine):
             return
         fleet = self.fleet
         fleet.silent.clear()
+        fleet.deaf.clear()
         fleet.late.clear()
         fleet.loss, fleet.crash_at = 0.0, None
         fleet.close()

@@ -38,6 +38,19 @@ def test_an_argument_that_is_none_is_refused(tmp_path):
     assert "'sim_speed=2' is not of the form name:=value" in result.stdout
 
 
+@pytest.mark.parametrize('arguments, problem', [
+    ((), 'multimaster:=true needs peer:=ADDRESS'),
+    (('peer:=127.0.0.9', 'fleet_manager:=true'), 'fleet_manager:=true would be a second master'),
+    (('peer:=127.0.0.9', 'vda5050:=true'), 'vda5050:=true would be a second master'),
+    (('peer:=nobody.invalid',), 'there is no way to peer:=nobody.invalid')])
+def test_a_robot_gets_one_master_and_its_ros_master_is_joined_with_somebody(
+        arguments, problem, tmp_path, monkeypatch):
+    monkeypatch.delenv('ROS_IP', raising=False)
+    result = run('multimaster:=true', *arguments, folder=tmp_path)
+    assert result.returncode == 1
+    assert problem in result.stdout
+
+
 def test_an_argument_that_no_launch_file_knows_is_refused(tmp_path):
     result = run('map_fle:=x.map', folder=tmp_path)
     assert result.returncode == 1

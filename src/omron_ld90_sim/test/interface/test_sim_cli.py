@@ -40,7 +40,8 @@ def test_the_program_serves_logs_takes_faults_and_ends_cleanly(map_file: Path) -
             faults.sendall(b'where\n')
             place = json.loads(answers.readline())
             assert place['time'] > 0.0
-            assert place['robots'] == {'robot': {'x': -3.0, 'y': 1.5, 'heading': 0.0}}
+            assert place['robots'] == {
+                'robot': {'x': -3.0, 'y': 1.5, 'heading': 0.0, 'driven': 0.0}}
         assert client.until('EStop')[-1] == 'EStop pressed'
         program.send_signal(signal.SIGTERM)
         assert client.until('Shutting')[-1] == 'Shutting down server' and client.ended()

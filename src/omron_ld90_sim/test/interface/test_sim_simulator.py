@@ -36,7 +36,8 @@ def test_a_fleet_runs_in_one_process(map_file: Path) -> None:
         places = {(round(u.robot.true_pose.x), round(u.robot.true_pose.y)) for u in fleet.units}
         assert len(places) == 3 and (0, 2000) in places
         assert list(fleet.where()['robots']) == ['a', 'b', 'c']
-        assert fleet.where()['robots']['c'] == {'x': 0.0, 'y': 2.0, 'heading': 90.0}
+        assert fleet.where()['robots']['c'] == {
+            'x': 0.0, 'y': 2.0, 'heading': 90.0, 'driven': 0.0}
         fleet.inject('@b estop press')
         talks['b'].until('EStop pressed')
         talks['a'].send('queryMotors')

@@ -30,7 +30,8 @@ class RobotState(IntEnum):
 
 _OF_OUTAGE = {
     Outage.UNSEEN: RobotState.OFFLINE, Outage.SILENT: RobotState.OFFLINE,
-    Outage.LOST_LINK: RobotState.OFFLINE, Outage.STOPPED: RobotState.STOPPED,
+    Outage.LOST_LINK: RobotState.OFFLINE, Outage.DEAF: RobotState.OFFLINE,
+    Outage.STOPPED: RobotState.STOPPED,
     Outage.TAKEN_OVER: RobotState.TAKEN_OVER, Outage.FAILED: RobotState.FAILED,
     Outage.OFF_GRAPH: RobotState.OFF_GRAPH, Outage.OUT_OF_SERVICE: RobotState.OUT_OF_SERVICE}
 

@@ -9,6 +9,7 @@ class Outage(Enum):
 
     UNSEEN = 'it has not reported yet'
     SILENT = 'it does not report'
+    DEAF = 'it reports, but does not answer its orders'
     LOST_LINK = 'the link to it was lost'
     STOPPED = 'emergency stop'
     TAKEN_OVER = 'somebody else drove it'

@@ -15,6 +15,7 @@ from trajectory_graph import Graph
 from trajectory_graph.route_protocol import RouteRefusal
 
 SILENCE = 5.0      # s without a report after which a robot counts as silent
+ANSWER = 5.0       # s without an answer to an order after which a robot that reports counts as deaf
 AT_VERTEX = 0.02   # m from a vertex at which a robot that follows its edges exactly stands on it
 STANDING = 2.0     # s without motion after which a robot that lost its link is believed to stand
 TRIAL = 2.0        # s between two tries to go on after an emergency stop
@@ -67,6 +68,10 @@ class ManagedRobot:
     """When it was last seen to move, or first seen."""
     _pose: Pose = Pose()
     _fresh_after: float = 0.0
+    _route: Tuple[int, Tuple[int, ...]] = (0, ())
+    """The route that it last reported."""
+    _answered: float = -math.inf
+    """When it last had nothing to answer, or showed that orders reach it."""
 
     @property
     def works(self) -> bool:
@@ -118,16 +123,19 @@ class ManagedRobot:
         if report.pose != self._pose:
             self._pose, self._moved = report.pose, now
         if first:
+            self._answered = now
             self.client.adopt(report)
             if self.outage is Outage.UNSEEN:
                 self.outage, self.why = None, ''
         if self.outage is Outage.SILENT:
             self.outage, self.why = None, ''
+            self._answered = now
         if self.outage is Outage.OFF_GRAPH and report.pose.edge and self._was_nowhere:
             self.outage, self.why = None, ''
             self.client.settle(self.place_at(report.pose))
         was_stopped = self.outage is Outage.STOPPED
         heard = self.client.take(report)
+        self._consider_answer(report, now)
         self.passed += heard.passed
         self._judge(heard, report)
         if self.outage is Outage.STOPPED and not was_stopped:
@@ -143,6 +151,15 @@ class ManagedRobot:
     def hear_refusal(self, refusal: RouteRefusal) -> None:
         """An order was not taken up."""
         self._judge(self.client.refuse(refusal), None)
+
+    def _consider_answer(self, report: Report, now: float) -> None:
+        """A robot that took up an order, be it an older one, is not deaf."""
+        route = report.route_id, report.edges
+        if self.client.order is None or route != self._route:
+            self._answered = now
+            if self.outage is Outage.DEAF:
+                self.outage, self.why = None, ''
+        self._route = route
 
     def _judge(self, heard: Heard, report: Optional[Report]) -> None:
         if heard.passed:
@@ -183,10 +200,15 @@ class ManagedRobot:
     # -- the clock --------------------------------------------------------------------------------
 
     def look(self, now: float) -> None:
-        """Finds out that it is silent."""
+        """Finds out that it is silent, or deaf."""
+        if self.client.order is None:
+            self._answered = now
         if now - self.seen > SILENCE and self.is_seen and (
-                self.outage is None or self.outage is Outage.STOPPED):
+                self.outage in (None, Outage.STOPPED, Outage.DEAF)):
             self.fail(Outage.SILENT, f'it has not reported for {SILENCE:.0f} s')
+        elif self.outage is None and now - self._answered > ANSWER:
+            self.fail(Outage.DEAF, f'it reports, but has not answered an order for {ANSWER:.0f} s: '
+                                   f'do its message definitions differ?')
 
     def try_after_stop(self, now: float, new_id: NewId, graph: Graph) -> bool:
         """After an emergency stop: what it was driving is ordered anew, until it goes on.

@@ -193,8 +193,8 @@ class Supervisor:
             return 'the fleet is stopped: resume it first', self._out.take()
         if robot.outage is None and not robot.is_halted:
             return '', self._out.take()
-        if now - robot.seen > SILENCE:
-            return f'{name} does not report: mend its link first', self._out.take()
+        if now - robot.seen > SILENCE or robot.outage is Outage.DEAF:
+            return f'{name} does not report or answer: mend its link first', self._out.take()
         if robot.client.order is not None or not robot.is_still(now):
             return f'{name} does not stand still yet: try again in a moment', self._out.take()
         problem = robot.come_back(robot.place_at(robot.track.pose))

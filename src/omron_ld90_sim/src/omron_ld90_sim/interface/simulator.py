@@ -133,11 +133,15 @@ class Simulator:
         return ControlServer(self.loop, port, self._inject_here, self.where).port
 
     def where(self) -> Dict[str, object]:
-        """The simulated time (s), and by name where every robot really is (m, m, degrees)."""
-        poses = {unit.name: unit.robot.true_pose for unit in self.units}
-        return {'time': self.loop.clock.now,
-                'robots': {name: {'x': pose.x / 1000.0, 'y': pose.y / 1000.0, 'heading': pose.theta}
-                           for name, pose in poses.items()}}
+        """The simulated time (s), and by name where every robot really is (m, m, degrees).
+
+        Also how far (m) it has driven since the start, forwards or backwards.
+        """
+        robots = {unit.name: unit.robot for unit in self.units}
+        return {'time': self.loop.clock.now, 'robots': {
+            name: {'x': robot.true_pose.x / 1000.0, 'y': robot.true_pose.y / 1000.0,
+                   'heading': robot.true_pose.theta, 'driven': robot.base.driven / 1000.0}
+            for name, robot in robots.items()}}
 
     def inject(self, fault: str) -> None:
         """Brings about a fault, e.g. `estop press`; `@NAME fault` in a fleet.
