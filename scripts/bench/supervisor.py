@@ -202,16 +202,17 @@ def load() -> Iterator[Row]:
         seconds = time.monotonic() - begun
         rate = (sum(len(recorder.messages) for recorder in reports) - heard) / seconds
         shares: Dict[str, float] = {}
-        memory = 0.0
+        memory: Dict[str, float] = {}
         for pid, (name, used) in before.items():
             if name:
                 shares[name] = 100 * (cpu_seconds(pid)[1] - used) / seconds
-                memory += resident(pid)
+                memory[name] = resident(pid)
         busy = sum(robot.has_mission for robot in fleet.messages[-1].robots)
-    each = ', '.join(f'{name} {share:.0f} %' for name, share in sorted(shares.items()))
+    each = ', '.join(f'{name} {share:.0f} %, {memory[name]:.0f} MB'
+                     for name, share in sorted(shares.items()))
     yield (f'supervisor, planner and server with {AGV_COUNT} AGVs, {busy} of them on missions, '
            f'{rate:.0f} reports a second',
-           f'{sum(shares.values()):.0f} % of a core ({each}), {memory:.0f} MB', '',
+           f'{sum(shares.values()):.0f} % of a core, {sum(memory.values()):.0f} MB ({each})', '',
            '< 50 %, 200 MB')
 
 
