@@ -212,6 +212,22 @@ def test_a_robot_stopped_just_before_a_vertex_is_sent_over_the_rest_of_its_edge(
     fleet.run_until_done(1)
 
 
+@pytest.mark.parametrize('near, short', [(0.001, 0.01), (0.25, 0.1)])
+def test_a_robot_that_is_stricter_about_vertices_than_was_thought_is_asked_the_other_way(near, short):
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    fleet.request(1, 8)
+    agv = fleet.agvs['a']
+    while not 1.0 < agv.arc < 1.5:
+        fleet.step()
+    fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+    fleet.run(1.0)
+    agv.arc, agv.near = 2.0 - short, near
+    fleet.run(5.0)
+    fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
+    fleet.run_until_done(1)
+    assert fleet.state(1) is MissionState.SUCCEEDED
+
+
 def test_a_stopped_fleet_stays_stopped_through_a_restart():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.request(1, 8)

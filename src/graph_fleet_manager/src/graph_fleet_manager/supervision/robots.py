@@ -17,6 +17,7 @@ from trajectory_graph.route_protocol import RouteRefusal
 SILENCE = 5.0      # s without a report after which a robot counts as silent
 AT_VERTEX = 0.02   # m from a vertex at which a robot that follows its edges exactly stands on it
 STANDING = 2.0     # s without motion after which a robot that lost its link is believed to stand
+EXACT = 0.001      # m from a vertex at which every robot stands on it
 TRIAL = 2.0        # s between two tries to go on after an emergency stop
 REFUSALS = 3       # in a row, after which a person must look
 
@@ -62,6 +63,8 @@ class ManagedRobot:
     """Edges driven of which nothing was learned yet."""
     _timer: EdgeTimer = field(default_factory=EdgeTimer)
     _refusals: int = 0
+    _has_refused: bool = False
+    """It refused its last order, and where it begins was not considered again yet."""
     _tried: float = -math.inf
     _moved: float = -math.inf
     """When it was last seen to move, or first seen."""
@@ -149,6 +152,7 @@ class ManagedRobot:
             self._refusals = 0
         if heard.refused:
             self._refusals += 1
+            self._has_refused = True
             if outage_of(heard.refused) is Outage.STOPPED:
                 self.fail(Outage.STOPPED, heard.refused)
                 self.client.keep_after_refusal()
@@ -207,6 +211,29 @@ class ManagedRobot:
             self.fail(Outage.TAKEN_OVER, 'it was moved during an emergency stop')
             return False
         self.client.try_again(new_id)
+        return True
+
+    def begin_elsewhere(self) -> bool:
+        """After a refusal: what stands near a vertex begins there, or else on the edge it is on.
+
+        How near is near, every robot decides by itself. Tells whether it counts as standing at the
+        other of the two now.
+        """
+        track, client = self.track, self.client
+        if not self._has_refused or not client.is_ready or client.order is not None:
+            return False
+        self._has_refused = False
+        if not self.works or not track.is_standing or track.place is None:
+            return False
+        vertex = place_of(track.pose, track.graph)
+        if vertex is None or vertex.vertex is None:
+            return False
+        length = track.graph.curve(track.pose.edge).length
+        fraction = track.pose.fraction
+        if min(fraction, 1.0 - fraction) * length < EXACT:
+            return False
+        client.settle(vertex if track.place.vertex is None else Place(
+            edge=track.pose.edge, fraction=fraction))
         return True
 
     def go_on_after_stop(self, now: float) -> bool:

@@ -152,6 +152,8 @@ class Supervisor:
             self._out.note(f'The reports of {name} make sense again.')
         before = robot.progress
         robot.hear(report, now)
+        if robot.begin_elsewhere():
+            self.dispatcher.forget_plan_of(name)
         self.roads.learn(robot, now)
         if before != robot.progress:
             self._out.robot_changed(name)
