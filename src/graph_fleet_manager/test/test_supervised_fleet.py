@@ -212,7 +212,7 @@ def test_a_robot_stopped_just_before_a_vertex_is_sent_over_the_rest_of_its_edge(
     fleet.run_until_done(1)
 
 
-@pytest.mark.parametrize('near, short', [(0.001, 0.01), (0.25, 0.1)])
+@pytest.mark.parametrize('near, short', [(0.0001, 0.0005), (0.001, 0.01), (0.25, 0.1)])
 def test_a_robot_stricter_about_vertices_than_was_thought_is_asked_the_other_way(near, short):
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.request(1, 8)

@@ -29,7 +29,8 @@ def publish_diagnostics(hardware_id: str, tasks: Mapping[str, Task]) -> None:
 def guarded(task: Task) -> Callable[[DiagnosticStatusWrapper], DiagnosticStatusWrapper]:
     """The task, but one that fails says so itself, for an exception would end all diagnostics.
 
-    The log is told when it begins to fail, or fails otherwise, and when it works again. Text that is no Unicode, as some names in files are, is escaped for the same reason.
+    Text that is no Unicode, as some names in files are, is escaped for the same reason. The log is
+    told when the task begins to fail, or fails otherwise, and when it works again.
     """
     failed = ''
 

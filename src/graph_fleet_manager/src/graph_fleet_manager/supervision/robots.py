@@ -17,7 +17,6 @@ from trajectory_graph.route_protocol import RouteRefusal
 SILENCE = 5.0      # s without a report after which a robot counts as silent
 AT_VERTEX = 0.02   # m from a vertex at which a robot that follows its edges exactly stands on it
 STANDING = 2.0     # s without motion after which a robot that lost its link is believed to stand
-EXACT = 0.001      # m from a vertex at which every robot stands on it
 TRIAL = 2.0        # s between two tries to go on after an emergency stop
 REFUSALS = 3       # in a row, after which a person must look
 
@@ -228,12 +227,10 @@ class ManagedRobot:
         vertex = place_of(track.pose, track.graph)
         if vertex is None or vertex.vertex is None:
             return False
-        length = track.graph.curve(track.pose.edge).length
-        fraction = track.pose.fraction
-        if min(fraction, 1.0 - fraction) * length < EXACT:
+        if track.pose.fraction in (0.0, 1.0):
             return False
         client.settle(vertex if track.place.vertex is None else Place(
-            edge=track.pose.edge, fraction=fraction))
+            edge=track.pose.edge, fraction=track.pose.fraction))
         return True
 
     def go_on_after_stop(self, now: float) -> bool:
