@@ -1,27 +1,60 @@
 #!/usr/bin/env python3
-"""Four LD-90s and four AGVs on one graph: missions end, nobody comes near anybody, stop all stops.
+"""A fleet file of nine robots: missions end, faults hold up nobody else, menus act.
+
+Three LD-90s and four AGVs are simulated by the launch; another LD-90 is a real one as far as the
+fleet knows: all that is known of it is its address and a password of its own. One more is switched
+off.
 
 The robots are where their simulators truly have them, not where they say they are.
 """
 from __future__ import annotations
 
 import math
+import os
 import random
-import threading
+import tempfile
 import time
 import unittest
+from pathlib import Path
+from typing import Callable, List
 
 import rospy
-from fleet_support import Factory
-from std_srvs.srv import Trigger
+from fleet_support import READY, Factory, Menus, Viewer, free_fleet_ports
+from std_msgs.msg import String
 
-from itrci_nav_msgs.msg import MissionStatus
-from system_support import run_cases, wait_until
+from graph_fleet_manager.nodes.rviz.menus import Act
+from itrci_nav_msgs.msg import ClosedEdges, FleetRobot, MissionStatus
+from omron_ld90_sim import Simulator
+from system_support import Recorder, connected_publisher, run_cases, wait_until
 
 SPEED = 5.0
-MISSIONS = 20
+MISSIONS, DESTINATIONS = (60, 2) if os.environ.get('LD90_LONG_TESTS') else (8, 1)
 CORRIDOR = 0.45  # m, half a corridor
 DOCK_ZONE = 2.0  # m around a dock, in which an LD-90 manoeuvres as it likes
+FLEET = '''clearance: 0.1
+robot_types:
+- {{name: ld90, radius: 0.43, speed: 1.35, play: 0.25, obeys_edge_speed: false, release_ahead: 8.0}}
+- {{name: agv, radius: 0.35, speed: 1.0}}
+robots:
+- {{name: ld90_1, type: ld90, vertex: 6, driver: ld90}}
+- {{name: ld90_2, type: ld90, vertex: 14, driver: ld90}}
+- {{name: ld90_3, type: ld90, vertex: 32, driver: ld90}}
+- {{name: real, type: ld90, vertex: 39, driver: ld90, host: 127.0.0.1, arcl_port: {port},
+   outgoing_port: {outgoing}, password_file: secret}}
+- {{name: agv_1, type: agv, vertex: 8, driver: agv}}
+- {{name: agv_2, type: agv, vertex: 18, driver: agv}}
+- {{name: agv_3, type: agv, vertex: 33, driver: agv}}
+- {{name: agv_4, type: agv, vertex: 41, driver: agv}}
+- {{name: switched_off, type: ld90, vertex: 52, driver: ld90, host: 127.0.0.9, arcl_port: {port},
+   outgoing_port: {silent}, password_file: secret}}
+'''
+PASSWORD = 'Kestrel-31'
+REAL, ABSENT = 'real', 'switched_off'
+STOPPED, LOST, BLOCKED = 'ld90_1', 'ld90_2', 'ld90_3'
+FAULTS = {STOPPED: ('estop press',), LOST: ('refuse on', 'drop', 'outgoing off'),
+          BLOCKED: ('block',)}
+REMEDIES = {STOPPED: ('estop release',), LOST: ('refuse off', 'outgoing on'),
+            BLOCKED: ('unblock',)}
 
 
 class FactoryTest(unittest.TestCase):
@@ -29,55 +62,174 @@ class FactoryTest(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls) -> None:
-        cls.factory = Factory('4', 'longest_edge:=1.5', f'sim_speed:={SPEED}')
+        cls.folder = tempfile.TemporaryDirectory()
+        os.environ['ROS_HOME'] = cls.folder.name  # with real robots the fleet's memory lies there
+        first = free_fleet_ports()
+        (Path(cls.folder.name) / 'secret').write_text(PASSWORD)
+        fleet = Path(cls.folder.name) / 'fleet.yaml'
+        fleet.write_text(FLEET.format(port=first, outgoing=first + 1, silent=first + 2))
+        cls.factory = Factory(str(fleet), 'longest_edge:=1.5', f'sim_speed:={SPEED}',
+                              first_port=first + 10)
         try:
-            cls.factory.wait_until_ready()
+            cls.real = cls.real_robot(first, first + 1)
+            cls.pictures = {name: Viewer(f'/fleet_markers/{name}')
+                            for name in ('graph', 'plans', 'robots')}
+            cls.closed = Recorder('/closed_edges_in_force', ClosedEdges)
+            cls.present = [robot for robot in cls.factory.fleet.robots if robot.name != ABSENT]
+            cls.factory.wait_until_ready(*(robot.name for robot in cls.present))
+            cls.menus = Menus()
         except BaseException:
             cls.factory.stop()
             raise
 
     @classmethod
+    def real_robot(cls, port: int, outgoing: int) -> Simulator:
+        """It stands on its vertex, and is told of by itself alone."""
+        home = cls.factory.graph.vertices[cls.factory.home_of(REAL)]
+        robot = Simulator(os.path.join(cls.factory.folder, 'fleet.map'), port, PASSWORD,
+                          ('127.0.0.1', outgoing), SPEED, (1e3 * home.x, 1e3 * home.y, 0.0),
+                          lists=((0.5, 'Status'),))
+        robot.start()
+        cls.factory.more_places[REAL] = lambda: (robot.pose[0] / 1e3, robot.pose[1] / 1e3)
+        return robot
+
+    @classmethod
     def tearDownClass(cls) -> None:
         cls.factory.stop()
+        cls.real.stop()
+        cls.folder.cleanup()
 
     def test_1_missions_end_whatever_stalls_and_nobody_comes_near_anybody(self) -> None:
         chance = random.Random(7)
-        missions = [self.factory.send(*chance.sample(self.factory.stations, 2))
+        missions = [self.factory.send(*chance.sample(self.factory.stations, DESTINATIONS))
                     for _ in range(MISSIONS)]
-        next_stall, polls, nearest = 0.0, 0, math.inf
-        deadline = time.monotonic() + 240.0
-        while len(self.factory.ends(missions)) < MISSIONS:
-            self.assertLess(time.monotonic(), deadline, self.factory.why(missions))
+        next_stall = 0.0
+
+        def all_succeeded() -> bool:
+            nonlocal next_stall
             if time.monotonic() > next_stall:
                 next_stall = time.monotonic() + 4.0
                 self.factory.simulators.fault(f'agv_{chance.randint(1, 4)}', 'stall 15')
-            nearest = min(nearest, self.factory.check_distances())
             self.check_corridors()
-            polls += 1
-            threading.Event().wait(0.03)
-        print(f'{polls} looks at all robots; nearest beyond the distance allowed: {nearest:.2f} m')
-        self.assertGreater(polls, 200)
-        self.assertEqual({MissionStatus.SUCCEEDED}, set(self.factory.ends(missions).values()))
+            return self.factory.succeeded(missions) == MISSIONS
+        looks = self.factory.run_until(all_succeeded, 400.0, 'all missions', missions)
+        self.assertGreater(looks, 5 * MISSIONS)
+
+        self.factory.wait_for_state(ABSENT, FleetRobot.OFFLINE)
 
     def test_2_stop_all_stops_all_and_they_go_on_afterwards(self) -> None:
-        before = self.factory.simulators.places()
-        for robot in self.factory.fleet.robots:
-            self.factory.send(self.free_station(), robot.vertex, robot=robot.name)
-        wait_until(lambda: len(self.factory.moved(before)) >= 2, 30.0, 'two robots drive')
-        self.assertTrue(rospy.ServiceProxy('/stop_fleet', Trigger)().success)
+        before = self.factory.places()
+        type(self).missions = [
+            self.factory.send(goal, robot=robot.name)
+            for goal, robot in zip(self.free_stations(), self.present)]
+        wait_until(lambda: len(self.factory.moved(before)) >= 2, 60.0, 'two robots drive')
+        self.menus.choose('robot agv_1', Act.STOP_ALL.value)
         self.factory.wait_until_all_stand()
-        stood = self.factory.simulators.places()
-        self.assertTrue(rospy.ServiceProxy('/resume_fleet', Trigger)().success)
-        wait_until(lambda: self.factory.moved(stood), 30.0, 'a robot goes on')
+        stood = self.factory.places()
+        self.menus.choose('button GO ON', Act.RESUME_ALL.value)
+        wait_until(lambda: self.factory.moved(stood), 60.0, 'a robot goes on')
 
-    def free_station(self) -> int:
+    def test_3_robots_out_of_order_hold_up_nobody_else(self) -> None:
+        """An emergency stop, a lost link and a blocked way, all at a time."""
+        self.all_succeed(self.missions)
+        own = [self.factory.send(self.factory.home_of(name), robot=name) for name in FAULTS]
+        places = self.factory.places()
+        wait_until(lambda: STOPPED in self.factory.moved(places), 60.0, f'{STOPPED} drives')
+        for name, faults in FAULTS.items():
+            for fault in faults:
+                self.factory.simulators.fault(name, fault)
+        self.factory.wait_for_state(STOPPED, FleetRobot.STOPPED)
+        self.factory.wait_for_state(LOST, FleetRobot.OFFLINE)
+        others = [self.factory.send(goal) for goal in self.free_stations()[len(places):]]
+        self.factory.run_until(lambda: self.factory.succeeded(others) >= 2, 90.0,
+                               'missions of others', [*own, *others])
+        self.assertEqual(0, self.factory.succeeded(own[:2]))  # the third may find a way round
+        for name, faults in REMEDIES.items():
+            for fault in faults:
+                self.factory.simulators.fault(name, fault)
+        connected_publisher(f'/{STOPPED}/send_command', String, to='omron_controller').publish(
+            'enableMotors')
+        wait_until(self.is_back, 60.0, f'{BLOCKED} works again')
+        self.all_succeed([*own, *others])
+
+    def is_back(self) -> bool:
+        """Whether the robot that was blocked works; one that gave up, a person puts back."""
+        state = self.factory.robot(BLOCKED).state
+        if state == FleetRobot.FAILED:
+            self.menus.choose(f'robot {BLOCKED}', Act.IN.value)
+        return state in READY
+
+    def test_4_the_menu_of_a_robot(self) -> None:
+        graph, here = self.factory.graph, self.factory.places()['agv_1']
+        goal = next(id for id in sorted(
+            self.free_stations(), key=lambda id: math.dist(graph.vertices[id].position, here))
+            if math.dist(graph.vertices[id].position, here) > 1.0)
+        place = graph.vertices[goal].position
+        mission = self.factory.send(goal, self.factory.home_of('agv_1'), robot='agv_1',
+                                    dwell=(-1.0, -1.0))
+        for act, state in ((Act.PAUSE, MissionStatus.PAUSED), (Act.RESUME, MissionStatus.ACTIVE)):
+            self.choose(act, lambda: self.factory.status_of(mission) == state)  # noqa: B023
+        wait_until(lambda: math.dist(self.factory.places()['agv_1'], place) < 0.1, 60.0,
+                   f'agv_1 at vertex {goal}')
+        self.choose(Act.RELEASE, lambda: any(
+            status.request_id == mission and status.destinations_reached
+            for status in list(self.factory.statuses.messages)))
+        self.choose(Act.CANCEL,
+                    lambda: self.factory.status_of(mission) == MissionStatus.CANCELLED)
+        self.choose(Act.OUT,
+                    lambda: self.factory.robot('agv_1').state == FleetRobot.OUT_OF_SERVICE)
+        self.factory.wait_until_all_stand()
+        self.choose(Act.IN, lambda: self.factory.robot('agv_1').state in READY)
+        known = len(self.factory.statuses.messages)
+        self.menus.choose('robot agv_1', Act.CHOOSE.value)
+        self.menus.choose(f'vertex {goal}', Act.SEND_CHOSEN.value)
+        self.factory.statuses.wait_for(lambda status: status.robot == 'agv_1', 30.0, 'its mission',
+                                       after=known)
+
+    def test_5_the_menu_of_an_edge_and_nothing_is_left_behind(self) -> None:
+        edges = sorted(self.factory.graph.edges)[:2]
+        for edge in edges:
+            self.menus.choose(f'edge {edge}', Act.CLOSE.value)
+            wait_until(lambda: edge in self.closed.messages[-1].edges, 30.0,  # noqa: B023
+                       f'edge {edge} is closed')
+        wait_until(lambda: 'closed' in self.pictures['graph'].namespaces(), 30.0, 'they are red')
+        self.menus.choose(f'edge {edges[0]}', Act.OPEN.value)
+        wait_until(lambda: list(self.closed.messages[-1].edges) == edges[1:], 30.0, 'one is open')
+        self.menus.choose(f'edge {edges[0]}', Act.OPEN_ALL.value)
+        wait_until(lambda: not self.closed.messages[-1].edges, 30.0, 'all are open')
+        wait_until(lambda: not {'closed', 'closed_names'} & self.pictures['graph'].namespaces(),
+                   30.0, 'nothing red is left')
+        for name, picture in self.pictures.items():
+            self.assertGreater(picture.messages, 1, name)
+            self.assertEqual([], picture.flickers, name)
+
+    def choose(self, act: Act, effect: Callable[[], bool]) -> None:
+        """Chooses from the menu of agv_1 until the effect shows.
+
+        The node may hear of a mission later than this test.
+        """
+        def shows() -> bool:
+            if effect():
+                return True
+            self.menus.choose('robot agv_1', act.value)
+            deadline = time.monotonic() + 3.0
+            while not effect() and time.monotonic() < deadline:
+                time.sleep(0.05)
+            return effect()
+        wait_until(shows, 60.0, f'"{act.value}" of agv_1')
+
+    def all_succeed(self, missions: List[int]) -> None:
+        self.factory.run_until(lambda: self.factory.succeeded(missions) == len(missions), 180.0,
+                               'all missions', missions)
+
+    def free_stations(self) -> List[int]:
         """Where no robot was at the start."""
-        return next(id for id in self.factory.stations if id not in self.factory.homes())
+        return [id for id in self.factory.stations if id not in self.factory.homes()]
 
     def check_corridors(self) -> None:
         """Every robot is in a corridor."""
         graph = self.factory.graph
-        for name, (x, y) in self.factory.simulators.places().items():
+        for name, (x, y) in self.factory.places().items():
             if all(math.dist((x, y), vertex.position) > DOCK_ZONE
                    for vertex in graph.vertices.values() if vertex.dock):
                 _, nearest = graph.nearest_edge(x, y)
@@ -85,5 +237,5 @@ class FactoryTest(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    rospy.init_node('factory_test')
+    rospy.init_node('factory_test', disable_signals=True)
     run_cases(__file__)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Eight robots in a real RViz, by mouse: missions, closed edges, robots out and in, stop all.
+"""Eight robots in a real RViz, by mouse: missions, closed edges, stop all; with --long all menus.
 
 What a click does is seen in what the fleet manager and the simulators tell, and in the picture.
 """
@@ -34,6 +34,7 @@ from omron_ld90.nodes.rviz_view import Configuration
 from system_support import Recorder, run_cases, wait_until
 
 SPEED = 3.0
+long_only = unittest.skipUnless(os.environ.get('LD90_LONG_TESTS'), 'a variation, for --long')
 MIDDLE = (640, 466)  # pixel of the middle of the 3D view
 ROOM_FOR_MENU = (920, 620)  # pixel beyond which a menu would not open to the right and below
 EFFECT = 8.0       # s in which a choice shows, on a loaded computer; else it is chosen again
@@ -96,8 +97,9 @@ class FleetByMouse(unittest.TestCase):
         wait_until(lambda: self.factory.ends([mission]), 120.0, f'the end of mission {mission}')
         self.assertEqual({mission: MissionStatus.SUCCEEDED}, self.factory.ends([mission]))
         self.assertLess(min(math.dist(place, self.place_at(goal)) for place
-                            in self.factory.simulators.places().values()), 0.5)
+                            in self.factory.places().values()), 0.5)
 
+    @long_only
     def test_3_a_click_chooses_a_robot_and_a_vertex_sends_it(self) -> None:
         robot, goal = self.clickable_robot(), self.free_vertex()
         self.click(lambda: self.place_of(robot), lambda: self.was_said(f'{robot} is chosen'))
@@ -107,27 +109,31 @@ class FleetByMouse(unittest.TestCase):
         wait_until(lambda: math.dist(self.place_of(robot), self.place_at(goal)) < 0.5, 120.0,
                    f'{robot} at vertex {goal}')
 
-    def test_4_an_edge_is_closed_and_opened(self) -> None:
+    def test_4_an_edge_is_closed_and_all_are_opened(self) -> None:
         edge = self.free_edge()
         middle = self.middle_of(edge)
         self.choose(lambda: middle, EDGE_MENU, Act.CLOSE,
                     lambda: edge in self.closed.messages[-1].edges)
         self.window.wait_for_picture('fleet_rviz_closed', lambda picture: (
             [] if self.painted(picture, middle, CLOSED) > 20 else [f'red at edge {edge}']))
-        self.choose(lambda: middle, EDGE_MENU, Act.OPEN,
-                    lambda: edge not in self.closed.messages[-1].edges)
+        self.choose(lambda: middle, EDGE_MENU, Act.OPEN_ALL,
+                    lambda: not self.closed.messages[-1].edges)
+        self.window.wait_for_picture('fleet_rviz_opened', lambda picture: (
+            [f'no red at edge {edge}'] if self.painted(picture, middle, CLOSED) else []))
 
+    @long_only
     def test_5_a_mission_is_paused_goes_on_and_is_cancelled(self) -> None:
         """At a station at which the robot is to stay, so that it can be clicked on."""
         robot, goal = self.clickable_robot(), self.free_vertex()
-        mission = self.factory.send(goal, self.home_of(robot), robot=robot, dwell=(-1.0, 0.0))
+        goals = goal, self.factory.home_of(robot)
+        mission = self.factory.send(*goals, robot=robot, dwell=(-1.0, 0.0))
         wait_until(lambda: math.dist(self.place_of(robot), self.place_at(goal)) < 0.1, 120.0,
                    f'{robot} at vertex {goal}')
         for act, state in ((Act.PAUSE, MissionStatus.PAUSED), (Act.RESUME, MissionStatus.ACTIVE),
                            (Act.CANCEL, MissionStatus.CANCELLED)):
             self.choose(lambda: self.place_of(robot), ROBOT_MENU, act,
                         lambda: self.factory.status_of(mission) == state)  # noqa: B023
-        second = self.factory.send(goal, self.home_of(robot), robot=robot, dwell=(-1.0, 0.0))
+        second = self.factory.send(*goals, robot=robot, dwell=(-1.0, 0.0))
         wait_until(lambda: self.factory.status_of(second) == MissionStatus.ACTIVE, 30.0,
                    'the second mission')
         self.choose(lambda: self.place_of(robot), ROBOT_MENU, Act.RELEASE,
@@ -135,6 +141,7 @@ class FleetByMouse(unittest.TestCase):
         wait_until(lambda: self.factory.ends([second]), 120.0, f'the end of mission {second}')
         self.assertEqual({second: MissionStatus.SUCCEEDED}, self.factory.ends([second]))
 
+    @long_only
     def test_6_a_robot_is_taken_out_and_put_in(self) -> None:
         robot = self.clickable_robot()
         self.choose(lambda: self.place_of(robot), ROBOT_MENU, Act.OUT,
@@ -145,17 +152,21 @@ class FleetByMouse(unittest.TestCase):
                     lambda: self.factory.robot(robot).state in READY)
 
     def test_7_stop_all_stops_all_and_go_on_lets_them_go_on(self) -> None:
-        before, goal = self.factory.simulators.places(), self.free_vertex()
+        before, goal = self.factory.places(), self.free_vertex()
         for robot in self.factory.fleet.robots:
             self.factory.send(goal, robot.vertex, goal, robot.vertex, robot=robot.name)
         wait_until(lambda: len(self.factory.moved(before)) >= 2, 60.0, 'two robots drive')
         self.press(Act.STOP_ALL, 'Every robot was told to stop')
         self.factory.wait_until_all_stand()
         self.window.picture('fleet_rviz_stopped')
-        stood = self.factory.simulators.places()
+        stood = self.factory.places()
         self.press(Act.RESUME_ALL, 'The fleet goes on')
         wait_until(lambda: self.factory.moved(stood), 60.0, 'a robot goes on')
         self.window.picture('fleet_rviz_going_on')
+        known, place = len(self.feedback.messages), self.place_at(self.free_vertex())
+        self.choose(lambda: place, VERTEX_MENU, Act.STOP_ALL,
+                    lambda: self.was_said('Every robot was told to stop', known))
+        self.factory.wait_until_all_stand()
 
     # --- the mouse -------------------------------------------------------------------------------
 
@@ -202,13 +213,10 @@ class FleetByMouse(unittest.TestCase):
     # --- where things are ------------------------------------------------------------------------
 
     def place_of(self, robot: str) -> Place:
-        return self.factory.simulators.places()[robot]
+        return self.factory.places()[robot]
 
     def place_at(self, vertex: int) -> Place:
         return self.factory.graph.vertices[vertex].position
-
-    def home_of(self, name: str) -> int:
-        return next(robot.vertex for robot in self.factory.fleet.robots if robot.name == name)
 
     def middle_of(self, edge: int) -> Place:
         curve = self.factory.graph.curve(edge)
@@ -220,7 +228,7 @@ class FleetByMouse(unittest.TestCase):
         x, y = self.window.pixel(*place)
         return x < ROOM_FOR_MENU[0] and y < ROOM_FOR_MENU[1] and all(
             math.dist(place, other) > away
-            for name, other in self.factory.simulators.places().items() if name != but)
+            for name, other in self.factory.places().items() if name != but)
 
     def free_vertex(self) -> int:
         """A station at which nobody stands and to which nobody is to come back."""
@@ -237,7 +245,7 @@ class FleetByMouse(unittest.TestCase):
                                for robot in self.factory.state.messages[-1].robots), 120.0,
                    'a fleet at rest')
         self.factory.wait_until_all_stand()
-        return next(name for name, place in self.factory.simulators.places().items()
+        return next(name for name, place in self.factory.places().items()
                     if self.is_clickable(place, 1.5, name))
 
     def painted(self, picture: Image.Image, place: Place, paint: ColorRGBA) -> int:
@@ -249,5 +257,5 @@ class FleetByMouse(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    rospy.init_node('fleet_rviz_test')
+    rospy.init_node('fleet_rviz_test', disable_signals=True)
     run_cases(__file__)

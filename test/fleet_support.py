@@ -1,4 +1,4 @@
-"""A fleet as scripts/run.sh fleet:=... starts it, for tests: its places, missions and faults."""
+"""A fleet as scripts/run.sh fleet:=... starts it: its places, missions, faults and menus."""
 from __future__ import annotations
 
 import itertools
@@ -10,9 +10,16 @@ import shutil
 import signal
 import socket
 import subprocess
-from typing import IO, Dict, List, Sequence, Tuple
+import time
+from typing import IO, Callable, Dict, List, Sequence, Set, Tuple
 
 import rospy
+from visualization_msgs.msg import (
+    InteractiveMarkerFeedback,
+    InteractiveMarkerInit,
+    Marker,
+    MarkerArray,
+)
 
 from graph_fleet_manager.files.fleet_file import load_fleet
 from itrci_nav_msgs.msg import FleetPlan, FleetRobot, FleetState, MissionRequest, MissionStatus
@@ -77,11 +84,62 @@ class Simulators:
         assert 'ok' in answers, f'{fault} of {robot}: {answers}'
 
 
+class Menus:
+    """Chooses from the menus of the fleet as RViz does, but without a mouse."""
+
+    def __init__(self) -> None:
+        self._choices = connected_publisher('/fleet_menus/feedback', InteractiveMarkerFeedback,
+                                            to='fleet_visualisation')
+
+    def choose(self, handle: str, words: str) -> None:
+        """The entry with these words in the menu of a handle, like `robot agv_1` or `edge 3`."""
+        shown = rospy.wait_for_message('/fleet_menus/update_full', InteractiveMarkerInit, 10.0)
+        entries = {entry.title: entry.id for marker in shown.markers if marker.name == handle
+                   for entry in marker.menu_entries}
+        self._choices.publish(InteractiveMarkerFeedback(
+            client_id=rospy.get_name(), marker_name=handle, control_name='menu',
+            event_type=InteractiveMarkerFeedback.MENU_SELECT, menu_entry_id=entries[words]))
+
+
+class Viewer:
+    """What a viewer would show of a topic of markers, and what of it would flicker."""
+
+    def __init__(self, topic: str) -> None:
+        self.shown: Dict[Tuple[str, int], Marker] = {}
+        self.messages = 0
+        self.flickers: List[str] = []
+        self._subscriber = rospy.Subscriber(topic, MarkerArray, self._on_message)
+
+    def _on_message(self, message: MarkerArray) -> None:
+        before = dict(self.shown)
+        for marker in message.markers:
+            name = marker.ns, marker.id
+            if marker.action == Marker.DELETEALL:
+                if self.messages:
+                    self.flickers.append('everything is taken away')
+                self.shown.clear()
+            elif marker.action == Marker.DELETE:
+                self.shown.pop(name, None)
+            else:
+                if name in before and name not in self.shown:
+                    self.flickers.append(f'{name} is taken away and shown again')
+                self.shown[name] = marker
+        self.messages += 1
+
+    def namespaces(self) -> Set[str]:
+        """Of all that is shown."""
+        return {namespace for namespace, _ in list(self.shown)}
+
+
 class Factory:
     """Started on free ports, without RViz; `stop` ends it and takes its files away."""
 
     def __init__(self, fleet: str, *options: str, first_port: int = 0) -> None:
-        """`fleet`: a number, or a fleet file."""
+        """`fleet`: a number, or a fleet file.
+
+        Places of robots that its simulators do not play are to be put into `more_places`.
+        """
+        self.more_places: Dict[str, Callable[[], Place]] = {}
         first = first_port or free_fleet_ports()
         made = subprocess.run(
             ['rosrun', 'fleet_bringup', 'fleet_launch', f'fleet:={fleet}', 'rviz:=false',
@@ -117,6 +175,11 @@ class Factory:
         finally:
             shutil.rmtree(self.folder)
 
+    def places(self) -> Dict[str, Place]:
+        """Where every robot truly is; of one that is absent nothing is known."""
+        return {**self.simulators.places(),
+                **{name: place() for name, place in self.more_places.items()}}
+
     def robot(self, name: str) -> FleetRobot:
         """What the fleet manager said last of a robot."""
         return next(robot for robot in self.state.messages[-1].robots if robot.name == name)
@@ -136,6 +199,10 @@ class Factory:
         """Where robots may be sent: neither docks nor where a long edge was cut."""
         return [id for id, vertex in self.graph.vertices.items()
                 if vertex.parking is not False and not vertex.dock]
+
+    def home_of(self, name: str) -> int:
+        """Where a robot stood at the start."""
+        return next(robot.vertex for robot in self.fleet.robots if robot.name == name)
 
     def homes(self) -> List[int]:
         """Where robots stood at the start."""
@@ -165,6 +232,24 @@ class Factory:
         return next((status.state for status in reversed(self.statuses.messages)
                      if status.request_id == mission), MissionStatus.PENDING)
 
+    def run_until(self, condition: Callable[[], bool], timeout: float, what: str,
+                  missions: Sequence[int] = ()) -> int:
+        """Waits, and sees to it that nobody comes near anybody; returns how often it looked."""
+        looks, deadline = 0, time.monotonic() + timeout
+        while not condition():
+            assert time.monotonic() < deadline, (
+                f'not within {timeout:.0f} s: {what}; {self.why(missions)}')
+            self.check_distances()
+            looks += 1
+            time.sleep(0.03)
+        return looks
+
+    def succeeded(self, missions: Sequence[int]) -> int:
+        """How many of these missions have succeeded; fails when one ended otherwise."""
+        ends = self.ends(missions)
+        assert set(ends.values()) <= {MissionStatus.SUCCEEDED}, self.why(missions)
+        return len(ends)
+
     def why(self, missions: Sequence[int]) -> str:
         """For a person who reads why a test failed: the open missions, and all robots."""
         last = {status.request_id: (status.state, status.robot, status.reason)
@@ -175,9 +260,10 @@ class Factory:
 
     def check_distances(self) -> float:
         """How far the two nearest robots are beyond the distance allowed, in m; fails below 0."""
-        places = self.simulators.places()
+        places = self.places()
         nearest = math.inf
-        for one, other in itertools.combinations(self.fleet.robots, 2):
+        present = [robot for robot in self.fleet.robots if robot.name in places]
+        for one, other in itertools.combinations(present, 2):
             room = (math.dist(places[one.name], places[other.name]) - one.type.radius
                     - other.type.radius - self.fleet.clearance)
             assert room > -SKEW, f'{one.name} and {other.name} are too near: {places}'
@@ -186,17 +272,17 @@ class Factory:
 
     def moved(self, before: Dict[str, Place]) -> List[str]:
         """The robots that are not where they were."""
-        return [name for name, place in self.simulators.places().items()
+        return [name for name, place in self.places().items()
                 if math.dist(place, before[name]) > 0.5]
 
     def wait_until_all_stand(self) -> None:
         """Nobody moves any more."""
-        before = self.simulators.places()
+        before = self.places()
 
         def all_stand() -> bool:
             nonlocal before
             rospy.sleep(0.5)
-            places, last = self.simulators.places(), before
+            places, last = self.places(), before
             before = places
             return all(math.dist(place, last[name]) < STANDS for name, place in places.items())
         wait_until(all_stand, 20.0, 'all robots stand')

@@ -20,7 +20,8 @@ class Agv:
     """One AGV.
 
     It stands still for `stalled` s, drives with `pace` of its speed, and refuses the next
-    `refusing` orders; with `emergency` set it fails and refuses.
+    `refusing` orders; with `emergency` set it fails and refuses. Within `near` m of a vertex it is
+    at that, and begins on no other edge than one that leads away.
     """
 
     def __init__(self, graph: Graph, kind: RobotType, vertex: int) -> None:
@@ -39,6 +40,7 @@ class Agv:
         self.emergency = False
         self.pace = 1.0
         self.refusing = 0
+        self.near = _NEAR
         self.travelled = 0.0
         self.visited: List[int] = [vertex]
         """Vertices at which it was, in order."""
@@ -103,14 +105,14 @@ class Agv:
         """Index of the edge, the edge, and the arc at which a new route begins here."""
         first = edges[0]
         length = self.graph.curve(self.edge).length
-        if first == self.edge:
+        if first == self.edge and (length - self.arc > self.near or self.near == _NEAR):
             return 0, first, self.arc
-        if first == -self.edge:
+        if first == -self.edge and (self.arc > self.near or self.near == _NEAR):
             return 0, first, length - self.arc
         start = self.graph.start_vertex(first).id
-        if self.arc <= _NEAR and start == self.graph.start_vertex(self.edge).id:
+        if self.arc <= self.near and start == self.graph.start_vertex(self.edge).id:
             return 0, first, 0.0
-        if length - self.arc <= _NEAR and start == self.graph.end_vertex(self.edge).id:
+        if length - self.arc <= self.near and start == self.graph.end_vertex(self.edge).id:
             return 0, first, 0.0
         driven = self.edges[self.current - 1] if 0 < self.current < len(self.edges) else 0
         if first == driven and edges[1:2] == (self.edge,) and self.arc <= _JUST_LEFT:

@@ -212,6 +212,22 @@ def test_a_robot_stopped_just_before_a_vertex_is_sent_over_the_rest_of_its_edge(
     fleet.run_until_done(1)
 
 
+@pytest.mark.parametrize('near, short', [(0.0001, 0.0005), (0.001, 0.01), (0.25, 0.1)])
+def test_a_robot_stricter_about_vertices_than_was_thought_is_asked_the_other_way(near, short):
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    fleet.request(1, 8)
+    agv = fleet.agvs['a']
+    while not 1.0 < agv.arc < 1.5:
+        fleet.step()
+    fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+    fleet.run(1.0)
+    agv.arc, agv.near = 2.0 - short, near
+    fleet.run(5.0)
+    fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
+    fleet.run_until_done(1)
+    assert fleet.state(1) is MissionState.SUCCEEDED
+
+
 def test_a_stopped_fleet_stays_stopped_through_a_restart():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.request(1, 8)
@@ -346,12 +362,15 @@ def test_two_robots_that_report_one_place_are_not_moved():
     assert not fleet.sent and 'nearer' in fleet.supervisor.dispatcher.plan.unserved['a']
 
 
-def test_a_wrong_report_is_ignored_with_a_sentence():
+def test_wrong_reports_are_ignored_with_one_sentence_until_there_are_right_ones():
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
     fleet.run(1.0)
-    fleet.do(fleet.supervisor.report('a', Report(1, pose=Pose(77, 0.5), stamp=5.0), fleet.now))
-    assert fleet.notes[-1] == ('A report of a is ignored: it is on edge 77, which the graph does '
-                               'not have.')
+    told = len(fleet.notes)
+    for _ in range(5):
+        fleet.do(fleet.supervisor.report('a', Report(1, pose=Pose(77, 0.5), stamp=5.0), fleet.now))
+    fleet.run(2.0)
+    assert fleet.notes[told:] == ['A report of a is ignored: it is on edge 77, which the graph '
+                                  'does not have.', 'The reports of a make sense again.']
     assert fleet.supervisor.robots['a'].works
 
 

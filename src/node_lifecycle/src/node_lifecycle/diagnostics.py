@@ -29,14 +29,22 @@ def publish_diagnostics(hardware_id: str, tasks: Mapping[str, Task]) -> None:
 def guarded(task: Task) -> Callable[[DiagnosticStatusWrapper], DiagnosticStatusWrapper]:
     """The task, but one that fails says so itself, for an exception would end all diagnostics.
 
-    Text that is no Unicode, as some names in files are, is escaped for the same reason.
+    Text that is no Unicode, as some names in files are, is escaped for the same reason. The log is
+    told when the task begins to fail, or fails otherwise, and when it works again.
     """
+    failed = ''
+
     def ask(status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
+        nonlocal failed
+        before, failed = failed, ''
         try:
             task(status)
         except Exception as error:
-            warn('diagnostics', f'A part of the diagnostics failed: {error!r}')
-            status.summary(DiagnosticStatus.ERROR, f'this diagnosis failed: {error!r}')
+            failed = repr(error)
+            status.summary(DiagnosticStatus.ERROR, f'this diagnosis failed: {failed}')
+        if failed != before:
+            warn('diagnostics', f'A part of the diagnostics failed: {failed}' if failed else
+                 'The part of the diagnostics that had failed works again.')
         status.message = _encodable(status.message)
         for value in status.values:
             value.value = _encodable(value.value)

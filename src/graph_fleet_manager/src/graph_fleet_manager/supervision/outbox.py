@@ -1,7 +1,7 @@
 """What is to be done about an event, once all that it relies on is on the disk."""
 from __future__ import annotations
 
-from typing import List, Mapping, Set
+from typing import Dict, List, Mapping, Set
 
 from graph_fleet_manager.supervision.actions import Action, Note, TellStatus
 from graph_fleet_manager.supervision.journal import Journal, RobotMemory
@@ -19,6 +19,7 @@ class Outbox:
         self._robots = robots
         self._stale: Set[str] = set()
         self._actions: List[Action] = []
+        self._wrong: Dict[str, str] = {}
 
     def put(self, action: Action) -> None:
         """This is to be done."""
@@ -27,6 +28,14 @@ class Outbox:
     def note(self, text: str, is_warning: bool = False) -> None:
         """The people who watch are to be told."""
         self.put(Note(text, is_warning))
+
+    def note_state(self, subject: str, wrong: str, mended: str) -> None:
+        """What is wrong with something, if anything, is told when that changes, not while it lasts.
+        """
+        before = self._wrong.get(subject, '')
+        self._wrong[subject] = wrong
+        if wrong != before:
+            self.note(wrong or mended, bool(wrong))
 
     def robot_changed(self, name: str) -> None:
         """What is stored of a robot is not true any more."""

@@ -63,6 +63,8 @@ class ManagedRobot:
     """Edges driven of which nothing was learned yet."""
     _timer: EdgeTimer = field(default_factory=EdgeTimer)
     _refusals: int = 0
+    _has_refused: bool = False
+    """It refused its last order, and where it begins was not considered again yet."""
     _tried: float = -math.inf
     _moved: float = -math.inf
     """When it was last seen to move, or first seen."""
@@ -166,6 +168,7 @@ class ManagedRobot:
             self._refusals = 0
         if heard.refused:
             self._refusals += 1
+            self._has_refused = True
             if outage_of(heard.refused) is Outage.STOPPED:
                 self.fail(Outage.STOPPED, heard.refused)
                 self.client.keep_after_refusal()
@@ -229,6 +232,27 @@ class ManagedRobot:
             self.fail(Outage.TAKEN_OVER, 'it was moved during an emergency stop')
             return False
         self.client.try_again(new_id)
+        return True
+
+    def begin_elsewhere(self) -> bool:
+        """After a refusal: what stands near a vertex begins there, or else on the edge it is on.
+
+        How near is near, every robot decides by itself. Tells whether it counts as standing at the
+        other of the two now.
+        """
+        track, client = self.track, self.client
+        if not self._has_refused or not client.is_ready or client.order is not None:
+            return False
+        self._has_refused = False
+        if not self.works or not track.is_standing or track.place is None:
+            return False
+        vertex = place_of(track.pose, track.graph)
+        if vertex is None or vertex.vertex is None:
+            return False
+        if track.pose.fraction in (0.0, 1.0):
+            return False
+        client.settle(vertex if track.place.vertex is None else Place(
+            edge=track.pose.edge, fraction=track.pose.fraction))
         return True
 
     def go_on_after_stop(self, now: float) -> bool:

@@ -65,7 +65,6 @@ class Supervisor:
         self._is_starting = True
         self._waiting = WaitingMissions(self.book, self.robots, self.charging)
         self._outages: Dict[str, Optional[Outage]] = {}
-        self._wrong_reports: Dict[str, str] = {}
         self._out = Outbox(journal, self.book, self.robots)
         self.dispatcher = Dispatcher(self.robots, self._out)
         self._restore()
@@ -144,14 +143,13 @@ class Supervisor:
         try:
             check_report(report, self.network.graph)
         except WrongReport as wrong:
-            if self._wrong_reports.get(name) != str(wrong):
-                self._wrong_reports[name] = str(wrong)
-                self._out.note(f'A report of {name} is ignored: {wrong}.', True)
+            self._out.note_state(name, f'A report of {name} is ignored: {wrong}.', '')
             return self._out.take()
-        if self._wrong_reports.pop(name, ''):
-            self._out.note(f'The reports of {name} make sense again.')
+        self._out.note_state(name, '', f'The reports of {name} make sense again.')
         before = robot.progress
         robot.hear(report, now)
+        if robot.begin_elsewhere():
+            self.dispatcher.forget_plan_of(name)
         self.roads.learn(robot, now)
         if before != robot.progress:
             self._out.robot_changed(name)
