@@ -3,11 +3,14 @@
 #
 #   scripts/bench.sh              all of them
 #   scripts/bench.sh TOPIC...     only these (scripts/bench/TOPIC.py)
+#   scripts/bench.sh TOPIC --only PART   options go to the topic; its --help names them
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-[ "${1:-}" != -h ] && [ "${1:-}" != --help ] || { sed -n '2,5s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0; }
-topics=("$@")
+[ "${1:-}" != -h ] && [ "${1:-}" != --help ] || { sed -n '2,6s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0; }
+topics=() options=(--markdown)
+while [ $# -gt 0 ] && [[ "$1" != -* ]]; do topics+=("$1"); shift; done
+options+=("$@")
 if [ ${#topics[@]} = 0 ]; then
   for file in "$root"/scripts/bench/*.py; do topics+=("$(basename "$file" .py)"); done
 fi
@@ -21,5 +24,5 @@ export ROS_IP=127.0.0.1 PYTHONPATH="$root/test:$PYTHONPATH"
 cd "$root"
 for topic in "${topics[@]}"; do
   say "Benchmark $topic, $(date +%F), $(nproc) x $(sed -n 's/^model name.*: //p' /proc/cpuinfo | head -1), $(/usr/bin/python3 --version)"
-  /usr/bin/python3 "scripts/bench/$topic.py" --markdown
+  /usr/bin/python3 "scripts/bench/$topic.py" "${options[@]}"
 done

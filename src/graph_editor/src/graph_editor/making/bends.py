@@ -1,7 +1,8 @@
 """Lanes as curves: ways between junctions in driving order, with splines for bends.
 
 Junctions stay corners, right angles right: there robots may go either way. Elsewhere a robot that
-must turn shall not have to stop for it.
+must turn shall not have to stop for it. But it drives straight through a narrow door, and turns
+before and behind it: no vertex lies in a door, and the narrow corridor is a short one.
 """
 from __future__ import annotations
 
@@ -50,9 +51,12 @@ class Way:
             for piece in reversed(self.pieces)))
 
 
-def ways_of(net: LaneNet, places: Collection[int]) -> List[Way]:
-    """All lanes of `net` as ways between junctions, dead ends and `places`."""
-    return [Way(nodes[0], nodes[-1], tuple(_pieces(net, nodes)))
+def ways_of(net: LaneNet, places: Collection[int], turning: float) -> List[Way]:
+    """All lanes of `net` as ways between junctions, dead ends and `places`.
+
+    `turning`: clearance (m) with which a robot can turn on the spot.
+    """
+    return [Way(nodes[0], nodes[-1], tuple(_pieces(net, nodes, turning)))
             for nodes in _runs(net, set(places))]
 
 
@@ -77,11 +81,11 @@ def _runs(net: LaneNet, places: Set[int]) -> Iterator[List[int]]:
                 yield run
 
 
-def _pieces(net: LaneNet, nodes: Sequence[int]) -> Iterator[Piece]:
+def _pieces(net: LaneNet, nodes: Sequence[int], turning: float) -> Iterator[Piece]:
     corners = [net.positions[node] for node in nodes]
     needs = [net.lane(a, b).need for a, b in zip(nodes, nodes[1:])]
     here = corners[0]
-    for k, tangent in enumerate(_tangents(net, corners, needs), 1):
+    for k, tangent in enumerate(_tangents(net, corners, needs, turning), 1):
         if not tangent:
             yield Piece(here, corners[k], needs[k - 1])
             here = corners[k]
@@ -96,7 +100,8 @@ def _pieces(net: LaneNet, nodes: Sequence[int]) -> Iterator[Piece]:
     yield Piece(here, corners[-1], needs[-1])
 
 
-def _tangents(net: LaneNet, corners: Sequence[np.ndarray], needs: Sequence[float]) -> List[float]:
+def _tangents(net: LaneNet, corners: Sequence[np.ndarray], needs: Sequence[float],
+              turning: float) -> List[float]:
     """How far (m) before and behind each inner corner its spline begins and ends; 0: none.
 
     Between two splines lies a lane of some length, or none at all.
@@ -105,8 +110,10 @@ def _tangents(net: LaneNet, corners: Sequence[np.ndarray], needs: Sequence[float
     inner = len(corners) - 2
     limits = [min(length * (0.5 if 0 < k < inner else SHARE) for k, length in (
         (k, lengths[k]), (k + 1, lengths[k + 1]))) for k in range(inner)]
-    tangents = [_tangent(net, corners[k:k + 3], min(needs[k:k + 2]), limits[k])
-                for k in range(inner)]
+    rooms = [float(net.floor.clearance_at(corner[None, :])[0]) for corner in corners]
+    tangents = [_tangent(net, corners[k:k + 3], max(min(needs[k:k + 2]),
+                                                    turning if rooms[k + 1] >= turning else 0.0),
+                         limits[k]) for k in range(inner)]
     for k in range(1, inner):
         between = lengths[k] - tangents[k - 1] - tangents[k]
         if tangents[k - 1] and tangents[k] and 1e-6 < between < SHORTEST_LANE:

@@ -57,7 +57,8 @@ def make_graph(site: Site, options: MakingOptions) -> MadeGraph:
     tidy(net, attached.nodes)
     draw_back_tips(net, options.turning, attached.nodes)
     tidy(net, attached.nodes)
-    graph = assemble(net, ways_of(net, attached.nodes), attached.nodes, site.frame_id, options)
+    ways = ways_of(net, attached.nodes, options.turning)
+    graph = assemble(net, ways, attached.nodes, site.frame_id, options)
     return MadeGraph(graph, tuple(notes + attached.notes))
 
 
