@@ -21,11 +21,11 @@ from system_support import run_cases, wait_until
 
 SIM_SPEED = 4.0
 BREAKS = int(os.environ.get('MULTIMASTER_BREAKS', 50))
-DEATHS = BREAKS // 12  # of either side and of both; in all other breaks the cable is pulled
+DEATHS = BREAKS // 12  # of either side and of both; in all other breaks the link is away
 MISSION = [18, 39, 52, 6, 16]
 METRES = 2.0  # by which the same mission may differ, as the robot rests elsewhere than it turns
 APART = (0.5, 10.0)   # m that the robot drives between two breaks
-PULLED = (0.2, 8.0)   # s without the cable
+AWAY = (0.2, 8.0)     # s without the link
 LATER = (0.0, 2.0)    # s until a dead computer is started anew
 
 
@@ -51,7 +51,9 @@ class Breaks(unittest.TestCase):
         self.addCleanup(self.fleet.__exit__)
 
     def test_random_breaks_drive_nothing_twice_and_lose_nothing(self) -> None:
-        kinds = ['cable'] * (BREAKS - 3 * DEATHS) + ['fleet', 'robot', 'both'] * DEATHS
+        links = BREAKS - 3 * DEATHS
+        kinds = (['cable'] * (links // 2) + ['radio'] * (links - links // 2)
+                 + ['fleet', 'robot', 'both'] * DEATHS)
         self.dice.shuffle(kinds)
         for computer in self.fleet.computers:
             computer.start()
@@ -92,9 +94,9 @@ class Breaks(unittest.TestCase):
     def break_off(self, kind: str) -> None:
         """One break; how long it is, and who comes back first, are part of what is tried."""
         self.note(kind)
-        if kind == 'cable':
-            with self.cable.pulled():
-                time.sleep(self.dice.uniform(*PULLED))
+        if kind in ('cable', 'radio'):
+            with self.cable.pulled() if kind == 'cable' else self.cable.in_radio_shadow():
+                time.sleep(self.dice.uniform(*AWAY))
             return
         fleet = self.fleet
         dying = {'fleet': [fleet.manager], 'robot': [fleet.robot],

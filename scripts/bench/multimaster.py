@@ -15,7 +15,7 @@ import tempfile
 import threading
 import time
 from pathlib import Path
-from typing import Iterator, List, Tuple
+from typing import Callable, ContextManager, Iterator, List, Tuple
 
 from joined_fleet import LD90, JoinedFleet, Odometer
 from joined_masters import Computer, has_fkie
@@ -26,9 +26,9 @@ from system_support import wait_until
 HERE = Path(__file__).resolve().parent
 REPORTS = (f'/{LD90}/execution_route_states', 'itrci_nav_msgs/ExecutionRouteStates')
 STATES = ('/fleet_state', 'itrci_nav_msgs/FleetState')
-PULLS = (1.0, 5.0, 5.0, 5.0, 20.0)  # s without the cable
-DEATHS = 3                          # of either side
-COUNTED = 10.0                      # s over which bytes are counted
+AWAY = (1.0, 5.0, 15.0)  # s without the link
+DEATHS = 2               # of either side
+COUNTED = 10.0           # s over which bytes are counted
 
 
 class Listener:
@@ -78,12 +78,13 @@ def listening(computer: Computer, namespace: str, topic: Tuple[str, str]) -> Ite
         listener.close()
 
 
-def pulled(cable: Cable, listener: Listener) -> List[Tuple[float, float, int]]:
-    """Per pull of the cable: how long it was, s until the next report, reports lost."""
+def without_link(broken: Callable[[], ContextManager[None]], listener: Listener
+                 ) -> List[Tuple[float, float, int]]:
+    """Per break: how long it was, s from its end to the next report, reports lost."""
     found = []
-    for seconds in PULLS:
+    for seconds in AWAY:
         before = time.monotonic()
-        with cable.pulled():
+        with broken():
             time.sleep(seconds)
         back = time.monotonic()
         came = listener.first_after(back)
@@ -138,9 +139,11 @@ def measure(fleet: JoinedFleet, cable: Cable) -> None:
         with Odometer(fleet) as odometer:
             odometer.wait_for(1.0)
             driving = rate(cable)
-            for seconds_away, recovered, lost in pulled(cable, reports):
-                row(f'cable pulled for {seconds_away:.0f} s: next report after the link is back',
-                    f'{recovered:.2f} s, {lost} reports lost', '< 3 s')
+            for name, broken in (('cable pulled', cable.pulled),
+                                 ('radio shadow', cable.in_radio_shadow)):
+                for away, recovered, lost in without_link(broken, reports):
+                    row(f'{name} for {away:.0f} s: next report after the link is back',
+                        f'{recovered:.2f} s, {lost} reports lost', '< 3 s')
         up, crossed = zip(*died(fleet.robot, robot, REPORTS[0], reports))
     row('robot\'s computer dead and started anew: its own start', seconds(list(up)), '')
     row('from then on until its first report crosses', seconds(list(crossed)), '< 3 s')
