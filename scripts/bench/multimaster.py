@@ -38,7 +38,8 @@ class Listener:
         self.heard: List[Tuple[float, int]] = []
         self._process = subprocess.Popen(
             [*entering(namespace), sys.executable, str(HERE / 'multimaster_bench/listener.py'),
-             *topic], env=computer.environment, stdout=subprocess.PIPE, text=True)
+             *topic], env=computer.environment, stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL, text=True)
         threading.Thread(target=self._read, daemon=True).start()
 
     def _read(self) -> None:
@@ -70,6 +71,8 @@ class Listener:
 @contextlib.contextmanager
 def listening(computer: Computer, namespace: str, topic: Tuple[str, str]) -> Iterator[Listener]:
     """A listener, which hears something already."""
+    wait_until(lambda: inside(namespace, lambda: computer.publishes(topic[0])), 120,
+               f'{topic[0]} at the master of {computer.name}')
     listener = Listener(computer, namespace, topic)
     try:
         wait_until(lambda: listener.heard, 60, f'{topic[0]} on {computer.name}')
