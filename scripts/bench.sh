@@ -19,7 +19,8 @@ for topic in "${topics[@]}"; do
     die "there is no benchmark '$topic'; there are: $(cd "$root/scripts/bench" && ls ./*.py | sed 's/.*\///; s/\.py$//' | paste -sd' ')"
 done
 
-prepare "${run_packages[@]}" "${test_packages[@]}"
+prepare "${run_packages[@]}" "${test_packages[@]}" "${multimaster_packages[@]}"
+case " ${topics[*]} " in *' multimaster '*) provide_multimaster ;; esac
 export ROS_IP=127.0.0.1 PYTHONPATH="$root/test:$PYTHONPATH"
 cd "$root"
 for topic in "${topics[@]}"; do

@@ -3,12 +3,10 @@ from __future__ import annotations
 
 import contextlib
 import json
-import math
 import os
 import re
 import shutil
 import socket
-import threading
 import time
 from pathlib import Path
 from typing import Callable, Dict, List, Tuple
@@ -100,11 +98,12 @@ class JoinedFleet:
             '--password-file', PASSWORD, '--speed', self._sim_speed, '--control', control,
             '--log', self.session,
             log=self._folder / 'ld90.log'))
+        self.control().close()
         return self
 
     def __exit__(self, *_: object) -> None:
         for computer in self.computers:
-            computer.end()
+            computer.kill()
         self._stack.close()
 
     @property
@@ -142,6 +141,13 @@ class JoinedFleet:
         """How a mission stands, out of the fleet manager's journal."""
         return next(line for line in history(str(self.journal)) if line.request_id == number)
 
+    def is_open(self, number: int) -> bool:
+        """Is there still something to do? Nobody knows while the journal cannot be read."""
+        try:
+            return self.mission(number).state.is_open
+        except JournalError:  # the fleet manager is being killed, or starts
+            return True
+
     def wait_for_mission(self, number: int, what: str, reached: Callable[[HistoryLine], bool],
                          timeout: float = 120.0) -> HistoryLine:
         """Waits until a mission stands so; fails at once when it ended otherwise."""
@@ -170,41 +176,30 @@ class JoinedFleet:
 
 
 class Odometer:
-    """How far the LD-90 truly drives, by looking where it is."""
+    """How far the LD-90 truly drives from now on: its simulator knows."""
 
-    PERIOD = 0.05  # s
     RESTS = 1.0    # s without motion after which it stands
 
     def __init__(self, fleet: JoinedFleet) -> None:
-        self.metres = 0.0
         self._control = fleet.control()
         self._answers = self._control.makefile()
-        self._over = threading.Event()
-        self._last = self._where()
-        self._moved = time.monotonic()
-        self._thread = threading.Thread(target=self._look, daemon=True)
+        self._begin = self._driven()
 
     def __enter__(self) -> Odometer:
-        self._thread.start()
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._over.set()
-        self._thread.join(10.0)
         self._control.close()
 
-    def _where(self) -> Tuple[float, float]:
-        """Where the LD-90 truly is, m."""
+    def _driven(self) -> float:
         self._control.sendall(b'where\n')
         robot, = json.loads(self._answers.readline())['robots'].values()
-        return robot['x'], robot['y']
+        return robot['driven']
 
-    def _look(self) -> None:
-        while not self._over.wait(self.PERIOD):
-            place = self._where()
-            if place != self._last:
-                self.metres += math.dist(place, self._last)
-                self._last, self._moved = place, time.monotonic()
+    @property
+    def metres(self) -> float:
+        """What it has driven so far."""
+        return self._driven() - self._begin
 
     def wait_for(self, metres: float, timeout: float = 60.0) -> None:
         """Until the robot has driven so far from now on."""
@@ -214,10 +209,16 @@ class Odometer:
 
     def wait_for_rest_or(self, metres: float) -> None:
         """Until the robot has driven so far from now on, or stands where it was last sent."""
-        begin = self.metres
-        wait_until(lambda: self.metres - begin >= metres
-                   or time.monotonic() - self._moved > self.RESTS, 60.0,
-                   f'the robot drives another {metres} m, or stands')
+        begin = last = self.metres
+        moved = time.monotonic()
+
+        def is_over() -> bool:
+            nonlocal last, moved
+            now = self.metres
+            if now != last:
+                last, moved = now, time.monotonic()
+            return now - begin >= metres or time.monotonic() - moved > self.RESTS
+        wait_until(is_over, 60.0, f'the robot drives another {metres} m, or stands')
 
 
 def kept_folder(name: str) -> Path:

@@ -110,15 +110,6 @@ class Computer:
             process.wait(30)
         wait_until(lambda: not any(map(is_alive, family)), 30, f'the end of {self.name}')
 
-    def end(self) -> None:
-        """Ends everything as a user does, with Ctrl-C."""
-        for process in reversed(self._processes):
-            process.send_signal(signal.SIGINT)
-        deadline = time.monotonic() + 25.0
-        while time.monotonic() < deadline and any(p.poll() is None for p in self._processes):
-            time.sleep(0.05)
-        self.kill()
-
     def run(self, *words: object, timeout: float = 60.0) -> subprocess.CompletedProcess:
         """What a user types there, and what comes of it."""
         return subprocess.run([*self._prefix, *map(str, words)], env=self.environment, text=True,
@@ -135,6 +126,14 @@ class Computer:
         except (OSError, rosgraph.MasterException):
             return set()
         return {topic for topic, names in [*publishers, *subscribers] if foreign & set(names)}
+
+    def publishes(self, topic: str) -> bool:
+        """Does this master know a publisher of the topic?"""
+        try:
+            publishers, _, _ = self.master.getSystemState()
+        except (OSError, rosgraph.MasterException):
+            return False
+        return topic in (name for name, _ in publishers)
 
     def log(self) -> str:
         """What was printed there."""

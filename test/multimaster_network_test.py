@@ -11,7 +11,7 @@ from network_namespaces import Cable, why_not
 
 from system_support import run_cases
 
-SIM_SPEED = 4.0
+SIM_SPEED = 8.0
 DESTINATIONS = [18, 16]
 PULLED = 20.0  # s
 

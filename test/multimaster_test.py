@@ -6,47 +6,87 @@ LD-90 is no part of any computer: like a real one, it goes on when its computer 
 """
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import shutil
-import subprocess
 import unittest
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
-from typing import Set
+from typing import Callable, Iterator, Set
 
 import yaml
 from joined_fleet import LD90, JoinedFleet, Odometer, kept_folder
 from joined_masters import CROSSING, Computer, has_fkie, program
 
 import itrci_nav_msgs
+from graph_fleet_manager.joining.peer_master import Discovery, NoAnswer
 from system_support import run_cases, wait_until
 
 DESTINATIONS = [18, 39, 52, 6, 16]
 SIM_SPEED = 8.0
+LONG = bool(os.environ.get('LD90_LONG_TESTS'))
 
 
 class JoinedMasters(unittest.TestCase):
+    """The LD-90's computer is there before the fleet manager's, agv_1's comes later.
+
+    With --long agv_2's is there before, too, and agv_1 has other definitions of a message at first;
+    it stands where it is in nobody's way.
+    """
 
     @classmethod
     def setUpClass(cls) -> None:
-        print('ROS masters are joined by', 'fkie multimaster' if has_fkie() else
-              'the tests\' own mirror, as fkie multimaster is not there: '
-              + os.environ.get('MULTIMASTER_MISSING', 'run scripts/multimaster.sh once'))
         cls.folder = kept_folder('multimaster')
-        cls.fleet = JoinedFleet(cls.folder, SIM_SPEED, agvs=2)
+        cls.fleet = JoinedFleet(cls.folder, SIM_SPEED, agvs=2 if LONG else 1, pictures=False)
         cls.fleet.__enter__()
         cls.addClassCleanup(cls.fleet.__exit__)
-        agv_1, cls.newcomer = cls.fleet.agvs
-        for computer in (cls.fleet.robot, cls.fleet.manager, agv_1):
+        cls.newcomer, *others = cls.fleet.agvs
+        for computer in (cls.fleet.robot, *others):
             computer.start()
+        for computer in (cls.fleet.robot, *others):
+            wait_until(partial(computer.publishes, f'/{computer.name}/execution_route_states'), 90,
+                       f'{computer.name} reports to its own master')
 
-    def test_1_a_mission_across_two_masters(self) -> None:
+    def test_1_a_fleet_manager_that_comes_later_drives_a_robot_that_was_there_before(self) -> None:
+        self.fleet.manager.start()
         mission = self.fleet.send(*DESTINATIONS)
         with Odometer(self.fleet) as odometer:
+            if LONG and has_fkie():
+                self.name_who_has_other_definitions()
             done = self.fleet.succeeded(mission)
+            type(self).undisturbed = odometer.metres
         self.assertEqual((done.robot, done.reached), (LD90, len(DESTINATIONS)))
         self.assertEqual(self.fleet.sent_to_ld90('dock'), ['dock'])
-        type(self).undisturbed = odometer.metres
+
+    def name_who_has_other_definitions(self) -> None:
+        """A robot joins with them; /diagnostics says so within 10 s of its discovery being there.
+
+        Missions of others go on meanwhile.
+        """
+        newcomer = self.newcomer
+        newcomer.python_path = str(other_definitions(self.folder / 'python'))
+        with self.diagnostics() as said:
+            wait_until(lambda: said(newcomer, 'it does not answer'), 60,
+                       'the watch says that the newcomer is not there')
+            newcomer.start()
+            wait_until(lambda: answers(newcomer.address), 60, 'the discovery of the newcomer')
+            wait_until(lambda: said(newcomer, 'other definitions of itrci_nav_msgs/TargetRoute'),
+                       10, 'its definitions in /diagnostics')
+
+    @contextlib.contextmanager
+    def diagnostics(self) -> Iterator[Callable[[Computer, str], bool]]:
+        """While it lasts: did the fleet manager's /diagnostics say this of a peer?"""
+        file = self.folder / 'diagnostics.log'
+        file.write_text('')
+
+        def said(peer: Computer, words: str) -> bool:
+            statuses = ' '.join(file.read_text(errors='replace').split()).split('level:')
+            return any(f'peer_watch: {peer.address}' in one and words in one for one in statuses)
+        with program('rostopic', 'echo', '/diagnostics', log=file,
+                     env=self.fleet.manager.environment):
+            yield said
 
     def test_2_only_what_is_listed_crosses(self) -> None:
         wanted = re.compile('|'.join(topic.replace('*', '[^/]+') for topic in yaml.safe_load(
@@ -69,20 +109,27 @@ class JoinedMasters(unittest.TestCase):
     def test_3_the_network_is_found_well_from_either_side(self) -> None:
         self.skip_without_fkie()
         sides = (self.fleet.robot, self.fleet.manager)
-        for here, there in (sides, sides[::-1]):
-            checked = here.run('rosrun', 'graph_fleet_manager', 'check_network', there.address,
-                               '--master-port', there.port)
-            self.assertEqual(checked.returncode, 0, checked.stdout)
-            self.assertIn('message definitions are alike', checked.stdout)
+        with ThreadPoolExecutor() as at_once:
+            found = at_once.map(lambda here, there: here.run(
+                'rosrun', 'graph_fleet_manager', 'check_network', there.address,
+                '--master-port', there.port), sides, sides[::-1])
+            for checked in found:
+                self.assertEqual(checked.returncode, 0, checked.stdout)
+                self.assertIn('message definitions are alike', checked.stdout)
 
-    def test_4_a_mission_outlives_the_death_of_either_side_and_of_both(self) -> None:
+    def test_4_a_mission_outlives_the_death_of_either_side(self) -> None:
+        """With --long, of both at once, too. A robot that was not there before joins meanwhile."""
         fleet = self.fleet
+        deaths = [[fleet.manager], [fleet.robot]]
+        if LONG:
+            deaths.append([fleet.manager, fleet.robot])
         gone_to = len(fleet.sent_to_ld90('goto'))
         docked = len(fleet.sent_to_ld90('dock'))
+        self.newcomer.kill()
+        self.newcomer.python_path = ''
         mission = fleet.send(*DESTINATIONS)
         with Odometer(fleet) as odometer:
-            for reached, dying in enumerate(([fleet.manager], [fleet.robot],
-                                             [fleet.manager, fleet.robot])):
+            for reached, dying in enumerate(deaths):
                 fleet.wait_for_mission(mission, f'{reached} reached',
                                        lambda line, count=reached: line.reached >= count)
                 odometer.wait_for(1.0)
@@ -91,51 +138,36 @@ class JoinedMasters(unittest.TestCase):
                 odometer.wait_for_rest_or(0.5)   # nobody stops what is being driven
                 for computer in dying:
                     computer.start()
+            self.newcomer.start()
             done = fleet.succeeded(mission)
+            driven = odometer.metres
         self.assertEqual(done.reached, len(DESTINATIONS))
-        self.assertAlmostEqual(odometer.metres, self.undisturbed, delta=3.0,
+        self.assertAlmostEqual(driven, self.undisturbed, delta=3.0,
                                msg='driven, undisturbed and disturbed (m)')
         drives = fleet.sent_to_ld90('goto')[gone_to:]
         repeated = [one for one, other in zip(drives, drives[1:]) if one == other]
         self.assertEqual(repeated, [], drives)
         self.assertEqual(len(fleet.sent_to_ld90('dock')) - docked, 1)
 
-    def test_5_a_robot_that_joins_with_other_definitions_is_named_and_one_with_the_same_drives(
-            self) -> None:
-        newcomer, manager = self.newcomer, self.fleet.manager
-        if has_fkie():
-            newcomer.python_path = str(other_definitions(self.folder / 'python'))
-            newcomer.start()
-            self.wait_for_diagnosis(manager, newcomer, 'other definitions of '
-                                                       'itrci_nav_msgs/TargetRoute')
-            newcomer.kill()
-            newcomer.python_path = ''
-        newcomer.start()
-        missions = [self.fleet.send(10, robot='agv_1'), self.fleet.send(35, robot='agv_2')]
+    def test_5_the_robots_of_all_masters_drive(self) -> None:
+        """Also the one that joined a fleet manager that was there before."""
+        missions = [self.fleet.send(vertex, robot=computer.name)
+                    for computer, vertex in zip(self.fleet.agvs, (10, 35))]
         for mission in missions:
             self.fleet.succeeded(mission)
-        if has_fkie():
-            self.wait_for_diagnosis(manager, newcomer, 'message: "joined"')
-
-    def wait_for_diagnosis(self, here: Computer, there: Computer, words: str) -> None:
-        """Until /diagnostics says so of a peer: within 10 s of its discovery being there."""
-        file = self.folder / 'diagnostics.log'
-        file.write_text('')
-        with program('rostopic', 'echo', '/diagnostics', log=file, env=here.environment):
-            wait_until(lambda: subprocess.run(
-                ['rosnode', 'ping', '-c', '1', '/master_discovery'], env=there.environment,
-                stdout=subprocess.PIPE, text=True, check=False).stdout.count('xmlrpc reply'), 60,
-                'the discovery of the newcomer')
-
-            def said() -> bool:
-                statuses = file.read_text(errors='replace').split('- \n')
-                return any(there.address in one and words in ' '.join(one.split())
-                           for one in statuses)
-            wait_until(said, 10, f'{words!r} of {there.address} in /diagnostics')
 
     def skip_without_fkie(self) -> None:
         if not has_fkie():
             self.skipTest('fkie multimaster is not there')
+
+
+def answers(address: str) -> bool:
+    """Does the discovery at this address answer?"""
+    try:
+        Discovery(address).clock()
+    except NoAnswer:
+        return False
+    return True
 
 
 def other_definitions(folder: Path) -> Path:

@@ -63,6 +63,22 @@ class Cable:
         finally:
             _ip('-n', self.namespaces[0], 'link', 'set', 'eth0', 'up')
 
+    @contextlib.contextmanager
+    def in_radio_shadow(self) -> Iterator[None]:
+        """Whatever is sent meanwhile is lost, and nobody learns it: as by radio.
+
+        Where a cable is pulled, the sender's own computer knows, and tries again all the time.
+        """
+        neighbours = list(zip(self.namespaces, self.addresses[::-1]))
+        for name, other in neighbours:  # frames go to a computer that there is not
+            _ip('-n', name, 'neigh', 'replace', other, 'lladdr', '02:00:00:00:00:99', 'dev', 'eth0',
+                'nud', 'permanent')
+        try:
+            yield
+        finally:
+            for name, other in neighbours:
+                _ip('-n', name, 'neigh', 'del', other, 'dev', 'eth0')
+
     def bytes_sent(self) -> Tuple[int, int]:
         """What crossed the link so far, from the first namespace and from the second."""
         one, other = (int(inside(name, _transmitted)) for name in self.namespaces)

@@ -1,0 +1,1 @@
+"""What the benchmark of joined ROS masters runs on either side."""
