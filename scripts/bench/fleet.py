@@ -100,12 +100,15 @@ def any_vertex() -> Iterator[Row]:
                         for seed in range(SEEDS)]), '20 of 20 within 1 s')
 
 
-def compared() -> Iterator[Row]:
-    """Rivals on the same instances, each judged by the same checker."""
-    environments = {package: rivals.environment(package) for package in rivals.PACKAGES}
-    for vertices, robots in ((500, 50), (2000, 100)):
-        graph, ends = aisles(vertices)
-        for name, pool in (('stations', ends), ('any vertex', list(graph.vertices))):
+def compared(anywhere: bool) -> Callable[[], Iterator[Row]]:
+    """Rivals on the same instances, each judged by the same checker; goals are stations, or
+    anywhere."""
+    def section() -> Iterator[Row]:
+        environments = {package: rivals.environment(package) for package in rivals.PACKAGES}
+        for vertices, robots in ((500, 50), (2000, 100)):
+            graph, ends = aisles(vertices)
+            pool, name = ((list(graph.vertices), 'any vertex') if anywhere
+                          else (ends, 'stations'))
             where = f'{robots} robots, {vertices} vertices, {name}'
             instances = [draw(pool, robots, seed) for seed in range(SEEDS)]
             base = RoadNetwork(graph)
@@ -120,6 +123,7 @@ def compared() -> Iterator[Row]:
                 ahead = sum(his.ratio is not None and mine.ratio is None
                             for his, mine in zip(found, ours))
                 yield f'{solver}, {where}', judged(found), f'{ahead} that we do not solve'
+    return section
 
 
 def own(base: RoadNetwork, instance: Instance) -> rivals.Judged:
@@ -225,7 +229,8 @@ def laboratory(robots: int, longest: float, kind: operation.RobotType, seeds: in
 
 WHOLE = 1e6
 SECTIONS: Dict[str, Callable[[], Iterator[Row]]] = {
-    'stations': stations, 'any_vertex': any_vertex, 'rivals': compared,
+    'stations': stations, 'any_vertex': any_vertex,
+    'rivals': compared(False), 'rivals_any_vertex': compared(True),
     'conflict_sets': conflict_sets, 'sparse': sparse, 'layers': layers, 'replanning': replanning,
     'lab_1': laboratory(1, WHOLE, operation.AGV, 5, 'floor: one robot alone'),
     'lab_8': laboratory(8, WHOLE, operation.AGV, 5, '260'),
