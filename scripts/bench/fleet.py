@@ -17,7 +17,7 @@ from typing import Callable, Dict, Iterator, List, NamedTuple, Sequence, Tuple
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / 'src/graph_fleet_manager/test'))
 
-from fleet_bench import operation, rivals  # noqa: E402
+from fleet_bench import operation, queueing, rivals  # noqa: E402
 from fleet_bench.instances import (  # noqa: E402
     AGV,
     CLEARANCE,
@@ -227,6 +227,14 @@ def laboratory(robots: int, longest: float, kind: operation.RobotType, seeds: in
     return section
 
 
+def station_queues() -> Iterator[Row]:
+    """What robots could do that wait for each other at the stations only."""
+    found = [queueing.missions(8, seed) for seed in range(200)]
+    yield ('laboratory, 8 robots that meet nobody but at the dead ends of the stations, 200 seeds',
+           f'{statistics.mean(found):.0f} missions on average ({min(found)} to {max(found)})',
+           'what the graph allows')
+
+
 WHOLE = 1e6
 SECTIONS: Dict[str, Callable[[], Iterator[Row]]] = {
     'stations': stations, 'any_vertex': any_vertex,
@@ -234,6 +242,7 @@ SECTIONS: Dict[str, Callable[[], Iterator[Row]]] = {
     'conflict_sets': conflict_sets, 'sparse': sparse, 'layers': layers, 'replanning': replanning,
     'lab_1': laboratory(1, WHOLE, operation.AGV, 5, 'floor: one robot alone'),
     'lab_8': laboratory(8, WHOLE, operation.AGV, 5, '260'),
+    'station_queues': station_queues,
     'lab_8_sections': laboratory(8, 1.5, operation.AGV, 5, '380'),
     'lab_12': laboratory(12, WHOLE, operation.AGV, 1, 'never still for good'),
     'lab_8_ld90': laboratory(8, WHOLE, operation.LD90, 5, ''),
