@@ -17,7 +17,7 @@ from typing import Callable, Dict, Iterator, List, NamedTuple, Sequence, Tuple
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / 'src/graph_fleet_manager/test'))
 
-from fleet_bench import operation, rivals  # noqa: E402
+from fleet_bench import operation, queueing, rivals  # noqa: E402
 from fleet_bench.instances import (  # noqa: E402
     AGV,
     CLEARANCE,
@@ -100,12 +100,15 @@ def any_vertex() -> Iterator[Row]:
                         for seed in range(SEEDS)]), '20 of 20 within 1 s')
 
 
-def compared() -> Iterator[Row]:
-    """Rivals on the same instances, each judged by the same checker."""
-    environments = {package: rivals.environment(package) for package in rivals.PACKAGES}
-    for vertices, robots in ((500, 50), (2000, 100)):
-        graph, ends = aisles(vertices)
-        for name, pool in (('stations', ends), ('any vertex', list(graph.vertices))):
+def compared(anywhere: bool) -> Callable[[], Iterator[Row]]:
+    """Rivals on the same instances, each judged by the same checker; goals are stations, or
+    anywhere."""
+    def section() -> Iterator[Row]:
+        environments = {package: rivals.environment(package) for package in rivals.PACKAGES}
+        for vertices, robots in ((500, 50), (2000, 100)):
+            graph, ends = aisles(vertices)
+            pool, name = ((list(graph.vertices), 'any vertex') if anywhere
+                          else (ends, 'stations'))
             where = f'{robots} robots, {vertices} vertices, {name}'
             instances = [draw(pool, robots, seed) for seed in range(SEEDS)]
             base = RoadNetwork(graph)
@@ -120,6 +123,7 @@ def compared() -> Iterator[Row]:
                 ahead = sum(his.ratio is not None and mine.ratio is None
                             for his, mine in zip(found, ours))
                 yield f'{solver}, {where}', judged(found), f'{ahead} that we do not solve'
+    return section
 
 
 def own(base: RoadNetwork, instance: Instance) -> rivals.Judged:
@@ -223,12 +227,22 @@ def laboratory(robots: int, longest: float, kind: operation.RobotType, seeds: in
     return section
 
 
+def station_queues() -> Iterator[Row]:
+    """What robots could do that wait for each other at the stations only."""
+    found = [queueing.missions(8, seed) for seed in range(200)]
+    yield ('laboratory, 8 robots that meet nobody but at the dead ends of the stations, 200 seeds',
+           f'{statistics.mean(found):.0f} missions on average ({min(found)} to {max(found)})',
+           'what the graph allows')
+
+
 WHOLE = 1e6
 SECTIONS: Dict[str, Callable[[], Iterator[Row]]] = {
-    'stations': stations, 'any_vertex': any_vertex, 'rivals': compared,
+    'stations': stations, 'any_vertex': any_vertex,
+    'rivals': compared(False), 'rivals_any_vertex': compared(True),
     'conflict_sets': conflict_sets, 'sparse': sparse, 'layers': layers, 'replanning': replanning,
     'lab_1': laboratory(1, WHOLE, operation.AGV, 5, 'floor: one robot alone'),
     'lab_8': laboratory(8, WHOLE, operation.AGV, 5, '260'),
+    'station_queues': station_queues,
     'lab_8_sections': laboratory(8, 1.5, operation.AGV, 5, '380'),
     'lab_12': laboratory(12, WHOLE, operation.AGV, 1, 'never still for good'),
     'lab_8_ld90': laboratory(8, WHOLE, operation.LD90, 5, ''),

@@ -12,6 +12,7 @@ from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.planning.configuration_search import search_configurations
 from graph_fleet_manager.planning.parking import Parking
 from graph_fleet_manager.planning.planner import FleetPlanner
+from graph_fleet_manager.planning.plans import Drive
 from graph_fleet_manager.planning.precedence import Constraint, has_cycle, precedence
 from graph_fleet_manager.planning.problem import Problem
 from graph_fleet_manager.planning.road_network import RoadNetwork
@@ -184,6 +185,31 @@ def test_cancelling_leaves_nothing_booked():
     assert drives[0].vertex == network.index[1]
     planner.timetable.cancel('a')
     assert not any(planner.timetable.slots[AGV].bookings), outcome
+
+
+def test_robots_that_are_put_back_are_booked_as_before():
+    network = RoadNetwork(ladder(4))
+    table = Timetable(network, 0.1, [AGV])
+    slots = table.slots[AGV]
+    out, back = network.drive(network.edge_ids[0]), network.drive(-network.edge_ids[0])
+    robots = {'a': (network.origin[out], [Drive(out, 5.0, 7.0), Drive(back, 9.0, 11.0)]),
+              'b': (network.vertices - 1, [])}
+
+    def seen():
+        return ([sorted(map(tuple, bookings)) for bookings in slots.bookings],
+                [slots.busy(slot) for slot in range(len(slots.bookings))], dict(table.booked))
+    for name, (vertex, plan) in robots.items():
+        table.book(name, AGV, vertex, plan)
+    before = seen()
+    taken = table.take_out(['a', 'b'])
+    assert not any(slots.bookings) and not table.booked
+    table.book('a', AGV, network.vertices - 2, [])
+    assert seen() != before
+    table.put_back(taken)
+    assert seen() == before
+    for name in robots:
+        table.cancel(name)
+    assert not any(slots.bookings)
 
 
 def test_the_search_over_configurations_swaps_robots_in_a_siding():

@@ -63,30 +63,27 @@ class Improvement:
 
     def _try(self, names: Sequence[str], deadline: float) -> float:
         """Plans these again together; returns by how much that was better."""
-        group = [self._all[name] for name in names]
+        group = shuffled((self._all[name] for name in names), self._random)
         before = sum(self.ways[name].cost for name in names)
-        self._tea_star.forget(group)
+        enough = before * (1.0 - _CLOSE)
+        taken = self._tea_star.timetable.take_out(names)
         for traveller in group:
-            self._tea_star.book_fixed(traveller)
+            if traveller.fixed or traveller.between or traveller.errand.ready > 0.0:
+                self._tea_star.book_fixed(traveller)
         least = sum(t.errand.lower_bound for t in group)
         spent, found = 0.0, {}
-        for traveller in shuffled(group, self._random):
+        for traveller in group:
             least -= traveller.errand.lower_bound
             self._tea_star.forget((traveller,))
-            way = self._tea_star.way_of(traveller, before - spent - least)
+            way = self._tea_star.way_of(traveller, enough - spent - least)
             if way is None or time.monotonic() >= deadline:
-                break
+                self._tea_star.timetable.put_back(taken)
+                return 0.0
             found[traveller.name] = way
             spent += way.cost
             self._tea_star.book(traveller, way)
-        else:
-            if spent < before * (1.0 - _CLOSE):
-                self.ways.update(found)
-                return before - spent
-        self._tea_star.forget(group)
-        for traveller in group:
-            self._tea_star.book(traveller, self.ways[traveller.name])
-        return 0.0
+        self.ways.update(found)
+        return before - spent
 
     # -- neighbourhoods ---------------------------------------------------------------------------
 

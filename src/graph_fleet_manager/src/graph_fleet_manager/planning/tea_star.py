@@ -116,8 +116,13 @@ class TeaStar:
 
 
 def by_length(travellers: Iterable[Traveller]) -> List[Traveller]:
-    """The order to begin with: by priority, then who has the longest way."""
-    return sorted(travellers, key=lambda t: (-t.priority, -t.errand.lower_bound))
+    """The order to begin with: by priority, then who has the shortest way.
+
+    A robot that waits for others that are soon out of its way waits less than these would for it;
+    who has nothing to do comes last, for it is only in the way.
+    """
+    return sorted(travellers, key=lambda t: (-t.priority, not t.errand.destinations,
+                                             t.errand.lower_bound))
 
 
 def shuffled(travellers: Iterable[Traveller], random: Random) -> List[Traveller]:

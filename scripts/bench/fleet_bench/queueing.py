@@ -1,0 +1,66 @@
+"""What the laboratory's dead ends alone allow: robots that meet nobody but at the stations.
+
+Every station lies at the end of an edge with no other way out, so one robot after the other drives
+in and out again, in the order in which they come. Everywhere else robots drive as if alone. No
+planner can do much better with missions that are drawn one by one.
+"""
+from __future__ import annotations
+
+from heapq import heappop, heappush
+from random import Random
+from typing import Dict, List, NamedTuple, Tuple
+
+from fleet_bench import operation
+from graph_fleet_manager.planning.road_network import RoadNetwork
+from trajectory_graph import load_graph
+
+
+class _Spur(NamedTuple):
+    """The one edge to a station."""
+
+    junction: int
+    drive_in: float   # s
+    drive_out: float  # s
+
+
+def missions(robots: int, seed: int, seconds: float = 3600.0) -> int:
+    """How many are done in so many simulated seconds, with the delays of the laboratory's runs."""
+    network = RoadNetwork(load_graph(operation.ROOT / 'maps/lab_graph.yaml'))
+    graph, times = network.graph, network.times(operation.AGV)
+    random = Random(seed)
+    spurs: Dict[int, _Spur] = {}
+    for station in operation.STATIONS:
+        (way_out,) = graph.edges_from(station)
+        spurs[station] = _Spur(graph.end_vertex(way_out).id, times[network.drive(-way_out)],
+                               times[network.drive(way_out)])
+
+    def late(planned: float) -> float:
+        driven = planned * random.uniform(1.0, operation.DELAYS.slower)
+        stalls = random.random() < driven / operation.DELAYS.between_stalls
+        return driven + (operation.DELAYS.stall if stalls else 0.0)
+
+    def other_than(vertex: int) -> int:
+        return random.choice([station for station in operation.STATIONS if station != vertex])
+
+    def between(begin: int, junction: int) -> float:
+        way = network.ways_to(operation.AGV, (network.index[junction],))[0]
+        return late(float(way[network.index[begin]]))
+
+    arrivals: List[Tuple[float, int, int]] = []  # when a robot comes to the junction of a station
+    for robot, start in enumerate(operation.PARKING[:robots]):
+        station, begun = other_than(start), 0.0
+        if start in spurs:
+            begun, start = late(spurs[start].drive_out), spurs[start].junction
+        heappush(arrivals, (begun + between(start, spurs[station].junction), robot, station))
+    free_from = dict.fromkeys(spurs, 0.0)
+    done = 0
+    while arrivals[0][0] <= seconds:
+        now, robot, station = heappop(arrivals)
+        spur = spurs[station]
+        served = max(now, free_from[station]) + late(spur.drive_in)
+        left = free_from[station] = served + late(spur.drive_out)
+        done += served <= seconds
+        following = other_than(station)
+        heappush(arrivals, (left + between(spur.junction, spurs[following].junction), robot,
+                            following))
+    return done
