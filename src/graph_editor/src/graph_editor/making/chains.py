@@ -121,7 +121,7 @@ class ChainGraph:
         What is left at either end becomes a dead end of its own.
         """
         self.drop_chain(chain)
-        made = []
+        made, bare = [], []
         for node, path in ((chain.start, chain.path[:first]),
                            (chain.end, chain.path[:last:-1])):
             if len(path) > 1:
@@ -129,7 +129,9 @@ class ChainGraph:
                 self.add_node(tip, path[-1])
                 made.append(self.add_chain(node, tip, path))
             else:
-                made += self.dissolve(node)
+                bare.append(node)
+        for node in dict.fromkeys(bare):  # both ends of a ring are one node
+            made += self.dissolve(node)
         return [chain for chain in made if self.has(chain)]
 
     def dissolve(self, node: int) -> List[Chain]:
