@@ -40,6 +40,22 @@ def test_a_robot_goes_on_from_what_was_released_to_it():
                                    PlannedDrive(3, 3.0, 5.0), PlannedDrive(4, 5.0, 7.0))
 
 
+@pytest.mark.parametrize('rounds', [0, 2])
+def test_nobody_slips_through_before_a_slow_robot_that_was_let_go_there(rounds):
+    """What was released stays so: who could be through long before comes after it all the same."""
+    crossing = graph_of({1: (0.0, 0.0), 2: (2.0, 0.0), 3: (4.0, 0.0), 4: (6.0, 0.0), 5: (8.0, 0.0),
+                         6: (6.0, 2.0), 7: (6.0, -2.0)},
+                        {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (4, 5), 5: (6, 4), 6: (4, 7)})
+    slow = RobotType('slow', 0.4, 0.2)
+    outcome = _plan(_planner(crossing, kinds=(AGV, slow)),
+                    Task('a', slow, 1, released=(1, 2, 3, 4), destinations=(5,), stays=True),
+                    Task('b', AGV, 6, destinations=(7,), stays=True), rounds=rounds)
+    assert _edges(outcome, 'b') == [5, 6]
+    cleared = outcome.drives['a'][3].start + 0.9 / slow.speed  # both radii and the clearance
+    assert outcome.drives['b'][0].start == pytest.approx(cleared)
+    assert [c for c in outcome.precedence if c.then == 'a'] == []
+
+
 def test_a_robot_between_two_vertices_may_go_either_way():
     planner = _planner(corridor(5))
     for goal, first, seconds in ((1, -2, 2.5), (5, 2, 5.5)):

@@ -59,17 +59,18 @@ class TeaStar:
     def book(self, traveller: Traveller, way: Way) -> None:
         """Makes a way an obstacle for all others."""
         self.timetable.book(traveller.name, traveller.kind, traveller.vertex,
-                            traveller.whole(way.plan), traveller.between)
+                            traveller.whole(way.plan), traveller.between,
+                            held=len(traveller.fixed))
 
     def book_fixed(self, traveller: Traveller) -> None:
         """Books only what a robot without a plan holds in any case."""
         self.timetable.book(traveller.name, traveller.kind, traveller.vertex, traveller.fixed,
-                            traveller.between, traveller.errand.ready)
+                            traveller.between, traveller.errand.ready, len(traveller.fixed))
 
     def book_present(self, traveller: Traveller) -> None:
         """Books what a robot without a plan holds in any case, and for a moment where it is."""
         self.timetable.book(traveller.name, traveller.kind, traveller.vertex, traveller.fixed,
-                            traveller.between, self._moment(traveller))
+                            traveller.between, self._moment(traveller), len(traveller.fixed))
 
     def plan(self, travellers: Sequence[Traveller], deadline: float,
              orders: int) -> Optional[Ways]:

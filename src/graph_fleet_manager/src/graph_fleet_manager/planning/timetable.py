@@ -39,6 +39,7 @@ class Booked(NamedTuple):
     plan: Sequence[Drive]
     between: Optional[Between]
     until: float
+    held: int
 
 
 class TakenOut(NamedTuple):
@@ -128,12 +129,14 @@ class Timetable:
             blocking.prepare()
 
     def book(self, robot: str, kind: RobotType, vertex: int, plan: Sequence[Drive],
-             between: Optional[Between] = None, until: float = inf) -> None:
+             between: Optional[Between] = None, until: float = inf, held: int = 0) -> None:
         """Books a robot that stands at `vertex`, or `between` two, and then follows its plan.
 
-        After the plan it stands where it is till `until`. Nothing may be booked for it yet.
+        After the plan it stands where it is till `until`. So many drives as `held` says it holds
+        from now on: whoever wants to pass there comes after it, however much earlier he could be
+        through. Nothing may be booked for it yet.
         """
-        self.booked[robot] = Booked(kind, vertex, plan, between, until)
+        self.booked[robot] = Booked(kind, vertex, plan, between, until, held)
         self._touched[robot] = []
         for observer in self.kinds:
             slots, blocking = self.slots[observer], self.blocking[kind, observer]
@@ -141,13 +144,18 @@ class Timetable:
             waits = (blocking.wait(vertex) if between is None
                      else self._at_point(kind, observer, between))
             since = -inf
-            for drive, start, end, begun in plan:
+            for number, (drive, start, end, begun) in enumerate(plan):
                 if start > since and (not begun or between):
                     for slot, lead in waits:
                         slots.add(latest, slot, since - lead, start, robot)
                 blocks = blocking.drive(drive)
-                slots.add_drive(latest, _rest_of(blocks, begun) if begun else blocks, start,
-                                end - start, robot)
+                if begun:
+                    blocks = _rest_of(blocks, begun)
+                if number < held:
+                    for slot, clear, _ in blocks:
+                        slots.add(latest, slot, -inf, start + clear * (end - start), robot)
+                else:
+                    slots.add_drive(latest, blocks, start, end - start, robot)
                 waits, since = blocking.wait(self.network.origin[drive ^ 1]), end
             for slot, lead in waits:
                 slots.add(latest, slot, since - lead, until, robot)
@@ -262,16 +270,17 @@ class Timetable:
     def _activities(self, observer: RobotType) -> Iterator[
             Tuple[str, float, float, List[Tuple[int, float]]]]:
         """Every wait and drive of everybody: robot, begin, end, (slot, lead) that it blocks."""
-        for robot, (kind, vertex, plan, between, until) in self.booked.items():
+        for robot, (kind, vertex, plan, between, until, held) in self.booked.items():
             blocking = self.blocking[kind, observer]
             waits = (blocking.wait(vertex) if between is None
                      else self._at_point(kind, observer, between))
             since = -inf
-            for drive, start, end, begun in plan:
+            for number, (drive, start, end, begun) in enumerate(plan):
                 if start > since and (not begun or between):
                     yield robot, since, start, waits
+                begin = -inf if number < held else start
                 for slot, clear, lead in _rest_of(blocking.drive(drive), begun):
-                    yield robot, start, start + clear * (end - start), [(slot, lead)]
+                    yield robot, begin, start + clear * (end - start), [(slot, lead)]
                 waits, since = blocking.wait(self.network.origin[drive ^ 1]), end
             yield robot, since, until, waits
 
