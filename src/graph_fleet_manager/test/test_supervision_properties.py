@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 from supervised_fleet import SupervisedFleet
 
+from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.supervision.actions import SendRoute
 from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.robots import RobotSettings
@@ -36,6 +37,7 @@ def yard() -> Graph:
 
 
 YARD = yard()
+SLOW = RobotType('slow', 0.4, 0.3)
 PARKING = (21, 22, 23, 24, 25)
 robots = st.sampled_from(ROBOTS)
 vertices = st.sampled_from(sorted(YARD.vertices))
@@ -50,14 +52,16 @@ class FleetLife(RuleBasedStateMachine):
     """A fleet to which things happen; room between robots is checked at every step of time."""
 
     @initialize(loss=st.sampled_from((0.0, 0.05, 0.3)), repeats=st.sampled_from((0.0, 0.2)),
-                planning=st.sampled_from((0.05, 0.3, 1.5)), ahead=st.sampled_from((0.0, 3.0)),
-                moment=st.sampled_from((0.3, 2.0, 6.0)), seed=st.integers(0, 1000))
+                planning=st.sampled_from((0.05, 0.3, 1.5)), ahead=st.sampled_from((0.0, 3.0, 8.0)),
+                moment=st.sampled_from((0.3, 2.0, 6.0)), last=st.sampled_from((AGV, SLOW)),
+                seed=st.integers(0, 1000))
     def begin(self, loss: float, repeats: float, planning: float, ahead: float, moment: float,
-              seed: int) -> None:
+              last: RobotType, seed: int) -> None:
         """Messages are lost and repeated from now on, and the planner takes its time."""
         self.moment = moment
         self.fleet = SupervisedFleet(
-            YARD, {name: (AGV, 21 + k) for k, name in enumerate(ROBOTS)}, seed=seed, loss=loss,
+            YARD, {name: (kind, 21 + k) for k, (name, kind) in enumerate(
+                zip(ROBOTS, (AGV, AGV, last)))}, seed=seed, loss=loss,
             repeats=repeats, planning=planning, parking=PARKING,
             settings=RobotSettings(release_ahead=ahead))
         self.requests: Dict[int, Tuple[int, ...]] = {}
