@@ -35,10 +35,11 @@ DRIVE = 60.0  # s; the simulated robot's clock runs four times as fast
 
 
 @contextlib.contextmanager
-def program(*command: str, **environment: str) -> Iterator[subprocess.Popen]:
+def program(*command: str, stderr: int = subprocess.DEVNULL,
+            **environment: str) -> Iterator[subprocess.Popen]:
     """A program that runs meanwhile."""
     process = subprocess.Popen(command, env={**os.environ, **environment},
-                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                               stdout=subprocess.DEVNULL, stderr=stderr)
     try:
         yield process
     finally:
@@ -161,7 +162,7 @@ class ArclFaultsTest(unittest.TestCase):
         self.assertEqual(GoalStatus.ABORTED, handle.get_goal_status())
         self.assertTrue(handle.get_goal_status_text())
 
-    def test_a_node_registers_anew_with_a_master_that_was_restarted(self):
+    def test_a_node_waits_for_its_master_and_registers_anew_with_one_that_was_restarted(self):
         """On a master of its own; the node's own topics stand for all that it registers."""
         port = free_port()
         uri = f'http://127.0.0.1:{port}'
@@ -174,17 +175,13 @@ class ArclFaultsTest(unittest.TestCase):
                         and ['/link_state', ['/omron_connection_receiver']] in published)
             return False
 
-        with program('roscore', '-p', str(port), ROS_MASTER_URI=uri) as core:
-            node = program('rosrun', 'omron_ld90', 'omron_connection_receiver',
-                           '_robot_ip:=127.0.0.1', f'_port:={free_port()}',
-                           ROS_MASTER_URI=uri)
-            with node:
-                wait_until(is_known, DRIVE, 'the node registers')
-                core.terminate()
-                core.wait(SOON)
-                self.assertFalse(is_known())
+        with program('rosrun', 'omron_ld90', 'omron_connection_receiver', '_robot_ip:=127.0.0.1',
+                     f'_port:={free_port()}', stderr=subprocess.PIPE, ROS_MASTER_URI=uri) as node:
+            self.assertIn(f'There is no ROS master at {uri} yet', node.stderr.readline().decode())
+            for what in ('the node registers', 'the node registers with the new master'):
                 with program('roscore', '-p', str(port), ROS_MASTER_URI=uri):
-                    wait_until(is_known, DRIVE, 'the node registers with the new master')
+                    wait_until(is_known, DRIVE, what)
+                self.assertFalse(is_known())
 
     def test_a_node_with_a_wrong_configuration_says_so_on_its_link(self):
         links = Recorder('/misconfigured/link_state', LinkState)

@@ -74,8 +74,8 @@ class Breaks(unittest.TestCase):
         """One mission, meanwhile breaks of these kinds, from the last; m that the robot drove."""
         fleet = self.fleet
         gone_to, docked = len(fleet.sent_to_ld90('goto')), len(fleet.sent_to_ld90('dock'))
-        mission = fleet.send(*MISSION)
         with Odometer(fleet) as odometer:
+            mission = fleet.send(*MISSION)
             while kinds:
                 begun, far = odometer.metres, self.dice.uniform(*APART)
                 wait_until(lambda begun=begun, far=far: odometer.metres - begun >= far

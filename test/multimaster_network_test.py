@@ -29,8 +29,8 @@ class PulledCable(unittest.TestCase):
                 addresses=cable.addresses, pictures=False) as fleet:
             for computer in fleet.computers:
                 computer.start()
-            mission = fleet.send(*DESTINATIONS)
             with Odometer(fleet) as odometer:
+                mission = fleet.send(*DESTINATIONS)
                 odometer.wait_for(3.0)
                 with cable.pulled():
                     until = time.monotonic() + PULLED

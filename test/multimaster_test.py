@@ -51,8 +51,8 @@ class JoinedMasters(unittest.TestCase):
 
     def test_1_a_fleet_manager_that_comes_later_drives_a_robot_that_was_there_before(self) -> None:
         self.fleet.manager.start()
-        mission = self.fleet.send(*DESTINATIONS)
         with Odometer(self.fleet) as odometer:
+            mission = self.fleet.send(*DESTINATIONS)
             if LONG and has_fkie():
                 self.name_who_has_other_definitions()
             done = self.fleet.succeeded(mission)
@@ -127,8 +127,8 @@ class JoinedMasters(unittest.TestCase):
         docked = len(fleet.sent_to_ld90('dock'))
         self.newcomer.kill()
         self.newcomer.python_path = ''
-        mission = fleet.send(*DESTINATIONS)
         with Odometer(fleet) as odometer:
+            mission = fleet.send(*DESTINATIONS)
             for reached, dying in enumerate(deaths):
                 fleet.wait_for_mission(mission, f'{reached} reached',
                                        lambda line, count=reached: line.reached >= count)

@@ -19,16 +19,12 @@ def why_not() -> str:
     """Why there can be no network namespaces here; empty where there can."""
     if not shutil.which('ip'):
         return 'there is no program ip (Debian: iproute2)'
-    name = f'probe_{os.getpid()}'
-    made = subprocess.run(['ip', 'netns', 'add', name], stderr=subprocess.PIPE, text=True,
-                          check=False)
-    if made.returncode:
-        return f'network namespaces cannot be made: {made.stderr.strip()}'
-    joined = subprocess.run(['ip', 'link', 'add', f'p{os.getpid()}', 'type', 'veth', 'peer',
-                             'name', 'eth0', 'netns', name], stderr=subprocess.PIPE, text=True,
-                            check=False)
-    subprocess.run(['ip', 'netns', 'del', name], check=False)
-    return f'veth pairs cannot be made: {joined.stderr.strip()}' if joined.returncode else ''
+    try:
+        with Cable():
+            return ''
+    except subprocess.CalledProcessError as error:
+        command = ' '.join(error.cmd)
+        return f'network namespaces cannot be joined ({command}: {error.stderr.strip()})'
 
 
 class Cable:
@@ -40,19 +36,21 @@ class Cable:
 
     def __enter__(self) -> Cable:
         one, other = self.namespaces
-        for name in self.namespaces:
-            _ip('netns', 'add', name)
-        _ip('-n', one, 'link', 'add', 'eth0', 'type', 'veth', 'peer', 'name', 'eth0', 'netns',
-            other)
-        for name, address in zip(self.namespaces, self.addresses):
-            _ip('-n', name, 'address', 'add', f'{address}/24', 'dev', 'eth0')
-            _ip('-n', name, 'link', 'set', 'lo', 'up')
-            _ip('-n', name, 'link', 'set', 'eth0', 'up')
+        with contextlib.ExitStack() as made:  # nothing stays where only some can be made
+            for name in self.namespaces:
+                _ip('netns', 'add', name)
+                made.callback(_ip, 'netns', 'del', name)
+            _ip('-n', one, 'link', 'add', 'eth0', 'type', 'veth', 'peer', 'name', 'eth0', 'netns',
+                other)
+            for name, address in zip(self.namespaces, self.addresses):
+                _ip('-n', name, 'address', 'add', f'{address}/24', 'dev', 'eth0')
+                _ip('-n', name, 'link', 'set', 'lo', 'up')
+                _ip('-n', name, 'link', 'set', 'eth0', 'up')
+            self._made = made.pop_all()
         return self
 
     def __exit__(self, *_: object) -> None:
-        for name in self.namespaces:
-            _ip('netns', 'del', name)
+        self._made.close()
 
     @contextlib.contextmanager
     def pulled(self) -> Iterator[None]:
@@ -113,4 +111,4 @@ def inside(namespace: str, act: Callable[[], Result]) -> Result:
 
 
 def _ip(*words: str) -> None:
-    subprocess.run(['ip', *words], check=True)
+    subprocess.run(['ip', *words], check=True, stderr=subprocess.PIPE, text=True)

@@ -130,6 +130,16 @@ def test_what_waited_while_we_stood_still_is_late_and_what_comes_afterwards_is_n
     assert [line.late for line in heard(peer, now + 10.2, waited=0.1)] == [False]
 
 
+def test_what_is_read_after_a_standstill_between_the_wait_and_the_read_is_late(pair, monkeypatch):
+    peer, robot = pair
+    now = time.monotonic()
+    robot.sendall(lines(b'Location: 1 0 0'))
+    monkeypatch.setattr(connection.time, 'monotonic', lambda: now + 3.0)  # while it reads
+    assert [line.late for line in heard(peer, now)] == [True]
+    robot.sendall(lines(b'Location: 2 0 0'))
+    assert [line.late for line in heard(peer, now + 3.1)] == [False]
+
+
 def test_a_stream_that_never_pauses_is_new_again_soon_after_we_stood_still(pair):
     peer, robot = pair
     now = time.monotonic() + 10.0

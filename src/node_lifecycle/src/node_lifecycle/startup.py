@@ -2,16 +2,20 @@
 
 Under `respawn` a node that exits on a wrong configuration would come back for ever. So it stays: it
 logs once what is wrong, shows it as ERROR in /diagnostics, and waits for its restart. Every node
-is watched for threads that stand still, and registers anew with a ROS master that was restarted.
+waits for its ROS master, is watched for threads that stand still, and registers anew with a master
+that was restarted.
 """
 from __future__ import annotations
 
 import logging
 import os
 import signal
+import sys
 import threading
+import time
 from typing import Any, Callable, Tuple
 
+import rosgraph
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 
@@ -20,6 +24,7 @@ from node_lifecycle.master_watch import watch_master
 from node_lifecycle.parameters import ConfigurationError
 from node_lifecycle.watchdog import Watchdog
 
+MASTER_PERIOD = 0.3  # s between two looks for a ROS master
 END_WITHIN = 3.0  # s from SIGINT or SIGTERM to the end of the process, whatever rospy does
 
 
@@ -34,6 +39,7 @@ def run(name: str, start: Callable[[], Any],
     `start` belongs to are watched, and those of its `libraries`.
     """
     _end_on_signals()
+    _wait_for_master()
     try:
         rospy.init_node(name, disable_signals=True)
     except rospy.ROSInitException:
@@ -55,6 +61,18 @@ def run(name: str, start: Callable[[], Any],
         if hasattr(node, 'close'):
             rospy.on_shutdown(node.close)
     _wait_for_end(ending)
+
+
+def _wait_for_master() -> None:
+    """rospy gives up where it has parameters to set and the ROS master is not there yet."""
+    uri, told = rosgraph.get_master_uri(), False
+    while not rosgraph.is_master_online():
+        if rospy.is_shutdown():
+            os._exit(0)
+        if not told:
+            print(f'There is no ROS master at {uri} yet: waiting for it.', file=sys.stderr)
+            told = True
+        time.sleep(MASTER_PERIOD)
 
 
 def _wrong(reason: str) -> Task:

@@ -98,12 +98,13 @@ class Peer:
 
         Raises LinkError when the connection is over, or OSError.
         """
-        if now - self._looked > _STANDSTILL:
-            self._late, self._resumed = True, now
-        elif waited > _DRAINED or (waited > _WAITED and now - self._resumed > _FLUSHED):
-            self._late = False
-        self._looked = now
         data = self.connection.receive()
+        read = max(now, time.monotonic())  # it may have stood still between the two
+        if read - self._looked > _STANDSTILL:
+            self._late, self._resumed = True, read
+        elif waited > _DRAINED or (waited > _WAITED and read - self._resumed > _FLUSHED):
+            self._late = False
+        self._looked = read
         events = () if data is None else (
             self.session.read(data) if data else self.session.receive_eof())
         for event in events:
