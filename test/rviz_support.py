@@ -137,8 +137,11 @@ class RvizWindow:
         self._screen.mouse('mousemove', WIDTH // 2, 95)
         self._screen.mouse('key', 'i')
         interact = self._at_rest(TOOLBAR)
-        self._screen.mouse('key', key)
-        wait_until(lambda: self._part(TOOLBAR) != interact, PATIENCE, f'RViz takes tool {key}')
+
+        def taken() -> bool:  # a key that comes before the window has the keyboard is lost
+            self._screen.mouse('key', key)
+            return self._at_rest(TOOLBAR) != interact
+        wait_until(taken, PATIENCE, f'RViz takes tool {key}')
 
     def tool_at(self, x: int) -> None:
         """Choose the tool at `x` of the toolbar: of two of a kind a shortcut finds one only."""

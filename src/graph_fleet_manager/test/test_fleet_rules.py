@@ -46,8 +46,8 @@ def _who_waits_is_in_no_way(patch):
 def _who_has_arrived_is_in_no_way(patch):
     book = Timetable.book
 
-    def leaving(self, robot, kind, vertex, plan, between=None, until=float('inf')):
-        book(self, robot, kind, vertex, plan, between, plan[-1].end if plan else until)
+    def leaving(self, robot, kind, vertex, plan, between=None, until=float('inf'), held=0):
+        book(self, robot, kind, vertex, plan, between, plan[-1].end if plan else until, held)
     patch.setattr(Timetable, 'book', leaving)
 
 
