@@ -56,6 +56,31 @@ def test_nobody_slips_through_before_a_slow_robot_that_was_let_go_there(rounds):
     assert [c for c in outcome.precedence if c.then == 'a'] == []
 
 
+@pytest.mark.parametrize('seed', range(20))
+def test_whatever_was_released_plans_for_new_destinations_keep_it(seed):
+    """All that waits for nobody is released; then everybody is sent elsewhere."""
+    random = Random(seed)
+    graph, slow = ladder(8), RobotType('slow', 0.4, 0.2)
+    planner = _planner(graph, kinds=(AGV, slow))
+    at = dict(zip('abcd', random.sample(sorted(graph.vertices), 4)))
+    kinds = {'a': slow, 'b': slow, 'c': AGV, 'd': AGV}
+
+    def tasks(released):
+        return [Task(name, kinds[name], at[name], released.get(name, ()),
+                     destinations=(goal,), stays=True)
+                for name, goal in zip('abcd', random.sample(sorted(graph.vertices), 4))]
+
+    first = _plan(planner, *tasks({}))
+    free = {name: min((c.drive for c in first.precedence if c.then == name), default=len(plan))
+            for name, plan in first.drives.items()}
+    released = {name: tuple(_edges(first, name)[:free[name]]) for name in 'ab'}
+    then = _plan(planner, *tasks(released))
+    assert not then.unserved
+    for name, edges in released.items():
+        assert tuple(_edges(then, name)[:len(edges)]) == edges
+        assert all(c.drive >= len(edges) for c in then.precedence if c.then == name)
+
+
 def test_a_robot_between_two_vertices_may_go_either_way():
     planner = _planner(corridor(5))
     for goal, first, seconds in ((1, -2, 2.5), (5, 2, 5.5)):

@@ -196,13 +196,18 @@ def test_stop_all_works_without_a_planner_and_resume_goes_on():
     fleet.run_until_done(1)
 
 
-def test_a_robot_stopped_just_before_a_vertex_is_sent_over_the_rest_of_its_edge():
+def _stopped_between(least: float, most: float) -> SupervisedFleet:
+    """Robot `a` is driving to the end of a corridor when all are stopped, so far along an edge."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.request(1, 8)
-    agv = fleet.agvs['a']
-    while not 1.75 < agv.arc < 1.95:
-        fleet.step()
+    fleet.run_until(lambda: least < fleet.agvs['a'].arc < most)
     fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+    return fleet
+
+
+def test_a_robot_stopped_just_before_a_vertex_is_sent_over_the_rest_of_its_edge():
+    fleet = _stopped_between(1.75, 1.95)
+    agv = fleet.agvs['a']
     fleet.run(5.0)
     before = agv.edge
     fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
@@ -214,12 +219,8 @@ def test_a_robot_stopped_just_before_a_vertex_is_sent_over_the_rest_of_its_edge(
 
 @pytest.mark.parametrize('near, short', [(0.0001, 0.0005), (0.001, 0.01), (0.25, 0.1)])
 def test_a_robot_stricter_about_vertices_than_was_thought_is_asked_the_other_way(near, short):
-    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
-    fleet.request(1, 8)
+    fleet = _stopped_between(1.0, 1.5)
     agv = fleet.agvs['a']
-    while not 1.0 < agv.arc < 1.5:
-        fleet.step()
-    fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     fleet.run(1.0)
     agv.arc, agv.near = 2.0 - short, near
     fleet.run(5.0)
