@@ -42,6 +42,9 @@ def test_the_program_serves_logs_takes_faults_and_ends_cleanly(map_file: Path) -
             assert place['time'] > 0.0
             assert place['robots'] == {
                 'robot': {'x': -3.0, 'y': 1.5, 'heading': 0.0, 'driven': 0.0}}
+            faults.sendall(b'speed 20\nspeed nan\n')
+            assert answers.readline() == 'ok\n'
+            assert answers.readline() == "error: 'nan' is not a number from 0.1 to 20\n"
         assert client.until('EStop')[-1] == 'EStop pressed'
         program.send_signal(signal.SIGTERM)
         assert client.until('Shutting')[-1] == 'Shutting down server' and client.ended()

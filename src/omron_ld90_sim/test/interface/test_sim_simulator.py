@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import socket
+import time
 from contextlib import closing
 from pathlib import Path
 
@@ -44,6 +45,27 @@ def test_a_fleet_runs_in_one_process(map_file: Path) -> None:
         assert talks['a'].until('Motors')[-1] == 'Motors enabled'
         for talk in talks.values():
             talk.close()
+
+
+def test_the_clock_can_be_made_faster_and_slower(map_file: Path) -> None:
+    def passes(robot: Simulator, seconds: float) -> float:
+        """How much time passes for us until so much has passed for the robot."""
+        begin, until = time.monotonic(), robot.loop.clock.now + seconds
+        while robot.loop.clock.now < until:
+            time.sleep(0.001)
+        return time.monotonic() - begin
+
+    with Simulator(map_file, speed=0.1) as robot:
+        robot.set_speed(20.0)
+        before = robot.loop.clock.now
+        fast = passes(robot, 6.0)
+        robot.set_speed(1.0)
+        assert robot.loop.clock.now >= before + 6.0, 'its time does not go back'
+        slow = passes(robot, 0.6)
+        with pytest.raises(ValueError, match="'0' is not a number from 0.1 to 20"):
+            robot.set_speed(0)
+    assert fast < 6.0, 'much less than the minute that it would have taken'
+    assert slow > 0.5
 
 
 def test_a_simulation_that_ends_at_once_leaves_nothing_behind(map_file: Path) -> None:

@@ -9,7 +9,13 @@ from typing import Callable, List, Optional, Tuple, TypeVar
 
 from omron_ld90_sim.interface.faults import help_text, run_script
 from omron_ld90_sim.interface.fleet import RobotSpec, address, read_fleet
-from omron_ld90_sim.interface.numbers import number, percent, seconds, start_pose
+from omron_ld90_sim.interface.numbers import (
+    number,
+    percent,
+    seconds,
+    speed_factor,
+    start_pose,
+)
 from omron_ld90_sim.interface.recording import read_log
 from omron_ld90_sim.interface.simulator import ARRIVAL_ERROR, DEFAULT_LISTS, Replay, Simulator
 from omron_ld90_sim.interface.transport import PortTaken
@@ -99,7 +105,7 @@ def parser() -> argparse.ArgumentParser:
              '(0.5:Status and 0.5:RangeDeviceGetCurrent Laser_1)')
     add('--set', type=_setting, action='append', default=[], metavar='SECTION/PARAMETER=VALUE',
         help='configuration of the robot, e.g. "Docking/AutoDock=true"')
-    add('--speed', type=_argument(lambda text: number(text, 0.1, 20.0)), default=1.0,
+    add('--speed', type=_argument(speed_factor), default=1.0,
         help="factor on the robot's whole clock, 0.1 to 20")
     add('--start', type=_pose, metavar='X,Y,DEG',
         help='start pose in metres and degrees (the dock, RobotHome, a goal, or a free place)')

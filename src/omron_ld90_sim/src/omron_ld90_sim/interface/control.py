@@ -1,4 +1,4 @@
-"""The control socket of a running simulation: faults on demand, and where its robots truly are."""
+"""The control socket of a running simulation: faults, its speed, and where its robots truly are."""
 from __future__ import annotations
 
 import errno
@@ -7,17 +7,19 @@ import selectors
 import socket
 from typing import Callable, Mapping
 
+from omron_ld90_sim.interface.numbers import speed_factor
 from omron_ld90_sim.interface.transport import RECONNECT, Loop, PortTaken
 
 
 class ControlServer:
-    """A line protocol on loopback: each line is a fault, answered with `ok` or `error: <sentence>`,
-    or `where`, answered with one line of JSON."""
+    """A line protocol on loopback: each line is a fault or `speed FACTOR`, answered with `ok` or
+    `error: <sentence>`, or `where`, answered with one line of JSON."""
 
     MAX_LINE = 1000
 
     def __init__(self, loop: Loop, port: int, inject: Callable[[str], None],
                  where: Callable[[], Mapping[str, object]]) -> None:
+        """`inject` raises ValueError, with a sentence, for a line that is no fault."""
         self._loop, self._inject, self._where = loop, inject, where
         listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -73,7 +75,11 @@ class ControlServer:
         if words.lower() == 'where':
             return json.dumps(self._where()).encode() + b'\n'
         try:
-            self._inject(words)
+            name, _, factor = words.partition(' ')
+            if name.lower() == 'speed':
+                self._loop.set_speed(speed_factor(factor))
+            else:
+                self._inject(words)
         except ValueError as error:
             return f'error: {error}\n'.encode()
         return b'ok\n'

@@ -42,6 +42,11 @@ def percent(text: object) -> float:
     return number(text, 0.0, 100.0)
 
 
+def speed_factor(text: object) -> float:
+    """How many times as fast as ours the simulated clock runs."""
+    return number(text, 0.1, 20.0)
+
+
 def start_pose(x: object, y: object, theta: object) -> Tuple[float, float, float]:
     """Metres, metres, degrees in; mm, mm, degrees out."""
     limit = FARTHEST / 1000.0

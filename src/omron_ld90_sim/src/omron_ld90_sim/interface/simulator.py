@@ -24,6 +24,7 @@ from omron_ld90_sim.interface.configuration_table import (
 from omron_ld90_sim.interface.control import ControlServer
 from omron_ld90_sim.interface.faults import Faults, UnknownFault
 from omron_ld90_sim.interface.fleet import RobotSpec
+from omron_ld90_sim.interface.numbers import speed_factor
 from omron_ld90_sim.interface.outgoing import OutgoingLink
 from omron_ld90_sim.interface.recording import ReplayServer, SessionLog, Transfer
 from omron_ld90_sim.interface.server import ArclServer
@@ -148,15 +149,27 @@ class Simulator:
 
         Safe from any thread; raises UnknownFault.
         """
+        self._in_loop(lambda: self._inject_here(fault))
+
+    def set_speed(self, speed: float) -> None:
+        """The factor on the robots' clock, from now on; safe from any thread.
+
+        Raises ValueError when it is none from 0.1 to 20.
+        """
+        factor = speed_factor(speed)
+        self._in_loop(lambda: self.loop.set_speed(factor))
+
+    def _in_loop(self, function: Callable[[], None]) -> None:
+        """Has the simulation's thread do it, and waits until its effects are there."""
         if self._thread is None:
-            self._inject_here(fault)
+            function()
             return
         done = threading.Event()
         errors: List[UnknownFault] = []
 
         def call() -> None:
             try:
-                self._inject_here(fault)
+                function()
             except UnknownFault as error:
                 errors.append(error)
             self.loop.call(done.set)    # in the next round, when ports and connections follow

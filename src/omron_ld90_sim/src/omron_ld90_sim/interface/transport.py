@@ -77,23 +77,28 @@ class Loop:
     """Runs sockets and the clock."""
 
     def __init__(self, clock: Clock, speed: float) -> None:
-        self.clock, self.speed = clock, speed
-        self._cycle = min(INPUT_CYCLE * speed, LONGEST_INPUT_CYCLE)
+        self.clock = clock
+        self.set_speed(speed)
         self.selector = selectors.DefaultSelector()
         self._wake_read, self._wake_write = socket.socketpair()
         self._wake_read.setblocking(False)
         self.selector.register(self._wake_read, selectors.EVENT_READ, self._woken)
         self._calls: Deque[Callable[[], None]] = deque()
         self._stopped = False
-        self._start = time.monotonic()
         self.after_step: List[Callable[[], None]] = []
+
+    def set_speed(self, speed: float) -> None:
+        """How many times as fast as ours its clock runs from now on; not from another thread."""
+        self.speed = speed
+        self._cycle = min(INPUT_CYCLE * speed, LONGEST_INPUT_CYCLE)
+        self._start = time.monotonic() - self.clock.now / speed
 
     def _simulated_now(self) -> float:
         return (time.monotonic() - self._start) * self.speed
 
     def run(self) -> None:
         """Runs until `stop`."""
-        self._start = time.monotonic() - self.clock.now / self.speed
+        self.set_speed(self.speed)     # from now on
         while not self._stopped:
             due = self.clock.next_time
             timeout = None
