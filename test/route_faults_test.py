@@ -36,9 +36,10 @@ class Faults(unittest.TestCase):
             self.lab.robot.inject(fault)
         heard = len(self.lab.responses.messages)
         self.others.publish('enableMotors')
-        self.others.publish('goto 8')
-        self.lab.responses.wait_for(lambda line: line.data == 'Arrived at 8', 60,
-                                    'the robot back at 8', after=heard)
+        with self.lab.hurried():
+            self.others.publish('goto 8')
+            self.lab.responses.wait_for(lambda line: line.data == 'Arrived at 8', 60,
+                                        'the robot back at 8', after=heard)
         place = len(self.lab.status.messages)
         self.lab.status.wait_for(lambda status: not status.emergency_stop, 10,
                                  'a status without emergency stop', after=place)

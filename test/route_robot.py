@@ -3,7 +3,8 @@ from __future__ import annotations
 
 import io
 import os
-from typing import List, Sequence, Set
+from contextlib import contextmanager
+from typing import Iterator, List, Sequence, Set
 
 import rosnode
 import rospkg
@@ -73,6 +74,7 @@ class RouteRobot(FleetManager):
 
     def __init__(self, speed: float, status_period: float) -> None:
         """`status_period` is in seconds of the robot."""
+        self._speed = speed
         self.graph = load_graph(f'{MAPS}/lab_graph.yaml')
         self.robot = Simulator(
             f'{MAPS}/lab.map', port=int(os.environ['LD90_ARCL_PORT']), start=VERTEX_8, speed=speed,
@@ -82,6 +84,15 @@ class RouteRobot(FleetManager):
         self.robot.log_to(self._session)
         self.robot.start()
         super().__init__()
+
+    @contextmanager
+    def hurried(self) -> Iterator[None]:
+        """The robot's clock runs faster meanwhile: for drives and waits that prove nothing."""
+        self.robot.set_speed(4.0 * self._speed)
+        try:
+            yield
+        finally:
+            self.robot.set_speed(self._speed)
 
     def drives_heard(self) -> List[str]:
         """The commands to drive that the robot itself has received, in order."""
