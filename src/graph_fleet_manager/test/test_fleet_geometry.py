@@ -62,7 +62,7 @@ def _measured(seed) -> Measured:
 
 
 @given(st.integers(0, 2 ** 32 - 1))
-@settings(max_examples=40)
+@settings(max_examples=settings.default.max_examples * 2 // 5)
 def test_pieces_follow_their_curves_as_nearly_as_they_say(seed):
     graph, _, _, _, world, _ = _measured(seed)
     pieces = pieces_of(graph)
@@ -81,7 +81,7 @@ def test_pieces_follow_their_curves_as_nearly_as_they_say(seed):
 
 
 @given(st.integers(0, 2 ** 32 - 1))
-@settings(max_examples=40)
+@settings(max_examples=settings.default.max_examples * 2 // 5)
 def test_places_exclude_each_other_exactly_where_they_are_too_near(seed):
     _, distance, _, conflicts, _, shapes = _measured(seed)
     for one, shape in enumerate(shapes):

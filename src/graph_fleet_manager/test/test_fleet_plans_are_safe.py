@@ -19,7 +19,8 @@ LONG = os.environ.get('LD90_LONG_TESTS') == '1'
 
 
 @pytest.mark.parametrize('search', [find_way, layered(0.5)], ids=['safe_intervals', 'layers'])
-@settings(max_examples=2000 if LONG else 40, suppress_health_check=list(HealthCheck))
+@settings(max_examples=2000 if LONG else settings.default.max_examples * 2 // 5,
+          suppress_health_check=list(HealthCheck))
 @given(seed=st.integers(0, 2 ** 32 - 1))
 def test_a_plan_on_any_graph_is_safe_whatever_the_delays(search, seed):
     random = Random(seed)

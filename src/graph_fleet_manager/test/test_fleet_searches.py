@@ -115,7 +115,7 @@ def _tasks(starts, goals):
 
 @pytest.mark.parametrize('search', SEARCHES)
 @given(st.integers(0, 2 ** 32 - 1))
-@settings(max_examples=50)
+@settings(max_examples=settings.default.max_examples // 2)
 def test_one_robot_past_the_plan_of_another_takes_no_longer_than_it_must(search, seed):
     random = Random(seed)
     graph = _grid(random, 4, 3)
@@ -141,7 +141,7 @@ def test_one_robot_past_the_plan_of_another_takes_no_longer_than_it_must(search,
 
 
 @given(st.integers(0, 2 ** 32 - 1))
-@settings(max_examples=40)
+@settings(max_examples=settings.default.max_examples * 2 // 5)
 def test_the_whole_fleet_is_near_the_best_there_is(seed):
     random = Random(seed)
     graph = _grid(random, 3, 3)
@@ -177,7 +177,7 @@ def test_plans_of_small_fleets_are_mostly_the_best_there_are():
 
 
 @given(st.integers(0, 2 ** 32 - 1))
-@settings(max_examples=20)
+@settings(max_examples=settings.default.max_examples // 5)
 def test_fine_layers_and_safe_intervals_agree(seed):
     """On any graph: layers make a robot wait for the next one at each vertex, and no longer."""
     try:

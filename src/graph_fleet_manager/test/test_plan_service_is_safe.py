@@ -63,7 +63,8 @@ def running_fleet(seed):
         return assume(False)
 
 
-@settings(max_examples=1000 if LONG else 40, suppress_health_check=list(HealthCheck))
+@settings(max_examples=1000 if LONG else settings.default.max_examples * 2 // 5,
+          suppress_health_check=list(HealthCheck))
 @given(seed=st.integers(0, 2 ** 32 - 1))
 def test_every_answer_is_safe_and_drives_no_closed_edge(seed):
     random, fleet = running_fleet(seed)
@@ -85,7 +86,8 @@ def test_every_answer_is_safe_and_drives_no_closed_edge(seed):
         assert set(outcome.drives) == {task.name for task in fleet.tasks}
 
 
-@settings(max_examples=500 if LONG else 20, suppress_health_check=list(HealthCheck))
+@settings(max_examples=500 if LONG else settings.default.max_examples // 5,
+          suppress_health_check=list(HealthCheck))
 @given(seed=st.integers(0, 2 ** 32 - 1))
 def test_who_is_blocked_keeps_the_plan_that_it_owns(seed):
     _, fleet = running_fleet(seed)

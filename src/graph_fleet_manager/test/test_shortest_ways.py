@@ -6,7 +6,7 @@ from random import Random
 
 import networkx as nx
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from graph_fleet_manager.planning.shortest_ways import ShortestWays
@@ -21,7 +21,6 @@ def _expected(vertices, roads, target):
 
 
 @given(st.integers(0, 2 ** 32 - 1))
-@settings(max_examples=100)
 def test_all_ways_to_all_vertices_are_the_shortest(seed):
     """Trees with links across, some of them one-way or double, and parts without any link."""
     random = Random(seed)

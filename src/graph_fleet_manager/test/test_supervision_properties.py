@@ -259,9 +259,9 @@ def check_orders(sent: Sequence[SendRoute], shortened: bool) -> None:
 
 
 TestFleetLife = FleetLife.TestCase
-TestFleetLife.settings = settings(max_examples=300 if LONG else 25, stateful_step_count=25,
-                                  derandomize=not LONG,
-                                  deadline=None, suppress_health_check=list(HealthCheck))
+TestFleetLife.settings = settings(max_examples=300 if LONG else settings.default.max_examples // 4,
+                                  stateful_step_count=25, derandomize=not LONG, deadline=None,
+                                  suppress_health_check=list(HealthCheck))
 
 
 def swap(crash_at: int) -> SupervisedFleet:

@@ -17,7 +17,7 @@ from omron_arcl.dispatcher import Dispatcher
 from omron_arcl.parser import _TABLE
 from omron_arcl.session import Received, Session
 
-EXAMPLES = 10_000 if os.environ.get('LD90_LONG_TESTS') == '1' else 300
+EXAMPLES = 10_000 if os.environ.get('LD90_LONG_TESTS') == '1' else 3 * settings.default.max_examples
 NAMES = sorted(COMMANDS)
 DRIVES = sorted(name for name, spec in COMMANDS.items() if spec.drives)
 # A command may wait for others of its name, each of which may take so long (s).

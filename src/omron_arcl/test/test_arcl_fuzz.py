@@ -31,7 +31,7 @@ from omron_arcl.framing import LineBuffer, decode
 from omron_arcl.parser import _TABLE
 from omron_arcl.session import Closed, Session, State
 
-EXAMPLES = 5_000  # in a batch; hypothesis keeps all of a batch in memory
+EXAMPLES = 50 * settings.default.max_examples  # in a batch, all of it in memory
 BATCHES = 40 if os.environ.get('LD90_LONG_TESTS') == '1' else 1
 
 

@@ -78,7 +78,7 @@ EDITS = st.lists(st.tuples(st.sampled_from(['add', 'move', 'rename', 'remove']),
                            st.integers(0, 100)), max_size=8)
 
 
-@settings(max_examples=60)
+@settings(max_examples=settings.default.max_examples * 3 // 5)
 @given(files(), EDITS)
 def test_any_edits_keep_every_line_that_is_no_objects(data, edits):
     document = MapDocument.from_bytes(data)
@@ -128,7 +128,7 @@ def test_rows_are_the_same_numbers_however_they_are_spaced(rows):
     assert np.array_equal(points, np.array([row[:2] for row in rows]).reshape(-1, 2))
 
 
-@settings(max_examples=300)
+@settings(max_examples=3 * settings.default.max_examples)
 @given(st.text('0123456789-+. x\n', max_size=24))
 def test_rows_are_accepted_exactly_when_plain_python_would(text):
     """The bulk checks against the obvious reading, line by line."""

@@ -203,4 +203,5 @@ class ObedientAgv(RuleBasedStateMachine):
 
 
 TestObedientAgv = ObedientAgv.TestCase
-TestObedientAgv.settings = settings(stateful_step_count=30, max_examples=60, deadline=None)
+TestObedientAgv.settings = settings(stateful_step_count=30, deadline=None,
+                                    max_examples=settings.default.max_examples * 3 // 5)

@@ -98,7 +98,7 @@ class WildBench(Bench):
         super().order(route_id, *edges)
 
 
-@settings(max_examples=150)
+@settings(max_examples=settings.default.max_examples * 3 // 2)
 @given(st.sampled_from(sorted(STRATEGIES)), st.lists(HAPPENINGS, max_size=25))
 def test_no_happenings_confuse_the_follower(strategy, happenings):
     bench = WildBench(yard(), 1, strategy)
@@ -130,7 +130,6 @@ def check_change(before: RouteReport, after: RouteReport) -> None:
             assert (after.reason, after.states) == (before.reason, before.states)
 
 
-@settings(max_examples=100)
 @given(st.sampled_from(['vertex_by_vertex', 'direct', 'rolling']), st.lists(st.one_of(
     st.tuples(st.just('drive'), st.integers(1, 60)),
     st.tuples(st.just('restart'), st.sampled_from([0.0, 2.0, 8.0])),

@@ -175,7 +175,7 @@ def journeys(draw):
     return start, tuple(route)
 
 
-@settings(max_examples=60)
+@settings(max_examples=settings.default.max_examples * 3 // 5)
 @given(journeys(), st.sampled_from(ALL), st.sampled_from([0.1, 0.3, 0.5, 1.0]))
 def test_every_route_is_driven_in_order_and_told_truly(journey, strategy, period):
     start, route = journey

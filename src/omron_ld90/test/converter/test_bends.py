@@ -86,7 +86,7 @@ def test_a_thicket_of_tiny_edges_is_looked_at_in_time():
     assert bends_of(graph_of(vertices, ends), STRETCH)
 
 
-@settings(max_examples=60)
+@settings(max_examples=settings.default.max_examples * 3 // 5)
 @given(st.floats(30.0, 44.0), st.floats(0.3, 0.8), st.floats(20.0, 90.0))
 def test_a_robot_that_turns_on_a_corner_and_a_curve_keeps_its_body_on_the_floor(
         corner, radius, degrees):

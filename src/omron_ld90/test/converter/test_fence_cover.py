@@ -128,7 +128,8 @@ def tangle(seed: int) -> Graph:
 
 
 @BOTH_KINDS
-@settings(max_examples=500 if os.environ.get('LD90_LONG_TESTS') else 15)
+@settings(max_examples=500 if os.environ.get('LD90_LONG_TESTS')
+          else settings.default.max_examples * 3 // 20)
 @given(seed=st.integers(0, 10 ** 6))
 def test_whatever_the_graph_nothing_leaks_and_no_corridor_is_touched(kind, seed):
     graph = tangle(seed)
