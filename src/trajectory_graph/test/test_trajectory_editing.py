@@ -9,7 +9,8 @@ from graph_edits import EDIT_LISTS, edited
 from hypothesis import given
 
 from trajectory_graph import editing
-from trajectory_graph.editing import Draft, EditError, History
+from trajectory_graph.edit_history import History
+from trajectory_graph.editing import Draft, EditError
 from trajectory_graph.graph import CurveType, Edge, Graph, Vertex
 
 

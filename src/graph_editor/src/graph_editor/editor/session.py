@@ -12,7 +12,8 @@ from typing import Any, Callable, Dict, Iterable, Optional, Tuple
 from graph_editor.editor.actions import Action
 from graph_editor.editor.changes import CHANGES, facing_away
 from trajectory_graph import GraphError, editing
-from trajectory_graph.editing import Draft, EditError, History
+from trajectory_graph.edit_history import History
+from trajectory_graph.editing import Draft, EditError
 from trajectory_graph.yaml_editing import GraphFile
 
 ON_EDGE = 0.25  # m from an edge: a click there cuts it

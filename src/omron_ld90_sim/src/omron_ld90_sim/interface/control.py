@@ -7,8 +7,9 @@ import selectors
 import socket
 from typing import Callable, Mapping
 
+from omron_ld90_sim.interface.loop import Loop
 from omron_ld90_sim.interface.numbers import speed_factor
-from omron_ld90_sim.interface.transport import RECONNECT, Loop, PortTaken
+from omron_ld90_sim.interface.transport import RECONNECT, PortTaken
 
 
 class ControlServer:

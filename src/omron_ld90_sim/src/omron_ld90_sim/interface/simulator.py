@@ -24,11 +24,12 @@ from omron_ld90_sim.interface.configuration_table import (
 from omron_ld90_sim.interface.control import ControlServer
 from omron_ld90_sim.interface.faults import Faults, UnknownFault
 from omron_ld90_sim.interface.fleet import RobotSpec
+from omron_ld90_sim.interface.loop import Loop
 from omron_ld90_sim.interface.numbers import speed_factor
 from omron_ld90_sim.interface.outgoing import OutgoingLink
 from omron_ld90_sim.interface.recording import ReplayServer, SessionLog, Transfer
 from omron_ld90_sim.interface.server import ArclServer
-from omron_ld90_sim.interface.transport import Loop, TcpServer
+from omron_ld90_sim.interface.transport import TcpServer
 from omron_ld90_sim.motion.floor import Floor
 from omron_ld90_sim.motion.kinematics import Pose
 from omron_ld90_sim.motion.places import start_places
