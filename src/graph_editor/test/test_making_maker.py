@@ -3,18 +3,22 @@ from __future__ import annotations
 
 import math
 import os
+from typing import List
 
 import numpy as np
 import pytest
 from floor_plans import Plan, corner, corridor, floor_plans, two_rooms
 from hypothesis import HealthCheck, given, settings
 
+from graph_editor.checking.checker import Checker
+from graph_editor.checking.rules import CheckRules
 from graph_editor.making.coverage import Coverage
 from graph_editor.making.keeping_ids import with_ids_of
 from graph_editor.making.maker import make_graph
 from graph_editor.making.options import Halls, MakingOptions
 from graph_editor.site import Site
 from trajectory_graph import Graph
+from trajectory_graph.editing import Draft
 from trajectory_graph.yaml_file import dump_graph
 
 LONG = os.environ.get('LD90_LONG_TESTS') == '1'
@@ -40,6 +44,12 @@ def share_served(site: Site, graph: Graph, reach: float) -> float:
 def least_clearance(site: Site, graph: Graph) -> float:
     return min(float(site.floor.clearance_at(graph.curve(id).sample(0.02)).min())
                for id in graph.edges)
+
+
+def turns_without_room(site: Site, graph: Graph) -> List[str]:
+    """What check_graph says of places where robots must turn and cannot."""
+    findings = Checker(CheckRules(), site).all(Draft.of(graph))
+    return [str(finding) for finding in findings if 'must turn' in finding.text]
 
 
 def crookedness(graph: Graph) -> float:
@@ -93,6 +103,35 @@ def test_the_floor_that_only_a_narrow_door_leads_to_is_reached():
     assert least_clearance(site, graph) >= OPTIONS.robot_width / 2.0
 
 
+@pytest.mark.parametrize('things', [
+    ((1.6, 4.3), (2.3, 3.7), (3.4, 4.0)), ((2.5, 3.7), (3.8, 4.0), (2.2, 4.0)),
+    ((2.2, 4.7), (1.9, 4.2), (2.5, 3.5)), ((2.9, 4.1), (3.2, 3.8), (1.8, 3.3))])
+def test_among_things_lanes_bend_only_where_robots_have_room_to_turn(things):
+    site = Plan(5.6, 8.0, ((0.0, 4.0, 1.6, 4.1), (4.0, 4.0, 5.6, 4.1),
+                           *((x, y, x + 0.2, y + 0.2) for x, y in things)), (2.8, 1.2)).site()
+    graph = make_graph(site, OPTIONS).graph
+    assert turns_without_room(site, graph) == []
+    assert least_clearance(site, graph) > OPTIONS.robot_width / 2.0 + 0.015, 'as the robot plans'
+    assert share_served(site, graph, 3.0) > 0.95, 'the upper room is reached'
+
+
+def room_behind_a_corner(width: float) -> Plan:
+    """Two rooms, and between them a passage with a right angle."""
+    return Plan(9.0, 7.0 + width, (
+        (0.0, 3.0, 5.0, 4.0), (5.0 + width, 3.0, 9.0, 4.0 + width),
+        (3.0, 4.0 + width, 9.0, 7.0 + width)), (2.0, 1.5))
+
+
+def test_a_room_behind_a_corner_that_robots_cannot_turn_at_is_left_out_and_told():
+    tight = make_graph(room_behind_a_corner(0.7).site(), OPTIONS)
+    assert max(vertex.y for vertex in tight.graph.vertices.values()) < 3.0
+    note, = tight.notes
+    assert note.startswith('At 5.3') and 'm of lanes behind it' in note
+    wide = make_graph(room_behind_a_corner(1.0).site(), OPTIONS)
+    assert max(vertex.y for vertex in wide.graph.vertices.values()) > 5.0
+    assert wide.notes == ()
+
+
 def test_a_room_without_corners_to_go_to_is_one_vertex_or_a_few():
     graph = make_graph(Plan(2.5, 2.5, (), (1.2, 1.2)).site(), OPTIONS).graph
     assert 1 <= len(graph.vertices) <= 3
@@ -112,8 +151,9 @@ def test_a_hall_is_a_lattice_if_wanted():
 def test_any_floor_plan_gets_a_graph_that_robots_can_drive(plan):
     site = plan.site()
     graph = make_graph(site, OPTIONS).graph  # a Graph is valid and connected, or is none
+    assert turns_without_room(site, graph) == []
     if graph.edges:
-        assert least_clearance(site, graph) >= OPTIONS.robot_width / 2.0
+        assert least_clearance(site, graph) > OPTIONS.robot_width / 2.0 + 0.015
         assert min(graph.curve(id).length for id in graph.edges) > 0.05
         assert all(edge.velocity_forward > 0.0 and edge.velocity_backwards > 0.0
                    for edge in graph.edges.values())
