@@ -9,6 +9,7 @@ from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence
 
 from graph_fleet_manager.supervision.reports import Place, Report, place_of
 from graph_fleet_manager.supervision.track import Track
+from trajectory_graph import Graph, TrajectoryGraphError, check_route
 from trajectory_graph.route_protocol import RouteRefusal
 
 REPEAT = 1.0      # s after which an order that was not acknowledged is repeated
@@ -46,6 +47,10 @@ class Memory(NamedTuple):
     over: bool
     ended: Tuple[int, ...] = ()
     is_stopping: bool = False
+
+    def is_on(self, graph: Graph) -> bool:
+        """Does a graph, maybe another than when this was stored, have all of it?"""
+        return _is_on(graph, self.track) and (self.place is None or self.place.is_on(graph))
 
 
 @dataclass
@@ -194,7 +199,7 @@ class RouteClient:
             if report.route_id in self._ended:
                 if self.track.ahead and self.route_id in self._bases and not self.is_stopping:
                     self._order_all()  # it did not reach the robot
-            elif not self.track.ahead:
+            elif not self.track.ahead and _is_on(self.track.graph, report.edges):
                 self._adopt_other(report)
             # In any other case `take` finds that the robot was taken over, or lost its route.
         else:
@@ -305,3 +310,12 @@ class RouteClient:
             self.order = None
             if order.edges and self._is_shorter(order):
                 self.track.cut(order.base + len(order.edges))
+
+
+def _is_on(graph: Graph, edges: Sequence[int]) -> bool:
+    """Can a route over these edges be driven on this graph?"""
+    try:
+        check_route(graph, edges)
+    except TrajectoryGraphError:
+        return False
+    return True

@@ -72,15 +72,15 @@ class Supervisor:
     def _restore(self) -> None:
         for name, memory in self.journal.robots().items():
             robot = self.robots.get(name)
-            if robot is None or any(abs(edge) not in self.network.graph.edges
-                                    for edge in memory.client.track):
+            if robot is None:
                 continue
-            robot.client.restore(memory.client)
+            if memory.client.is_on(self.network.graph):
+                robot.client.restore(memory.client)
             if memory.outage is not None and memory.outage.needs_person:
                 robot.outage, robot.why = memory.outage, memory.why
             robot.is_halted = memory.is_halted
-        for mission in mission_progress.with_robot_gone(self.book, self.robots):
-            self.book.set(mission, MissionState.FAILED, 'its robot is no longer in the fleet')
+        for mission, why in mission_progress.no_longer_possible(self.book, self.acceptance):
+            self.book.set(mission, MissionState.FAILED, why)
 
     @property
     def network(self) -> RoadNetwork:
