@@ -5,7 +5,7 @@ import pytest
 from fleet_builders import AGV, corridor
 from supervised_fleet import SupervisedFleet
 
-from graph_fleet_manager.supervision.missions import MissionState
+from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.reports import Pose, Report
 from graph_fleet_manager.supervision.robots import RobotSettings
@@ -78,3 +78,37 @@ def test_a_route_that_the_graph_does_not_have_is_nobodys_but_the_robots(edges, s
     fleet.run_until_done(1)
     why = ['a cannot work: it drives a route that was not given to it here.']
     assert fleet.notes[:1] == (why if state is EdgeState.PROCESSING else [])
+
+
+@pytest.mark.parametrize('crash', [True, False])
+def test_a_cancelled_robot_is_not_sent_on_by_a_restart(crash):
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)},
+                            settings=RobotSettings(release_ahead=8.0))
+    fleet.request(1, 8)
+    fleet.run(3.0)
+    fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
+    orders, fleet._to_robots = fleet._to_robots, []
+    fleet.restart()
+    fleet._to_robots = orders if crash else []  # the order reached the robot, or it did not
+    fleet.run(20.0)
+    assert fleet.state(1) is MissionState.CANCELLED
+    assert fleet.agvs['a'].travelled < 6.1
+
+
+def test_a_pause_outlives_a_restart_while_the_robot_is_silent():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)},
+                            settings=RobotSettings(release_ahead=8.0))
+    fleet.request(1, 8)
+    fleet.run(2.0)
+    fleet.agvs['a'].emergency = True
+    fleet.run(2.0)
+    fleet.do(fleet.supervisor.command(1, Command.PAUSE, fleet.now))
+    fleet.run(1.0)
+    fleet.restart()
+    fleet.run(2.0)
+    fleet.agvs['a'].emergency = False
+    fleet.run(30.0)
+    assert fleet.state(1) is MissionState.PAUSED and fleet.agvs['a'].travelled < 4.1
+    fleet.do(fleet.supervisor.command(1, Command.RESUME, fleet.now))
+    fleet.run_until_done(1)
+    assert fleet.state(1) is MissionState.SUCCEEDED

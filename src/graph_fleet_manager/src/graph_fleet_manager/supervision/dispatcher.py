@@ -32,7 +32,6 @@ class Dispatcher:
         self._replan = True
         self._failed = False
         self._planned = -inf
-        self._shortening: Set[str] = set()
         self._renew: Set[str] = set()   # robots whose next edges are another mission's
 
     @property
@@ -79,17 +78,19 @@ class Dispatcher:
 
     def begin_mission(self, name: str) -> None:
         """A robot has another mission: its next edges go out under a new route id."""
-        self._shortening.discard(name)
+        self._robots[name].comes_to_rest = False
         self._renew.add(name)
         self._replan = True
 
     def bring_to_rest(self, name: str) -> None:
         """A robot's mission is cancelled or paused: it stops as soon as it can."""
-        self._shortening.add(name)
+        self._robots[name].comes_to_rest = True
+        self._outbox.robot_changed(name)
 
     def let_go_on(self, name: str) -> None:
         """Its mission goes on, before it has come to rest."""
-        self._shortening.discard(name)
+        self._robots[name].comes_to_rest = False
+        self._outbox.robot_changed(name)
 
     # -- what goes on -----------------------------------------------------------------------------
 
@@ -115,10 +116,11 @@ class Dispatcher:
                 self._outbox.put(SendRoute(name, *sending))
 
     def _shorten(self) -> None:
-        for name in list(self._shortening):
-            robot = self._robots[name]
-            if not robot.works or not robot.client.shorten(self._new_id):
-                self._shortening.discard(name)
+        for name, robot in self._robots.items():
+            if not robot.comes_to_rest or not robot.works:
+                continue
+            if not robot.client.shorten(self._new_id):
+                robot.comes_to_rest = False
                 self._replan = True
             self._outbox.robot_changed(name)
 
@@ -134,7 +136,7 @@ class Dispatcher:
         for name, own in plan.plans.items():
             robot = self._robots[name]
             self.waits_for[name] = ''
-            if not robot.works or name in self._shortening or not robot.client.is_ready:
+            if not robot.works or robot.comes_to_rest or not robot.client.is_ready:
                 continue
             until = goes_until(robot, errands[name], own, name in asked)
             given = released(name, plan, tracks, until, robot.settings.release_ahead,

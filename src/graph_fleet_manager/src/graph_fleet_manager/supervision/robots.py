@@ -57,6 +57,8 @@ class ManagedRobot:
     stamp: float = 0.0
     is_halted: bool = False
     """It was given an empty route, as all robots are by stop all."""
+    comes_to_rest: bool = False
+    """Its mission was cancelled or paused: it stops at the end of its edge."""
     passed: List[int] = field(default_factory=list)
     """Vertices passed that its mission was not told of yet."""
     driven: List[Driven] = field(default_factory=list)
@@ -231,7 +233,7 @@ class ManagedRobot:
         if place is None or not place.touches(graph, ahead[:1], self.type.play):
             self.fail(Outage.TAKEN_OVER, 'it was moved during an emergency stop')
             return False
-        self.client.try_again(new_id)
+        self.client.try_again(new_id, 1 if self.comes_to_rest else len(ahead))
         return True
 
     def begin_elsewhere(self) -> bool:

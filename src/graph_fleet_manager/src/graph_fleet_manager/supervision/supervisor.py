@@ -78,7 +78,7 @@ class Supervisor:
                 robot.client.restore(memory.client)
             if memory.outage is not None and memory.outage.needs_person:
                 robot.outage, robot.why = memory.outage, memory.why
-            robot.is_halted = memory.is_halted
+            robot.is_halted, robot.comes_to_rest = memory.is_halted, memory.comes_to_rest
         for mission, why in mission_progress.no_longer_possible(self.book, self.acceptance):
             self.book.set(mission, MissionState.FAILED, why)
 
@@ -122,7 +122,8 @@ class Supervisor:
             self.book.set(mission, MissionState.PAUSED)
         elif command is Command.RESUME and mission.state is MissionState.PAUSED:
             self.book.set(mission, MissionState.ACTIVE if name else MissionState.PENDING)
-            self.dispatcher.let_go_on(name)
+            if name:
+                self.dispatcher.let_go_on(name)
         elif command is Command.RELEASE and mission.dwell_until is not None:
             self.book.reach(mission)
         if name and command in (Command.CANCEL, Command.PAUSE):
