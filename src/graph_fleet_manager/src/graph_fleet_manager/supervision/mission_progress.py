@@ -68,7 +68,8 @@ def drop_out(book: MissionBook, robot: ManagedRobot) -> None:
     elif mission.reached or mission.dwell_until is not None:
         book.set(mission, MissionState.FAILED, reason)
     else:
-        book.set(mission, MissionState.PENDING, reason, robot='')
+        paused = mission.state is MissionState.PAUSED
+        book.set(mission, MissionState.PAUSED if paused else MissionState.PENDING, reason, '')
 
 
 def no_longer_possible(book: MissionBook, acceptance: Acceptance) -> Iterator[Tuple[Mission, str]]:
