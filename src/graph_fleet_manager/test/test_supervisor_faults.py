@@ -20,3 +20,15 @@ def test_a_paused_mission_whose_robot_drops_out_stays_paused():
     fleet.do(fleet.supervisor.command(1, Command.RESUME, fleet.now))
     fleet.run_until_done(1)
     assert fleet.state(1) is MissionState.SUCCEEDED and fleet.robot_of(1) == 'b'
+
+
+def test_what_is_refused_in_an_emergency_stop_does_not_count_against_the_robot():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    fleet.request(1, 8)
+    fleet.run(2.5)
+    fleet.agvs['a'].emergency = True
+    fleet.run(15.0)
+    fleet.agvs['a'].emergency = False
+    fleet.agvs['a'].refusing = 1
+    fleet.run_until_done(1)
+    assert fleet.state(1) is MissionState.SUCCEEDED

@@ -169,9 +169,10 @@ class ManagedRobot:
         if heard.passed:
             self._refusals = 0
         if heard.refused:
-            self._refusals += 1
             self._has_refused = True
-            if outage_of(heard.refused) is Outage.STOPPED:
+            stopped = outage_of(heard.refused) is Outage.STOPPED
+            self._refusals += not stopped
+            if stopped:
                 self.fail(Outage.STOPPED, heard.refused)
                 self.client.keep_after_refusal()
             elif self._refusals >= REFUSALS:
