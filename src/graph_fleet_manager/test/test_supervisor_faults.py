@@ -1,10 +1,17 @@
 """Robots that drop out, stand elsewhere than was thought, or come back: who moves then, and how."""
 from __future__ import annotations
 
-from fleet_builders import AGV, corridor
+from fleet_builders import AGV, corridor, graph_of
 from supervised_fleet import SupervisedFleet
 
 from graph_fleet_manager.supervision.missions import Command, MissionState
+from graph_fleet_manager.supervision.robots import RobotSettings
+
+
+def carry(agv, edge, arc):
+    """Somebody carries a robot to a place on an edge, where it stands without a route."""
+    agv.forget()
+    agv.edge, agv.arc = edge, arc
 
 
 def test_a_paused_mission_whose_robot_drops_out_stays_paused():
@@ -32,3 +39,52 @@ def test_what_is_refused_in_an_emergency_stop_does_not_count_against_the_robot()
     fleet.agvs['a'].refusing = 1
     fleet.run_until_done(1)
     assert fleet.state(1) is MissionState.SUCCEEDED
+
+
+def test_nobody_is_sent_to_where_a_robot_was_carried():
+    """From 2 on the upper side is shorter, until `b` is put down on that."""
+    graph = graph_of({1: (0, 0), 2: (4, 0), 3: (8, 0), 4: (12, 0), 5: (16, 0), 6: (4, -6),
+                      7: (16, -6), 8: (24, 0), 9: (30, 0)},
+                     {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (4, 5), 5: (2, 6), 6: (6, 7), 7: (7, 5),
+                      8: (5, 8), 9: (8, 9)})
+    fleet = SupervisedFleet(graph, {'a': (AGV, 1), 'b': (AGV, 9)})
+    fleet.step()
+    fleet.do(fleet.supervisor.take_out('b', fleet.now))
+    fleet.run(1.0)
+    fleet.request(1, 5, robot='a')
+    fleet.run(1.0)
+    carry(fleet.agvs['b'], 3, 2.0)
+    fleet.run_until_done(1)
+    assert fleet.agvs['a'].visited[-3:] == [6, 7, 5], 'it must go round'
+
+
+def test_nobody_is_sent_to_where_a_robot_comes_back_into_service_without_a_planner():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)})
+    fleet.step()
+    fleet.do(fleet.supervisor.take_out('b', fleet.now))
+    fleet.run(1.0)
+    fleet.request(1, 6, robot='a')
+    fleet.run(1.0)
+    fleet.planning = 1e9
+    carry(fleet.agvs['b'], 4, 1.0)
+    fleet.run(3.0)
+    problem, actions = fleet.supervisor.bring_in('b', fleet.now)
+    fleet.do(actions)
+    assert not problem
+    fleet.run(30.0)
+    fleet.planning = 0.1
+    fleet.run_until_done(1)
+
+
+def test_a_lost_link_gives_nothing_to_others_when_it_is_back_before_a_new_plan():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 3), 'b': (AGV, 1)},
+                            settings=RobotSettings(release_ahead=4.0))
+    fleet.step()
+    fleet.request(1, 8, robot='a')
+    fleet.request(2, 6, robot='b')
+    fleet.run(2.5)
+    fleet.planning = 1e9
+    fleet.agvs['a'].fail('lost link: commands')
+    fleet.run(20.0)
+    fleet.planning = 0.1
+    fleet.run_until_done(1)

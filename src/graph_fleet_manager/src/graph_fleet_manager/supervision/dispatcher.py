@@ -5,9 +5,16 @@ from math import inf
 from typing import Dict, Mapping, Optional, Set, Tuple
 
 from graph_fleet_manager.planning.road_network import RoadNetwork
-from graph_fleet_manager.planning.tasks import Outcome
+from graph_fleet_manager.planning.tasks import Obstacle, Outcome
 from graph_fleet_manager.supervision.actions import AskPlanner, SendRoute
-from graph_fleet_manager.supervision.errands import Duty, Errand, Snapshot, goes_until, snapshot
+from graph_fleet_manager.supervision.errands import (
+    Duty,
+    Errand,
+    Snapshot,
+    goes_until,
+    have_moved,
+    snapshot,
+)
 from graph_fleet_manager.supervision.outbox import Outbox
 from graph_fleet_manager.supervision.plan_in_force import PlanInForce
 from graph_fleet_manager.supervision.release import released
@@ -30,6 +37,8 @@ class Dispatcher:
         self._asked: Optional[Tuple[int, float, Snapshot]] = None
         self._number = 0
         self._replan = True
+        self._displaced = False         # somebody stands where no plan in force has it
+        self._obstacles: Tuple[Obstacle, ...] = ()  # of the last question
         self._failed = False
         self._planned = -inf
         self._renew: Set[str] = set()   # robots whose next edges are another mission's
@@ -50,7 +59,7 @@ class Dispatcher:
         if self.plan is not None:
             self.plan.drop(name)
         self._outbox.robot_changed(name)
-        self._replan = True
+        self._replan = self._displaced = True
 
     def plan_made(self, number: int, outcome: Outcome) -> bool:
         """Takes the planner's answer; tells whether it was waited for.
@@ -63,6 +72,7 @@ class Dispatcher:
         self._asked = None
         if question.fits(self._robots):
             self.plan = question.plan(outcome, asked_at)
+            self._displaced = False
         else:
             self._replan = True
         return True
@@ -105,7 +115,10 @@ class Dispatcher:
         """Shortens and releases routes, and asks for another plan where one is wanted."""
         self._shorten()
         if self._asked is None:
-            self._release(errands, network)
+            if now - self._planned >= AGAIN and have_moved(self._robots, self._obstacles):
+                self._replan = self._displaced = True
+            if not self._displaced:
+                self._release(errands, network)
             self._ask(errands, network, now)
 
     def send(self, now: float) -> None:
@@ -153,6 +166,7 @@ class Dispatcher:
         if not self._replan and not (again and now - self._planned >= AGAIN):
             return
         question = snapshot(self._robots, errands, self.plan, now)
+        self._obstacles = question.obstacles
         self._replan = self._failed = False
         self._planned = now
         if not question.tasks:

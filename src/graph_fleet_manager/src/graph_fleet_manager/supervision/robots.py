@@ -237,26 +237,22 @@ class ManagedRobot:
         self.client.try_again(new_id, 1 if self.comes_to_rest else len(ahead))
         return True
 
-    def begin_elsewhere(self) -> bool:
+    def begin_elsewhere(self) -> None:
         """After a refusal: what stands near a vertex begins there, or else on the edge it is on.
 
-        How near is near, every robot decides by itself. Tells whether it counts as standing at the
-        other of the two now.
+        How near is near, every robot decides by itself.
         """
         track, client = self.track, self.client
         if not self._has_refused or not client.is_ready or client.order is not None:
-            return False
+            return
         self._has_refused = False
         if not self.works or not track.is_standing or track.place is None:
-            return False
+            return
         vertex = place_of(track.pose, track.graph)
-        if vertex is None or vertex.vertex is None:
-            return False
-        if track.pose.fraction in (0.0, 1.0):
-            return False
+        if vertex is None or vertex.vertex is None or track.pose.fraction in (0.0, 1.0):
+            return
         client.settle(vertex if track.place.vertex is None else Place(
             edge=track.pose.edge, fraction=track.pose.fraction))
-        return True
 
     def go_on_after_stop(self, now: float) -> bool:
         """After stop all, once it has obeyed: it stands where it is; tells whether that is so."""

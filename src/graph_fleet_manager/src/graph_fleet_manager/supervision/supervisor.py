@@ -147,9 +147,10 @@ class Supervisor:
             self._out.note_state(name, f'A report of {name} is ignored: {wrong}.', '')
             return self._out.take()
         self._out.note_state(name, '', f'The reports of {name} make sense again.')
-        before = robot.progress
+        before, begun = robot.progress, robot.track.begun
         robot.hear(report, now)
-        if robot.begin_elsewhere():
+        robot.begin_elsewhere()
+        if robot.track.begun != begun:
             self.dispatcher.forget_plan_of(name)
         self.roads.learn(robot, now)
         if before != robot.progress:
