@@ -4,6 +4,7 @@ from __future__ import annotations
 from fleet_builders import AGV, corridor, graph_of
 from supervised_fleet import SupervisedFleet
 
+from graph_fleet_manager.supervision.fleet_view import robot_views
 from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.robots import RobotSettings
 
@@ -87,4 +88,39 @@ def test_a_lost_link_gives_nothing_to_others_when_it_is_back_before_a_new_plan()
     fleet.agvs['a'].fail('lost link: commands')
     fleet.run(20.0)
     fleet.planning = 0.1
+    fleet.run_until_done(1)
+
+
+def test_a_planner_that_does_not_answer_is_told_of_where_robots_wait():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)}, planning=1e9)
+    fleet.request(1, 8)
+    fleet.run(25.0)
+    view, = robot_views(fleet.supervisor, fleet.now)
+    assert view.waits_for == 'a plan: the planner does not answer'
+    fleet.planning = 0.1
+    fleet.run_until_done(1)
+    assert fleet.supervisor.dispatcher.trouble == ''
+
+
+def test_a_mission_for_a_stopped_fleet_says_what_it_waits_for():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    fleet.run(1.0)
+    fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+    fleet.request(1, 8)
+    fleet.run(1.0)
+    assert fleet.statuses[-1].reason == 'the fleet is stopped'
+    fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
+    fleet.run(5.0)
+    assert (fleet.state(1), fleet.statuses[-1].reason) == (MissionState.ACTIVE, '')
+
+
+def test_a_command_that_changes_nothing_says_so():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    fleet.request(1, 8)
+    fleet.run(1.0)
+    for command, note in ((Command.RELEASE, 'Mission 1 is not staying anywhere: nothing to '
+                                            'release.'),
+                          (Command.RESUME, 'Mission 1 is not paused.')):
+        fleet.do(fleet.supervisor.command(1, command, fleet.now))
+        assert fleet.notes[-1] == note
     fleet.run_until_done(1)

@@ -22,6 +22,7 @@ from graph_fleet_manager.supervision.robots import ManagedRobot
 
 PLANNER_PATIENCE = 10.0  # s after which an answer of the planner is no longer waited for
 AGAIN = 2.0              # s between two plans while somebody has none that serves it
+_PLANNING = '/planning'  # what is told of it; no robot has such a name
 
 
 class Dispatcher:
@@ -31,6 +32,8 @@ class Dispatcher:
         self.plan: Optional[PlanInForce] = None
         self.waits_for: Dict[str, str] = {}
         """What holds up each robot, in words; empty: nothing."""
+        self.trouble = ''
+        """Why there is no new plan though one was asked for, in words; empty: there is."""
         self._robots = robots
         self._outbox = outbox
         self._new_id = outbox.journal.next_route_id
@@ -70,6 +73,7 @@ class Dispatcher:
             return False
         _, asked_at, question = self._asked
         self._asked = None
+        self._tell('')
         if question.fits(self._robots):
             self.plan = question.plan(outcome, asked_at)
             self._displaced = False
@@ -82,7 +86,7 @@ class Dispatcher:
         if self._asked is not None and self._asked[0] == number:
             self._asked = None
             self._failed = True
-            self._outbox.note(f'The planner gave no plan: {reason}.', True)
+            self._tell(f'the planner gave none: {reason}')
 
     # -- robots whose mission changed -------------------------------------------------------------
 
@@ -107,9 +111,14 @@ class Dispatcher:
     def give_up_waiting(self, now: float) -> None:
         """A planner that does not answer is asked again."""
         if self._asked is not None and now - self._asked[1] > PLANNER_PATIENCE:
-            self._outbox.note('The planner does not answer; it is asked again.', True)
             self._asked = None
             self._replan = True
+            self._tell('the planner does not answer')
+
+    def _tell(self, trouble: str) -> None:
+        self.trouble = trouble
+        self._outbox.note_state(_PLANNING, trouble and f'There is no plan: {trouble}. It is asked '
+                                'again and again.', 'The planner answers again.')
 
     def go_on(self, errands: Mapping[str, Errand], network: RoadNetwork, now: float) -> None:
         """Shortens and releases routes, and asks for another plan where one is wanted."""
@@ -170,6 +179,7 @@ class Dispatcher:
         self._replan = self._failed = False
         self._planned = now
         if not question.tasks:
+            self.trouble = ''
             return
         self._number += 1
         self._asked = (self._number, now, question)

@@ -116,15 +116,19 @@ class Supervisor:
             self._out.note(f'There is no open mission {request_id} for {command.name}.', True)
             return self._out.take()
         name = mission.robot
-        if command is Command.CANCEL:
+        if command is Command.RESUME and mission.state is not MissionState.PAUSED:
+            self._out.note(f'Mission {request_id} is not paused.')
+        elif command is Command.RELEASE and mission.dwell_until is None:
+            self._out.note(f'Mission {request_id} is not staying anywhere: nothing to release.')
+        elif command is Command.CANCEL:
             self.book.set(mission, MissionState.CANCELLED, 'cancelled on request')
         elif command is Command.PAUSE:
             self.book.set(mission, MissionState.PAUSED)
-        elif command is Command.RESUME and mission.state is MissionState.PAUSED:
+        elif command is Command.RESUME:
             self.book.set(mission, MissionState.ACTIVE if name else MissionState.PENDING)
             if name:
                 self.dispatcher.let_go_on(name)
-        elif command is Command.RELEASE and mission.dwell_until is not None:
+        elif command is Command.RELEASE:
             self.book.reach(mission)
         if name and command in (Command.CANCEL, Command.PAUSE):
             self.dispatcher.bring_to_rest(name)
@@ -272,6 +276,8 @@ class Supervisor:
         if self._is_starting:
             self._is_starting = (not all(r.is_seen for r in self.robots.values())
                                  and now - self._began < SILENCE)
+        if self.is_stopped:
+            self._waiting.hold('the fleet is stopped')
         if self._is_starting or self.is_stopped:
             return
         self.dispatcher.give_up_waiting(now)

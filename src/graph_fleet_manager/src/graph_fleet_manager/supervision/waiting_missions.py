@@ -23,6 +23,13 @@ class WaitingMissions:
         self._charging = charging
         self._looked: Tuple[object, float] = ((), -inf)
 
+    def hold(self, reason: str) -> None:
+        """None is given to anybody now, and why."""
+        self._looked = (), -inf
+        for mission in self._book.open:
+            if mission.state is MissionState.PENDING:
+                self._book.set(mission, MissionState.PENDING, reason)
+
     def assign(self, acceptance: Acceptance, roads: Roads, now: float) -> List[str]:
         """The robots that got a mission now."""
         pending = [m for m in self._book.open if m.state is MissionState.PENDING]
