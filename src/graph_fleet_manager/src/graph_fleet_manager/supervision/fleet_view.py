@@ -100,7 +100,7 @@ def _waits_for(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now:
     if mission is not None and mission.state is MissionState.PAUSED:
         return 'its mission is paused'
     if robot.name in supervisor.charging.waiting:
-        return 'a free dock'
+        return supervisor.charging.waiting[robot.name]
     if errand.duty is Duty.IDLE:
         return ''
     if mission is not None and mission.dwell_until is not None:

@@ -48,6 +48,7 @@ class RobotMemory(NamedTuple):
     why: str
     is_halted: bool
     comes_to_rest: bool = False
+    dock: Optional[int] = None
 
 
 class HistoryLine(NamedTuple):
@@ -206,7 +207,8 @@ def _memory_text(memory: RobotMemory) -> str:
         'stopping': client.is_stopping, 'shortened': client.shortened,
         'place': None if client.place is None else astuple(client.place),
         'outage': None if memory.outage is None else memory.outage.name, 'why': memory.why,
-        'halted': memory.is_halted, 'resting': memory.comes_to_rest})
+        'halted': memory.is_halted, 'resting': memory.comes_to_rest,
+        'dock': memory.dock})
 
 
 def _memory(text: str) -> RobotMemory:
@@ -218,4 +220,4 @@ def _memory(text: str) -> RobotMemory:
                     stored.get('shortened'))
     outage = stored['outage']
     return RobotMemory(client, None if outage is None else Outage[outage], stored['why'],
-                       stored['halted'], stored.get('resting', False))
+                       stored['halted'], stored.get('resting', False), stored.get('dock'))

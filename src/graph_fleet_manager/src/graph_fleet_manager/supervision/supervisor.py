@@ -59,11 +59,11 @@ class Supervisor:
                 RouteClient(Track(graph, robot.type.speed, own.slack)))
         self.roads = Roads(graph, fleet, rate)
         self.is_stopped = bool(journal.value(_STOPPED))
-        self.charging = ChargeQueue()
+        self.charging = ChargeQueue(self.robots)
         self.book = MissionBook(journal.missions(), journal.last_serial() + 1)
         self._began = now
         self._is_starting = True
-        self._waiting = WaitingMissions(self.book, self.robots, self.charging)
+        self._waiting = WaitingMissions(self.book, self.robots)
         self._outages: Dict[str, Optional[Outage]] = {}
         self._out = Outbox(journal, self.book, self.robots)
         self.dispatcher = Dispatcher(self.robots, self._out)
@@ -79,6 +79,7 @@ class Supervisor:
             if memory.outage is not None and memory.outage.needs_person:
                 robot.outage, robot.why = memory.outage, memory.why
             robot.is_halted, robot.comes_to_rest = memory.is_halted, memory.comes_to_rest
+            robot.dock = memory.dock
         for mission, why in mission_progress.no_longer_possible(self.book, self.acceptance):
             self.book.set(mission, MissionState.FAILED, why)
 
@@ -260,8 +261,8 @@ class Supervisor:
     def errands(self) -> Dict[str, Errand]:
         """What every robot is about."""
         missions = {m.robot: m for m in self.book.open if m.robot}
-        return {name: errand_of(missions.get(name), self.charging.granted.get(name))
-                for name in self.robots}
+        return {name: errand_of(missions.get(name), robot.dock)
+                for name, robot in self.robots.items()}
 
     def _go_on(self, now: float) -> None:
         for robot in self.robots.values():
@@ -282,7 +283,8 @@ class Supervisor:
             return
         self.dispatcher.give_up_waiting(now)
         busy = {m.robot for m in self.book.open if m.robot}
-        if self.charging.update(self.robots, busy, self.network):
+        for name in self.charging.update(busy, self._waiting.short, self.network):
+            self._out.robot_changed(name)
             self.dispatcher.replan()
         for name in self._waiting.assign(self.acceptance, self.roads, now):
             self.dispatcher.begin_mission(name)
