@@ -14,7 +14,8 @@ from graph_fleet_manager.supervision.reports import Place
 from graph_fleet_manager.supervision.roads import Roads
 from graph_fleet_manager.supervision.robots import ManagedRobot
 
-_NEVER = 1e9  # s: as good as never; linear_sum_assignment wants finite costs
+_NEVER = 1e15   # s: as good as never; linear_sum_assignment wants finite costs
+_LATER = 1e7    # s: more than all ways together; who is older goes first, whatever its way
 
 
 class Assigned(NamedTuple):
@@ -41,8 +42,8 @@ def assign(missions: Sequence[Mission], free: Mapping[str, ManagedRobot],
            roads: Roads) -> Assignment:
     """Assigns missions to `free` robots; those of higher priority first, then the oldest.
 
-    Among robots that may serve several missions of one priority the sum of the times to their
-    first destinations is least. What a battery is good for is reckoned by nominal times.
+    Of all that those missions may be shared out, the sum of the times to the first destinations is
+    least. What a battery is good for is reckoned by nominal times.
     """
     free = dict(free)
     assigned: List[Assigned] = []
@@ -82,7 +83,8 @@ def _match(missions: Sequence[Mission], free: Mapping[str, ManagedRobot], accept
         for name in acceptance.robots_for(mission.request):
             if name in free and can_end(mission, free[name], roads.nominal):
                 time = time_to(mission.request.destinations[0], free[name], roads.network)
-                costs[row, names.index(name)] = min(time, _NEVER)
+                if time < inf:
+                    costs[row, names.index(name)] = time + row * _LATER
     rows, columns = linear_sum_assignment(costs)
     for row, column in zip(rows.tolist(), columns.tolist()):
         if costs[row, column] < _NEVER:
