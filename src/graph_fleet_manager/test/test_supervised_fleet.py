@@ -68,6 +68,17 @@ def test_priority_goes_first_and_a_direct_mission_waits_for_its_robot():
     assert ends == [1, 3, 2]
 
 
+def test_the_oldest_mission_goes_first_though_a_younger_one_is_nearer():
+    fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
+    fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+    fleet.request(1, 6)
+    fleet.request(2, 2, robot='a')
+    fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
+    fleet.run_until_done(1, 2)
+    ends = [s.request_id for s in fleet.statuses if s.state is MissionState.SUCCEEDED]
+    assert ends == [1, 2]
+
+
 def test_a_dwell_holds_the_robot_and_release_ends_one_without_end():
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
     fleet.request(1, 3, 5, dwells=(4.0, -1.0))

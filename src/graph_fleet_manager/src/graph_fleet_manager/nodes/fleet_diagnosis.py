@@ -11,18 +11,26 @@ from graph_fleet_manager.supervision.fleet_view import RobotState, robot_views
 from graph_fleet_manager.supervision.missions import MissionState
 from graph_fleet_manager.supervision.supervisor import Supervisor
 
+_NAMED = 20  # missions of which the reason is told
+
 
 def report_fleet(supervisor: Optional[Supervisor], status: DiagnosticStatusWrapper) -> None:
-    """Every robot's state; WARN when one cannot work."""
+    """Every robot's state; WARN when one cannot work or finds no way, or there is no plan."""
     if supervisor is None:
         status.summary(DiagnosticStatus.WARN, 'waiting for /graph')
         return
     views = robot_views(supervisor, time.monotonic())
     out = [view for view in views if view.state >= RobotState.OFFLINE]
+    plan, trouble = supervisor.dispatcher.plan, supervisor.dispatcher.trouble
+    stuck = [view.name for view in views if plan is not None and view.name in plan.unserved]
     if supervisor.is_stopped:
         status.summary(DiagnosticStatus.WARN, 'the fleet is stopped')
+    elif trouble:
+        status.summary(DiagnosticStatus.WARN, f'there is no plan: {trouble}')
     elif out:
         status.summary(DiagnosticStatus.WARN, f'{len(out)} of {len(views)} robots cannot work')
+    elif stuck:
+        status.summary(DiagnosticStatus.WARN, f'no way for now for {", ".join(stuck)}')
     else:
         status.summary(DiagnosticStatus.OK, f'{len(views)} robots')
     for view in views:
@@ -31,8 +39,11 @@ def report_fleet(supervisor: Optional[Supervisor], status: DiagnosticStatusWrapp
 
 
 def report_missions(supervisor: Optional[Supervisor], status: DiagnosticStatusWrapper) -> None:
-    """How many missions are open, and in which state."""
-    states = [] if supervisor is None else [s.state for s in supervisor.open_statuses()]
+    """How many missions are open, in which state, and what the oldest ones wait for."""
+    missions = [] if supervisor is None else supervisor.open_statuses()
+    states = [mission.state for mission in missions]
     status.summary(DiagnosticStatus.OK, f'{len(states)} open missions')
     for state in (MissionState.PENDING, MissionState.ACTIVE, MissionState.PAUSED):
         status.add(state.name, str(states.count(state)))
+    for mission in [m for m in missions if m.reason][:_NAMED]:
+        status.add(f'mission {mission.request_id}', f'{mission.state.name}: {mission.reason}')

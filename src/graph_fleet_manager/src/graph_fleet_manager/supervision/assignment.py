@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf
-from typing import Dict, List, Mapping, NamedTuple, Sequence, Tuple
+from typing import Dict, FrozenSet, List, Mapping, NamedTuple, Sequence, Set, Tuple
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -14,7 +14,8 @@ from graph_fleet_manager.supervision.reports import Place
 from graph_fleet_manager.supervision.roads import Roads
 from graph_fleet_manager.supervision.robots import ManagedRobot
 
-_NEVER = 1e9  # s: as good as never; linear_sum_assignment wants finite costs
+_NEVER = 1e15   # s: as good as never; linear_sum_assignment wants finite costs
+_LATER = 1e7    # s: more than all ways together; who is older goes first, whatever its way
 
 
 class Assigned(NamedTuple):
@@ -26,10 +27,14 @@ class Assigned(NamedTuple):
 
 @dataclass(frozen=True)
 class Assignment:
-    """Who gets what now, and for the missions that nobody gets, why, in words."""
+    """Who gets what now, and for the missions that nobody gets, why, in words.
+
+    short -- robots that a mission waits for until they are charged
+    """
 
     assigned: Tuple[Assigned, ...]
     waiting: Mapping[int, str]
+    short: FrozenSet[str]
 
 
 def assign(missions: Sequence[Mission], free: Mapping[str, ManagedRobot],
@@ -37,21 +42,23 @@ def assign(missions: Sequence[Mission], free: Mapping[str, ManagedRobot],
            roads: Roads) -> Assignment:
     """Assigns missions to `free` robots; those of higher priority first, then the oldest.
 
-    Among robots that may serve several missions of one priority the sum of the times to their
-    first destinations is least. What a battery is good for is reckoned by nominal times.
+    Of all that those missions may be shared out, the sum of the times to the first destinations is
+    least. What a battery is good for is reckoned by nominal times.
     """
     free = dict(free)
     assigned: List[Assigned] = []
     waiting: Dict[int, str] = {}
+    short: Set[str] = set()
     order = sorted(missions, key=lambda m: (-m.request.priority, m.serial))
     while order:
         group = [m for m in order if m.request.priority == order[0].request.priority]
         order = order[len(group):]
         able: List[Mission] = []
         for mission in group:
-            reason = _why_nobody(mission, free, robots, acceptance, roads.nominal)
+            reason, empty = _why_nobody(mission, free, robots, acceptance, roads.nominal)
             if reason:
                 waiting[mission.serial] = reason
+                short |= empty
             else:
                 able.append(mission)
         for mission, name in _match(able, free, acceptance, roads):
@@ -60,7 +67,7 @@ def assign(missions: Sequence[Mission], free: Mapping[str, ManagedRobot],
         taken = {mission.serial for mission, _ in assigned}
         waiting.update((mission.serial, 'it waits for a robot to be free') for mission in able
                        if mission.serial not in taken)
-    return Assignment(tuple(assigned), waiting)
+    return Assignment(tuple(assigned), waiting, frozenset(short))
 
 
 def _match(missions: Sequence[Mission], free: Mapping[str, ManagedRobot], acceptance: Acceptance,
@@ -76,7 +83,8 @@ def _match(missions: Sequence[Mission], free: Mapping[str, ManagedRobot], accept
         for name in acceptance.robots_for(mission.request):
             if name in free and can_end(mission, free[name], roads.nominal):
                 time = time_to(mission.request.destinations[0], free[name], roads.network)
-                costs[row, names.index(name)] = min(time, _NEVER)
+                if time < inf:
+                    costs[row, names.index(name)] = time + row * _LATER
     rows, columns = linear_sum_assignment(costs)
     for row, column in zip(rows.tolist(), columns.tolist()):
         if costs[row, column] < _NEVER:
@@ -91,24 +99,27 @@ def _all_alike(missions: Sequence[Mission]) -> bool:
 
 def _why_nobody(mission: Mission, free: Mapping[str, ManagedRobot],
                 robots: Mapping[str, ManagedRobot], acceptance: Acceptance,
-                network: RoadNetwork) -> str:
-    """Why none of the free robots can serve a mission, or nothing."""
+                network: RoadNetwork) -> Tuple[str, Set[str]]:
+    """Why none of the free robots can serve a mission, or nothing; and who could if charged."""
     names = acceptance.robots_for(mission.request)
     works = [name for name in names if robots[name].works]
     if not works:
         if len(names) == 1:
-            return f'{names[0]}: {robots[names[0]].why or "it is stopped"}'
-        return f'none of its robots is in service: {", ".join(names)}'
+            return f'{names[0]}: {robots[names[0]].why or "it is stopped"}', set()
+        return f'none of its robots is in service: {", ".join(names)}', set()
     able = [name for name in works if name in free]
+    if not able and not any(robots[name].is_charged for name in works):
+        return f'{works[0] if len(works) == 1 else "each of its robots"} must charge first', set()
     if not able:
-        return 'it waits for a robot to be free'
+        return 'it waits for a robot to be free', set()
     reach = [name for name in able
              if time_over(mission.request.destinations, free[name], network) < inf]
     if not reach:
-        return 'none of the free robots can reach all its destinations'
+        return 'none of the free robots can reach all its destinations', set()
     if not any(can_end(mission, free[name], network) for name in reach):
-        return 'no free robot has battery enough for it'
-    return ''
+        fullest = max(reach, key=lambda name: free[name].range_left())
+        return 'no free robot has battery enough for it', {fullest}
+    return '', set()
 
 
 def can_end(mission: Mission, robot: ManagedRobot, network: RoadNetwork) -> bool:

@@ -12,53 +12,64 @@ from graph_fleet_manager.supervision.robots import ManagedRobot
 class ChargeQueue:
     """Gives docks to robots that need them, the emptiest first; the others wait.
 
-    granted -- the dock of each robot that charges or is on its way to do so
+    waiting -- what each robot that needs a dock and has none waits for, in words
     """
 
-    def __init__(self) -> None:
-        self.granted: Dict[str, int] = {}
-        self.waiting: List[str] = []
+    def __init__(self, robots: Mapping[str, ManagedRobot]) -> None:
+        self.waiting: Dict[str, str] = {}
+        self._robots = robots
 
-    def update(self, robots: Mapping[str, ManagedRobot], busy: AbstractSet[str],
-               network: RoadNetwork) -> bool:
-        """Looks at all batteries; tells whether anybody was given a dock or is charged.
+    def update(self, busy: AbstractSet[str], short: AbstractSet[str],
+               network: RoadNetwork) -> List[str]:
+        """Looks at all batteries; tells who was given a dock or gave one back.
 
-        busy -- robots that serve a mission: they charge after it
+        busy  -- robots that serve a mission: they charge after it
+        short -- robots whose battery cannot end a mission that waits for them
         """
-        before = dict(self.granted)
-        for name in list(self.granted):
-            robot = robots[name]
-            if name in busy or not robot.works or (
-                    robot.battery >= robot.settings.leave_above):
-                del self.granted[name]
-        needy = [robot for name, robot in robots.items()
-                 if robot.works and name not in busy and name not in self.granted
-                 and not math.isnan(robot.battery) and needs_charge(robot)]
-        self.waiting = []
+        before = {name: robot.dock for name, robot in self._robots.items()}
+        for name, robot in self._robots.items():
+            if robot.dock is not None and (name in busy or not _goes_on(robot, network)):
+                robot.dock = None
+        needy = [robot for name, robot in self._robots.items()
+                 if robot.works and name not in busy and robot.dock is None
+                 and (robot.needs_charge
+                      or (name in short and robot.battery < robot.settings.leave_above))]
+        self.waiting = {}
         for robot in sorted(needy, key=lambda r: r.battery):
-            times = {dock: time_to(dock, robot, network)
-                     for dock in docks_of(robot, network) if self._is_free(dock, robots)}
-            times = {dock: time for dock, time in times.items() if time < math.inf}
-            if times:
-                self.granted[robot.name] = min(times, key=lambda dock: times[dock])
-            else:
-                self.waiting.append(robot.name)
-        return self.granted != before
+            self._look_for_dock(robot, network)
+        return [name for name, dock in before.items() if self._robots[name].dock != dock]
 
-    def may_work(self, robot: ManagedRobot) -> bool:
-        """Is a robot charged enough to be given a mission?"""
-        return robot.name not in self.granted and not needs_charge(robot)
+    def _look_for_dock(self, robot: ManagedRobot, network: RoadNetwork) -> None:
+        docks = docks_of(robot, network)
+        times = {dock: time_to(dock, robot, network) for dock in docks}
+        free = [dock for dock in docks if times[dock] < math.inf and self._is_free(dock)]
+        if free:
+            robot.dock = min(free, key=lambda dock: times[dock])
+        elif not docks:
+            self.waiting[robot.name] = 'a dock: fleet file and graph have none for its type'
+        elif min(times.values()) == math.inf:
+            self.waiting[robot.name] = 'a dock: it reaches none'
+        else:
+            self.waiting[robot.name] = 'a free dock'
 
-    def _is_free(self, dock: int, robots: Mapping[str, ManagedRobot]) -> bool:
+    def _is_free(self, dock: int) -> bool:
         """Nobody has it, and nobody stands there who cannot leave."""
-        return dock not in self.granted.values() and not any(
-            not robot.works and robot.track.place is not None
-            and robot.track.place.vertex == dock for robot in robots.values())
+        return not any(robot.dock == dock
+                       or (not robot.works and robot.track.place is not None
+                           and robot.track.place.vertex == dock)
+                       for robot in self._robots.values())
 
 
-def needs_charge(robot: ManagedRobot) -> bool:
-    """Is its battery below the threshold? One that does not tell counts as full."""
-    return robot.battery < robot.settings.charge_below
+def _goes_on(robot: ManagedRobot, network: RoadNetwork) -> bool:
+    """Does it still charge, or can it still get to where it will?
+
+    One that stands at its dock is not sent away by an outage, or because its battery does not tell.
+    """
+    if robot.battery >= robot.settings.leave_above or robot.dock not in docks_of(robot, network):
+        return False
+    if robot.place is not None and robot.place.vertex == robot.dock:
+        return True
+    return robot.works and time_to(robot.dock, robot, network) < math.inf
 
 
 def docks_of(robot: ManagedRobot, network: RoadNetwork) -> List[int]:

@@ -5,9 +5,16 @@ from math import inf
 from typing import Dict, Mapping, Optional, Set, Tuple
 
 from graph_fleet_manager.planning.road_network import RoadNetwork
-from graph_fleet_manager.planning.tasks import Outcome
+from graph_fleet_manager.planning.tasks import Obstacle, Outcome
 from graph_fleet_manager.supervision.actions import AskPlanner, SendRoute
-from graph_fleet_manager.supervision.errands import Duty, Errand, Snapshot, goes_until, snapshot
+from graph_fleet_manager.supervision.errands import (
+    Duty,
+    Errand,
+    Snapshot,
+    goes_until,
+    have_moved,
+    snapshot,
+)
 from graph_fleet_manager.supervision.outbox import Outbox
 from graph_fleet_manager.supervision.plan_in_force import PlanInForce
 from graph_fleet_manager.supervision.release import released
@@ -15,6 +22,7 @@ from graph_fleet_manager.supervision.robots import ManagedRobot
 
 PLANNER_PATIENCE = 10.0  # s after which an answer of the planner is no longer waited for
 AGAIN = 2.0              # s between two plans while somebody has none that serves it
+_PLANNING = '/planning'  # what is told of it; no robot has such a name
 
 
 class Dispatcher:
@@ -24,15 +32,18 @@ class Dispatcher:
         self.plan: Optional[PlanInForce] = None
         self.waits_for: Dict[str, str] = {}
         """What holds up each robot, in words; empty: nothing."""
+        self.trouble = ''
+        """Why there is no new plan though one was asked for, in words; empty: there is."""
         self._robots = robots
         self._outbox = outbox
         self._new_id = outbox.journal.next_route_id
         self._asked: Optional[Tuple[int, float, Snapshot]] = None
         self._number = 0
         self._replan = True
+        self._displaced = False         # somebody stands where no plan in force has it
+        self._obstacles: Tuple[Obstacle, ...] = ()  # of the last question
         self._failed = False
         self._planned = -inf
-        self._shortening: Set[str] = set()
         self._renew: Set[str] = set()   # robots whose next edges are another mission's
 
     @property
@@ -51,7 +62,7 @@ class Dispatcher:
         if self.plan is not None:
             self.plan.drop(name)
         self._outbox.robot_changed(name)
-        self._replan = True
+        self._replan = self._displaced = True
 
     def plan_made(self, number: int, outcome: Outcome) -> bool:
         """Takes the planner's answer; tells whether it was waited for.
@@ -62,8 +73,10 @@ class Dispatcher:
             return False
         _, asked_at, question = self._asked
         self._asked = None
+        self._tell('')
         if question.fits(self._robots):
             self.plan = question.plan(outcome, asked_at)
+            self._displaced = False
         else:
             self._replan = True
         return True
@@ -73,38 +86,48 @@ class Dispatcher:
         if self._asked is not None and self._asked[0] == number:
             self._asked = None
             self._failed = True
-            self._outbox.note(f'The planner gave no plan: {reason}.', True)
+            self._tell(f'the planner gave none: {reason}')
 
     # -- robots whose mission changed -------------------------------------------------------------
 
     def begin_mission(self, name: str) -> None:
         """A robot has another mission: its next edges go out under a new route id."""
-        self._shortening.discard(name)
+        self._robots[name].comes_to_rest = False
         self._renew.add(name)
         self._replan = True
 
     def bring_to_rest(self, name: str) -> None:
         """A robot's mission is cancelled or paused: it stops as soon as it can."""
-        self._shortening.add(name)
+        self._robots[name].comes_to_rest = True
+        self._outbox.robot_changed(name)
 
     def let_go_on(self, name: str) -> None:
         """Its mission goes on, before it has come to rest."""
-        self._shortening.discard(name)
+        self._robots[name].comes_to_rest = False
+        self._outbox.robot_changed(name)
 
     # -- what goes on -----------------------------------------------------------------------------
 
     def give_up_waiting(self, now: float) -> None:
         """A planner that does not answer is asked again."""
         if self._asked is not None and now - self._asked[1] > PLANNER_PATIENCE:
-            self._outbox.note('The planner does not answer; it is asked again.', True)
             self._asked = None
             self._replan = True
+            self._tell('the planner does not answer')
+
+    def _tell(self, trouble: str) -> None:
+        self.trouble = trouble
+        self._outbox.note_state(_PLANNING, trouble and f'There is no plan: {trouble}. It is asked '
+                                'again and again.', 'The planner answers again.')
 
     def go_on(self, errands: Mapping[str, Errand], network: RoadNetwork, now: float) -> None:
         """Shortens and releases routes, and asks for another plan where one is wanted."""
         self._shorten()
         if self._asked is None:
-            self._release(errands, network)
+            if now - self._planned >= AGAIN and have_moved(self._robots, self._obstacles):
+                self._replan = self._displaced = True
+            if not self._displaced:
+                self._release(errands, network)
             self._ask(errands, network, now)
 
     def send(self, now: float) -> None:
@@ -115,10 +138,11 @@ class Dispatcher:
                 self._outbox.put(SendRoute(name, *sending))
 
     def _shorten(self) -> None:
-        for name in list(self._shortening):
-            robot = self._robots[name]
-            if not robot.works or not robot.client.shorten(self._new_id):
-                self._shortening.discard(name)
+        for name, robot in self._robots.items():
+            if not robot.comes_to_rest or not robot.works:
+                continue
+            if not robot.client.shorten(self._new_id):
+                robot.comes_to_rest = False
                 self._replan = True
             self._outbox.robot_changed(name)
 
@@ -134,7 +158,7 @@ class Dispatcher:
         for name, own in plan.plans.items():
             robot = self._robots[name]
             self.waits_for[name] = ''
-            if not robot.works or name in self._shortening or not robot.client.is_ready:
+            if not robot.works or robot.comes_to_rest or not robot.client.is_ready:
                 continue
             until = goes_until(robot, errands[name], own, name in asked)
             given = released(name, plan, tracks, until, robot.settings.release_ahead,
@@ -151,9 +175,11 @@ class Dispatcher:
         if not self._replan and not (again and now - self._planned >= AGAIN):
             return
         question = snapshot(self._robots, errands, self.plan, now)
+        self._obstacles = question.obstacles
         self._replan = self._failed = False
         self._planned = now
         if not question.tasks:
+            self.trouble = ''
             return
         self._number += 1
         self._asked = (self._number, now, question)

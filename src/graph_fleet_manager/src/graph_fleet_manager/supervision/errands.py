@@ -91,6 +91,15 @@ def snapshot(robots: Mapping[str, ManagedRobot], errands: Mapping[str, Errand],
     return Snapshot(tuple(tasks), tuple(obstacles), cuts)
 
 
+def have_moved(robots: Mapping[str, ManagedRobot], obstacles: Sequence[Obstacle]) -> bool:
+    """Is one of these obstacles by now where the planner did not know of it?"""
+    for obstacle in obstacles:
+        vertices, edges = robots[obstacle.name].blocked()
+        if not (set(vertices) <= set(obstacle.vertices) and set(edges) <= set(obstacle.edges)):
+            return True
+    return False
+
+
 def _task(robot: ManagedRobot, errand: Errand, own: Optional[RobotPlan], now: float) -> Task:
     track, mission = robot.track, errand.mission
     vertex: Optional[int] = None

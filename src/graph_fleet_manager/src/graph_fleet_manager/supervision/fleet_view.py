@@ -100,14 +100,16 @@ def _waits_for(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now:
     if mission is not None and mission.state is MissionState.PAUSED:
         return 'its mission is paused'
     if robot.name in supervisor.charging.waiting:
-        return 'a free dock'
+        return supervisor.charging.waiting[robot.name]
     if errand.duty is Duty.IDLE:
         return ''
     if mission is not None and mission.dwell_until is not None:
         if math.isinf(mission.dwell_until):
             return 'the release of its mission'
         return f'the end of its stay, {max(mission.dwell_until - now, 0.0):.0f} s'
-    plan = supervisor.dispatcher.plan
+    plan, trouble = supervisor.dispatcher.plan, supervisor.dispatcher.trouble
+    if trouble and robot.track.is_standing:
+        return f'a plan: {trouble}'
     if plan is not None and robot.name in plan.unserved:
         return plan.unserved[robot.name]
     return supervisor.dispatcher.waits_for.get(robot.name, '') if robot.track.is_standing else ''

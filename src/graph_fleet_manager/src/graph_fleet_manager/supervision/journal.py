@@ -47,6 +47,8 @@ class RobotMemory(NamedTuple):
     outage: Optional[Outage]
     why: str
     is_halted: bool
+    comes_to_rest: bool = False
+    dock: Optional[int] = None
 
 
 class HistoryLine(NamedTuple):
@@ -202,10 +204,11 @@ def _memory_text(memory: RobotMemory) -> str:
     return json.dumps({
         'route_id': client.route_id, 'track': client.track, 'done': client.done,
         'bases': sorted(client.bases.items()), 'over': client.over, 'ended': client.ended,
-        'stopping': client.is_stopping,
+        'stopping': client.is_stopping, 'shortened': client.shortened,
         'place': None if client.place is None else astuple(client.place),
         'outage': None if memory.outage is None else memory.outage.name, 'why': memory.why,
-        'halted': memory.is_halted})
+        'halted': memory.is_halted, 'resting': memory.comes_to_rest,
+        'dock': memory.dock})
 
 
 def _memory(text: str) -> RobotMemory:
@@ -213,7 +216,8 @@ def _memory(text: str) -> RobotMemory:
     place = stored['place']
     client = Memory(stored['route_id'], tuple(stored['track']), stored['done'],
                     dict(map(tuple, stored['bases'])), None if place is None else Place(*place),
-                    stored['over'], tuple(stored['ended']), stored.get('stopping', False))
+                    stored['over'], tuple(stored['ended']), stored.get('stopping', False),
+                    stored.get('shortened'))
     outage = stored['outage']
     return RobotMemory(client, None if outage is None else Outage[outage], stored['why'],
-                       stored['halted'])
+                       stored['halted'], stored.get('resting', False), stored.get('dock'))

@@ -2,9 +2,16 @@
 from __future__ import annotations
 
 import math
-from typing import List, Mapping
+from dataclasses import replace
+from typing import Iterator, Tuple
 
-from graph_fleet_manager.supervision.missions import Mission, MissionBook, MissionState
+from graph_fleet_manager.supervision.missions import (
+    Acceptance,
+    Mission,
+    MissionBook,
+    MissionState,
+    RequestRefused,
+)
 from graph_fleet_manager.supervision.robots import ManagedRobot
 
 
@@ -61,11 +68,20 @@ def drop_out(book: MissionBook, robot: ManagedRobot) -> None:
     elif mission.reached or mission.dwell_until is not None:
         book.set(mission, MissionState.FAILED, reason)
     else:
-        book.set(mission, MissionState.PENDING, reason, robot='')
+        paused = mission.state is MissionState.PAUSED
+        book.set(mission, MissionState.PAUSED if paused else MissionState.PENDING, reason, '')
 
 
-def with_robot_gone(book: MissionBook, robots: Mapping[str, ManagedRobot]) -> List[Mission]:
-    """Open missions that are with a robot, or for one alone, that the fleet does not have."""
-    return [mission for mission in book.open
-            if (mission.robot and mission.robot not in robots)
-            or (mission.request.robot and mission.request.robot not in robots)]
+def no_longer_possible(book: MissionBook, acceptance: Acceptance) -> Iterator[Tuple[Mission, str]]:
+    """Open missions that cannot be ended, as fleet or graph changed while nobody supervised; why.
+    """
+    for mission in book.open:
+        if mission.robot and mission.robot not in acceptance.robots:
+            yield mission, 'its robot is no longer in the fleet'
+            continue
+        request = mission.request
+        try:
+            acceptance.check(replace(request, destinations=mission.left,
+                                     dwells=request.dwells[mission.reached:]))
+        except RequestRefused as refused:
+            yield mission, str(refused)

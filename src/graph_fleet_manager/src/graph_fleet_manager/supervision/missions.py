@@ -171,7 +171,8 @@ class Acceptance:
 
     def robots_for(self, request: Request) -> List[str]:
         """Robots that may serve a request as far as type, name and docks say."""
-        docks = [v for v in request.destinations if self.graph.vertices[v].dock]
+        vertices = self.graph.vertices
+        docks = [v for v in request.destinations if v in vertices and vertices[v].dock]
         return [name for name, kind in self.robots.items()
                 if request.robot in ('', name) and request.robot_type in ('', kind.name)
                 and all(kind.may_dock(dock) for dock in docks)]

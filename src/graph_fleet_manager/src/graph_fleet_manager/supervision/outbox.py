@@ -48,8 +48,9 @@ class Outbox:
             self.put(TellStatus(mission.status))
         for name in sorted(self._stale):
             robot = self._robots[name]
-            self.journal.write_robot(name, RobotMemory(robot.client.memory, robot.outage, robot.why,
-                                                       robot.is_halted))
+            self.journal.write_robot(name, RobotMemory(
+                robot.client.memory, robot.outage, robot.why, robot.is_halted, robot.comes_to_rest,
+                robot.dock))
         self._stale.clear()
         self.journal.commit()
         actions, self._actions = self._actions, []

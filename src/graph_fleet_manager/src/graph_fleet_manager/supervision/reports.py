@@ -81,6 +81,11 @@ class Place:
     edge: int = 0
     fraction: float = 0.0
 
+    def is_on(self, graph: Graph) -> bool:
+        """Does a graph have this place?"""
+        return abs(self.edge) in graph.edges if self.vertex is None else (
+            self.vertex in graph.vertices)
+
     def touches(self, graph: Graph, edges: Tuple[int, ...], play: float = 0.0) -> bool:
         """Is it on one of these edges, or at an end of one?
 

@@ -57,6 +57,10 @@ class ManagedRobot:
     stamp: float = 0.0
     is_halted: bool = False
     """It was given an empty route, as all robots are by stop all."""
+    comes_to_rest: bool = False
+    """Its mission was cancelled or paused: it stops at the end of its edge."""
+    dock: Optional[int] = None
+    """At which it charges, or to which it is on its way to do so."""
     passed: List[int] = field(default_factory=list)
     """Vertices passed that its mission was not told of yet."""
     driven: List[Driven] = field(default_factory=list)
@@ -81,6 +85,16 @@ class ManagedRobot:
         return self.outage is None and not self.is_halted
 
     @property
+    def needs_charge(self) -> bool:
+        """Is its battery below the threshold? One that does not tell counts as full."""
+        return self.battery < self.settings.charge_below
+
+    @property
+    def is_charged(self) -> bool:
+        """May it be given a mission, as far as its battery is concerned?"""
+        return self.dock is None and not self.needs_charge
+
+    @property
     def is_seen(self) -> bool:
         """Has it reported since the fleet manager began?"""
         return self.seen > -math.inf
@@ -96,8 +110,13 @@ class ManagedRobot:
         return self.track.done, self.track.end, self.client.over, self.client.is_stopping
 
     def place_at(self, pose: Pose) -> Optional[Place]:
-        """Where it can begin a route: on a vertex only if it is as near as it can tell."""
-        return place_of(pose, self.track.graph, min(self.type.play + AT_VERTEX, NEAR))
+        """Where it can begin a route: on a vertex only if it is as near as it can tell.
+
+        Near a dock it is not docked: it is still to drive there.
+        """
+        graph = self.track.graph
+        place = place_of(pose, graph, min(self.type.play + AT_VERTEX, NEAR))
+        return place_of(pose, graph, AT_VERTEX) if _is_dock(place, graph) else place
 
     def range_left(self) -> float:
         """How far (m) it may drive with what is left in its battery, the reserve aside."""
@@ -167,9 +186,10 @@ class ManagedRobot:
         if heard.passed:
             self._refusals = 0
         if heard.refused:
-            self._refusals += 1
             self._has_refused = True
-            if outage_of(heard.refused) is Outage.STOPPED:
+            stopped = outage_of(heard.refused) is Outage.STOPPED
+            self._refusals += not stopped
+            if stopped:
                 self.fail(Outage.STOPPED, heard.refused)
                 self.client.keep_after_refusal()
             elif self._refusals >= REFUSALS:
@@ -231,29 +251,26 @@ class ManagedRobot:
         if place is None or not place.touches(graph, ahead[:1], self.type.play):
             self.fail(Outage.TAKEN_OVER, 'it was moved during an emergency stop')
             return False
-        self.client.try_again(new_id)
+        self.client.try_again(new_id, 1 if self.comes_to_rest else len(ahead))
         return True
 
-    def begin_elsewhere(self) -> bool:
+    def begin_elsewhere(self) -> None:
         """After a refusal: what stands near a vertex begins there, or else on the edge it is on.
 
-        How near is near, every robot decides by itself. Tells whether it counts as standing at the
-        other of the two now.
+        How near is near, every robot decides by itself.
         """
         track, client = self.track, self.client
         if not self._has_refused or not client.is_ready or client.order is not None:
-            return False
+            return
         self._has_refused = False
         if not self.works or not track.is_standing or track.place is None:
-            return False
+            return
         vertex = place_of(track.pose, track.graph)
-        if vertex is None or vertex.vertex is None:
-            return False
-        if track.pose.fraction in (0.0, 1.0):
-            return False
+        if vertex is None or vertex.vertex is None or track.pose.fraction in (0.0, 1.0) or (
+                _is_dock(vertex, track.graph)):
+            return
         client.settle(vertex if track.place.vertex is None else Place(
             edge=track.pose.edge, fraction=track.pose.fraction))
-        return True
 
     def go_on_after_stop(self, now: float) -> bool:
         """After stop all, once it has obeyed: it stands where it is; tells whether that is so."""
@@ -309,3 +326,7 @@ class ManagedRobot:
                 else:
                     edges.add(abs(place.edge))
         return tuple(sorted(vertices)), tuple(sorted(edges))
+
+
+def _is_dock(place: Optional[Place], graph: Graph) -> bool:
+    return place is not None and place.vertex is not None and graph.vertices[place.vertex].dock

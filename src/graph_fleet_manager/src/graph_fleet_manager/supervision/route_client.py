@@ -9,6 +9,7 @@ from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence
 
 from graph_fleet_manager.supervision.reports import Place, Report, place_of
 from graph_fleet_manager.supervision.track import Track
+from trajectory_graph import Graph, TrajectoryGraphError, check_route
 from trajectory_graph.route_protocol import RouteRefusal
 
 REPEAT = 1.0      # s after which an order that was not acknowledged is repeated
@@ -46,6 +47,12 @@ class Memory(NamedTuple):
     over: bool
     ended: Tuple[int, ...] = ()
     is_stopping: bool = False
+    shortened: Optional[int] = None
+    """So many edges of the track are left by an order to which there was no answer yet."""
+
+    def is_on(self, graph: Graph) -> bool:
+        """Does a graph, maybe another than when this was stored, have all of it?"""
+        return _is_on(graph, self.track) and (self.place is None or self.place.is_on(graph))
 
 
 @dataclass
@@ -83,6 +90,14 @@ class RouteClient:
         self._sent_at: Optional[float] = None
         self._awaits_report = False
         self._stamp = 0.0
+        self._ordered: Optional[int] = None  # before a restart, if it was less than the track
+
+    @property
+    def _shortened(self) -> Optional[int]:
+        order = self.order
+        if order is None or not order.edges or not self._is_shorter(order):
+            return None
+        return order.base + len(order.edges) - self.track.first
 
     @property
     def is_ready(self) -> bool:
@@ -122,10 +137,11 @@ class RouteClient:
         self._awaits_report = False
         self._give(Order(self.route_id, self.track.done, ()))
 
-    def try_again(self, new_id: NewId) -> None:
-        """Orders once more, under a new id, what an emergency stop kept the robot from driving."""
+    def try_again(self, new_id: NewId, count: int) -> None:
+        """Orders once more, under a new id, so many of the edges that an emergency stop kept the
+        robot from driving."""
         self._begin(new_id())
-        self._give(Order(self.route_id, self.track.done, self.track.ahead))
+        self._give(Order(self.route_id, self.track.done, self.track.ahead[:count]))
 
     def settle(self, place: Optional[Place]) -> None:
         """The robot stands here, and holds nothing else any more."""
@@ -155,8 +171,15 @@ class RouteClient:
 
     def _order_all(self) -> None:
         """Orders the whole track, from where the route begins."""
+        self._order_until(self.track.end)
+
+    def _order_again(self) -> None:
+        """Repeats the order before a restart."""
+        self._order_until(self.track.end if self._ordered is None else self._ordered)
+
+    def _order_until(self, end: int) -> None:
         base = self._bases[self.route_id]
-        self._give(Order(self.route_id, base, self.track.between(base, self.track.end)))
+        self._give(Order(self.route_id, base, self.track.between(base, end)))
 
     def _give(self, order: Order) -> None:
         self.order = order
@@ -173,13 +196,15 @@ class RouteClient:
         track = self.track
         bases = {id: base - track.first for id, base in self._bases.items()}
         return Memory(self.route_id, tuple(track.edges), track.done - track.first, bases,
-                      track.place, self.over, tuple(sorted(self._ended)), self.is_stopping)
+                      track.place, self.over, tuple(sorted(self._ended)), self.is_stopping,
+                      self._shortened)
 
     def restore(self, memory: Memory) -> None:
         """What was known before: the robot may hold all of these edges."""
         self.route_id, self._bases = memory.route_id, dict(memory.bases)
         self.over, self._ended = memory.over, set(memory.ended)
         self.track.restore(memory.track, memory.done, memory.place)
+        self._ordered = memory.shortened
         if memory.is_stopping:
             self._give(Order(self.route_id, self.track.done, ()))
 
@@ -193,8 +218,8 @@ class RouteClient:
         if base is None:
             if report.route_id in self._ended:
                 if self.track.ahead and self.route_id in self._bases and not self.is_stopping:
-                    self._order_all()  # it did not reach the robot
-            elif not self.track.ahead:
+                    self._order_again()  # it did not reach the robot
+            elif not self.track.ahead and _is_on(self.track.graph, report.edges):
                 self._adopt_other(report)
             # In any other case `take` finds that the robot was taken over, or lost its route.
         else:
@@ -204,8 +229,9 @@ class RouteClient:
                     self.route_id not in self._bases):  # it was refused, so nothing is under way
                 return
             end = base + len(report.edges)
-            if self.track.end > end or report.route_id != self.route_id:
-                self._order_all()
+            if self._ordered is not None or self.track.end > end or (
+                    report.route_id != self.route_id):
+                self._order_again()
 
     def _adopt_other(self, report: Report) -> None:
         """A route of which nothing is known here; a stop that is under way stays so."""
@@ -305,3 +331,12 @@ class RouteClient:
             self.order = None
             if order.edges and self._is_shorter(order):
                 self.track.cut(order.base + len(order.edges))
+
+
+def _is_on(graph: Graph, edges: Sequence[int]) -> bool:
+    """Can a route over these edges be driven on this graph?"""
+    try:
+        check_route(graph, edges)
+    except TrajectoryGraphError:
+        return False
+    return True

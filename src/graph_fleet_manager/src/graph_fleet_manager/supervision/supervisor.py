@@ -59,11 +59,11 @@ class Supervisor:
                 RouteClient(Track(graph, robot.type.speed, own.slack)))
         self.roads = Roads(graph, fleet, rate)
         self.is_stopped = bool(journal.value(_STOPPED))
-        self.charging = ChargeQueue()
+        self.charging = ChargeQueue(self.robots)
         self.book = MissionBook(journal.missions(), journal.last_serial() + 1)
         self._began = now
         self._is_starting = True
-        self._waiting = WaitingMissions(self.book, self.robots, self.charging)
+        self._waiting = WaitingMissions(self.book, self.robots)
         self._outages: Dict[str, Optional[Outage]] = {}
         self._out = Outbox(journal, self.book, self.robots)
         self.dispatcher = Dispatcher(self.robots, self._out)
@@ -72,15 +72,16 @@ class Supervisor:
     def _restore(self) -> None:
         for name, memory in self.journal.robots().items():
             robot = self.robots.get(name)
-            if robot is None or any(abs(edge) not in self.network.graph.edges
-                                    for edge in memory.client.track):
+            if robot is None:
                 continue
-            robot.client.restore(memory.client)
+            if memory.client.is_on(self.network.graph):
+                robot.client.restore(memory.client)
             if memory.outage is not None and memory.outage.needs_person:
                 robot.outage, robot.why = memory.outage, memory.why
-            robot.is_halted = memory.is_halted
-        for mission in mission_progress.with_robot_gone(self.book, self.robots):
-            self.book.set(mission, MissionState.FAILED, 'its robot is no longer in the fleet')
+            robot.is_halted, robot.comes_to_rest = memory.is_halted, memory.comes_to_rest
+            robot.dock = memory.dock
+        for mission, why in mission_progress.no_longer_possible(self.book, self.acceptance):
+            self.book.set(mission, MissionState.FAILED, why)
 
     @property
     def network(self) -> RoadNetwork:
@@ -116,14 +117,19 @@ class Supervisor:
             self._out.note(f'There is no open mission {request_id} for {command.name}.', True)
             return self._out.take()
         name = mission.robot
-        if command is Command.CANCEL:
+        if command is Command.RESUME and mission.state is not MissionState.PAUSED:
+            self._out.note(f'Mission {request_id} is not paused.')
+        elif command is Command.RELEASE and mission.dwell_until is None:
+            self._out.note(f'Mission {request_id} is not staying anywhere: nothing to release.')
+        elif command is Command.CANCEL:
             self.book.set(mission, MissionState.CANCELLED, 'cancelled on request')
         elif command is Command.PAUSE:
             self.book.set(mission, MissionState.PAUSED)
-        elif command is Command.RESUME and mission.state is MissionState.PAUSED:
+        elif command is Command.RESUME:
             self.book.set(mission, MissionState.ACTIVE if name else MissionState.PENDING)
-            self.dispatcher.let_go_on(name)
-        elif command is Command.RELEASE and mission.dwell_until is not None:
+            if name:
+                self.dispatcher.let_go_on(name)
+        elif command is Command.RELEASE:
             self.book.reach(mission)
         if name and command in (Command.CANCEL, Command.PAUSE):
             self.dispatcher.bring_to_rest(name)
@@ -146,9 +152,10 @@ class Supervisor:
             self._out.note_state(name, f'A report of {name} is ignored: {wrong}.', '')
             return self._out.take()
         self._out.note_state(name, '', f'The reports of {name} make sense again.')
-        before = robot.progress
+        before, begun = robot.progress, robot.track.begun
         robot.hear(report, now)
-        if robot.begin_elsewhere():
+        robot.begin_elsewhere()
+        if robot.track.begun != begun:
             self.dispatcher.forget_plan_of(name)
         self.roads.learn(robot, now)
         if before != robot.progress:
@@ -254,8 +261,8 @@ class Supervisor:
     def errands(self) -> Dict[str, Errand]:
         """What every robot is about."""
         missions = {m.robot: m for m in self.book.open if m.robot}
-        return {name: errand_of(missions.get(name), self.charging.granted.get(name))
-                for name in self.robots}
+        return {name: errand_of(missions.get(name), robot.dock)
+                for name, robot in self.robots.items()}
 
     def _go_on(self, now: float) -> None:
         for robot in self.robots.values():
@@ -270,11 +277,14 @@ class Supervisor:
         if self._is_starting:
             self._is_starting = (not all(r.is_seen for r in self.robots.values())
                                  and now - self._began < SILENCE)
+        if self.is_stopped:
+            self._waiting.hold('the fleet is stopped')
         if self._is_starting or self.is_stopped:
             return
         self.dispatcher.give_up_waiting(now)
         busy = {m.robot for m in self.book.open if m.robot}
-        if self.charging.update(self.robots, busy, self.network):
+        for name in self.charging.update(busy, self._waiting.short, self.network):
+            self._out.robot_changed(name)
             self.dispatcher.replan()
         for name in self._waiting.assign(self.acceptance, self.roads, now):
             self.dispatcher.begin_mission(name)

@@ -31,6 +31,8 @@ class Track:
         """Number of the first edge that is still in `edges`."""
         self.done = 0
         """Number of the edge that is being driven: so many are complete."""
+        self.begun = 0
+        """How often it began anew: no plan of before is true any more when that changes."""
         self.left: Tuple[int, float] = (0, 0.0)
         """Edge and fraction that certainly lie behind the robot."""
         self._speed, self._slack = speed, slack
@@ -155,5 +157,6 @@ class Track:
 
     def _begin_at(self, number: int, edges: Sequence[int]) -> None:
         self.first = self.done = number
+        self.begun += 1
         self.edges = list(edges)
         self.left = (number, 0.0)

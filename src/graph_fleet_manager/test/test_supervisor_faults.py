@@ -1,0 +1,126 @@
+"""Robots that drop out, stand elsewhere than was thought, or come back: who moves then, and how."""
+from __future__ import annotations
+
+from fleet_builders import AGV, corridor, graph_of
+from supervised_fleet import SupervisedFleet
+
+from graph_fleet_manager.supervision.fleet_view import robot_views
+from graph_fleet_manager.supervision.missions import Command, MissionState
+from graph_fleet_manager.supervision.robots import RobotSettings
+
+
+def carry(agv, edge, arc):
+    """Somebody carries a robot to a place on an edge, where it stands without a route."""
+    agv.forget()
+    agv.edge, agv.arc = edge, arc
+
+
+def test_a_paused_mission_whose_robot_drops_out_stays_paused():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)})
+    fleet.step()
+    fleet.request(1, 4)
+    fleet.run(2.0)
+    assert fleet.robot_of(1) == 'a'
+    fleet.do(fleet.supervisor.command(1, Command.PAUSE, fleet.now))
+    fleet.do(fleet.supervisor.take_out('a', fleet.now))
+    fleet.run(20.0)
+    assert fleet.state(1) is MissionState.PAUSED and fleet.agvs['b'].travelled == 0.0
+    fleet.do(fleet.supervisor.command(1, Command.RESUME, fleet.now))
+    fleet.run_until_done(1)
+    assert fleet.state(1) is MissionState.SUCCEEDED and fleet.robot_of(1) == 'b'
+
+
+def test_what_is_refused_in_an_emergency_stop_does_not_count_against_the_robot():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    fleet.request(1, 8)
+    fleet.run(2.5)
+    fleet.agvs['a'].emergency = True
+    fleet.run(15.0)
+    fleet.agvs['a'].emergency = False
+    fleet.agvs['a'].refusing = 1
+    fleet.run_until_done(1)
+    assert fleet.state(1) is MissionState.SUCCEEDED
+
+
+def test_nobody_is_sent_to_where_a_robot_was_carried():
+    """From 2 on the upper side is shorter, until `b` is put down on that."""
+    graph = graph_of({1: (0, 0), 2: (4, 0), 3: (8, 0), 4: (12, 0), 5: (16, 0), 6: (4, -6),
+                      7: (16, -6), 8: (24, 0), 9: (30, 0)},
+                     {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (4, 5), 5: (2, 6), 6: (6, 7), 7: (7, 5),
+                      8: (5, 8), 9: (8, 9)})
+    fleet = SupervisedFleet(graph, {'a': (AGV, 1), 'b': (AGV, 9)})
+    fleet.step()
+    fleet.do(fleet.supervisor.take_out('b', fleet.now))
+    fleet.run(1.0)
+    fleet.request(1, 5, robot='a')
+    fleet.run(1.0)
+    carry(fleet.agvs['b'], 3, 2.0)
+    fleet.run_until_done(1)
+    assert fleet.agvs['a'].visited[-3:] == [6, 7, 5], 'it must go round'
+
+
+def test_nobody_is_sent_to_where_a_robot_comes_back_into_service_without_a_planner():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)})
+    fleet.step()
+    fleet.do(fleet.supervisor.take_out('b', fleet.now))
+    fleet.run(1.0)
+    fleet.request(1, 6, robot='a')
+    fleet.run(1.0)
+    fleet.planning = 1e9
+    carry(fleet.agvs['b'], 4, 1.0)
+    fleet.run(3.0)
+    problem, actions = fleet.supervisor.bring_in('b', fleet.now)
+    fleet.do(actions)
+    assert not problem
+    fleet.run(30.0)
+    fleet.planning = 0.1
+    fleet.run_until_done(1)
+
+
+def test_a_lost_link_gives_nothing_to_others_when_it_is_back_before_a_new_plan():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 3), 'b': (AGV, 1)},
+                            settings=RobotSettings(release_ahead=4.0))
+    fleet.step()
+    fleet.request(1, 8, robot='a')
+    fleet.request(2, 6, robot='b')
+    fleet.run(2.5)
+    fleet.planning = 1e9
+    fleet.agvs['a'].fail('lost link: commands')
+    fleet.run(20.0)
+    fleet.planning = 0.1
+    fleet.run_until_done(1)
+
+
+def test_a_planner_that_does_not_answer_is_told_of_where_robots_wait():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)}, planning=1e9)
+    fleet.request(1, 8)
+    fleet.run(25.0)
+    view, = robot_views(fleet.supervisor, fleet.now)
+    assert view.waits_for == 'a plan: the planner does not answer'
+    fleet.planning = 0.1
+    fleet.run_until_done(1)
+    assert fleet.supervisor.dispatcher.trouble == ''
+
+
+def test_a_mission_for_a_stopped_fleet_says_what_it_waits_for():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    fleet.run(1.0)
+    fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+    fleet.request(1, 8)
+    fleet.run(1.0)
+    assert fleet.statuses[-1].reason == 'the fleet is stopped'
+    fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
+    fleet.run(5.0)
+    assert (fleet.state(1), fleet.statuses[-1].reason) == (MissionState.ACTIVE, '')
+
+
+def test_a_command_that_changes_nothing_says_so():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    fleet.request(1, 8)
+    fleet.run(1.0)
+    for command, note in ((Command.RELEASE, 'Mission 1 is not staying anywhere: nothing to '
+                                            'release.'),
+                          (Command.RESUME, 'Mission 1 is not paused.')):
+        fleet.do(fleet.supervisor.command(1, command, fleet.now))
+        assert fleet.notes[-1] == note
+    fleet.run_until_done(1)

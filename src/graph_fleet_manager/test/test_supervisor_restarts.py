@@ -1,0 +1,114 @@
+"""The fleet manager is started anew: with another graph, another fleet, or amid what it did."""
+from __future__ import annotations
+
+import pytest
+from fleet_builders import AGV, corridor
+from supervised_fleet import SupervisedFleet
+
+from graph_fleet_manager.supervision.missions import Command, MissionState
+from graph_fleet_manager.supervision.outages import Outage
+from graph_fleet_manager.supervision.reports import Pose, Report
+from graph_fleet_manager.supervision.robots import RobotSettings
+from trajectory_graph import Graph
+from trajectory_graph.route_protocol import EdgeState
+
+
+def cut_short(graph, length):
+    """A corridor without its vertices beyond `length`."""
+    return Graph([v for v in graph.vertices.values() if v.id <= length],
+                 [e for e in graph.edges.values() if e.destination <= length])
+
+
+def restart_on(fleet, graph):
+    """The fleet manager ends and begins anew with another graph."""
+    fleet.graph = graph
+    fleet._planners.clear()
+    fleet._parking = tuple(graph.vertices)
+    fleet.restart()
+
+
+def test_a_mission_to_a_vertex_that_the_graph_lost_has_failed_and_the_others_go_on():
+    fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
+    fleet.do(fleet.supervisor.take_out('a', fleet.now))
+    fleet.request(1, 6)
+    fleet.request(2, 3)
+    fleet.run(3.0)
+    restart_on(fleet, cut_short(fleet.graph, 4))
+    fleet.run(3.0)
+    assert fleet.state(1) is MissionState.FAILED
+    assert fleet.statuses[-1].reason == 'the graph has no vertex 6'
+    fleet.do(fleet.supervisor.bring_in('a', fleet.now)[1])
+    fleet.run_until_done(2)
+    assert fleet.state(2) is MissionState.SUCCEEDED
+
+
+def test_a_robot_whose_place_the_graph_lost_stays_out_of_service():
+    fleet = SupervisedFleet(corridor(6), {'a': (AGV, 6), 'b': (AGV, 1)})
+    fleet.run(1.0)
+    fleet.do(fleet.supervisor.take_out('a', fleet.now))
+    fleet.run(1.0)
+    fleet.silent['a'] = 1e9
+    restart_on(fleet, cut_short(fleet.graph, 4))
+    fleet.request(1, 3)
+    fleet.run_until_done(1)
+    assert fleet.robot_of(1) == 'b'
+    assert fleet.supervisor.robots['a'].outage is Outage.OUT_OF_SERVICE
+
+
+def test_a_robot_whose_track_the_graph_lost_stays_out_of_service():
+    fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)},
+                            settings=RobotSettings(release_ahead=8.0))
+    fleet.request(1, 6)
+    fleet.run(2.0)
+    fleet.do(fleet.supervisor.take_out('a', fleet.now))
+    fleet.run(1.0)
+    restart_on(fleet, cut_short(fleet.graph, 4))
+    fleet.run(10.0)
+    assert fleet.supervisor.robots['a'].outage is Outage.OUT_OF_SERVICE
+
+
+@pytest.mark.parametrize('edges', [(1, 99), (2, 1), (0,)])
+@pytest.mark.parametrize('state', [EdgeState.PROCESSING, EdgeState.COMPLETE, EdgeState.FAILED])
+def test_a_route_that_the_graph_does_not_have_is_nobodys_but_the_robots(edges, state):
+    fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1), 'b': (AGV, 6)})
+    foreign = Report(7, edges, (state,) * len(edges), Pose(1, 0.0), '', fleet.now)
+    fleet.silent['a'] = 1e9
+    fleet.do(fleet.supervisor.report('a', foreign, fleet.now))
+    fleet.request(1, 4, robot='b')
+    fleet.run_until_done(1)
+    why = ['a cannot work: it drives a route that was not given to it here.']
+    assert fleet.notes[:1] == (why if state is EdgeState.PROCESSING else [])
+
+
+@pytest.mark.parametrize('crash', [True, False])
+def test_a_cancelled_robot_is_not_sent_on_by_a_restart(crash):
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)},
+                            settings=RobotSettings(release_ahead=8.0))
+    fleet.request(1, 8)
+    fleet.run(3.0)
+    fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
+    orders, fleet._to_robots = fleet._to_robots, []
+    fleet.restart()
+    fleet._to_robots = orders if crash else []  # the order reached the robot, or it did not
+    fleet.run(20.0)
+    assert fleet.state(1) is MissionState.CANCELLED
+    assert fleet.agvs['a'].travelled < 6.1
+
+
+def test_a_pause_outlives_a_restart_while_the_robot_is_silent():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)},
+                            settings=RobotSettings(release_ahead=8.0))
+    fleet.request(1, 8)
+    fleet.run(2.0)
+    fleet.agvs['a'].emergency = True
+    fleet.run(2.0)
+    fleet.do(fleet.supervisor.command(1, Command.PAUSE, fleet.now))
+    fleet.run(1.0)
+    fleet.restart()
+    fleet.run(2.0)
+    fleet.agvs['a'].emergency = False
+    fleet.run(30.0)
+    assert fleet.state(1) is MissionState.PAUSED and fleet.agvs['a'].travelled < 4.1
+    fleet.do(fleet.supervisor.command(1, Command.RESUME, fleet.now))
+    fleet.run_until_done(1)
+    assert fleet.state(1) is MissionState.SUCCEEDED
