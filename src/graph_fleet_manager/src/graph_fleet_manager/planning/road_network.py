@@ -14,7 +14,7 @@ import numpy as np
 
 from graph_fleet_manager.fleet import DOCK_APPROACH, RobotType
 from graph_fleet_manager.planning.exclusions import Approach, Exclusions
-from graph_fleet_manager.planning.pieces import edge_lengths, pieces_of
+from graph_fleet_manager.planning.pieces import edge_lengths, pieces_of, splines_of
 from graph_fleet_manager.planning.shortest_ways import ShortestWays
 from trajectory_graph import Graph
 
@@ -51,7 +51,8 @@ class RoadNetwork:
         self.vertices = len(self.vertex_ids)
         self.drives = len(self.origin)
         self.docks = frozenset(self.index[v.id] for v in graph.vertices.values() if v.dock)
-        self._lengths = edge_lengths(graph)
+        self._splines = splines_of(graph)
+        self._lengths = edge_lengths(graph, self._splines)
         self._exclusions: Dict[None, Exclusions] = {}
         self._times: Dict[RobotType, List[float]] = {}
         self._roads: Dict[RobotType, Roads] = {}
@@ -108,11 +109,13 @@ class RoadNetwork:
     def roads(self, kind: RobotType, docks: Iterable[int] = ()) -> Roads:
         """Where one may drive from each vertex; into a dock only if it is one of `docks`."""
         if kind not in self._roads:
-            self._roads[kind] = [[] for _ in range(self.vertices)]
-            for drive, seconds in enumerate(self.times(kind)):
-                if self._open(drive, seconds) and self.destination(drive) not in self.docks:
-                    self._roads[kind][self.origin[drive]].append(
-                        (drive, self.destination(drive), seconds))
+            closed = {self.edge_index[id] for id in self.closed if id in self.edge_index}
+            roads: Roads = [[] for _ in range(self.vertices)]
+            for drive, (begin, seconds) in enumerate(zip(self.origin, self.times(kind))):
+                end = self.origin[drive ^ 1]
+                if seconds < math.inf and drive >> 1 not in closed and end not in self.docks:
+                    roads[begin].append((drive, end, seconds))
+            self._roads[kind] = roads
         wanted = self.docks.intersection(docks)
         if not wanted:
             return self._roads[kind]
@@ -182,8 +185,8 @@ class RoadNetwork:
         """Which places exclude each other; edges that are closed now included."""
         if None not in self._exclusions:
             ends = np.array(self.origin, dtype=np.int64).reshape(-1, 2)
-            self._exclusions[None] = Exclusions(pieces_of(self.graph), ends, self.vertices,
-                                                self._approaches())
+            self._exclusions[None] = Exclusions(pieces_of(self.graph, self._splines), ends,
+                                                self.vertices, self._approaches())
         return self._exclusions[None]
 
     def _approaches(self) -> Tuple[Approach, ...]:
