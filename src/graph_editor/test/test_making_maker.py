@@ -9,9 +9,13 @@ import numpy as np
 import pytest
 from floor_plans import Plan, corner, corridor, floor_plans, two_rooms
 from hypothesis import HealthCheck, given, settings
+from scipy import ndimage
+from scipy.sparse import coo_matrix
+from scipy.spatial import cKDTree
 
 from graph_editor.checking.checker import Checker
 from graph_editor.checking.rules import CheckRules
+from graph_editor.floor import Floor
 from graph_editor.making.coverage import Coverage
 from graph_editor.making.keeping_ids import with_ids_of
 from graph_editor.making.maker import make_graph
@@ -26,8 +30,36 @@ OPTIONS = MakingOptions()
 
 
 def floor_of_robot(site: Site) -> np.ndarray:
-    """What a robot's centre reaches by flooding from the places, a margin off all walls."""
-    return site.floor.reachable(OPTIONS.tight, [place.position for place in site.places])
+    """Where a robot can turn that starts at the places, and drives straight where it cannot.
+
+    With more margin than the maker falls back to, so that all of it must be reached.
+    """
+    floor, turning = site.floor, OPTIONS.turning
+    parts, count = ndimage.label(floor.clearance >= turning, np.ones((3, 3)))
+    rims = [floor.centres(*np.nonzero((parts == part) & (floor.clearance < turning + 0.1)))[::4]
+            for part in range(1, count + 1)]
+    trees = [cKDTree(rim) for rim in rims]
+    reached = {floor.part_near(parts, place.position) for place in site.places} - {0}
+    ahead = sorted(reached)
+    while ahead:
+        here = ahead.pop() - 1
+        for other in range(count):
+            if other + 1 not in reached and straight_between(
+                    floor, rims[here], rims[other], trees[here].sparse_distance_matrix(
+                        trees[other], 2.0, output_type='coo_matrix')):
+                reached.add(other + 1)
+                ahead.append(other + 1)
+    return np.isin(parts, sorted(reached))
+
+
+def straight_between(floor: Floor, starts: np.ndarray, ends: np.ndarray,
+                     near: coo_matrix) -> bool:
+    """Does a straight with room to pass lead from one of `starts` to one of `ends` near by?"""
+    first, last = starts[near.row], ends[near.col]
+    room = np.full(len(first), np.inf)
+    for fraction in np.linspace(0.0, 1.0, 31):
+        room = np.minimum(room, floor.clearance_at(first + fraction * (last - first)))
+    return bool((room >= OPTIONS.tight + 0.02).any())
 
 
 def share_served(site: Site, graph: Graph, reach: float) -> float:

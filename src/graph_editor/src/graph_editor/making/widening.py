@@ -56,7 +56,7 @@ def widen(net: LaneNet, options: MakingOptions, places: Dict[int, Place],
         seen |= cluster
         x, y = net.positions[node]
         if not any(_redraw(net, cluster, margin, options) for margin in margins):
-            for each in cluster:
+            for each in cluster & set(_too_narrow(net, margins[-1])):
                 net.remove_node(each)
             notes.append(f'At {x:.2f} {y:.2f} there are {_room(net, np.array((x, y))):.2f} m to '
                          f'the nearest obstacle, too little for a robot to turn or to pass: no '

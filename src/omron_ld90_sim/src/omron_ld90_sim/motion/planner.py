@@ -226,8 +226,8 @@ class Planner:
         lines = (before[:, None, None]
                  + fractions * (behind[None, :, None] - before[:, None, None]))
         room = space.clearance_at(lines.reshape(-1, 2)).reshape(lines.shape[:3]).min(axis=2)
-        first, second = np.unravel_index(int(room.argmax()), room.shape)
-        if (int(first), int(second)) == (0, 0) or not space.straight_is_free(
+        first, second = divmod(int(room.argmax()), len(behind))
+        if (first, second) == (0, 0) or not space.straight_is_free(
                 before[first], behind[second], self.drive_clearance):
             return None
         return [place for place, end in ((before[first], a), (behind[second], b))
