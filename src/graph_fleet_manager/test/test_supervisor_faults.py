@@ -1,11 +1,13 @@
 """Robots that drop out, stand elsewhere than was thought, or come back: who moves then, and how."""
 from __future__ import annotations
 
+import pytest
 from fleet_builders import AGV, corridor, graph_of
 from supervised_fleet import SupervisedFleet
 
 from graph_fleet_manager.supervision.fleet_view import robot_views
 from graph_fleet_manager.supervision.missions import Command, MissionState
+from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.robots import RobotSettings
 
 
@@ -124,3 +126,35 @@ def test_a_command_that_changes_nothing_says_so():
         fleet.do(fleet.supervisor.command(1, command, fleet.now))
         assert fleet.notes[-1] == note
     fleet.run_until_done(1)
+
+
+@pytest.mark.parametrize('before, after', [(0.0, 0.0), (-3600.0, -3600.0), (0.0, -3600.0),
+                                           (0.0, -5.0), (0.0, 3600.0)])
+def test_a_lost_link_comes_back_whatever_the_robots_clock_says(before, after):
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    fleet.now = 1e6
+    agv = fleet.agvs['a']
+    wrong, report = [before], agv.report
+    agv.report = lambda stamp: report(stamp + wrong[0])
+    fleet.request(1, 8)
+    fleet.run(2.5)
+    agv.fail('lost link: commands')
+    fleet.run(1.0)
+    wrong[0] = after
+    fleet.run(15.0)
+    assert agv.is_driving or agv.visited[-1] == 8
+    old = any('clock' in note for note in fleet.notes)
+    assert old == (after < -10.0)
+
+
+def test_a_lost_link_is_not_back_while_the_locations_are_old():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    fleet.now = 1e6
+    agv, report = fleet.agvs['a'], fleet.agvs['a'].report
+    fleet.request(1, 8)
+    fleet.run(2.5)
+    agv.fail('lost link: commands')
+    frozen = fleet.now + 1.0
+    agv.report = lambda stamp: report(min(stamp, frozen))
+    fleet.run(20.0)
+    assert fleet.supervisor.robots['a'].outage is Outage.LOST_LINK

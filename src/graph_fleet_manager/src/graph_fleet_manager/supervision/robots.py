@@ -73,7 +73,10 @@ class ManagedRobot:
     _moved: float = -math.inf
     """When it was last seen to move, or first seen."""
     _pose: Pose = Pose()
+    _located: float = -math.inf
+    """When it last told of another location than before, old or new."""
     _fresh_after: float = 0.0
+    """Stamp, by the robot's clock, of its location when its link was lost."""
     _route: Tuple[int, Tuple[int, ...]] = (0, ())
     """The route that it last reported."""
     _answered: float = -math.inf
@@ -143,6 +146,8 @@ class ManagedRobot:
         self.seen = now
         if report.pose != self._pose:
             self._pose, self._moved = report.pose, now
+        if report.stamp != self.stamp:
+            self._located = now
         if first:
             self._answered = now
             self.client.adopt(report)
@@ -291,10 +296,15 @@ class ManagedRobot:
         return True
 
     def _consider_link(self, report: Report, now: float) -> None:
-        """After a lost link: it is back when new locations come and it stands."""
-        if self.outage is not Outage.LOST_LINK or report.stamp <= self._fresh_after + STANDING:
+        """After a lost link: it is back when new locations come and it stands.
+
+        The robot's clock need not be ours, and may be set meanwhile.
+        """
+        if self.outage is not Outage.LOST_LINK:
             return
-        if self.is_still(now) and report.age < STANDING:
+        self._fresh_after = min(self._fresh_after, report.stamp)
+        if (report.stamp > self._fresh_after + STANDING and now - self._located < STANDING
+                and self.is_still(now)):
             self.come_back(self.place_at(report.pose))
 
     def come_back(self, place: Optional[Place]) -> str:

@@ -38,6 +38,7 @@ from trajectory_graph import Graph
 from trajectory_graph.route_protocol import RouteRefusal
 
 _STOPPED = 'fleet_is_stopped'
+_OLD = 10.0  # s that a location may be old as it arrives
 
 
 class Supervisor:
@@ -152,6 +153,10 @@ class Supervisor:
             self._out.note_state(name, f'A report of {name} is ignored: {wrong}.', '')
             return self._out.take()
         self._out.note_state(name, '', f'The reports of {name} make sense again.')
+        old = report.age > _OLD and (
+            f'The locations of {name} are more than {_OLD:.0f} s old as they arrive: they are not '
+            'renewed, or the clock of its computer differs (NTP); others stay far behind it.')
+        self._out.note_state(f'{name}/age', old or '', f'The locations of {name} are new again.')
         before, begun = robot.progress, robot.track.begun
         robot.hear(report, now)
         robot.begin_elsewhere()
