@@ -223,6 +223,9 @@ class PathSupervisor:
         charge = message.percentage
         if 0.0 <= charge <= 1.0:
             self._events.put_report(lambda supervisor, now: supervisor.battery(robot, charge, now))
+        elif not math.isnan(charge):
+            rospy.logwarn_throttle(60.0, f'A battery_state of {robot} is ignored: its percentage '
+                                         f'is {charge:g}, but must be from 0 to 1.')
 
     def _on_answer(self, message: PlanAnswer) -> None:
         def take(supervisor: Supervisor, now: float) -> Sequence[Action]:

@@ -236,7 +236,8 @@ class ManagedRobot:
             self.fail(Outage.SILENT, f'it has not reported for {SILENCE:.0f} s')
         elif self.outage is None and now - self._answered > ANSWER:
             self.fail(Outage.DEAF, f'it reports, but has not answered an order for {ANSWER:.0f} s: '
-                                   f'do its message definitions differ?')
+                                   'do its message definitions differ, or was the clock of the '
+                                   'fleet computer set back?')
 
     def try_after_stop(self, now: float, new_id: NewId, graph: Graph) -> bool:
         """After an emergency stop: what it was driving is ordered anew, until it goes on.
