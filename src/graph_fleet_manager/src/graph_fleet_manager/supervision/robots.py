@@ -174,9 +174,11 @@ class ManagedRobot:
         if driven is not None:
             self.driven.append(driven)
 
-    def hear_refusal(self, refusal: RouteRefusal) -> None:
-        """An order was not taken up."""
-        self._judge(self.client.refuse(refusal), None)
+    def hear_refusal(self, refusal: RouteRefusal) -> bool:
+        """An order was not taken up; tells whether it is one that is still to be answered."""
+        heard = self.client.refuse(refusal)
+        self._judge(heard, None)
+        return bool(heard.refused)
 
     def _consider_answer(self, report: Report, now: float) -> None:
         """A robot that took up an order, be it an older one, is not deaf."""

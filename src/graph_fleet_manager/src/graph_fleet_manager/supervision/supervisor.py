@@ -174,7 +174,8 @@ class Supervisor:
         """A robot did not take up an order."""
         robot = self.robots[name]
         was_stopped = robot.outage is Outage.STOPPED
-        robot.hear_refusal(refusal)
+        if not robot.hear_refusal(refusal):
+            return self._out.take()
         self._out.robot_changed(name)
         if not (was_stopped and robot.outage is Outage.STOPPED):  # each trial is refused then
             self._out.note(f'{name} refused route {refusal.route_id}: {refusal.reason}.', True)
