@@ -158,3 +158,27 @@ def test_a_lost_link_is_not_back_while_the_locations_are_old():
     agv.report = lambda stamp: report(min(stamp, frozen))
     fleet.run(20.0)
     assert fleet.supervisor.robots['a'].outage is Outage.LOST_LINK
+
+
+@pytest.mark.parametrize('deafness', [0.0, 2.0])
+def test_a_robot_switched_off_and_on_where_it_stands_does_not_drive_its_old_route_again(deafness):
+    """To make room its old route would be extended, be it just before it is switched off."""
+    fleet = SupervisedFleet(corridor(8, siding_at=3), {'a': (AGV, 1), 'b': (AGV, 8)},
+                            parking=(1, 8, 100))
+    fleet.request(1, 2, 1, robot='a')
+    fleet.run_until_done(1)
+    agv, before = fleet.agvs['a'], fleet.agvs['a'].travelled
+    if not deafness:
+        agv.forget()
+        fleet.run(1.0)
+    fleet.deaf['a'] = fleet.now + deafness
+    fleet.request(2, 1, robot='b')
+    fleet.run_until(lambda: bool(fleet.supervisor.robots['a'].track.ahead))
+    agv.forget()
+    fleet.run(10.0)
+    if deafness:  # nobody knows what it has driven of it
+        assert fleet.supervisor.robots['a'].why == 'it has forgotten its route'
+        assert agv.travelled == before
+        fleet.do(fleet.supervisor.bring_in('a', fleet.now)[1])
+    fleet.run_until_done(2)
+    assert agv.travelled - before == pytest.approx(6.0)

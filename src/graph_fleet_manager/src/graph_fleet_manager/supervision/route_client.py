@@ -260,10 +260,12 @@ class RouteClient:
             track.pose = report.pose
             if report.is_running:
                 heard.foreign = report.route_id not in self._ended
-            elif self.order is None:
+                return heard
+            if report.route_id not in self._ended and (
+                    self.order is None or self.route_id in self._acknowledged):
+                self._forgotten(heard)
+            if self.order is None:
                 heard.left = track.is_standing and track.has_left()
-                if track.ahead and report.route_id not in self._ended:
-                    heard.failed = 'it has forgotten its route'
             return heard
         base = self._bases[report.route_id]
         skipped = max(track.first - base, 0)
@@ -293,6 +295,12 @@ class RouteClient:
         elif track.is_standing and self.order is None and report.edges:
             heard.left = track.has_left()
         return heard
+
+    def _forgotten(self, heard: Heard) -> None:
+        """It was switched off and on: it would drive an extended route from its beginning."""
+        self.order, self.over = None, True
+        if self.track.ahead:
+            heard.failed = 'it has forgotten its route'
 
     def refuse(self, refusal: RouteRefusal) -> Heard:
         """The robot did not take up an order: the next report tells what it really drives."""
