@@ -182,3 +182,21 @@ def test_a_robot_switched_off_and_on_where_it_stands_does_not_drive_its_old_rout
         fleet.do(fleet.supervisor.bring_in('a', fleet.now)[1])
     fleet.run_until_done(2)
     assert agv.travelled - before == pytest.approx(6.0)
+
+
+def test_who_is_silent_is_ordered_nothing_but_to_stop():
+    """It may be switched off meanwhile, and an order that was meant for before reach it then."""
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    fleet.run(1.0)
+    fleet.silent['a'] = 1e9
+    fleet.request(1, 8)
+    fleet.run(6.0)
+    sent = len(fleet.sent)
+    fleet.run(10.0)
+    assert fleet.sent[sent:] == []
+    fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+    fleet.run(3.5)
+    assert [order.edges for order in fleet.sent[sent:]] == [()] * 4
+    fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
+    fleet.silent.clear()
+    fleet.run_until_done(1)
