@@ -20,9 +20,9 @@ from graph_fleet_manager.supervision.missions import (
     Request,
     RequestRefused,
 )
+from graph_fleet_manager.supervision.orders import Memory
 from graph_fleet_manager.supervision.outages import Outage, outage_of
 from graph_fleet_manager.supervision.reports import Place
-from graph_fleet_manager.supervision.route_client import Memory
 
 ACCEPTANCE = Acceptance(corridor(5), {'a': AGV, 'b': AGV})
 

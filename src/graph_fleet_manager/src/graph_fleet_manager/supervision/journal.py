@@ -20,9 +20,9 @@ from graph_fleet_manager.supervision.missions import (
     MissionState,
     Request,
 )
+from graph_fleet_manager.supervision.orders import Memory
 from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.reports import Place
-from graph_fleet_manager.supervision.route_client import Memory
 
 _TABLES = '''
 CREATE TABLE IF NOT EXISTS mission (

@@ -7,9 +7,10 @@ from typing import List, Optional, Tuple
 
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.supervision.edge_times import Driven, EdgeTimer
+from graph_fleet_manager.supervision.orders import Heard
 from graph_fleet_manager.supervision.outages import Outage, outage_of
 from graph_fleet_manager.supervision.reports import NEAR, Place, Pose, Report, place_of
-from graph_fleet_manager.supervision.route_client import Heard, NewId, RouteClient
+from graph_fleet_manager.supervision.route_client import NewId, RouteClient
 from graph_fleet_manager.supervision.track import Track
 from trajectory_graph import Graph
 from trajectory_graph.route_protocol import RouteRefusal
