@@ -1,6 +1,8 @@
 """Robots that drop out, stand elsewhere than was thought, or come back: who moves then, and how."""
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from fleet_builders import AGV, corridor, graph_of
 from supervised_fleet import SupervisedFleet
@@ -8,6 +10,7 @@ from supervised_fleet import SupervisedFleet
 from graph_fleet_manager.supervision.fleet_view import robot_views
 from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.outages import Outage
+from graph_fleet_manager.supervision.reports import Pose
 from graph_fleet_manager.supervision.robots import RobotSettings
 
 
@@ -200,3 +203,51 @@ def test_who_is_silent_is_ordered_nothing_but_to_stop():
     fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
     fleet.silent.clear()
     fleet.run_until_done(1)
+
+
+def trembling(fleet, name, metres):
+    """A robot whose location is never twice the same, as on a real floor."""
+    agv, report = fleet.agvs[name], fleet.agvs[name].report
+
+    def tremble(stamp):
+        told = report(stamp)
+        length = fleet.graph.curve(told.pose.edge).length
+        fraction = told.pose.fraction + fleet.random.uniform(-metres, metres) / length
+        return replace(told, pose=Pose(told.pose.edge, min(max(fraction, 0.0), 1.0)))
+    agv.report = tremble
+
+
+@pytest.mark.parametrize('how', ['stop all', 'lost link', 'out and in'])
+def test_a_robot_whose_location_trembles_stands_still_all_the_same(how):
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    trembling(fleet, 'a', 0.015)
+    fleet.request(1, 8)
+    fleet.run(2.5)
+    if how == 'lost link':
+        fleet.agvs['a'].fail('lost link: commands')
+    elif how == 'stop all':
+        fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+    else:
+        fleet.do(fleet.supervisor.take_out('a', fleet.now))
+    fleet.run(5.0)
+    fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
+    fleet.do(fleet.supervisor.bring_in('a', fleet.now)[1])
+    fleet.run_until_done(1, limit=60.0)
+
+
+@pytest.mark.parametrize('edge, arc, left', [(2, 1.02, False), (3, 0.05, False), (2, 1.8, True)])
+def test_a_robot_that_stands_on_an_edge_has_left_when_it_is_elsewhere(edge, arc, left):
+    """Near another edge it may be told on that one; pushed along its own it is elsewhere."""
+    graph = graph_of({1: (0, 0), 2: (2, 0), 3: (4, 0), 4: (3.1, 0.05), 5: (3.1, 3)},
+                     {1: (1, 2), 2: (2, 3), 3: (4, 5), 4: (3, 5)})
+    fleet = SupervisedFleet(graph, {'a': (AGV, 1)})
+    fleet.request(1, 3)
+    fleet.run_until(lambda: fleet.agvs['a'].edge == 2 and fleet.agvs['a'].arc > 0.9)
+    fleet.do(fleet.supervisor.take_out('a', fleet.now))
+    fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
+    fleet.run(4.0)
+    fleet.do(fleet.supervisor.bring_in('a', fleet.now)[1])
+    assert fleet.supervisor.robots['a'].works
+    carry(fleet.agvs['a'], edge, arc)
+    fleet.run(0.5)
+    assert (fleet.supervisor.robots['a'].outage is Outage.TAKEN_OVER) == left

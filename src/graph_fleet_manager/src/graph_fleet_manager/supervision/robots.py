@@ -9,7 +9,7 @@ from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.supervision.edge_times import Driven, EdgeTimer
 from graph_fleet_manager.supervision.orders import Heard
 from graph_fleet_manager.supervision.outages import Outage, outage_of
-from graph_fleet_manager.supervision.reports import NEAR, Place, Pose, Report, place_of
+from graph_fleet_manager.supervision.reports import NEAR, Place, Pose, Report, distance, place_of
 from graph_fleet_manager.supervision.route_client import NewId, RouteClient
 from graph_fleet_manager.supervision.track import Track
 from trajectory_graph import Graph
@@ -19,6 +19,7 @@ SILENCE = 5.0      # s without a report after which a robot counts as silent
 ANSWER = 5.0       # s without an answer to an order after which a robot that reports counts as deaf
 AT_VERTEX = 0.02   # m from a vertex at which a robot that follows its edges exactly stands on it
 STANDING = 2.0     # s without motion after which a robot that lost its link is believed to stand
+TREMBLE = 0.05     # m by which the location of a robot that stands may change
 TRIAL = 2.0        # s between two tries to go on after an emergency stop
 REFUSALS = 3       # in a row, after which a person must look
 
@@ -74,6 +75,7 @@ class ManagedRobot:
     _moved: float = -math.inf
     """When it was last seen to move, or first seen."""
     _pose: Pose = Pose()
+    """Where that was."""
     _located: float = -math.inf
     """When it last told of another location than before, old or new."""
     _fresh_after: float = 0.0
@@ -145,7 +147,7 @@ class ManagedRobot:
             return
         first = not self.is_seen
         self.seen = now
-        if report.pose != self._pose:
+        if distance(self.track.graph, report.pose, self._pose) > TREMBLE:
             self._pose, self._moved = report.pose, now
         if report.stamp != self.stamp:
             self._located = now
