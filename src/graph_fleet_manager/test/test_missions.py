@@ -13,15 +13,16 @@ from graph_fleet_manager.supervision.journal import (
     history,
 )
 from graph_fleet_manager.supervision.missions import (
+    REMEMBERED,
     Acceptance,
     MissionBook,
     MissionState,
     Request,
     RequestRefused,
 )
+from graph_fleet_manager.supervision.orders import Memory
 from graph_fleet_manager.supervision.outages import Outage, outage_of
 from graph_fleet_manager.supervision.reports import Place
-from graph_fleet_manager.supervision.route_client import Memory
 
 ACCEPTANCE = Acceptance(corridor(5), {'a': AGV, 'b': AGV})
 
@@ -143,3 +144,14 @@ def test_a_full_disk_is_said(tmp_path):
 def test_the_reason_of_a_failed_route_says_how_the_robot_comes_back(reason, outage):
     assert outage_of(reason) is outage
     assert outage.needs_person == (outage in (Outage.TAKEN_OVER, Outage.FAILED))
+
+
+def test_ended_missions_are_forgotten_but_for_the_last():
+    book = MissionBook()
+    for id in range(1, REMEMBERED + 12):
+        book.set(book.add(Request(id, (2,)), ACCEPTANCE), MissionState.CANCELLED)
+        book.take_changes()
+    book.add(Request(3, (2,)), ACCEPTANCE)  # an id used anew
+    assert book.find(2) is None and book.find(3).state is MissionState.PENDING
+    assert book.find(REMEMBERED + 11).state is MissionState.CANCELLED
+    assert len(book._last) == REMEMBERED + 1

@@ -96,7 +96,9 @@ def test_a_route_of_a_stranger_takes_the_robot_over_and_nobody_else_is_sent_ther
 
 
 def test_a_refusal_of_what_was_never_ordered_changes_nothing(fleet):
+    told, commits = len(fleet.notes), fleet.journal.commits
     fleet.do(fleet.supervisor.refusal('a', RouteRefusal(4711, (3,), 'no'), fleet.now))
+    assert (len(fleet.notes), fleet.journal.commits) == (told, commits)
     assert fleet.supervisor.robots['a'].works and ends_well(fleet)
 
 

@@ -1,11 +1,16 @@
 """Robots that drop out, stand elsewhere than was thought, or come back: who moves then, and how."""
 from __future__ import annotations
 
+from dataclasses import replace
+
+import pytest
 from fleet_builders import AGV, corridor, graph_of
 from supervised_fleet import SupervisedFleet
 
 from graph_fleet_manager.supervision.fleet_view import robot_views
 from graph_fleet_manager.supervision.missions import Command, MissionState
+from graph_fleet_manager.supervision.outages import Outage
+from graph_fleet_manager.supervision.reports import Pose
 from graph_fleet_manager.supervision.robots import RobotSettings
 
 
@@ -124,3 +129,125 @@ def test_a_command_that_changes_nothing_says_so():
         fleet.do(fleet.supervisor.command(1, command, fleet.now))
         assert fleet.notes[-1] == note
     fleet.run_until_done(1)
+
+
+@pytest.mark.parametrize('before, after', [(0.0, 0.0), (-3600.0, -3600.0), (0.0, -3600.0),
+                                           (0.0, -5.0), (0.0, 3600.0)])
+def test_a_lost_link_comes_back_whatever_the_robots_clock_says(before, after):
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    fleet.now = 1e6
+    agv = fleet.agvs['a']
+    wrong, report = [before], agv.report
+    agv.report = lambda stamp: report(stamp + wrong[0])
+    fleet.request(1, 8)
+    fleet.run(2.5)
+    agv.fail('lost link: commands')
+    fleet.run(1.0)
+    wrong[0] = after
+    fleet.run(15.0)
+    assert agv.is_driving or agv.visited[-1] == 8
+    old = any('clock' in note for note in fleet.notes)
+    assert old == (after < -10.0)
+
+
+def test_a_lost_link_is_not_back_while_the_locations_are_old():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    fleet.now = 1e6
+    agv, report = fleet.agvs['a'], fleet.agvs['a'].report
+    fleet.request(1, 8)
+    fleet.run(2.5)
+    agv.fail('lost link: commands')
+    frozen = fleet.now + 1.0
+    agv.report = lambda stamp: report(min(stamp, frozen))
+    fleet.run(20.0)
+    assert fleet.supervisor.robots['a'].outage is Outage.LOST_LINK
+
+
+@pytest.mark.parametrize('deafness', [0.0, 2.0])
+def test_a_robot_switched_off_and_on_where_it_stands_does_not_drive_its_old_route_again(deafness):
+    """To make room its old route would be extended, be it just before it is switched off."""
+    fleet = SupervisedFleet(corridor(8, siding_at=3), {'a': (AGV, 1), 'b': (AGV, 8)},
+                            parking=(1, 8, 100))
+    fleet.request(1, 2, 1, robot='a')
+    fleet.run_until_done(1)
+    agv, before = fleet.agvs['a'], fleet.agvs['a'].travelled
+    if not deafness:
+        agv.forget()
+        fleet.run(1.0)
+    fleet.deaf['a'] = fleet.now + deafness
+    fleet.request(2, 1, robot='b')
+    fleet.run_until(lambda: bool(fleet.supervisor.robots['a'].track.ahead))
+    agv.forget()
+    fleet.run(10.0)
+    if deafness:  # nobody knows what it has driven of it
+        assert fleet.supervisor.robots['a'].why == 'it has forgotten its route'
+        assert agv.travelled == before
+        fleet.do(fleet.supervisor.bring_in('a', fleet.now)[1])
+    fleet.run_until_done(2)
+    assert agv.travelled - before == pytest.approx(6.0)
+
+
+def test_who_is_silent_is_ordered_nothing_but_to_stop():
+    """It may be switched off meanwhile, and an order that was meant for before reach it then."""
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    fleet.run(1.0)
+    fleet.silent['a'] = 1e9
+    fleet.request(1, 8)
+    fleet.run(6.0)
+    sent = len(fleet.sent)
+    fleet.run(10.0)
+    assert fleet.sent[sent:] == []
+    fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+    fleet.run(3.5)
+    assert [order.edges for order in fleet.sent[sent:]] == [()] * 4
+    fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
+    fleet.silent.clear()
+    fleet.run_until_done(1)
+
+
+def trembling(fleet, name, metres):
+    """A robot whose location is never twice the same, as on a real floor."""
+    agv, report = fleet.agvs[name], fleet.agvs[name].report
+
+    def tremble(stamp):
+        told = report(stamp)
+        length = fleet.graph.curve(told.pose.edge).length
+        fraction = told.pose.fraction + fleet.random.uniform(-metres, metres) / length
+        return replace(told, pose=Pose(told.pose.edge, min(max(fraction, 0.0), 1.0)))
+    agv.report = tremble
+
+
+@pytest.mark.parametrize('how', ['stop all', 'lost link', 'out and in'])
+def test_a_robot_whose_location_trembles_stands_still_all_the_same(how):
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    trembling(fleet, 'a', 0.015)
+    fleet.request(1, 8)
+    fleet.run(2.5)
+    if how == 'lost link':
+        fleet.agvs['a'].fail('lost link: commands')
+    elif how == 'stop all':
+        fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+    else:
+        fleet.do(fleet.supervisor.take_out('a', fleet.now))
+    fleet.run(5.0)
+    fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
+    fleet.do(fleet.supervisor.bring_in('a', fleet.now)[1])
+    fleet.run_until_done(1, limit=60.0)
+
+
+@pytest.mark.parametrize('edge, arc, left', [(2, 1.02, False), (3, 0.05, False), (2, 1.8, True)])
+def test_a_robot_that_stands_on_an_edge_has_left_when_it_is_elsewhere(edge, arc, left):
+    """Near another edge it may be told on that one; pushed along its own it is elsewhere."""
+    graph = graph_of({1: (0, 0), 2: (2, 0), 3: (4, 0), 4: (3.1, 0.05), 5: (3.1, 3)},
+                     {1: (1, 2), 2: (2, 3), 3: (4, 5), 4: (3, 5)})
+    fleet = SupervisedFleet(graph, {'a': (AGV, 1)})
+    fleet.request(1, 3)
+    fleet.run_until(lambda: fleet.agvs['a'].edge == 2 and fleet.agvs['a'].arc > 0.9)
+    fleet.do(fleet.supervisor.take_out('a', fleet.now))
+    fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
+    fleet.run(4.0)
+    fleet.do(fleet.supervisor.bring_in('a', fleet.now)[1])
+    assert fleet.supervisor.robots['a'].works
+    carry(fleet.agvs['a'], edge, arc)
+    fleet.run(0.5)
+    assert (fleet.supervisor.robots['a'].outage is Outage.TAKEN_OVER) == left

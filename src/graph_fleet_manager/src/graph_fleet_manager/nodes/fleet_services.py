@@ -7,6 +7,7 @@ from typing import Callable, Iterable, List, Optional, Sequence, Tuple
 import rospy
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
+from graph_fleet_manager.nodes.event_loop import Event
 from graph_fleet_manager.supervision.actions import Action
 from graph_fleet_manager.supervision.supervisor import Supervisor
 
@@ -14,7 +15,6 @@ PATIENCE = 5.0  # s that a call waits for its turn
 
 Act = Callable[[Supervisor, float], Tuple[str, Sequence[Action]]]
 """What a service does: why it is not done (empty: it is), and what is to be done."""
-Event = Callable[[Optional[Supervisor], float], Sequence[Action]]
 
 
 def serve(robots: Iterable[str], put: Callable[[Event], None]) -> List[rospy.Service]:

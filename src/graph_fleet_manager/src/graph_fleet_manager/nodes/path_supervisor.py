@@ -25,7 +25,6 @@ from __future__ import annotations
 
 import math
 import os
-import queue
 import threading
 import time
 import traceback
@@ -39,9 +38,10 @@ from graph_fleet_manager.files.errors import FileError
 from graph_fleet_manager.files.robot_settings import load_settings
 from graph_fleet_manager.messages import missions as messages
 from graph_fleet_manager.messages.planning import outcome_of
+from graph_fleet_manager.nodes.event_loop import EventLoop
 from graph_fleet_manager.nodes.fleet_diagnosis import report_fleet, report_missions
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
-from graph_fleet_manager.nodes.fleet_services import Event, serve
+from graph_fleet_manager.nodes.fleet_services import serve
 from graph_fleet_manager.nodes.fleet_topics import FleetTopics, TellStatuses, status_message
 from graph_fleet_manager.supervision.actions import Action, TellStatus
 from graph_fleet_manager.supervision.journal import Journal, JournalError
@@ -66,9 +66,7 @@ from node_lifecycle import ConfigurationError, number, parameter, publish_diagno
 from trajectory_graph import Graph, GraphError
 from trajectory_graph.messages import graph_from_message
 
-TICK = 0.05       # s between two looks at the clock
 VIEW_PERIOD = 0.5  # s between two /fleet_state, and the least between two /fleet_plan
-_WAITING = 10000  # events, beyond which something is badly wrong
 
 
 class PathSupervisor:
@@ -82,7 +80,7 @@ class PathSupervisor:
         except (FileError, JournalError) as error:
             raise ConfigurationError(str(error)) from None
         self._rate = number('~sim_speed', 1.0, 0.01, 100.0)
-        self._events: queue.Queue[Event] = queue.Queue(_WAITING)
+        self._events = EventLoop()
         self._supervisor: Optional[Supervisor] = None
         self._graph: Optional[Graph] = None
         self._viewed = -math.inf
@@ -96,7 +94,7 @@ class PathSupervisor:
             'fleet': lambda status: report_fleet(self._supervisor, status),
             'missions': lambda status: report_missions(self._supervisor, status)})
         self._subscribers = self._subscribe(robots)
-        self._services = serve(robots, self._events.put)
+        self._services = serve(robots, self._events.put_urgent)
 
     def _subscribe(self, robots: Iterable[str]) -> List[rospy.Subscriber]:
         def listen(topic: str, kind: Any, handler: Callable[[Any], None],
@@ -123,13 +121,8 @@ class PathSupervisor:
     # -- the one thread ---------------------------------------------------------------------------
 
     def _work(self) -> None:
-        due = time.monotonic()
         while not rospy.is_shutdown():
-            try:
-                event = self._events.get(timeout=max(due - time.monotonic(), 0.0))
-            except queue.Empty:
-                due = time.monotonic() + TICK
-                event = _tick
+            event = self._events.take()
             try:
                 self._topics.do(event(self._supervisor, time.monotonic()))
                 self._publish_views()
@@ -142,18 +135,12 @@ class PathSupervisor:
                                'node ends to be started anew.\n%s', traceback.format_exc())
                 os._exit(1)
 
-    def _put(self, event: Callable[[Supervisor, float], Sequence[Action]]) -> None:
-        """Leaves an event to the thread; without a graph there is nobody who understands it."""
-        def when_ready(supervisor: Optional[Supervisor], now: float) -> Sequence[Action]:
-            return () if supervisor is None else event(supervisor, now)
-        self._events.put(when_ready)
-
     def _tell_open(self, publish: TellStatuses) -> None:
         def tell(supervisor: Supervisor, now: float) -> Sequence[Action]:
             for status in supervisor.open_statuses():
                 publish(status_message(status))
             return ()
-        self._put(tell)
+        self._events.put_order(tell)
 
     def _publish_views(self) -> None:
         supervisor, now = self._supervisor, time.monotonic()
@@ -197,19 +184,18 @@ class PathSupervisor:
             return ()
         self._supervisor = Supervisor(self._graph, self._fleet, self._settings, self._journal, now,
                                       self._rate)
-        return self._supervisor.close_edges(self._closed, now)
+        return [*self._supervisor.close_edges(self._closed, now),
+                *self._events.begin(self._supervisor, now)]
 
     def _on_request(self, message: MissionRequest) -> None:
-        def take(supervisor: Optional[Supervisor], now: float) -> Sequence[Action]:
+        def take(supervisor: Supervisor, now: float) -> Sequence[Action]:
             try:
                 request = messages.request_of(message)
-                if supervisor is None:
-                    raise RequestRefused('the fleet manager has no graph yet; try again')
             except RequestRefused as refused:
                 return (TellStatus(Status(message.request_id, MissionState.REFUSED,
                                           reason=str(refused))),)
             return supervisor.request(request, now)
-        self._events.put(take)
+        self._events.put_order(take)
 
     def _on_command(self, message: MissionCommand) -> None:
         try:
@@ -218,7 +204,8 @@ class PathSupervisor:
             rospy.logwarn('A mission command %d for mission %d is ignored: there is no such '
                           'command.', message.command, message.request_id)
             return
-        self._put(lambda supervisor, now: supervisor.command(message.request_id, command, now))
+        self._events.put_order(
+            lambda supervisor, now: supervisor.command(message.request_id, command, now))
 
     def _on_report(self, robot: str, message: ExecutionRouteStates) -> None:
         try:
@@ -226,16 +213,19 @@ class PathSupervisor:
         except WrongReport as wrong:
             rospy.logwarn_throttle(10.0, f'A report of {robot} is ignored: {wrong}.')
             return
-        self._put(lambda supervisor, now: supervisor.report(robot, report, now))
+        self._events.put_report(lambda supervisor, now: supervisor.report(robot, report, now))
 
     def _on_refusal(self, robot: str, message: RouteRefused) -> None:
         refusal = messages.refusal_of(message)
-        self._put(lambda supervisor, now: supervisor.refusal(robot, refusal, now))
+        self._events.put_report(lambda supervisor, now: supervisor.refusal(robot, refusal, now))
 
     def _on_battery(self, robot: str, message: BatteryState) -> None:
         charge = message.percentage
         if 0.0 <= charge <= 1.0:
-            self._put(lambda supervisor, now: supervisor.battery(robot, charge, now))
+            self._events.put_report(lambda supervisor, now: supervisor.battery(robot, charge, now))
+        elif not math.isnan(charge):
+            rospy.logwarn_throttle(60.0, f'A battery_state of {robot} is ignored: its percentage '
+                                         f'is {charge:g}, but must be from 0 to 1.')
 
     def _on_answer(self, message: PlanAnswer) -> None:
         def take(supervisor: Supervisor, now: float) -> Sequence[Action]:
@@ -244,10 +234,7 @@ class PathSupervisor:
             if message.result == PlanAnswer.PLANNED:
                 return supervisor.plan_made(message.plan_id, outcome_of(message, self._rate), now)
             return supervisor.plan_failed(message.plan_id, message.reason.rstrip('.'), now)
-        self._put(take)
-
-def _tick(supervisor: Optional[Supervisor], now: float) -> Sequence[Action]:
-    return () if supervisor is None else supervisor.tick(now)
+        self._events.put_report(take)
 
 
 def _journal_file() -> str:

@@ -15,6 +15,7 @@ from graph_fleet_manager.supervision.errands import (
     have_moved,
     snapshot,
 )
+from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.outbox import Outbox
 from graph_fleet_manager.supervision.plan_in_force import PlanInForce
 from graph_fleet_manager.supervision.release import released
@@ -131,8 +132,10 @@ class Dispatcher:
             self._ask(errands, network, now)
 
     def send(self, now: float) -> None:
-        """All orders that are due."""
+        """All orders that are due; who is silent may have forgotten its route, so it must wait."""
         for name, robot in self._robots.items():
+            if robot.outage is Outage.SILENT and not robot.client.is_stopping:
+                continue
             sending = robot.client.due(now)
             if sending is not None:
                 self._outbox.put(SendRoute(name, *sending))

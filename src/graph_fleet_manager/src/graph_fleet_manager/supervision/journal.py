@@ -14,10 +14,15 @@ from dataclasses import astuple
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
 from urllib.parse import quote
 
-from graph_fleet_manager.supervision.missions import Mission, MissionState, Request
+from graph_fleet_manager.supervision.missions import (
+    REMEMBERED,
+    Mission,
+    MissionState,
+    Request,
+)
+from graph_fleet_manager.supervision.orders import Memory
 from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.reports import Place
-from graph_fleet_manager.supervision.route_client import Memory
 
 _TABLES = '''
 CREATE TABLE IF NOT EXISTS mission (
@@ -33,7 +38,6 @@ CREATE TABLE IF NOT EXISTS robot (name TEXT PRIMARY KEY, memory TEXT NOT NULL);
 CREATE TABLE IF NOT EXISTS value (name TEXT PRIMARY KEY, number INTEGER NOT NULL);
 '''
 _OPEN = tuple(state for state in MissionState if state.is_open)
-_REMEMBERED = 1000  # ended missions whose ids are known as repeats
 
 
 class JournalError(Exception):
@@ -146,7 +150,7 @@ class Journal:
             'SELECT * FROM (SELECT serial, request, state, robot, reached, reason FROM mission '
             f'WHERE state IN ({marks}) UNION SELECT * FROM (SELECT serial, request, state, robot, '
             f'reached, reason FROM mission WHERE state NOT IN ({marks}) ORDER BY serial DESC '
-            'LIMIT ?)) ORDER BY serial', (_REMEMBERED,))
+            'LIMIT ?)) ORDER BY serial', (REMEMBERED,))
         return [Mission(serial, _request(text), MissionState(state), robot, reached, None, reason)
                 for serial, text, state, robot, reached, reason in rows]
 

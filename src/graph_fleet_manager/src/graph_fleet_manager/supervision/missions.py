@@ -2,14 +2,16 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Dict, Iterable, List, Mapping, Optional, Set, Tuple
+from typing import Deque, Dict, Iterable, List, Mapping, Optional, Set, Tuple
 
 from graph_fleet_manager.fleet import RobotType
 from trajectory_graph import Graph
 
 MOST_DESTINATIONS = 1000
+REMEMBERED = 1000     # ended missions whose ids are known as repeats
 LONGEST_DWELL = 1e6  # s; more is a mistake
 
 
@@ -179,12 +181,13 @@ class Acceptance:
 
 
 class MissionBook:
-    """All open missions, and the last one with each id."""
+    """All open missions, and of those that ended lately the last one with each id."""
 
     def __init__(self, missions: Iterable[Mission] = (), next_serial: int = 1) -> None:
         self._by_serial: Dict[int, Mission] = {}
         self._last: Dict[int, Mission] = {}
         self._by_robot: Dict[str, Mission] = {}
+        self._ended: Deque[Mission] = deque()
         self._next = next_serial
         self.changed: Set[int] = set()
         """Serials of missions whose status is to be stored and told."""
@@ -194,6 +197,8 @@ class MissionBook:
                 self._by_serial[mission.serial] = mission
                 if mission.robot:
                     self._by_robot[mission.robot] = mission
+            else:
+                self._ended.append(mission)
 
     @property
     def open(self) -> List[Mission]:
@@ -255,6 +260,11 @@ class MissionBook:
         for mission in found:
             if not mission.state.is_open:
                 self._by_serial.pop(mission.serial, None)
+                self._ended.append(mission)
+        while len(self._ended) > REMEMBERED:
+            old = self._ended.popleft()
+            if self._last.get(old.request.id) is old:
+                del self._last[old.request.id]
         return found
 
     def _find(self, serial: int) -> Mission:

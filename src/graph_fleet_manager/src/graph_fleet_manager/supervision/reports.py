@@ -20,6 +20,19 @@ class Pose:
     fraction: float = 0.0
 
 
+def distance(graph: Graph, one: Pose, other: Pose) -> float:
+    """Metres between two poses, along their edge or straight; infinite from off the graph."""
+    if one.edge == other.edge:
+        length = graph.curve(one.edge).length if one.edge else 0.0
+        return abs(one.fraction - other.fraction) * length
+    if not (one.edge and other.edge):
+        return math.inf
+    (x, y), (other_x, other_y) = (
+        graph.curve(pose.edge).point_at(pose.fraction * graph.curve(pose.edge).length)
+        for pose in (one, other))
+    return math.hypot(x - other_x, y - other_y)
+
+
 @dataclass(frozen=True)
 class Report:
     """One report of a robot.

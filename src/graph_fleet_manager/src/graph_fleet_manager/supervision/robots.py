@@ -7,9 +7,10 @@ from typing import List, Optional, Tuple
 
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.supervision.edge_times import Driven, EdgeTimer
+from graph_fleet_manager.supervision.orders import Heard
 from graph_fleet_manager.supervision.outages import Outage, outage_of
-from graph_fleet_manager.supervision.reports import NEAR, Place, Pose, Report, place_of
-from graph_fleet_manager.supervision.route_client import Heard, NewId, RouteClient
+from graph_fleet_manager.supervision.reports import NEAR, Place, Pose, Report, distance, place_of
+from graph_fleet_manager.supervision.route_client import NewId, RouteClient
 from graph_fleet_manager.supervision.track import Track
 from trajectory_graph import Graph
 from trajectory_graph.route_protocol import RouteRefusal
@@ -18,6 +19,7 @@ SILENCE = 5.0      # s without a report after which a robot counts as silent
 ANSWER = 5.0       # s without an answer to an order after which a robot that reports counts as deaf
 AT_VERTEX = 0.02   # m from a vertex at which a robot that follows its edges exactly stands on it
 STANDING = 2.0     # s without motion after which a robot that lost its link is believed to stand
+TREMBLE = 0.05     # m by which the location of a robot that stands may change
 TRIAL = 2.0        # s between two tries to go on after an emergency stop
 REFUSALS = 3       # in a row, after which a person must look
 
@@ -73,7 +75,11 @@ class ManagedRobot:
     _moved: float = -math.inf
     """When it was last seen to move, or first seen."""
     _pose: Pose = Pose()
+    """Where that was."""
+    _located: float = -math.inf
+    """When it last told of another location than before, old or new."""
     _fresh_after: float = 0.0
+    """Stamp, by the robot's clock, of its location when its link was lost."""
     _route: Tuple[int, Tuple[int, ...]] = (0, ())
     """The route that it last reported."""
     _answered: float = -math.inf
@@ -141,8 +147,10 @@ class ManagedRobot:
             return
         first = not self.is_seen
         self.seen = now
-        if report.pose != self._pose:
+        if distance(self.track.graph, report.pose, self._pose) > TREMBLE:
             self._pose, self._moved = report.pose, now
+        if report.stamp != self.stamp:
+            self._located = now
         if first:
             self._answered = now
             self.client.adopt(report)
@@ -169,9 +177,11 @@ class ManagedRobot:
         if driven is not None:
             self.driven.append(driven)
 
-    def hear_refusal(self, refusal: RouteRefusal) -> None:
-        """An order was not taken up."""
-        self._judge(self.client.refuse(refusal), None)
+    def hear_refusal(self, refusal: RouteRefusal) -> bool:
+        """An order was not taken up; tells whether it is one that is still to be answered."""
+        heard = self.client.refuse(refusal)
+        self._judge(heard, None)
+        return bool(heard.refused)
 
     def _consider_answer(self, report: Report, now: float) -> None:
         """A robot that took up an order, be it an older one, is not deaf."""
@@ -231,7 +241,8 @@ class ManagedRobot:
             self.fail(Outage.SILENT, f'it has not reported for {SILENCE:.0f} s')
         elif self.outage is None and now - self._answered > ANSWER:
             self.fail(Outage.DEAF, f'it reports, but has not answered an order for {ANSWER:.0f} s: '
-                                   f'do its message definitions differ?')
+                                   'do its message definitions differ, or was the clock of the '
+                                   'fleet computer set back?')
 
     def try_after_stop(self, now: float, new_id: NewId, graph: Graph) -> bool:
         """After an emergency stop: what it was driving is ordered anew, until it goes on.
@@ -291,10 +302,15 @@ class ManagedRobot:
         return True
 
     def _consider_link(self, report: Report, now: float) -> None:
-        """After a lost link: it is back when new locations come and it stands."""
-        if self.outage is not Outage.LOST_LINK or report.stamp <= self._fresh_after + STANDING:
+        """After a lost link: it is back when new locations come and it stands.
+
+        The robot's clock need not be ours, and may be set meanwhile.
+        """
+        if self.outage is not Outage.LOST_LINK:
             return
-        if self.is_still(now) and report.age < STANDING:
+        self._fresh_after = min(self._fresh_after, report.stamp)
+        if (report.stamp > self._fresh_after + STANDING and now - self._located < STANDING
+                and self.is_still(now)):
             self.come_back(self.place_at(report.pose))
 
     def come_back(self, place: Optional[Place]) -> str:

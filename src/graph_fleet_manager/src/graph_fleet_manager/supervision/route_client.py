@@ -4,12 +4,11 @@ What the robot holds by them is its track; a route is a part of that, under an i
 """
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Callable, Dict, Optional, Sequence, Set
 
+from graph_fleet_manager.supervision.orders import Heard, Memory, Order, Sending, is_on
 from graph_fleet_manager.supervision.reports import Place, Report, place_of
 from graph_fleet_manager.supervision.track import Track
-from trajectory_graph import Graph, TrajectoryGraphError, check_route
 from trajectory_graph.route_protocol import RouteRefusal
 
 REPEAT = 1.0      # s after which an order that was not acknowledged is repeated
@@ -18,59 +17,6 @@ _OVERTAKEN = 10.0  # s: a report that is older than the last by more tells of a 
 
 NewId = Callable[[], int]
 """Gives a route id that was never used."""
-
-
-class Order(NamedTuple):
-    """A route as sent to the robot: the edges of the track from `base` on."""
-
-    route_id: int
-    base: int
-    edges: Tuple[int, ...]
-
-
-class Sending(NamedTuple):
-    """An order to be sent now; a repeated one goes out exactly as before."""
-
-    route_id: int
-    edges: Tuple[int, ...]
-    repeated: bool = False
-
-
-class Memory(NamedTuple):
-    """What must outlive a restart; the edges of the track are counted from 0 here."""
-
-    route_id: int
-    track: Tuple[int, ...]
-    done: int
-    bases: Mapping[int, int]
-    place: Optional[Place]
-    over: bool
-    ended: Tuple[int, ...] = ()
-    is_stopping: bool = False
-    shortened: Optional[int] = None
-    """So many edges of the track are left by an order to which there was no answer yet."""
-
-    def is_on(self, graph: Graph) -> bool:
-        """Does a graph, maybe another than when this was stored, have all of it?"""
-        return _is_on(graph, self.track) and (self.place is None or self.place.is_on(graph))
-
-
-@dataclass
-class Heard:
-    """What a report told.
-
-    passed  -- vertices passed since the last report, in order
-    failed  -- why the route failed; empty: it did not
-    refused -- why an order was not taken up; empty: it was
-    foreign -- the robot drives a route that it was not given here
-    left    -- nothing is to be driven, but the robot is not where its route ended
-    """
-
-    passed: List[int] = field(default_factory=list)
-    failed: str = ''
-    refused: str = ''
-    foreign: bool = False
-    left: bool = False
 
 
 class RouteClient:
@@ -219,7 +165,7 @@ class RouteClient:
             if report.route_id in self._ended:
                 if self.track.ahead and self.route_id in self._bases and not self.is_stopping:
                     self._order_again()  # it did not reach the robot
-            elif not self.track.ahead and _is_on(self.track.graph, report.edges):
+            elif not self.track.ahead and is_on(self.track.graph, report.edges):
                 self._adopt_other(report)
             # In any other case `take` finds that the robot was taken over, or lost its route.
         else:
@@ -260,10 +206,12 @@ class RouteClient:
             track.pose = report.pose
             if report.is_running:
                 heard.foreign = report.route_id not in self._ended
-            elif self.order is None:
+                return heard
+            if report.route_id not in self._ended and (
+                    self.order is None or self.route_id in self._acknowledged):
+                self._forgotten(heard)
+            if self.order is None:
                 heard.left = track.is_standing and track.has_left()
-                if track.ahead and report.route_id not in self._ended:
-                    heard.failed = 'it has forgotten its route'
             return heard
         base = self._bases[report.route_id]
         skipped = max(track.first - base, 0)
@@ -293,6 +241,12 @@ class RouteClient:
         elif track.is_standing and self.order is None and report.edges:
             heard.left = track.has_left()
         return heard
+
+    def _forgotten(self, heard: Heard) -> None:
+        """It was switched off and on: it would drive an extended route from its beginning."""
+        self.order, self.over = None, True
+        if self.track.ahead:
+            heard.failed = 'it has forgotten its route'
 
     def refuse(self, refusal: RouteRefusal) -> Heard:
         """The robot did not take up an order: the next report tells what it really drives."""
@@ -331,12 +285,3 @@ class RouteClient:
             self.order = None
             if order.edges and self._is_shorter(order):
                 self.track.cut(order.base + len(order.edges))
-
-
-def _is_on(graph: Graph, edges: Sequence[int]) -> bool:
-    """Can a route over these edges be driven on this graph?"""
-    try:
-        check_route(graph, edges)
-    except TrajectoryGraphError:
-        return False
-    return True

@@ -38,6 +38,7 @@ from trajectory_graph import Graph
 from trajectory_graph.route_protocol import RouteRefusal
 
 _STOPPED = 'fleet_is_stopped'
+_OLD = 10.0  # s that a location may be old as it arrives
 
 
 class Supervisor:
@@ -152,6 +153,10 @@ class Supervisor:
             self._out.note_state(name, f'A report of {name} is ignored: {wrong}.', '')
             return self._out.take()
         self._out.note_state(name, '', f'The reports of {name} make sense again.')
+        old = report.age > _OLD and (
+            f'The locations of {name} are more than {_OLD:.0f} s old as they arrive: they are not '
+            'renewed, or the clock of its computer differs (NTP); others stay far behind it.')
+        self._out.note_state(f'{name}/age', old or '', f'The locations of {name} are new again.')
         before, begun = robot.progress, robot.track.begun
         robot.hear(report, now)
         robot.begin_elsewhere()
@@ -169,7 +174,8 @@ class Supervisor:
         """A robot did not take up an order."""
         robot = self.robots[name]
         was_stopped = robot.outage is Outage.STOPPED
-        robot.hear_refusal(refusal)
+        if not robot.hear_refusal(refusal):
+            return self._out.take()
         self._out.robot_changed(name)
         if not (was_stopped and robot.outage is Outage.STOPPED):  # each trial is refused then
             self._out.note(f'{name} refused route {refusal.route_id}: {refusal.reason}.', True)

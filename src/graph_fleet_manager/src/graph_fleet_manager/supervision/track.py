@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import List, Optional, Sequence, Tuple
 
-from graph_fleet_manager.supervision.reports import Place, Pose, place_of
+from graph_fleet_manager.supervision.reports import NEAR, Place, Pose, distance, place_of
 from trajectory_graph import Graph
 
 _NOT_OVER = 1.0 - 1e-9  # the fraction of an edge that is nearly driven
@@ -87,9 +87,8 @@ class Track:
             return False
         if self.place.vertex is not None:
             return place != self.place
-        if place is None or place.vertex is not None:
-            return place is None or not place.touches(self.graph, (self.place.edge,))
-        return abs(place.edge) != abs(self.place.edge)
+        stood = Pose(self.place.edge, self.place.fraction)
+        return distance(self.graph, stood, self.pose) > NEAR  # on whichever edge is nearest
 
     # -- what changes it --------------------------------------------------------------------------
 

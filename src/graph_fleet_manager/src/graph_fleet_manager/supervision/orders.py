@@ -1,0 +1,70 @@
+"""Orders to one robot, what its reports say of them, and what of both outlives a restart."""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import List, Mapping, NamedTuple, Optional, Sequence, Tuple
+
+from graph_fleet_manager.supervision.reports import Place
+from trajectory_graph import Graph, TrajectoryGraphError, check_route
+
+
+class Order(NamedTuple):
+    """A route as sent to the robot: the edges of the track from `base` on."""
+
+    route_id: int
+    base: int
+    edges: Tuple[int, ...]
+
+
+class Sending(NamedTuple):
+    """An order to be sent now; a repeated one goes out exactly as before."""
+
+    route_id: int
+    edges: Tuple[int, ...]
+    repeated: bool = False
+
+
+class Memory(NamedTuple):
+    """What must outlive a restart; the edges of the track are counted from 0 here."""
+
+    route_id: int
+    track: Tuple[int, ...]
+    done: int
+    bases: Mapping[int, int]
+    place: Optional[Place]
+    over: bool
+    ended: Tuple[int, ...] = ()
+    is_stopping: bool = False
+    shortened: Optional[int] = None
+    """So many edges of the track are left by an order to which there was no answer yet."""
+
+    def is_on(self, graph: Graph) -> bool:
+        """Does a graph, maybe another than when this was stored, have all of it?"""
+        return is_on(graph, self.track) and (self.place is None or self.place.is_on(graph))
+
+
+@dataclass
+class Heard:
+    """What a report told.
+
+    passed  -- vertices passed since the last report, in order
+    failed  -- why the route failed; empty: it did not
+    refused -- why an order was not taken up; empty: it was
+    foreign -- the robot drives a route that it was not given here
+    left    -- nothing is to be driven, but the robot is not where its route ended
+    """
+
+    passed: List[int] = field(default_factory=list)
+    failed: str = ''
+    refused: str = ''
+    foreign: bool = False
+    left: bool = False
+
+
+def is_on(graph: Graph, edges: Sequence[int]) -> bool:
+    """Can a route over these edges be driven on this graph?"""
+    try:
+        check_route(graph, edges)
+    except TrajectoryGraphError:
+        return False
+    return True
