@@ -47,8 +47,7 @@ class Improvement:
         """The best ways so far."""
         self.rounds = 0
         """How many neighbourhoods were tried."""
-        self._kinds = (self._around_delayed, self._around_place, self._any)
-        self._weights = [1.0] * len(self._kinds)
+        self._weights = [1.0] * len(_KINDS)
 
     def delay(self, name: str) -> float:
         """How much more the way booked costs than it would were the robot alone."""
@@ -64,9 +63,9 @@ class Improvement:
             if delays <= _CLOSE * cost:
                 break
             self.rounds += 1
-            kind = self._random.choices(range(len(self._kinds)), self._weights)[0]
+            kind = self._random.choices(range(len(_KINDS)), self._weights)[0]
             more = -_WORSE * delays * log(1.0 - self._random.random())  # exponentially distributed
-            gain = self._try(self._kinds[kind](), more, deadline)
+            gain = self._try(_KINDS[kind](self), more, deadline)
             gained = max(gain, 0.0)
             self._weights[kind] = max(_MEMORY * self._weights[kind] + (1 - _MEMORY) * gained, 1e-3)
             cost -= gain
@@ -176,3 +175,6 @@ class Improvement:
             if other not in chosen:
                 chosen.append(other)
         return chosen
+
+
+_KINDS = (Improvement._around_delayed, Improvement._around_place, Improvement._any)

@@ -7,6 +7,7 @@ vertices.
 from __future__ import annotations
 
 import math
+from array import array
 from types import MappingProxyType
 from typing import Dict, FrozenSet, Iterable, List, Mapping, Sequence, Tuple
 
@@ -18,9 +19,17 @@ from graph_fleet_manager.planning.pieces import edge_lengths, pieces_of, splines
 from graph_fleet_manager.planning.shortest_ways import ShortestWays
 from trajectory_graph import Graph
 
-GUIDED = 1.0 + 1e-9
+_GUIDED = 1.0 + 1e-9
 Roads = List[List[Tuple[int, int, float]]]
 """For each vertex the (drive, vertex at its end, seconds) that lead away from it."""
+
+
+def estimated(seconds: np.ndarray) -> Sequence[float]:
+    """Seconds (V,) as the searches use them: Python's numbers, and larger by a hair.
+
+    So of equally good ways the one that is nearer to its end is followed first.
+    """
+    return array('d', (seconds * _GUIDED).tobytes())
 
 
 class RoadNetwork:
@@ -48,6 +57,8 @@ class RoadNetwork:
         """Vertex at which each drive begins."""
         for edge in edges:
             self.origin += [self.index[edge.origin], self.index[edge.destination]]
+        self.signed_ids: Tuple[int, ...] = tuple(id for edge in edges for id in (edge.id, -edge.id))
+        """Signed edge id of each drive."""
         self.vertices = len(self.vertex_ids)
         self.drives = len(self.origin)
         self.docks = frozenset(self.index[v.id] for v in graph.vertices.values() if v.dock)
@@ -58,7 +69,7 @@ class RoadNetwork:
         self._roads: Dict[RobotType, Roads] = {}
         self._shortest: Dict[RobotType, ShortestWays] = {}
         self._ways: Dict[Tuple[RobotType, int], np.ndarray] = {}
-        self._listed: Dict[Tuple[RobotType, int], List[float]] = {}
+        self._estimates: Dict[Tuple[RobotType, int], Sequence[float]] = {}
 
     def with_closed(self, closed: Iterable[int],
                     learned: Mapping[Tuple[str, int], float] = MappingProxyType({})) -> RoadNetwork:
@@ -76,8 +87,7 @@ class RoadNetwork:
 
     def signed_id(self, drive: int) -> int:
         """The signed edge id of a drive."""
-        id = self.edge_ids[drive >> 1]
-        return -id if drive & 1 else id
+        return self.signed_ids[drive]
 
     def destination(self, drive: int) -> int:
         """Vertex at which a drive ends."""
@@ -132,6 +142,8 @@ class RoadNetwork:
         They are remembered, so targets that come again cost nothing.
         """
         missing = [t for t in dict.fromkeys(targets) if (kind, t) not in self._ways]
+        if not missing:
+            return [self._ways[kind, target] for target in targets]
         docks = {dock: [(self.origin[drive], seconds)
                         for drive, seconds in enumerate(self.times(kind))
                         if self.destination(drive) == dock and self._open(drive, seconds)]
@@ -166,14 +178,11 @@ class RoadNetwork:
                 for _, end, seconds in away))
         return self._shortest[kind]
 
-    def estimates(self, kind: RobotType, target: int) -> List[float]:
-        """`ways_to` a target as the searches use it: a list, and longer by a hair.
-
-        So of equally good ways the one that is nearer to its end is followed first.
-        """
-        if (kind, target) not in self._listed:
-            self._listed[kind, target] = (self.ways_to(kind, (target,))[0] * GUIDED).tolist()
-        return self._listed[kind, target]
+    def estimates(self, kind: RobotType, target: int) -> Sequence[float]:
+        """`ways_to` a target as the searches use it."""
+        if (kind, target) not in self._estimates:
+            self._estimates[kind, target] = estimated(self.ways_to(kind, (target,))[0])
+        return self._estimates[kind, target]
 
     def _open(self, drive: int, seconds: float) -> bool:
         return seconds < math.inf and self.edge_ids[drive >> 1] not in self.closed
