@@ -25,7 +25,7 @@ def pieces(door: float, corners: Sequence[Tuple[float, float]] = CORNERS) -> Lis
     nodes = [net.add_node(np.array(corner)) for corner in corners]
     for a, b in zip(nodes, nodes[1:]):
         net.add_lane(a, b, OPTIONS.tight, np.array((net.positions[a], net.positions[b])))
-    way, = ways_of(net, (), OPTIONS.turning)
+    way, = ways_of(net, (), OPTIONS)
     return list(way.pieces)
 
 

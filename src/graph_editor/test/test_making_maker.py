@@ -16,10 +16,11 @@ from scipy.spatial import cKDTree
 from graph_editor.checking.checker import Checker
 from graph_editor.checking.rules import CheckRules
 from graph_editor.floor import Floor
-from graph_editor.making.coverage import Coverage
+from graph_editor.making.coverage import PITCH, Coverage
 from graph_editor.making.keeping_ids import with_ids_of
 from graph_editor.making.maker import make_graph
 from graph_editor.making.options import Halls, MakingOptions
+from graph_editor.making.tidying import LEAST_FLOOR
 from graph_editor.site import Site
 from trajectory_graph import Graph
 from trajectory_graph.editing import Draft
@@ -64,13 +65,23 @@ def straight_between(floor: Floor, starts: np.ndarray, ends: np.ndarray,
 
 def share_served(site: Site, graph: Graph, reach: float) -> float:
     """The share of the robot's floor that is within `reach` m of an edge, by the way to drive."""
+    return float(served_or_not(site, graph, reach).mean())
+
+
+def floor_left(site: Site, graph: Graph, reach: float) -> float:
+    """The rest of it, in m2."""
+    return np.count_nonzero(~served_or_not(site, graph, reach)) * PITCH ** 2
+
+
+def served_or_not(site: Site, graph: Graph, reach: float) -> np.ndarray:
+    """For every cell of the robot's floor."""
     coverage = Coverage(site.floor, floor_of_robot(site), reach)
     served = np.zeros(coverage.mask.size, bool)
     for id in graph.edges:
         served[coverage.covered_by(graph.curve(id).sample(0.05))] = True
     for vertex in graph.vertices.values():
         served[coverage.covered_by(np.array([vertex.position]))] = True
-    return float(served[coverage.mask.ravel()].mean())
+    return served[coverage.mask.ravel()]
 
 
 def least_clearance(site: Site, graph: Graph) -> float:
@@ -189,7 +200,8 @@ def test_any_floor_plan_gets_a_graph_that_robots_can_drive(plan):
         assert min(graph.curve(id).length for id in graph.edges) > 0.05
         assert all(edge.velocity_forward > 0.0 and edge.velocity_backwards > 0.0
                    for edge in graph.edges.values())
-    assert share_served(site, graph, 3.5) > 0.9
+    # in small plans a tenth is less than a lane of its own is worth
+    assert share_served(site, graph, 3.5) > 0.9 or floor_left(site, graph, 3.5) < LEAST_FLOOR
     again = make_graph(plan.site(), OPTIONS).graph
     assert dump_graph(again) == dump_graph(graph), 'made again it is the same'
     assert dump_graph(with_ids_of(graph, again)) == dump_graph(graph), 'with its ids kept, too'

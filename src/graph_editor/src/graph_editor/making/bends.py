@@ -13,6 +13,7 @@ from typing import Collection, Iterator, List, Optional, Sequence, Set, Tuple
 import numpy as np
 
 from graph_editor.making.lanes import LaneNet
+from graph_editor.making.options import MakingOptions
 from graph_editor.making.sight import TOLERANCE
 from trajectory_graph.curves import cubic_bezier
 
@@ -51,12 +52,9 @@ class Way:
             for piece in reversed(self.pieces)))
 
 
-def ways_of(net: LaneNet, places: Collection[int], turning: float) -> List[Way]:
-    """All lanes of `net` as ways between junctions, dead ends and `places`.
-
-    `turning`: clearance (m) with which a robot can turn on the spot.
-    """
-    return [Way(nodes[0], nodes[-1], tuple(_pieces(net, nodes, turning)))
+def ways_of(net: LaneNet, places: Collection[int], options: MakingOptions) -> List[Way]:
+    """All lanes of `net` as ways between junctions, dead ends and `places`."""
+    return [Way(nodes[0], nodes[-1], tuple(_pieces(net, nodes, options)))
             for nodes in _runs(net, set(places))]
 
 
@@ -81,11 +79,11 @@ def _runs(net: LaneNet, places: Set[int]) -> Iterator[List[int]]:
                 yield run
 
 
-def _pieces(net: LaneNet, nodes: Sequence[int], turning: float) -> Iterator[Piece]:
+def _pieces(net: LaneNet, nodes: Sequence[int], options: MakingOptions) -> Iterator[Piece]:
     corners = [net.positions[node] for node in nodes]
     needs = [net.lane(a, b).need for a, b in zip(nodes, nodes[1:])]
     here = corners[0]
-    for k, tangent in enumerate(_tangents(net, corners, needs, turning), 1):
+    for k, tangent in enumerate(_tangents(net, corners, needs, options), 1):
         if not tangent:
             yield Piece(here, corners[k], needs[k - 1])
             here = corners[k]
@@ -101,7 +99,7 @@ def _pieces(net: LaneNet, nodes: Sequence[int], turning: float) -> Iterator[Piec
 
 
 def _tangents(net: LaneNet, corners: Sequence[np.ndarray], needs: Sequence[float],
-              turning: float) -> List[float]:
+              options: MakingOptions) -> List[float]:
     """How far (m) before and behind each inner corner its spline begins and ends; 0: none.
 
     Between two splines lies a lane of some length, or none at all.
@@ -111,8 +109,9 @@ def _tangents(net: LaneNet, corners: Sequence[np.ndarray], needs: Sequence[float
     limits = [min(length * (0.5 if 0 < k < inner else SHARE) for k, length in (
         (k, lengths[k]), (k + 1, lengths[k + 1]))) for k in range(inner)]
     rooms = [float(net.floor.clearance_at(corner[None, :])[0]) for corner in corners]
-    tangents = [_tangent(net, corners[k:k + 3],
-                         max(min(needs[k:k + 2]), min(turning, rooms[k + 1])), limits[k])
+    turning = [min(options.turning, room) if room >= options.least_turning else 0.0
+               for room in rooms]
+    tangents = [_tangent(net, corners[k:k + 3], max(min(needs[k:k + 2]), turning[k + 1]), limits[k])
                 for k in range(inner)]
     for k in range(1, inner):
         between = lengths[k] - tangents[k - 1] - tangents[k]

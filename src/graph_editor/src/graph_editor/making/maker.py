@@ -67,7 +67,7 @@ def make_graph(site: Site, options: MakingOptions) -> MadeGraph:
         place.position for place in places if place.kind is PlaceKind.HOME]))
     draw_back_tips(net, options.turning, attached.nodes)
     tidy(net, attached.nodes)
-    ways = ways_of(net, attached.nodes, options.turning)
+    ways = ways_of(net, attached.nodes, options)
     graph = assemble(net, ways, attached.nodes, site.frame_id, options)
     return MadeGraph(graph, tuple(notes + attached.notes))
 

@@ -57,3 +57,8 @@ class MakingOptions(RobotSize):
     def turning(self) -> float:
         """The clearance of a place where the robot can turn on the spot."""
         return self.half_diagonal + self.margin
+
+    @property
+    def least_turning(self) -> float:
+        """The same where there is no better place: what a robot's search for a way needs."""
+        return self.half_diagonal + self.margin / 4.0

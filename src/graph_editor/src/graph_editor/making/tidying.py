@@ -63,17 +63,17 @@ def _ends_narrow(net: LaneNet, node: int, turning: float) -> bool:
 def draw_back_tips(net: LaneNet, turning: float, keep: Collection[int]) -> None:
     """Ends dead ends where a robot can turn; one that is too short for that goes.
 
-    The last lane stays.
+    The last lane is only made shorter.
     """
     for tip in net.nodes:
-        if tip in keep or net.degree(tip) != 1 or len(net.lanes) == 1:
+        if tip in keep or net.degree(tip) != 1:
             continue
         base, = net.neighbours(tip)
         points = straight(net.floor, net.positions[tip], net.positions[base])
         roomy = np.flatnonzero(net.floor.clearance_at(points) >= turning)
         if len(roomy) and np.hypot(*(points[roomy[0]] - net.positions[base])) >= CLOSE:
             net.positions[tip] = points[roomy[0]]
-        else:
+        elif len(net.lanes) > 1:
             net.remove_node(tip)
 
 

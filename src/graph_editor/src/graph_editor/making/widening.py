@@ -23,8 +23,8 @@ from graph_editor.site import Place
 
 NEAR = 1.5  # m around a tight corner within which the lanes may be drawn anew
 ASIDE = 0.8  # m from the lanes, where places to turn are looked for
-PLACES = 160  # that are looked at, those nearest to where robots cannot turn
-LONGEST = 4.0  # m of a new lane
+PLACES = 120  # that are looked at, those nearest to where robots cannot turn
+LONGEST = 3.0  # m of a lane between two of them
 PIECE = 0.5  # m of way that one more lane costs
 TIGHTNESS = 4.0  # m of way that a metre of clearance is worth
 
@@ -65,9 +65,9 @@ def widen(net: LaneNet, options: MakingOptions, places: Dict[int, Place],
 
 def _margins(options: MakingOptions) -> Tuple[_Margin, ...]:
     """From what lanes have elsewhere to the least that a robot's own search for a way needs."""
-    return tuple(_Margin(options.half_diagonal + turning * options.margin,
-                         options.robot_width / 2.0 + straight * options.margin)
-                 for turning, straight in ((1.0, 1.0), (0.5, 1.0), (0.25, 1.0), (0.25, 0.5)))
+    return (_Margin(options.turning, options.tight),
+            _Margin(options.least_turning, options.tight),
+            _Margin(options.least_turning, options.robot_width / 2.0 + options.margin / 2.0))
 
 
 def _split_narrow_lanes(net: LaneNet, least: _Margin) -> None:
@@ -144,7 +144,7 @@ def _redraw(net: LaneNet, cluster: Set[int], margin: _Margin, options: MakingOpt
                        for key in sorted(lanes)])
     places = np.vstack([[net.positions[end] for end in ends],
                         _places_to_turn(net, along, margin, options)])
-    costs, clearances = _straights(net, places, margin, options)
+    costs, clearances = _straights(net, places, len(ends), margin, options)
     totals, before = dijkstra(costs, directed=False, indices=range(len(ends)),
                               return_predecessors=True)
     middle = int(np.argmin(totals.sum(axis=0)))
@@ -182,22 +182,25 @@ def _places_to_turn(net: LaneNet, along: np.ndarray, margin: _Margin,
     return places[np.argsort(away, kind='stable')[:PLACES]]
 
 
-def _straights(net: LaneNet, places: np.ndarray, margin: _Margin, options: MakingOptions
-               ) -> Tuple[np.ndarray, np.ndarray]:
-    """(N,N) costs of lanes between places, 0 where none can lead; and their clearances (m)."""
-    first, second = np.triu_indices(len(places), 1)
-    lengths = np.linalg.norm(places[second] - places[first], axis=1)
-    chosen = lengths < LONGEST
-    first, second, lengths = first[chosen], second[chosen], lengths[chosen]
-    count = int(math.ceil(LONGEST / net.floor.resolution)) + 1
-    room = np.full(len(first), np.inf)
-    for fraction in np.linspace(0.0, 1.0, count):
-        room = np.minimum(room, net.floor.clearance_at(
-            places[first] + fraction * (places[second] - places[first])))
+def _straights(net: LaneNet, places: np.ndarray, ends: int, margin: _Margin,
+               options: MakingOptions) -> Tuple[np.ndarray, np.ndarray]:
+    """(N,N) costs of lanes between places, 0 where none can lead; and their clearances (m).
+
+    Lanes from the first places, the `ends`, may be of any length.
+    """
     costs = np.zeros((len(places), len(places)))
     clearances = np.zeros_like(costs)
-    clearances[first, second] = clearances[second, first] = room
-    free = room >= margin.straight
-    costs[first[free], second[free]] = (
-        lengths + PIECE + TIGHTNESS * (options.wide - np.minimum(room, options.wide)))[free]
+    first, second = np.triu_indices(len(places), 1)
+    lengths = np.linalg.norm(places[second] - places[first], axis=1)
+    for chosen in (first < ends, (first >= ends) & (lengths < LONGEST)):
+        a, b, length = first[chosen], second[chosen], lengths[chosen]
+        count = int(math.ceil(length.max(initial=0.0) / net.floor.resolution)) + 1
+        room = np.full(len(a), np.inf)
+        for fraction in np.linspace(0.0, 1.0, count):
+            room = np.minimum(room, net.floor.clearance_at(
+                places[a] + fraction * (places[b] - places[a])))
+        clearances[a, b] = clearances[b, a] = room
+        free = room >= margin.straight
+        costs[a[free], b[free]] = (length + PIECE + TIGHTNESS * (
+            options.wide - np.minimum(room, options.wide)))[free]
     return costs, clearances
