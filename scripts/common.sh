@@ -118,18 +118,19 @@ _build() {
   mkdir -p "$root/build"
   local begun="$root/build/.begun" log="$root/build/build.log"
   touch "$begun"
-  (cd "$root" && catkin_make -DPYTHON_EXECUTABLE=/usr/bin/python3) >"$log" 2>&1 || {
+  # CMake does not see by itself that a Python package has come
+  (cd "$root" && catkin_make --force-cmake -DPYTHON_EXECUTABLE=/usr/bin/python3) >"$log" 2>&1 || {
     tail -20 "$log" >&2
     die "the build failed; the whole log is $log"
   }
   mv "$begun" "$stamp"
 }
 
-# What makes a new build necessary: Python modules are used from their sources and do not.
+# What makes a new build necessary: Python modules are used from their sources and do not, but new packages of them do.
 _newer_than() {
   # src/CMakeLists.txt is the build's own; __pycache__ changes other folders called nodes.
   find "$root/src" -mindepth 2 -not -path '*/.git*' \( -name CMakeLists.txt -o -name package.xml -o -name setup.py \
-    -o -name '*.msg' -o -name '*.srv' -o -name '*.action' \) -newer "$1"
+    -o -name __init__.py -o -name '*.msg' -o -name '*.srv' -o -name '*.action' \) -newer "$1"
   find "$root"/src/*/nodes -maxdepth 0 -newer "$1"
   find "$root"/{launch,rviz,maps,test} -maxdepth 0 -newer "$1"
 }

@@ -47,7 +47,7 @@ class AgvSimTest(unittest.TestCase):
         end = self.drive(1, [first, second])
         self.assertEqual((second, 100.0), (end.symbolic_pose.edge_id, end.symbolic_pose.percentage))
         goal = self.graph.end_vertex(second)
-        pose = Recorder('/agv_1/pose', PoseStamped).wait_for(lambda _: True, 5.0, 'pose').pose
+        pose = Recorder('/agv_1/pose', PoseStamped).wait_for(lambda _: True, 20.0, 'pose').pose
         self.assertLess(math.dist(goal.position, (pose.position.x, pose.position.y)), 0.001)
         robots = self.where()
         told = robots['agv_1']['x'], robots['agv_1']['y']
@@ -57,22 +57,22 @@ class AgvSimTest(unittest.TestCase):
 
     def test_what_it_cannot_drive_is_refused(self) -> None:
         self.route.publish(route_id=77, edges=[9999])
-        refused = self.refusals.wait_for(lambda one: one.route_id == 77, 5.0, 'refusal')
+        refused = self.refusals.wait_for(lambda one: one.route_id == 77, 20.0, 'refusal')
         self.assertIn('9999', refused.reason)
-        failed = self.states.wait_for(lambda one: one.route_id == 77, 5.0, 'failed report')
+        failed = self.states.wait_for(lambda one: one.route_id == 77, 20.0, 'failed report')
         self.assertEqual([EdgeState.FAILED], [edge.state for edge in failed.edge_states])
 
     def test_a_silent_agv_says_nothing_until_it_speaks_again(self) -> None:
         self.ask('@agv_2 silence')
         states = Recorder('/agv_2/execution_route_states', ExecutionRouteStates)
-        states.wait_for(lambda _: True, 5.0, 'the latched report')
+        states.wait_for(lambda _: True, 20.0, 'the latched report')
         heard = len(states.messages)
         self.assertEqual('ok', self.ask('@agv_2 battery 40'))
         self.assertEqual(heard, len(states.messages))
         self.ask('@agv_2 silence 0')
-        states.wait_for(lambda _: True, 5.0, 'a report', heard)
+        states.wait_for(lambda _: True, 20.0, 'a report', heard)
         Recorder('/agv_2/battery_state', BatteryState).wait_for(
-            lambda one: abs(one.percentage - 0.4) < 0.01, 5.0, 'battery at 40 %')
+            lambda one: abs(one.percentage - 0.4) < 0.01, 20.0, 'battery at 40 %')
 
     def where(self) -> Dict[str, Dict[str, float]]:
         return json.loads(self.ask('where'))['robots']

@@ -174,7 +174,7 @@ class ClickTest(unittest.TestCase):
             self.clicks.publish(click(*self.place('12')))
             return any('the fleet drives route 7' in text.data
                        for text in self.feedback.messages[self.feedback_before:])
-        wait_until(refused, 3.0, 'a refusal')
+        wait_until(refused, 20.0, 'a refusal')
         self.note_what_was()
         self.handle_event(InteractiveMarkerFeedback.MENU_SELECT, near='12', menu_entry=3)
         wait_until(lambda: 'stop' in self.sent(), 10.0, 'stop')

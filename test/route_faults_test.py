@@ -116,7 +116,7 @@ class Faults(unittest.TestCase):
         self.lab.under_way(HALL, 2)
         heard = len(self.lab.responses.messages)
         route_id = self.lab.order([])
-        self.lab.states.wait_for(lambda states: states.route_id == route_id, 5, 'acknowledgement')
+        self.lab.states.wait_for(lambda states: states.route_id == route_id, 20, 'acknowledgement')
         self.lab.responses.wait_for(lambda line: line.data == 'Stopped', 10, 'a robot that stops',
                                     after=heard)
 

@@ -164,6 +164,26 @@ def test_a_dead_end_where_robots_cannot_turn_is_told():
                for finding in found(draft))
 
 
+@pytest.mark.parametrize('aside, told', [(0.0, False), (0.3, True)])
+def test_a_slight_bend_is_told_where_robots_cannot_turn(aside, told):
+    passage = Plan(8.0, 4.0, ((2.0, 0.0, 6.0, 1.65), (2.0, 2.35, 6.0, 4.0)), (1.0, 2.0))
+    graph = Graph([Vertex(1, 1.0, 2.0 - aside, 0.0), Vertex(2, 4.0, 2.0, 0.0),
+                   Vertex(3, 7.0, 2.0 - aside, 0.0)], [Edge(1, 1, 2), Edge(2, 2, 3)])
+    turning = [finding for finding in found(Draft.of(graph), passage)
+               if 'must turn' in finding.text]
+    assert [finding.id for finding in turning] == ([2] if told else [])
+
+
+def test_an_edge_that_bends_where_robots_cannot_turn_is_told():
+    passage = Plan(8.0, 4.0, ((2.0, 0.0, 6.0, 1.6), (2.0, 2.4, 6.0, 4.0)), (1.0, 2.0))
+    graph = Graph([Vertex(1, 1.0, 1.7, 0.2), Vertex(2, 7.0, 1.7, -0.2)],
+                  [Edge(1, 1, 2, CurveType.SPLINE, 2.0, 2.0)])
+    finding, = (finding for finding in found(Draft.of(graph), passage)
+                if 'must turn' in finding.text)
+    assert (finding.severity, finding.kind) == (Severity.WARNING, 'edge')
+    assert 1.9 < finding.place[0] < 6.1
+
+
 def test_a_goal_of_the_map_that_is_no_vertex_is_told():
     plan = replace(HALL, places=(Place(PlaceKind.GOAL, 'press 4', 4.0, 4.0),
                                  Place(PlaceKind.GOAL, 'store', 2.1, 1.5)))

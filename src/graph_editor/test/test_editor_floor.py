@@ -1,6 +1,8 @@
 """Floors: how much room there is, what can be reached, what is inside."""
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 
@@ -17,6 +19,23 @@ def test_clearance_is_the_distance_to_the_nearest_obstacle():
     floor = floor_of('.......', '.......', '...#...', '.......', '.......')
     assert floor.clearance_at(np.array([(1.75, 1.25)])) == pytest.approx([0.0])
     assert floor.clearance_at(np.array([(1.75, 1.75)])) == pytest.approx([0.5])
+
+
+def test_clearance_is_exact_where_the_places_of_obstacles_are_known():
+    cells = floor_of('.......', '.......', '...#...', '.......', '.......')
+    floor = Floor(cells.occupied, cells.inside, cells.resolution, cells.origin,
+                  np.array([(1.55, 1.05)]))
+    assert floor.clearance_at(np.array([(2.25, 1.75)])) == pytest.approx([math.hypot(0.7, 0.7)])
+    assert floor.clearance_at(np.array([(1.75, 0.25)])) == pytest.approx([0.5]), 'from the end'
+    assert cells.clearance_at(np.array([(2.25, 1.75)])) == pytest.approx([math.hypot(0.5, 0.5)])
+    assert np.array_equal(floor.of_cells().clearance, cells.clearance)
+
+
+def test_amid_an_area_there_is_no_clearance():
+    cells = floor_of(*['.......', '.#####.', '.#####.', '.#####.', '.......'])
+    outline = np.array([(0.5, 0.5), (3.0, 0.5), (3.0, 2.0), (0.5, 2.0)])
+    floor = Floor(cells.occupied, cells.inside, cells.resolution, cells.origin, outline)
+    assert floor.clearance_at(np.array([(1.75, 1.25)])) == pytest.approx([0.0])
 
 
 def test_the_end_of_the_grid_is_an_obstacle():

@@ -3,18 +3,26 @@ from __future__ import annotations
 
 import math
 import os
+from typing import List
 
 import numpy as np
 import pytest
 from floor_plans import Plan, corner, corridor, floor_plans, two_rooms
 from hypothesis import HealthCheck, given, settings
+from scipy import ndimage
+from scipy.sparse import coo_matrix
+from scipy.spatial import cKDTree
 
+from graph_editor.checking.checker import Checker
+from graph_editor.checking.rules import CheckRules
+from graph_editor.floor import Floor
 from graph_editor.making.coverage import Coverage
 from graph_editor.making.keeping_ids import with_ids_of
 from graph_editor.making.maker import make_graph
 from graph_editor.making.options import Halls, MakingOptions
 from graph_editor.site import Site
 from trajectory_graph import Graph
+from trajectory_graph.editing import Draft
 from trajectory_graph.yaml_file import dump_graph
 
 LONG = os.environ.get('LD90_LONG_TESTS') == '1'
@@ -22,8 +30,36 @@ OPTIONS = MakingOptions()
 
 
 def floor_of_robot(site: Site) -> np.ndarray:
-    """What a robot's centre reaches by flooding from the places, a margin off all walls."""
-    return site.floor.reachable(OPTIONS.tight, [place.position for place in site.places])
+    """Where a robot can turn that starts at the places, and drives straight where it cannot.
+
+    With more margin than the maker falls back to, so that all of it must be reached.
+    """
+    floor, turning = site.floor, OPTIONS.turning
+    parts, count = ndimage.label(floor.clearance >= turning, np.ones((3, 3)))
+    rims = [floor.centres(*np.nonzero((parts == part) & (floor.clearance < turning + 0.1)))[::4]
+            for part in range(1, count + 1)]
+    trees = [cKDTree(rim) for rim in rims]
+    reached = {floor.part_near(parts, place.position) for place in site.places} - {0}
+    ahead = sorted(reached)
+    while ahead:
+        here = ahead.pop() - 1
+        for other in range(count):
+            if other + 1 not in reached and straight_between(
+                    floor, rims[here], rims[other], trees[here].sparse_distance_matrix(
+                        trees[other], 2.0, output_type='coo_matrix')):
+                reached.add(other + 1)
+                ahead.append(other + 1)
+    return np.isin(parts, sorted(reached))
+
+
+def straight_between(floor: Floor, starts: np.ndarray, ends: np.ndarray,
+                     near: coo_matrix) -> bool:
+    """Does a straight with room to pass lead from one of `starts` to one of `ends` near by?"""
+    first, last = starts[near.row], ends[near.col]
+    room = np.full(len(first), np.inf)
+    for fraction in np.linspace(0.0, 1.0, 31):
+        room = np.minimum(room, floor.clearance_at(first + fraction * (last - first)))
+    return bool((room >= OPTIONS.tight + 0.02).any())
 
 
 def share_served(site: Site, graph: Graph, reach: float) -> float:
@@ -40,6 +76,12 @@ def share_served(site: Site, graph: Graph, reach: float) -> float:
 def least_clearance(site: Site, graph: Graph) -> float:
     return min(float(site.floor.clearance_at(graph.curve(id).sample(0.02)).min())
                for id in graph.edges)
+
+
+def turns_without_room(site: Site, graph: Graph) -> List[str]:
+    """What check_graph says of places where robots must turn and cannot."""
+    findings = Checker(CheckRules(), site).all(Draft.of(graph))
+    return [str(finding) for finding in findings if 'must turn' in finding.text]
 
 
 def crookedness(graph: Graph) -> float:
@@ -93,6 +135,35 @@ def test_the_floor_that_only_a_narrow_door_leads_to_is_reached():
     assert least_clearance(site, graph) >= OPTIONS.robot_width / 2.0
 
 
+@pytest.mark.parametrize('things', [
+    ((1.6, 4.3), (2.3, 3.7), (3.4, 4.0)), ((2.5, 3.7), (3.8, 4.0), (2.2, 4.0)),
+    ((2.2, 4.7), (1.9, 4.2), (2.5, 3.5)), ((2.9, 4.1), (3.2, 3.8), (1.8, 3.3))])
+def test_among_things_lanes_bend_only_where_robots_have_room_to_turn(things):
+    site = Plan(5.6, 8.0, ((0.0, 4.0, 1.6, 4.1), (4.0, 4.0, 5.6, 4.1),
+                           *((x, y, x + 0.2, y + 0.2) for x, y in things)), (2.8, 1.2)).site()
+    graph = make_graph(site, OPTIONS).graph
+    assert turns_without_room(site, graph) == []
+    assert least_clearance(site, graph) > OPTIONS.robot_width / 2.0 + 0.015, 'as the robot plans'
+    assert share_served(site, graph, 3.0) > 0.95, 'the upper room is reached'
+
+
+def room_behind_a_corner(width: float) -> Plan:
+    """Two rooms, and between them a passage with a right angle."""
+    return Plan(9.0, 7.0 + width, (
+        (0.0, 3.0, 5.0, 4.0), (5.0 + width, 3.0, 9.0, 4.0 + width),
+        (3.0, 4.0 + width, 9.0, 7.0 + width)), (2.0, 1.5))
+
+
+def test_a_room_behind_a_corner_that_robots_cannot_turn_at_is_left_out_and_told():
+    tight = make_graph(room_behind_a_corner(0.7).site(), OPTIONS)
+    assert max(vertex.y for vertex in tight.graph.vertices.values()) < 3.0
+    note, = tight.notes
+    assert note.startswith('At 5.3') and 'm of lanes behind it' in note
+    wide = make_graph(room_behind_a_corner(1.0).site(), OPTIONS)
+    assert max(vertex.y for vertex in wide.graph.vertices.values()) > 5.0
+    assert wide.notes == ()
+
+
 def test_a_room_without_corners_to_go_to_is_one_vertex_or_a_few():
     graph = make_graph(Plan(2.5, 2.5, (), (1.2, 1.2)).site(), OPTIONS).graph
     assert 1 <= len(graph.vertices) <= 3
@@ -112,8 +183,9 @@ def test_a_hall_is_a_lattice_if_wanted():
 def test_any_floor_plan_gets_a_graph_that_robots_can_drive(plan):
     site = plan.site()
     graph = make_graph(site, OPTIONS).graph  # a Graph is valid and connected, or is none
+    assert turns_without_room(site, graph) == []
     if graph.edges:
-        assert least_clearance(site, graph) >= OPTIONS.robot_width / 2.0
+        assert least_clearance(site, graph) > OPTIONS.robot_width / 2.0 + 0.015
         assert min(graph.curve(id).length for id in graph.edges) > 0.05
         assert all(edge.velocity_forward > 0.0 and edge.velocity_backwards > 0.0
                    for edge in graph.edges.values())

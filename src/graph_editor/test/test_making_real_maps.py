@@ -49,6 +49,14 @@ def test_nothing_is_wrong_with_it(made):
     assert [str(each) for each in findings if 'farther than' in each.text] == []
 
 
+def test_robots_have_room_to_pass_every_edge_and_to_turn_where_it_bends(made):
+    site, graph = made
+    findings = Checker(CheckRules(), site).all(Draft.of(graph))
+    assert [str(each) for each in findings if 'must turn' in each.text] == []
+    least = min(site.floor.clearance_at(graph.curve(id).sample(0.02)).min() for id in graph.edges)
+    assert least > OPTIONS.robot_width / 2.0 + 0.015, "what the robot's own planner keeps free"
+
+
 def test_every_goal_and_dock_is_a_vertex(made):
     site, graph = made
     for place in site.places:

@@ -15,7 +15,7 @@ from shapely.geometry import Point
 
 from graph_fleet_manager.planning.capsules import time_within
 from graph_fleet_manager.planning.exclusions import Conflicts, OutOfTime
-from graph_fleet_manager.planning.pieces import TOLERANCE, edge_lengths, pieces_of
+from graph_fleet_manager.planning.pieces import TOLERANCE, edge_lengths, pieces_of, splines_of
 from graph_fleet_manager.planning.road_network import RoadNetwork
 from trajectory_graph import CurveType, Edge, Graph, GraphError, Vertex
 
@@ -65,8 +65,9 @@ def _measured(seed) -> Measured:
 @settings(max_examples=settings.default.max_examples * 2 // 5)
 def test_pieces_follow_their_curves_as_nearly_as_they_say(seed):
     graph, _, _, _, world, _ = _measured(seed)
-    pieces = pieces_of(graph)
-    lengths = edge_lengths(graph)
+    splines = splines_of(graph)
+    pieces = pieces_of(graph, splines)
+    lengths = edge_lengths(graph, splines)
     for k, edge in enumerate(graph.edges):
         assert lengths[k] == pytest.approx(world.line(edge).length, rel=1e-4)
         own = pieces.place == len(graph.vertices) + k

@@ -216,6 +216,18 @@ def test_improvement_makes_no_plan_worse():
     assert costs[-1] < costs[0]
 
 
+def test_robots_whose_ends_are_in_each_others_only_way_change_places_in_a_siding():
+    """One after the other, whoever is planned behind the other has to drive 45 m the other way."""
+    row = {k: (3.0 * k, 0.0) for k in range(1, 6)}
+    graph = graph_of({**row, 9: (6.0, 3.0), 10: (3.0, -15.0), 11: (15.0, -15.0)},
+                     {**{k: (k, k + 1) for k in range(1, 5)}, 9: (2, 9), 10: (1, 10), 11: (10, 11),
+                      12: (11, 5)})
+    tasks = [Task('one', AGV, 1, destinations=(4,), stays=True),
+             Task('other', AGV, 5, destinations=(2,), stays=True)]
+    assert _plan(_planner(graph), *tasks).cost == pytest.approx(54.0)
+    assert _plan(_planner(graph), *tasks, rounds=100, seconds=60.0).cost < 36.0
+
+
 def test_cancelling_leaves_nothing_booked():
     network = RoadNetwork(ladder(4))
     table = Timetable(network, 0.1, [AGV])

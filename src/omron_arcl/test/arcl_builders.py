@@ -215,7 +215,7 @@ class ScriptedRobot:
         self.connections[:] = [c for c in self.connections if c.fileno() >= 0]
         self._threads[1:] = [t for t in self._threads[1:] if t.is_alive()]
 
-    def wait_heard(self, line: bytes, timeout: float = 5.0) -> None:
+    def wait_heard(self, line: bytes, timeout: float = 20.0) -> None:
         wait_for(lambda: line in self.heard, f'the robot hears {line!r}, it heard {self.heard}',
                  timeout)
 
@@ -255,7 +255,7 @@ class ScriptedRobot:
         return self.answers.get(line, ())
 
 
-def wait_for(condition: Callable[[], Any], what: str, timeout: float = 5.0) -> Any:
+def wait_for(condition: Callable[[], Any], what: str, timeout: float = 20.0) -> Any:
     """Polls until `condition` holds."""
     deadline = time.monotonic() + timeout
     while time.monotonic() < deadline:
@@ -275,7 +275,7 @@ class Noted:
     def __call__(self, value: Any) -> None:
         self.all.append(value)
 
-    def wait(self, condition: Callable[[Any], Any], what: str, timeout: float = 5.0,
+    def wait(self, condition: Callable[[Any], Any], what: str, timeout: float = 20.0,
              after: int = 0) -> Any:
         return wait_for(lambda: next((value for value in self.all[after:] if condition(value)),
                                      None), f'{what}; told: {self.all[-5:]}', timeout)

@@ -169,7 +169,7 @@ def test_a_stop_that_another_client_overtakes_ends_at_once_with_what_happened(ro
             if line == 'Stopping':
                 robot.inject('other goto 20')
 
-        result = client.execute('stop', on_line=overtake).wait(5.0)
+        result = client.execute('stop', on_line=overtake).wait(10.0)
         assert result, 'the stop still waits for a robot that drives for somebody else'
         assert result.outcome is Outcome.INTERRUPTED
         assert result.words == 'taken over: Going to 20'

@@ -6,6 +6,9 @@ from dataclasses import dataclass
 
 from graph_editor.errors import SiteError
 
+NEARLY_STRAIGHT = math.radians(5.0)
+"""A robot that drives straight on where its way bends by less hardly leaves it."""
+
 
 @dataclass(frozen=True)
 class RobotSize:

@@ -94,8 +94,22 @@ def site_of_document(document: MapDocument, options: SiteOptions) -> Site:
            for obj in document.forbidden_areas + document.forbidden_lines):
         notes.append(f'{document.name} holds the fences and goals of a graph already: use the map '
                      'that they were put into.')
-    return Site(document.name, Floor(occupied, inside, pitch / 1000.0, origin),
-                _places(document), tuple(notes))
+    floor = Floor(occupied, inside, pitch / 1000.0, origin, _obstacles(document, pitch))
+    return Site(document.name, floor, _places(document), tuple(notes))
+
+
+def _obstacles(document: MapDocument, pitch: float) -> np.ndarray:
+    """(N,2) m: scan points, and points at most `pitch` mm apart on lines and around areas."""
+    sides = [np.hstack((corners, np.roll(corners, -1, axis=0))) for corners in (
+        np.asarray(area.rectangle.corners, float) for area in document.forbidden_areas)]
+    lines = [line.ends.reshape(1, 4) for line in document.forbidden_lines]
+    segments = np.vstack([np.asarray(document.lines, float).reshape(-1, 4), *lines, *sides])
+    starts, ends = segments[:, :2], segments[:, 2:]
+    points = [np.asarray(document.points, float).reshape(-1, 2)]
+    for start, end in zip(starts, ends):
+        count = int(np.hypot(*(end - start)) / pitch) + 2
+        points.append(start + np.linspace(0.0, 1.0, count)[:, None] * (end - start))
+    return np.vstack(points) / 1000.0
 
 
 def site_of_grid(cells: np.ndarray, resolution: float, origin: Tuple[float, float],

@@ -27,6 +27,10 @@ class RobotType:
     obeys_edge_speed: bool = True
     docks: Optional[FrozenSet[int]] = None
 
+    def __hash__(self) -> int:
+        """Of the name alone, for types are looked up often, and no two of a fleet share it."""
+        return hash(self.name)
+
     @property
     def reach(self) -> float:
         """How far from its curve any part of the robot may be, in m."""

@@ -125,7 +125,7 @@ def ask():
     simulation = Simulation(GRAPH, [Robot('agv_1', AGV, 1), Robot('agv_2', AGV, 3)], speed=2.0)
     simulation.advance(0.5, 1)
     server = ControlServer(0, simulation.inject, simulation.where)
-    connection = socket.create_connection(('127.0.0.1', server.port), timeout=5.0)
+    connection = socket.create_connection(('127.0.0.1', server.port), timeout=20.0)
     stream = connection.makefile('rwb', 0)
 
     def answer(line: bytes) -> str:

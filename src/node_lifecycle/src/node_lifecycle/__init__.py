@@ -11,7 +11,7 @@
 from node_lifecycle.diagnostics import publish_diagnostics
 from node_lifecycle.log_throttle import warn
 from node_lifecycle.parameters import ConfigurationError, choice, number, parameter
-from node_lifecycle.startup import run
+from node_lifecycle.startup import init_node, run
 
-__all__ = ['ConfigurationError', 'choice', 'number', 'parameter', 'publish_diagnostics', 'run',
-           'warn']
+__all__ = ['ConfigurationError', 'choice', 'init_node', 'number', 'parameter',
+           'publish_diagnostics', 'run', 'warn']

@@ -38,14 +38,7 @@ def run(name: str, start: Callable[[], Any],
     tells of it on topics of its own; what it returns is kept alive. The threads of the package that
     `start` belongs to are watched, and those of its `libraries`.
     """
-    _end_on_signals()
-    _wait_for_master()
-    try:
-        rospy.init_node(name, disable_signals=True)
-    except rospy.ROSInitException:
-        if rospy.is_shutdown():
-            os._exit(0)  # ended before it had begun: rospy's server threads would stay for ever
-        raise
+    init_node(name)
     ending = threading.Event()
     rospy.on_shutdown(ending.set)
     _end_quietly(ending)
@@ -61,6 +54,21 @@ def run(name: str, start: Callable[[], Any],
         if hasattr(node, 'close'):
             rospy.on_shutdown(node.close)
     _wait_for_end(ending)
+
+
+def init_node(name: str) -> None:
+    """Become a node as soon as there is a ROS master; ended by SIGINT and SIGTERM from now on.
+
+    For nodes that cannot leave their main thread to `run`, like those with a window.
+    """
+    _end_on_signals()
+    _wait_for_master()
+    try:
+        rospy.init_node(name, disable_signals=True)
+    except rospy.ROSInitException:
+        if rospy.is_shutdown():
+            os._exit(0)  # ended before it had begun: rospy's server threads would stay for ever
+        raise
 
 
 def _wait_for_master() -> None:

@@ -117,6 +117,7 @@ def test_off_the_corridor_fails_the_route_at_the_second_location():
 def test_an_arrival_elsewhere_is_not_believed():
     bench = under_way()
     end_of_drive(bench, Ending.SUCCEEDED, 'Arrived at 7')
+    bench.robot.motion = Motion.ARRIVED
     assert bench.states() == [2, 1, 1]
     for _ in range(2):
         bench.now += 0.5
@@ -131,6 +132,16 @@ def test_an_arrival_is_not_judged_while_late_locations_still_change():
     for step in range(1, 8):
         bench.robot.position = (x + 0.2 * step, y)
         bench.now += 0.2
+        bench.look()
+        assert bench.follower.running
+
+def test_an_arrival_is_not_judged_by_late_locations_of_a_robot_that_turns_on_the_way():
+    bench = under_way()
+    number = bench.robot.number
+    bench.tell(p.CommandEnded(number, Ending.SUCCEEDED, 'Arrived at 7'))
+    for _ in range(5):  # what the robot said before: on its way, and for a while at one place
+        bench.now += 0.2
+        assert bench.robot.motion is Motion.GOING
         bench.look()
         assert bench.follower.running
 

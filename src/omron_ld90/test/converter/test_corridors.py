@@ -47,6 +47,16 @@ def test_the_robot_can_turn_where_edges_bend_by_more_than_45_degrees(degrees, tu
                    475 * math.sin(behind)) == turns
 
 
+@pytest.mark.parametrize('degrees, turns', [(0, False), (4, False), (12, True), (44, True)])
+def test_the_robot_can_turn_where_a_corridor_too_narrow_for_that_bends_at_all(degrees, turns):
+    bend = math.radians(degrees)
+    graph = graph_of([(1, -4.0, 0.0), (2, 0.0, 0.0), (3, 4 * math.cos(bend), 4 * math.sin(bend))],
+                     [(1, 2), (2, 3)])
+    behind = math.radians(degrees / 2 - 90)
+    narrow = corridors_of(graph, CorridorRules(edge_widths={2: 700.0}, width=800.0))
+    assert is_free(narrow, 475 * math.cos(behind), 475 * math.sin(behind)) == turns
+
+
 @pytest.mark.parametrize('radius, turns', [(0.3, True), (0.5, True), (0.6, False), (1.5, False)])
 def test_the_robot_can_turn_where_a_curve_bends_by_45_degrees_within_its_half_diagonal(
         radius, turns):

@@ -1,8 +1,11 @@
 """What a user's first command says when it cannot go on."""
 from __future__ import annotations
 
+import os
+import shutil
 import socket
 import subprocess
+import time
 from pathlib import Path
 
 import pytest
@@ -96,3 +99,23 @@ def test_help_lists_the_arguments():
     result = run('--help')
     assert result.returncode == 0
     assert 'map_file:=' in result.stdout
+
+
+@pytest.mark.parametrize('file, is_built', [
+    ('src/a/src/b/__init__.py', True), ('src/a/msg/B.msg', True), ('src/a/package.xml', True),
+    ('src/a/src/a/module.py', False), ('src/CMakeLists.txt', False)])
+def test_the_workspace_is_built_again_where_something_new_has_to_be_found(
+        file, is_built, tmp_path):
+    for folder in ('launch', 'rviz', 'maps', 'test', 'scripts', 'src/a/nodes'):
+        (tmp_path / folder).mkdir(parents=True)
+    shutil.copy(ROOT / 'scripts' / 'common.sh', tmp_path / 'scripts')
+    (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
+    stamp = tmp_path / 'stamp'
+    stamp.touch()
+    os.utime(stamp, (time.time() + 60.0,) * 2)   # later than all folders
+    (tmp_path / file).touch()
+    os.utime(tmp_path / file, (time.time() + 120.0,) * 2)
+    newer = subprocess.run(
+        ['bash', '-c', f'. {tmp_path}/scripts/common.sh; _newer_than {stamp}'], text=True,
+        stdout=subprocess.PIPE, check=True).stdout.split()
+    assert newer == ([str(tmp_path / file)] if is_built else [])

@@ -35,6 +35,25 @@ def test_a_door_narrower_than_the_robot_is_no_way() -> None:
         planner.plan(Pose(-3000.0, 2000.0, 0.0), 3000.0, -2000.0)
 
 
+@pytest.mark.parametrize('width', [600.0, 620.0, 650.0])
+def test_a_slanting_passage_out_of_a_spot_where_it_can_just_turn_is_driven(width) -> None:
+    # a blind corridor of 940 mm along y = 0 from the left; out of its end, up and slightly right
+    through = np.array([math.cos(math.radians(65.0)), math.sin(math.radians(65.0))])
+    aside = np.array([-through[1], through[0]]) * width / 2.0
+    left, right = (side + through * (470.0 - side[1]) / through[1] for side in (aside, -aside))
+    ends = [side + 700.0 * through for side in (left, right)]
+    planner = Planner(lonely_floor(
+        (-5000, -470, 530, -470), (530, -470, 530, 470), (-5000, 470, *left),
+        (*left, *ends[0]), (*ends[0], -5000, ends[0][1]),
+        (*right, *ends[1]), (*ends[1], 5000, ends[1][1])))
+    places = (-3000.0, 0.0), tuple(2600.0 * through)
+    for start, goal in (places, places[::-1]):
+        way = planner.plan(Pose(*start, 0.0), *goal)
+        assert way.space.clearance_at(way.vertices).min() >= planner.turn_clearance
+        for a, b in zip(way.vertices, way.vertices[1:]):
+            assert way.space.straight_is_free(a, b, planner.drive_clearance)
+
+
 def test_a_detour_of_many_metres_is_found() -> None:
     outside = np.array([[-20000, -15000, 20000, -15000], [-20000, 15000, 20000, 15000],
                         [-20000, -15000, -20000, 15000], [20000, -15000, 20000, 15000],

@@ -12,15 +12,16 @@ from scipy import ndimage
 from scipy.spatial import cKDTree
 from shapely.geometry import LineString, Point
 
+from graph_editor.checking.edge_checks import GRAIN
 from graph_editor.checking.findings import Finding, Severity
 from graph_editor.checking.rules import CheckRules
 from graph_editor.checking.served_floor import ServedFloor
 from graph_editor.floor import EVERY_NEIGHBOUR, Floor
+from graph_editor.robot import NEARLY_STRAIGHT
 from graph_editor.site import Place, PlaceKind
 from trajectory_graph.curves import Curve
 from trajectory_graph.editing import Draft
 
-SHARP_CORNER = math.radians(45.0)
 KEPT = 20_000  # pairs of edges whose crossings are remembered
 NAMED_LIKE_PLACE = 1.0  # m between a place of the map and the vertex for it
 
@@ -50,10 +51,10 @@ def check_corners(draft: Draft, curves: Curves, floor: Floor, rules: CheckRules)
     for id, directions in _directions(draft, curves).items():
         vertex = draft.vertices[id]
         clearance = float(floor.clearance_at(np.array([vertex.position]))[0])
-        if clearance >= rules.turning or clearance < rules.robot_width / 2.0:
+        if clearance >= rules.turning - GRAIN or clearance < rules.robot_width / 2.0:
             continue
         if len(directions) == 1 or any(
-                abs(math.remainder(one + math.pi - other, 2.0 * math.pi)) > SHARP_CORNER
+                abs(math.remainder(one + math.pi - other, 2.0 * math.pi)) > NEARLY_STRAIGHT
                 for k, one in enumerate(directions) for other in directions[:k]):
             findings.append(Finding(
                 Severity.WARNING, f'robots must turn here and have {clearance:.2f} m around them, '

@@ -4,13 +4,16 @@ What they depend on is given whole, so that an unchanged element need not be loo
 """
 from __future__ import annotations
 
+import math
 from typing import List, NamedTuple, Optional, Tuple
 
 import numpy as np
+from scipy import ndimage
 
 from graph_editor.checking.findings import Finding, Severity
 from graph_editor.checking.rules import CheckRules
 from graph_editor.floor import Floor
+from graph_editor.robot import NEARLY_STRAIGHT
 from trajectory_graph import CurveType, Edge, Graph, GraphError, Vertex
 
 STEP = 0.05  # m between the places of a curve that are looked at
@@ -48,6 +51,7 @@ def check_edge(origin: Vertex, destination: Vertex, edge: Edge, floor: Optional[
         findings += _sharp(graph, edge.id, rules)
     if floor is not None:
         findings += _narrow(floor, points, edge.id, rules)
+        findings += _bent(floor, points, edge.id, rules)
     return findings
 
 
@@ -80,6 +84,24 @@ def _narrow(floor: Floor, points: np.ndarray, id: int, rules: CheckRules) -> Lis
     if clearance < rules.corridor / 2.0 - GRAIN:
         return [Finding(Severity.WARNING, f'its corridor of {rules.corridor:g} m is in a wall: '
                         f'there is room for {2.0 * clearance:.2f} m', 'edge', id, place)]
+    return []
+
+
+def _bent(floor: Floor, points: np.ndarray, id: int, rules: CheckRules) -> List[Finding]:
+    """The first stretch of an edge that bends, and has too little room for robots to turn."""
+    clearances = floor.clearance_at(points)
+    narrow = clearances < rules.turning - GRAIN
+    headings = np.unwrap(np.arctan2(*np.diff(points, axis=0).T[::-1]))
+    stretches, count = ndimage.label(narrow[1:] & narrow[:-1])
+    for stretch in range(1, count + 1):
+        here = np.flatnonzero(stretches == stretch)
+        turn = float(np.ptp(headings[here]))
+        if turn > NEARLY_STRAIGHT and clearances[here].min() >= rules.robot_width / 2.0:
+            tightest = here[int(np.argmin(clearances[here]))]
+            return [Finding(Severity.WARNING, f'robots must turn by {math.degrees(turn):.0f} '
+                            f'degrees along it where they have {clearances[tightest]:.2f} m '
+                            f'around them, but need {rules.turning:.2f} m', 'edge', id,
+                            (float(points[tightest][0]), float(points[tightest][1])))]
     return []
 
 

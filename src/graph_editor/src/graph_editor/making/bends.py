@@ -111,9 +111,9 @@ def _tangents(net: LaneNet, corners: Sequence[np.ndarray], needs: Sequence[float
     limits = [min(length * (0.5 if 0 < k < inner else SHARE) for k, length in (
         (k, lengths[k]), (k + 1, lengths[k + 1]))) for k in range(inner)]
     rooms = [float(net.floor.clearance_at(corner[None, :])[0]) for corner in corners]
-    tangents = [_tangent(net, corners[k:k + 3], max(min(needs[k:k + 2]),
-                                                    turning if rooms[k + 1] >= turning else 0.0),
-                         limits[k]) for k in range(inner)]
+    tangents = [_tangent(net, corners[k:k + 3],
+                         max(min(needs[k:k + 2]), min(turning, rooms[k + 1])), limits[k])
+                for k in range(inner)]
     for k in range(1, inner):
         between = lengths[k] - tangents[k - 1] - tangents[k]
         if tangents[k - 1] and tangents[k] and 1e-6 < between < SHORTEST_LANE:

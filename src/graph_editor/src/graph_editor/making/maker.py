@@ -1,7 +1,7 @@
 """Site in, trajectory graph out: every step in its order."""
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Dict, List, Sequence, Tuple
 
 import numpy as np
@@ -24,6 +24,7 @@ from graph_editor.making.skeleton import skeleton_of
 from graph_editor.making.squaring import square
 from graph_editor.making.straightening import straighten
 from graph_editor.making.tidying import draw_back_tips, prune_tails, tidy
+from graph_editor.making.widening import widen
 from graph_editor.site import Place, PlaceKind, Site
 from trajectory_graph import Graph
 
@@ -39,7 +40,13 @@ class MadeGraph:
 
 
 def make_graph(site: Site, options: MakingOptions) -> MadeGraph:
-    """The graph of a site; raises SiteError where there is no floor for one."""
+    """The graph of a site; raises SiteError where there is no floor for one.
+
+    Lanes get their shape from the cells of the floor, whose walls are smoother, and then as much
+    room as robots need from the places of obstacles.
+    """
+    exact = site.floor
+    site = replace(site, floor=exact.of_cells())
     notes = list(site.notes)
     places = _placed(site, options, notes)
     starts = [place.position for place in places]
@@ -55,6 +62,9 @@ def make_graph(site: Site, options: MakingOptions) -> MadeGraph:
     rectify(net, axes, held=attached.nodes)
     add_bays(net, coverage, axes, options)
     tidy(net, attached.nodes)
+    net.floor = exact
+    attached.notes.extend(widen(net, options, attached.nodes, [
+        place.position for place in places if place.kind is PlaceKind.HOME]))
     draw_back_tips(net, options.turning, attached.nodes)
     tidy(net, attached.nodes)
     ways = ways_of(net, attached.nodes, options.turning)

@@ -22,7 +22,6 @@ from __future__ import annotations
 
 import gc
 import os
-import signal
 import sys
 import threading
 import time
@@ -50,6 +49,7 @@ from graph_editor.nodes.graph_topic import GraphTopic
 from graph_editor.nodes.handles import AMBER, BLACK, RED
 from graph_editor.nodes.live_map import load_map
 from graph_editor.site import Site, SiteOptions
+from node_lifecycle import init_node
 from omron_map import MapError
 from trajectory_graph import TrajectoryGraphError
 from trajectory_graph.yaml_editing import GraphFile
@@ -244,10 +244,7 @@ def _start() -> Tuple[EditorNode, bool]:
 
 def main() -> int:
     """Run the node until it is ended, or its window is closed."""
-    rospy.init_node('graph_editor', disable_signals=True)
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: threading.Thread(
-            target=rospy.signal_shutdown, args=('signal',), daemon=True).start())
+    init_node('graph_editor')
     try:
         node, with_window = _start()
     except (SiteError, MapError, TrajectoryGraphError, ValueError) as error:

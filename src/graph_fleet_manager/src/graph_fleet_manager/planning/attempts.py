@@ -36,7 +36,7 @@ _SLOWER = 1.5
 class Attempts:
     """One run of the planner.
 
-    timetable  -- whose bookings are made anew
+    timetable  -- in which nothing is booked yet
     tasks, obstacles, parking -- as the planner was asked
     search     -- for one robot's way
     random     -- what chance decides
@@ -48,7 +48,6 @@ class Attempts:
         self._timetable = timetable
         self._tea_star = TeaStar(timetable, search)
         self._random = random
-        self._timetable.clear()
         for obstacle in obstacles:
             self._timetable.book_places(obstacle.name, obstacle.type, [
                 *(self._network.index[id] for id in obstacle.vertices),

@@ -185,7 +185,7 @@ def _cut(pieces: Pieces, longest: float) -> Pieces:
     which = np.repeat(np.arange(len(parts)), parts)
     low = count_up(parts) / parts[which]
     high = (count_up(parts) + 1) / parts[which]
-    place, start, end, begins, ends, margin = (column[..., which] for column in pieces)
+    place, start, end, begins, ends, margin = (column.take(which, axis=-1) for column in pieces)
     path, share = end - start, ends - begins
     return Pieces(place, start + low * path, start + high * path,
                   begins + low * share, begins + high * share, margin)
@@ -201,6 +201,7 @@ class _Stretches(NamedTuple):
     radius: np.ndarray  # (S,) m: the curves of all pieces are within it around the middle
     piece_middle: np.ndarray  # (2, N) m, of each piece
     piece_half: np.ndarray    # (N,) m, half of its length
+    piece_radius: np.ndarray  # (N,) m: the piece's curve is within it around the piece's middle
 
 
 def _stretches(pieces: Pieces, longest: float) -> _Stretches:
@@ -216,7 +217,8 @@ def _stretches(pieces: Pieces, longest: float) -> _Stretches:
     high = np.maximum.reduceat(np.maximum(pieces.start, pieces.end), first, axis=1)
     radius = np.hypot(*(high - low)) / 2.0 + np.maximum.reduceat(pieces.margin, first)
     return _Stretches(first, count, pieces.place[first], (low + high) / 2.0, radius,
-                      (pieces.start + pieces.end) / 2.0, lengths / 2.0)
+                      (pieces.start + pieces.end) / 2.0, lengths / 2.0,
+                      lengths / 2.0 + pieces.margin)
 
 
 def _candidates(stretches: _Stretches, distance: float) -> Tuple[np.ndarray, np.ndarray]:
@@ -224,7 +226,7 @@ def _candidates(stretches: _Stretches, distance: float) -> Tuple[np.ndarray, np.
     place, middle, radius = stretches.place, stretches.middle, stretches.radius
     one, other = cKDTree(middle.T).query_pairs(2.0 * radius.max() + distance,
                                                output_type='ndarray').T
-    near = ((_between(middle, one, other) <= radius[one] + radius[other] + distance)
+    near = ((_between(middle, one, middle, other) <= radius[one] + radius[other] + distance)
             & (place[one] != place[other]))
     return one[near], other[near]
 
@@ -233,31 +235,46 @@ def _lengths(pieces: Pieces) -> np.ndarray:
     return np.hypot(*(pieces.end - pieces.start))
 
 
-def _between(middle: np.ndarray, one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """Distances (m) of points `middle` (2,N)."""
-    return np.hypot(middle[0][one] - middle[0][other], middle[1][one] - middle[1][other])
+def _between(points: np.ndarray, one: np.ndarray, others: np.ndarray,
+             other: np.ndarray) -> np.ndarray:
+    """Distances (m) of some `points` (2,N) from some of the `others`."""
+    x, y = points.take(one, axis=1) - others.take(other, axis=1)
+    return np.sqrt(x * x + y * y)
+
+
+def _pairs_of_pieces(stretches: _Stretches, one: np.ndarray, other: np.ndarray,
+                     distance: float) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of pairs of stretches the pairs of pieces that may be too near: the number of the pair of
+    stretches, ascending, and the two pieces."""
+    pair = np.repeat(np.arange(len(one)), stretches.pieces[one])
+    ours = stretches.first[one][pair] + count_up(stretches.pieces[one])
+    whole = other[pair]
+    near = (_between(stretches.piece_middle, ours, stretches.middle, whole)
+            < distance + stretches.piece_radius[ours] + stretches.radius[whole])
+    pair, ours, whole = pair[near], ours[near], whole[near]
+    counts = stretches.pieces[whole]
+    theirs = np.repeat(stretches.first[whole], counts) + count_up(counts)
+    pair, ours = np.repeat(pair, counts), np.repeat(ours, counts)
+    near = (_between(stretches.piece_middle, ours, stretches.piece_middle, theirs)
+            < distance + stretches.piece_radius[ours] + stretches.piece_radius[theirs])
+    return pair[near], ours[near], theirs[near]
 
 
 def _near(pieces: Pieces, stretches: _Stretches, one: np.ndarray, other: np.ndarray,
           distance: float) -> Iterator[Tuple[np.ndarray, ...]]:
     """Of pairs of stretches those that are too near, both ways round: the places, and the part of
     the first one that is too near to the second."""
-    counts, others = stretches.pieces[one] * stretches.pieces[other], stretches.pieces[other]
-    pair, number = np.repeat(np.arange(len(one)), counts), count_up(counts)
-    ours = stretches.first[one][pair] + number // others[pair]
-    theirs = stretches.first[other][pair] + number % others[pair]
+    pair, ours, theirs = _pairs_of_pieces(stretches, one, other, distance)
     keep = distance - ROUNDING + pieces.margin[ours] + pieces.margin[theirs]
     half = stretches.piece_half
-    apart = _between(stretches.piece_middle, ours, theirs)
-    near = apart < keep + half[ours] + half[theirs]
-    pair, ours, theirs, keep, apart = (c[near] for c in (pair, ours, theirs, keep, apart))
+    apart = _between(stretches.piece_middle, ours, stretches.piece_middle, theirs)
     for mine, yours in ((ours, theirs), (theirs, ours)):
         entry, exit = np.zeros(len(pair)), np.ones(len(pair))
         partly = np.flatnonzero(apart + half[mine] >= keep)  # the others lie within it altogether
         to, of = mine[partly], yours[partly]
         entry[partly], exit[partly] = time_within(
-            pieces.start[:, to], pieces.end[:, to], pieces.start[:, of], pieces.end[:, of],
-            keep[partly])
+            pieces.start.take(to, axis=1), pieces.end.take(to, axis=1),
+            pieces.start.take(of, axis=1), pieces.end.take(of, axis=1), keep[partly])
         met = entry <= exit
         if not met.any():
             continue

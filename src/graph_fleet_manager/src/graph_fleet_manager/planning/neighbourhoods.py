@@ -1,20 +1,28 @@
 """Better plans in the time that is left: large-neighbourhood search.
 
 A few robots that are in each other's way are taken out and planned again in another order; the new
-ways stay if they cost less together. (Li et al., Anytime multi-agent path finding via large
-neighborhood search, IJCAI 2021.)
+ways stay if they cost less together, or little more, so that the search gets on where nothing near
+is better. (Li et al., Anytime multi-agent path finding via large neighborhood search, IJCAI 2021.)
+
+Sometimes the first of them is planned twice: at first as a guest, in the others' way only until it
+has arrived and for a moment more, and again behind all others. So two robots can change places
+where each would end on the other's only way.
 """
 from __future__ import annotations
 
 import time
-from math import inf
+from math import inf, log
 from random import Random
 from typing import Dict, List, Mapping, Optional, Sequence, Set
 
+from graph_fleet_manager.planning.plans import end_of
 from graph_fleet_manager.planning.tea_star import TeaStar, Way, Ways, shuffled
 from graph_fleet_manager.planning.travellers import Traveller
 
 _SMALLEST, _LARGEST = 2, 8
+_GUESTS = 0.2  # of the rounds are with one who is planned twice
+_GUEST_STAYS = 10.0  # s, at most
+_WORSE = 0.01  # of all delays: so much more may new ways cost on average
 _CLOSE = 1e-9  # of the cost: nearer to the lower bound than this is at it
 _MEMORY = 0.9  # how slowly the choice among the kinds of neighbourhoods forgets
 
@@ -33,43 +41,50 @@ class Improvement:
         self._movable: List[str] = [t.name for t in travellers
                                     if movable is None or t.name in movable]
         self._movable_set = set(self._movable)
+        self._now: Ways = dict(ways)
+        """The ways that are booked."""
         self.ways: Ways = dict(ways)
         """The best ways so far."""
         self.rounds = 0
         """How many neighbourhoods were tried."""
-        self._kinds = (self._around_delayed, self._around_place, self._any)
-        self._weights = [1.0] * len(self._kinds)
-
-    @property
-    def cost(self) -> float:
-        """Sum of the costs of all ways."""
-        return sum(way.cost for way in self.ways.values())
+        self._weights = [1.0] * len(_KINDS)
 
     def delay(self, name: str) -> float:
-        """How much more a way costs than it would were the robot alone."""
-        return self.ways[name].cost - self._all[name].errand.lower_bound
+        """How much more the way booked costs than it would were the robot alone."""
+        return self._now[name].cost - self._all[name].errand.lower_bound
 
     def run(self, deadline: float, rounds: Optional[int] = None) -> None:
         """Improves until the deadline (monotonic s), `rounds`, or nothing is left to improve."""
+        cost = best = sum(way.cost for way in self._now.values())
         while len(self._movable) > 0 and (rounds is None or self.rounds < rounds):
             if time.monotonic() >= deadline:
                 break
-            if sum(map(self.delay, self._movable)) <= _CLOSE * self.cost:
+            delays = sum(map(self.delay, self._movable))
+            if delays <= _CLOSE * cost:
                 break
             self.rounds += 1
-            kind = self._random.choices(range(len(self._kinds)), self._weights)[0]
-            gain = self._try(self._kinds[kind](), deadline)
-            self._weights[kind] = max(_MEMORY * self._weights[kind] + (1 - _MEMORY) * gain, 1e-3)
+            kind = self._random.choices(range(len(_KINDS)), self._weights)[0]
+            more = -_WORSE * delays * log(1.0 - self._random.random())  # exponentially distributed
+            gain = self._try(_KINDS[kind](self), more, deadline)
+            gained = max(gain, 0.0)
+            self._weights[kind] = max(_MEMORY * self._weights[kind] + (1 - _MEMORY) * gained, 1e-3)
+            cost -= gain
+            if cost < best * (1.0 - _CLOSE):
+                best, self.ways = cost, dict(self._now)
 
-    def _try(self, names: Sequence[str], deadline: float) -> float:
-        """Plans these again together; returns by how much that was better."""
+    def _try(self, names: Sequence[str], more: float, deadline: float) -> float:
+        """Plans these again together, for at most so much more than now; returns what it gained."""
         group = shuffled((self._all[name] for name in names), self._random)
-        before = sum(self.ways[name].cost for name in names)
-        enough = before * (1.0 - _CLOSE)
+        before = sum(self._now[name].cost for name in names)
+        enough = before * (1.0 - _CLOSE) + more
         taken = self._tea_star.timetable.take_out(names)
         for traveller in group:
             if traveller.fixed or traveller.between or traveller.errand.ready > 0.0:
                 self._tea_star.book_fixed(traveller)
+        if group[0].priority == group[-1].priority and self._random.random() < _GUESTS:
+            guest = group.pop(0)
+            self._book_guest(guest)
+            group.append(guest)
         least = sum(t.errand.lower_bound for t in group)
         spent, found = 0.0, {}
         for traveller in group:
@@ -82,8 +97,18 @@ class Improvement:
             found[traveller.name] = way
             spent += way.cost
             self._tea_star.book(traveller, way)
-        self.ways.update(found)
+        self._now.update(found)
         return before - spent
+
+    def _book_guest(self, traveller: Traveller) -> None:
+        """Books the best way of a robot, but no longer than for a moment at its end."""
+        self._tea_star.forget((traveller,))
+        way = self._tea_star.way_of(traveller)
+        if way is None:
+            self._tea_star.book_fixed(traveller)
+        else:
+            leaves = end_of(traveller.whole(way.plan)) + self._random.uniform(0.0, _GUEST_STAYS)
+            self._tea_star.book(traveller, way, leaves)
 
     # -- neighbourhoods ---------------------------------------------------------------------------
 
@@ -104,7 +129,7 @@ class Improvement:
     def _around_place(self) -> List[str]:
         """Robots that use the same drive, one after the other."""
         name = self._random.choice(self._movable)
-        plan = self.ways[name].plan
+        plan = self._now[name].plan
         if not plan:
             return self._any()
         drive = self._random.choice(plan).drive
@@ -150,3 +175,6 @@ class Improvement:
             if other not in chosen:
                 chosen.append(other)
         return chosen
+
+
+_KINDS = (Improvement._around_delayed, Improvement._around_place, Improvement._any)

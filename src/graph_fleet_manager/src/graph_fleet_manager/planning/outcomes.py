@@ -21,7 +21,7 @@ def outcome_of(timetable: Timetable, travellers: Mapping[str, Traveller],
     served   -- whose plans lead to all of their destinations
     unserved -- whose do not, and why
     """
-    network = timetable.network
+    ids = timetable.network.signed_ids
     plans = schedule(timetable, travellers, in_order(behind)) if rounds else behind
     whole = {name: travellers[name].whole(plan) for name, plan in plans.items()}
     constraints = precedence(timetable, whole, {name: t.kind for name, t in travellers.items()},
@@ -30,8 +30,8 @@ def outcome_of(timetable: Timetable, travellers: Mapping[str, Traveller],
         raise AssertionError('a plan whose robots wait for each other in a ring')
     errands = {name: travellers[name].errand for name in served}
     return Outcome(
-        {name: tuple(PlannedDrive(network.signed_id(drive.drive), drive.start, drive.end)
-                     for drive in plan) for name, plan in whole.items()},
+        {name: tuple([PlannedDrive(ids[drive], start, end) for drive, start, end, _ in plan])
+         for name, plan in whole.items()},
         tuple(constraints), dict(unserved),
         sum(errand.cost(plans[name]) for name, errand in errands.items()),
         sum(errand.lower_bound for errand in errands.values()), rounds)

@@ -31,7 +31,23 @@ class Pieces(NamedTuple):
                         # the same arc length
 
 
-def pieces_of(graph: Graph) -> Pieces:
+class Splines(NamedTuple):
+    """All S splines of a graph."""
+
+    edges: np.ndarray    # (S,) counted in the graph's order
+    control: np.ndarray  # (S,4,2) m, their control points
+
+
+def splines_of(graph: Graph) -> Splines:
+    """The splines; to find their control points takes long enough to do it once."""
+    edges = [k for k, edge in enumerate(graph.edges.values())
+             if edge.curve_type is CurveType.SPLINE]
+    ids = list(graph.edges)
+    control = np.array([graph.control_points(ids[k]) for k in edges], dtype=float)
+    return Splines(np.array(edges, dtype=np.int64), control.reshape(-1, 4, 2))
+
+
+def pieces_of(graph: Graph, splines: Splines) -> Pieces:
     """The pieces of all vertices, then of all edges."""
     positions = np.array([vertex.position for vertex in graph.vertices.values()], dtype=float).T
     index = {id: k for k, id in enumerate(graph.vertices)}
@@ -45,27 +61,20 @@ def pieces_of(graph: Graph) -> Pieces:
         parts.append(Pieces(count + np.array(lines), positions[:, ends[:, 0]],
                             positions[:, ends[:, 1]], np.zeros(len(lines)), np.ones(len(lines)),
                             np.zeros(len(lines))))
-    splines = [k for k, edge in enumerate(edges) if edge.curve_type is CurveType.SPLINE]
-    if splines:
-        places = count + np.array(splines)
-        control = np.array([graph.control_points(edges[k].id) for k in splines])
-        parts += [_spline_pieces(places[k:k + _AT_ONCE], control[k:k + _AT_ONCE])
-                  for k in range(0, len(places), _AT_ONCE)]
+    for k in range(0, len(splines.edges), _AT_ONCE):
+        some = slice(k, k + _AT_ONCE)
+        parts.append(_spline_pieces(count + splines.edges[some], splines.control[some]))
     return Pieces(*(np.concatenate(columns, axis=-1) for columns in zip(*parts)))
 
 
-def edge_lengths(graph: Graph) -> np.ndarray:
+def edge_lengths(graph: Graph, splines: Splines) -> np.ndarray:
     """Arc length (m) of every edge, in the graph's order."""
     lengths = np.zeros(len(graph.edges))
-    edges = list(graph.edges.values())
-    for k, edge in enumerate(edges):
+    for k, edge in enumerate(graph.edges.values()):
         if edge.curve_type is CurveType.LINE:
             ends = graph.vertices[edge.origin].position, graph.vertices[edge.destination].position
             lengths[k] = np.hypot(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1])
-    splines = [k for k, edge in enumerate(edges) if edge.curve_type is CurveType.SPLINE]
-    if splines:
-        control = np.array([graph.control_points(edges[k].id) for k in splines])
-        lengths[splines] = bezier_lengths(control)
+    lengths[splines.edges] = bezier_lengths(splines.control)
     return lengths
 
 
@@ -104,8 +113,12 @@ def _strayed(points: np.ndarray, arcs: np.ndarray, which: np.ndarray, begins: np
 
     A chord leads from point `begins` to point `begins` + `step` of curve `which`.
     """
-    at = begins[:, None] + np.arange(step + 1)
-    curve, arc = points[which[:, None], at], arcs[which[:, None], at]
+    at = (which * arcs.shape[1] + begins)[:, None] + np.arange(step + 1)
+    arc = arcs.ravel().take(at)
     share = (arc - arc[:, :1]) / np.maximum(arc[:, -1:] - arc[:, :1], 1e-12)
-    off = curve - curve[:, :1] - share[..., None] * (curve[:, -1:] - curve[:, :1])
-    return np.sqrt((off ** 2).sum(axis=-1).max(axis=1))
+    square = np.zeros_like(share)
+    for k in (0, 1):
+        curve = points[..., k].ravel().take(at)
+        off = curve - curve[:, :1] - share * (curve[:, -1:] - curve[:, :1])
+        square += off * off
+    return np.sqrt(square.max(axis=1))

@@ -1,7 +1,9 @@
 """From what the planner is asked, in ids, to travellers; and what makes no sense in it."""
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
+from itertools import chain
 from math import inf
 from typing import Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple
 
@@ -28,13 +30,14 @@ class Problem:
         self.tasks: Dict[str, Task] = {task.name: task for task in tasks}
         wanted = {name: frozenset(self._vertices(task.destinations))
                   for name, task in self.tasks.items()}
+        robots = Counter(chain.from_iterable(wanted.values()))
         for kind in timetable.kinds:  # all at once: one by one they take several times as long
             self._network.ways_to(kind, [vertex for name, task in self.tasks.items()
                                          if task.type == kind for vertex in wanted[name]])
         self.travellers: Dict[str, Traveller] = {}
         for name, task in self.tasks.items():
-            others = frozenset().union(*(w for other, w in wanted.items() if other != name))
-            self.travellers[name] = self._traveller(task, others)
+            others = robots.keys() - {vertex for vertex in wanted[name] if robots[vertex] == 1}
+            self.travellers[name] = self._traveller(task, frozenset(others))
 
     def rests(self, kind: RobotType, unwanted: FrozenSet[int] = frozenset()) -> FrozenSet[int]:
         """Where robots of a type may be parked; without what others want if that leaves enough."""

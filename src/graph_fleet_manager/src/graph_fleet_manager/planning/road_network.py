@@ -7,6 +7,7 @@ vertices.
 from __future__ import annotations
 
 import math
+from array import array
 from types import MappingProxyType
 from typing import Dict, FrozenSet, Iterable, List, Mapping, Sequence, Tuple
 
@@ -14,13 +15,21 @@ import numpy as np
 
 from graph_fleet_manager.fleet import DOCK_APPROACH, RobotType
 from graph_fleet_manager.planning.exclusions import Approach, Exclusions
-from graph_fleet_manager.planning.pieces import edge_lengths, pieces_of
+from graph_fleet_manager.planning.pieces import edge_lengths, pieces_of, splines_of
 from graph_fleet_manager.planning.shortest_ways import ShortestWays
 from trajectory_graph import Graph
 
-GUIDED = 1.0 + 1e-9
+_GUIDED = 1.0 + 1e-9
 Roads = List[List[Tuple[int, int, float]]]
 """For each vertex the (drive, vertex at its end, seconds) that lead away from it."""
+
+
+def estimated(seconds: np.ndarray) -> Sequence[float]:
+    """Seconds (V,) as the searches use them: Python's numbers, and larger by a hair.
+
+    So of equally good ways the one that is nearer to its end is followed first.
+    """
+    return array('d', (seconds * _GUIDED).tobytes())
 
 
 class RoadNetwork:
@@ -48,16 +57,19 @@ class RoadNetwork:
         """Vertex at which each drive begins."""
         for edge in edges:
             self.origin += [self.index[edge.origin], self.index[edge.destination]]
+        self.signed_ids: Tuple[int, ...] = tuple(id for edge in edges for id in (edge.id, -edge.id))
+        """Signed edge id of each drive."""
         self.vertices = len(self.vertex_ids)
         self.drives = len(self.origin)
         self.docks = frozenset(self.index[v.id] for v in graph.vertices.values() if v.dock)
-        self._lengths = edge_lengths(graph)
+        self._splines = splines_of(graph)
+        self._lengths = edge_lengths(graph, self._splines)
         self._exclusions: Dict[None, Exclusions] = {}
         self._times: Dict[RobotType, List[float]] = {}
         self._roads: Dict[RobotType, Roads] = {}
         self._shortest: Dict[RobotType, ShortestWays] = {}
         self._ways: Dict[Tuple[RobotType, int], np.ndarray] = {}
-        self._listed: Dict[Tuple[RobotType, int], List[float]] = {}
+        self._estimates: Dict[Tuple[RobotType, int], Sequence[float]] = {}
 
     def with_closed(self, closed: Iterable[int],
                     learned: Mapping[Tuple[str, int], float] = MappingProxyType({})) -> RoadNetwork:
@@ -75,8 +87,7 @@ class RoadNetwork:
 
     def signed_id(self, drive: int) -> int:
         """The signed edge id of a drive."""
-        id = self.edge_ids[drive >> 1]
-        return -id if drive & 1 else id
+        return self.signed_ids[drive]
 
     def destination(self, drive: int) -> int:
         """Vertex at which a drive ends."""
@@ -108,11 +119,13 @@ class RoadNetwork:
     def roads(self, kind: RobotType, docks: Iterable[int] = ()) -> Roads:
         """Where one may drive from each vertex; into a dock only if it is one of `docks`."""
         if kind not in self._roads:
-            self._roads[kind] = [[] for _ in range(self.vertices)]
-            for drive, seconds in enumerate(self.times(kind)):
-                if self._open(drive, seconds) and self.destination(drive) not in self.docks:
-                    self._roads[kind][self.origin[drive]].append(
-                        (drive, self.destination(drive), seconds))
+            closed = {self.edge_index[id] for id in self.closed if id in self.edge_index}
+            roads: Roads = [[] for _ in range(self.vertices)]
+            for drive, (begin, seconds) in enumerate(zip(self.origin, self.times(kind))):
+                end = self.origin[drive ^ 1]
+                if seconds < math.inf and drive >> 1 not in closed and end not in self.docks:
+                    roads[begin].append((drive, end, seconds))
+            self._roads[kind] = roads
         wanted = self.docks.intersection(docks)
         if not wanted:
             return self._roads[kind]
@@ -129,6 +142,8 @@ class RoadNetwork:
         They are remembered, so targets that come again cost nothing.
         """
         missing = [t for t in dict.fromkeys(targets) if (kind, t) not in self._ways]
+        if not missing:
+            return [self._ways[kind, target] for target in targets]
         docks = {dock: [(self.origin[drive], seconds)
                         for drive, seconds in enumerate(self.times(kind))
                         if self.destination(drive) == dock and self._open(drive, seconds)]
@@ -163,14 +178,11 @@ class RoadNetwork:
                 for _, end, seconds in away))
         return self._shortest[kind]
 
-    def estimates(self, kind: RobotType, target: int) -> List[float]:
-        """`ways_to` a target as the searches use it: a list, and longer by a hair.
-
-        So of equally good ways the one that is nearer to its end is followed first.
-        """
-        if (kind, target) not in self._listed:
-            self._listed[kind, target] = (self.ways_to(kind, (target,))[0] * GUIDED).tolist()
-        return self._listed[kind, target]
+    def estimates(self, kind: RobotType, target: int) -> Sequence[float]:
+        """`ways_to` a target as the searches use it."""
+        if (kind, target) not in self._estimates:
+            self._estimates[kind, target] = estimated(self.ways_to(kind, (target,))[0])
+        return self._estimates[kind, target]
 
     def _open(self, drive: int, seconds: float) -> bool:
         return seconds < math.inf and self.edge_ids[drive >> 1] not in self.closed
@@ -182,8 +194,8 @@ class RoadNetwork:
         """Which places exclude each other; edges that are closed now included."""
         if None not in self._exclusions:
             ends = np.array(self.origin, dtype=np.int64).reshape(-1, 2)
-            self._exclusions[None] = Exclusions(pieces_of(self.graph), ends, self.vertices,
-                                                self._approaches())
+            self._exclusions[None] = Exclusions(pieces_of(self.graph, self._splines), ends,
+                                                self.vertices, self._approaches())
         return self._exclusions[None]
 
     def _approaches(self) -> Tuple[Approach, ...]:

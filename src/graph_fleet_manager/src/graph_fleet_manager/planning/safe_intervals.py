@@ -12,10 +12,11 @@ from __future__ import annotations
 from bisect import bisect_right
 from heapq import heappop, heappush
 from math import inf
+from sys import float_info
 from typing import Dict, List, Optional, Sequence, Tuple
 
 from graph_fleet_manager.planning.plans import Drive, Plan
-from graph_fleet_manager.planning.timetable import Busy, Slots
+from graph_fleet_manager.planning.timetable import Slots
 from graph_fleet_manager.planning.travellers import Errand
 
 Arrival = Tuple[int, float, int, float]
@@ -38,6 +39,7 @@ def find_way(errand: Errand, slots: Slots, latest: float = inf,
     best: Dict[int, float] = {}
     nodes: List[Tuple] = []
     heap: List[Tuple[float, int, float]] = []
+    latest = min(latest, float_info.max)  # what costs infinitely much is no way
     node, leg, served = -1, 0, errand.ready
     moves = list(arrivals) or [(-1, 0.0, errand.vertex, errand.ready)]
     while True:
@@ -66,14 +68,14 @@ def find_way(errand: Errand, slots: Slots, latest: float = inf,
                 cost = new_served
             else:
                 cost = new_served + later * (time - new_served + to_go[new_leg][end])
-            if cost <= latest and cost < inf:
+            if cost <= latest:
                 best[key] = time
                 heappush(heap, (cost, len(nodes), -inf))
                 nodes.append((end, time, new_leg, new_served, until, key,
                               node, drive, begin, arrival))
         while heap:
             cost, node, done = heappop(heap)
-            vertex, now, leg, served, until, key = nodes[node][:6]
+            vertex, now, leg, served, until, key, _, _, _, _ = nodes[node]
             if best[key] == now:
                 break
         else:
@@ -90,21 +92,20 @@ def find_way(errand: Errand, slots: Slots, latest: float = inf,
                 if bound < postponed:
                     postponed = bound
             elif bound > done:
-                busy = merged[drive] or busy_of(drive)
-                if busy[1]:
-                    moves += [(drive, begin, end, begin + seconds)
-                              for begin in _beginnings(busy, now, until)]
-                else:
+                starts, ends = merged[drive] or busy_of(drive)
+                if not ends or now >= ends[-1]:
                     moves.append((drive, now, end, now + seconds))
-        if postponed <= latest and postponed < inf:
+                else:
+                    for begin in _beginnings(starts, ends, now, until):
+                        moves.append((drive, begin, end, begin + seconds))
+        if postponed <= latest:
             heappush(heap, (postponed, node, cost))
 
 
-def _beginnings(busy: Busy, now: float, until: float) -> Sequence[float]:
-    """The first moment of each time between `now` and `until` at which a slot is free."""
-    starts, ends = busy
-    if now >= ends[-1]:
-        return (now,)
+def _beginnings(starts: Sequence[float], ends: Sequence[float], now: float,
+                until: float) -> List[float]:
+    """The first moment of each time between `now` and `until` at which a slot is free that is busy
+    from each of `starts` to each of `ends`; some of these are later than `now`."""
     gap, count = bisect_right(ends, now), len(ends)
     begins = [now] if now <= starts[gap] else []
     while ends[gap] <= until:

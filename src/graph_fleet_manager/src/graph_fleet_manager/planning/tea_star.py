@@ -56,11 +56,11 @@ class TeaStar:
             plan[0] = plan[0]._replace(begun=traveller.between.behind(plan[0].drive))
         return Way(cost, plan)
 
-    def book(self, traveller: Traveller, way: Way) -> None:
-        """Makes a way an obstacle for all others."""
+    def book(self, traveller: Traveller, way: Way, until: float = inf) -> None:
+        """Makes a way an obstacle for all others, and its end until some time."""
         self.timetable.book(traveller.name, traveller.kind, traveller.vertex,
-                            traveller.whole(way.plan), traveller.between,
-                            held=len(traveller.fixed))
+                            traveller.whole(way.plan), traveller.between, until,
+                            len(traveller.fixed))
 
     def book_fixed(self, traveller: Traveller) -> None:
         """Books only what a robot without a plan holds in any case."""

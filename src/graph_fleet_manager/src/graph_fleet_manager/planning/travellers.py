@@ -8,7 +8,7 @@ import numpy as np
 
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.planning.plans import Drive, Plan
-from graph_fleet_manager.planning.road_network import GUIDED, RoadNetwork, Roads
+from graph_fleet_manager.planning.road_network import RoadNetwork, Roads, estimated
 from graph_fleet_manager.planning.timetable import Between
 
 LATER = 1e-4
@@ -39,14 +39,14 @@ class Errand:
         self.later = later
         docks = self.destinations if rests is None else (*self.destinations, *rests)
         self.roads: Roads = network.roads(kind, docks)
-        self.to_go: List[List[float]] = []
+        self.to_go: List[Sequence[float]] = []
         """For each leg, the seconds from every vertex over all destinations left to the last;
         behind them one more where there are rests: to the nearest of these."""
         beyond = 0.0
         ways = network.ways_to(kind, self.destinations)
         for leg in range(len(ways) - 1, -1, -1):
             beyond += self.dwells[leg]
-            self.to_go.insert(0, (ways[leg] * GUIDED + beyond).tolist() if beyond
+            self.to_go.insert(0, estimated(ways[leg] + beyond) if beyond
                               else network.estimates(kind, self.destinations[leg]))
             if leg:
                 beyond += float(ways[leg][self.destinations[leg - 1]])
@@ -57,7 +57,7 @@ class Errand:
         if rests is not None:
             nearest = (np.minimum.reduce(network.ways_to(kind, sorted(rests))) if rests
                        else np.full(network.vertices, inf))
-            self.to_go.append((nearest * GUIDED).tolist())
+            self.to_go.append(estimated(nearest))
             lasts = self.destinations[-1:] or origins
             self.lower_bound += later * min(float(nearest[vertex]) for vertex in lasts)
 

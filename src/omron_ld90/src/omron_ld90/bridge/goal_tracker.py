@@ -171,9 +171,10 @@ class GoalTracker:
             self._never_sent = event.ending is Ending.NEVER_SENT
             self._doubt(now)
 
-    def located(self, place: Tuple[float, float]) -> None:
-        """The robot was seen at a place (m)."""
-        stands = self._place is not None and math.dist(self._place, place) <= UNMOVED
+    def located(self, place: Tuple[float, float], motion: Motion = Motion.UNKNOWN) -> None:
+        """The robot was seen at a place (m); one that still goes was seen before it arrived."""
+        stands = (motion is not Motion.GOING and self._place is not None
+                  and math.dist(self._place, place) <= UNMOVED)
         self._place = place
         if self.reached:
             self.rested_at_goal = self.rested_at_goal + 1 if stands else 0

@@ -115,7 +115,7 @@ class RobotMonitor:
             self.docking, self.docking_changed = status.docking, now
         if status.place is not None and self.location.update(
                 Located(status.stamp, *status.place), now):
-            self.tracker.located(status.place)
+            self.tracker.located(status.place, status.motion)
         since = (self.links.up_since(p.Link.COMMANDS)
                  if self.links.stands(p.Link.COMMANDS, now) else math.inf)
         self.tracker.seen(status, now, since)

@@ -8,7 +8,7 @@ robot turns on the vertex, and drives on from its new heading.
 from __future__ import annotations
 
 import math
-from typing import Dict, List, Tuple
+from typing import Dict, List, Set, Tuple
 
 import numpy as np
 
@@ -27,6 +27,12 @@ def bends_of(graph: Graph, stretch: float) -> List[Tuple[float, float]]:
     return places
 
 
+def corners_of(graph: Graph, least: float) -> Set[int]:
+    """The vertices through which a way, without going back, turns by more than `least` rad."""
+    ways = _Ways(graph)
+    return {id for id in graph.vertices if ways.is_corner(id, least)}
+
+
 class _Ways:
     """How far the ways over a graph turn; what was found once is kept as long as this is."""
 
@@ -34,10 +40,10 @@ class _Ways:
         self._graph = graph
         self._beyond: Dict[Tuple[int, int], float] = {}
 
-    def is_corner(self, vertex_id: int) -> bool:
-        """Is a way through the vertex, without going back, a bend by itself?"""
+    def is_corner(self, vertex_id: int, least: float = BEND) -> bool:
+        """Does a way through the vertex, without going back, turn by more than `least` there?"""
         ways_out = self._graph.edges_from(vertex_id)
-        return any(self._corner(-way_in, way_out) > BEND
+        return any(self._corner(-way_in, way_out) > least
                    for index, way_out in enumerate(ways_out) for way_in in ways_out[:index])
 
     def bends_on(self, edge: int, reach: float) -> List[Tuple[float, float]]:

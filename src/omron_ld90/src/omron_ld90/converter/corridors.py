@@ -1,8 +1,9 @@
 """The floor that a robot needs to drive on a graph: what no fence may touch. All in mm, map frame.
 
 A corridor follows every edge's curve. A disc in which the robot can turn is free where it has to
-turn: at end vertices, where its way bends within its half diagonal, and at the dock, from where a
-strip leads to the station. Where edges meet their corridors are one, so junctions are open.
+turn: at end vertices, where its way bends within its half diagonal, at vertices where a corridor
+too narrow to turn in bends at all, and at the dock, from where a strip leads to the station. Where
+edges meet their corridors are one, so junctions are open.
 """
 from __future__ import annotations
 
@@ -15,7 +16,7 @@ from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
 from omron_ld90 import robot_model
-from omron_ld90.converter.bends import bends_of
+from omron_ld90.converter.bends import bends_of, corners_of
 from omron_ld90.converter.goals import Pose, millimetres
 from trajectory_graph import Graph
 
@@ -25,6 +26,7 @@ ARC = 8  # segments of a quarter circle: a circle of 0.5 m is true to 2.4 mm
 ROUNDING = 2.5  # mm that outlines are drawn wider, so that polygons of circles are no smaller
 CURVE_TOLERANCE = 0.5  # mm, between a curve and the polyline that stands for it
 SLIT = 17.0  # mm: floor on both sides of what is less than twice as wide is one floor
+NEARLY_STRAIGHT = math.radians(5.0)  # a robot that drives on straight hardly leaves its lane
 MITRE = 2  # Shapely's join style that keeps corners sharp
 
 
@@ -81,8 +83,11 @@ def _around(shape: BaseGeometry, distance: float) -> BaseGeometry:
 
 def _turning_places(graph: Graph, rules: CorridorRules) -> List[BaseGeometry]:
     places = bends_of(graph, robot_model.HALF_DIAGONAL)
+    narrow = {id for id in graph.edges if rules.width_of(id) < 2.0 * ROBOT_HALF_DIAGONAL}
+    bent = corners_of(graph, NEARLY_STRAIGHT)
     places += [vertex.position for vertex in graph.vertices.values()
-               if graph.is_end_vertex(vertex.id)]
+               if graph.is_end_vertex(vertex.id)
+               or vertex.id in bent and not narrow.isdisjoint(graph.edges_at(vertex.id))]
     return [_around(Point(millimetres(place)), rules.turning_radius) for place in places]
 
 

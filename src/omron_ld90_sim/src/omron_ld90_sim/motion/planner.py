@@ -10,14 +10,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Optional, Sequence, Tuple
+from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
 from skimage.graph import MCP_Geometric
 
 from omron_ld90_sim.motion.floor import Floor
 from omron_ld90_sim.motion.kinematics import Pose
-from omron_ld90_sim.motion.space import Disc, Space
+from omron_ld90_sim.motion.space import LOOK_STEP, Disc, Space
 
 DRIVE_MARGIN = 15.0     # mm kept on top of the half width
 TURN_MARGIN = 5.0       # mm kept on top of the half diagonal
@@ -27,6 +27,8 @@ CLOSED = -1.0           # cost of a cell that no way leads through
 ESCAPE = 3000.0         # mm straight ahead or back to look for room to turn
 ATTEMPTS = 6
 SEARCH_AROUND = 4000.0  # mm around robot and goal where a way is looked for first
+TURN_NEAR = 300.0       # mm around the ends of a narrow place to look for places to turn
+TURN_PLACES = 80        # so many of them, at most
 DETOUR = 2.5            # a way from there may cost so many times the straight line in the open
 
 
@@ -198,18 +200,50 @@ class Planner:
         last = len(raw) - 1
         turnable = clear >= self.turn_clearance
         turnable[-1] = True
-        chosen = [0]
-        while chosen[-1] < last:
-            i = chosen[-1]
+        i, vertices = 0, [raw[0]]
+        while i < last:
             candidates = i + 1 + np.flatnonzero(turnable[i + 1:])
             j = self._farthest(space, raw, clear, i, candidates)
             if j is None:
-                stop = candidates[0] if len(candidates) else last
-                between = raw[i + 1:max(stop, i + 2)]
-                cells = np.array([self.floor.planning_cell(x, y) for x, y in between])
-                return raw[chosen], cells
-            chosen.append(j)
-        return raw[chosen], None
+                j = int(candidates[0])
+                through = self._through(space, raw[i], raw[j])
+                if through is None:
+                    cells = [self.floor.planning_cell(x, y) for x, y in raw[i + 1:max(j, i + 2)]]
+                    return np.array(vertices), np.array(cells)
+                vertices += through
+            vertices.append(raw[j])
+            i = j
+        return np.array(vertices), None
+
+    def _through(self, space: Space, a: np.ndarray, b: np.ndarray) -> Optional[List[np.ndarray]]:
+        """Where to turn before and behind a narrow place, so as to drive through it straight.
+
+        Near `a` and near `b`, the turnable ends of the narrow place, with the most room between:
+        the planner's grid is too coarse for a gap that hardly lets the body through.
+        """
+        before, behind = self._turnable_near(space, a, b), self._turnable_near(space, b, a)
+        fractions = np.linspace(0.0, 1.0, int(np.hypot(*(b - a)) / LOOK_STEP) + 2)[:, None]
+        lines = (before[:, None, None]
+                 + fractions * (behind[None, :, None] - before[:, None, None]))
+        room = space.clearance_at(lines.reshape(-1, 2)).reshape(lines.shape[:3]).min(axis=2)
+        first, second = divmod(int(room.argmax()), len(behind))
+        if (first, second) == (0, 0) or not space.straight_is_free(
+                before[first], behind[second], self.drive_clearance):
+            return None
+        return [place for place, end in ((before[first], a), (behind[second], b))
+                if not np.array_equal(place, end)]
+
+    def _turnable_near(self, space: Space, end: np.ndarray, other: np.ndarray) -> np.ndarray:
+        """(N, 2): `end`, then places to turn that a straight leads to, those nearest to `other`."""
+        if space.clearance_of(*end) < self.turn_clearance:
+            return end[None]
+        offsets = np.arange(-TURN_NEAR, TURN_NEAR + 1.0, self.floor.resolution)
+        places = end + np.stack(np.meshgrid(offsets, offsets), axis=-1).reshape(-1, 2)
+        places = places[np.hypot(*(places - end).T) <= TURN_NEAR]
+        places = places[space.clearance_at(places) >= self.turn_clearance]
+        places = places[np.argsort(np.hypot(*(places - other).T), kind='stable')[:TURN_PLACES]]
+        return np.array([end, *(place for place in places if space.straight_is_free(
+            end, place, self.drive_clearance))])
 
     def _farthest(self, space: Space, raw: np.ndarray, clear: np.ndarray, i: int,
                   candidates: np.ndarray) -> Optional[int]:

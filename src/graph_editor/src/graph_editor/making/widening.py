@@ -1,0 +1,203 @@
+"""As much room as robots need: narrow places are driven through straight, between wider ones.
+
+A robot is wider across its corners than across its sides, so that there are places which it fits
+through and cannot turn in. Lanes that bend there, or have hardly the robot's width free, are drawn
+anew between places to turn near by, with the most margin that works. Where none does, no lane leads
+through.
+"""
+from __future__ import annotations
+
+import math
+from itertools import combinations
+from typing import Dict, Iterator, List, NamedTuple, Sequence, Set, Tuple
+
+import numpy as np
+from scipy.sparse.csgraph import dijkstra
+from scipy.spatial import cKDTree
+
+from graph_editor.making.lanes import LaneNet
+from graph_editor.making.options import MakingOptions
+from graph_editor.making.sight import straight
+from graph_editor.robot import NEARLY_STRAIGHT
+from graph_editor.site import Place
+
+NEAR = 1.5  # m around a tight corner within which the lanes may be drawn anew
+ASIDE = 0.8  # m from the lanes, where places to turn are looked for
+PLACES = 160  # that are looked at, those nearest to where robots cannot turn
+LONGEST = 4.0  # m of a new lane
+PIECE = 0.5  # m of way that one more lane costs
+TIGHTNESS = 4.0  # m of way that a metre of clearance is worth
+
+
+class _Margin(NamedTuple):
+    """Clearances, m: of places to turn, and along lanes."""
+
+    turning: float
+    straight: float
+
+
+def widen(net: LaneNet, options: MakingOptions, places: Dict[int, Place],
+          homes: Sequence[Tuple[float, float]]) -> List[str]:
+    """Draws lanes anew where they are too narrow, but for the nodes of `places`.
+
+    Where no way is found, no lane stays. What can be reached only through there goes, `places`
+    included: the part with the most of them stays, or the one where most `homes` (m) are, or the
+    longest. Returns what people should know about that.
+    """
+    margins = _margins(options)
+    _split_narrow_lanes(net, margins[-1])
+    notes: List[str] = []
+    seen = set(places)
+    while True:
+        node = next((node for node in _too_narrow(net, margins[-1]) if node not in seen), None)
+        if node is None:
+            return notes
+        cluster = _cluster(net, node, margins[-1], set(places))
+        seen |= cluster
+        x, y = net.positions[node]
+        if not any(_redraw(net, cluster, margin, options) for margin in margins):
+            for each in cluster & set(_too_narrow(net, margins[-1])):
+                net.remove_node(each)
+            notes.append(f'At {x:.2f} {y:.2f} there are {_room(net, np.array((x, y))):.2f} m to '
+                         f'the nearest obstacle, too little for a robot to turn or to pass: no '
+                         f'lane leads through{_leave_out(net, places, homes)}.')
+
+
+def _margins(options: MakingOptions) -> Tuple[_Margin, ...]:
+    """From what lanes have elsewhere to the least that a robot's own search for a way needs."""
+    return tuple(_Margin(options.half_diagonal + turning * options.margin,
+                         options.robot_width / 2.0 + straight * options.margin)
+                 for turning, straight in ((1.0, 1.0), (0.5, 1.0), (0.25, 1.0), (0.25, 0.5)))
+
+
+def _split_narrow_lanes(net: LaneNet, least: _Margin) -> None:
+    """Puts a node where a lane is narrowest, if that is too narrow."""
+    for lane in net.lanes:
+        points = straight(net.floor, *net.ends(lane))
+        room = net.floor.clearance_at(points)
+        narrowest = int(np.argmin(room))
+        if room[narrowest] < least.straight and 0 < narrowest < len(points) - 1:
+            net.split(lane, points[narrowest])
+
+
+def _too_narrow(net: LaneNet, least: _Margin) -> Iterator[int]:
+    """Nodes where a robot cannot pass, or would have to turn and cannot."""
+    for node in net.nodes:
+        room = _room(net, net.positions[node])
+        if room < least.straight and net.degree(node) > 1 or (
+                room < least.turning and _bends(net, node)):
+            yield node
+
+
+def _room(net: LaneNet, place: np.ndarray) -> float:
+    return float(net.floor.clearance_at(place[None, :])[0])
+
+
+def _leave_out(net: LaneNet, places: Dict[int, Place],
+               homes: Sequence[Tuple[float, float]]) -> str:
+    """Takes out all parts of the net but one; says what that was."""
+    started = [min(net.nodes, key=lambda node: math.dist(net.positions[node], home))
+               for home in homes]
+    parts = sorted(net.components(), key=lambda part: (
+        len(part & set(places)), sum(node in part for node in started),
+        sum(net.length(lane) for lane in net.lanes if lane.nodes[0] in part)))
+    lost = [lane for lane in net.lanes if lane.nodes[0] not in parts[-1]]
+    length = sum(map(net.length, lost))
+    names = [places.pop(node).name for part in parts[:-1] for node in sorted(part & set(places))]
+    for part in parts[:-1]:
+        for node in part:
+            net.remove_node(node)
+    behind = f', nor to {length:.0f} m of lanes behind it' if lost else ''
+    return f'{behind}, with {", ".join(names)}' if names else behind
+
+
+def _bends(net: LaneNet, node: int) -> bool:
+    away = [net.positions[other] - net.positions[node] for other in net.neighbours(node)]
+    return any(abs(math.pi - _angle(one, other)) > NEARLY_STRAIGHT
+               for one, other in combinations(away, 2))
+
+
+def _angle(one: np.ndarray, other: np.ndarray) -> float:
+    cosine = float(one @ other) / max(float(np.hypot(*one) * np.hypot(*other)), 1e-12)
+    return math.acos(max(-1.0, min(1.0, cosine)))
+
+
+def _cluster(net: LaneNet, corner: int, least: _Margin, held: Set[int]) -> Set[int]:
+    """The nodes to draw anew: a corner, and near to it what else is too narrow or just bends."""
+    tight = set(_too_narrow(net, least)) - held
+    cluster, ahead = {corner}, [corner]
+    while ahead:
+        here = ahead.pop()
+        for node in net.neighbours(here):
+            near = np.hypot(*(net.positions[node] - net.positions[corner])) < NEAR
+            if near and node not in cluster | held and (node in tight or net.degree(node) == 2):
+                cluster.add(node)
+                ahead.append(node)
+    return cluster
+
+
+def _redraw(net: LaneNet, cluster: Set[int], margin: _Margin, options: MakingOptions) -> bool:
+    """Draws the lanes between what surrounds the cluster anew; False where there is no way."""
+    lanes = {net.lane(node, other).nodes for node in cluster for other in net.neighbours(node)}
+    ends = sorted({node for key in lanes for node in key} - cluster)
+    along = np.vstack([straight(net.floor, *(net.positions[node] for node in key))
+                       for key in sorted(lanes)])
+    places = np.vstack([[net.positions[end] for end in ends],
+                        _places_to_turn(net, along, margin, options)])
+    costs, clearances = _straights(net, places, margin, options)
+    totals, before = dijkstra(costs, directed=False, indices=range(len(ends)),
+                              return_predecessors=True)
+    middle = int(np.argmin(totals.sum(axis=0)))
+    if not np.isfinite(totals[:, middle].sum()):
+        return False
+    for node in cluster:
+        net.remove_node(node)
+    nodes: Dict[int, int] = dict(enumerate(ends))
+    for row in range(len(ends)):
+        here = middle
+        while here != row:
+            onward = int(before[row, here])
+            for place in (here, onward):
+                if place not in nodes:
+                    nodes[place] = net.add_node(places[place])
+            net.add_lane(nodes[here], nodes[onward],
+                         min(options.wide, float(clearances[here, onward])),
+                         places[[here, onward]])
+            here = onward
+    return True
+
+
+def _places_to_turn(net: LaneNet, along: np.ndarray, margin: _Margin,
+                    options: MakingOptions) -> np.ndarray:
+    """(N,2) places with room to turn, those nearest to where the lanes have none."""
+    low, high = along.min(axis=0) - ASIDE, along.max(axis=0) + ASIDE
+    (top, bottom), (left, right) = net.floor.cells_of(np.array((low, high)))
+    rows, columns = np.nonzero(net.floor.clearance[top:bottom + 1, left:right + 1]
+                               >= margin.turning)
+    places = net.floor.centres(rows + top, columns + left)
+    narrow = along[net.floor.clearance_at(along) < options.turning]
+    if not len(places) or not len(narrow):
+        return np.zeros((0, 2))
+    away, _ = cKDTree(narrow).query(places)
+    return places[np.argsort(away, kind='stable')[:PLACES]]
+
+
+def _straights(net: LaneNet, places: np.ndarray, margin: _Margin, options: MakingOptions
+               ) -> Tuple[np.ndarray, np.ndarray]:
+    """(N,N) costs of lanes between places, 0 where none can lead; and their clearances (m)."""
+    first, second = np.triu_indices(len(places), 1)
+    lengths = np.linalg.norm(places[second] - places[first], axis=1)
+    chosen = lengths < LONGEST
+    first, second, lengths = first[chosen], second[chosen], lengths[chosen]
+    count = int(math.ceil(LONGEST / net.floor.resolution)) + 1
+    room = np.full(len(first), np.inf)
+    for fraction in np.linspace(0.0, 1.0, count):
+        room = np.minimum(room, net.floor.clearance_at(
+            places[first] + fraction * (places[second] - places[first])))
+    costs = np.zeros((len(places), len(places)))
+    clearances = np.zeros_like(costs)
+    clearances[first, second] = clearances[second, first] = room
+    free = room >= margin.straight
+    costs[first[free], second[free]] = (
+        lengths + PIECE + TIGHTNESS * (options.wide - np.minimum(room, options.wide)))[free]
+    return costs, clearances
