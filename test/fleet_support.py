@@ -259,13 +259,21 @@ class Factory:
         return f'missions (state, robot, reason): {last}; robots: {robots}'
 
     def check_distances(self) -> float:
-        """How far the two nearest robots are beyond the distance allowed, in m; fails below 0."""
+        """How far the two nearest robots are beyond the distance allowed, in m; fails below 0.
+
+        Simulators are asked one after the other, between which a robot may have driven on: who
+        seems too near must be so beside where the other is a moment later, too.
+        """
         places = self.places()
         nearest = math.inf
         present = [robot for robot in self.fleet.robots if robot.name in places]
         for one, other in itertools.combinations(present, 2):
-            room = (math.dist(places[one.name], places[other.name]) - one.type.radius
-                    - other.type.radius - self.fleet.clearance)
+            apart = one.type.radius + other.type.radius + self.fleet.clearance
+            room = math.dist(places[one.name], places[other.name]) - apart
+            if room <= -SKEW:
+                later = self.places()
+                room = max(math.dist(later[one.name], places[other.name]),
+                           math.dist(places[one.name], later[other.name])) - apart
             assert room > -SKEW, f'{one.name} and {other.name} are too near: {places}'
             nearest = min(nearest, room)
         return nearest
