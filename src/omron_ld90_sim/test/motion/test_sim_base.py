@@ -1,6 +1,7 @@
 """The moving base keeps its limits and its distance at every step."""
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Tuple
 
@@ -8,7 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import settings
 from motion_inspector import Inspector
-from sim_builders import MAPS, Obstacles, Rig, lonely_floor
+from sim_builders import MAPS, Obstacles, Rig, corridor, lonely_floor
 from skimage.measure import label
 
 from omron_ld90_sim.motion.base import STEP, Base
@@ -50,6 +51,16 @@ def test_between_random_poses_the_body_touches_nothing(path: Path) -> None:
         Inspector(obstacles, base).drive()
         assert base.pose.distance_to(end.x, end.y) < 1.0
         assert abs(normalise(base.pose.theta - end.theta)) < 0.1
+
+
+def test_a_sharp_corner_too_near_the_last_one_to_be_driven_round_is_turned_in() -> None:
+    document = corridor(6000.0)
+    planner = Planner(Floor.from_map(document))
+    way = planner.plan(Pose(0.0, -1500.0, 42.0), 1280.0, 760.0)
+    corners = np.array([[0.0, -1500.0], [920.0, -660.0], [800.0, -680.0], [1280.0, 760.0]])
+    base = Base(way.start)
+    base.follow(manoeuvres(replace(way, vertices=corners), planner))
+    Inspector(Obstacles(document), base).drive()
 
 
 def test_the_robot_brakes_for_a_goal_from_metres_away() -> None:

@@ -18,6 +18,7 @@ from omron_ld90_sim.motion.track import Manoeuvre, Track, Turn, line, straight_t
 CORNER_STEP = 15.0                                      # mm between samples
 CORNER_REACHES = (1200.0, 900.0, 650.0, 450.0, 300.0)   # mm from the vertex to the tangent points
 SHORTEST_REACH = 60.0
+REACH_PER_DEGREE = 2.0                                  # mm of reach at least, in a sharp corner
 SHARPEST_CORNER = 120.0                                 # deg; beyond it the robot stops and turns
 NEGLIGIBLE = 0.5                                        # mm
 
@@ -132,9 +133,10 @@ def _corner(a: np.ndarray, v: np.ndarray, b: np.ndarray, at: np.ndarray, space: 
     out = float(np.hypot(*outward))
     i, o = inward / np.hypot(*inward), outward / out
     longest = min(into, out / 2, CORNER_REACHES[0])
+    shortest = max(SHORTEST_REACH, turn * REACH_PER_DEGREE)
     for reach in (*(r for r in CORNER_REACHES if r < longest), longest):
         samples = _bezier(v, i, o, reach)
-        if reach >= SHORTEST_REACH and space.clearance_at(samples[:, :2]).min() >= clearance:
+        if reach >= shortest and space.clearance_at(samples[:, :2]).min() >= clearance:
             return samples
     return None
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import List, Optional, Sequence, Tuple
+from typing import List, Optional, Sequence, Set, Tuple
 
 import numpy as np
 from skimage.graph import MCP_Geometric
@@ -201,6 +201,7 @@ class Planner:
         turnable = clear >= self.turn_clearance
         turnable[-1] = True
         i, vertices = 0, [raw[0]]
+        spare: Set[int] = set()     # vertices beside a narrow place, where others were found
         while i < last:
             candidates = i + 1 + np.flatnonzero(turnable[i + 1:])
             j = self._farthest(space, raw, clear, i, candidates)
@@ -210,10 +211,20 @@ class Planner:
                 if through is None:
                     cells = [self.floor.planning_cell(x, y) for x, y in raw[i + 1:max(j, i + 2)]]
                     return np.array(vertices), np.array(cells)
+                spare |= {len(vertices) - 1, len(vertices) + len(through)}
                 vertices += through
             vertices.append(raw[j])
             i = j
-        return np.array(vertices), None
+        return self._without(spare, vertices, space), None
+
+    def _without(self, spare: Set[int], vertices: Sequence[np.ndarray], space: Space) -> np.ndarray:
+        """The vertices without those of `spare` past which a straight leads as well."""
+        kept = [vertices[0]]
+        for k in range(1, len(vertices)):
+            if k not in spare or k + 1 == len(vertices) or not space.straight_is_free(
+                    kept[-1], vertices[k + 1], self.drive_clearance):
+                kept.append(vertices[k])
+        return np.array(kept)
 
     def _through(self, space: Space, a: np.ndarray, b: np.ndarray) -> Optional[List[np.ndarray]]:
         """Where to turn before and behind a narrow place, so as to drive through it straight.
