@@ -36,7 +36,7 @@ class Faults(unittest.TestCase):
             self.lab.robot.inject(fault)
         heard = len(self.lab.responses.messages)
         self.others.publish('enableMotors')
-        with self.lab.hurried():
+        with self.lab.at_speed(16.0):
             self.others.publish('goto 8')
             self.lab.responses.wait_for(lambda line: line.data == 'Arrived at 8', 60,
                                         'the robot back at 8', after=heard)

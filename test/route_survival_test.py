@@ -107,10 +107,11 @@ class Survival(unittest.TestCase):
         self.lab.restart_bridge(strategy='direct')  # which sends the robot far ahead
         self.lab.under_way(self.way(), 1)
         heard = len(self.lab.responses.messages)
-        self.kill('omron_controller')
-        self.lab.order([])
-        self.lab.responses.wait_for(lambda line: line.data == 'Stopped', 20.0,
-                                    'a robot that stops', after=heard)
+        with self.lab.at_speed(0.5):  # it must not arrive before the controller is back
+            self.kill('omron_controller')
+            self.lab.order([])
+            self.lab.responses.wait_for(lambda line: line.data == 'Stopped', 30.0,
+                                        'a robot that stops', after=heard)
         wait_until(lambda: self.lab.status.messages[-1].status == 'Stopped', 10.0,
                    'a robot at rest')
 
