@@ -67,13 +67,12 @@ lint() {
 }
 
 if [ ${#system_tests[@]} = 0 ]; then
-  lint
-  # side by side, each with a processor of its own: what waits for sockets and robots must not wait for one, too
-  scripts/run_tests.sh "$results" python3.8 >"$results/unit38.log" 2>&1 &
+  # Two halves side by side, as long as each other: what waits for sockets and robots must not wait for a processor, too.
+  { lint; scripts/run_tests.sh "$results" python3.8; } >"$results/beside.log" 2>&1 &
   trap "pkill -P $! || true" EXIT
   scripts/run_tests.sh "$results" unit
   wait
-  cat "$results/unit38.log"
+  cat "$results/beside.log"
   for file in test/*.test; do system_tests+=("$(basename "$file" .test)"); done
 fi
 export TEST_JOBS="${TEST_JOBS:-$(($(nproc) < 2 ? 1 : 2))}"

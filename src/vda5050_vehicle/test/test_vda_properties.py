@@ -291,6 +291,8 @@ class RandomMaster(RuleBasedStateMachine):
 
 
 RandomMaster.TestCase.settings = settings(
-    max_examples=2000 if os.environ.get('LD90_LONG_TESTS') else 30, stateful_step_count=25,
+    max_examples=(2000 if os.environ.get('LD90_LONG_TESTS')
+                  else settings.default.max_examples * 3 // 10),
+    stateful_step_count=25,
     deadline=None)
 TestRandomMaster = RandomMaster.TestCase
