@@ -175,6 +175,15 @@ def test_a_room_behind_a_corner_that_robots_cannot_turn_at_is_left_out_and_told(
     assert wide.notes == ()
 
 
+def test_of_two_parts_the_one_stays_in_which_robots_start_not_one_behind_the_wall():
+    tight_corner = (0.58, 4.32, 0.98, 4.72)
+    plan = Plan(9.6, 9.2, ((0.0, 5.05, 2.18, 5.15), (2.88, 5.05, 9.6, 5.15),
+                           (5.95, 0.0, 6.05, 5.1), (0.0, 6.35, 9.6, 6.45), tight_corner),
+                start=(0.9, 5.75))
+    graph = make_graph(plan.site(), OPTIONS).graph
+    assert sum(graph.curve(id).length for id in graph.edges) > 10.0
+
+
 def test_a_room_without_corners_to_go_to_is_one_vertex_or_a_few():
     graph = make_graph(Plan(2.5, 2.5, (), (1.2, 1.2)).site(), OPTIONS).graph
     assert 1 <= len(graph.vertices) <= 3

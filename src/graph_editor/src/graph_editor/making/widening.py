@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from itertools import combinations
-from typing import Dict, Iterator, List, NamedTuple, Sequence, Set, Tuple
+from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 import numpy as np
 from scipy.sparse.csgraph import dijkstra
@@ -60,7 +60,7 @@ def widen(net: LaneNet, options: MakingOptions, places: Dict[int, Place],
                 net.remove_node(each)
             notes.append(f'At {x:.2f} {y:.2f} there are {_room(net, np.array((x, y))):.2f} m to '
                          f'the nearest obstacle, too little for a robot to turn or to pass: no '
-                         f'lane leads through{_leave_out(net, places, homes)}.')
+                         f'lane leads through{_leave_out(net, places, homes, margins[-1])}.')
 
 
 def _margins(options: MakingOptions) -> Tuple[_Margin, ...]:
@@ -94,10 +94,9 @@ def _room(net: LaneNet, place: np.ndarray) -> float:
 
 
 def _leave_out(net: LaneNet, places: Dict[int, Place],
-               homes: Sequence[Tuple[float, float]]) -> str:
+               homes: Sequence[Tuple[float, float]], least: _Margin) -> str:
     """Takes out all parts of the net but one; says what that was."""
-    started = [min(net.nodes, key=lambda node: math.dist(net.positions[node], home))
-               for home in homes]
+    started = [_nearest(net, home, least) for home in homes]
     parts = sorted(net.components(), key=lambda part: (
         len(part & set(places)), sum(node in part for node in started),
         sum(net.length(lane) for lane in net.lanes if lane.nodes[0] in part)))
@@ -109,6 +108,15 @@ def _leave_out(net: LaneNet, places: Dict[int, Place],
             net.remove_node(node)
     behind = f', nor to {length:.0f} m of lanes behind it' if lost else ''
     return f'{behind}, with {", ".join(names)}' if names else behind
+
+
+def _nearest(net: LaneNet, place: Tuple[float, float], least: _Margin) -> Optional[int]:
+    """The node nearest to a place of those to which a straight leads; behind a wall none counts."""
+    for node in sorted(net.nodes, key=lambda node: math.dist(net.positions[node], place)):
+        points = straight(net.floor, np.array(place), net.positions[node])
+        if net.floor.clearance_at(points).min() >= least.straight:
+            return node
+    return None
 
 
 def _bends(net: LaneNet, node: int) -> bool:
