@@ -63,17 +63,17 @@ def test_a_restart_does_not_end_the_charging_half_way():
     fleet = charging_at_6()
     fleet.restart()
     charge(fleet, a=0.5)
-    fleet.request(1, 1)
-    fleet.run(20.0)
-    assert fleet.state(1) is MissionState.PENDING
-    charge(fleet, a=0.8)
-    fleet.run_until_done(1)
+    assert_charges_before_it_works(fleet)
 
 
 def test_a_short_silence_does_not_end_the_charging_half_way():
     fleet = charging_at_6()
     fleet.silent['a'] = fleet.now + 8.0
     fleet.run(20.0)
+    assert_charges_before_it_works(fleet)
+
+
+def assert_charges_before_it_works(fleet: SupervisedFleet) -> None:
     fleet.request(1, 1)
     fleet.run(20.0)
     assert fleet.state(1) is MissionState.PENDING

@@ -124,7 +124,7 @@ def _tangents(net: LaneNet, corners: Sequence[np.ndarray], needs: Sequence[float
 
 def _tangent(net: LaneNet, corners: Sequence[np.ndarray], need: float, limit: float) -> float:
     """The longest that the spline around the middle one of three corners may have."""
-    turn = _turn(corners)
+    turn = turn_of(corners)
     if not LEAST_TURN < turn < MOST_TURN:
         return 0.0
     tangent = min(FROM_CORNER / math.tan(turn / 4.0), LONGEST_TANGENT, limit)
@@ -136,9 +136,11 @@ def _tangent(net: LaneNet, corners: Sequence[np.ndarray], need: float, limit: fl
     return 0.0
 
 
-def _turn(corners: Sequence[np.ndarray]) -> float:
+def turn_of(corners: Sequence[np.ndarray]) -> float:
+    """By how much (rad, either way) a way over three corners turns at the one in the middle."""
     a, b, c = corners
-    cosine = float((b - a) @ (c - b)) / (np.hypot(*(b - a)) * np.hypot(*(c - b)))
+    lengths = float(np.hypot(*(b - a)) * np.hypot(*(c - b)))
+    cosine = float((b - a) @ (c - b)) / max(lengths, 1e-12)
     return math.acos(max(-1.0, min(1.0, cosine)))
 
 
@@ -146,7 +148,7 @@ def _spline(corners: Sequence[np.ndarray], tangent: float) -> np.ndarray:
     """Control points (4,2) of a spline that is almost an arc of a circle."""
     a, b, c = corners
     arriving, leaving = (b - a) / np.hypot(*(b - a)), (c - b) / np.hypot(*(c - b))
-    turn = _turn(corners)
+    turn = turn_of(corners)
     handle = tangent * 4.0 / 3.0 * math.tan(turn / 4.0) / math.tan(turn / 2.0)
     start, end = b - tangent * arriving, b + tangent * leaving
     return np.array((start, start + handle * arriving, end - handle * leaving, end))

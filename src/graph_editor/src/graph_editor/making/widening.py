@@ -15,9 +15,10 @@ import numpy as np
 from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
+from graph_editor.making.bends import turn_of
 from graph_editor.making.lanes import LaneNet
 from graph_editor.making.options import MakingOptions
-from graph_editor.making.sight import straight
+from graph_editor.making.sight import in_sight, straight
 from graph_editor.robot import NEARLY_STRAIGHT
 from graph_editor.site import Place
 
@@ -112,22 +113,14 @@ def _leave_out(net: LaneNet, places: Dict[int, Place],
 
 def _nearest(net: LaneNet, place: Tuple[float, float], least: _Margin) -> Optional[int]:
     """The node nearest to a place of those to which a straight leads; behind a wall none counts."""
-    for node in sorted(net.nodes, key=lambda node: math.dist(net.positions[node], place)):
-        points = straight(net.floor, np.array(place), net.positions[node])
-        if net.floor.clearance_at(points).min() >= least.straight:
-            return node
-    return None
+    nodes = sorted(net.nodes, key=lambda node: math.dist(net.positions[node], place))
+    return next((node for node in nodes if in_sight(
+        net.floor, np.array(place), net.positions[node], least.straight)), None)
 
 
 def _bends(net: LaneNet, node: int) -> bool:
-    away = [net.positions[other] - net.positions[node] for other in net.neighbours(node)]
-    return any(abs(math.pi - _angle(one, other)) > NEARLY_STRAIGHT
-               for one, other in combinations(away, 2))
-
-
-def _angle(one: np.ndarray, other: np.ndarray) -> float:
-    cosine = float(one @ other) / max(float(np.hypot(*one) * np.hypot(*other)), 1e-12)
-    return math.acos(max(-1.0, min(1.0, cosine)))
+    return any(turn_of([net.positions[each] for each in (one, node, other)]) > NEARLY_STRAIGHT
+               for one, other in combinations(net.neighbours(node), 2))
 
 
 def _cluster(net: LaneNet, corner: int, least: _Margin, held: Set[int]) -> Set[int]:
