@@ -189,6 +189,13 @@ def test_a_room_without_corners_to_go_to_is_one_vertex_or_a_few():
     assert 1 <= len(graph.vertices) <= 3
 
 
+def test_the_only_lane_ends_where_robots_can_turn_however_short_it_gets():
+    site = Plan(5.3, 1.2, ((1.9, 0.33, 2.3, 0.73),), (0.9, 0.6)).site()
+    graph = make_graph(site, OPTIONS).graph
+    assert graph.vertices
+    assert turns_without_room(site, graph) == []
+
+
 def test_a_hall_is_a_lattice_if_wanted():
     site = Plan(16.0, 12.0, (), (3.0, 3.0)).site()
     graph = make_graph(site, MakingOptions(halls=Halls.LATTICE, lattice_pitch=3.0)).graph

@@ -63,7 +63,7 @@ def _ends_narrow(net: LaneNet, node: int, turning: float) -> bool:
 def draw_back_tips(net: LaneNet, turning: float, keep: Collection[int]) -> None:
     """Ends dead ends where a robot can turn; one that is too short for that goes.
 
-    The last lane is only made shorter.
+    The last lane may become as short as it must be, and stays where there is no room at all.
     """
     for tip in net.nodes:
         if tip in keep or net.degree(tip) != 1:
@@ -71,9 +71,11 @@ def draw_back_tips(net: LaneNet, turning: float, keep: Collection[int]) -> None:
         base, = net.neighbours(tip)
         points = straight(net.floor, net.positions[tip], net.positions[base])
         roomy = np.flatnonzero(net.floor.clearance_at(points) >= turning)
-        if len(roomy) and np.hypot(*(points[roomy[0]] - net.positions[base])) >= CLOSE:
+        last = len(net.lanes) == 1
+        shortest = net.floor.resolution if last else CLOSE
+        if len(roomy) and np.hypot(*(points[roomy[0]] - net.positions[base])) >= shortest:
             net.positions[tip] = points[roomy[0]]
-        elif len(net.lanes) > 1:
+        elif len(roomy) or not last:
             net.remove_node(tip)
 
 
