@@ -29,6 +29,7 @@ ATTEMPTS = 6
 SEARCH_AROUND = 4000.0  # mm around robot and goal where a way is looked for first
 TURN_NEAR = 300.0       # mm around the ends of a narrow place to look for places to turn
 TURN_PLACES = 80        # so many of them, at most
+COARSELY = 5             # every so-manieth point of many straights is looked at first
 DETOUR = 2.5            # a way from there may cost so many times the straight line in the open
 
 
@@ -233,15 +234,16 @@ class Planner:
         the planner's grid is too coarse for a gap that hardly lets the body through.
         """
         before, behind = self._turnable_near(space, a, b), self._turnable_near(space, b, a)
-        fractions = np.linspace(0.0, 1.0, int(np.hypot(*(b - a)) / LOOK_STEP) + 2)[:, None]
-        lines = (before[:, None, None]
-                 + fractions * (behind[None, :, None] - before[:, None, None]))
-        room = space.clearance_at(lines.reshape(-1, 2)).reshape(lines.shape[:3]).min(axis=2)
-        first, second = divmod(int(room.argmax()), len(behind))
-        if (first, second) == (0, 0) or not space.straight_is_free(
-                before[first], behind[second], self.drive_clearance):
-            return None
-        return [place for place, end in ((before[first], a), (behind[second], b))
+        first, second = (index.ravel() for index in np.indices((len(before), len(behind))))
+        fractions = np.linspace(0.0, 1.0, int(np.hypot(*(b - a)) / LOOK_STEP) + 2)
+        for looked_at in (fractions[::COARSELY], fractions):    # most are out at first sight
+            room = space.clearance_along(before[first], behind[second], looked_at)
+            free = room >= self.drive_clearance
+            first, second, room = first[free], second[free], room[free]
+            if not len(room):
+                return None
+        best = int(room.argmax())
+        return [place for place, end in ((before[first[best]], a), (behind[second[best]], b))
                 if not np.array_equal(place, end)]
 
     def _turnable_near(self, space: Space, end: np.ndarray, other: np.ndarray) -> np.ndarray:
@@ -253,8 +255,9 @@ class Planner:
         places = places[np.hypot(*(places - end).T) <= TURN_NEAR]
         places = places[space.clearance_at(places) >= self.turn_clearance]
         places = places[np.argsort(np.hypot(*(places - other).T), kind='stable')[:TURN_PLACES]]
-        return np.array([end, *(place for place in places if space.straight_is_free(
-            end, place, self.drive_clearance))])
+        room = space.clearance_along(end[None], places,
+                                     np.linspace(0.0, 1.0, int(TURN_NEAR / LOOK_STEP) + 2))
+        return np.vstack((end, places[room >= self.drive_clearance]))
 
     def _farthest(self, space: Space, raw: np.ndarray, clear: np.ndarray, i: int,
                   candidates: np.ndarray) -> Optional[int]:

@@ -41,11 +41,20 @@ class Space:
         """The same for one point."""
         return float(self.clearance_at(np.array([[x, y]]))[0])
 
+    def clearance_along(self, starts: np.ndarray, ends: np.ndarray, fractions: np.ndarray
+                        ) -> np.ndarray:
+        """The least clearance (N,) at those fractions of each straight, from starts to ends (N, 2).
+
+        One start or end may stand for all.
+        """
+        points = starts[:, None] + fractions[:, None] * (ends - starts)[:, None]
+        return self.clearance_at(points).reshape(points.shape[:2]).min(axis=1)
+
     def straight_is_free(self, a: np.ndarray, b: np.ndarray, clearance: float) -> bool:
         """Whether `clearance` is kept all along the straight from a to b."""
         count = int(np.hypot(*(b - a)) / LOOK_STEP) + 2
-        points = a + np.linspace(0.0, 1.0, count)[:, None] * (b - a)
-        return bool(self.clearance_at(points).min() >= clearance)
+        return bool(self.clearance_along(a[None], b[None], np.linspace(0.0, 1.0, count))[0]
+                    >= clearance)
 
     def body_fits(self, pose: Pose, margin: float) -> bool:
         """Whether the whole body, and `margin` mm around it, is free at `pose`."""
