@@ -196,6 +196,15 @@ def test_the_only_lane_ends_where_robots_can_turn_however_short_it_gets():
     assert turns_without_room(site, graph) == []
 
 
+def test_a_dead_end_is_not_taken_off_bit_by_bit_with_the_floor_that_it_leads_to():
+    stone = (1.91, 3.55, 1.96, 3.6)
+    site = Plan(5.3, 9.6, ((0.0, 2.75, 0.3, 2.85), (1.0, 2.75, 5.3, 2.85), (2.55, 0.0, 2.65, 2.8),
+                           (0.0, 4.55, 5.3, 4.65), stone), (0.9, 3.7)).site()
+    graph = make_graph(site, OPTIONS).graph
+    assert floor_left(site, graph, 3.5) < LEAST_FLOOR
+    assert max(vertex.x for vertex in graph.vertices.values()) > 3.0
+
+
 def test_a_hall_is_a_lattice_if_wanted():
     site = Plan(16.0, 12.0, (), (3.0, 3.0)).site()
     graph = make_graph(site, MakingOptions(halls=Halls.LATTICE, lattice_pitch=3.0)).graph

@@ -5,10 +5,12 @@ Nothing here takes the clearance that a lane needs.
 from __future__ import annotations
 
 import math
-from typing import Collection, Dict, Optional, Tuple
+from typing import Collection, Optional, Tuple
 
 import numpy as np
+from scipy import ndimage
 
+from graph_editor.floor import EVERY_NEIGHBOUR
 from graph_editor.making.coverage import Coverage, dense
 from graph_editor.making.lanes import Lane, LaneNet
 from graph_editor.making.sight import in_sight, straight
@@ -38,20 +40,28 @@ def prune_tails(net: LaneNet, coverage: Coverage, turning: float) -> None:
     servants = np.zeros(coverage.mask.size, np.int32)
     for cells in served.values():
         servants[cells] += 1
-    lost: Dict[int, float] = {}  # m2 that nothing serves any more, by the node that led there
     while len(net.lanes) > 1:
-        useless = []
-        for lane in net.lanes:
-            for tip, base in (lane.nodes, lane.nodes[::-1]):
-                if net.degree(tip) == 1 and not _ends_narrow(net, base, turning):
-                    alone = np.count_nonzero(servants[served[lane.nodes]] == 1)
-                    useless.append((alone * coverage.cell_area + lost.get(tip, 0.0), tip, base))
-        loss, tip, base = min(useless, default=(math.inf, 0, 0))
+        useless = [(_left_unserved(coverage, servants, served[lane.nodes]), tip, lane.nodes)
+                   for lane in net.lanes for tip, base in (lane.nodes, lane.nodes[::-1])
+                   if net.degree(tip) == 1 and not _ends_narrow(net, base, turning)]
+        loss, tip, lane_nodes = min(useless, default=(math.inf, 0, (0, 0)))
         if loss >= LEAST_FLOOR:
             return
-        servants[served.pop(net.lane(tip, base).nodes)] -= 1
-        lost[base] = lost.get(base, 0.0) + loss
+        servants[served.pop(lane_nodes)] -= 1
         net.remove_node(tip)
+
+
+def _left_unserved(coverage: Coverage, servants: np.ndarray, served: np.ndarray) -> float:
+    """How large (m2) the floor would be there that nothing serves, without the lane that does.
+
+    What is out of reach already and adjoins counts, too: else a tail is taken off bit by bit.
+    """
+    alone = served[servants[served] == 1]
+    unserved = coverage.mask & (servants == 0).reshape(coverage.mask.shape)
+    unserved.flat[alone] = True
+    parts, _ = ndimage.label(unserved, EVERY_NEIGHBOUR)
+    there = np.unique(parts.flat[alone])
+    return float(np.isin(parts, there[there > 0]).sum()) * coverage.cell_area
 
 
 def _ends_narrow(net: LaneNet, node: int, turning: float) -> bool:
