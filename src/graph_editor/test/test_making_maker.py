@@ -205,6 +205,14 @@ def test_a_dead_end_is_not_taken_off_bit_by_bit_with_the_floor_that_it_leads_to(
     assert max(vertex.x for vertex in graph.vertices.values()) > 3.0
 
 
+def test_past_a_thing_in_a_corridor_a_lane_takes_the_wider_side():
+    stone = (1.91, 0.55, 1.96, 0.6)
+    site = Plan(5.3, 1.7, (stone,), (0.9, 0.9)).site()
+    graph = make_graph(site, OPTIONS).graph
+    assert share_served(site, graph, 3.5) > 0.9
+    assert least_clearance(site, graph) > OPTIONS.corridor / 2.0
+
+
 def test_a_hall_is_a_lattice_if_wanted():
     site = Plan(16.0, 12.0, (), (3.0, 3.0)).site()
     graph = make_graph(site, MakingOptions(halls=Halls.LATTICE, lattice_pitch=3.0)).graph

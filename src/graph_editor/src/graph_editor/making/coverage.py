@@ -8,9 +8,10 @@ import math
 from typing import Tuple
 
 import numpy as np
+from scipy import ndimage
 from skimage.graph import MCP_Geometric
 
-from graph_editor.floor import Floor
+from graph_editor.floor import EVERY_NEIGHBOUR, Floor
 
 PITCH = 0.1  # m, of the coarser grid
 CLOSED = -1.0  # what skimage takes for a cell that no way leads through
@@ -49,6 +50,20 @@ class Coverage:
         rows, columns = self.cells_of(path)
         starts = np.unique(np.column_stack((rows, columns)), axis=0)
         return np.where(self.mask, self._ways(self.mask, starts) * self.pitch, np.inf)
+
+    def left_without(self, servants: np.ndarray, served: np.ndarray) -> float:
+        """How large (m2) the floor would be that nothing serves, where only one path serves it.
+
+        `servants`: how many paths serve each cell of the flat mask; `served`: the path's cells.
+        What is out of reach already and adjoins counts, too: else a dead end, the shorter it is,
+        the less it seems to be good for, and is taken off bit by bit.
+        """
+        alone = served[servants[served] == 1]
+        unserved = self.mask & (servants == 0).reshape(self.mask.shape)
+        unserved.flat[alone] = True
+        parts, _ = ndimage.label(unserved, EVERY_NEIGHBOUR)
+        there = np.unique(parts.flat[alone])
+        return float(np.isin(parts, there[there > 0]).sum()) * self.cell_area
 
     def near(self, window: np.ndarray, starts: np.ndarray) -> np.ndarray:
         """Which cells of a `window` of the mask lie within the reach of cells `starts` (N,2)."""

@@ -111,7 +111,7 @@ class _Pruner:
     def open_narrow_loops(self) -> None:
         """Cuts loops at their narrowest, where a whole corridor does not fit.
 
-        Unless they save a long detour there. Rings are cut half way round.
+        Unless they save a long detour there. Rings that are as wide all round are cut half way.
         """
         for chain in self._graph.chains:
             if not self._graph.has(chain):
@@ -126,10 +126,11 @@ class _Pruner:
 
     def _open(self, chain: Chain) -> List[Chain]:
         """Makes two dead ends of a chain; see `open_narrow_loops`."""
-        first = last = len(chain.path) // 2
-        if not chain.is_ring:
+        narrow = chain.clearances < self._options.corridor / 2.0
+        if chain.is_ring and narrow.all() == narrow.any():
+            first = last = len(chain.path) // 2
+        else:
             first = last = int(np.argmin(chain.clearances))
-            narrow = chain.clearances < self._options.corridor / 2.0
             while first > 0 and narrow[first - 1]:
                 first -= 1
             while last < len(narrow) - 1 and narrow[last + 1]:

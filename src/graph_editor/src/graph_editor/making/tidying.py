@@ -8,9 +8,7 @@ import math
 from typing import Collection, Optional, Tuple
 
 import numpy as np
-from scipy import ndimage
 
-from graph_editor.floor import EVERY_NEIGHBOUR
 from graph_editor.making.coverage import Coverage, dense
 from graph_editor.making.lanes import Lane, LaneNet
 from graph_editor.making.sight import in_sight, straight
@@ -41,7 +39,7 @@ def prune_tails(net: LaneNet, coverage: Coverage, turning: float) -> None:
     for cells in served.values():
         servants[cells] += 1
     while len(net.lanes) > 1:
-        useless = [(_left_unserved(coverage, servants, served[lane.nodes]), tip, lane.nodes)
+        useless = [(coverage.left_without(servants, served[lane.nodes]), tip, lane.nodes)
                    for lane in net.lanes for tip, base in (lane.nodes, lane.nodes[::-1])
                    if net.degree(tip) == 1 and not _ends_narrow(net, base, turning)]
         loss, tip, lane_nodes = min(useless, default=(math.inf, 0, (0, 0)))
@@ -49,19 +47,6 @@ def prune_tails(net: LaneNet, coverage: Coverage, turning: float) -> None:
             return
         servants[served.pop(lane_nodes)] -= 1
         net.remove_node(tip)
-
-
-def _left_unserved(coverage: Coverage, servants: np.ndarray, served: np.ndarray) -> float:
-    """How large (m2) the floor would be there that nothing serves, without the lane that does.
-
-    What is out of reach already and adjoins counts, too: else a tail is taken off bit by bit.
-    """
-    alone = served[servants[served] == 1]
-    unserved = coverage.mask & (servants == 0).reshape(coverage.mask.shape)
-    unserved.flat[alone] = True
-    parts, _ = ndimage.label(unserved, EVERY_NEIGHBOUR)
-    there = np.unique(parts.flat[alone])
-    return float(np.isin(parts, there[there > 0]).sum()) * coverage.cell_area
 
 
 def _ends_narrow(net: LaneNet, node: int, turning: float) -> bool:
@@ -155,6 +140,7 @@ def _passes(net: LaneNet, lane: Lane, node: int) -> bool:
 
 def _merge_close(net: LaneNet, keep: set) -> None:
     refused = set()
+    keep = set(keep)
     while True:
         short = [(net.length(lane), lane.nodes) for lane in net.lanes
                  if net.length(lane) < CLOSE and lane.nodes not in refused]
@@ -174,6 +160,8 @@ def _merge(net: LaneNet, a: int, b: int, keep: set) -> bool:
         starts = [(net.positions[next(n for n in lane.nodes if n != other)], lane.need)
                   for lane in around]
         if all(in_sight(net.floor, start, net.positions[node], need) for start, need in starts):
+            if not around:
+                keep.add(node)  # else a dead end that bends goes node by node
             net.merge(node, other)
             return True
     return not {a, b} & keep and _merge_in_corner(net, a, b)
