@@ -205,6 +205,14 @@ def test_a_dead_end_is_not_taken_off_bit_by_bit_with_the_floor_that_it_leads_to(
     assert max(vertex.x for vertex in graph.vertices.values()) > 3.0
 
 
+def test_of_two_rooms_with_a_gap_that_no_turn_leads_to_robots_stay_in_the_one_they_start_in():
+    block = (1.9, 0.6, 2.3, 1.0)
+    site = Plan(5.3, 1.2, (block,), (0.9, 0.6)).site()
+    graph = make_graph(site, OPTIONS).graph
+    assert turns_without_room(site, graph) == []
+    assert 0.0 < max(vertex.x for vertex in graph.vertices.values()) < 1.9
+
+
 def test_past_a_thing_in_a_corridor_a_lane_takes_the_wider_side():
     stone = (1.91, 0.55, 1.96, 0.6)
     site = Plan(5.3, 1.7, (stone,), (0.9, 0.9)).site()
