@@ -1,15 +1,17 @@
 #!/usr/bin/env bash
 # Runs tests of a built workspace, one after the other, and leaves JUnit files in a folder. scripts/test.sh and
 # `catkin_make run_tests` both call it; people call scripts/test.sh. TEST_JOBS=2 runs two system tests at a time: they
-# mostly wait for robots that drive in real time. Up to three that fail so run once more, alone, and that counts.
+# mostly wait for robots that drive in real time. Up to three that fail beside others run once more, alone, and that
+# counts; the summary names them.
 #
 #   run_tests.sh RESULTS unit             the unit tests
 #   run_tests.sh RESULTS python3.8        those without ROS under Python 3.8, where there is one
+#   run_tests.sh RESULTS once-more        of both, those that failed
 #   run_tests.sh RESULTS system NAME...   the system tests test/NAME.test, each under its own ROS master
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-[ $# -ge 2 ] || { sed -n '2,8s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 1; }
+[ $# -ge 2 ] || { sed -n '2,11s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 1; }
 results="$1" kind="$2"; shift 2
 cd "$root"
 export PATH="/usr/bin:$PATH"
@@ -18,9 +20,19 @@ export SYSTEM_TEST_ARTEFACTS="$root/build/artefacts" ROS_IP=127.0.0.1 ROS_HOME="
 unset ROS_HOSTNAME DISPLAY
 if [ -n "${FKIE_ARCHIVE:-}" ]; then FKIE_ARCHIVE="$(realpath -m -- "$FKIE_ARCHIVE")"; fi
 
+unit_pytest() {  # unit_pytest OPTION...
+  /usr/bin/python3 -m pytest -q -o cache_dir="$results/cache/unit" src "$@"
+}
+
+python38_pytest() {  # python38_pytest OPTION...: nothing of this system's ROS is found; real maps are for one Python
+  env -u LD90_LONG_TESTS -u LD90_REAL_MAPS HYPOTHESIS_PROFILE=compatibility PYTHONPATH="$(printf '%s:' src/*/src)" \
+    build/python3.8/bin/python -m pytest -q -o cache_dir="$results/cache/python38" \
+    --ignore-glob='*/test/nodes/*' src "$@"
+}
+
 unit_tests() {
   say "Unit tests, $(/usr/bin/python3 --version)"
-  /usr/bin/python3 -m pytest -q --junitxml="$results/unit.xml" src || true
+  unit_pytest --junitxml="$results/unit.xml" || true
   [ -f "$results/unit.xml" ] || record "$results" failed unit-tests "pytest did not finish"
 }
 
@@ -40,12 +52,22 @@ unit_tests_of_python38() {
     record "$results" skipped python3.8 "its packages could not be installed from PyPI (offline?): see build/pip.log"
   else
     say "Unit tests without ROS, Python 3.8 and the library versions of Ubuntu 20.04"
-    # nothing of this system's ROS may be found; real maps are for one Python
-    env -u LD90_LONG_TESTS -u LD90_REAL_MAPS HYPOTHESIS_PROFILE=compatibility PYTHONPATH="$(printf '%s:' src/*/src)" \
-      build/python3.8/bin/python -m pytest -q --junitxml="$results/unit38.xml" \
-      --ignore-glob='*/test/nodes/*' src || true
-    [ -f "$results/unit38.xml" ] || record "$results" failed unit-tests-python3.8 "pytest did not finish"
+    python38_pytest --junitxml="$results/python38.xml" || true
+    [ -f "$results/python38.xml" ] || record "$results" failed unit-tests-python3.8 "pytest did not finish"
   fi
+}
+
+failed_once_more() {  # unit tests that failed beside others, which may have had the processor that they needed
+  local suite failed
+  for suite in unit python38; do
+    failed="$(/usr/bin/python3 scripts/test_results.py failed "$results/$suite.xml" 2>/dev/null)" || continue
+    if [ "$failed" -ge 1 ] && [ "$failed" -le 3 ]; then
+      say "$failed unit tests failed beside others, so they run once more, alone, and that counts"
+      "${suite}_pytest" --last-failed --junitxml="$results/$suite.again.xml" || true
+      [ ! -f "$results/$suite.again.xml" ] ||
+        /usr/bin/python3 scripts/test_results.py once-more "$results/$suite.xml" "$results/$suite.again.xml"
+    fi
+  done
 }
 
 join_masters_for_tests() {  # with fkie multimaster where it can be had; the summary says with what
@@ -101,6 +123,7 @@ once_more_alone() {  # those that failed beside another test, which may have had
     say "  $name failed beside another test, so it runs once more, alone, and that counts"
     mv "$results/$name.log" "$results/$name.first_try.log"
     rm -f "$results"/ros{unit,test}-*"$name.xml" "$results/check-$name.xml"
+    echo "system test $name failed beside another one, and ran once more, alone" >>"$results/once_more.note"
     system_test "$name" "$(free_port)" "$(free_port)"
   done
 }
@@ -108,8 +131,9 @@ once_more_alone() {  # those that failed beside another test, which may have had
 case "$kind" in
   unit) unit_tests ;;
   python3.8) unit_tests_of_python38 ;;
+  once-more) failed_once_more ;;
   system)
     case " $*" in *' multimaster'*) join_masters_for_tests ;; esac
     system_tests "$@" ;;
-  *) die "there are tests 'unit', 'python3.8' and 'system', and no '$kind'" ;;
+  *) die "there are tests 'unit', 'python3.8', 'once-more' and 'system', and no '$kind'" ;;
 esac

@@ -73,6 +73,7 @@ if [ ${#system_tests[@]} = 0 ]; then
   scripts/run_tests.sh "$results" unit
   wait
   cat "$results/beside.log"
+  scripts/run_tests.sh "$results" once-more
   for file in test/*.test; do system_tests+=("$(basename "$file" .test)"); done
 fi
 export TEST_JOBS="${TEST_JOBS:-$(($(nproc) < 2 ? 1 : 2))}"

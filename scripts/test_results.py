@@ -1,6 +1,8 @@
 """Test results: JUnit files in catkin's folder, written where nothing else does, and added up.
 
     test_results.py record FOLDER passed|failed|skipped NAME [REASON]
+    test_results.py failed FILE             how many tests of a JUnit file failed
+    test_results.py once-more FILE AGAIN    what ran again counts with its second result
     test_results.py summary FOLDER
 
 `catkin_test_results` reads the same files. It is no substitute for `summary`, for it does not tell
@@ -12,7 +14,7 @@ import sys
 import xml.etree.ElementTree as ElementTree
 from collections import Counter
 from pathlib import Path
-from typing import Iterator, Tuple
+from typing import Iterator, List, Tuple
 
 Result = Tuple[str, str, str]  # verdict, name, reason
 ELEMENTS = {'failed': 'failure', 'skipped': 'skipped'}
@@ -29,11 +31,37 @@ def record(folder: Path, verdict: str, name: str, reason: str = '') -> None:
     ElementTree.ElementTree(suite).write(folder / f'check-{name}.xml', encoding='utf-8')
 
 
+def failures(suite: ElementTree.Element) -> List[ElementTree.Element]:
+    """The tests below an element of a JUnit file that failed."""
+    return [case for case in suite.iter('testcase')
+            if case.find('failure') is not None or case.find('error') is not None]
+
+
+def once_more(first: Path, again: Path) -> None:
+    """Takes the failures that ran again out of the first file, and leaves a note of them."""
+    tree = ElementTree.parse(first)
+    repeated = sorted(map(_name, ElementTree.parse(again).getroot().iter('testcase')))
+    for suite in tree.getroot().iter('testsuite'):
+        for case in failures(suite):
+            if _name(case) in repeated:
+                suite.remove(case)
+        for attribute, found in (('tests', '.'), ('failures', 'failure'), ('errors', 'error')):
+            suite.set(attribute, str(len(suite.findall(f'testcase/{found}'))))
+    tree.write(first, encoding='utf-8')
+    with (first.parent / 'once_more.note').open('a') as note:
+        note.writelines(f'{name} failed beside other tests, and ran once more, alone\n'
+                        for name in repeated)
+
+
+def _name(case: ElementTree.Element) -> str:
+    return f'{case.get("classname")}.{case.get("name")}'
+
+
 def results(folder: Path) -> Iterator[Result]:
     """Every test of every JUnit file below `folder`."""
     for file in sorted(folder.rglob('*.xml')):
         for case in ElementTree.parse(file).getroot().iter('testcase'):
-            name = f'{case.get("classname")}.{case.get("name")}'
+            name = _name(case)
             skipped, failure = case.find('skipped'), case.find('failure')
             if skipped is not None:
                 yield 'skipped', name, skipped.get('message', '')
@@ -67,5 +95,9 @@ if __name__ == '__main__':
     command, folder_name, *rest = sys.argv[1:]
     if command == 'record':
         record(Path(folder_name), *rest)
+    elif command == 'failed':
+        print(len(failures(ElementTree.parse(folder_name).getroot())))
+    elif command == 'once-more':
+        once_more(Path(folder_name), Path(rest[0]))
     else:
         sys.exit(summary(Path(folder_name)))
