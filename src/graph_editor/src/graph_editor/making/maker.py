@@ -23,8 +23,8 @@ from graph_editor.making.rectifying import rectify
 from graph_editor.making.skeleton import skeleton_of
 from graph_editor.making.squaring import square
 from graph_editor.making.straightening import straighten
-from graph_editor.making.tidying import draw_back_tips, leave_narrow_lane, prune_tails, tidy
-from graph_editor.making.widening import widen
+from graph_editor.making.tidying import draw_back_tips, prune_tails, tidy
+from graph_editor.making.widening import widen, widen_only_lane
 from graph_editor.site import Place, PlaceKind, Site
 from trajectory_graph import Graph
 
@@ -65,7 +65,7 @@ def make_graph(site: Site, options: MakingOptions) -> MadeGraph:
     net.floor = exact
     homes = [place.position for place in places if place.kind is PlaceKind.HOME]
     attached.notes.extend(widen(net, options, attached.nodes, homes))
-    leave_narrow_lane(net, options.turning, homes, attached.nodes)
+    widen_only_lane(net, options, attached.nodes, homes)
     draw_back_tips(net, options.turning, attached.nodes)
     if not net.lanes:
         add_bays(net, coverage, axes, options)

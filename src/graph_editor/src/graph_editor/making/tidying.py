@@ -5,12 +5,10 @@ Nothing here takes the clearance that a lane needs.
 from __future__ import annotations
 
 import math
-from typing import Collection, Optional, Sequence, Tuple
+from typing import Collection, Optional, Tuple
 
 import numpy as np
-from scipy import ndimage
 
-from graph_editor.floor import EVERY_NEIGHBOUR
 from graph_editor.making.coverage import Coverage, dense
 from graph_editor.making.lanes import Lane, LaneNet
 from graph_editor.making.sight import in_sight, straight
@@ -74,29 +72,6 @@ def draw_back_tips(net: LaneNet, turning: float, keep: Collection[int]) -> None:
             net.positions[tip] = points[roomy[0]]
         elif len(roomy) or not last:
             net.remove_node(tip)
-
-
-def leave_narrow_lane(net: LaneNet, turning: float, starts: Sequence[Tuple[float, float]],
-                      keep: Collection[int]) -> None:
-    """Where robots can turn nowhere along the only lane, a node beside it is all that stays.
-
-    It is the place to turn nearest to the first of `starts` (m), or of the lane's ends, near
-    which there is one.
-    """
-    if len(net.lanes) != 1 or set(net.nodes) & set(keep):
-        return
-    lane, = net.lanes
-    if net.floor.clearance_at(straight(net.floor, *net.ends(lane))).max() >= turning:
-        return
-    parts, _ = ndimage.label(net.floor.clearance >= turning, EVERY_NEIGHBOUR)
-    for start in (*starts, *net.ends(lane)):
-        part = net.floor.part_near(parts, (float(start[0]), float(start[1])))
-        if part:
-            places = net.floor.centres(*np.nonzero(parts == part))
-            for node in lane.nodes:
-                net.remove_node(node)
-            net.add_node(places[int(np.argmin(np.linalg.norm(places - start, axis=1)))])
-            return
 
 
 def _cross(net: LaneNet) -> None:

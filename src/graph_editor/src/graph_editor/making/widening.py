@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from itertools import combinations
-from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Collection, Dict, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 import numpy as np
 from scipy.sparse.csgraph import dijkstra
@@ -62,6 +62,45 @@ def widen(net: LaneNet, options: MakingOptions, places: Dict[int, Place],
             notes.append(f'At {x:.2f} {y:.2f} there are {_room(net, np.array((x, y))):.2f} m to '
                          f'the nearest obstacle, too little for a robot to turn or to pass: no '
                          f'lane leads through{_leave_out(net, places, homes, margins[-1])}.')
+
+
+def widen_only_lane(net: LaneNet, options: MakingOptions, keep: Collection[int],
+                    homes: Sequence[Tuple[float, float]]) -> None:
+    """Draws the only lane anew, between places to turn, if robots can turn nowhere along it.
+
+    Where none leads straight from one to another, one place to turn takes the lane's place: that
+    nearest to where robots start, to the first of `homes` (m), or to an end of the lane.
+    """
+    if len(net.lanes) != 1 or set(net.nodes) & set(keep):
+        return
+    lane, = net.lanes
+    ends = net.ends(lane)
+    if net.floor.clearance_at(straight(net.floor, *ends)).max() >= options.turning:
+        return
+    for margin in _margins(options):
+        near = [_nearest_to_turn(net, end, margin) for end in ends]
+        lines = [(one, other) for one in near[0] for other in near[1]
+                 if in_sight(net.floor, one, other, margin.straight)]
+        if lines:
+            one, other = min(lines, key=lambda line: float(sum(
+                np.hypot(*(place - end)) for place, end in zip(line, ends))))
+            for node, place in zip(lane.nodes, (one, other)):
+                net.positions[node] = place
+            return
+    for start in (*map(np.array, homes), *ends):
+        places = _nearest_to_turn(net, start, _margins(options)[-1])
+        if len(places):
+            for node in lane.nodes:
+                net.remove_node(node)
+            net.add_node(places[0])
+            return
+
+
+def _nearest_to_turn(net: LaneNet, start: np.ndarray, margin: _Margin) -> np.ndarray:
+    """(N,2) places to turn near `start`, the nearest first."""
+    places = _roomy(net, start - ASIDE, start + ASIDE, margin)
+    order = np.argsort(np.linalg.norm(places - start, axis=1), kind='stable')
+    return places[order][:PLACES // 3]
 
 
 def _margins(options: MakingOptions) -> Tuple[_Margin, ...]:
@@ -171,16 +210,20 @@ def _redraw(net: LaneNet, cluster: Set[int], margin: _Margin, options: MakingOpt
 def _places_to_turn(net: LaneNet, along: np.ndarray, margin: _Margin,
                     options: MakingOptions) -> np.ndarray:
     """(N,2) places with room to turn, those nearest to where the lanes have none."""
-    low, high = along.min(axis=0) - ASIDE, along.max(axis=0) + ASIDE
-    (top, bottom), (left, right) = net.floor.cells_of(np.array((low, high)))
-    rows, columns = np.nonzero(net.floor.clearance[top:bottom + 1, left:right + 1]
-                               >= margin.turning)
-    places = net.floor.centres(rows + top, columns + left)
+    places = _roomy(net, along.min(axis=0) - ASIDE, along.max(axis=0) + ASIDE, margin)
     narrow = along[net.floor.clearance_at(along) < options.turning]
     if not len(places) or not len(narrow):
         return np.zeros((0, 2))
     away, _ = cKDTree(narrow).query(places)
     return places[np.argsort(away, kind='stable')[:PLACES]]
+
+
+def _roomy(net: LaneNet, low: np.ndarray, high: np.ndarray, margin: _Margin) -> np.ndarray:
+    """(N,2) the places to turn between two corners."""
+    (top, bottom), (left, right) = net.floor.cells_of(np.array((low, high)))
+    rows, columns = np.nonzero(net.floor.clearance[top:bottom + 1, left:right + 1]
+                               >= margin.turning)
+    return net.floor.centres(rows + top, columns + left)
 
 
 def _straights(net: LaneNet, places: np.ndarray, ends: int, margin: _Margin,
