@@ -23,8 +23,9 @@ from graph_editor.making.rectifying import rectify
 from graph_editor.making.skeleton import skeleton_of
 from graph_editor.making.squaring import square
 from graph_editor.making.straightening import straighten
-from graph_editor.making.tidying import draw_back_tips, prune_tails, tidy
-from graph_editor.making.widening import widen, widen_only_lane
+from graph_editor.making.tidying import prune_tails, tidy
+from graph_editor.making.tips import give_tips_room
+from graph_editor.making.widening import widen
 from graph_editor.site import Place, PlaceKind, Site
 from trajectory_graph import Graph
 
@@ -65,11 +66,10 @@ def make_graph(site: Site, options: MakingOptions) -> MadeGraph:
     net.floor = exact
     homes = [place.position for place in places if place.kind is PlaceKind.HOME]
     attached.notes.extend(widen(net, options, attached.nodes, homes))
-    widen_only_lane(net, options, attached.nodes, homes)
-    draw_back_tips(net, options.turning, attached.nodes)
+    give_tips_room(net, coverage, options, attached.nodes, homes)
     if not net.lanes:
         add_bays(net, coverage, axes, options)
-        draw_back_tips(net, options.turning, attached.nodes)
+        give_tips_room(net, coverage, options, attached.nodes, homes)
     tidy(net, attached.nodes)
     ways = ways_of(net, attached.nodes, options)
     graph = assemble(net, ways, attached.nodes, site.frame_id, options)

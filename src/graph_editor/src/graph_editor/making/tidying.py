@@ -11,7 +11,7 @@ import numpy as np
 
 from graph_editor.making.coverage import Coverage, dense
 from graph_editor.making.lanes import Lane, LaneNet
-from graph_editor.making.sight import in_sight, straight
+from graph_editor.making.sight import in_sight
 
 CLOSE = 0.6  # m between nodes that become one
 TOUCHING = 0.35  # m between a node and a lane that passes it: then the lane leads through it
@@ -53,25 +53,6 @@ def _ends_narrow(net: LaneNet, node: int, turning: float) -> bool:
     """Would a dead end at this node be one where robots cannot turn?"""
     room = float(net.floor.clearance_at(net.positions[node][None, :])[0])
     return net.degree(node) == 2 and room < turning
-
-
-def draw_back_tips(net: LaneNet, turning: float, keep: Collection[int]) -> None:
-    """Ends dead ends where a robot can turn; one that is too short for that goes.
-
-    The last lane may become as short as it must be, and stays where there is no room at all.
-    """
-    for tip in net.nodes:
-        if tip in keep or net.degree(tip) != 1:
-            continue
-        base, = net.neighbours(tip)
-        points = straight(net.floor, net.positions[tip], net.positions[base])
-        roomy = np.flatnonzero(net.floor.clearance_at(points) >= turning)
-        last = len(net.lanes) == 1
-        shortest = net.floor.resolution if last else CLOSE
-        if len(roomy) and np.hypot(*(points[roomy[0]] - net.positions[base])) >= shortest:
-            net.positions[tip] = points[roomy[0]]
-        elif len(roomy) or not last:
-            net.remove_node(tip)
 
 
 def _cross(net: LaneNet) -> None:

@@ -9,16 +9,19 @@ from __future__ import annotations
 
 import math
 from itertools import combinations
-from typing import Collection, Dict, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 import numpy as np
 from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
+from skimage.graph import MCP_Geometric
 
+from graph_editor.floor import Floor
 from graph_editor.making.bends import turn_of
+from graph_editor.making.coverage import CLOSED
 from graph_editor.making.lanes import LaneNet
 from graph_editor.making.options import MakingOptions
-from graph_editor.making.sight import in_sight, straight
+from graph_editor.making.sight import straight
 from graph_editor.robot import NEARLY_STRAIGHT
 from graph_editor.site import Place
 
@@ -30,7 +33,7 @@ PIECE = 0.5  # m of way that one more lane costs
 TIGHTNESS = 4.0  # m of way that a metre of clearance is worth
 
 
-class _Margin(NamedTuple):
+class Margin(NamedTuple):
     """Clearances, m: of places to turn, and along lanes."""
 
     turning: float
@@ -45,7 +48,7 @@ def widen(net: LaneNet, options: MakingOptions, places: Dict[int, Place],
     included: the part with the most of them stays, or the one where most `homes` (m) are, or the
     longest. Returns what people should know about that.
     """
-    margins = _margins(options)
+    margins = margins_of(options)
     _split_narrow_lanes(net, margins[-1])
     notes: List[str] = []
     seen = set(places)
@@ -64,53 +67,14 @@ def widen(net: LaneNet, options: MakingOptions, places: Dict[int, Place],
                          f'lane leads through{_leave_out(net, places, homes, margins[-1])}.')
 
 
-def widen_only_lane(net: LaneNet, options: MakingOptions, keep: Collection[int],
-                    homes: Sequence[Tuple[float, float]]) -> None:
-    """Draws the only lane anew, between places to turn, if robots can turn nowhere along it.
-
-    Where none leads straight from one to another, one place to turn takes the lane's place: that
-    nearest to where robots start, to the first of `homes` (m), or to an end of the lane.
-    """
-    if len(net.lanes) != 1 or set(net.nodes) & set(keep):
-        return
-    lane, = net.lanes
-    ends = net.ends(lane)
-    if net.floor.clearance_at(straight(net.floor, *ends)).max() >= options.turning:
-        return
-    for margin in _margins(options):
-        near = [_nearest_to_turn(net, end, margin) for end in ends]
-        lines = [(one, other) for one in near[0] for other in near[1]
-                 if in_sight(net.floor, one, other, margin.straight)]
-        if lines:
-            one, other = min(lines, key=lambda line: float(sum(
-                np.hypot(*(place - end)) for place, end in zip(line, ends))))
-            for node, place in zip(lane.nodes, (one, other)):
-                net.positions[node] = place
-            return
-    for start in (*map(np.array, homes), *ends):
-        places = _nearest_to_turn(net, start, _margins(options)[-1])
-        if len(places):
-            for node in lane.nodes:
-                net.remove_node(node)
-            net.add_node(places[0])
-            return
-
-
-def _nearest_to_turn(net: LaneNet, start: np.ndarray, margin: _Margin) -> np.ndarray:
-    """(N,2) places to turn near `start`, the nearest first."""
-    places = _roomy(net, start - ASIDE, start + ASIDE, margin)
-    order = np.argsort(np.linalg.norm(places - start, axis=1), kind='stable')
-    return places[order][:PLACES // 3]
-
-
-def _margins(options: MakingOptions) -> Tuple[_Margin, ...]:
+def margins_of(options: MakingOptions) -> Tuple[Margin, ...]:
     """From what lanes have elsewhere to the least that a robot's own search for a way needs."""
-    return (_Margin(options.turning, options.tight),
-            _Margin(options.least_turning, options.tight),
-            _Margin(options.least_turning, options.robot_width / 2.0 + options.margin / 2.0))
+    return (Margin(options.turning, options.tight),
+            Margin(options.least_turning, options.tight),
+            Margin(options.least_turning, options.robot_width / 2.0 + options.margin / 2.0))
 
 
-def _split_narrow_lanes(net: LaneNet, least: _Margin) -> None:
+def _split_narrow_lanes(net: LaneNet, least: Margin) -> None:
     """Puts a node where a lane is narrowest, if that is too narrow."""
     for lane in net.lanes:
         points = straight(net.floor, *net.ends(lane))
@@ -120,7 +84,7 @@ def _split_narrow_lanes(net: LaneNet, least: _Margin) -> None:
             net.split(lane, points[narrowest])
 
 
-def _too_narrow(net: LaneNet, least: _Margin) -> Iterator[int]:
+def _too_narrow(net: LaneNet, least: Margin) -> Iterator[int]:
     """Nodes where a robot cannot pass, or would have to turn and cannot."""
     for node in net.nodes:
         room = _room(net, net.positions[node])
@@ -134,7 +98,7 @@ def _room(net: LaneNet, place: np.ndarray) -> float:
 
 
 def _leave_out(net: LaneNet, places: Dict[int, Place],
-               homes: Sequence[Tuple[float, float]], least: _Margin) -> str:
+               homes: Sequence[Tuple[float, float]], least: Margin) -> str:
     """Takes out all parts of the net but one; says what that was."""
     started = [_nearest(net, home, least) for home in homes]
     parts = sorted(net.components(), key=lambda part: (
@@ -150,11 +114,14 @@ def _leave_out(net: LaneNet, places: Dict[int, Place],
     return f'{behind}, with {", ".join(names)}' if names else behind
 
 
-def _nearest(net: LaneNet, place: Tuple[float, float], least: _Margin) -> Optional[int]:
-    """The node nearest to a place of those to which a straight leads; behind a wall none counts."""
-    nodes = sorted(net.nodes, key=lambda node: math.dist(net.positions[node], place))
-    return next((node for node in nodes if in_sight(
-        net.floor, np.array(place), net.positions[node], least.straight)), None)
+def _nearest(net: LaneNet, place: Tuple[float, float], least: Margin) -> Optional[int]:
+    """The node to which the shortest way leads from a place; behind a wall none counts."""
+    rows, columns = net.floor.cells_of(np.array([place, *net.positions.values()]))
+    ways, _ = MCP_Geometric(np.where(
+        net.floor.clearance >= least.straight, 1.0, CLOSED)).find_costs([(rows[0], columns[0])])
+    reached = dict(zip(net.positions, ways[rows[1:], columns[1:]]))
+    node = min(reached, key=lambda node: float(reached[node]), default=None)
+    return node if node is not None and np.isfinite(reached[node]) else None
 
 
 def _bends(net: LaneNet, node: int) -> bool:
@@ -162,7 +129,7 @@ def _bends(net: LaneNet, node: int) -> bool:
                for one, other in combinations(net.neighbours(node), 2))
 
 
-def _cluster(net: LaneNet, corner: int, least: _Margin, held: Set[int]) -> Set[int]:
+def _cluster(net: LaneNet, corner: int, least: Margin, held: Set[int]) -> Set[int]:
     """The nodes to draw anew: a corner, and near to it what else is too narrow or just bends."""
     tight = set(_too_narrow(net, least)) - held
     cluster, ahead = {corner}, [corner]
@@ -176,14 +143,14 @@ def _cluster(net: LaneNet, corner: int, least: _Margin, held: Set[int]) -> Set[i
     return cluster
 
 
-def _redraw(net: LaneNet, cluster: Set[int], margin: _Margin, options: MakingOptions) -> bool:
+def _redraw(net: LaneNet, cluster: Set[int], margin: Margin, options: MakingOptions) -> bool:
     """Draws the lanes between what surrounds the cluster anew; False where there is no way."""
     lanes = {net.lane(node, other).nodes for node in cluster for other in net.neighbours(node)}
     ends = sorted({node for key in lanes for node in key} - cluster)
     along = np.vstack([straight(net.floor, *(net.positions[node] for node in key))
                        for key in sorted(lanes)])
     places = np.vstack([[net.positions[end] for end in ends],
-                        _places_to_turn(net, along, margin, options)])
+                        _places_along(net, along, margin, options)])
     costs, clearances = _straights(net, places, len(ends), margin, options)
     totals, before = dijkstra(costs, directed=False, indices=range(len(ends)),
                               return_predecessors=True)
@@ -207,10 +174,10 @@ def _redraw(net: LaneNet, cluster: Set[int], margin: _Margin, options: MakingOpt
     return True
 
 
-def _places_to_turn(net: LaneNet, along: np.ndarray, margin: _Margin,
-                    options: MakingOptions) -> np.ndarray:
+def _places_along(net: LaneNet, along: np.ndarray, margin: Margin,
+                  options: MakingOptions) -> np.ndarray:
     """(N,2) places with room to turn, those nearest to where the lanes have none."""
-    places = _roomy(net, along.min(axis=0) - ASIDE, along.max(axis=0) + ASIDE, margin)
+    places = places_to_turn(net.floor, along.min(axis=0) - ASIDE, along.max(axis=0) + ASIDE, margin)
     narrow = along[net.floor.clearance_at(along) < options.turning]
     if not len(places) or not len(narrow):
         return np.zeros((0, 2))
@@ -218,15 +185,16 @@ def _places_to_turn(net: LaneNet, along: np.ndarray, margin: _Margin,
     return places[np.argsort(away, kind='stable')[:PLACES]]
 
 
-def _roomy(net: LaneNet, low: np.ndarray, high: np.ndarray, margin: _Margin) -> np.ndarray:
+def places_to_turn(floor: Floor, low: np.ndarray, high: np.ndarray,
+                   margin: Margin) -> np.ndarray:
     """(N,2) the places to turn between two corners."""
-    (top, bottom), (left, right) = net.floor.cells_of(np.array((low, high)))
-    rows, columns = np.nonzero(net.floor.clearance[top:bottom + 1, left:right + 1]
+    (top, bottom), (left, right) = floor.cells_of(np.array((low, high)))
+    rows, columns = np.nonzero(floor.clearance[top:bottom + 1, left:right + 1]
                                >= margin.turning)
-    return net.floor.centres(rows + top, columns + left)
+    return floor.centres(rows + top, columns + left)
 
 
-def _straights(net: LaneNet, places: np.ndarray, ends: int, margin: _Margin,
+def _straights(net: LaneNet, places: np.ndarray, ends: int, margin: Margin,
                options: MakingOptions) -> Tuple[np.ndarray, np.ndarray]:
     """(N,N) costs of lanes between places, 0 where none can lead; and their clearances (m).
 

@@ -1,0 +1,87 @@
+"""Where dead ends end: at places to turn, for robots come back from there."""
+from __future__ import annotations
+
+from typing import Collection, Optional, Sequence, Tuple
+
+import numpy as np
+
+from graph_editor.making.coverage import Coverage
+from graph_editor.making.lanes import LaneNet
+from graph_editor.making.options import MakingOptions
+from graph_editor.making.sight import in_sight, straight
+from graph_editor.making.tidying import CLOSE, LEAST_FLOOR
+from graph_editor.making.widening import ASIDE, Margin, margins_of, places_to_turn
+
+def give_tips_room(net: LaneNet, coverage: Coverage, options: MakingOptions,
+                   keep: Collection[int], homes: Sequence[Tuple[float, float]]) -> None:
+    """Moves the tips of dead ends to where robots can turn, but for the nodes to `keep`.
+
+    Back along the lane; or, where that leaves floor unserved, to a place beside that a straight
+    leads to. A dead end that gets too short goes. Of the last lane a place to turn stays, near its tip or where
+    robots start (`homes`, m); where there is none, the lane stays.
+    """
+    for tip in net.nodes:
+        if tip in keep or tip not in net.positions or net.degree(tip) != 1:
+            continue
+        base, = net.neighbours(tip)
+        last = len(net.lanes) == 1
+        place = _place_for(net, coverage, tip, base, options)
+        if place is not None and np.hypot(*(place - net.positions[base])) >= (
+                net.floor.resolution if last else CLOSE):
+            net.positions[tip] = place
+        elif not last or place is not None:
+            net.remove_node(tip)
+        elif base not in keep:
+            _leave(net, (tip, base), options, homes)
+
+
+def _place_for(net: LaneNet, coverage: Coverage, tip: int, base: int,
+               options: MakingOptions) -> Optional[np.ndarray]:
+    """The place to turn that the lane shall end at: on it, or beside its tip if much were lost."""
+    here = net.positions[tip]
+    points = straight(net.floor, here, net.positions[base])
+    roomy = np.flatnonzero(net.floor.clearance_at(points) >= options.turning)
+    back = points[roomy[0]] if len(roomy) else None
+    if back is not None and np.array_equal(back, here) or len(net.lanes) > 1 and (
+            _left_unserved(net, coverage, tip, base, back) < LEAST_FLOOR):
+        return back
+    for margin in margins_of(options):
+        room = net.floor.clearance_at(net.positions[base][None, :])[0]
+        if net.degree(base) == 1 or room >= margin.turning:     # the lane will bend there
+            for place in _nearest_to_turn(net, here, margin):
+                if in_sight(net.floor, net.positions[base], place, margin.straight):
+                    return place
+    return back
+
+
+def _left_unserved(net: LaneNet, coverage: Coverage, tip: int, base: int,
+                   back: Optional[np.ndarray]) -> float:
+    """m2 of floor there that nothing would serve, if the lane ended at `back`, or went."""
+    lane = net.lane(tip, base)
+    kept = [np.array(net.ends(other)) for other in net.lanes if other.nodes != lane.nodes]
+    if back is not None:
+        kept.append(np.array((net.positions[base], back)))
+    served = coverage.covered_by(np.array(net.ends(lane)))
+    servants = np.zeros(coverage.mask.size, np.int32)
+    servants[served] = 1
+    for path in kept:
+        servants[coverage.covered_by(path)] += 1
+    return coverage.left_without(servants, served)
+
+
+def _nearest_to_turn(net: LaneNet, start: np.ndarray, margin: Margin) -> np.ndarray:
+    """(N,2) places to turn near `start`, the nearest first."""
+    places = places_to_turn(net.floor, start - ASIDE, start + ASIDE, margin)
+    return places[np.argsort(np.linalg.norm(places - start, axis=1), kind='stable')]
+
+
+def _leave(net: LaneNet, lane: Tuple[int, int], options: MakingOptions,
+           homes: Sequence[Tuple[float, float]]) -> None:
+    """Puts one place to turn in the place of a lane that has none."""
+    for start in (*map(np.array, homes), *(net.positions[node] for node in lane)):
+        places = _nearest_to_turn(net, start, margins_of(options)[-1])
+        if len(places):
+            for node in lane:
+                net.remove_node(node)
+            net.add_node(places[0])
+            return
