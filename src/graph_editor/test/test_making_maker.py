@@ -74,14 +74,15 @@ def floor_left(site: Site, graph: Graph, reach: float) -> float:
 
 
 def served_or_not(site: Site, graph: Graph, reach: float) -> np.ndarray:
-    """For every cell of the robot's floor."""
-    coverage = Coverage(site.floor, floor_of_robot(site), reach)
+    """For every cell of the robot's floor; ways lead through gaps that it drives through straight."""
+    coverage = Coverage(site.floor, site.floor.clearance >= OPTIONS.tight, reach)
+    its_floor = Coverage(site.floor, floor_of_robot(site), reach).mask
     served = np.zeros(coverage.mask.size, bool)
     for id in graph.edges:
         served[coverage.covered_by(graph.curve(id).sample(0.05))] = True
     for vertex in graph.vertices.values():
         served[coverage.covered_by(np.array([vertex.position]))] = True
-    return served[coverage.mask.ravel()]
+    return served[its_floor.ravel()]
 
 
 def least_clearance(site: Site, graph: Graph) -> float:

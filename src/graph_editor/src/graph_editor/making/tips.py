@@ -12,6 +12,7 @@ from graph_editor.making.sight import in_sight, straight
 from graph_editor.making.tidying import CLOSE, LEAST_FLOOR
 from graph_editor.making.widening import ASIDE, Margin, margins_of, places_to_turn
 
+
 def give_tips_room(net: LaneNet, coverage: Coverage, options: MakingOptions,
                    keep: Collection[int], homes: Sequence[Tuple[float, float]]) -> None:
     """Moves the tips of dead ends to where robots can turn, but for the nodes to `keep`.
