@@ -74,7 +74,7 @@ def floor_left(site: Site, graph: Graph, reach: float) -> float:
 
 
 def served_or_not(site: Site, graph: Graph, reach: float) -> np.ndarray:
-    """For every cell of the robot's floor; ways lead through gaps that it drives through straight."""
+    """For every cell of the robot's floor; ways lead also through gaps that it passes straight."""
     coverage = Coverage(site.floor, site.floor.clearance >= OPTIONS.tight, reach)
     its_floor = Coverage(site.floor, floor_of_robot(site), reach).mask
     served = np.zeros(coverage.mask.size, bool)

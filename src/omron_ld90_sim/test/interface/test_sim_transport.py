@@ -144,7 +144,8 @@ def test_a_program_without_a_free_file_descriptor_waits_before_it_listens_again(
         with monkeypatch.context() as full:
             full.setattr(socket.socket, 'accept', accept)
             with closing(socket.socket()) as client:
-                client.connect_ex(('127.0.0.1', robot.port))    # the port may close before it is through
+                # the port may close before this is through
+                client.connect_ex(('127.0.0.1', robot.port))
                 assert refused.wait(20.0)
                 for _ in range(20):
                     robot.inject('unblock')     # rounds of the loop

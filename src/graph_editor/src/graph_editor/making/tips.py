@@ -18,8 +18,8 @@ def give_tips_room(net: LaneNet, coverage: Coverage, options: MakingOptions,
     """Moves the tips of dead ends to where robots can turn, but for the nodes to `keep`.
 
     Back along the lane; or, where that leaves floor unserved, to a place beside that a straight
-    leads to. A dead end that gets too short goes. Of the last lane a place to turn stays, near its tip or where
-    robots start (`homes`, m); where there is none, the lane stays.
+    leads to. A dead end that gets too short goes. Of the last lane a place to turn stays, near its
+    tip or where robots start (`homes`, m); where there is none, the lane stays.
     """
     for tip in net.nodes:
         if tip in keep or tip not in net.positions or net.degree(tip) != 1:
