@@ -82,7 +82,7 @@ def test_pieces_follow_their_curves_as_nearly_as_they_say(seed):
 
 
 @given(st.integers(0, 2 ** 32 - 1))
-@settings(max_examples=settings.default.max_examples * 2 // 5)
+@settings(max_examples=settings.default.max_examples // 4)
 def test_places_exclude_each_other_exactly_where_they_are_too_near(seed):
     _, distance, _, conflicts, _, shapes = _measured(seed)
     for one, shape in enumerate(shapes):

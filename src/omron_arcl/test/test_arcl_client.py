@@ -29,6 +29,8 @@ from omron_arcl import (
     Outcome,
     SessionLog,
 )
+from omron_arcl.commands import Course
+from omron_arcl.drive_watch import SETTLE
 from omron_arcl.transport import TICK
 
 
@@ -188,16 +190,20 @@ def test_what_a_command_keeps_is_bounded_and_what_is_left_out_is_counted(robot):
         assert len(result.lines) + result.left_out == 101
 
 
-def test_a_login_without_prompt_welcome_or_help_list_succeeds():
+def test_a_login_without_prompt_welcome_or_help_list_succeeds(monkeypatch):
+    for silence in ('PROMPT_TIMEOUT', 'WELCOME_TIMEOUT', 'HELP_TIMEOUT'):
+        monkeypatch.setattr(f'omron_arcl.session.{silence}', 0.3)
     with ScriptedRobot(login=False) as robot, connected_client(robot, heartbeat=0.2) as client:
         assert not client.help.complete
         assert robot.heard[:2] == [PASSWORD, b'oneLineStatus']
 
 
-def test_a_login_that_fails_says_what_was_received(links):
+def test_a_login_that_fails_says_what_was_received(links, monkeypatch):
+    monkeypatch.setattr('omron_arcl.client.LOGIN_SILENCE', 1.0)
     with ScriptedRobot(login=False) as robot:
         robot.mute = True
-        with Client('127.0.0.1', robot.port, PASSWORD, backoff=quick(), on_link=links):
+        with Client('127.0.0.1', robot.port, PASSWORD, backoff=quick(), on_link=links,
+                    heartbeat=0.1, timeout=0.3):
             wait_for(lambda: robot.connections, 'a connection')
             robot.say(b'220 some FTP server')
             link = links.wait(lambda link: 'nothing was received' in link.reason, 'the reason',
@@ -211,7 +217,8 @@ def test_a_robot_with_nothing_to_say_stays_connected_by_heartbeats(robot, links)
         assert links.all[-1].connected
 
 
-def test_a_silent_server_is_given_up_during_the_login(links):
+def test_a_silent_server_is_given_up_during_the_login(links, monkeypatch):
+    monkeypatch.setattr('omron_arcl.client.LOGIN_SILENCE', 1.0)
     with ScriptedRobot(login=False) as robot:
         robot.mute = True
         with Client('127.0.0.1', robot.port, PASSWORD, backoff=quick(), on_link=links,
@@ -251,7 +258,8 @@ def test_cancelling_a_drive_sends_stop(robot):
         assert goto.wait(20.0).outcome is Outcome.CANCELLED
 
 
-def test_a_drive_that_somebody_stops_without_a_word_of_it_ends(robot):
+def test_a_drive_that_somebody_stops_without_a_word_of_it_ends(robot, monkeypatch):
+    monkeypatch.setitem(SETTLE, Course.TO_A_PLACE, 1.0)
     robot.answers[b'goto 12'] = (b'Going to 12',)  # and its status is always Stopped
     with connected_client(robot) as client:
         goto = client.execute('goto 12')
