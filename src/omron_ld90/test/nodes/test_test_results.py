@@ -1,4 +1,4 @@
-"""How scripts/test.sh adds up results: a second try counts, is named, and hides no other failure."""
+"""How scripts/test.sh adds up results: a second try counts, is named, and hides no failure."""
 from __future__ import annotations
 
 import subprocess
