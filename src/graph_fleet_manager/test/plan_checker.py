@@ -13,7 +13,6 @@ from typing import Dict, List, NamedTuple, Tuple
 import numpy as np
 import yaml
 from shapely.geometry import LineString, Point
-from shapely.ops import substring
 
 SAMPLES = 400  # points on a spline: chords nearer than 0.01 mm to it where it bends with 0.3 m
 TOLERANCE = 1e-4  # m
@@ -271,7 +270,12 @@ def _shape(world: World, plan: dict, name: str, k: int):
 def _rest(shape, fraction: float):
     if fraction <= 0.0 or isinstance(shape, Point):
         return shape
-    return substring(shape, fraction * shape.length, shape.length)
+    xy = np.array(shape.coords)
+    arc = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(xy, axis=0).T))))
+    s = fraction * arc[-1]
+    if s >= arc[-1]:
+        return Point(xy[-1])
+    return LineString([[np.interp(s, arc, xy[:, 0]), np.interp(s, arc, xy[:, 1])], *xy[arc > s]])
 
 
 def nominal_faults(world: World, plan: dict, step: float = 0.1) -> List[str]:
