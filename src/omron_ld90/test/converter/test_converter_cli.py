@@ -30,7 +30,8 @@ def test_a_map_is_made_and_told_of(tmp_path, capsys):
 
 def test_the_dock_heading_may_be_given(tmp_path):
     output = tmp_path / 'out.map'
-    assert main(arguments(output, '--dock-vertex', '16', '--dock-heading', '-90')) == 0
+    assert main(arguments(output, '--dock-vertex', '16', '--dock-heading', '-90',
+                          '--fences', 'none')) == 0
     assert MapDocument.load(str(output)).docks[0].theta == -90.0
 
 
@@ -108,7 +109,7 @@ def test_a_picture_is_replaced_by_a_complete_one(tmp_path):
     picture, old = tmp_path / 'out.png', tmp_path / 'old.png'
     picture.write_bytes(b'an older picture')
     os.link(picture, old)
-    assert main(arguments(tmp_path / 'out.map', '--draw', str(picture))) == 0
+    assert main(arguments(tmp_path / 'out.map', '--fences', 'none', '--draw', str(picture))) == 0
     assert picture.read_bytes().startswith(b'\x89PNG')
     assert old.read_bytes() == b'an older picture', 'the old file was written over in place'
 
@@ -125,5 +126,6 @@ def test_the_picture_of_a_map_without_walls_shows_the_outermost_fences(tmp_path)
 
 
 def test_a_picture_that_cannot_be_written_is_told(tmp_path, capsys):
-    assert main(arguments(tmp_path / 'out.map', '--draw', str(tmp_path / 'no' / 'out.png'))) == 1
+    picture = tmp_path / 'no' / 'out.png'
+    assert main(arguments(tmp_path / 'out.map', '--fences', 'none', '--draw', str(picture))) == 1
     assert 'out.png: it cannot be written' in capsys.readouterr().err
