@@ -85,7 +85,7 @@ def _view(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: floa
     destination = errand.dock
     if mission is not None and mission.left:
         destination = mission.left[0]
-    return RobotView(robot.name, robot.type.name, state, robot.track.pose, robot.seen,
+    return RobotView(robot.name, robot.type.name, state, robot.track.pose, robot.liveness.seen,
                      robot.battery, None if mission is None else mission.request.id, destination,
                      _waits_for(robot, errand, supervisor, now))
 

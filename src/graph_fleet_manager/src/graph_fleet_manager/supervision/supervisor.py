@@ -6,7 +6,7 @@ the answer is given.
 """
 from __future__ import annotations
 
-from typing import Dict, Iterable, List, Mapping, Optional, Tuple
+from typing import Dict, Iterable, List, Mapping, Tuple
 
 from graph_fleet_manager.fleet import Fleet
 from graph_fleet_manager.planning.road_network import RoadNetwork
@@ -17,6 +17,7 @@ from graph_fleet_manager.supervision.charging import ChargeQueue
 from graph_fleet_manager.supervision.dispatcher import Dispatcher
 from graph_fleet_manager.supervision.errands import Errand, errand_of
 from graph_fleet_manager.supervision.journal import Journal
+from graph_fleet_manager.supervision.liveness import SILENCE
 from graph_fleet_manager.supervision.missions import (
     Acceptance,
     Command,
@@ -26,13 +27,13 @@ from graph_fleet_manager.supervision.missions import (
     RequestRefused,
     Status,
 )
+from graph_fleet_manager.supervision.outage_watch import OutageWatch
 from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.outbox import Outbox
 from graph_fleet_manager.supervision.reports import Report, WrongReport, check_report
+from graph_fleet_manager.supervision.restoring import robots_of
 from graph_fleet_manager.supervision.roads import Roads
-from graph_fleet_manager.supervision.robots import SILENCE, ManagedRobot, RobotSettings
-from graph_fleet_manager.supervision.route_client import RouteClient
-from graph_fleet_manager.supervision.track import Track
+from graph_fleet_manager.supervision.robots import RobotSettings
 from graph_fleet_manager.supervision.waiting_missions import WaitingMissions
 from trajectory_graph import Graph
 from trajectory_graph.route_protocol import RouteRefusal
@@ -52,12 +53,7 @@ class Supervisor:
                  journal: Journal, now: float, rate: float = 1.0) -> None:
         self.journal = journal
         self._fleet = fleet
-        self.robots: Dict[str, ManagedRobot] = {}
-        for robot in fleet.robots:
-            own = settings.get(robot.name, RobotSettings())
-            self.robots[robot.name] = ManagedRobot(
-                robot.name, robot.type, own,
-                RouteClient(Track(graph, robot.type.speed, own.slack)))
+        self.robots = robots_of(fleet, settings, graph, journal.robots())
         self.roads = Roads(graph, fleet, rate)
         self.is_stopped = bool(journal.value(_STOPPED))
         self.charging = ChargeQueue(self.robots)
@@ -65,22 +61,9 @@ class Supervisor:
         self._began = now
         self._is_starting = True
         self._waiting = WaitingMissions(self.book, self.robots)
-        self._outages: Dict[str, Optional[Outage]] = {}
         self._out = Outbox(journal, self.book, self.robots)
         self.dispatcher = Dispatcher(self.robots, self._out)
-        self._restore()
-
-    def _restore(self) -> None:
-        for name, memory in self.journal.robots().items():
-            robot = self.robots.get(name)
-            if robot is None:
-                continue
-            if memory.client.is_on(self.network.graph):
-                robot.client.restore(memory.client)
-            if memory.outage is not None and memory.outage.needs_person:
-                robot.outage, robot.why = memory.outage, memory.why
-            robot.is_halted, robot.comes_to_rest = memory.is_halted, memory.comes_to_rest
-            robot.dock = memory.dock
+        self._outages = OutageWatch(self.book, self.robots, self._out, self.dispatcher)
         for mission, why in mission_progress.no_longer_possible(self.book, self.acceptance):
             self.book.set(mission, MissionState.FAILED, why)
 
@@ -167,7 +150,7 @@ class Supervisor:
             self._out.robot_changed(name)
             if mission_progress.follow(self.book, robot, now):
                 self._go_on(now)
-        self._note_outages()
+        self._outages.look()
         return self._out.take()
 
     def refusal(self, name: str, refusal: RouteRefusal, now: float) -> List[Action]:
@@ -179,7 +162,7 @@ class Supervisor:
         self._out.robot_changed(name)
         if not (was_stopped and robot.outage is Outage.STOPPED):  # each trial is refused then
             self._out.note(f'{name} refused route {refusal.route_id}: {refusal.reason}.', True)
-        self._note_outages()
+        self._outages.look()
         return self._out.take()
 
     def battery(self, name: str, charge: float, now: float) -> List[Action]:
@@ -193,7 +176,7 @@ class Supervisor:
         robot.client.halt(self.journal.next_route_id)
         robot.fail(Outage.OUT_OF_SERVICE, 'it was taken out of service')
         self._out.robot_changed(name)
-        self._note_outages()
+        self._outages.look()
         self._go_on(now)
         return self._out.take()
 
@@ -204,13 +187,13 @@ class Supervisor:
             return 'the fleet is stopped: resume it first', self._out.take()
         if robot.outage is None and not robot.is_halted:
             return '', self._out.take()
-        if now - robot.seen > SILENCE or robot.outage is Outage.DEAF:
+        if now - robot.liveness.seen > SILENCE or robot.outage is Outage.DEAF:
             return f'{name} does not report or answer: mend its link first', self._out.take()
-        if robot.client.order is not None or not robot.is_still(now):
+        if robot.client.order is not None or not robot.liveness.is_still(now):
             return f'{name} does not stand still yet: try again in a moment', self._out.take()
         problem = robot.come_back(robot.place_at(robot.track.pose))
         self.dispatcher.forget_plan_of(name)
-        self._note_outages()
+        self._outages.look()
         self._go_on(now)
         return problem, self._out.take()
 
@@ -278,10 +261,10 @@ class Supervisor:
                 self._out.robot_changed(robot.name)
             if not self.is_stopped and robot.go_on_after_stop(now):
                 self.dispatcher.forget_plan_of(robot.name)
-        self._note_outages()
+        self._outages.look()
         self.dispatcher.send(now)
         if self._is_starting:
-            self._is_starting = (not all(r.is_seen for r in self.robots.values())
+            self._is_starting = (not all(r.liveness.is_seen for r in self.robots.values())
                                  and now - self._began < SILENCE)
         if self.is_stopped:
             self._waiting.hold('the fleet is stopped')
@@ -297,25 +280,3 @@ class Supervisor:
             mission_progress.follow(self.book, self.robots[name], now)
         self.dispatcher.go_on(self.errands(), self.network, now)
         self.dispatcher.send(now)
-
-    # -- what changed -----------------------------------------------------------------------------
-
-    def _note_outages(self) -> None:
-        """Draws the consequences where a robot dropped out or came back."""
-        for name, robot in self.robots.items():
-            if name in self._outages and self._outages[name] is robot.outage:
-                continue
-            before = self._outages.get(name)
-            self._outages[name] = robot.outage
-            self._out.robot_changed(name)
-            self.dispatcher.replan()
-            if robot.outage is not None:
-                mission_progress.drop_out(self.book, robot)
-                if robot.outage is not Outage.UNSEEN:
-                    self._out.note(f'{name} cannot work: {robot.why or robot.outage.value}.', True)
-            else:
-                mission = self.book.of_robot(name)
-                if mission is not None:
-                    self.book.set(mission, mission.state)
-                if before not in (None, Outage.UNSEEN):
-                    self._out.note(f'{name} works again.')
