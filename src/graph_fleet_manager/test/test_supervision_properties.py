@@ -172,6 +172,19 @@ class FleetLife(RuleBasedStateMachine):
             assert stood == [agv.travelled for agv in self.fleet.agvs.values()]
         self.fleet.do(self.fleet.supervisor.resume_fleet(self.fleet.now)[1])
 
+    @rule(pause=seconds(8.0), stops=st.booleans())
+    def disk_fails(self, pause: float, stops: bool) -> None:
+        """Nothing can be stored for a while, unless the supervisor dies and its disk is mended."""
+        fleet, journal, before = self.fleet, self.fleet.journal, len(self.fleet.sent)
+        fleet.disk_fails()
+        fleet.run(pause)
+        if stops:
+            self.stop_and_resume(pause)
+        if fleet.journal is journal:
+            assert all(order.repeated or not order.edges or self.shortened
+                       for order in fleet.sent[before:]), fleet.sent[before:]
+            fleet.disk_fails(False)
+
     @rule(robot=robots)
     def take_out(self, robot: str) -> None:
         self.may_fail = True

@@ -34,6 +34,8 @@ class RouteClient:
         self._ended: Set[int] = set()
         self._reported = 0
         self._sent_at: Optional[float] = None
+        self._takes_away = False  # the order stops the robot, or cuts its route short
+        self._told = 0            # number behind the last edge of the track that it was ever sent
         self._awaits_report = False
         self._stamp = 0.0
         self._ordered: Optional[int] = None  # before a restart, if it was less than the track
@@ -55,6 +57,11 @@ class RouteClient:
         """Was it told to stop, without an answer yet?"""
         return self.order is not None and not self.order.edges
 
+    @property
+    def is_new_motion(self) -> bool:
+        """Is the order one that was never sent, and lets the robot drive?"""
+        return self.order is not None and self._sent_at is None and not self._takes_away
+
     # -- orders -----------------------------------------------------------------------------------
 
     def extend(self, edges: Sequence[int], new_id: NewId, renew: bool = False) -> None:
@@ -66,6 +73,9 @@ class RouteClient:
 
     def shorten(self, new_id: NewId) -> bool:
         """Asks the robot to stop at the end of its edge; tells whether it may drive farther."""
+        if self.is_new_motion and self._told <= self.track.done:
+            self._cut(self.track.done)  # it was never told of all this
+            self.order, self.over = None, True
         if len(self.track.ahead) <= 1:
             return False
         if self._awaits_report or (self.order is not None and self._is_shorter(self.order)):
@@ -73,7 +83,7 @@ class RouteClient:
         if self.over:
             self._begin(new_id())
         base = self._bases[self.route_id]
-        self._give(Order(self.route_id, base, self.track.between(base, self.track.done + 1)))
+        self._give(Order(self.route_id, base, self.track.between(base, self.track.done + 1)), True)
         return True
 
     def halt(self, new_id: NewId) -> None:
@@ -81,7 +91,7 @@ class RouteClient:
         self._begin(new_id())
         self.over = True
         self._awaits_report = False
-        self._give(Order(self.route_id, self.track.done, ()))
+        self._give(Order(self.route_id, self.track.done, ()), True)
 
     def try_again(self, new_id: NewId, count: int) -> None:
         """Orders once more, under a new id, so many of the edges that an emergency stop kept the
@@ -94,6 +104,7 @@ class RouteClient:
         self._ended = {*self._bases, self.route_id}
         self._bases = {}
         self.track.settle(place)
+        self._told = self.track.end
         self.over = True
         self.order = None
         self._awaits_report = False
@@ -106,6 +117,7 @@ class RouteClient:
         if self._sent_at is not None and now - self._sent_at < REPEAT:
             return None
         self._sent_at = now
+        self._told = max(self._told, self.order.base + len(self.order.edges))
         return Sending(self.order.route_id, self.order.edges, repeated)
 
     def _begin(self, route_id: int) -> None:
@@ -127,9 +139,14 @@ class RouteClient:
         base = self._bases[self.route_id]
         self._give(Order(self.route_id, base, self.track.between(base, end)))
 
-    def _give(self, order: Order) -> None:
+    def _give(self, order: Order, takes_away: bool = False) -> None:
         self.order = order
         self._sent_at = None
+        self._takes_away = takes_away
+
+    def _cut(self, end: int) -> None:
+        self.track.cut(end)
+        self._told = min(self._told, self.track.end)
 
     def _is_shorter(self, order: Order) -> bool:
         return order.base + len(order.edges) < self.track.end
@@ -150,9 +167,10 @@ class RouteClient:
         self.route_id, self._bases = memory.route_id, dict(memory.bases)
         self.over, self._ended = memory.over, set(memory.ended)
         self.track.restore(memory.track, memory.done, memory.place)
+        self._told = self.track.end
         self._ordered = memory.shortened
         if memory.is_stopping:
-            self._give(Order(self.route_id, self.track.done, ()))
+            self._give(Order(self.route_id, self.track.done, ()), True)
 
     def adopt(self, report: Report) -> None:
         """The first report after a restart, to be taken next: what it has not driven is fixed.
@@ -182,6 +200,7 @@ class RouteClient:
     def _adopt_other(self, report: Report) -> None:
         """A route of which nothing is known here; a stop that is under way stays so."""
         self.track.adopt(report.edges)
+        self._told = self.track.end
         self._bases = {self.route_id: self.track.done} if self.order is not None else {}
         self._bases[report.route_id] = self.track.first
         self._acknowledged.add(report.route_id)
@@ -275,7 +294,7 @@ class RouteClient:
             end = self.track.done
         else:
             end = base + len(report.edges) if report.is_running else base + report.completed
-        self.track.cut(min(max(end, self.track.done), self.track.end))
+        self._cut(min(max(end, self.track.done), self.track.end))
         if base is not None:
             self._bases = {report.route_id: base}
 
@@ -284,4 +303,4 @@ class RouteClient:
         if order and report.route_id == order.route_id and len(report.edges) == len(order.edges):
             self.order = None
             if order.edges and self._is_shorter(order):
-                self.track.cut(order.base + len(order.edges))
+                self._cut(order.base + len(order.edges))
