@@ -135,9 +135,12 @@ class PathSupervisor:
                 self._topics.do(self._begin(time.monotonic()))
                 self._publish_views()
             except Exception:  # a fleet manager that decides nothing must not look alive
-                rospy.logfatal('A defect; the robots go on with what they were given, and this '
-                               'node ends to be started anew.\n%s', traceback.format_exc())
-                os._exit(1)
+                try:
+                    rospy.logfatal('A defect; the robots go on with what they were given, and '
+                                   'this node ends to be started anew.\n%s',
+                                   traceback.format_exc())
+                finally:
+                    os._exit(1)
 
     def _stop_early(self, now: float) -> Tuple[str, Sequence[Action]]:
         """Stops all robots before there is a supervisor; what is to be said with that."""
