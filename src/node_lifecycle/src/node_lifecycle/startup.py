@@ -79,7 +79,7 @@ def _survive_a_full_log() -> None:
     logging's own handlers see to that themselves, rospy's for the standard streams does not.
     """
     for handler in logging.getLogger('rosout').handlers:
-        handler.emit = _harmless(handler.emit)  # type: ignore[method-assign]
+        handler.emit = _harmless(handler.emit)  # type: ignore[assignment,method-assign]
 
 
 def _harmless(emit: Callable[[logging.LogRecord], None]) -> Callable[[logging.LogRecord], None]:
