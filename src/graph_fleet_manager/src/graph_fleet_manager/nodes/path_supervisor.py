@@ -47,12 +47,7 @@ from graph_fleet_manager.nodes.fleet_topics import FleetTopics, TellStatuses, st
 from graph_fleet_manager.nodes.journal_file import JournalFile
 from graph_fleet_manager.supervision.actions import Action, TellStatus
 from graph_fleet_manager.supervision.journal import JournalUnavailable
-from graph_fleet_manager.supervision.missions import (
-    Command,
-    MissionState,
-    RequestRefused,
-    Status,
-)
+from graph_fleet_manager.supervision.missions import Command, RequestRefused
 from graph_fleet_manager.supervision.outbox import AGAIN
 from graph_fleet_manager.supervision.reports import WrongReport
 from graph_fleet_manager.supervision.supervisor import STOPPED, Supervisor
@@ -223,13 +218,12 @@ class PathSupervisor:
             try:
                 request = messages.request_of(message)
             except RequestRefused as refused:
-                return (TellStatus(Status(message.request_id, MissionState.REFUSED,
-                                          reason=str(refused))),)
+                return (TellStatus(messages.refusal_status(message, str(refused))),)
             return supervisor.request(request, now)
 
         def refuse() -> Sequence[Action]:
-            status = Status(message.request_id, MissionState.REFUSED, reason=self._file.trouble)
-            return (TellStatus(status),) if status.reason else ()
+            trouble = self._file.trouble
+            return (TellStatus(messages.refusal_status(message, trouble)),) if trouble else ()
         self._events.put_order(take, refuse)
 
     def _on_command(self, message: MissionCommand) -> None:

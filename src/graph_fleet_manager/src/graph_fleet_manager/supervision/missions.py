@@ -76,13 +76,17 @@ class Request:
 
 @dataclass(frozen=True)
 class Status:
-    """What is told of a request."""
+    """What is told of a request.
+
+    stamp -- s, when the request was sent: of several with its id it is about this one
+    """
 
     request_id: int
     state: MissionState
     robot: str = ''
     reached: int = 0
     reason: str = ''
+    stamp: float = 0.0
 
 
 @dataclass
@@ -107,7 +111,8 @@ class Mission:
     @property
     def status(self) -> Status:
         """As it is told."""
-        return Status(self.request.id, self.state, self.robot, self.reached, self.reason)
+        return Status(self.request.id, self.state, self.robot, self.reached, self.reason,
+                      self.request.stamp)
 
     @property
     def left(self) -> Tuple[int, ...]:

@@ -105,7 +105,8 @@ class Supervisor:
         return [*actions, *self._out.take(now)]
 
     def _refuse(self, request: Request, reason: str, now: float) -> List[Action]:
-        self._out.put(TellStatus(Status(request.id, MissionState.REFUSED, reason=reason)))
+        self._out.put(TellStatus(Status(request.id, MissionState.REFUSED, reason=reason,
+                                        stamp=request.stamp)))
         return self._out.take(now)
 
     def command(self, request_id: int, command: Command, now: float) -> List[Action]:
