@@ -26,7 +26,7 @@ from graph_fleet_manager.supervision.actions import (
 from graph_fleet_manager.supervision.journal import Journal, RobotMemory
 from graph_fleet_manager.supervision.missions import Mission, MissionState, Request, Status
 from graph_fleet_manager.supervision.reports import Report
-from graph_fleet_manager.supervision.robots import RobotSettings
+from graph_fleet_manager.supervision.settings import RobotSettings
 from graph_fleet_manager.supervision.supervisor import Supervisor
 from trajectory_graph import Graph
 

@@ -16,7 +16,7 @@ from supervised_fleet import SupervisedFleet
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.supervision.actions import SendRoute
 from graph_fleet_manager.supervision.missions import Command, MissionState
-from graph_fleet_manager.supervision.robots import RobotSettings
+from graph_fleet_manager.supervision.settings import RobotSettings
 from trajectory_graph import Graph
 
 LONG = os.environ.get('LD90_LONG_TESTS') == '1'

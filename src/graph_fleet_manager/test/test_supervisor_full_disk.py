@@ -7,8 +7,8 @@ from supervised_fleet import SupervisedFleet
 
 from graph_fleet_manager.supervision.fleet_view import robot_views
 from graph_fleet_manager.supervision.missions import Command, MissionState
-from graph_fleet_manager.supervision.robots import RobotSettings
 from graph_fleet_manager.supervision.route_ids import RESERVED
+from graph_fleet_manager.supervision.settings import RobotSettings
 
 AHEAD = RobotSettings(release_ahead=8.0)
 

@@ -39,7 +39,7 @@ class Assignment:
 
 def assign(missions: Sequence[Mission], free: Mapping[str, ManagedRobot],
            robots: Mapping[str, ManagedRobot], acceptance: Acceptance,
-           roads: Roads) -> Assignment:
+           roads: Roads, now: float) -> Assignment:
     """Assigns missions to `free` robots; those of higher priority first, then the oldest.
 
     Of all that those missions may be shared out, the sum of the times to the first destinations is
@@ -55,7 +55,7 @@ def assign(missions: Sequence[Mission], free: Mapping[str, ManagedRobot],
         order = order[len(group):]
         able: List[Mission] = []
         for mission in group:
-            reason, empty = _why_nobody(mission, free, robots, acceptance, roads.nominal)
+            reason, empty = _why_nobody(mission, free, robots, acceptance, roads.nominal, now)
             if reason:
                 waiting[mission.serial] = reason
                 short |= empty
@@ -99,7 +99,7 @@ def _all_alike(missions: Sequence[Mission]) -> bool:
 
 def _why_nobody(mission: Mission, free: Mapping[str, ManagedRobot],
                 robots: Mapping[str, ManagedRobot], acceptance: Acceptance,
-                network: RoadNetwork) -> Tuple[str, Set[str]]:
+                network: RoadNetwork, now: float) -> Tuple[str, Set[str]]:
     """Why none of the free robots can serve a mission, or nothing; and who could if charged."""
     names = acceptance.robots_for(mission.request)
     works = [name for name in names if robots[name].works]
@@ -109,7 +109,7 @@ def _why_nobody(mission: Mission, free: Mapping[str, ManagedRobot],
         return f'none of its robots is in service: {", ".join(names)}', set()
     able = [name for name in works if name in free]
     if not able and not any(robots[name].is_charged for name in works):
-        return f'{works[0] if len(works) == 1 else "each of its robots"} must charge first', set()
+        return _must_charge([robots[name] for name in works], now), set()
     if not able:
         return 'it waits for a robot to be free', set()
     reach = [name for name in able
@@ -117,15 +117,24 @@ def _why_nobody(mission: Mission, free: Mapping[str, ManagedRobot],
     if not reach:
         return 'none of the free robots can reach all its destinations', set()
     if not any(can_end(mission, free[name], network) for name in reach):
-        fullest = max(reach, key=lambda name: free[name].range_left())
+        fullest = max(reach, key=lambda name: free[name].battery.range_left())
         return 'no free robot has battery enough for it', {fullest}
     return '', set()
+
+
+def _must_charge(robots: Sequence[ManagedRobot], now: float) -> str:
+    whose = robots[0].name if len(robots) == 1 else 'each of its robots'
+    mute = [robot.name for robot in robots if robot.battery.is_mute(robot.liveness, now)]
+    if mute:
+        return (f'{whose} must charge first, and nothing is heard of the battery of '
+                f'{", ".join(mute)}')
+    return f'{whose} must charge first'
 
 
 def can_end(mission: Mission, robot: ManagedRobot, network: RoadNetwork) -> bool:
     """Is its battery good for the whole mission?"""
     seconds = time_over(mission.left, robot, network)
-    return seconds < inf and seconds * robot.type.speed <= robot.range_left()
+    return seconds < inf and seconds * robot.type.speed <= robot.battery.range_left()
 
 
 def time_to(vertex: int, robot: ManagedRobot, network: RoadNetwork) -> float:

@@ -85,8 +85,9 @@ def _view(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: floa
     destination = errand.dock
     if mission is not None and mission.left:
         destination = mission.left[0]
+    charge = math.nan if robot.battery.is_mute(robot.liveness, now) else robot.battery.charge
     return RobotView(robot.name, robot.type.name, state, robot.track.pose, robot.liveness.seen,
-                     robot.battery, None if mission is None else mission.request.id, destination,
+                     charge, None if mission is None else mission.request.id, destination,
                      _waits_for(robot, errand, supervisor, now))
 
 

@@ -67,6 +67,7 @@ class RobotMemory(NamedTuple):
     is_halted: bool
     comes_to_rest: bool = False
     dock: Optional[int] = None
+    charge: Optional[float] = None
 
 
 class HistoryLine(NamedTuple):
@@ -221,7 +222,7 @@ def _memory_text(memory: RobotMemory) -> str:
         'place': None if client.place is None else astuple(client.place),
         'outage': None if memory.outage is None else memory.outage.name, 'why': memory.why,
         'halted': memory.is_halted, 'resting': memory.comes_to_rest,
-        'dock': memory.dock})
+        'dock': memory.dock, 'charge': memory.charge})
 
 
 def _memory(text: str) -> RobotMemory:
@@ -233,4 +234,5 @@ def _memory(text: str) -> RobotMemory:
                     stored.get('shortened'))
     outage = stored['outage']
     return RobotMemory(client, None if outage is None else Outage[outage], stored['why'],
-                       stored['halted'], stored.get('resting', False), stored.get('dock'))
+                       stored['halted'], stored.get('resting', False), stored.get('dock'),
+                       stored.get('charge'))

@@ -19,6 +19,8 @@ class Liveness:
     def __init__(self) -> None:
         self.seen = -math.inf
         """When it last reported; infinitely long ago: never."""
+        self.since = -math.inf
+        """Since when it reports without a silence."""
         self._stamp = 0.0
         self._pose = Pose()
         self._moved = -math.inf      # when it was last seen to move, or first seen: from _pose
@@ -36,6 +38,8 @@ class Liveness:
         """Notes when a report came, and what is new in it."""
         if not self.is_seen:
             self._answered = now
+        if now - self.seen > SILENCE:
+            self.since = now
         self.seen = now
         if distance(graph, report.pose, self._pose) > TREMBLE:
             self._pose, self._moved = report.pose, now

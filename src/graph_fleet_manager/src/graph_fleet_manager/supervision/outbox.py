@@ -5,6 +5,7 @@ that are cut short. Everything else waits for the disk.
 """
 from __future__ import annotations
 
+import math
 from math import inf
 from typing import Dict, List, Mapping, Set
 
@@ -122,4 +123,5 @@ class Outbox:
 
 def _memory(robot: ManagedRobot) -> RobotMemory:
     return RobotMemory(robot.client.memory, robot.outage, robot.why, robot.is_halted,
-                       robot.comes_to_rest, robot.dock)
+                       robot.comes_to_rest, robot.dock,
+                       None if math.isnan(robot.battery.charge) else robot.battery.charge)

@@ -5,8 +5,9 @@ from typing import Dict, Mapping
 
 from graph_fleet_manager.fleet import Fleet
 from graph_fleet_manager.supervision.journal import RobotMemory
-from graph_fleet_manager.supervision.robots import ManagedRobot, RobotSettings
+from graph_fleet_manager.supervision.robots import ManagedRobot
 from graph_fleet_manager.supervision.route_client import RouteClient
+from graph_fleet_manager.supervision.settings import RobotSettings
 from graph_fleet_manager.supervision.track import Track
 from trajectory_graph import Graph
 
@@ -35,3 +36,5 @@ def _restore(robot: ManagedRobot, memory: RobotMemory, graph: Graph) -> None:
         robot.outage, robot.why = memory.outage, memory.why
     robot.is_halted, robot.comes_to_rest = memory.is_halted, memory.comes_to_rest
     robot.dock = memory.dock
+    if memory.charge is not None:
+        robot.battery.charge = memory.charge

@@ -3,15 +3,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import List, Optional, Tuple
+from typing import Collection, List, Optional, Tuple
 
 from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.supervision.battery import Battery
 from graph_fleet_manager.supervision.edge_times import Driven, EdgeTimer
 from graph_fleet_manager.supervision.liveness import ANSWER, SILENCE, Liveness
 from graph_fleet_manager.supervision.orders import Heard
 from graph_fleet_manager.supervision.outages import Outage, outage_of
 from graph_fleet_manager.supervision.reports import NEAR, Place, Pose, Report, place_of
 from graph_fleet_manager.supervision.route_client import NewId, RouteClient
+from graph_fleet_manager.supervision.settings import RobotSettings
 from graph_fleet_manager.supervision.track import Track
 from trajectory_graph import Graph
 from trajectory_graph.route_protocol import RouteRefusal
@@ -19,26 +21,6 @@ from trajectory_graph.route_protocol import RouteRefusal
 AT_VERTEX = 0.02   # m from a vertex at which a robot that follows its edges exactly stands on it
 TRIAL = 2.0        # s between two tries to go on after an emergency stop
 REFUSALS = 3       # in a row, after which a person must look
-
-
-@dataclass(frozen=True)
-class RobotSettings:
-    """What the fleet file says of one robot beside its type.
-
-    release_ahead -- m that it is let go ahead of where it is, so that it need not brake
-    slack         -- m that it may be short of where it reports to be, along its way
-    charge_below  -- state of charge (0..1) below which it goes to charge
-    leave_above   -- state of charge from which on it may leave again
-    reserve       -- state of charge that it must have left when a mission ends
-    endurance     -- m that it drives on a full battery
-    """
-
-    release_ahead: float = 8.0
-    slack: float = 0.0
-    charge_below: float = 0.3
-    leave_above: float = 0.8
-    reserve: float = 0.1
-    endurance: float = 20000.0
 
 
 @dataclass
@@ -51,7 +33,7 @@ class ManagedRobot:
     client: RouteClient
     outage: Optional[Outage] = Outage.UNSEEN
     why: str = ''
-    battery: float = math.nan
+    battery: Battery = field(init=False)
     liveness: Liveness = field(default_factory=Liveness)
     is_halted: bool = False
     """It was given an empty route, as all robots are by stop all."""
@@ -69,20 +51,18 @@ class ManagedRobot:
     """It refused its last order, and where it begins was not considered again yet."""
     _tried: float = -math.inf
 
+    def __post_init__(self) -> None:
+        self.battery = Battery(self.settings)
+
     @property
     def works(self) -> bool:
         """Can it be given something to drive?"""
         return self.outage is None and not self.is_halted
 
     @property
-    def needs_charge(self) -> bool:
-        """Is its battery below the threshold? One that does not tell counts as full."""
-        return self.battery < self.settings.charge_below
-
-    @property
     def is_charged(self) -> bool:
         """May it be given a mission, as far as its battery is concerned?"""
-        return self.dock is None and not self.needs_charge
+        return self.dock is None and not self.battery.is_low
 
     @property
     def place(self) -> Optional[Place]:
@@ -94,6 +74,10 @@ class ManagedRobot:
         """All of a report that must outlive a restart: when it changes, it is to be stored."""
         return self.track.done, self.track.end, self.client.over, self.client.is_stopping
 
+    def stands_at(self, vertices: Collection[int]) -> bool:
+        """Does it stand on one of these vertices?"""
+        return self.place is not None and self.place.vertex in vertices
+
     def place_at(self, pose: Pose) -> Optional[Place]:
         """Where it can begin a route: on a vertex only if it is as near as it can tell.
 
@@ -102,12 +86,6 @@ class ManagedRobot:
         graph = self.track.graph
         place = place_of(pose, graph, min(self.type.play + AT_VERTEX, NEAR))
         return place_of(pose, graph, AT_VERTEX) if _is_dock(place, graph) else place
-
-    def range_left(self) -> float:
-        """How far (m) it may drive with what is left in its battery, the reserve aside."""
-        if math.isnan(self.battery):
-            return math.inf
-        return max(self.battery - self.settings.reserve, 0.0) * self.settings.endurance
 
     @property
     def track(self) -> Track:

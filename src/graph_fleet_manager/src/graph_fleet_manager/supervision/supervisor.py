@@ -35,7 +35,7 @@ from graph_fleet_manager.supervision.outbox import Outbox
 from graph_fleet_manager.supervision.reports import Report, WrongReport, check_report
 from graph_fleet_manager.supervision.restoring import robots_of
 from graph_fleet_manager.supervision.roads import Roads
-from graph_fleet_manager.supervision.robots import RobotSettings
+from graph_fleet_manager.supervision.settings import RobotSettings
 from graph_fleet_manager.supervision.waiting_missions import WaitingMissions
 from trajectory_graph import Graph
 from trajectory_graph.route_protocol import RouteRefusal
@@ -178,7 +178,7 @@ class Supervisor:
 
     def battery(self, name: str, charge: float, now: float) -> List[Action]:
         """A robot's state of charge, 0..1."""
-        self.robots[name].battery = charge
+        self.robots[name].battery.tell(charge, now)
         return self._out.take(now)
 
     def take_out(self, name: str, now: float) -> List[Action]:
@@ -289,7 +289,7 @@ class Supervisor:
             return
         self.dispatcher.give_up_waiting(now)
         busy = {m.robot for m in self.book.open if m.robot}
-        for name in self.charging.update(busy, self._waiting.short, self.network):
+        for name in self.charging.update(busy, self._waiting.short, self.network, now):
             self._out.robot_changed(name)
             self.dispatcher.replan()
         for name in self._waiting.assign(self.acceptance, self.roads, now):
