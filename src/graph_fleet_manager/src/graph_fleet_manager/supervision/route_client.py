@@ -35,7 +35,6 @@ class RouteClient:
         self._reported = 0
         self._sent_at: Optional[float] = None
         self._takes_away = False  # the order stops the robot, or cuts its route short
-        self._told = 0            # number behind the last edge of the track that it was ever sent
         self._awaits_report = False
         self._stamp = 0.0
         self._ordered: Optional[int] = None  # before a restart, if it was less than the track
@@ -73,8 +72,8 @@ class RouteClient:
 
     def shorten(self, new_id: NewId) -> bool:
         """Asks the robot to stop at the end of its edge; tells whether it may drive farther."""
-        if self.is_new_motion and self._told <= self.track.done:
-            self._cut(self.track.done)  # it was never told of all this
+        if self.is_new_motion and self.track.told <= self.track.done:
+            self.track.cut(self.track.done)  # it was never told of all this
             self.order, self.over = None, True
         if len(self.track.ahead) <= 1:
             return False
@@ -104,7 +103,6 @@ class RouteClient:
         self._ended = {*self._bases, self.route_id}
         self._bases = {}
         self.track.settle(place)
-        self._told = self.track.end
         self.over = True
         self.order = None
         self._awaits_report = False
@@ -117,7 +115,7 @@ class RouteClient:
         if self._sent_at is not None and now - self._sent_at < REPEAT:
             return None
         self._sent_at = now
-        self._told = max(self._told, self.order.base + len(self.order.edges))
+        self.track.told = max(self.track.told, self.order.base + len(self.order.edges))
         return Sending(self.order.route_id, self.order.edges, repeated)
 
     def _begin(self, route_id: int) -> None:
@@ -144,10 +142,6 @@ class RouteClient:
         self._sent_at = None
         self._takes_away = takes_away
 
-    def _cut(self, end: int) -> None:
-        self.track.cut(end)
-        self._told = min(self._told, self.track.end)
-
     def _is_shorter(self, order: Order) -> bool:
         return order.base + len(order.edges) < self.track.end
 
@@ -167,7 +161,6 @@ class RouteClient:
         self.route_id, self._bases = memory.route_id, dict(memory.bases)
         self.over, self._ended = memory.over, set(memory.ended)
         self.track.restore(memory.track, memory.done, memory.place)
-        self._told = self.track.end
         self._ordered = memory.shortened
         if memory.is_stopping:
             self._give(Order(self.route_id, self.track.done, ()), True)
@@ -200,7 +193,6 @@ class RouteClient:
     def _adopt_other(self, report: Report) -> None:
         """A route of which nothing is known here; a stop that is under way stays so."""
         self.track.adopt(report.edges)
-        self._told = self.track.end
         self._bases = {self.route_id: self.track.done} if self.order is not None else {}
         self._bases[report.route_id] = self.track.first
         self._acknowledged.add(report.route_id)
@@ -294,7 +286,7 @@ class RouteClient:
             end = self.track.done
         else:
             end = base + len(report.edges) if report.is_running else base + report.completed
-        self._cut(min(max(end, self.track.done), self.track.end))
+        self.track.cut(min(max(end, self.track.done), self.track.end))
         if base is not None:
             self._bases = {report.route_id: base}
 
@@ -303,4 +295,4 @@ class RouteClient:
         if order and report.route_id == order.route_id and len(report.edges) == len(order.edges):
             self.order = None
             if order.edges and self._is_shorter(order):
-                self._cut(order.base + len(order.edges))
+                self.track.cut(order.base + len(order.edges))
