@@ -200,3 +200,17 @@ def test_no_id_of_a_stop_that_was_on_no_disk_is_given_again_after_a_death():
     fleet.run_until_done(2)
     assert fleet.sent and not stopped & {order.route_id for order in fleet.sent}
     assert min(order.route_id for order in fleet.sent) > RESERVED // 2
+
+
+def test_a_robot_that_was_moved_meanwhile_is_not_ordered_on_as_from_where_it_was():
+    fleet = driving()
+    fleet.agvs['a'].emergency = True
+    fleet.disk_fails()
+    fleet.run(5.0)
+    fleet.agvs['a'].edge, fleet.agvs['a'].arc = 7, 1.0
+    fleet.sent.clear()
+    fleet.run(1.0)
+    fleet.disk_fails(False)
+    fleet.run(5.0)
+    assert fleet.supervisor.robots['a'].why == 'it was moved during an emergency stop'
+    assert fleet.sent == []
