@@ -16,6 +16,7 @@ from supervised_fleet import SupervisedFleet
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.supervision.actions import SendRoute
 from graph_fleet_manager.supervision.missions import Command, MissionState
+from graph_fleet_manager.supervision.outbox import AGAIN
 from graph_fleet_manager.supervision.settings import RobotSettings
 from trajectory_graph import Graph
 
@@ -184,6 +185,8 @@ class FleetLife(RuleBasedStateMachine):
             assert all(order.repeated or not order.edges or self.shortened
                        for order in fleet.sent[before:]), fleet.sent[before:]
             fleet.disk_fails(False)
+        fleet.run(2.0 + AGAIN)  # until then requests are refused
+        assert not fleet.supervisor.trouble
 
     @rule(robot=robots)
     def take_out(self, robot: str) -> None:
