@@ -13,13 +13,13 @@ import signal
 import sys
 import threading
 import time
-from contextlib import suppress
 from typing import Any, Callable, Tuple
 
 import rosgraph
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 
+from node_lifecycle import log_file
 from node_lifecycle.diagnostics import Task, publish_diagnostics
 from node_lifecycle.master_watch import watch_master
 from node_lifecycle.parameters import ConfigurationError
@@ -65,28 +65,11 @@ def init_node(name: str) -> None:
     _end_on_signals()
     _wait_for_master()
     try:
-        rospy.init_node(name, disable_signals=True)
+        log_file.init_node(name, disable_signals=True)
     except rospy.ROSInitException:
         if rospy.is_shutdown():
             os._exit(0)  # ended before it had begun: rospy's server threads would stay for ever
         raise
-    _survive_a_full_log()
-
-
-def _survive_a_full_log() -> None:
-    """A log that cannot be written, as on a full disk, must not end what a node does.
-
-    logging's own handlers see to that themselves, rospy's for the standard streams does not.
-    """
-    for handler in logging.getLogger('rosout').handlers:
-        handler.emit = _harmless(handler.emit)  # type: ignore[assignment,method-assign]
-
-
-def _harmless(emit: Callable[[logging.LogRecord], None]) -> Callable[[logging.LogRecord], None]:
-    def guarded(record: logging.LogRecord) -> None:
-        with suppress(OSError):
-            emit(record)
-    return guarded
 
 
 def _wait_for_master() -> None:
