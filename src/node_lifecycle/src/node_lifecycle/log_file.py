@@ -21,6 +21,9 @@ def init_node(name: str, **options: Any) -> None:
         rospy.init_node(name, **options)
     for handler in logging.getLogger('rosout').handlers:
         handler.emit = _harmless(handler.emit)  # type: ignore[assignment,method-assign]
+    for handler in logging.getLogger().handlers:  # they print a traceback for each message
+        handler.handleError = _but_for_disks(  # type: ignore[assignment,method-assign]
+            handler.handleError)
 
 
 class _NoFile(logging.NullHandler):
@@ -51,7 +54,17 @@ def _possible_log_file() -> Iterator[None]:
         yield
 
 
-def _harmless(emit: Callable[[logging.LogRecord], None]) -> Callable[[logging.LogRecord], None]:
+_Handle = Callable[[logging.LogRecord], None]
+
+
+def _but_for_disks(handle_error: _Handle) -> _Handle:
+    def guarded(record: logging.LogRecord) -> None:
+        if not isinstance(sys.exc_info()[1], OSError):
+            handle_error(record)
+    return guarded
+
+
+def _harmless(emit: _Handle) -> _Handle:
     def guarded(record: logging.LogRecord) -> None:
         with suppress(OSError):
             emit(record)

@@ -38,6 +38,28 @@ def test_what_cannot_be_logged_is_left_out_and_the_next_handler_has_it(logger, m
     assert said == ['after']
 
 
+def test_a_log_file_that_is_full_says_nothing_but_a_wrong_message_does(monkeypatch, capsys):
+    class Fails(logging.Handler):
+        def __init__(self, error):
+            super().__init__()
+            self.error = error
+
+        def emit(self, record):
+            try:
+                raise self.error
+            except (OSError, TypeError):
+                self.handleError(record)
+
+    root = logging.getLogger()
+    monkeypatch.setattr(root, 'handlers', [Fails(OSError(errno.ENOSPC, 'full')),
+                                           Fails(TypeError('not all arguments converted'))])
+    monkeypatch.setattr(log_file.rospy, 'init_node', lambda name, **options: None)
+    log_file.init_node('node')
+    root.error('after')
+    said = capsys.readouterr().err
+    assert 'full' not in said and 'not all arguments converted' in said
+
+
 def opens_a_log(path):
     """As rospy does, which finds the class of the handler by its name."""
     return lambda name, **options: logging.handlers.RotatingFileHandler(str(path), 'a', 1000, 4)
