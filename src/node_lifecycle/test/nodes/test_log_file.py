@@ -51,13 +51,13 @@ def test_a_log_file_that_is_full_says_nothing_but_a_wrong_message_does(monkeypat
                 self.handleError(record)
 
     root = logging.getLogger()
-    monkeypatch.setattr(root, 'handlers', [Fails(OSError(errno.ENOSPC, 'full')),
+    monkeypatch.setattr(root, 'handlers', [Fails(OSError(errno.ENOSPC, 'NO SPACE')),
                                            Fails(TypeError('not all arguments converted'))])
     monkeypatch.setattr(log_file.rospy, 'init_node', lambda name, **options: None)
     log_file.init_node('node')
     root.error('after')
     said = capsys.readouterr().err
-    assert 'full' not in said and 'not all arguments converted' in said
+    assert 'NO SPACE' not in said and 'not all arguments converted' in said
 
 
 def opens_a_log(path):
