@@ -6,7 +6,7 @@ from math import inf
 from typing import Dict, FrozenSet, List, Mapping, NamedTuple, Sequence, Set, Tuple
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
+from scipy.sparse import csr_matrix
 
 from graph_fleet_manager.planning.road_network import RoadNetwork
 from graph_fleet_manager.supervision.missions import Acceptance, Mission
@@ -14,7 +14,13 @@ from graph_fleet_manager.supervision.reports import Place
 from graph_fleet_manager.supervision.roads import Roads
 from graph_fleet_manager.supervision.robots import ManagedRobot
 
-_NEVER = 1e15   # s: as good as never; linear_sum_assignment wants finite costs
+try:  # already loaded by the road network; scipy.optimize takes 5 MB more
+    from scipy.sparse.csgraph import min_weight_full_bipartite_matching
+except ImportError:  # scipy before 1.6
+    from scipy.optimize import linear_sum_assignment
+    min_weight_full_bipartite_matching = None
+
+_NEVER = 1e15   # s: as good as never; the matching wants finite costs
 _LATER = 1e7    # s: more than all ways together; who is older goes first, whatever its way
 
 
@@ -85,11 +91,23 @@ def _match(missions: Sequence[Mission], free: Mapping[str, ManagedRobot], accept
                 time = time_to(mission.request.destinations[0], free[name], roads.network)
                 if time < inf:
                     costs[row, names.index(name)] = time + row * _LATER
-    rows, columns = linear_sum_assignment(costs)
+    rows, columns = least_sum(costs)
     for row, column in zip(rows.tolist(), columns.tolist()):
         if costs[row, column] < _NEVER:
             found.append((pending[row], names[column]))
     return found
+
+
+def least_sum(costs: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Rows and columns, each at most once and as many as can be, the sum of whose costs is least.
+
+    costs -- (n, m), finite and not negative
+    """
+    if min_weight_full_bipartite_matching is None:
+        rows, columns = linear_sum_assignment(costs)
+    else:  # a sparse matrix does not have what is 0
+        rows, columns = min_weight_full_bipartite_matching(csr_matrix(costs + 1.0))
+    return rows, columns
 
 
 def _all_alike(missions: Sequence[Mission]) -> bool:
