@@ -83,7 +83,7 @@ def test_a_mission_is_cancelled_or_paused_although_that_cannot_be_stored(command
     fleet.run(20.0)
     assert fleet.agvs['a'].visited == [1, 2], 'it stops at the end of its edge'
     assert fleet.told(1)[-1] is MissionState.ACTIVE, 'nothing is told that is on no disk'
-    assert f'told of {command.name}, but that cannot be stored' in fleet.statuses[-1].reason
+    assert f'{command.name} is carried out, but forgotten' in fleet.statuses[-1].reason
     fleet.disk_fails(False)
     fleet.run(5.0)
     assert fleet.told(1)[-1] is (MissionState.CANCELLED if command is Command.CANCEL

@@ -67,14 +67,17 @@ def test_an_early_stop_is_repeated_until_the_supervisor_takes_over():
     assert early.due(99.0) == ()
 
 
-def test_a_robot_stopped_early_goes_on_with_its_mission_after_a_resume():
+@pytest.mark.parametrize('dies', [True, False])
+def test_a_robot_stopped_early_goes_on_with_its_mission_after_a_resume(dies):
+    """Whether the same process begins to supervise or, having stored the stop, dies before."""
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
     fleet.request(1, 6)
     fleet.run(3.0)
     fleet.journal.store(values={'fleet_is_stopped': 1})
     fleet.agvs['a'].order(*[(order.route_id, order.edges) for order in EarlyStop('a').stop(0.0)][0])
     fleet.restart()
-    fleet.do(fleet.supervisor.stop_fleet(fleet.now))  # as it begins to supervise
+    if not dies:
+        fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     fleet.run(5.0)
     assert not fleet.agvs['a'].is_driving and fleet.state(1).is_open
     problems, actions = fleet.supervisor.resume_fleet(fleet.now)

@@ -1,8 +1,16 @@
 """What a command does to an open mission, and to the robot that serves it."""
 from __future__ import annotations
 
+from dataclasses import replace
+
 from graph_fleet_manager.supervision.dispatcher import Dispatcher
-from graph_fleet_manager.supervision.missions import Command, Mission, MissionBook, MissionState
+from graph_fleet_manager.supervision.missions import (
+    Command,
+    Mission,
+    MissionBook,
+    MissionState,
+    Status,
+)
 
 
 def carry_out(command: Command, mission: Mission, book: MissionBook,
@@ -26,3 +34,14 @@ def carry_out(command: Command, mission: Mission, book: MissionBook,
     if name and command in (Command.CANCEL, Command.PAUSE):
         dispatcher.bring_to_rest(name)
     return ''
+
+
+def not_done(before: Status, command: Command, trouble: str) -> Status:
+    """What is told of a command that waits for the disk: the mission is as it was."""
+    return replace(before, reason=f'{command.name} is not done: {trouble}')
+
+
+def not_stored(before: Status, command: Command, trouble: str) -> Status:
+    """What is told of a command that was carried out, but is on no disk: the state that is."""
+    return replace(before, reason=f'{command.name} is carried out, but forgotten if the fleet '
+                                  f'manager ends before it can be stored: {trouble}')

@@ -6,7 +6,6 @@ the answer is given; where the disk cannot be written, only stops and cuts are.
 """
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Dict, Iterable, List, Mapping, Tuple
 
 from graph_fleet_manager.fleet import Fleet
@@ -19,7 +18,7 @@ from graph_fleet_manager.supervision.dispatcher import Dispatcher
 from graph_fleet_manager.supervision.errands import Errand, errand_of
 from graph_fleet_manager.supervision.journal import Journal
 from graph_fleet_manager.supervision.liveness import SILENCE
-from graph_fleet_manager.supervision.mission_commands import carry_out
+from graph_fleet_manager.supervision.mission_commands import carry_out, not_done, not_stored
 from graph_fleet_manager.supervision.missions import (
     Acceptance,
     Command,
@@ -35,6 +34,7 @@ from graph_fleet_manager.supervision.outbox import Outbox
 from graph_fleet_manager.supervision.reports import Report, WrongReport, check_report
 from graph_fleet_manager.supervision.restoring import robots_of
 from graph_fleet_manager.supervision.roads import Roads
+from graph_fleet_manager.supervision.robots import ManagedRobot
 from graph_fleet_manager.supervision.settings import RobotSettings
 from graph_fleet_manager.supervision.waiting_missions import WaitingMissions
 from trajectory_graph import Graph
@@ -64,6 +64,8 @@ class Supervisor:
         self._waiting = WaitingMissions(self.book, self.robots)
         self._out = Outbox(journal, self.book, self.robots)
         self.dispatcher = Dispatcher(self.robots, self._out)
+        if self.is_stopped:  # maybe before there was a supervisor
+            self._halt(robot for robot in self.robots.values() if not robot.is_halted)
         self._outages = OutageWatch(self.book, self.robots, self._out, self.dispatcher)
         for mission, why in mission_progress.no_longer_possible(self.book, self.acceptance):
             self.book.set(mission, MissionState.FAILED, why)
@@ -117,8 +119,7 @@ class Supervisor:
             return self._out.take(now)
         before = mission.status
         if self.trouble and command in (Command.RESUME, Command.RELEASE):
-            self._out.put(TellStatus(replace(
-                before, reason=f'{command.name} is not done: {self.trouble}')))
+            self._out.put(TellStatus(not_done(before, command, self.trouble)))
             return self._out.take(now)
         problem = carry_out(command, mission, self.book, self.dispatcher)
         if problem:
@@ -127,9 +128,7 @@ class Supervisor:
         self._go_on(now)
         actions = self._out.take(now)
         if self.trouble:
-            actions.append(TellStatus(replace(before, reason=(
-                f'its robot was told of {command.name}, but that cannot be stored, and is '
-                f'forgotten if the fleet manager ends before it can: {self.trouble}'))))
+            actions.append(TellStatus(not_stored(before, command, self.trouble)))
         return actions
 
     def open_statuses(self) -> List[Status]:
@@ -212,12 +211,15 @@ class Supervisor:
         """Every robot gets an empty route at once, planner or not."""
         self.is_stopped = True
         self._out.value_changed(STOPPED, 1)
-        for name, robot in self.robots.items():
-            robot.client.halt(self._out.new_id)
-            robot.is_halted = True
-            self._out.robot_changed(name)
+        self._halt(self.robots.values())
         self._out.send()
         return self._out.take(now)
+
+    def _halt(self, robots: Iterable[ManagedRobot]) -> None:
+        for robot in robots:
+            robot.client.halt(self._out.new_id)
+            robot.is_halted = True
+            self._out.robot_changed(robot.name)
 
     def resume_fleet(self, now: float) -> Tuple[List[str], List[Action]]:
         """Every robot goes on from where it is; also names those for which a person must look.
