@@ -9,7 +9,7 @@ import os
 import tempfile
 from dataclasses import replace
 from random import Random
-from typing import Callable, Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 
 from supervised_agv import Agv
 
@@ -23,10 +23,10 @@ from graph_fleet_manager.supervision.actions import (
     SendRoute,
     TellStatus,
 )
-from graph_fleet_manager.supervision.journal import Journal
-from graph_fleet_manager.supervision.missions import MissionState, Request, Status
+from graph_fleet_manager.supervision.journal import Journal, RobotMemory
+from graph_fleet_manager.supervision.missions import Mission, MissionState, Request, Status
 from graph_fleet_manager.supervision.reports import Report
-from graph_fleet_manager.supervision.robots import RobotSettings
+from graph_fleet_manager.supervision.settings import RobotSettings
 from graph_fleet_manager.supervision.supervisor import Supervisor
 from trajectory_graph import Graph
 
@@ -38,9 +38,11 @@ class _CountingJournal(Journal):
 
     commits = 0
 
-    def commit(self) -> None:
-        self.commits += self._is_writing
-        super().commit()
+    def store(self, missions: Iterable[Mission] = (),
+              robots: Optional[Mapping[str, RobotMemory]] = None,
+              values: Optional[Mapping[str, int]] = None) -> None:
+        super().store(missions, robots, values)
+        self.commits += 1
 
 
 class SupervisedFleet:
@@ -86,6 +88,10 @@ class SupervisedFleet:
         self.journal._db.execute('PRAGMA synchronous=OFF')  # no test here cuts the power
         self.supervisor = Supervisor(self.graph, self.fleet, self.settings, self.journal, self.now)
         self.do(self.supervisor.close_edges(self.closed, self.now))
+
+    def disk_fails(self, fails: bool = True) -> None:
+        """From now on nothing can be written, or everything again."""
+        self.journal._db.execute(f'PRAGMA query_only={int(fails)}')
 
     def restart(self) -> None:
         """The supervisor dies, with all messages to and from it, and comes back."""

@@ -1,6 +1,8 @@
 """The order in which the fleet manager hears what happens."""
 from __future__ import annotations
 
+import threading
+
 import pytest
 from fleet_builders import AGV, corridor
 from supervised_fleet import SupervisedFleet
@@ -58,6 +60,28 @@ def test_the_clock_is_looked_at_in_time_however_many_reports_come(loop, clock):
         clock.now += TICK / 4
         loop.take()(None, clock.now)
     assert 70 < len(notes) < 90, 'every fifth time or so the clock is looked at instead'
+
+
+def test_a_stop_finds_room_where_too_many_reports_wait(loop, monkeypatch):
+    monkeypatch.setattr(loop, '_room', threading.Semaphore(2))
+    for number in range(2):
+        loop.put(noted([], number))
+    late = threading.Thread(target=loop.put, args=(noted([], 'one too many'),), daemon=True)
+    late.start()
+    stops = []
+    loop.put_urgent(noted(stops, 'stop'))
+    loop.take()(None, 0.0)
+    assert stops == ['stop'] and late.is_alive(), 'the room is for what is not urgent'
+    loop.take()
+    late.join(10.0)
+    assert not late.is_alive()
+
+
+def test_a_request_is_not_kept_where_there_is_an_answer_to_it_before(loop):
+    loop.put_order(lambda supervisor, now: pytest.fail('it is kept'), lambda: ('refused',))
+    assert loop.take()(None, 0.0) == ('refused',)
+    fleet = SupervisedFleet(corridor(3), {'a': (AGV, 1)})
+    assert loop.begin(fleet.supervisor, 0.0) == []
 
 
 def test_a_request_before_there_is_a_graph_is_answered_once_there_is_one(loop):

@@ -1,7 +1,10 @@
 """What requests become: accepted, refused, a repeat; and the journal that outlives everything."""
 from __future__ import annotations
 
+import resource
 import sqlite3
+import time
+from contextlib import contextmanager
 
 import pytest
 from fleet_builders import AGV, corridor
@@ -9,6 +12,7 @@ from fleet_builders import AGV, corridor
 from graph_fleet_manager.supervision.journal import (
     Journal,
     JournalError,
+    JournalUnavailable,
     RobotMemory,
     history,
 )
@@ -23,6 +27,7 @@ from graph_fleet_manager.supervision.missions import (
 from graph_fleet_manager.supervision.orders import Memory
 from graph_fleet_manager.supervision.outages import Outage, outage_of
 from graph_fleet_manager.supervision.reports import Place
+from graph_fleet_manager.supervision.route_ids import RESERVED, RouteIds
 
 ACCEPTANCE = Acceptance(corridor(5), {'a': AGV, 'b': AGV})
 
@@ -63,7 +68,7 @@ def test_an_ended_id_may_be_used_anew_but_its_late_repeat_is_no_new_mission():
     book = MissionBook()
     mission = book.add(Request(1, (2,), stamp=5.0), ACCEPTANCE)
     book.set(mission, MissionState.CANCELLED)
-    book.take_changes()
+    book.stored()
     assert book.add(Request(1, (2,), stamp=5.0), ACCEPTANCE) is None
     assert book.add(Request(1, (2,), stamp=6.0), ACCEPTANCE) is not None
 
@@ -90,22 +95,17 @@ def test_the_journal_gives_back_what_was_committed(tmp_path):
     book = MissionBook()
     mission = book.add(Request(7, (2, 3), 'agv', 'a', 4, (1.0, -1.0), 9.5), ACCEPTANCE)
     book.set(mission, MissionState.ACTIVE, robot='a')
-    journal.write_mission(mission)
     memory = RobotMemory(Memory(5, (1, -2), 1, {5: 0}, Place(edge=1, fraction=0.25), False, (4,)),
                          Outage.TAKEN_OVER, 'why', True)
-    journal.write_robot('a', memory)
-    assert journal.next_route_id() == 1
-    journal.commit()
-    mission.reached = 1
-    journal.write_mission(mission)
-    journal._db.close()  # it dies before the second commit
+    journal.store([mission], {'a': memory}, {'number': 7})
+    journal.close()
 
     again = Journal(path)
     stored, = again.missions()
     assert (stored.request, stored.state, stored.robot, stored.reached) == (
         mission.request, MissionState.ACTIVE, 'a', 0)
     assert again.robots() == {'a': memory}
-    assert again.next_route_id() == 2
+    assert again.value('number') == 7
     assert again.last_serial() == 1
     line, = history(path)
     assert (line.request_id, line.accepted, line.started, line.ended) == (7, 1000.0, 1000.0, None)
@@ -127,15 +127,57 @@ def test_files_that_are_no_journals_are_named(tmp_path):
         history(str(tmp_path / 'none.sqlite'))
 
 
-def test_a_full_disk_is_said(tmp_path):
+@contextmanager
+def full_disk():
+    """No file of this process gets any longer."""
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, limits[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+
+
+def test_on_a_full_disk_all_of_it_is_stored_or_nothing(tmp_path):
+    path = str(tmp_path / 'fleet.sqlite')
+    journal = Journal(path)
+    many = {f'{k}' * 100: k for k in range(1000)}
+    with full_disk(), pytest.raises(JournalUnavailable, match='fleet.sqlite cannot be written'):
+        journal.store(values={'first': 1, **many})
+    assert journal.value('first') == 0
+    journal.store(values={'second': 2})
+    assert (Journal(path).value('first'), Journal(path).value('second')) == (0, 2)
+
+
+def test_a_file_that_another_program_holds_is_waited_for_only_shortly(tmp_path):
+    path = str(tmp_path / 'fleet.sqlite')
+    journal, other = Journal(path), sqlite3.connect(path, isolation_level=None)
+    other.execute('BEGIN IMMEDIATE')
+    begun = time.monotonic()
+    with pytest.raises(JournalUnavailable, match='locked'):
+        journal.store(values={'first': 1})
+    assert time.monotonic() - begun < 5.0
+    other.execute('ROLLBACK')
+    journal.store(values={'first': 1})
+
+
+def test_route_ids_never_repeat_though_the_disk_was_full_as_they_were_given(tmp_path):
+    path = str(tmp_path / 'fleet.sqlite')
+    ids = RouteIds(Journal(path))
+    first = [ids() for _ in range(100)]
+    assert first == list(range(1, 101))
+    again = RouteIds(Journal(path))
+    assert again() > first[-1]
+
+
+def test_route_ids_are_those_of_a_message_for_ever(tmp_path):
     journal = Journal(str(tmp_path / 'fleet.sqlite'))
-    journal._db.execute('PRAGMA max_page_count = 1')
-    with pytest.raises(JournalError, match='free space'):
-        for k in range(1000):
-            journal.write_value(f'{k}' * 100, k)
-        journal.commit()
-    assert sqlite3.connect(str(tmp_path / 'fleet.sqlite')).execute(
-        'SELECT COUNT(*) FROM value').fetchone() == (0,)
+    journal.store(values={'route_id': 2 ** 31 - 3})
+    ids = RouteIds(journal)
+    assert [ids() for _ in range(4)] == [2 ** 31 - 2, 2 ** 31 - 1, 1, 2]
+    for _ in range(RESERVED):
+        ids()
+    assert ids.reserved > 2 ** 31 - 3 + RESERVED, 'more is to be reserved before it is given'
 
 
 @pytest.mark.parametrize('reason, outage', [
@@ -150,7 +192,7 @@ def test_ended_missions_are_forgotten_but_for_the_last():
     book = MissionBook()
     for id in range(1, REMEMBERED + 12):
         book.set(book.add(Request(id, (2,)), ACCEPTANCE), MissionState.CANCELLED)
-        book.take_changes()
+        book.stored()
     book.add(Request(3, (2,)), ACCEPTANCE)  # an id used anew
     assert book.find(2) is None and book.find(3).state is MissionState.PENDING
     assert book.find(REMEMBERED + 11).state is MissionState.CANCELLED

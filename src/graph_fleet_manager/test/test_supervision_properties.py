@@ -16,7 +16,8 @@ from supervised_fleet import SupervisedFleet
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.supervision.actions import SendRoute
 from graph_fleet_manager.supervision.missions import Command, MissionState
-from graph_fleet_manager.supervision.robots import RobotSettings
+from graph_fleet_manager.supervision.outbox import AGAIN
+from graph_fleet_manager.supervision.settings import RobotSettings
 from trajectory_graph import Graph
 
 LONG = os.environ.get('LD90_LONG_TESTS') == '1'
@@ -171,6 +172,21 @@ class FleetLife(RuleBasedStateMachine):
         if heard and self.fleet.supervisor.is_stopped:
             assert stood == [agv.travelled for agv in self.fleet.agvs.values()]
         self.fleet.do(self.fleet.supervisor.resume_fleet(self.fleet.now)[1])
+
+    @rule(pause=seconds(8.0), stops=st.booleans())
+    def disk_fails(self, pause: float, stops: bool) -> None:
+        """Nothing can be stored for a while, unless the supervisor dies and its disk is mended."""
+        fleet, journal, before = self.fleet, self.fleet.journal, len(self.fleet.sent)
+        fleet.disk_fails()
+        fleet.run(pause)
+        if stops:
+            self.stop_and_resume(pause)
+        if fleet.journal is journal:
+            assert all(order.repeated or not order.edges or self.shortened
+                       for order in fleet.sent[before:]), fleet.sent[before:]
+            fleet.disk_fails(False)
+        fleet.run(2.0 + AGAIN)  # until then requests are refused
+        assert not fleet.supervisor.trouble
 
     @rule(robot=robots)
     def take_out(self, robot: str) -> None:

@@ -1,15 +1,17 @@
 """Who charges, where and until when, whatever comes between."""
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import pytest
 from fleet_builders import AGV, corridor, graph_of
 from supervised_fleet import SupervisedFleet
 
+from graph_fleet_manager.supervision.battery import MUTE
 from graph_fleet_manager.supervision.fleet_view import RobotState, robot_views
 from graph_fleet_manager.supervision.missions import MissionState
-from graph_fleet_manager.supervision.robots import RobotSettings
+from graph_fleet_manager.supervision.settings import RobotSettings
 from trajectory_graph import Graph
 
 
@@ -71,6 +73,69 @@ def test_a_short_silence_does_not_end_the_charging_half_way():
     fleet.silent['a'] = fleet.now + 8.0
     fleet.run(20.0)
     assert_charges_before_it_works(fleet)
+
+
+def test_a_battery_that_falls_silent_does_not_block_the_dock_for_ever():
+    fleet = yard({'a': 4, 'b': 1})
+    charge(fleet, a=0.1)
+    fleet.run(20.0)
+    charge(fleet, a=0.4)
+    for _ in range(12):  # the battery of b goes on telling
+        charge(fleet, b=0.2)
+        fleet.run(10.0)
+    assert fleet.agvs['b'].visited[-1] == 6 and view_of(fleet, 'b').state is RobotState.CHARGING
+    assert math.isnan(view_of(fleet, 'a').battery), 'an old charge is told as new'
+
+
+def test_a_battery_that_falls_silent_is_named_as_what_its_robot_waits_for():
+    fleet = charging_at_6()
+    fleet.run(MUTE + 5.0)
+    assert view_of(fleet, 'a').state is RobotState.IDLE
+    assert view_of(fleet, 'a').waits_for == (
+        'word of its battery, of which nothing was heard for 60 s')
+    charge(fleet, a=0.2)
+    fleet.run(1.0)
+    assert view_of(fleet, 'a').state is RobotState.CHARGING
+    assert view_of(fleet, 'a').waits_for == ''
+
+
+def test_a_mission_says_that_nothing_is_heard_of_the_battery_that_it_waits_for():
+    fleet = yard({'a': 4})
+    charge(fleet, a=0.2)
+    fleet.run(MUTE + 5.0)
+    fleet.request(1, 1)
+    fleet.run(3.0)
+    assert fleet.state(1) is MissionState.PENDING
+    assert fleet.statuses[-1].reason == (
+        'a must charge first, and nothing is heard of the battery of a')
+
+
+def test_with_what_its_battery_told_last_a_robot_may_work():
+    fleet = charging_at_6()  # half full, and so it is still at least
+    fleet.run(MUTE + 5.0)
+    fleet.request(1, 1)
+    fleet.run_until_done(1)
+
+
+def test_a_long_silence_does_not_end_the_charging_half_way():
+    fleet = charging_at_6()
+    fleet.silent['a'] = fleet.now + 2.0 * MUTE
+    fleet.run(2.0 * MUTE + 5.0)
+    assert view_of(fleet, 'a').state is RobotState.CHARGING
+    charge(fleet, a=0.5)
+    assert_charges_before_it_works(fleet)
+
+
+def test_after_a_restart_a_silent_battery_is_not_taken_for_a_full_one():
+    fleet = yard({'a': 4}, docks=())
+    charge(fleet, a=0.2)
+    fleet.request(1, 3)
+    fleet.do(fleet.supervisor.take_out('a', fleet.now))
+    fleet.restart()
+    fleet.run(3.0)
+    fleet.do(fleet.supervisor.bring_in('a', fleet.now)[1])
+    fleet.run(10.0)
+    assert fleet.statuses[-1].reason == 'a must charge first'
 
 
 def assert_charges_before_it_works(fleet: SupervisedFleet) -> None:

@@ -11,7 +11,7 @@ from graph_fleet_manager.supervision.fleet_view import robot_views
 from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.reports import Pose
-from graph_fleet_manager.supervision.robots import RobotSettings
+from graph_fleet_manager.supervision.settings import RobotSettings
 
 
 def carry(agv, edge, arc):

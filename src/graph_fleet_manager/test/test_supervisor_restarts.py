@@ -8,7 +8,7 @@ from supervised_fleet import SupervisedFleet
 from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.reports import Pose, Report
-from graph_fleet_manager.supervision.robots import RobotSettings
+from graph_fleet_manager.supervision.settings import RobotSettings
 from trajectory_graph import Graph
 from trajectory_graph.route_protocol import EdgeState
 

@@ -44,6 +44,9 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
         shutil.rmtree(folder)
         print(error, file=sys.stderr)
         return 1
+    except KeyboardInterrupt:
+        shutil.rmtree(folder)
+        raise
     if shown:
         _show(files)
         shutil.rmtree(folder)

@@ -28,7 +28,7 @@ from fleet_bringup.options import Options
 from graph_fleet_manager.files.errors import FileError
 from graph_fleet_manager.files.robot_computers import computer
 from graph_fleet_manager.fleet import Fleet, Robot
-from graph_fleet_manager.supervision.robots import RobotSettings
+from graph_fleet_manager.supervision.settings import RobotSettings
 from trajectory_graph import strict_yaml
 from trajectory_graph.strict_yaml import Field, WrongYaml
 

@@ -19,6 +19,7 @@ import rosgraph
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 
+from node_lifecycle import log_file
 from node_lifecycle.diagnostics import Task, publish_diagnostics
 from node_lifecycle.master_watch import watch_master
 from node_lifecycle.parameters import ConfigurationError
@@ -64,7 +65,7 @@ def init_node(name: str) -> None:
     _end_on_signals()
     _wait_for_master()
     try:
-        rospy.init_node(name, disable_signals=True)
+        log_file.init_node(name, disable_signals=True)
     except rospy.ROSInitException:
         if rospy.is_shutdown():
             os._exit(0)  # ended before it had begun: rospy's server threads would stay for ever

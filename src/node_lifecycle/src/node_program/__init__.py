@@ -1,16 +1,19 @@
-"""Starts a node's program: the one thing to be done before a node's modules are imported.
+"""Starts a program: the one thing to be done before its modules are imported.
 
 Apart from `node_lifecycle`, and without an import of ROS, because it has to come first.
 """
 from __future__ import annotations
 
+import os
 import signal
 import sys
 from importlib import import_module
 
+INTERRUPTED = 130  # the exit status of what was ended by Ctrl-C, as shells have it
+
 
 def run_main(module: str) -> None:
-    """Imports the module and calls its `main()`, whose result is the exit status.
+    """For a node: imports the module and calls its `main()`, whose result is the exit status.
 
     Until the node itself takes signals, SIGINT ends the program at once. As an exception it can be
     swallowed where libraries are imported: the node would start all the same, and roslaunch would
@@ -18,3 +21,20 @@ def run_main(module: str) -> None:
     """
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     sys.exit(import_module(module).main())
+
+
+def run_command(module: str, function: str = 'main') -> None:
+    """For a command: the same, but Ctrl-C ends it silently, with exit status 130, at any time.
+
+    `main` gets KeyboardInterrupt, so that it can put things in order; before and after it nothing
+    does.
+    """
+    signal.signal(signal.SIGINT, lambda *_: os._exit(INTERRUPTED))
+    main = getattr(import_module(module), function)
+    try:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        status = main()
+        signal.signal(signal.SIGINT, lambda *_: os._exit(INTERRUPTED))
+    except KeyboardInterrupt:
+        status = INTERRUPTED
+    sys.exit(status)

@@ -23,7 +23,7 @@ from omron_map.picture import draw_map
 from omron_map.reach import cut_off_homes
 from omron_map.text import printable
 
-DONE, FAILED = 0, 1
+DONE, FAILED, INTERRUPTED = 0, 1, 130
 BACKGROUNDS = {'unknown': UNKNOWN, 'free': FREE}
 EPILOGUE = '''exit status:
   0  done; for check: every file loads; for diff: no difference
@@ -43,6 +43,8 @@ def main(arguments: Optional[List[str]] = None) -> int:
     except MapError as error:
         print(f'ld_map: {error}', file=sys.stderr)
         return FAILED
+    except KeyboardInterrupt:
+        return INTERRUPTED
     except BrokenPipeError:     # whoever read has seen enough, as in `ld_map info FILE | head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return DONE

@@ -14,7 +14,10 @@ MOST_SECTIONS = 100000
 
 
 def split_edges_main(arguments: Optional[Sequence[str]] = None) -> int:
-    """Exit status 0 when the file is written; 1, with one sentence on stderr, when it is not."""
+    """Exit status 0 when the file is written; 1, with one sentence on stderr, when it is not.
+
+    130 where Ctrl-C ended it before.
+    """
     parser = argparse.ArgumentParser(
         prog='split_edges',
         description='Cuts the long edges of a trajectory graph into equal sections with vertices '
@@ -37,6 +40,8 @@ def split_edges_main(arguments: Optional[Sequence[str]] = None) -> int:
     except GraphError as error:
         print(error, file=sys.stderr)
         return 1
+    except KeyboardInterrupt:
+        return 130
     except OSError as error:
         print(f'{options.output} cannot be written: {error.strerror}.', file=sys.stderr)
         return 1

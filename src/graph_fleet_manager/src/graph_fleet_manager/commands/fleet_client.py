@@ -11,6 +11,7 @@ import rospy
 from std_srvs.srv import Trigger
 
 from graph_fleet_manager.commands.command_line import NOT_DONE, CommandError
+from node_lifecycle.log_file import init_node
 
 PATIENCE = 10.0  # s to wait for the fleet manager
 
@@ -33,7 +34,7 @@ def connect(name: str) -> None:
     if not rosgraph.is_master_online():
         raise CommandError(f'There is no ROS master at {rosgraph.get_master_uri()}: start the '
                            'fleet manager, or set ROS_MASTER_URI.')
-    rospy.init_node(name, anonymous=True, disable_signals=True)
+    init_node(name, anonymous=True, disable_signals=True)
 
 
 class Listener:

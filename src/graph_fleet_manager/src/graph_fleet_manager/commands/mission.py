@@ -31,6 +31,7 @@ from graph_fleet_manager.commands.fleet_client import (
     table,
 )
 from graph_fleet_manager.commands.progress import ProgressLine, line_of
+from graph_fleet_manager.messages.missions import is_about
 from graph_fleet_manager.supervision.journal import HistoryLine, JournalError, history
 from graph_fleet_manager.supervision.missions import Command, MissionState
 from itrci_nav_msgs.msg import (
@@ -106,7 +107,7 @@ def _send(arguments: List[str]) -> int:
     if status.state == MissionStatus.REFUSED:
         raise CommandError(f'The mission was refused: {status.reason}.', NOT_DONE)
     print(f'Mission {request.request_id} is accepted.', flush=True)
-    return _follow(status, destinations, listener, graph) if options.wait else OK
+    return _follow(request, status, listener, graph) if options.wait else OK
 
 
 def _vertex(word: str, graph: Graph) -> int:
@@ -132,14 +133,15 @@ def _acknowledged(request: MissionRequest, listener: Listener) -> MissionStatus:
         while time.monotonic() < again:
             listener.wait(again - time.monotonic())
             for status in listener.take():
-                if status.request_id == request.request_id:
+                if is_about(status, request):
                     return status
     raise CommandError('The fleet manager does not answer; it may have no graph, or hang.')
 
 
-def _follow(status: MissionStatus, destinations: List[int], listener: Listener,
+def _follow(request: MissionRequest, status: MissionStatus, listener: Listener,
             graph: Graph) -> int:
     """Shows how a mission goes on until it ends."""
+    destinations = list(request.destination_vertices_id)
     states = Listener('/fleet_state', FleetState)
     plans = Listener('/fleet_plan', FleetPlan)
     state: Optional[FleetState] = None
@@ -152,7 +154,7 @@ def _follow(status: MissionStatus, destinations: List[int], listener: Listener,
             about = (status.state, status.robot, status.destinations_reached, status.reason)
             line.show(line_of(status, destinations, state, plan, graph), about)
             listener.wait(0.5)
-            status = ([s for s in listener.take() if s.request_id == id] or [status])[-1]
+            status = ([s for s in listener.take() if is_about(s, request)] or [status])[-1]
     except KeyboardInterrupt:
         line.end()
         print(f'The mission goes on. To end it: mission cancel {id}', file=sys.stderr)
@@ -207,7 +209,8 @@ def _change(word: str, arguments: List[str]) -> int:
         listener.wait(0.2)
         for status in listener.take():
             if status.request_id == options.id:
-                print(f'Mission {options.id}: {MissionState(status.state).name}')
+                reason = f': {status.reason}' if status.reason else ''
+                print(f'Mission {options.id}: {MissionState(status.state).name}{reason}')
                 return OK
     raise CommandError(f'Nothing changed about mission {options.id}; see mission list.', NOT_DONE)
 

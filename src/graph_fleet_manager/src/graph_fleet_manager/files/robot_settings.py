@@ -17,7 +17,7 @@ from typing import Dict, Mapping, Union
 import yaml
 
 from graph_fleet_manager.files.errors import FileError
-from graph_fleet_manager.supervision.robots import RobotSettings
+from graph_fleet_manager.supervision.settings import RobotSettings
 from trajectory_graph import strict_yaml
 from trajectory_graph.strict_yaml import WrongYaml
 

@@ -7,7 +7,12 @@ from typing import Callable, Iterable, List, Sequence, Tuple
 import genpy
 
 from graph_fleet_manager.supervision.fleet_view import DriveView, RobotView
-from graph_fleet_manager.supervision.missions import Request, RequestRefused, Status
+from graph_fleet_manager.supervision.missions import (
+    MissionState,
+    Request,
+    RequestRefused,
+    Status,
+)
 from graph_fleet_manager.supervision.reports import Pose, Report, WrongReport
 from itrci_nav_msgs import msg
 from trajectory_graph.route_protocol import EdgeState, RouteRefusal
@@ -15,6 +20,7 @@ from trajectory_graph.route_protocol import EdgeState, RouteRefusal
 Moment = Callable[[float], genpy.Time]
 """The ROS time of a moment of the supervisor's clock."""
 
+_SAME = 1e-6           # s by which stamps of one request may differ, being floats in between
 _LONGEST_REASON = 500  # letters of a robot's words that are kept
 
 
@@ -28,11 +34,24 @@ def request_of(message: msg.MissionRequest) -> Request:
                    message.header.stamp.to_sec())
 
 
+def refusal_status(message: msg.MissionRequest, reason: str) -> Status:
+    """A message that is no request, or that nobody can take up now, is refused."""
+    return Status(message.request_id, MissionState.REFUSED, reason=reason,
+                  stamp=message.header.stamp.to_sec())
+
+
+def is_about(status: msg.MissionStatus, request: msg.MissionRequest) -> bool:
+    """Does a status tell of this very request? Ids may come again."""
+    between = status.request_stamp.to_sec() - request.header.stamp.to_sec()
+    return bool(status.request_id == request.request_id and abs(between) < _SAME)
+
+
 def status_message(status: Status, now: genpy.Time) -> msg.MissionStatus:
     """What became of a request."""
     message = msg.MissionStatus(
         request_id=status.request_id, state=int(status.state), robot=status.robot,
-        destinations_reached=status.reached, reason=status.reason)
+        destinations_reached=status.reached, reason=status.reason,
+        request_stamp=genpy.Time.from_sec(status.stamp))
     message.header.stamp = now
     return message
 

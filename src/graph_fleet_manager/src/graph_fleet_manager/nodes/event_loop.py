@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import itertools
 import queue
+import threading
 import time
 from typing import Callable, List, Optional, Sequence, Tuple
 
@@ -27,17 +28,19 @@ class EventLoop:
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
-        self._events: queue.PriorityQueue[Tuple[bool, int, Event]] = queue.PriorityQueue(_WAITING)
+        self._events: queue.PriorityQueue[Tuple[bool, int, Event]] = queue.PriorityQueue()
+        self._room = threading.Semaphore(_WAITING)  # for what is not urgent
         self._numbers = itertools.count()
         self._early: List[ReadyEvent] = []
         self._due = clock()
 
     def put(self, event: Event) -> None:
-        """Something happened."""
+        """Something happened; waits while too much does."""
+        self._room.acquire()
         self._events.put((True, next(self._numbers), event))
 
     def put_urgent(self, event: Event) -> None:
-        """Something happened that must not wait for what happened before."""
+        """Something happened that must not wait for what happened before, however much that is."""
         self._events.put((False, next(self._numbers), event))
 
     def put_report(self, event: ReadyEvent) -> None:
@@ -45,11 +48,18 @@ class EventLoop:
         """
         self.put(lambda supervisor, now: () if supervisor is None else event(supervisor, now))
 
-    def put_order(self, event: ReadyEvent) -> None:
-        """Something happened that comes only once: it is kept until there is a supervisor."""
+    def put_order(self, event: ReadyEvent,
+                  instead: Callable[[], Sequence[Action]] = tuple) -> None:
+        """Something happened that comes only once: it is kept until there is a supervisor.
+
+        Not if there is an answer to it `instead` by then.
+        """
         def when_ready(supervisor: Optional[Supervisor], now: float) -> Sequence[Action]:
             if supervisor is not None:
                 return event(supervisor, now)
+            answer = instead()
+            if answer:
+                return answer
             if len(self._early) < _EARLY:
                 self._early.append(event)
             return ()
@@ -65,7 +75,10 @@ class EventLoop:
         try:
             wait = self._due - self._clock()
             if wait > 0.0:
-                return self._events.get(timeout=wait)[-1]
+                can_wait, _, event = self._events.get(timeout=wait)
+                if can_wait:
+                    self._room.release()
+                return event
         except queue.Empty:
             pass
         self._due = self._clock() + TICK

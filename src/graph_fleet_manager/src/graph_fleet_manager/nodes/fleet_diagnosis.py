@@ -14,19 +14,29 @@ from graph_fleet_manager.supervision.supervisor import Supervisor
 _NAMED = 20  # missions of which the reason is told
 
 
-def report_fleet(supervisor: Optional[Supervisor], status: DiagnosticStatusWrapper) -> None:
-    """Every robot's state; WARN when one cannot work or finds no way, or there is no plan."""
+def report_fleet(supervisor: Optional[Supervisor], trouble: str,
+                 status: DiagnosticStatusWrapper) -> None:
+    """Every robot's state; WARN when one cannot work or finds no way, or there is no plan.
+
+    ERROR while nothing can be stored: `trouble` says why where there is no supervisor for that.
+    """
+    if supervisor is None and trouble:
+        status.summary(DiagnosticStatus.ERROR, f'no mission is accepted: {trouble}')
+        return
     if supervisor is None:
         status.summary(DiagnosticStatus.WARN, 'waiting for /graph')
         return
     views = robot_views(supervisor, time.monotonic())
     out = [view for view in views if view.state >= RobotState.OFFLINE]
-    plan, trouble = supervisor.dispatcher.plan, supervisor.dispatcher.trouble
+    plan, no_plan = supervisor.dispatcher.plan, supervisor.dispatcher.trouble
     stuck = [view.name for view in views if plan is not None and view.name in plan.unserved]
-    if supervisor.is_stopped:
+    if supervisor.trouble:
+        status.summary(DiagnosticStatus.ERROR, 'no mission is accepted and no robot gets anything '
+                                               f'new to drive: {supervisor.trouble}')
+    elif supervisor.is_stopped:
         status.summary(DiagnosticStatus.WARN, 'the fleet is stopped')
-    elif trouble:
-        status.summary(DiagnosticStatus.WARN, f'there is no plan: {trouble}')
+    elif no_plan:
+        status.summary(DiagnosticStatus.WARN, f'there is no plan: {no_plan}')
     elif out:
         status.summary(DiagnosticStatus.WARN, f'{len(out)} of {len(views)} robots cannot work')
     elif stuck:

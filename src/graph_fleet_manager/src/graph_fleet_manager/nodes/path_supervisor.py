@@ -1,6 +1,7 @@
 """path_supervisor: takes missions, gives each to a robot, and releases its route edge by edge.
 
-It may be ended at any time: what was accepted, and what every robot may hold, is on the disk. See
+It may be ended at any time: what was accepted, and what every robot may hold, is on the disk. Where
+that cannot be written it waits until it can, and sends stops meanwhile. See
 docs/interface/path_supervisor.md and docs/fleet.md for its rules.
 
 Subscribes
@@ -30,7 +31,6 @@ import time
 import traceback
 from typing import Any, Callable, Iterable, List, Optional, Sequence, Tuple
 
-import rospkg
 import rospy
 from sensor_msgs.msg import BatteryState
 
@@ -38,21 +38,19 @@ from graph_fleet_manager.files.errors import FileError
 from graph_fleet_manager.files.robot_settings import load_settings
 from graph_fleet_manager.messages import missions as messages
 from graph_fleet_manager.messages.planning import outcome_of
+from graph_fleet_manager.nodes.early_stop import EarlyStop
 from graph_fleet_manager.nodes.event_loop import EventLoop
 from graph_fleet_manager.nodes.fleet_diagnosis import report_fleet, report_missions
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
-from graph_fleet_manager.nodes.fleet_services import serve
+from graph_fleet_manager.nodes.fleet_services import FleetServices, not_stored
 from graph_fleet_manager.nodes.fleet_topics import FleetTopics, TellStatuses, status_message
+from graph_fleet_manager.nodes.journal_file import JournalFile
 from graph_fleet_manager.supervision.actions import Action, TellStatus
-from graph_fleet_manager.supervision.journal import Journal, JournalError
-from graph_fleet_manager.supervision.missions import (
-    Command,
-    MissionState,
-    RequestRefused,
-    Status,
-)
+from graph_fleet_manager.supervision.journal import JournalUnavailable
+from graph_fleet_manager.supervision.missions import Command, RequestRefused
+from graph_fleet_manager.supervision.outbox import AGAIN
 from graph_fleet_manager.supervision.reports import WrongReport
-from graph_fleet_manager.supervision.supervisor import Supervisor
+from graph_fleet_manager.supervision.supervisor import STOPPED, Supervisor
 from itrci_nav_msgs.msg import (
     ClosedEdges,
     ExecutionRouteStates,
@@ -76,25 +74,29 @@ class PathSupervisor:
         self._fleet = fleet_of()
         try:
             self._settings = load_settings(parameter('~fleet_file'))
-            self._journal = Journal(_journal_file())
-        except (FileError, JournalError) as error:
+        except FileError as error:
             raise ConfigurationError(str(error)) from None
+        self._file = JournalFile()
         self._rate = number('~sim_speed', 1.0, 0.01, 100.0)
         self._events = EventLoop()
         self._supervisor: Optional[Supervisor] = None
         self._graph: Optional[Graph] = None
+        self._begin_at = math.inf
         self._viewed = -math.inf
         self._closed: Optional[Tuple[int, ...]] = None
         robots = [robot.name for robot in self._fleet.robots]
+        self._early = EarlyStop(robots)
         self._topics = FleetTopics(robots, self._rate, number('~improvement', 0.0, 0.0, 10.0),
                                    self._tell_open)
         self._thread = threading.Thread(target=self._work, name='supervisor', daemon=True)
         self._thread.start()
         publish_diagnostics('none', {
-            'fleet': lambda status: report_fleet(self._supervisor, status),
+            'fleet': lambda status: report_fleet(self._supervisor, self._file.trouble, status),
             'missions': lambda status: report_missions(self._supervisor, status)})
         self._subscribers = self._subscribe(robots)
-        self._services = serve(robots, self._events.put_urgent)
+        self._services = FleetServices(
+            robots, self._events.put_urgent, self._stop_early,
+            lambda now: self._topics.do(EarlyStop(robots).stop(now)))
 
     def _subscribe(self, robots: Iterable[str]) -> List[rospy.Subscriber]:
         def listen(topic: str, kind: Any, handler: Callable[[Any], None],
@@ -125,15 +127,25 @@ class PathSupervisor:
             event = self._events.take()
             try:
                 self._topics.do(event(self._supervisor, time.monotonic()))
+                self._topics.do(self._begin(time.monotonic()))
                 self._publish_views()
-            except JournalError as error:
-                rospy.logfatal('%s The robots go on with what they were given; this node ends.',
-                               error)
-                os._exit(1)
             except Exception:  # a fleet manager that decides nothing must not look alive
-                rospy.logfatal('A defect; the robots go on with what they were given, and this '
-                               'node ends to be started anew.\n%s', traceback.format_exc())
-                os._exit(1)
+                try:
+                    rospy.logfatal('A defect; the robots go on with what they were given, and '
+                                   'this node ends to be started anew.\n%s',
+                                   traceback.format_exc())
+                finally:
+                    os._exit(1)
+
+    def _stop_early(self, now: float) -> Tuple[str, Sequence[Action]]:
+        """Stops all robots before there is a supervisor; what is to be said with that."""
+        trouble = self._file.trouble
+        try:
+            if self._file.journal is not None:
+                self._file.journal.store(values={STOPPED: 1})
+        except JournalUnavailable as unavailable:
+            trouble = unavailable.reason
+        return f' {not_stored(trouble)}' if trouble else '', self._early.stop(now)
 
     def _tell_open(self, publish: TellStatuses) -> None:
         def tell(supervisor: Supervisor, now: float) -> Sequence[Action]:
@@ -164,38 +176,55 @@ class PathSupervisor:
         before, self._graph = self._graph, graph
         if before is not None and (before.vertices, before.edges) == (graph.vertices, graph.edges):
             return ()
-        return self._begin(now)
+        self._begin_at = now
+        return ()
 
     def _on_closed(self, message: ClosedEdges) -> None:
         edges = tuple(message.edges)
 
         def close(supervisor: Optional[Supervisor], now: float) -> Sequence[Action]:
             self._closed = edges
-            return self._begin(now) if supervisor is None else supervisor.close_edges(edges, now)
+            return () if supervisor is None else supervisor.close_edges(edges, now)
         self._events.put(close)
 
     def _begin(self, now: float) -> Sequence[Action]:
-        """Begins to supervise, once it is known which edges are closed.
+        """Begins to supervise, if that is due: once it is known which edges are closed.
 
-        Another graph is as good as a restart: everything that matters is in the journal, and
-        graph_server has seen to it that no robot's route breaks.
+        Another graph is as good as a restart: everything that matters is in the journal, which is
+        waited for, and graph_server has seen to it that no robot's route breaks.
         """
-        if self._graph is None or self._closed is None:
-            return ()
-        self._supervisor = Supervisor(self._graph, self._fleet, self._settings, self._journal, now,
-                                      self._rate)
-        return [*self._supervisor.close_edges(self._closed, now),
-                *self._events.begin(self._supervisor, now)]
+        self._file.open(now)
+        journal = self._file.journal
+        waiting = () if self._supervisor is not None else self._early.due(now)
+        if self._graph is None or self._closed is None or journal is None or (
+                now < self._begin_at or (self._supervisor and self._supervisor.trouble)):
+            return waiting
+        self._begin_at = now + AGAIN
+        try:
+            supervisor = Supervisor(self._graph, self._fleet, self._settings, journal, now,
+                                    self._rate)
+        except JournalUnavailable as unavailable:
+            self._file.fail(unavailable)
+            return waiting
+        self._file.mended()
+        self._begin_at = math.inf
+        self._supervisor = supervisor
+        stopping = supervisor.stop_fleet(now) if self._early.hand_over() else ()
+        return [*stopping, *supervisor.close_edges(self._closed, now),
+                *self._events.begin(supervisor, now)]
 
     def _on_request(self, message: MissionRequest) -> None:
         def take(supervisor: Supervisor, now: float) -> Sequence[Action]:
             try:
                 request = messages.request_of(message)
             except RequestRefused as refused:
-                return (TellStatus(Status(message.request_id, MissionState.REFUSED,
-                                          reason=str(refused))),)
+                return (TellStatus(messages.refusal_status(message, str(refused))),)
             return supervisor.request(request, now)
-        self._events.put_order(take)
+
+        def refuse() -> Sequence[Action]:
+            trouble = self._file.trouble
+            return (TellStatus(messages.refusal_status(message, trouble)),) if trouble else ()
+        self._events.put_order(take, refuse)
 
     def _on_command(self, message: MissionCommand) -> None:
         try:
@@ -235,17 +264,6 @@ class PathSupervisor:
                 return supervisor.plan_made(message.plan_id, outcome_of(message, self._rate), now)
             return supervisor.plan_failed(message.plan_id, message.reason.rstrip('.'), now)
         self._events.put_report(take)
-
-
-def _journal_file() -> str:
-    path: str = parameter('~journal', '')
-    path = path or os.path.join(rospkg.get_ros_home(), 'graph_fleet_manager', 'fleet.sqlite')
-    try:
-        os.makedirs(os.path.dirname(os.path.abspath(path)), exist_ok=True)
-    except OSError as error:
-        raise ConfigurationError(f'The folder of the journal {path} cannot be made '
-                                 f'({error.strerror}); choose another with ~journal.') from None
-    return path
 
 
 def main() -> None:

@@ -6,7 +6,7 @@ from math import inf
 from typing import Dict, FrozenSet, List, Mapping, NamedTuple, Sequence, Set, Tuple
 
 import numpy as np
-from scipy.optimize import linear_sum_assignment
+from scipy.sparse import csr_matrix
 
 from graph_fleet_manager.planning.road_network import RoadNetwork
 from graph_fleet_manager.supervision.missions import Acceptance, Mission
@@ -14,7 +14,13 @@ from graph_fleet_manager.supervision.reports import Place
 from graph_fleet_manager.supervision.roads import Roads
 from graph_fleet_manager.supervision.robots import ManagedRobot
 
-_NEVER = 1e15   # s: as good as never; linear_sum_assignment wants finite costs
+try:  # already loaded by the road network; scipy.optimize takes 5 MB more
+    from scipy.sparse.csgraph import min_weight_full_bipartite_matching
+except ImportError:  # scipy before 1.6
+    from scipy.optimize import linear_sum_assignment
+    min_weight_full_bipartite_matching = None
+
+_NEVER = 1e15   # s: as good as never; the matching wants finite costs
 _LATER = 1e7    # s: more than all ways together; who is older goes first, whatever its way
 
 
@@ -39,7 +45,7 @@ class Assignment:
 
 def assign(missions: Sequence[Mission], free: Mapping[str, ManagedRobot],
            robots: Mapping[str, ManagedRobot], acceptance: Acceptance,
-           roads: Roads) -> Assignment:
+           roads: Roads, now: float) -> Assignment:
     """Assigns missions to `free` robots; those of higher priority first, then the oldest.
 
     Of all that those missions may be shared out, the sum of the times to the first destinations is
@@ -55,7 +61,7 @@ def assign(missions: Sequence[Mission], free: Mapping[str, ManagedRobot],
         order = order[len(group):]
         able: List[Mission] = []
         for mission in group:
-            reason, empty = _why_nobody(mission, free, robots, acceptance, roads.nominal)
+            reason, empty = _why_nobody(mission, free, robots, acceptance, roads.nominal, now)
             if reason:
                 waiting[mission.serial] = reason
                 short |= empty
@@ -85,11 +91,23 @@ def _match(missions: Sequence[Mission], free: Mapping[str, ManagedRobot], accept
                 time = time_to(mission.request.destinations[0], free[name], roads.network)
                 if time < inf:
                     costs[row, names.index(name)] = time + row * _LATER
-    rows, columns = linear_sum_assignment(costs)
+    rows, columns = least_sum(costs)
     for row, column in zip(rows.tolist(), columns.tolist()):
         if costs[row, column] < _NEVER:
             found.append((pending[row], names[column]))
     return found
+
+
+def least_sum(costs: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+    """Rows and columns, each at most once and as many as can be, the sum of whose costs is least.
+
+    costs -- (n, m), finite and not negative
+    """
+    if min_weight_full_bipartite_matching is None:
+        rows, columns = linear_sum_assignment(costs)
+    else:  # a sparse matrix does not have what is 0
+        rows, columns = min_weight_full_bipartite_matching(csr_matrix(costs + 1.0))
+    return rows, columns
 
 
 def _all_alike(missions: Sequence[Mission]) -> bool:
@@ -99,7 +117,7 @@ def _all_alike(missions: Sequence[Mission]) -> bool:
 
 def _why_nobody(mission: Mission, free: Mapping[str, ManagedRobot],
                 robots: Mapping[str, ManagedRobot], acceptance: Acceptance,
-                network: RoadNetwork) -> Tuple[str, Set[str]]:
+                network: RoadNetwork, now: float) -> Tuple[str, Set[str]]:
     """Why none of the free robots can serve a mission, or nothing; and who could if charged."""
     names = acceptance.robots_for(mission.request)
     works = [name for name in names if robots[name].works]
@@ -109,7 +127,7 @@ def _why_nobody(mission: Mission, free: Mapping[str, ManagedRobot],
         return f'none of its robots is in service: {", ".join(names)}', set()
     able = [name for name in works if name in free]
     if not able and not any(robots[name].is_charged for name in works):
-        return f'{works[0] if len(works) == 1 else "each of its robots"} must charge first', set()
+        return _must_charge([robots[name] for name in works], now), set()
     if not able:
         return 'it waits for a robot to be free', set()
     reach = [name for name in able
@@ -117,15 +135,24 @@ def _why_nobody(mission: Mission, free: Mapping[str, ManagedRobot],
     if not reach:
         return 'none of the free robots can reach all its destinations', set()
     if not any(can_end(mission, free[name], network) for name in reach):
-        fullest = max(reach, key=lambda name: free[name].range_left())
+        fullest = max(reach, key=lambda name: free[name].battery.range_left())
         return 'no free robot has battery enough for it', {fullest}
     return '', set()
+
+
+def _must_charge(robots: Sequence[ManagedRobot], now: float) -> str:
+    whose = robots[0].name if len(robots) == 1 else 'each of its robots'
+    mute = [robot.name for robot in robots if robot.battery.is_mute(robot.liveness, now)]
+    if mute:
+        return (f'{whose} must charge first, and nothing is heard of the battery of '
+                f'{", ".join(mute)}')
+    return f'{whose} must charge first'
 
 
 def can_end(mission: Mission, robot: ManagedRobot, network: RoadNetwork) -> bool:
     """Is its battery good for the whole mission?"""
     seconds = time_over(mission.left, robot, network)
-    return seconds < inf and seconds * robot.type.speed <= robot.range_left()
+    return seconds < inf and seconds * robot.type.speed <= robot.battery.range_left()
 
 
 def time_to(vertex: int, robot: ManagedRobot, network: RoadNetwork) -> float:

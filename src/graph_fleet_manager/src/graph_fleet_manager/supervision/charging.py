@@ -6,7 +6,10 @@ from typing import AbstractSet, Dict, List, Mapping
 
 from graph_fleet_manager.planning.road_network import RoadNetwork
 from graph_fleet_manager.supervision.assignment import time_to
+from graph_fleet_manager.supervision.battery import MUTE
 from graph_fleet_manager.supervision.robots import ManagedRobot
+
+_MUTE = f'word of its battery, of which nothing was heard for {MUTE:.0f} s'
 
 
 class ChargeQueue:
@@ -20,7 +23,7 @@ class ChargeQueue:
         self._robots = robots
 
     def update(self, busy: AbstractSet[str], short: AbstractSet[str],
-               network: RoadNetwork) -> List[str]:
+               network: RoadNetwork, now: float) -> List[str]:
         """Looks at all batteries; tells who was given a dock or gave one back.
 
         busy  -- robots that serve a mission: they charge after it
@@ -28,15 +31,19 @@ class ChargeQueue:
         """
         before = {name: robot.dock for name, robot in self._robots.items()}
         for name, robot in self._robots.items():
-            if robot.dock is not None and (name in busy or not _goes_on(robot, network)):
+            if robot.dock is not None and (name in busy or not _goes_on(robot, network, now)):
                 robot.dock = None
-        needy = [robot for name, robot in self._robots.items()
-                 if robot.works and name not in busy and robot.dock is None
-                 and (robot.needs_charge
-                      or (name in short and robot.battery < robot.settings.leave_above))]
         self.waiting = {}
-        for robot in sorted(needy, key=lambda r: r.battery):
-            self._look_for_dock(robot, network)
+        free = [robot for name, robot in self._robots.items()
+                if robot.works and name not in busy and robot.dock is None]
+        for robot in sorted(free, key=_charge):
+            below = robot.battery.is_below_leaving
+            wants = robot.battery.is_low or (robot.name in short and below)
+            if not robot.battery.is_mute(robot.liveness, now):
+                if wants:
+                    self._look_for_dock(robot, network)
+            elif wants or (below and robot.stands_at(docks_of(robot, network))):
+                self.waiting[robot.name] = _MUTE
         return [name for name, dock in before.items() if self._robots[name].dock != dock]
 
     def _look_for_dock(self, robot: ManagedRobot, network: RoadNetwork) -> None:
@@ -60,14 +67,22 @@ class ChargeQueue:
                        for robot in self._robots.values())
 
 
-def _goes_on(robot: ManagedRobot, network: RoadNetwork) -> bool:
+def _charge(robot: ManagedRobot) -> float:
+    charge = robot.battery.charge
+    return math.inf if math.isnan(charge) else charge
+
+
+def _goes_on(robot: ManagedRobot, network: RoadNetwork, now: float) -> bool:
     """Does it still charge, or can it still get to where it will?
 
-    One that stands at its dock is not sent away by an outage, or because its battery does not tell.
+    One that stands at its dock is not sent away by an outage. One that works, but of whose battery
+    nothing is heard any more, might stay for ever: it gives the dock up.
     """
-    if robot.battery >= robot.settings.leave_above or robot.dock not in docks_of(robot, network):
+    if robot.battery.may_leave or robot.dock not in docks_of(robot, network):
         return False
-    if robot.place is not None and robot.place.vertex == robot.dock:
+    if robot.works and robot.battery.is_mute(robot.liveness, now):
+        return False
+    if robot.dock is not None and robot.stands_at((robot.dock,)):
         return True
     return robot.works and time_to(robot.dock, robot, network) < math.inf
 

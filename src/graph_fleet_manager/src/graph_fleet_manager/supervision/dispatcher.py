@@ -6,7 +6,7 @@ from typing import Dict, Mapping, Optional, Set, Tuple
 
 from graph_fleet_manager.planning.road_network import RoadNetwork
 from graph_fleet_manager.planning.tasks import Obstacle, Outcome
-from graph_fleet_manager.supervision.actions import AskPlanner, SendRoute
+from graph_fleet_manager.supervision.actions import AskPlanner
 from graph_fleet_manager.supervision.errands import (
     Duty,
     Errand,
@@ -15,7 +15,6 @@ from graph_fleet_manager.supervision.errands import (
     have_moved,
     snapshot,
 )
-from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.outbox import Outbox
 from graph_fleet_manager.supervision.plan_in_force import PlanInForce
 from graph_fleet_manager.supervision.release import released
@@ -37,7 +36,7 @@ class Dispatcher:
         """Why there is no new plan though one was asked for, in words; empty: there is."""
         self._robots = robots
         self._outbox = outbox
-        self._new_id = outbox.journal.next_route_id
+        self._new_id = outbox.new_id
         self._asked: Optional[Tuple[int, float, Snapshot]] = None
         self._number = 0
         self._replan = True
@@ -123,7 +122,7 @@ class Dispatcher:
 
     def go_on(self, errands: Mapping[str, Errand], network: RoadNetwork, now: float) -> None:
         """Shortens and releases routes, and asks for another plan where one is wanted."""
-        self._shorten()
+        self.shorten()
         if self._asked is None:
             if now - self._planned >= AGAIN and have_moved(self._robots, self._obstacles):
                 self._replan = self._displaced = True
@@ -131,16 +130,8 @@ class Dispatcher:
                 self._release(errands, network)
             self._ask(errands, network, now)
 
-    def send(self, now: float) -> None:
-        """All orders that are due; who is silent may have forgotten its route, so it must wait."""
-        for name, robot in self._robots.items():
-            if robot.outage is Outage.SILENT and not robot.client.is_stopping:
-                continue
-            sending = robot.client.due(now)
-            if sending is not None:
-                self._outbox.put(SendRoute(name, *sending))
-
-    def _shorten(self) -> None:
+    def shorten(self) -> None:
+        """Who is to come to rest gets no farther than the end of its edge."""
         for name, robot in self._robots.items():
             if not robot.comes_to_rest or not robot.works:
                 continue

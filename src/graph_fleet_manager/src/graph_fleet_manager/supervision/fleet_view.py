@@ -85,8 +85,9 @@ def _view(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: floa
     destination = errand.dock
     if mission is not None and mission.left:
         destination = mission.left[0]
-    return RobotView(robot.name, robot.type.name, state, robot.track.pose, robot.seen,
-                     robot.battery, None if mission is None else mission.request.id, destination,
+    charge = math.nan if robot.battery.is_mute(robot.liveness, now) else robot.battery.charge
+    return RobotView(robot.name, robot.type.name, state, robot.track.pose, robot.liveness.seen,
+                     charge, None if mission is None else mission.request.id, destination,
                      _waits_for(robot, errand, supervisor, now))
 
 
@@ -97,6 +98,8 @@ def _waits_for(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now:
     if supervisor.is_stopped:
         return 'the fleet is stopped'
     mission = errand.mission
+    if supervisor.trouble and errand.duty is not Duty.IDLE and robot.track.is_standing:
+        return f'the disk: {supervisor.trouble}'
     if mission is not None and mission.state is MissionState.PAUSED:
         return 'its mission is paused'
     if robot.name in supervisor.charging.waiting:

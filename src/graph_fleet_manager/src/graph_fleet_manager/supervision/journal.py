@@ -1,7 +1,7 @@
 """What must outlive a restart, in one SQLite file: missions, robots, the counter of route ids.
 
-Everything is written and on the disk before anybody is told of it, or a robot sent an order for it:
-the supervisor commits once for each event and acts after that. The history of every mission is kept
+Everything is on the disk before anybody is told of it, or a robot sent an order for it: the
+supervisor stores once for each event and acts after that. The history of every mission is kept
 beside them.
 """
 from __future__ import annotations
@@ -10,8 +10,9 @@ import json
 import os
 import sqlite3
 import time
+from contextlib import suppress
 from dataclasses import astuple
-from typing import Any, Callable, Dict, List, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Optional, Tuple
 from urllib.parse import quote
 
 from graph_fleet_manager.supervision.missions import (
@@ -37,11 +38,24 @@ CREATE INDEX IF NOT EXISTS change_by_serial ON change (serial);
 CREATE TABLE IF NOT EXISTS robot (name TEXT PRIMARY KEY, memory TEXT NOT NULL);
 CREATE TABLE IF NOT EXISTS value (name TEXT PRIMARY KEY, number INTEGER NOT NULL);
 '''
+_BUSY = 0.5  # s to wait where another program holds the file
 _OPEN = tuple(state for state in MissionState if state.is_open)
 
 
 class JournalError(Exception):
     """The journal cannot be used; the text is one sentence that says what to do."""
+
+
+class JournalUnavailable(JournalError):
+    """The journal cannot be used now, but may be later: the disk is full, or cannot be written.
+
+    reason -- the same as a clause
+    """
+
+    def __init__(self, path: str, error: sqlite3.Error) -> None:
+        self.reason = (f'the journal {os.path.abspath(path)} cannot be written ({error}): free '
+                       'space on its disk, or mend that')
+        super().__init__(f'{self.reason[0].upper()}{self.reason[1:]}.')
 
 
 class RobotMemory(NamedTuple):
@@ -53,6 +67,7 @@ class RobotMemory(NamedTuple):
     is_halted: bool
     comes_to_rest: bool = False
     dock: Optional[int] = None
+    charge: Optional[float] = None
 
 
 class HistoryLine(NamedTuple):
@@ -78,15 +93,16 @@ class Journal:
         self._clock = clock
         self._path = path
         try:
-            self._db = sqlite3.connect(path, isolation_level=None, timeout=2.0,
+            self._db = sqlite3.connect(path, isolation_level=None, timeout=_BUSY,
                                        check_same_thread=False)
             self._db.execute('PRAGMA journal_mode=WAL')
             self._db.execute('PRAGMA synchronous=FULL')
             self._db.executescript(_TABLES)
+        except sqlite3.OperationalError as error:
+            raise JournalUnavailable(path, error) from None
         except sqlite3.Error as error:
             raise JournalError(f'The journal {os.path.abspath(path)} cannot be opened ({error}): '
                                'choose another file or mend this one.') from None
-        self._is_writing = False
 
     def close(self) -> None:
         """Ends its use."""
@@ -94,47 +110,41 @@ class Journal:
 
     # -- writing ----------------------------------------------------------------------------------
 
-    def commit(self) -> None:
-        """Puts on the disk what was written since the last time."""
-        if self._is_writing:
-            self._run('COMMIT')
-            self._is_writing = False
+    def store(self, missions: Iterable[Mission] = (),
+              robots: Optional[Mapping[str, RobotMemory]] = None,
+              values: Optional[Mapping[str, int]] = None) -> None:
+        """Puts all of it on the disk: missions, what robots may hold, numbers by name.
 
-    def write_mission(self, mission: Mission) -> None:
-        """Stores a mission as it is now, and in the history."""
-        now = (int(mission.state), mission.robot, mission.reached, mission.reason)
-        self._write('INSERT OR REPLACE INTO mission VALUES (?, ?, ?, ?, ?, ?, ?)',
-                    (mission.serial, mission.request.id, _request_text(mission.request), *now))
-        self._write('INSERT INTO change VALUES (?, ?, ?, ?, ?, ?)',
-                    (self._clock(), mission.serial, *now))
-
-    def write_robot(self, name: str, memory: RobotMemory) -> None:
-        """Stores what a robot may hold."""
-        self._write('INSERT OR REPLACE INTO robot VALUES (?, ?)', (name, _memory_text(memory)))
-
-    def write_value(self, name: str, number: int) -> None:
-        """Stores a number by name."""
-        self._write('INSERT OR REPLACE INTO value VALUES (?, ?)', (name, number))
-
-    def next_route_id(self) -> int:
-        """A route id that was never given before; stored by the next commit, before its use."""
-        number = self.value('route_id') % (2 ** 31 - 1) + 1
-        self.write_value('route_id', number)
-        return number
-
-    def _write(self, statement: str, values: Tuple[object, ...]) -> None:
-        if not self._is_writing:
+        Raises JournalUnavailable, and has put nothing there.
+        """
+        try:
             self._run('BEGIN IMMEDIATE')
-            self._is_writing = True
-        self._run(statement, values)
+            for mission in missions:
+                self._write_mission(mission)
+            for name, memory in (robots or {}).items():
+                self._run('INSERT OR REPLACE INTO robot VALUES (?, ?)',
+                          (name, _memory_text(memory)))
+            for name, number in (values or {}).items():
+                self._run('INSERT OR REPLACE INTO value VALUES (?, ?)', (name, number))
+            self._run('COMMIT')
+        finally:
+            with suppress(sqlite3.Error):  # where even that fails, the next BEGIN does, too
+                if self._db.in_transaction:
+                    self._db.execute('ROLLBACK')
+
+    def _write_mission(self, mission: Mission) -> None:
+        """As it is now, and in the history."""
+        now = (int(mission.state), mission.robot, mission.reached, mission.reason)
+        self._run('INSERT OR REPLACE INTO mission VALUES (?, ?, ?, ?, ?, ?, ?)',
+                  (mission.serial, mission.request.id, _request_text(mission.request), *now))
+        self._run('INSERT INTO change VALUES (?, ?, ?, ?, ?, ?)',
+                  (self._clock(), mission.serial, *now))
 
     def _run(self, statement: str, values: Tuple[object, ...] = ()) -> sqlite3.Cursor:
         try:
             return self._db.execute(statement, values)
         except sqlite3.Error as error:
-            raise JournalError(f'The journal {os.path.abspath(self._path)} cannot be used '
-                               f'({error}): free space on its disk, or choose another file.'
-                               ) from None
+            raise JournalUnavailable(self._path, error) from None
 
     # -- reading ----------------------------------------------------------------------------------
 
@@ -212,7 +222,7 @@ def _memory_text(memory: RobotMemory) -> str:
         'place': None if client.place is None else astuple(client.place),
         'outage': None if memory.outage is None else memory.outage.name, 'why': memory.why,
         'halted': memory.is_halted, 'resting': memory.comes_to_rest,
-        'dock': memory.dock})
+        'dock': memory.dock, 'charge': memory.charge})
 
 
 def _memory(text: str) -> RobotMemory:
@@ -224,4 +234,5 @@ def _memory(text: str) -> RobotMemory:
                     stored.get('shortened'))
     outage = stored['outage']
     return RobotMemory(client, None if outage is None else Outage[outage], stored['why'],
-                       stored['halted'], stored.get('resting', False), stored.get('dock'))
+                       stored['halted'], stored.get('resting', False), stored.get('dock'),
+                       stored.get('charge'))

@@ -76,13 +76,17 @@ class Request:
 
 @dataclass(frozen=True)
 class Status:
-    """What is told of a request."""
+    """What is told of a request.
+
+    stamp -- s, when the request was sent: of several with its id it is about this one
+    """
 
     request_id: int
     state: MissionState
     robot: str = ''
     reached: int = 0
     reason: str = ''
+    stamp: float = 0.0
 
 
 @dataclass
@@ -107,7 +111,8 @@ class Mission:
     @property
     def status(self) -> Status:
         """As it is told."""
-        return Status(self.request.id, self.state, self.robot, self.reached, self.reason)
+        return Status(self.request.id, self.state, self.robot, self.reached, self.reason,
+                      self.request.stamp)
 
     @property
     def left(self) -> Tuple[int, ...]:
@@ -203,7 +208,7 @@ class MissionBook:
     @property
     def open(self) -> List[Mission]:
         """Missions that are not at an end, in the order of their acceptance."""
-        return list(self._by_serial.values())
+        return [mission for mission in self._by_serial.values() if mission.state.is_open]
 
     def find(self, request_id: int) -> Optional[Mission]:
         """The last mission with this id."""
@@ -230,6 +235,14 @@ class MissionBook:
         self.changed.add(mission.serial)
         return mission
 
+    def withdraw(self, mission: Mission, before: Optional[Mission]) -> None:
+        """A mission that could not be stored was never accepted; `before` had its id."""
+        self.changed.discard(mission.serial)
+        del self._by_serial[mission.serial]
+        del self._last[mission.request.id]
+        if before is not None:
+            self._last[mission.request.id] = before
+
     def set(self, mission: Mission, state: MissionState, reason: str = '',
             robot: Optional[str] = None) -> None:
         """Changes a mission; one at an end stays there."""
@@ -253,11 +266,15 @@ class MissionBook:
         if not mission.left:
             self.set(mission, MissionState.SUCCEEDED)
 
-    def take_changes(self) -> List[Mission]:
-        """The missions that changed since this was last asked."""
-        found = [self._find(serial) for serial in sorted(self.changed)]
-        self.changed = set()
-        for mission in found:
+    @property
+    def changes(self) -> List[Mission]:
+        """The missions of which something is not stored yet."""
+        return [self._by_serial[serial] for serial in sorted(self.changed)]
+
+    def stored(self) -> None:
+        """Everything is stored: what is at an end is kept for its id only."""
+        ended, self.changed = self.changes, set()
+        for mission in ended:
             if not mission.state.is_open:
                 self._by_serial.pop(mission.serial, None)
                 self._ended.append(mission)
@@ -265,7 +282,3 @@ class MissionBook:
             old = self._ended.popleft()
             if self._last.get(old.request.id) is old:
                 del self._last[old.request.id]
-        return found
-
-    def _find(self, serial: int) -> Mission:
-        return self._by_serial[serial]

@@ -1,25 +1,47 @@
-"""What is to be done about an event, once all that it relies on is on the disk."""
+"""What is to be done about an event, once all that it relies on is on the disk.
+
+Where the disk cannot be written, only what takes something from robots goes out: stops, and routes
+that are cut short. Everything else waits for the disk.
+"""
 from __future__ import annotations
 
+import math
+from math import inf
 from typing import Dict, List, Mapping, Set
 
-from graph_fleet_manager.supervision.actions import Action, Note, TellStatus
-from graph_fleet_manager.supervision.journal import Journal, RobotMemory
+from graph_fleet_manager.supervision.actions import Action, Note, SendRoute, TellStatus
+from graph_fleet_manager.supervision.journal import Journal, JournalUnavailable, RobotMemory
 from graph_fleet_manager.supervision.missions import MissionBook
+from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.robots import ManagedRobot
+from graph_fleet_manager.supervision.route_ids import RouteIds
+
+AGAIN = 2.0             # s between two tries to write where that fails
+_JOURNAL = '/journal'   # what is told of it; no robot has such a name
 
 
 class Outbox:
-    """Collects the actions of one event; `take` stores first what changed, and then gives them."""
+    """Collects what follows an event; `take` stores first what changed.
+
+    trouble -- why nothing can be stored, a clause; empty: it can
+    """
 
     def __init__(self, journal: Journal, book: MissionBook,
                  robots: Mapping[str, ManagedRobot]) -> None:
-        self.journal = journal
+        self.new_id = RouteIds(journal)
+        self.trouble = ''
+        self._journal = journal
         self._book = book
         self._robots = robots
         self._stale: Set[str] = set()
+        self._values: Dict[str, int] = {}
+        self._reserved = self.new_id.reserved
+        self._try_at = -inf
+        self._is_sending = False
         self._actions: List[Action] = []
         self._wrong: Dict[str, str] = {}
+
+    # -- what follows -----------------------------------------------------------------------------
 
     def put(self, action: Action) -> None:
         """This is to be done."""
@@ -41,17 +63,65 @@ class Outbox:
         """What is stored of a robot is not true any more."""
         self._stale.add(name)
 
-    def take(self) -> List[Action]:
-        """Everything to be done, in order; all that it relies on is on the disk."""
-        for mission in self._book.take_changes():
-            self.journal.write_mission(mission)
-            self.put(TellStatus(mission.status))
-        for name in sorted(self._stale):
-            robot = self._robots[name]
-            self.journal.write_robot(name, RobotMemory(
-                robot.client.memory, robot.outage, robot.why, robot.is_halted, robot.comes_to_rest,
-                robot.dock))
-        self._stale.clear()
-        self.journal.commit()
+    def value_changed(self, name: str, number: int) -> None:
+        """A number is to be stored."""
+        self._values[name] = number
+
+    def send(self) -> None:
+        """All orders that are due are to be sent."""
+        self._is_sending = True
+
+    # -- what goes out ----------------------------------------------------------------------------
+
+    def take(self, now: float) -> List[Action]:
+        """Everything to be done now, orders to robots first; all that it relies on is on the disk.
+        """
+        self._store(now)
+        orders = self._orders(now) if self._is_sending else []
+        self._is_sending = False
         actions, self._actions = self._actions, []
-        return actions
+        return [*orders, *actions]
+
+    def _store(self, now: float) -> None:
+        missions = self._book.changes
+        values = dict(self._values)
+        if self.trouble or self._reserved != self.new_id.reserved:
+            values.update(self.new_id.values)
+        if now < self._try_at or not (missions or self._stale or values):
+            return
+        try:
+            self._journal.store(missions, {name: _memory(self._robots[name])
+                                           for name in sorted(self._stale)}, values)
+        except JournalUnavailable as unavailable:
+            self.trouble, self._try_at = unavailable.reason, now + AGAIN
+            self.note_state(_JOURNAL, f'{unavailable} Until then no mission is accepted and no '
+                            'robot gets anything new to drive; stops are sent.', '')
+            return
+        self.trouble, self._try_at = '', -inf
+        self.note_state(_JOURNAL, '', 'The journal can be written again.')
+        self._stale.clear()
+        self._values.clear()
+        self._reserved = self.new_id.reserved
+        self._book.stored()
+        for mission in missions:
+            self.put(TellStatus(mission.status))
+
+    def _orders(self, now: float) -> List[Action]:
+        """All orders that are due; who is silent may have forgotten its route, so it must wait."""
+        orders: List[Action] = []
+        for name, robot in self._robots.items():
+            client = robot.client
+            if robot.outage is Outage.SILENT and not client.is_stopping:
+                continue
+            if self.trouble and client.is_new_motion:
+                continue
+            sending = client.due(now)
+            if sending is not None:
+                orders.append(SendRoute(name, *sending))
+        return orders
+
+
+def _memory(robot: ManagedRobot) -> RobotMemory:
+    return RobotMemory(robot.client.memory, robot.outage, robot.why, robot.is_halted,
+                       robot.comes_to_rest, robot.dock,
+                       None if math.isnan(robot.battery.charge) else robot.battery.charge)

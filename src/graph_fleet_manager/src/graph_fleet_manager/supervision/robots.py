@@ -3,45 +3,24 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import List, Optional, Tuple
+from typing import Collection, List, Optional, Tuple
 
 from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.supervision.battery import Battery
 from graph_fleet_manager.supervision.edge_times import Driven, EdgeTimer
+from graph_fleet_manager.supervision.liveness import ANSWER, SILENCE, Liveness
 from graph_fleet_manager.supervision.orders import Heard
 from graph_fleet_manager.supervision.outages import Outage, outage_of
-from graph_fleet_manager.supervision.reports import NEAR, Place, Pose, Report, distance, place_of
+from graph_fleet_manager.supervision.reports import NEAR, Place, Pose, Report, place_of
 from graph_fleet_manager.supervision.route_client import NewId, RouteClient
+from graph_fleet_manager.supervision.settings import RobotSettings
 from graph_fleet_manager.supervision.track import Track
 from trajectory_graph import Graph
 from trajectory_graph.route_protocol import RouteRefusal
 
-SILENCE = 5.0      # s without a report after which a robot counts as silent
-ANSWER = 5.0       # s without an answer to an order after which a robot that reports counts as deaf
 AT_VERTEX = 0.02   # m from a vertex at which a robot that follows its edges exactly stands on it
-STANDING = 2.0     # s without motion after which a robot that lost its link is believed to stand
-TREMBLE = 0.05     # m by which the location of a robot that stands may change
 TRIAL = 2.0        # s between two tries to go on after an emergency stop
 REFUSALS = 3       # in a row, after which a person must look
-
-
-@dataclass(frozen=True)
-class RobotSettings:
-    """What the fleet file says of one robot beside its type.
-
-    release_ahead -- m that it is let go ahead of where it is, so that it need not brake
-    slack         -- m that it may be short of where it reports to be, along its way
-    charge_below  -- state of charge (0..1) below which it goes to charge
-    leave_above   -- state of charge from which on it may leave again
-    reserve       -- state of charge that it must have left when a mission ends
-    endurance     -- m that it drives on a full battery
-    """
-
-    release_ahead: float = 8.0
-    slack: float = 0.0
-    charge_below: float = 0.3
-    leave_above: float = 0.8
-    reserve: float = 0.1
-    endurance: float = 20000.0
 
 
 @dataclass
@@ -54,9 +33,8 @@ class ManagedRobot:
     client: RouteClient
     outage: Optional[Outage] = Outage.UNSEEN
     why: str = ''
-    battery: float = math.nan
-    seen: float = -math.inf
-    stamp: float = 0.0
+    battery: Battery = field(init=False)
+    liveness: Liveness = field(default_factory=Liveness)
     is_halted: bool = False
     """It was given an empty route, as all robots are by stop all."""
     comes_to_rest: bool = False
@@ -72,18 +50,9 @@ class ManagedRobot:
     _has_refused: bool = False
     """It refused its last order, and where it begins was not considered again yet."""
     _tried: float = -math.inf
-    _moved: float = -math.inf
-    """When it was last seen to move, or first seen."""
-    _pose: Pose = Pose()
-    """Where that was."""
-    _located: float = -math.inf
-    """When it last told of another location than before, old or new."""
-    _fresh_after: float = 0.0
-    """Stamp, by the robot's clock, of its location when its link was lost."""
-    _route: Tuple[int, Tuple[int, ...]] = (0, ())
-    """The route that it last reported."""
-    _answered: float = -math.inf
-    """When it last had nothing to answer, or showed that orders reach it."""
+
+    def __post_init__(self) -> None:
+        self.battery = Battery(self.settings)
 
     @property
     def works(self) -> bool:
@@ -91,19 +60,9 @@ class ManagedRobot:
         return self.outage is None and not self.is_halted
 
     @property
-    def needs_charge(self) -> bool:
-        """Is its battery below the threshold? One that does not tell counts as full."""
-        return self.battery < self.settings.charge_below
-
-    @property
     def is_charged(self) -> bool:
         """May it be given a mission, as far as its battery is concerned?"""
-        return self.dock is None and not self.needs_charge
-
-    @property
-    def is_seen(self) -> bool:
-        """Has it reported since the fleet manager began?"""
-        return self.seen > -math.inf
+        return self.dock is None and not self.battery.is_low
 
     @property
     def place(self) -> Optional[Place]:
@@ -115,6 +74,10 @@ class ManagedRobot:
         """All of a report that must outlive a restart: when it changes, it is to be stored."""
         return self.track.done, self.track.end, self.client.over, self.client.is_stopping
 
+    def stands_at(self, vertices: Collection[int]) -> bool:
+        """Does it stand on one of these vertices?"""
+        return self.place is not None and self.place.vertex in vertices
+
     def place_at(self, pose: Pose) -> Optional[Place]:
         """Where it can begin a route: on a vertex only if it is as near as it can tell.
 
@@ -123,16 +86,6 @@ class ManagedRobot:
         graph = self.track.graph
         place = place_of(pose, graph, min(self.type.play + AT_VERTEX, NEAR))
         return place_of(pose, graph, AT_VERTEX) if _is_dock(place, graph) else place
-
-    def range_left(self) -> float:
-        """How far (m) it may drive with what is left in its battery, the reserve aside."""
-        if math.isnan(self.battery):
-            return math.inf
-        return max(self.battery - self.settings.reserve, 0.0) * self.settings.endurance
-
-    def is_still(self, now: float) -> bool:
-        """Does it report, and has it not moved for a while?"""
-        return now - self.seen <= STANDING and now - self._moved >= STANDING
 
     @property
     def track(self) -> Track:
@@ -145,32 +98,29 @@ class ManagedRobot:
         """Follows a report that makes sense; who does not know yet where it is, tells nothing."""
         if not report.pose.edge and not report.stamp:
             return
-        first = not self.is_seen
-        self.seen = now
-        if distance(self.track.graph, report.pose, self._pose) > TREMBLE:
-            self._pose, self._moved = report.pose, now
-        if report.stamp != self.stamp:
-            self._located = now
+        first = not self.liveness.is_seen
+        self.liveness.hear(report, self.track.graph, now)
         if first:
-            self._answered = now
             self.client.adopt(report)
             if self.outage is Outage.UNSEEN:
                 self.outage, self.why = None, ''
         if self.outage is Outage.SILENT:
             self.outage, self.why = None, ''
-            self._answered = now
+            self.liveness.nothing_to_answer(now)
         if self.outage is Outage.OFF_GRAPH and report.pose.edge and self._was_nowhere:
             self.outage, self.why = None, ''
             self.client.settle(self.place_at(report.pose))
         was_stopped = self.outage is Outage.STOPPED
         heard = self.client.take(report)
-        self._consider_answer(report, now)
+        if self.liveness.takes_up(report, self.client.order is not None, now) and (
+                self.outage is Outage.DEAF):
+            self.outage, self.why = None, ''
         self.passed += heard.passed
         self._judge(heard, report)
         if self.outage is Outage.STOPPED and not was_stopped:
             self._tried = now  # it might take an order yet, for what it knows of its stop
-        self._consider_link(report, now)
-        self.stamp = report.stamp
+        if self.outage is Outage.LOST_LINK and self.liveness.is_linked_again(report, now):
+            self.come_back(self.place_at(report.pose))
         if not self.works:
             self._timer.stop()
         driven = self._timer.follow(self.track, now)
@@ -182,15 +132,6 @@ class ManagedRobot:
         heard = self.client.refuse(refusal)
         self._judge(heard, None)
         return bool(heard.refused)
-
-    def _consider_answer(self, report: Report, now: float) -> None:
-        """A robot that took up an order, be it an older one, is not deaf."""
-        route = report.route_id, report.edges
-        if self.client.order is None or route != self._route:
-            self._answered = now
-            if self.outage is Outage.DEAF:
-                self.outage, self.why = None, ''
-        self._route = route
 
     def _judge(self, heard: Heard, report: Optional[Report]) -> None:
         if heard.passed:
@@ -213,7 +154,7 @@ class ManagedRobot:
             self.fail(Outage.TAKEN_OVER, 'it drives a route that was not given to it here')
         elif heard.failed and self.outage is None:
             self.fail(outage_of(heard.failed), heard.failed)
-            self._fresh_after = report.stamp if report else 0.0
+            self.liveness.lose_link(report.stamp if report else 0.0)
         elif report is not None and self.outage is None and not report.pose.edge and (
                 self.track.is_standing):
             self.fail(Outage.OFF_GRAPH, 'it reports to be off the graph')
@@ -235,11 +176,11 @@ class ManagedRobot:
     def look(self, now: float) -> None:
         """Finds out that it is silent, or deaf."""
         if self.client.order is None:
-            self._answered = now
-        if now - self.seen > SILENCE and self.is_seen and (
+            self.liveness.nothing_to_answer(now)
+        if self.liveness.is_silent(now) and (
                 self.outage in (None, Outage.STOPPED, Outage.DEAF)):
             self.fail(Outage.SILENT, f'it has not reported for {SILENCE:.0f} s')
-        elif self.outage is None and now - self._answered > ANSWER:
+        elif self.outage is None and self.liveness.is_deaf(now):
             self.fail(Outage.DEAF, f'it reports, but has not answered an order for {ANSWER:.0f} s: '
                                    'do its message definitions differ, or was the clock of the '
                                    'fleet computer set back?')
@@ -285,8 +226,9 @@ class ManagedRobot:
 
     def go_on_after_stop(self, now: float) -> bool:
         """After stop all, once it has obeyed: it stands where it is; tells whether that is so."""
-        if not self.is_halted or self.client.order is not None or not self.is_still(now) or (
-                self.outage not in (None, Outage.STOPPED)):
+        if not self.is_halted or self.client.order is not None:
+            return False
+        if not self.liveness.is_still(now) or self.outage not in (None, Outage.STOPPED):
             return False
         place = self.place_at(self.track.pose)
         held = self.track.held
@@ -300,18 +242,6 @@ class ManagedRobot:
             self.client.settle(place)
             self.outage, self.why = None, ''
         return True
-
-    def _consider_link(self, report: Report, now: float) -> None:
-        """After a lost link: it is back when new locations come and it stands.
-
-        The robot's clock need not be ours, and may be set meanwhile.
-        """
-        if self.outage is not Outage.LOST_LINK:
-            return
-        self._fresh_after = min(self._fresh_after, report.stamp)
-        if (report.stamp > self._fresh_after + STANDING and now - self._located < STANDING
-                and self.is_still(now)):
-            self.come_back(self.place_at(report.pose))
 
     def come_back(self, place: Optional[Place]) -> str:
         """It works again, from where it is; returns why not, or nothing.
@@ -335,7 +265,8 @@ class ManagedRobot:
         """Vertices and edges on which it may be while nobody can plan for it."""
         track = self.track
         vertices, edges = set(), {abs(edge) for edge in track.held}
-        for place in (track.place, place_of(track.pose, track.graph) if self.is_seen else None):
+        reported = place_of(track.pose, track.graph) if self.liveness.is_seen else None
+        for place in (track.place, reported):
             if place is not None and (not track.ahead or place is not track.place):
                 if place.vertex is not None:
                     vertices.add(place.vertex)

@@ -34,6 +34,7 @@ class RouteClient:
         self._ended: Set[int] = set()
         self._reported = 0
         self._sent_at: Optional[float] = None
+        self._takes_away = False  # the order stops the robot, or cuts its route short
         self._awaits_report = False
         self._stamp = 0.0
         self._ordered: Optional[int] = None  # before a restart, if it was less than the track
@@ -55,6 +56,11 @@ class RouteClient:
         """Was it told to stop, without an answer yet?"""
         return self.order is not None and not self.order.edges
 
+    @property
+    def is_new_motion(self) -> bool:
+        """Is the order one that was never sent, and lets the robot drive?"""
+        return self.order is not None and self._sent_at is None and not self._takes_away
+
     # -- orders -----------------------------------------------------------------------------------
 
     def extend(self, edges: Sequence[int], new_id: NewId, renew: bool = False) -> None:
@@ -66,6 +72,9 @@ class RouteClient:
 
     def shorten(self, new_id: NewId) -> bool:
         """Asks the robot to stop at the end of its edge; tells whether it may drive farther."""
+        if self.is_new_motion and self.track.told <= self.track.done:
+            self.track.cut(self.track.done)  # it was never told of all this
+            self.order, self.over = None, True
         if len(self.track.ahead) <= 1:
             return False
         if self._awaits_report or (self.order is not None and self._is_shorter(self.order)):
@@ -73,7 +82,7 @@ class RouteClient:
         if self.over:
             self._begin(new_id())
         base = self._bases[self.route_id]
-        self._give(Order(self.route_id, base, self.track.between(base, self.track.done + 1)))
+        self._give(Order(self.route_id, base, self.track.between(base, self.track.done + 1)), True)
         return True
 
     def halt(self, new_id: NewId) -> None:
@@ -81,7 +90,7 @@ class RouteClient:
         self._begin(new_id())
         self.over = True
         self._awaits_report = False
-        self._give(Order(self.route_id, self.track.done, ()))
+        self._give(Order(self.route_id, self.track.done, ()), True)
 
     def try_again(self, new_id: NewId, count: int) -> None:
         """Orders once more, under a new id, so many of the edges that an emergency stop kept the
@@ -106,6 +115,7 @@ class RouteClient:
         if self._sent_at is not None and now - self._sent_at < REPEAT:
             return None
         self._sent_at = now
+        self.track.told = max(self.track.told, self.order.base + len(self.order.edges))
         return Sending(self.order.route_id, self.order.edges, repeated)
 
     def _begin(self, route_id: int) -> None:
@@ -127,9 +137,10 @@ class RouteClient:
         base = self._bases[self.route_id]
         self._give(Order(self.route_id, base, self.track.between(base, end)))
 
-    def _give(self, order: Order) -> None:
+    def _give(self, order: Order, takes_away: bool = False) -> None:
         self.order = order
         self._sent_at = None
+        self._takes_away = takes_away
 
     def _is_shorter(self, order: Order) -> bool:
         return order.base + len(order.edges) < self.track.end
@@ -152,7 +163,7 @@ class RouteClient:
         self.track.restore(memory.track, memory.done, memory.place)
         self._ordered = memory.shortened
         if memory.is_stopping:
-            self._give(Order(self.route_id, self.track.done, ()))
+            self._give(Order(self.route_id, self.track.done, ()), True)
 
     def adopt(self, report: Report) -> None:
         """The first report after a restart, to be taken next: what it has not driven is fixed.

@@ -2,11 +2,11 @@
 
 Neither ROS nor a planner nor a clock: every event comes with the time at which it happened (s,
 monotonic), and every answer is a list of actions. What must outlive a restart is on the disk before
-the answer is given.
+the answer is given; where the disk cannot be written, only stops and cuts are.
 """
 from __future__ import annotations
 
-from typing import Dict, Iterable, List, Mapping, Optional, Tuple
+from typing import Dict, Iterable, List, Mapping, Tuple
 
 from graph_fleet_manager.fleet import Fleet
 from graph_fleet_manager.planning.road_network import RoadNetwork
@@ -17,6 +17,8 @@ from graph_fleet_manager.supervision.charging import ChargeQueue
 from graph_fleet_manager.supervision.dispatcher import Dispatcher
 from graph_fleet_manager.supervision.errands import Errand, errand_of
 from graph_fleet_manager.supervision.journal import Journal
+from graph_fleet_manager.supervision.liveness import SILENCE
+from graph_fleet_manager.supervision.mission_commands import carry_out, not_done, not_stored
 from graph_fleet_manager.supervision.missions import (
     Acceptance,
     Command,
@@ -26,18 +28,20 @@ from graph_fleet_manager.supervision.missions import (
     RequestRefused,
     Status,
 )
+from graph_fleet_manager.supervision.outage_watch import OutageWatch
 from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.outbox import Outbox
 from graph_fleet_manager.supervision.reports import Report, WrongReport, check_report
+from graph_fleet_manager.supervision.restoring import robots_of
 from graph_fleet_manager.supervision.roads import Roads
-from graph_fleet_manager.supervision.robots import SILENCE, ManagedRobot, RobotSettings
-from graph_fleet_manager.supervision.route_client import RouteClient
-from graph_fleet_manager.supervision.track import Track
+from graph_fleet_manager.supervision.robots import ManagedRobot
+from graph_fleet_manager.supervision.settings import RobotSettings
 from graph_fleet_manager.supervision.waiting_missions import WaitingMissions
 from trajectory_graph import Graph
 from trajectory_graph.route_protocol import RouteRefusal
 
-_STOPPED = 'fleet_is_stopped'
+STOPPED = 'fleet_is_stopped'
+"""By this name the journal has whether it is."""
 _OLD = 10.0  # s that a location may be old as it arrives
 
 
@@ -50,37 +54,19 @@ class Supervisor:
 
     def __init__(self, graph: Graph, fleet: Fleet, settings: Mapping[str, RobotSettings],
                  journal: Journal, now: float, rate: float = 1.0) -> None:
-        self.journal = journal
-        self._fleet = fleet
-        self.robots: Dict[str, ManagedRobot] = {}
-        for robot in fleet.robots:
-            own = settings.get(robot.name, RobotSettings())
-            self.robots[robot.name] = ManagedRobot(
-                robot.name, robot.type, own,
-                RouteClient(Track(graph, robot.type.speed, own.slack)))
+        self.robots = robots_of(fleet, settings, graph, journal.robots())
         self.roads = Roads(graph, fleet, rate)
-        self.is_stopped = bool(journal.value(_STOPPED))
+        self.is_stopped = bool(journal.value(STOPPED))
         self.charging = ChargeQueue(self.robots)
         self.book = MissionBook(journal.missions(), journal.last_serial() + 1)
         self._began = now
         self._is_starting = True
         self._waiting = WaitingMissions(self.book, self.robots)
-        self._outages: Dict[str, Optional[Outage]] = {}
         self._out = Outbox(journal, self.book, self.robots)
         self.dispatcher = Dispatcher(self.robots, self._out)
-        self._restore()
-
-    def _restore(self) -> None:
-        for name, memory in self.journal.robots().items():
-            robot = self.robots.get(name)
-            if robot is None:
-                continue
-            if memory.client.is_on(self.network.graph):
-                robot.client.restore(memory.client)
-            if memory.outage is not None and memory.outage.needs_person:
-                robot.outage, robot.why = memory.outage, memory.why
-            robot.is_halted, robot.comes_to_rest = memory.is_halted, memory.comes_to_rest
-            robot.dock = memory.dock
+        if self.is_stopped:  # maybe before there was a supervisor
+            self._halt(robot for robot in self.robots.values() if not robot.is_halted)
+        self._outages = OutageWatch(self.book, self.robots, self._out, self.dispatcher)
         for mission, why in mission_progress.no_longer_possible(self.book, self.acceptance):
             self.book.set(mission, MissionState.FAILED, why)
 
@@ -88,6 +74,14 @@ class Supervisor:
     def network(self) -> RoadNetwork:
         """The graph without what is closed, by learned times."""
         return self.roads.network
+
+    @property
+    def trouble(self) -> str:
+        """Why nothing can be stored, a clause; empty: it can.
+
+        While it lasts no mission is accepted and no robot gets anything new to drive.
+        """
+        return self._out.trouble
 
     @property
     def acceptance(self) -> Acceptance:
@@ -98,45 +92,44 @@ class Supervisor:
 
     def request(self, request: Request, now: float) -> List[Action]:
         """Accepts, refuses or repeats; an accepted mission is on the disk before it is told."""
+        known = self.book.find(request.id)
         try:
             mission = self.book.add(request, self.acceptance)
         except RequestRefused as refused:
-            self._out.put(TellStatus(Status(request.id, MissionState.REFUSED,
-                                            reason=str(refused))))
-            return self._out.take()
-        if mission is None:
-            known = self.book.find(request.id)
-            if known is not None:
-                self._out.put(TellStatus(known.status))
+            return self._refuse(request, str(refused), now)
+        actions = self._out.take(now)
+        if mission is not None and self.trouble:
+            self.book.withdraw(mission, known)
+            return [*actions, *self._refuse(request, self.trouble, now)]
+        if mission is None and known is not None and known.serial not in self.book.changed:
+            self._out.put(TellStatus(known.status))
         self._go_on(now)
-        return self._out.take()
+        return [*actions, *self._out.take(now)]
+
+    def _refuse(self, request: Request, reason: str, now: float) -> List[Action]:
+        self._out.put(TellStatus(Status(request.id, MissionState.REFUSED, reason=reason,
+                                        stamp=request.stamp)))
+        return self._out.take(now)
 
     def command(self, request_id: int, command: Command, now: float) -> List[Action]:
         """Cancels, pauses, resumes, or ends a dwell."""
         mission = self.book.find(request_id)
         if mission is None or not mission.state.is_open:
             self._out.note(f'There is no open mission {request_id} for {command.name}.', True)
-            return self._out.take()
-        name = mission.robot
-        if command is Command.RESUME and mission.state is not MissionState.PAUSED:
-            self._out.note(f'Mission {request_id} is not paused.')
-        elif command is Command.RELEASE and mission.dwell_until is None:
-            self._out.note(f'Mission {request_id} is not staying anywhere: nothing to release.')
-        elif command is Command.CANCEL:
-            self.book.set(mission, MissionState.CANCELLED, 'cancelled on request')
-        elif command is Command.PAUSE:
-            self.book.set(mission, MissionState.PAUSED)
-        elif command is Command.RESUME:
-            self.book.set(mission, MissionState.ACTIVE if name else MissionState.PENDING)
-            if name:
-                self.dispatcher.let_go_on(name)
-        elif command is Command.RELEASE:
-            self.book.reach(mission)
-        if name and command in (Command.CANCEL, Command.PAUSE):
-            self.dispatcher.bring_to_rest(name)
+            return self._out.take(now)
+        before = mission.status
+        if self.trouble and command in (Command.RESUME, Command.RELEASE):
+            self._out.put(TellStatus(not_done(before, command, self.trouble)))
+            return self._out.take(now)
+        problem = carry_out(command, mission, self.book, self.dispatcher)
+        if problem:
+            self._out.note(problem)
         self.dispatcher.replan()
         self._go_on(now)
-        return self._out.take()
+        actions = self._out.take(now)
+        if self.trouble:
+            actions.append(TellStatus(not_stored(before, command, self.trouble)))
+        return actions
 
     def open_statuses(self) -> List[Status]:
         """The status of every open mission, for who comes late."""
@@ -151,7 +144,7 @@ class Supervisor:
             check_report(report, self.network.graph)
         except WrongReport as wrong:
             self._out.note_state(name, f'A report of {name} is ignored: {wrong}.', '')
-            return self._out.take()
+            return self._out.take(now)
         self._out.note_state(name, '', f'The reports of {name} make sense again.')
         old = report.age > _OLD and (
             f'The locations of {name} are more than {_OLD:.0f} s old as they arrive: they are not '
@@ -167,63 +160,66 @@ class Supervisor:
             self._out.robot_changed(name)
             if mission_progress.follow(self.book, robot, now):
                 self._go_on(now)
-        self._note_outages()
-        return self._out.take()
+        self._outages.look()
+        return self._out.take(now)
 
     def refusal(self, name: str, refusal: RouteRefusal, now: float) -> List[Action]:
         """A robot did not take up an order."""
         robot = self.robots[name]
         was_stopped = robot.outage is Outage.STOPPED
         if not robot.hear_refusal(refusal):
-            return self._out.take()
+            return self._out.take(now)
         self._out.robot_changed(name)
         if not (was_stopped and robot.outage is Outage.STOPPED):  # each trial is refused then
             self._out.note(f'{name} refused route {refusal.route_id}: {refusal.reason}.', True)
-        self._note_outages()
-        return self._out.take()
+        self._outages.look()
+        return self._out.take(now)
 
     def battery(self, name: str, charge: float, now: float) -> List[Action]:
         """A robot's state of charge, 0..1."""
-        self.robots[name].battery = charge
-        return self._out.take()
+        self.robots[name].battery.tell(charge, now)
+        return self._out.take(now)
 
     def take_out(self, name: str, now: float) -> List[Action]:
         """Takes a robot out of service: it stops where it is."""
         robot = self.robots[name]
-        robot.client.halt(self.journal.next_route_id)
+        robot.client.halt(self._out.new_id)
         robot.fail(Outage.OUT_OF_SERVICE, 'it was taken out of service')
         self._out.robot_changed(name)
-        self._note_outages()
+        self._outages.look()
         self._go_on(now)
-        return self._out.take()
+        return self._out.take(now)
 
     def bring_in(self, name: str, now: float) -> Tuple[str, List[Action]]:
         """Puts a robot back into service where it is; also tells why not, or nothing."""
         robot = self.robots[name]
         if self.is_stopped:
-            return 'the fleet is stopped: resume it first', self._out.take()
+            return 'the fleet is stopped: resume it first', self._out.take(now)
         if robot.outage is None and not robot.is_halted:
-            return '', self._out.take()
-        if now - robot.seen > SILENCE or robot.outage is Outage.DEAF:
-            return f'{name} does not report or answer: mend its link first', self._out.take()
-        if robot.client.order is not None or not robot.is_still(now):
-            return f'{name} does not stand still yet: try again in a moment', self._out.take()
+            return '', self._out.take(now)
+        if now - robot.liveness.seen > SILENCE or robot.outage is Outage.DEAF:
+            return f'{name} does not report or answer: mend its link first', self._out.take(now)
+        if robot.client.order is not None or not robot.liveness.is_still(now):
+            return f'{name} does not stand still yet: try again in a moment', self._out.take(now)
         problem = robot.come_back(robot.place_at(robot.track.pose))
         self.dispatcher.forget_plan_of(name)
-        self._note_outages()
+        self._outages.look()
         self._go_on(now)
-        return problem, self._out.take()
+        return problem, self._out.take(now)
 
     def stop_fleet(self, now: float) -> List[Action]:
         """Every robot gets an empty route at once, planner or not."""
         self.is_stopped = True
-        self.journal.write_value(_STOPPED, 1)
-        for name, robot in self.robots.items():
-            robot.client.halt(self.journal.next_route_id)
+        self._out.value_changed(STOPPED, 1)
+        self._halt(self.robots.values())
+        self._out.send()
+        return self._out.take(now)
+
+    def _halt(self, robots: Iterable[ManagedRobot]) -> None:
+        for robot in robots:
+            robot.client.halt(self._out.new_id)
             robot.is_halted = True
-            self._out.robot_changed(name)
-        self.dispatcher.send(now)
-        return self._out.take()
+            self._out.robot_changed(robot.name)
 
     def resume_fleet(self, now: float) -> Tuple[List[str], List[Action]]:
         """Every robot goes on from where it is; also names those for which a person must look.
@@ -231,11 +227,14 @@ class Supervisor:
         One that has not obeyed the stop yet goes on once it has.
         """
         self.is_stopped = False
-        self.journal.write_value(_STOPPED, 0)
+        self._out.value_changed(STOPPED, 0)
         self._go_on(now)
         problems = [f'{robot.name}: {robot.why}' for robot in self.robots.values()
                     if robot.outage is not None and robot.outage.needs_person]
-        return problems, self._out.take()
+        actions = self._out.take(now)
+        if self.trouble:
+            problems.insert(0, f'robots go on only once that is stored: {self.trouble}')
+        return problems, actions
 
     # -- the graph and the plan -------------------------------------------------------------------
 
@@ -244,25 +243,25 @@ class Supervisor:
         if self.roads.close(edges):
             self.dispatcher.replan()
             self._go_on(now)
-        return self._out.take()
+        return self._out.take(now)
 
     def plan_made(self, number: int, outcome: Outcome, now: float) -> List[Action]:
         """The planner's answer; one that does not fit what is released by now is left out."""
         if self.dispatcher.plan_made(number, outcome):
             self._go_on(now)
-        return self._out.take()
+        return self._out.take(now)
 
     def plan_failed(self, number: int, reason: str, now: float) -> List[Action]:
         """The planner could not answer; the plan in force stays."""
         self.dispatcher.plan_failed(number, reason)
-        return self._out.take()
+        return self._out.take(now)
 
     # -- what goes on -----------------------------------------------------------------------------
 
     def tick(self, now: float) -> List[Action]:
         """Looks at the clock; to be called ten to twenty times a second."""
         self._go_on(now)
-        return self._out.take()
+        return self._out.take(now)
 
     def errands(self) -> Dict[str, Errand]:
         """What every robot is about."""
@@ -274,48 +273,28 @@ class Supervisor:
         for robot in self.robots.values():
             robot.look(now)
             mission_progress.follow(self.book, robot, now)
-            if robot.try_after_stop(now, self.journal.next_route_id, self.network.graph):
+            if not self.trouble and robot.try_after_stop(now, self._out.new_id,
+                                                         self.network.graph):
                 self._out.robot_changed(robot.name)
             if not self.is_stopped and robot.go_on_after_stop(now):
                 self.dispatcher.forget_plan_of(robot.name)
-        self._note_outages()
-        self.dispatcher.send(now)
+        self._outages.look()
+        self._out.send()
         if self._is_starting:
-            self._is_starting = (not all(r.is_seen for r in self.robots.values())
+            self._is_starting = (not all(r.liveness.is_seen for r in self.robots.values())
                                  and now - self._began < SILENCE)
         if self.is_stopped:
             self._waiting.hold('the fleet is stopped')
-        if self._is_starting or self.is_stopped:
+        elif self.trouble:
+            self.dispatcher.shorten()
+        if self._is_starting or self.is_stopped or self.trouble:
             return
         self.dispatcher.give_up_waiting(now)
         busy = {m.robot for m in self.book.open if m.robot}
-        for name in self.charging.update(busy, self._waiting.short, self.network):
+        for name in self.charging.update(busy, self._waiting.short, self.network, now):
             self._out.robot_changed(name)
             self.dispatcher.replan()
         for name in self._waiting.assign(self.acceptance, self.roads, now):
             self.dispatcher.begin_mission(name)
             mission_progress.follow(self.book, self.robots[name], now)
         self.dispatcher.go_on(self.errands(), self.network, now)
-        self.dispatcher.send(now)
-
-    # -- what changed -----------------------------------------------------------------------------
-
-    def _note_outages(self) -> None:
-        """Draws the consequences where a robot dropped out or came back."""
-        for name, robot in self.robots.items():
-            if name in self._outages and self._outages[name] is robot.outage:
-                continue
-            before = self._outages.get(name)
-            self._outages[name] = robot.outage
-            self._out.robot_changed(name)
-            self.dispatcher.replan()
-            if robot.outage is not None:
-                mission_progress.drop_out(self.book, robot)
-                if robot.outage is not Outage.UNSEEN:
-                    self._out.note(f'{name} cannot work: {robot.why or robot.outage.value}.', True)
-            else:
-                mission = self.book.of_robot(name)
-                if mission is not None:
-                    self.book.set(mission, mission.state)
-                if before not in (None, Outage.UNSEEN):
-                    self._out.note(f'{name} works again.')

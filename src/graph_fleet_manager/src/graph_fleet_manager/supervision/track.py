@@ -35,6 +35,8 @@ class Track:
         """How often it began anew: no plan of before is true any more when that changes."""
         self.left: Tuple[int, float] = (0, 0.0)
         """Edge and fraction that certainly lie behind the robot."""
+        self.told = 0
+        """Number behind the last edge of which the robot may have been told."""
         self._speed, self._slack = speed, slack
 
     # -- what is known ----------------------------------------------------------------------------
@@ -104,6 +106,7 @@ class Track:
     def cut(self, end: int) -> None:
         """Edges from a number on are not the robot's any more."""
         del self.edges[end - self.first:]
+        self.told = min(self.told, self.end)
 
     def complete(self, done: int) -> List[int]:
         """So many edges are complete; returns the vertices passed by that, in order."""
@@ -159,3 +162,4 @@ class Track:
         self.begun += 1
         self.edges = list(edges)
         self.left = (number, 0.0)
+        self.told = self.end

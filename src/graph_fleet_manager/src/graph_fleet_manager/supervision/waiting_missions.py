@@ -43,7 +43,7 @@ class WaitingMissions:
         if question == self._looked[0] and now - self._looked[1] < AGAIN:
             return []
         self._looked = question, now
-        found = assign(pending, free, self._robots, acceptance, roads)
+        found = assign(pending, free, self._robots, acceptance, roads, now)
         self.short = found.short
         for mission, name in found.assigned:
             self._book.set(mission, MissionState.ACTIVE, '', name)

@@ -1,0 +1,45 @@
+"""Stop all where there is no supervisor to do it: before it has a graph, or while it hangs.
+
+The robots get an empty route under an id of their own, which no journal has or gives for ages; the
+supervisor stops them once more by its own rules as soon as it can.
+"""
+from __future__ import annotations
+
+import random
+from math import inf
+from typing import Iterable, List, Optional, Sequence
+
+from graph_fleet_manager.supervision.actions import SendRoute
+from graph_fleet_manager.supervision.route_client import REPEAT
+
+_IDS = (2 ** 30, 2 ** 31 - 1)
+
+
+class EarlyStop:
+    """An empty route for every robot, repeated until a supervisor takes over."""
+
+    def __init__(self, robots: Iterable[str]) -> None:
+        self._robots = tuple(robots)
+        self._route_id: Optional[int] = None
+        self._sent = -inf
+
+    def stop(self, now: float) -> List[SendRoute]:
+        """Every robot is to stop; what is to be sent for that."""
+        self._route_id, self._sent = random.randint(*_IDS), now
+        return self._orders(repeated=False)
+
+    def due(self, now: float) -> Sequence[SendRoute]:
+        """What is to be sent again, for robots that are not connected yet."""
+        if self._route_id is None or now - self._sent < REPEAT:
+            return ()
+        self._sent = now
+        return self._orders(repeated=True)
+
+    def hand_over(self) -> bool:
+        """The supervisor takes over; tells whether it is to stop the fleet."""
+        is_stopped, self._route_id = self._route_id is not None, None
+        return is_stopped
+
+    def _orders(self, repeated: bool) -> List[SendRoute]:
+        assert self._route_id is not None
+        return [SendRoute(robot, self._route_id, (), repeated) for robot in self._robots]

@@ -1,0 +1,62 @@
+"""The parameter ~journal, and the journal in that file as soon as its disk lets it be opened."""
+from __future__ import annotations
+
+import os
+from typing import Optional
+
+import rospkg
+import rospy
+
+from graph_fleet_manager.supervision.journal import Journal, JournalError, JournalUnavailable
+from graph_fleet_manager.supervision.outbox import AGAIN
+from node_lifecycle import ConfigurationError, parameter
+
+
+class JournalFile:
+    """The journal; raises ConfigurationError where its file can never be one.
+
+    trouble -- why it cannot be used, a clause; empty: it can, as far as is known
+    """
+
+    def __init__(self) -> None:
+        self.journal: Optional[Journal] = None
+        self.trouble = ''
+        self._path = _path()
+        self._try_at = 0.0
+        self.open(0.0)
+
+    def open(self, now: float) -> None:
+        """Opens it if it is not open, and has not just been tried in vain."""
+        if self.journal is not None or now < self._try_at:
+            return
+        self._try_at = now + AGAIN
+        try:
+            self.journal = Journal(self._path)
+        except JournalUnavailable as unavailable:
+            self.fail(unavailable)
+        except JournalError as error:
+            raise ConfigurationError(str(error)) from None
+        else:
+            self.trouble = ''
+
+    def fail(self, unavailable: JournalUnavailable) -> None:
+        """It turned out that it cannot be used now."""
+        if not self.trouble:
+            rospy.logerr('%s Until then no mission is accepted and no robot gets anything to '
+                         'drive; stops are sent.', unavailable)
+        self.trouble = unavailable.reason
+
+    def mended(self) -> None:
+        """It turned out that it can be used."""
+        self.trouble = ''
+
+
+def _path() -> str:
+    path: str = parameter('~journal', '')
+    path = path or os.path.join(rospkg.get_ros_home(), 'graph_fleet_manager', 'fleet.sqlite')
+    try:
+        os.makedirs(os.path.dirname(os.path.abspath(path)), exist_ok=True)
+    except OSError as error:
+        raise ConfigurationError(f'The folder of the journal {path} cannot be made '
+                                 f'({error.strerror}); choose another with ~journal.') from None
+    return path

@@ -1,0 +1,47 @@
+"""What a command does to an open mission, and to the robot that serves it."""
+from __future__ import annotations
+
+from dataclasses import replace
+
+from graph_fleet_manager.supervision.dispatcher import Dispatcher
+from graph_fleet_manager.supervision.missions import (
+    Command,
+    Mission,
+    MissionBook,
+    MissionState,
+    Status,
+)
+
+
+def carry_out(command: Command, mission: Mission, book: MissionBook,
+              dispatcher: Dispatcher) -> str:
+    """Cancels, pauses, resumes, or ends a dwell; returns why not, or nothing."""
+    name = mission.robot
+    if command is Command.CANCEL:
+        book.set(mission, MissionState.CANCELLED, 'cancelled on request')
+    elif command is Command.PAUSE:
+        book.set(mission, MissionState.PAUSED)
+    elif command is Command.RESUME:
+        if mission.state is not MissionState.PAUSED:
+            return f'Mission {mission.request.id} is not paused.'
+        book.set(mission, MissionState.ACTIVE if name else MissionState.PENDING)
+        if name:
+            dispatcher.let_go_on(name)
+    elif command is Command.RELEASE:
+        if mission.dwell_until is None:
+            return f'Mission {mission.request.id} is not staying anywhere: nothing to release.'
+        book.reach(mission)
+    if name and command in (Command.CANCEL, Command.PAUSE):
+        dispatcher.bring_to_rest(name)
+    return ''
+
+
+def not_done(before: Status, command: Command, trouble: str) -> Status:
+    """What is told of a command that waits for the disk: the mission is as it was."""
+    return replace(before, reason=f'{command.name} is not done: {trouble}')
+
+
+def not_stored(before: Status, command: Command, trouble: str) -> Status:
+    """What is told of a command that was carried out, but is on no disk: the state that is."""
+    return replace(before, reason=f'{command.name} is carried out, but forgotten if the fleet '
+                                  f'manager ends before it can be stored: {trouble}')

@@ -1,0 +1,48 @@
+"""What follows where a robot dropped out or came back, for its mission, the plan and the people."""
+from __future__ import annotations
+
+from typing import Dict, Mapping, Optional
+
+from graph_fleet_manager.supervision import mission_progress
+from graph_fleet_manager.supervision.dispatcher import Dispatcher
+from graph_fleet_manager.supervision.missions import MissionBook
+from graph_fleet_manager.supervision.outages import Outage
+from graph_fleet_manager.supervision.outbox import Outbox
+from graph_fleet_manager.supervision.robots import ManagedRobot
+
+
+class OutageWatch:
+    """Compares what keeps each robot from working with what did before."""
+
+    def __init__(self, book: MissionBook, robots: Mapping[str, ManagedRobot], outbox: Outbox,
+                 dispatcher: Dispatcher) -> None:
+        self._book, self._robots = book, robots
+        self._outbox, self._dispatcher = outbox, dispatcher
+        self._before: Dict[str, Optional[Outage]] = {}
+
+    def look(self) -> None:
+        """Draws the consequences of what changed since the last time."""
+        for name, robot in self._robots.items():
+            if name in self._before and self._before[name] is robot.outage:
+                continue
+            before = self._before.get(name)
+            self._before[name] = robot.outage
+            self._outbox.robot_changed(name)
+            self._dispatcher.replan()
+            if robot.outage is not None:
+                self._drop_out(robot)
+            else:
+                self._come_back(robot, before not in (None, Outage.UNSEEN))
+
+    def _drop_out(self, robot: ManagedRobot) -> None:
+        mission_progress.drop_out(self._book, robot)
+        if robot.outage is not Outage.UNSEEN and robot.outage is not None:
+            self._outbox.note(f'{robot.name} cannot work: {robot.why or robot.outage.value}.',
+                              True)
+
+    def _come_back(self, robot: ManagedRobot, is_told: bool) -> None:
+        mission = self._book.of_robot(robot.name)
+        if mission is not None:
+            self._book.set(mission, mission.state)
+        if is_told:
+            self._outbox.note(f'{robot.name} works again.')

@@ -1,0 +1,34 @@
+"""Ids of routes, which never repeat, not even where the disk cannot be written for a while."""
+from __future__ import annotations
+
+from typing import Dict
+
+from graph_fleet_manager.supervision.journal import Journal
+
+RESERVED = 10000      # ids that are on the disk as given before they are
+_MOST = 2 ** 31 - 1   # an id is an int32
+_NAME = 'route_id'
+
+
+class RouteIds:
+    """Gives ids beyond all that the journal has as given; raises JournalUnavailable at the start.
+
+    reserved -- how many were ever given, or may be given from now on
+    """
+
+    def __init__(self, journal: Journal) -> None:
+        self._given = journal.value(_NAME)
+        self.reserved = self._given + RESERVED
+        journal.store(values=self.values)
+
+    @property
+    def values(self) -> Dict[str, int]:
+        """What the journal is to store."""
+        return {_NAME: self.reserved}
+
+    def __call__(self) -> int:
+        """An id that was never given before."""
+        self._given += 1
+        if self.reserved - self._given < RESERVED // 2:
+            self.reserved = self._given + RESERVED
+        return (self._given - 1) % _MOST + 1

@@ -1,0 +1,112 @@
+"""Stop all is obeyed at once: without a graph, without a disk, past a supervisor that hangs."""
+from __future__ import annotations
+
+import threading
+
+import pytest
+from fleet_builders import AGV, corridor
+from std_srvs.srv import TriggerRequest
+from supervised_fleet import SupervisedFleet
+
+from graph_fleet_manager.nodes import fleet_services
+from graph_fleet_manager.nodes.early_stop import EarlyStop
+from graph_fleet_manager.nodes.event_loop import EventLoop
+from graph_fleet_manager.supervision.route_client import REPEAT
+
+
+class Services:
+    """The services of a fleet by name, as threads of rospy call them."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, robots=('a', 'b')) -> None:
+        self.handlers, self.past = {}, []
+        self.loop, self.early = EventLoop(), EarlyStop(robots)
+        monkeypatch.setattr(fleet_services.rospy, 'Service',
+                            lambda name, _, handler: self.handlers.setdefault(name, handler))
+        monkeypatch.setattr(fleet_services, 'STOP_PATIENCE', 60.0)
+        fleet_services.FleetServices(robots, self.loop.put_urgent,
+                                     lambda now: (' Early.', self.early.stop(now)),
+                                     self.past.append)
+
+    def call(self, name, supervisor=None, hangs=False):
+        """The answer, and what the supervisor's thread is to do."""
+        answers, actions = [], []
+        caller = threading.Thread(
+            target=lambda: answers.append(self.handlers[name](TriggerRequest())))
+        caller.start()
+        while not hangs and not answers:
+            actions += self.loop.take()(supervisor, 0.0)
+        caller.join()
+        return answers[0], actions
+
+
+@pytest.fixture
+def services(monkeypatch):
+    return Services(monkeypatch)
+
+
+def stops_of(actions):
+    return sorted((order.robot, order.edges) for order in actions)
+
+
+def test_a_stop_does_not_wait_for_a_graph(services):
+    answer, actions = services.call('/stop_fleet')
+    assert answer.success and answer.message == 'Every robot was told to stop. Early.'
+    assert stops_of(actions) == [('a', ()), ('b', ())]
+    assert services.past == []
+
+
+def test_an_early_stop_is_repeated_until_the_supervisor_takes_over():
+    early = EarlyStop(['a'])
+    assert early.due(0.0) == () and not early.hand_over()
+    order, = early.stop(10.0)
+    assert early.due(10.0 + REPEAT / 2) == ()
+    again, = early.due(10.0 + REPEAT)
+    assert (again.robot, again.route_id, again.edges) == (order.robot, order.route_id, ())
+    assert again.repeated and not order.repeated
+    assert early.hand_over() and not early.hand_over()
+    assert early.due(99.0) == ()
+
+
+@pytest.mark.parametrize('dies', [True, False])
+def test_a_robot_stopped_early_goes_on_with_its_mission_after_a_resume(dies):
+    """Whether the same process begins to supervise or, having stored the stop, dies before."""
+    fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
+    fleet.request(1, 6)
+    fleet.run(3.0)
+    fleet.journal.store(values={'fleet_is_stopped': 1})
+    fleet.agvs['a'].order(*[(order.route_id, order.edges) for order in EarlyStop('a').stop(0.0)][0])
+    fleet.restart()
+    if not dies:
+        fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+    fleet.run(5.0)
+    assert not fleet.agvs['a'].is_driving and fleet.state(1).is_open
+    problems, actions = fleet.supervisor.resume_fleet(fleet.now)
+    fleet.do(actions)
+    assert problems == []
+    fleet.run_until_done(1)
+    assert fleet.agvs['a'].visited[-1] == 6
+
+
+def test_a_stop_goes_past_a_supervisor_that_hangs_and_is_kept_for_it(services, monkeypatch):
+    monkeypatch.setattr(fleet_services, 'STOP_PATIENCE', 0.1)
+    answer, _ = services.call('/stop_fleet', hangs=True)
+    assert answer.success and 'hangs' in answer.message and len(services.past) == 1
+    fleet = SupervisedFleet(corridor(3), {'a': (AGV, 1), 'b': (AGV, 3)})
+    services.loop.take()(None, 0.0)  # the clock, which is due first
+    services.loop.take()(fleet.supervisor, 0.0)
+    assert fleet.supervisor.is_stopped
+
+
+def test_what_else_is_asked_for_without_a_graph_is_not_done(services):
+    for name in ('/resume_fleet', '/a/leave_fleet', '/a/join_fleet'):
+        answer, actions = services.call(name)
+        assert not answer.success and 'no graph yet' in answer.message and actions == []
+
+
+def test_a_stop_that_cannot_be_stored_is_done_and_that_is_said(services):
+    fleet = SupervisedFleet(corridor(3), {'a': (AGV, 1), 'b': (AGV, 3)})
+    fleet.disk_fails()
+    fleet.request(1, 2)
+    answer, actions = services.call('/stop_fleet', fleet.supervisor)
+    assert answer.success and 'forgotten: the journal' in answer.message
+    assert ('a', ()) in [(order.robot, order.edges) for order in actions if hasattr(order, 'robot')]

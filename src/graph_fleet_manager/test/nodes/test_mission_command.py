@@ -1,0 +1,86 @@
+"""The command `mission` follows its own request, whatever else is told under the same id."""
+from __future__ import annotations
+
+import pytest
+import rospy
+
+from graph_fleet_manager.commands import mission
+from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandError
+from graph_fleet_manager.messages.missions import request_of, status_message
+from graph_fleet_manager.supervision.missions import MissionState, Status
+from itrci_nav_msgs.msg import MissionRequest, MissionStatus
+
+MINE, OTHER = 1.7e9 + 0.123456789, 1.7e9 - 60.0
+
+
+class Told:
+    """Statuses as they come on /mission_status, one by one."""
+
+    def __init__(self, *statuses: MissionStatus) -> None:
+        self.statuses = list(statuses)
+
+    def wait(self, _: float) -> None:
+        assert self.statuses, 'it still waits though everything was told'
+
+    def take(self):
+        return [self.statuses.pop(0)] if self.statuses else []
+
+
+class Nobody:
+    """A topic of which nothing comes, or to which nobody needs to listen."""
+
+    def __init__(self, *_):
+        self.published = []
+
+    def take(self):
+        return []
+
+    def publish(self, message):
+        self.published.append(message)
+
+
+@pytest.fixture(autouse=True)
+def no_topics(monkeypatch):
+    monkeypatch.setattr(mission, 'Listener', Nobody)
+    monkeypatch.setattr(mission, 'connected_publisher', Nobody)
+
+
+def request(id: int = 7) -> MissionRequest:
+    message = MissionRequest(request_id=id, destination_vertices_id=[3])
+    message.header.stamp = rospy.Time.from_sec(MINE)
+    return message
+
+
+def status(state: MissionState, stamp: float = MINE, reason: str = '') -> MissionStatus:
+    return status_message(Status(7, state, 'a', 1, reason, stamp), rospy.Time(5))
+
+
+def test_an_older_mission_with_the_same_id_is_not_the_answer():
+    told = Told(status(MissionState.ACTIVE, OTHER), status(MissionState.SUCCEEDED, OTHER),
+                status(MissionState.REFUSED, MINE, 'mission 7 is open with other content'))
+    answer = mission._acknowledged(request(), told)
+    assert (answer.state, answer.reason) == (MissionStatus.REFUSED,
+                                             'mission 7 is open with other content')
+
+
+def test_the_end_of_an_older_mission_is_not_its_end(capsys):
+    told = Told(status(MissionState.FAILED, OTHER), status(MissionState.ACTIVE),
+                status(MissionState.CANCELLED, OTHER), status(MissionState.SUCCEEDED))
+    assert mission._follow(request(), status(MissionState.PENDING), told, None) == OK
+    assert 'Mission 7 has succeeded: a was at 3.' in capsys.readouterr().out
+
+
+def test_its_own_end_is_told_with_the_reason():
+    told = Told(status(MissionState.SUCCEEDED, OTHER), status(MissionState.FAILED, MINE, 'a: lost'))
+    with pytest.raises(CommandError, match='FAILED: a: lost') as failed:
+        mission._follow(request(), status(MissionState.PENDING), told, None)
+    assert failed.value.status == NOT_DONE
+
+
+def test_the_stamp_of_a_request_survives_the_way_through_the_fleet_manager():
+    sent = request()
+    known = request_of(sent)
+    told = status_message(Status(known.id, MissionState.PENDING, stamp=known.stamp), rospy.Time(5))
+    assert mission.is_about(told, sent)
+    sent.header.stamp += rospy.Duration(0, 2000)
+    assert not mission.is_about(told, sent)

@@ -1,0 +1,71 @@
+"""Becoming a node although the log cannot be written: a full or read-only disk is no reason to end.
+
+rospy ends a program whose log file it cannot open, and lets errors of the standard streams out.
+"""
+from __future__ import annotations
+
+import logging
+import logging.handlers
+import sys
+import tempfile
+from contextlib import contextmanager, suppress
+from typing import Any, Callable, Iterator
+
+import rospkg
+import rospy
+
+
+def init_node(name: str, **options: Any) -> None:
+    """rospy.init_node; without a log file where there can be none."""
+    with _possible_log_file():
+        rospy.init_node(name, **options)
+    for handler in logging.getLogger('rosout').handlers:
+        handler.emit = _harmless(handler.emit)  # type: ignore[assignment,method-assign]
+    for handler in logging.getLogger().handlers:  # they print a traceback for each message
+        handler.handleError = _but_for_disks(  # type: ignore[assignment,method-assign]
+            handler.handleError)
+
+
+class _NoFile(logging.NullHandler):
+    """Stands for rospy's log file."""
+
+    def __init__(self, *_: object) -> None:
+        super().__init__()
+
+
+@contextmanager
+def _possible_log_file() -> Iterator[None]:
+    """Within it what makes a log file makes none, if that could not be opened."""
+    folder = rospkg.get_log_dir()
+    try:
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except FileNotFoundError:
+        yield  # rospy makes it, or says itself that it cannot
+    except OSError as error:
+        print(f'There is no log file in {folder} ({error.strerror}).', file=sys.stderr)
+        file_handler = logging.handlers.RotatingFileHandler
+        logging.handlers.RotatingFileHandler = _NoFile  # type: ignore[assignment,misc]
+        try:
+            yield
+        finally:
+            logging.handlers.RotatingFileHandler = file_handler  # type: ignore[misc]
+    else:
+        yield
+
+
+_Handle = Callable[[logging.LogRecord], None]
+
+
+def _but_for_disks(handle_error: _Handle) -> _Handle:
+    def guarded(record: logging.LogRecord) -> None:
+        if not isinstance(sys.exc_info()[1], OSError):
+            handle_error(record)
+    return guarded
+
+
+def _harmless(emit: _Handle) -> _Handle:
+    def guarded(record: logging.LogRecord) -> None:
+        with suppress(OSError):
+            emit(record)
+    return guarded

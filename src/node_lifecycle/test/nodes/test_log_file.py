@@ -1,0 +1,88 @@
+"""A disk too full for the log, or read-only, is no reason for a node to end."""
+from __future__ import annotations
+
+import errno
+import logging
+import logging.handlers
+
+import pytest
+
+from node_lifecycle import log_file
+
+
+class FullDisk(logging.Handler):
+    """A handler as rospy's for the standard streams: it lets errors out."""
+
+    def emit(self, record):
+        raise OSError(errno.ENOSPC, 'No space left on device')
+
+
+@pytest.fixture
+def logger():
+    logger = logging.getLogger('rosout')
+    before, logger.handlers = logger.handlers, [FullDisk()]
+    yield logger
+    logger.handlers = before
+
+
+def test_what_cannot_be_logged_is_left_out_and_the_next_handler_has_it(logger, monkeypatch):
+    with pytest.raises(OSError, match='No space'):
+        logger.error('before')
+    said = []
+    other = logging.Handler()
+    other.emit = lambda record: said.append(record.getMessage())
+    logger.addHandler(other)
+    monkeypatch.setattr(log_file.rospy, 'init_node', lambda name, **options: None)
+    log_file.init_node('node')
+    logger.error('after')
+    assert said == ['after']
+
+
+def test_a_log_file_that_is_full_says_nothing_but_a_wrong_message_does(monkeypatch, capsys):
+    class Fails(logging.Handler):
+        def __init__(self, error):
+            super().__init__()
+            self.error = error
+
+        def emit(self, record):
+            try:
+                raise self.error
+            except (OSError, TypeError):
+                self.handleError(record)
+
+    root = logging.getLogger()
+    monkeypatch.setattr(root, 'handlers', [Fails(OSError(errno.ENOSPC, 'NO SPACE')),
+                                           Fails(TypeError('not all arguments converted'))])
+    monkeypatch.setattr(log_file.rospy, 'init_node', lambda name, **options: None)
+    log_file.init_node('node')
+    root.error('after')
+    said = capsys.readouterr().err
+    assert 'NO SPACE' not in said and 'not all arguments converted' in said
+
+
+def opens_a_log(path):
+    """As rospy does, which finds the class of the handler by its name."""
+    return lambda name, **options: logging.handlers.RotatingFileHandler(str(path), 'a', 1000, 4)
+
+
+@pytest.mark.parametrize('error', [errno.ENOSPC, errno.EROFS, errno.EACCES])
+def test_where_no_log_file_can_be_opened_there_is_a_node_without_one(
+        tmp_path, monkeypatch, capsys, error):
+    def full(**_):
+        raise OSError(error, 'no')
+    file = tmp_path / 'full' / 'node.log'
+    monkeypatch.setattr(log_file.rospy, 'init_node', opens_a_log(file))
+    monkeypatch.setattr(log_file.tempfile, 'TemporaryFile', full)
+    monkeypatch.setenv('ROS_LOG_DIR', str(tmp_path))
+    log_file.init_node('node')
+    assert f'There is no log file in {tmp_path} (no).' in capsys.readouterr().err
+    monkeypatch.undo()
+    assert logging.handlers.RotatingFileHandler is not log_file._NoFile
+
+
+def test_where_a_log_file_can_be_opened_it_is(tmp_path, monkeypatch, capsys):
+    file = tmp_path / 'node.log'
+    monkeypatch.setattr(log_file.rospy, 'init_node', opens_a_log(file))
+    monkeypatch.setenv('ROS_LOG_DIR', str(tmp_path))
+    log_file.init_node('node')
+    assert file.exists() and capsys.readouterr().err == ''
