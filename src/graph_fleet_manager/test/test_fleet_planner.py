@@ -13,7 +13,7 @@ from graph_fleet_manager.planning.configuration_search import search_configurati
 from graph_fleet_manager.planning.parking import Parking
 from graph_fleet_manager.planning.planner import FleetPlanner
 from graph_fleet_manager.planning.plans import Drive
-from graph_fleet_manager.planning.precedence import Constraint, has_cycle, precedence
+from graph_fleet_manager.planning.precedence import Conflicting, precedence
 from graph_fleet_manager.planning.problem import Problem
 from graph_fleet_manager.planning.road_network import RoadNetwork
 from graph_fleet_manager.planning.tasks import CannotPlan, Obstacle, PlannedDrive, Task
@@ -281,13 +281,13 @@ def test_the_search_over_configurations_swaps_robots_in_a_siding():
     assert at == {'a': network.index[5], 'b': network.index[1]}
 
 
-def test_an_order_in_which_nobody_can_begin_is_a_ring():
-    lengths = {'a': 2, 'b': 2}
-    ahead = Constraint('a', 1, 0.5, 'b', 0)
-    assert not has_cycle(lengths, [ahead])
-    assert not has_cycle(lengths, [ahead, Constraint('a', 0, 0.0, 'b', 1)])
-    assert has_cycle(lengths, [ahead, Constraint('b', 0, 0.0, 'a', 1)])
-    assert has_cycle(lengths, [ahead, Constraint('b', 1, 0.0, 'a', 0)])
+def test_no_order_of_use_is_made_of_drives_that_go_back_in_time():
+    """For all else leads on in time: only so might robots wait for each other in a ring."""
+    network = RoadNetwork(corridor(4))
+    table = Timetable(network, 0.1, [AGV])
+    first, second = (network.drive(edge) for edge in network.edge_ids[:2])
+    with pytest.raises(Conflicting, match='a would begin its drive 1 before'):
+        precedence(table, {'a': [Drive(first, 5.0, 7.0), Drive(second, 1.0, 3.0)]}, {'a': AGV})
 
 
 def test_what_was_released_needs_no_precedence_any_more():

@@ -135,14 +135,14 @@ def test_one_robot_past_the_plan_of_another_takes_no_longer_than_it_must(search,
     both = planner.plan(tasks, (), time.monotonic() + 5.0, 0)
     least = _best_alone(graph, start, goal, 40, [track])
     if least is None or both.unserved or both.drives['r0'] != first.drives['r0']:
-        return  # the other one had to give way; `test_the_whole_fleet...` looks at that
+        return  # the other one had to give way; `test_small_fleets...` looks at that
     ends = both.drives['r1'][-1].end if both.drives['r1'] else 0.0
     assert ends == pytest.approx(least)
 
 
 @given(st.integers(0, 2 ** 32 - 1))
 @settings(max_examples=settings.default.max_examples * 2 // 5)
-def test_the_whole_fleet_is_near_the_best_there_is(seed):
+def test_small_fleets_get_a_plan_whenever_there_is_one(seed):
     random = Random(seed)
     graph = _grid(random, 3, 3)
     robots = random.choice((2, 2, 3))
@@ -156,11 +156,10 @@ def test_the_whole_fleet_is_near_the_best_there_is(seed):
     assert not outcome.unserved
     cost = sum(drives[-1].end for drives in outcome.drives.values() if drives)
     assert best <= cost + 1e-6
-    assert cost <= 2.0 * best + 2.0
 
 
 def test_plans_of_small_fleets_are_mostly_the_best_there_are():
-    met, solved = 0, 0
+    met, solved, costs, least = 0, 0, 0.0, 0.0
     for seed in range(30):
         random = Random(seed)
         graph = _grid(random, 3, 3)
@@ -172,8 +171,10 @@ def test_plans_of_small_fleets_are_mostly_the_best_there_are():
             _tasks(starts, goals), (), time.monotonic() + 5.0, 30)
         solved += 1
         met += outcome.cost <= best + 1e-6
+        costs, least = costs + outcome.cost, least + best
     assert solved > 15
     assert met >= 0.8 * solved, f'{met} of {solved}'
+    assert costs <= 1.1 * least, f'{costs} s instead of {least} s'
 
 
 @given(st.integers(0, 2 ** 32 - 1))

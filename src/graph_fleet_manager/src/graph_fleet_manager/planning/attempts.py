@@ -27,7 +27,7 @@ from graph_fleet_manager.planning.tea_star import TeaStar, Way, Ways, by_length
 from graph_fleet_manager.planning.timetable import Timetable
 from graph_fleet_manager.planning.travellers import Traveller
 
-_ORDERS = 6      # in which all are planned anew before the search over configurations begins
+_ORDERS = 10      # in which all are planned anew before the search over configurations begins
 _ROOM_ORDERS = 4  # in which a robot and those in its way are planned
 _TO_FINISH = 0.002  # s that are left at the end, and so many times what an outcome took before:
 _SLOWER = 1.5

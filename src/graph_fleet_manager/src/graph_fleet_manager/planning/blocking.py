@@ -11,7 +11,9 @@ of one robot type this module gives the slots of another type that it blocks:
 """
 from __future__ import annotations
 
-from typing import List, Optional, Sequence, Tuple
+from array import array
+from functools import cached_property
+from typing import Iterator, List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
@@ -22,8 +24,15 @@ from graph_fleet_manager.planning.road_network import RoadNetwork
 Block = Tuple[int, float, float]
 """Slot, clear fraction, lead in s."""
 
-_EDGES_AT_ONCE = 64
-_PREPARED = 2000000  # pairs of places: beyond them, rows are made when they are first needed
+
+class _Blocks(NamedTuple):
+    """The blocks of all places, row by row. Not numpy's arrays, for short rows are gone through
+    number by number."""
+
+    rows: List[slice]     # of each place
+    slots: array[int]
+    leads: array[float]   # s
+    clears: Tuple[array[float], array[float]]  # of an edge driven forward, and backward
 
 
 class Blocking:
@@ -35,38 +44,23 @@ class Blocking:
         self._distance = mover.reach + observer.reach + clearance
         times = np.array(network.times(observer))
         self._times = np.where(np.isfinite(times), times, 0.0)
-        self._drives: List[Optional[List[Block]]] = [None] * network.drives
-        self._waits: List[Optional[List[Tuple[int, float]]]] = [None] * network.vertices
 
     @property
     def conflicts(self) -> Conflicts:
         """The places that exclude each other, and for how long."""
         return self._network.exclusions.at(self._distance)
 
-    def prepare(self) -> None:
-        """Makes everything at once, unless the graph is so dense that it would take long."""
-        if len(self.conflicts.other) <= _PREPARED:
-            self._make(0, len(self.conflicts.starts) - 1)
-
-    def drive(self, drive: int) -> List[Block]:
+    def drive(self, drive: int) -> Iterator[Block]:
         """What driving blocks."""
-        blocks = self._drives[drive]
-        if blocks is None:
-            first = self._network.vertices + (drive >> 1) // _EDGES_AT_ONCE * _EDGES_AT_ONCE
-            self._make(first, min(first + _EDGES_AT_ONCE, len(self.conflicts.starts) - 1))
-            blocks = self._drives[drive]
-            assert blocks is not None
-        return blocks
+        rows, slots, leads, clears = self._blocks
+        row = rows[self._network.vertices + (drive >> 1)]
+        return zip(slots[row], clears[drive & 1][row], leads[row])
 
-    def wait(self, vertex: int) -> List[Tuple[int, float]]:
+    def wait(self, vertex: int) -> Iterator[Tuple[int, float]]:
         """(slot, lead) blocked by who waits at a vertex."""
-        blocks = self._waits[vertex]
-        if blocks is None:
-            first = vertex // _EDGES_AT_ONCE * _EDGES_AT_ONCE
-            self._make(first, min(first + _EDGES_AT_ONCE, self._network.vertices))
-            blocks = self._waits[vertex]
-            assert blocks is not None
-        return blocks
+        rows, slots, leads, _ = self._blocks
+        row = rows[vertex]
+        return zip(slots[row], leads[row])
 
     def excluded(self, place: int) -> List[int]:
         """The places (not slots) that an observer may not hold while a mover holds this one."""
@@ -92,34 +86,26 @@ class Blocking:
                   for way in (0, 1)]
         return waits + [(drive, float(self._times[drive])) for drive in drives]
 
-    def _make(self, first: int, last: int) -> None:
-        """Fills in the rows of the places `first` to `last` - 1."""
-        conflicts = self.conflicts
-        begin, end = conflicts.starts[first], conflicts.starts[last]
-        pairs = slice(begin, end)
-        other, mirrored = conflicts.other[pairs], conflicts.transpose[pairs]
-        vertices = self._network.vertices
-        is_edge = other >= vertices
-        forward_drive = np.where(is_edge, 2 * (other - vertices), 0)
-        lead = np.zeros((2, len(other)))
-        for k, clear in enumerate((conflicts.forward, conflicts.backward)):
-            lead[k] = np.where(is_edge, clear[mirrored] * self._times[forward_drive + k], 0.0)
+    def prepare(self) -> None:
+        """Makes what `drive` and `wait` tell; otherwise it is made when it is first needed."""
+        _ = self._blocks
+
+    @cached_property
+    def _blocks(self) -> _Blocks:
+        starts, other, forward, backward, mirrored = self.conflicts
+        is_edge = other >= self._network.vertices
         # Every pair with an edge makes two blocks, one for each direction; with a vertex, one.
-        slot = np.where(is_edge, forward_drive, other + self._network.drives)
         count = np.where(is_edge, 2, 1)
-        which = np.repeat(np.arange(len(other)), count)
-        way = np.zeros(len(which), dtype=np.int64)
-        way[np.cumsum(count)[is_edge] - 1] = 1
-        slots, leads = (slot[which] + way).tolist(), lead[way, which].tolist()
-        clears = [clear[pairs][which].tolist()
-                  for clear in (conflicts.forward, conflicts.backward)]
-        offsets = np.concatenate(([0], np.cumsum(count)))
-        bounds = offsets[conflicts.starts[first:last + 1] - begin].tolist()
-        for place, low, high in zip(range(first, last), bounds, bounds[1:]):
-            if place < vertices:
-                self._waits[place] = list(zip(slots[low:high], leads[low:high]))
-            else:
-                drive = 2 * (place - vertices)
-                for k in (0, 1):
-                    self._drives[drive + k] = list(
-                        zip(slots[low:high], clears[k][low:high], leads[low:high]))
+        first = np.concatenate(([0], np.cumsum(count)))
+        pair = np.repeat(np.arange(len(other)), count)
+        slots = (other + self._network.drives)[pair]
+        leads = np.zeros(len(slots))
+        drive = 2 * (other[is_edge] - self._network.vertices)
+        for way, clear in enumerate((forward, backward)):
+            at = first[:-1][is_edge] + way
+            slots[at] = drive + way
+            leads[at] = clear[mirrored[is_edge]] * self._times[drive + way]
+        bounds = first[starts].tolist()
+        return _Blocks([slice(*ends) for ends in zip(bounds, bounds[1:])],
+                       array('q', slots.tobytes()), array('d', leads.tobytes()),
+                       (array('d', forward[pair].tobytes()), array('d', backward[pair].tobytes())))

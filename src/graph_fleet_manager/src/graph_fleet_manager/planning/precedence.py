@@ -3,17 +3,17 @@
 For every pair of drives that exclude each other the plan's times fix an order. Kept, that order
 makes the plan safe however long a drive takes and wherever a robot comes to rest; the times only
 matter for its cost (Hoenig et al., RA-L 2019). The order is written as constraints: robot b may
-begin its drive j only once robot a has driven the fraction f of its drive i.
+begin its drive j only once robot a has driven the fraction f of its drive i. All drives stand in
+one row, those of each robot in their order, and every constraint leads on in that row: so robots
+never wait for each other in a ring.
 """
 from __future__ import annotations
 
-from itertools import accumulate, chain
+from itertools import chain
 from types import MappingProxyType
 from typing import Dict, List, Mapping, NamedTuple, Sequence, Tuple
 
 import numpy as np
-from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import connected_components
 
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.planning.arrays import count_up
@@ -62,7 +62,8 @@ def precedence(timetable: Timetable, plans: Plans, kinds: Mapping[str, RobotType
     """The constraints that keep `plans` safe, none of which follows from another of the same pair.
 
     So many first drives of each robot as `released` says need none any more: all that had to come
-    before them has come. Raises Conflicting where the times of the plans themselves are not safe.
+    before them has come. Raises Conflicting where the times of the plans themselves are not safe,
+    or not those of drives one after the other.
     """
     names = sorted(name for name, plan in plans.items() if plan)
     if not names:
@@ -83,7 +84,7 @@ def precedence(timetable: Timetable, plans: Plans, kinds: Mapping[str, RobotType
 
 
 def _in_order(plans: Plans, names: Sequence[str], released: Mapping[str, int]) -> _Drives:
-    """What was released comes first, the rest by its times."""
+    """What was released comes first, the rest by its times; no robot goes back in time."""
     counts = np.array([len(plans[name]) for name in names])
     robot, number = np.repeat(np.arange(len(names)), counts), count_up(counts)
     rows = chain.from_iterable(plans[name] for name in names)
@@ -91,6 +92,12 @@ def _in_order(plans: Plans, names: Sequence[str], released: Mapping[str, int]) -
     drive, start, end, begun = values.reshape(-1, 4).T
     planned = number >= np.array([released.get(name, 0) for name in names])[robot]
     order = np.lexsort((number, robot, end, start, planned))
+    place = np.empty_like(order)
+    place[order] = np.arange(len(order))
+    back = np.flatnonzero((np.diff(place) < 0) & (np.diff(robot) == 0))
+    if len(back):
+        raise Conflicting(f'{names[robot[back[0]]]} would begin its drive {number[back[0]] + 1} '
+                          'before the one that leads there')
     columns = robot, number, drive.astype(np.int64), start, end, begun, planned
     return _Drives(*(column[order] for column in columns))
 
@@ -187,22 +194,3 @@ def _without_what_follows(drives: _Drives, pairs: _Pairs) -> _Pairs:
     most = np.maximum.accumulate(demand[order] + group * (len(order) + 1))
     new = np.concatenate(([True], np.diff(most) > 0))[:len(order)]
     return _Pairs(*(column[np.sort(order[new])] for column in pairs))
-
-
-def has_cycle(lengths: Mapping[str, int], constraints: Sequence[Constraint]) -> bool:
-    """Would robots wait for each other in a ring? `lengths`: how many drives each plan has."""
-    ends = list(accumulate(lengths.values()))
-    begins: Dict[str, int] = {name: end - lengths[name] for name, end in zip(lengths, ends)}
-    drives = ends[-1] if ends else 0
-    if not drives:
-        return False
-    follows = np.ones(drives, dtype=bool)
-    follows[[begin for name, begin in begins.items() if lengths[name]]] = False
-    second = np.flatnonzero(follows)
-    before = [begins[c.first] + c.before for c in constraints]
-    after = [begins[c.then] + c.drive for c in constraints]
-    waits = csr_matrix((np.ones(len(second) + len(before)),
-                        (np.concatenate((second - 1, np.array(before, dtype=np.int64))),
-                         np.concatenate((second, np.array(after, dtype=np.int64))))),
-                       shape=(drives, drives))
-    return connected_components(waits, directed=True, connection='strong')[0] < drives

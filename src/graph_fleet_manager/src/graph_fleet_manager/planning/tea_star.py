@@ -2,7 +2,8 @@
 
 The loop is that of the dissertation's path planner: what robots will drive in any case is booked
 first; then every robot looks for its way through time, past all who have theirs; where one finds
-none, it comes first in a new order and all is planned again. While a robot has no plan yet, its
+none, it comes first in a new order. Who is not in its way there keeps what he has, and only the
+others look again; if that does not help, all is planned again. While a robot has no plan yet, its
 place is an obstacle only for a moment, as in the two first layers of TEA*.
 """
 from __future__ import annotations
@@ -10,7 +11,7 @@ from __future__ import annotations
 import time
 from math import inf
 from random import Random
-from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence
+from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Set
 
 from graph_fleet_manager.planning.layers import Search
 from graph_fleet_manager.planning.plans import Plan
@@ -79,18 +80,28 @@ class TeaStar:
         The order given is tried first. Nobody of the travellers may be booked.
         """
         order = list(travellers)
+        ways: Ways = {}
+        put_first: Set[str] = set()
         for _ in range(orders):
-            ways: Ways = {}
-            for traveller in order:
-                self.book_present(traveller)
+            if not put_first:
+                ways.clear()
+                self.forget(order)
+                for traveller in order:
+                    self.book_present(traveller)
             failed = self._plan_in(order, ways, deadline)
             if failed is None:
                 return ways
-            self.forget(order)
             if time.monotonic() > deadline:
                 break
             order.remove(failed)
             order.insert(0, failed)
+            if failed.name in put_first:  # and lost its way again: all are planned anew
+                put_first.clear()
+            elif self._put_first(order, ways):
+                put_first.add(failed.name)
+            else:
+                break
+        self.forget(order)
         return None
 
     def forget(self, travellers: Iterable[Traveller]) -> None:
@@ -100,15 +111,51 @@ class TeaStar:
 
     def _plan_in(self, order: Sequence[Traveller], ways: Ways,
                  deadline: float) -> Optional[Traveller]:
-        """Plans in this order; returns who found no way, or came too late."""
+        """Plans those without a way in this order; returns who found none, or came too late."""
         for traveller in order:
-            self.timetable.cancel(traveller.name)
-            way = self.way_of(traveller)
-            if way is None or time.monotonic() > deadline:
-                return traveller
-            ways[traveller.name] = way
-            self.book(traveller, way)
+            if traveller.name not in ways:
+                self.timetable.cancel(traveller.name)
+                way = self.way_of(traveller)
+                if way is None or time.monotonic() > deadline:
+                    return traveller
+                ways[traveller.name] = way
+                self.book(traveller, way)
         return None
+
+    def _put_first(self, order: Sequence[Traveller], ways: Ways) -> bool:
+        """Plans the first of the order as if it came first; who is in its way loses his own.
+
+        False where it has no way even then.
+        """
+        first, planned = order[0], [t for t in order if t.name in ways]
+        taken = self.timetable.take_out([t.name for t in planned])
+        for traveller in planned:
+            self.book_present(traveller)
+        way = self.way_of(first)
+        self.timetable.put_back(taken)
+        if way is None:
+            return False
+        ways[first.name] = way
+        self.book(first, way)
+        for traveller in planned:
+            if self._meets(traveller, ways[traveller.name], first.name):
+                del ways[traveller.name]
+                self.timetable.cancel(traveller.name)
+                self.book_present(traveller)
+        return True
+
+    def _meets(self, traveller: Traveller, way: Way, other: str) -> bool:
+        """Does a way run into what is booked for another robot?"""
+        if traveller.between:
+            return True  # where it stands is no vertex: it is simply planned again
+        slots = self.timetable.slots[traveller.kind]
+        vertex, since = traveller.errand.vertex, traveller.errand.ready
+        for drive in way.plan:
+            if (slots.is_booked(other, slots.drives + vertex, since, drive.start)
+                    or slots.is_booked(other, drive.drive, drive.start, drive.start)):
+                return True
+            vertex, since = self.timetable.network.destination(drive.drive), drive.end
+        return slots.is_booked(other, slots.drives + vertex, since, inf)
 
     def _moment(self, traveller: Traveller) -> float:
         roads = traveller.errand.roads[traveller.errand.vertex]

@@ -74,22 +74,26 @@ class Slots:
             self.bookings[slot].append(booking)
             self.merged[slot] = None
 
-    def add_drive(self, latest: Dict[int, _Booking], blocks: Sequence[Block], start: float,
+    def add_drive(self, latest: Dict[int, _Booking], blocks: Iterable[Block], start: float,
                   seconds: float, robot: str) -> None:
         """Books all that a drive blocks: `add` for each, written out because it runs so often."""
         bookings, merged = self.bookings, self.merged
         for slot, clear, lead in blocks:
-            begin, end = start - lead, start + clear * seconds
+            begin = start - lead
             booking = latest.get(slot)
-            if booking is not None and begin <= booking[1]:
-                if begin < booking[0]:
-                    booking[0] = begin
-                if end > booking[1]:
-                    booking[1] = end
-            else:
-                latest[slot] = booking = [begin, end, robot]
+            if booking is None or begin > booking[1]:
+                latest[slot] = booking = [begin, start + clear * seconds, robot]
                 bookings[slot].append(booking)
                 merged[slot] = None
+            else:
+                booking[1] = start + clear * seconds  # later than what came before it
+                if begin < booking[0]:
+                    booking[0] = begin
+
+    def is_booked(self, robot: str, slot: int, begin: float, end: float) -> bool:
+        """Is a slot booked for a robot at any time between two, or at one within?"""
+        return any(since < end and begin < until for since, until, name in self.bookings[slot]
+                   if name == robot)
 
     def busy(self, slot: int) -> Busy:
         """When `slot` is blocked. At the very ends of these times it is free."""
@@ -141,14 +145,13 @@ class Timetable:
         for observer in self.kinds:
             slots, blocking = self.slots[observer], self.blocking[kind, observer]
             latest: Dict[int, _Booking] = {}
-            waits = (blocking.wait(vertex) if between is None
-                     else self._at_point(kind, observer, between))
-            since = -inf
+            waits = None if between is None else self._at_point(kind, observer, between)
+            since, at = -inf, vertex
             for number, (drive, start, end, begun) in enumerate(plan):
                 if start > since and (not begun or between):
-                    for slot, lead in waits:
+                    for slot, lead in blocking.wait(at) if waits is None else waits:
                         slots.add(latest, slot, since - lead, start, robot)
-                blocks = blocking.drive(drive)
+                blocks: Iterable[Block] = blocking.drive(drive)
                 if begun:
                     blocks = _rest_of(blocks, begun)
                 if number < held:
@@ -156,8 +159,8 @@ class Timetable:
                         slots.add(latest, slot, -inf, start + clear * (end - start), robot)
                 else:
                     slots.add_drive(latest, blocks, start, end - start, robot)
-                waits, since = blocking.wait(self.network.origin[drive ^ 1]), end
-            for slot, lead in waits:
+                waits, since, at = None, end, self.network.origin[drive ^ 1]
+            for slot, lead in blocking.wait(at) if waits is None else waits:
                 slots.add(latest, slot, since - lead, until, robot)
             self._touched[robot].append((slots, latest))
             slots.horizon = max(slots.horizon, since, until if until < inf else since)
@@ -295,7 +298,7 @@ class Timetable:
             between.x, between.y, kind.reach + other.reach + self.clearance)
 
 
-def _rest_of(blocks: Sequence[Block], begun: float) -> List[Block]:
+def _rest_of(blocks: Iterable[Block], begun: float) -> List[Block]:
     """What the rest of a drive blocks when a fraction of it lies behind."""
     return [(slot, (clear - begun) / (1.0 - begun), lead)
             for slot, clear, lead in blocks if clear > begun]
