@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from math import inf
-from typing import Dict, List, Mapping, Sequence, Tuple
+from typing import Dict, Iterable, List, Mapping, Sequence, Tuple
 
 from graph_fleet_manager.planning.plans import Plans
 from graph_fleet_manager.planning.schedule import schedule
@@ -59,6 +59,7 @@ def _passes(timetable: Timetable, owner: Traveller, kept: Sequence[PlannedDrive]
             stranger: Traveller) -> bool:
     """Does the plan of one robot lead past the place where another one stands?"""
     blocking = timetable.blocking[stranger.kind, owner.kind]
+    blocked: Iterable[Tuple[int, float]]
     if stranger.between is not None:
         blocked = blocking.around_point(timetable.places_near(
             stranger.kind, owner.kind, stranger.between))

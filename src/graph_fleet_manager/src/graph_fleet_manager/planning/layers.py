@@ -14,7 +14,7 @@ from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 from graph_fleet_manager.planning.plans import Plan
 from graph_fleet_manager.planning.safe_intervals import Arrival, plan_from
-from graph_fleet_manager.planning.timetable import Busy, Slots
+from graph_fleet_manager.planning.slots import Busy, Slots
 from graph_fleet_manager.planning.travellers import Errand
 
 _ROUNDING = 1e-9  # of a layer

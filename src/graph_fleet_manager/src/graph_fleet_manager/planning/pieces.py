@@ -74,7 +74,9 @@ def edge_lengths(graph: Graph, splines: Splines) -> np.ndarray:
         if edge.curve_type is CurveType.LINE:
             ends = graph.vertices[edge.origin].position, graph.vertices[edge.destination].position
             lengths[k] = np.hypot(ends[1][0] - ends[0][0], ends[1][1] - ends[0][1])
-    lengths[splines.edges] = bezier_lengths(splines.control)
+    for k in range(0, len(splines.edges), _AT_ONCE):
+        some = slice(k, k + _AT_ONCE)
+        lengths[splines.edges[some]] = bezier_lengths(splines.control[some])
     return lengths
 
 

@@ -16,7 +16,7 @@ from sys import float_info
 from typing import Dict, List, Optional, Sequence, Tuple
 
 from graph_fleet_manager.planning.plans import Drive, Plan
-from graph_fleet_manager.planning.timetable import Slots
+from graph_fleet_manager.planning.slots import Slots
 from graph_fleet_manager.planning.travellers import Errand
 
 Arrival = Tuple[int, float, int, float]

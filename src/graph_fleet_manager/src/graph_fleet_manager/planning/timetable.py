@@ -3,19 +3,13 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from math import inf
-from typing import Any, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.planning.blocking import Block, Blocking
 from graph_fleet_manager.planning.plans import Drive
 from graph_fleet_manager.planning.road_network import RoadNetwork
-
-Busy = Tuple[Sequence[float], Sequence[float]]
-"""Beginnings and ends of the times at which a slot is blocked: ascending, without overlaps."""
-
-_NEVER: Busy = ((), ())
-_Booking = List[Any]
-"""Begin, end, robot."""
+from graph_fleet_manager.planning.slots import Booking, Busy, Slots, merge
 
 
 class Between(NamedTuple):
@@ -47,60 +41,8 @@ class TakenOut(NamedTuple):
 
     booked: Dict[str, Booked]
     touched: Dict[str, List[Tuple[Slots, Iterable[int]]]]
-    before: List[Tuple[Slots, Dict[int, Tuple[List[_Booking], Optional[Busy]]]]]
+    before: List[Tuple[Slots, Dict[int, Tuple[List[Booking], Optional[Busy]]]]]
     """For all slots in which one of them is booked the bookings, and these merged."""
-
-
-class Slots:
-    """The bookings as one robot type sees them: when it may begin each drive, or wait."""
-
-    def __init__(self, drives: int, vertices: int) -> None:
-        self.drives = drives
-        """Behind so many slots for drives follow those for vertices."""
-        self.bookings: List[List[_Booking]] = [[] for _ in range(drives + vertices)]
-        self.merged: List[Optional[Busy]] = [_NEVER] * (drives + vertices)
-        self.horizon = 0.0
-        """After this time nothing changes any more."""
-
-    def add(self, latest: Dict[int, _Booking], slot: int, begin: float, end: float,
-            robot: str) -> None:
-        """Books a slot. What one robot blocks without a break is one booking: it is in `latest`."""
-        booking = latest.get(slot)
-        if booking is not None and begin <= booking[1]:
-            booking[0] = min(booking[0], begin)
-            booking[1] = max(booking[1], end)
-        else:
-            latest[slot] = booking = [begin, end, robot]
-            self.bookings[slot].append(booking)
-            self.merged[slot] = None
-
-    def add_drive(self, latest: Dict[int, _Booking], blocks: Iterable[Block], start: float,
-                  seconds: float, robot: str) -> None:
-        """Books all that a drive blocks: `add` for each, written out because it runs so often."""
-        bookings, merged = self.bookings, self.merged
-        for slot, clear, lead in blocks:
-            begin = start - lead
-            booking = latest.get(slot)
-            if booking is None or begin > booking[1]:
-                latest[slot] = booking = [begin, start + clear * seconds, robot]
-                bookings[slot].append(booking)
-                merged[slot] = None
-            else:
-                booking[1] = start + clear * seconds  # later than what came before it
-                if begin < booking[0]:
-                    booking[0] = begin
-
-    def is_booked(self, robot: str, slot: int, begin: float, end: float) -> bool:
-        """Is a slot booked for a robot at any time between two, or at one within?"""
-        return any(since < end and begin < until for since, until, name in self.bookings[slot]
-                   if name == robot)
-
-    def busy(self, slot: int) -> Busy:
-        """When `slot` is blocked. At the very ends of these times it is free."""
-        busy = self.merged[slot]
-        if busy is None:
-            busy = self.merged[slot] = merge(self.bookings[slot])
-        return busy
 
 
 class Timetable:
@@ -144,7 +86,7 @@ class Timetable:
         self._touched[robot] = []
         for observer in self.kinds:
             slots, blocking = self.slots[observer], self.blocking[kind, observer]
-            latest: Dict[int, _Booking] = {}
+            latest: Dict[int, Booking] = {}
             waits = None if between is None else self._at_point(kind, observer, between)
             since, at = -inf, vertex
             for number, (drive, start, end, begun) in enumerate(plan):
@@ -170,7 +112,7 @@ class Timetable:
         self._touched[robot] = []
         for observer in self.kinds:
             slots = self.slots[observer]
-            latest: Dict[int, _Booking] = {}
+            latest: Dict[int, Booking] = {}
             for place in places:
                 for slot, _ in self.blocking[kind, observer].of_place(place):
                     slots.add(latest, slot, -inf, inf, robot)
@@ -245,12 +187,12 @@ class Timetable:
         return found
 
     def _against_rest(self, kind: RobotType, drive: int, begun: float,
-                      seconds: float) -> List[_Booking]:
+                      seconds: float) -> List[Booking]:
         """When others keep a robot from driving the rest of a drive of which some lies behind it.
 
         Bookings are made for whole drives; those that only concern what lies behind are left out.
         """
-        found: List[_Booking] = []
+        found: List[Booking] = []
         behind = begun * seconds
         for robot, begin, end, blocks in self._activities(kind):
             for slot, lead in blocks:
@@ -271,7 +213,7 @@ class Timetable:
         return first
 
     def _activities(self, observer: RobotType) -> Iterator[
-            Tuple[str, float, float, List[Tuple[int, float]]]]:
+            Tuple[str, float, float, Iterable[Tuple[int, float]]]]:
         """Every wait and drive of everybody: robot, begin, end, (slot, lead) that it blocks."""
         for robot, (kind, vertex, plan, between, until, held) in self.booked.items():
             blocking = self.blocking[kind, observer]
@@ -302,22 +244,3 @@ def _rest_of(blocks: Iterable[Block], begun: float) -> List[Block]:
     """What the rest of a drive blocks when a fraction of it lies behind."""
     return [(slot, (clear - begun) / (1.0 - begun), lead)
             for slot, clear, lead in blocks if clear > begun]
-
-
-def merge(bookings: Sequence[_Booking]) -> Busy:
-    """The times that any of the bookings covers."""
-    if not bookings:
-        return _NEVER
-    if len(bookings) == 1:
-        return (bookings[0][0],), (bookings[0][1],)
-    starts: List[float] = []
-    ends: List[float] = []
-    last = -inf
-    for begin, end, _ in sorted(bookings):
-        if begin >= last or not ends:
-            starts.append(begin)
-            ends.append(end)
-            last = end
-        elif end > last:
-            ends[-1] = last = end
-    return starts, ends
