@@ -58,7 +58,7 @@ def test_no_lane_leads_where_none_can_or_need(plan, why):
 
 def test_a_dead_end_that_is_moved_aside_keeps_the_clearance_that_a_lane_needs():
     narrow = Plan(2.6, 5.5, ((0.0, 2.0, 1.0, 3.5), (1.55, 2.0, 2.6, 3.5)), (1.3, 1.0))
-    net = net_of(narrow, (1.245, 1.4), (1.325, 3.6))
+    net = net_of(narrow, (1.235, 1.4), (1.325, 3.6))
     coverage = Coverage(net.floor, net.floor.clearance >= OPTIONS.robot_width / 2.0, OPTIONS.reach)
     give_tips_room(net, coverage, OPTIONS, (), ())
     lane, = net.lanes
@@ -67,10 +67,14 @@ def test_a_dead_end_that_is_moved_aside_keeps_the_clearance_that_a_lane_needs():
 
 
 def test_two_bends_do_not_become_one_where_robots_cannot_turn():
-    thing = (3.2, 2.65, 3.3, 2.75)
+    """Things keep either bend from moving to the other, and stand close to where the lanes meet."""
+    things = (1.95, 3.6, 2.0, 3.65), (2.4, 4.0, 2.45, 4.05), (3.2, 2.65, 3.3, 2.75)
     bends = (1.0, 3.0), (2.6, 3.0), (3.0, 3.4), (3.0, 5.0)
-    net = net_of(Plan(6.0, 6.0, (thing,), (1.0, 1.0)), *bends)
-    tidy(net, turning=OPTIONS.least_turning)
+    for turning, lanes in ((0.0, 2), (OPTIONS.least_turning, 3)):
+        net = net_of(Plan(6.0, 6.0, things, (1.0, 1.0)), *bends, need=0.5)
+        net.with_need(net.lane(2, 3), OPTIONS.tight)
+        tidy(net, turning=turning)
+        assert len(net.lanes) == lanes
     assert min(room_at(net, node) for node in net.nodes) >= OPTIONS.least_turning
 
 
