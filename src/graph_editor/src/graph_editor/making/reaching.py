@@ -19,7 +19,6 @@ from graph_editor.making.options import MakingOptions
 from graph_editor.making.straights import Margin, margins_of, straights, ways_to_drive
 from graph_editor.making.tidying import LEAST_FLOOR
 
-AWAY = 8.0  # m from unserved floor, within which lanes may begin that lead there
 STEP = 0.25  # m between places where lanes may begin, bend and end
 ENOUGH = 0.9  # of what a lane would serve at the far end of the floor: there it ends
 MIDDLE = 2.0  # m of way that a metre of clearance is worth, for a far end
@@ -74,8 +73,7 @@ def _way_to(net: LaneNet, part: np.ndarray, coverage: Coverage,
     """The way into a `part` (rows, columns) of the coverage's cells; None where there is none."""
     floor, margin = net.floor, margins_of(options)[1]
     goals = coverage.points_of(*np.nonzero(part))
-    costs = ways_to_drive(floor, margin, options, goals.min(axis=0) - AWAY,
-                          goals.max(axis=0) + AWAY)
+    costs = ways_to_drive(floor, margin, options, goals)
     joints = {cell: joint for cell, joint in _joints(net, margin).items()
               if costs[cell] != CLOSED}
     if not joints:

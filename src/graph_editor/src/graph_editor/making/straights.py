@@ -16,6 +16,7 @@ from graph_editor.making.sight import straight
 LONGEST = 3.0  # m of a lane between two of them
 PIECE = 0.5  # m of way that one more lane costs
 TIGHTNESS = 4.0  # m of way that a metre of clearance is worth
+AWAY = 8.0  # m around what ways shall join, within which they are looked for
 JUMP = 2.0  # m of a straight between parts of the floor to turn on, at most
 
 
@@ -76,13 +77,14 @@ def price(length: np.ndarray, room: np.ndarray, options: MakingOptions) -> np.nd
 
 
 def ways_to_drive(floor: Floor, margin: Margin, options: MakingOptions,
-                  low: np.ndarray, high: np.ndarray) -> np.ndarray:
+                  points: np.ndarray) -> np.ndarray:
     """(rows, columns) what a cell of way costs, the more the narrower; CLOSED to robots.
 
-    Between two corners (m). Open is the floor on which robots turn, and the best straight from
-    each part of it to each other that is near.
+    Open is the floor on which robots turn, and the best straight from each part of it to each
+    other that is near; everything in the box around points (N,2), and AWAY m around that.
     """
-    (top, bottom), (left, right) = floor.cells_of(np.array((low, high)))
+    (top, bottom), (left, right) = floor.cells_of(
+        np.array((points.min(axis=0) - AWAY, points.max(axis=0) + AWAY)))
     window = slice(top, bottom + 1), slice(left, right + 1)
     turning = np.zeros(floor.clearance.shape, bool)
     turning[window] = floor.clearance[window] >= margin.turning

@@ -89,29 +89,33 @@ def _room(net: LaneNet, place: np.ndarray) -> float:
 def _leave_out(net: LaneNet, places: Dict[int, Place],
                homes: Sequence[Tuple[float, float]], options: MakingOptions) -> str:
     """Takes out all parts of the net but one; says what that was."""
-    parts = sorted(net.components(), key=lambda part: (
-        len(part & set(places)), _started_at(net, part, homes, options),
-        sum(net.length(lane) for lane in net.lanes if lane.nodes[0] in part)))
-    lost = [lane for lane in net.lanes if lane.nodes[0] not in parts[-1]]
-    length = sum(map(net.length, lost))
-    names = [places.pop(node).name for part in parts[:-1] for node in sorted(part & set(places))]
-    for part in parts[:-1]:
-        for node in part:
-            net.remove_node(node)
-    behind = f', nor this way to {length:.0f} m of lanes behind it' if lost else ''
+    parts = list(net.components())
+    if len(parts) == 1:
+        return ''
+    worth = [(len(part & set(places)), started,
+              sum(net.length(lane) for lane in net.lanes if lane.nodes[0] in part))
+             for part, started in zip(parts, _started_at(net, parts, homes, options))]
+    stays = worth.index(max(worth))
+    del parts[stays], worth[stays]
+    length = sum(lengths for _, _, lengths in worth)
+    gone = set().union(*parts)
+    names = [places.pop(node).name for node in sorted(gone & set(places))]
+    for node in gone:
+        net.remove_node(node)
+    behind = f', nor this way to {length:.0f} m of lanes behind it' if length else ''
     return f'{behind}, with {", ".join(names)}' if names else behind
 
 
-def _started_at(net: LaneNet, part: Set[int], homes: Sequence[Tuple[float, float]],
-                options: MakingOptions) -> int:
-    """From how many of the `homes` (m) robots can drive to a part of the net."""
-    ends = np.array([net.positions[node] for node in part])
-    corners = np.vstack((*homes, ends))
-    floor, _ = ndimage.label(ways_to_drive(
-        net.floor, margins_of(options)[1], options, corners.min(axis=0), corners.max(axis=0)
-    ) != CLOSED, EVERY_NEIGHBOUR)
-    reached = {net.floor.part_near(floor, (x, y)) for x, y in ends} - {0}
-    return sum(net.floor.part_near(floor, home) in reached for home in homes)
+def _started_at(net: LaneNet, parts: Sequence[Set[int]], homes: Sequence[Tuple[float, float]],
+                options: MakingOptions) -> List[int]:
+    """From how many of the `homes` (m) robots can drive to each of the parts of the net."""
+    costs = ways_to_drive(net.floor, margins_of(options)[1], options,
+                          np.vstack((*homes, *net.positions.values())))
+    floor, _ = ndimage.label(costs != CLOSED, EVERY_NEIGHBOUR)
+    started = [net.floor.part_near(floor, home) for home in homes]
+    ends = {node: net.floor.part_near(floor, (x, y)) for node, (x, y) in net.positions.items()}
+    reached = [{ends[node] for node in part} - {0} for part in parts]
+    return [sum(home in there for home in started) for there in reached]
 
 
 def _bends(net: LaneNet, node: int) -> bool:
