@@ -41,8 +41,8 @@ def widen(net: LaneNet, options: MakingOptions, places: Dict[int, Place],
     """Draws lanes anew where they are too narrow, but for the nodes of `places`.
 
     Where no way is found, no lane stays. What can be reached only through there goes, `places`
-    included: the part with the most of them stays, or the one where most `homes` (m) are, or the
-    longest. Returns what people should know about that.
+    included: the part with the most of them stays, or the one that robots reach from most `homes`
+    (m), or the longest. Returns what people should know about that.
     """
     margins = margins_of(options)
     _split_narrow_lanes(net, margins[-1])
