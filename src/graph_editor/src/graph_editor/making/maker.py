@@ -19,6 +19,7 @@ from graph_editor.making.lanes import LaneNet
 from graph_editor.making.options import Halls, MakingOptions
 from graph_editor.making.places import attach_places
 from graph_editor.making.pruning import merge_junctions, prune
+from graph_editor.making.reaching import reach_out
 from graph_editor.making.rectifying import rectify
 from graph_editor.making.skeleton import skeleton_of
 from graph_editor.making.squaring import square
@@ -70,7 +71,8 @@ def make_graph(site: Site, options: MakingOptions) -> MadeGraph:
     if not net.lanes:
         add_bays(net, coverage, axes, options)
         give_tips_room(net, coverage, options, attached.nodes, homes)
-    tidy(net, attached.nodes)
+    reach_out(net, options)
+    tidy(net, attached.nodes, options.least_turning)
     ways = ways_of(net, attached.nodes, options)
     graph = assemble(net, ways, attached.nodes, site.frame_id, options)
     return MadeGraph(graph, tuple(notes + attached.notes))

@@ -19,12 +19,15 @@ STRAIGHT = math.radians(6.0)  # of turning, at a node that is none
 LEAST_FLOOR = 1.5  # m2 that only a dead end serves, for it to stay
 
 
-def tidy(net: LaneNet, keep: Collection[int] = ()) -> None:
-    """Tidies everything but the nodes to `keep`, to which others may come."""
+def tidy(net: LaneNet, keep: Collection[int] = (), turning: float = 0.0) -> None:
+    """Tidies everything but the nodes to `keep`, to which others may come.
+
+    Lanes come to bend only where there is a clearance of `turning` m.
+    """
     kept = set(keep)
     _cross(net)
-    _lead_through(net)
-    _merge_close(net, kept)
+    _lead_through(net, turning)
+    _merge_close(net, kept, turning)
     _dissolve_straight(net, kept)
 
 
@@ -51,8 +54,11 @@ def prune_tails(net: LaneNet, coverage: Coverage, turning: float) -> None:
 
 def _ends_narrow(net: LaneNet, node: int, turning: float) -> bool:
     """Would a dead end at this node be one where robots cannot turn?"""
-    room = float(net.floor.clearance_at(net.positions[node][None, :])[0])
-    return net.degree(node) == 2 and room < turning
+    return net.degree(node) == 2 and _room(net, net.positions[node]) < turning
+
+
+def _room(net: LaneNet, place: np.ndarray) -> float:
+    return float(net.floor.clearance_at(place[None, :])[0])
 
 
 def _cross(net: LaneNet) -> None:
@@ -89,14 +95,15 @@ def _crossing(net: LaneNet) -> Optional[Tuple[Lane, Lane, np.ndarray]]:
     return None
 
 
-def _lead_through(net: LaneNet) -> None:
+def _lead_through(net: LaneNet, turning: float) -> None:
     """A lane that passes close to a node that is not its own leads through it."""
     again = True
     while again:
         again = False
         for node in net.nodes:
             for lane in net.lanes:
-                if node not in lane.nodes and _passes(net, lane, node):
+                if (node not in lane.nodes and _passes(net, lane, node)
+                        and _room(net, net.positions[node]) >= turning):
                     a, b = lane.nodes
                     net.remove_lane(lane)
                     nearest = int(np.argmin(((lane.samples - net.positions[node]) ** 2
@@ -119,7 +126,7 @@ def _passes(net: LaneNet, lane: Lane, node: int) -> bool:
     return all(in_sight(net.floor, end, position, lane.need) for end in (a, b))
 
 
-def _merge_close(net: LaneNet, keep: set) -> None:
+def _merge_close(net: LaneNet, keep: set, turning: float) -> None:
     refused = set()
     keep = set(keep)
     while True:
@@ -128,11 +135,11 @@ def _merge_close(net: LaneNet, keep: set) -> None:
         if not short:
             return
         _, (a, b) = min(short)
-        if not _merge(net, a, b, keep):
+        if not _merge(net, a, b, keep, turning):
             refused.add((a, b))
 
 
-def _merge(net: LaneNet, a: int, b: int, keep: set) -> bool:
+def _merge(net: LaneNet, a: int, b: int, keep: set, turning: float) -> bool:
     for node, other in ((a, b), (b, a)) if net.degree(a) >= net.degree(b) else ((b, a), (a, b)):
         if other in keep:
             continue
@@ -140,15 +147,17 @@ def _merge(net: LaneNet, a: int, b: int, keep: set) -> bool:
                   if neighbour != node]
         starts = [(net.positions[next(n for n in lane.nodes if n != other)], lane.need)
                   for lane in around]
+        if around and _room(net, net.positions[node]) < turning:
+            continue
         if all(in_sight(net.floor, start, net.positions[node], need) for start, need in starts):
             if not around:
                 keep.add(node)  # else a dead end that bends goes node by node
             net.merge(node, other)
             return True
-    return not {a, b} & keep and _merge_in_corner(net, a, b)
+    return not {a, b} & keep and _merge_in_corner(net, a, b, turning)
 
 
-def _merge_in_corner(net: LaneNet, a: int, b: int) -> bool:
+def _merge_in_corner(net: LaneNet, a: int, b: int, turning: float) -> bool:
     """Two bends become one where the lanes that lead to them meet.
 
     The lanes get as little room there as the lane between the bends had.
@@ -167,7 +176,8 @@ def _merge_in_corner(net: LaneNet, a: int, b: int) -> bool:
     outer = [(net.lane(before, a), net.positions[before]), (net.lane(b, after),
                                                             net.positions[after])]
     need = min(net.lane(a, b).need, *(lane.need for lane, _ in outer))
-    if max(np.hypot(*(corner - here)), np.hypot(*(corner - there))) > CLOSE or not all(
+    if max(np.hypot(*(corner - here)), np.hypot(*(corner - there))) > CLOSE or (
+            _room(net, corner) < turning) or not all(
             in_sight(net.floor, far, corner, need) for _, far in outer):
         return False
     for lane, _ in outer:

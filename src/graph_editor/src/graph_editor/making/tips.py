@@ -8,9 +8,10 @@ import numpy as np
 from graph_editor.making.coverage import Coverage
 from graph_editor.making.lanes import LaneNet
 from graph_editor.making.options import MakingOptions
-from graph_editor.making.sight import in_sight, straight
+from graph_editor.making.sight import straight
+from graph_editor.making.straights import Margin, margins_of, places_to_turn, room_between
 from graph_editor.making.tidying import CLOSE, LEAST_FLOOR
-from graph_editor.making.widening import ASIDE, Margin, margins_of, places_to_turn
+from graph_editor.making.widening import ASIDE
 
 
 def give_tips_room(net: LaneNet, coverage: Coverage, options: MakingOptions,
@@ -49,9 +50,10 @@ def _place_for(net: LaneNet, coverage: Coverage, tip: int, base: int,
     for margin in margins_of(options):
         room = net.floor.clearance_at(net.positions[base][None, :])[0]
         if net.degree(base) == 1 or room >= margin.turning:     # the lane will bend there
-            for place in _nearest_to_turn(net, here, margin):
-                if in_sight(net.floor, net.positions[base], place, margin.straight):
-                    return place
+            places = _nearest_to_turn(net, here, margin)
+            room = room_between(net.floor, net.positions[base], places)
+            for place in places[room >= margin.straight]:
+                return place
     return back
 
 

@@ -7,37 +7,33 @@ through.
 """
 from __future__ import annotations
 
-import math
 from itertools import combinations
-from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Dict, Iterator, List, Sequence, Set, Tuple
 
 import numpy as np
+from scipy import ndimage
 from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
-from skimage.graph import MCP_Geometric
 
-from graph_editor.floor import Floor
+from graph_editor.floor import EVERY_NEIGHBOUR
 from graph_editor.making.bends import turn_of
 from graph_editor.making.coverage import CLOSED
 from graph_editor.making.lanes import LaneNet
 from graph_editor.making.options import MakingOptions
 from graph_editor.making.sight import straight
+from graph_editor.making.straights import (
+    Margin,
+    margins_of,
+    places_to_turn,
+    straights,
+    ways_to_drive,
+)
 from graph_editor.robot import NEARLY_STRAIGHT
 from graph_editor.site import Place
 
 NEAR = 1.5  # m around a tight corner within which the lanes may be drawn anew
 ASIDE = 0.8  # m from the lanes, where places to turn are looked for
 PLACES = 120  # that are looked at, those nearest to where robots cannot turn
-LONGEST = 3.0  # m of a lane between two of them
-PIECE = 0.5  # m of way that one more lane costs
-TIGHTNESS = 4.0  # m of way that a metre of clearance is worth
-
-
-class Margin(NamedTuple):
-    """Clearances, m: of places to turn, and along lanes."""
-
-    turning: float
-    straight: float
 
 
 def widen(net: LaneNet, options: MakingOptions, places: Dict[int, Place],
@@ -45,8 +41,8 @@ def widen(net: LaneNet, options: MakingOptions, places: Dict[int, Place],
     """Draws lanes anew where they are too narrow, but for the nodes of `places`.
 
     Where no way is found, no lane stays. What can be reached only through there goes, `places`
-    included: the part with the most of them stays, or the one where most `homes` (m) are, or the
-    longest. Returns what people should know about that.
+    included: the part with the most of them stays, or the one that robots reach from most `homes`
+    (m), or the longest. Returns what people should know about that.
     """
     margins = margins_of(options)
     _split_narrow_lanes(net, margins[-1])
@@ -64,14 +60,7 @@ def widen(net: LaneNet, options: MakingOptions, places: Dict[int, Place],
                 net.remove_node(each)
             notes.append(f'At {x:.2f} {y:.2f} there are {_room(net, np.array((x, y))):.2f} m to '
                          f'the nearest obstacle, too little for a robot to turn or to pass: no '
-                         f'lane leads through{_leave_out(net, places, homes, margins[-1])}.')
-
-
-def margins_of(options: MakingOptions) -> Tuple[Margin, ...]:
-    """From what lanes have elsewhere to the least that a robot's own search for a way needs."""
-    return (Margin(options.turning, options.tight),
-            Margin(options.least_turning, options.tight),
-            Margin(options.least_turning, options.robot_width / 2.0 + options.margin / 2.0))
+                         f'lane leads through{_leave_out(net, places, homes, options)}.')
 
 
 def _split_narrow_lanes(net: LaneNet, least: Margin) -> None:
@@ -98,30 +87,35 @@ def _room(net: LaneNet, place: np.ndarray) -> float:
 
 
 def _leave_out(net: LaneNet, places: Dict[int, Place],
-               homes: Sequence[Tuple[float, float]], least: Margin) -> str:
+               homes: Sequence[Tuple[float, float]], options: MakingOptions) -> str:
     """Takes out all parts of the net but one; says what that was."""
-    started = [_nearest(net, home, least) for home in homes]
-    parts = sorted(net.components(), key=lambda part: (
-        len(part & set(places)), sum(node in part for node in started),
-        sum(net.length(lane) for lane in net.lanes if lane.nodes[0] in part)))
-    lost = [lane for lane in net.lanes if lane.nodes[0] not in parts[-1]]
-    length = sum(map(net.length, lost))
-    names = [places.pop(node).name for part in parts[:-1] for node in sorted(part & set(places))]
-    for part in parts[:-1]:
-        for node in part:
-            net.remove_node(node)
-    behind = f', nor to {length:.0f} m of lanes behind it' if lost else ''
+    parts = list(net.components())
+    if len(parts) == 1:
+        return ''
+    worth = [(len(part & set(places)), started,
+              sum(net.length(lane) for lane in net.lanes if lane.nodes[0] in part))
+             for part, started in zip(parts, _started_at(net, parts, homes, options))]
+    stays = worth.index(max(worth))
+    del parts[stays], worth[stays]
+    length = sum(lengths for _, _, lengths in worth)
+    gone = set().union(*parts)
+    names = [places.pop(node).name for node in sorted(gone & set(places))]
+    for node in gone:
+        net.remove_node(node)
+    behind = f', nor this way to {length:.0f} m of lanes behind it' if length else ''
     return f'{behind}, with {", ".join(names)}' if names else behind
 
 
-def _nearest(net: LaneNet, place: Tuple[float, float], least: Margin) -> Optional[int]:
-    """The node to which the shortest way leads from a place; behind a wall none counts."""
-    rows, columns = net.floor.cells_of(np.array([place, *net.positions.values()]))
-    ways, _ = MCP_Geometric(np.where(
-        net.floor.clearance >= least.straight, 1.0, CLOSED)).find_costs([(rows[0], columns[0])])
-    reached = dict(zip(net.positions, ways[rows[1:], columns[1:]]))
-    node = min(reached, key=lambda node: float(reached[node]), default=None)
-    return node if node is not None and np.isfinite(reached[node]) else None
+def _started_at(net: LaneNet, parts: Sequence[Set[int]], homes: Sequence[Tuple[float, float]],
+                options: MakingOptions) -> List[int]:
+    """From how many of the `homes` (m) robots can drive to each of the parts of the net."""
+    costs = ways_to_drive(net.floor, margins_of(options)[1], options,
+                          np.vstack((*homes, *net.positions.values())))
+    floor, _ = ndimage.label(costs != CLOSED, EVERY_NEIGHBOUR)
+    started = [net.floor.part_near(floor, home) for home in homes]
+    ends = {node: net.floor.part_near(floor, (x, y)) for node, (x, y) in net.positions.items()}
+    reached = [{ends[node] for node in part} - {0} for part in parts]
+    return [sum(home in there for home in started) for there in reached]
 
 
 def _bends(net: LaneNet, node: int) -> bool:
@@ -151,7 +145,7 @@ def _redraw(net: LaneNet, cluster: Set[int], margin: Margin, options: MakingOpti
                        for key in sorted(lanes)])
     places = np.vstack([[net.positions[end] for end in ends],
                         _places_along(net, along, margin, options)])
-    costs, clearances = _straights(net, places, len(ends), margin, options)
+    costs, clearances = straights(net.floor, places, len(ends), margin, options)
     totals, before = dijkstra(costs, directed=False, indices=range(len(ends)),
                               return_predecessors=True)
     middle = int(np.argmin(totals.sum(axis=0)))
@@ -183,36 +177,3 @@ def _places_along(net: LaneNet, along: np.ndarray, margin: Margin,
         return np.zeros((0, 2))
     away, _ = cKDTree(narrow).query(places)
     return places[np.argsort(away, kind='stable')[:PLACES]]
-
-
-def places_to_turn(floor: Floor, low: np.ndarray, high: np.ndarray,
-                   margin: Margin) -> np.ndarray:
-    """(N,2) the places to turn between two corners."""
-    (top, bottom), (left, right) = floor.cells_of(np.array((low, high)))
-    rows, columns = np.nonzero(floor.clearance[top:bottom + 1, left:right + 1]
-                               >= margin.turning)
-    return floor.centres(rows + top, columns + left)
-
-
-def _straights(net: LaneNet, places: np.ndarray, ends: int, margin: Margin,
-               options: MakingOptions) -> Tuple[np.ndarray, np.ndarray]:
-    """(N,N) costs of lanes between places, 0 where none can lead; and their clearances (m).
-
-    Lanes from the first places, the `ends`, may be of any length.
-    """
-    costs = np.zeros((len(places), len(places)))
-    clearances = np.zeros_like(costs)
-    first, second = np.triu_indices(len(places), 1)
-    lengths = np.linalg.norm(places[second] - places[first], axis=1)
-    for chosen in (first < ends, (first >= ends) & (lengths < LONGEST)):
-        a, b, length = first[chosen], second[chosen], lengths[chosen]
-        count = int(math.ceil(length.max(initial=0.0) / net.floor.resolution)) + 1
-        room = np.full(len(a), np.inf)
-        for fraction in np.linspace(0.0, 1.0, count):
-            room = np.minimum(room, net.floor.clearance_at(
-                places[a] + fraction * (places[b] - places[a])))
-        clearances[a, b] = clearances[b, a] = room
-        free = room >= margin.straight
-        costs[a[free], b[free]] = (length + PIECE + TIGHTNESS * (
-            options.wide - np.minimum(room, options.wide)))[free]
-    return costs, clearances

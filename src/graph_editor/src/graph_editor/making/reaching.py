@@ -1,0 +1,147 @@
+"""Lanes to floor that nothing serves yet, over straights from one place to turn to the next.
+
+What robots can reach and the steps before have lost, in whichever way. The floor on which robots
+turn falls into parts; from one to another they drive straight.
+"""
+from __future__ import annotations
+
+from typing import Dict, List, NamedTuple, Optional, Tuple
+
+import numpy as np
+from scipy import ndimage
+from scipy.sparse.csgraph import dijkstra
+from skimage.graph import MCP_Geometric
+
+from graph_editor.floor import EVERY_NEIGHBOUR, Floor
+from graph_editor.making.coverage import CLOSED, Coverage, dense
+from graph_editor.making.lanes import LaneNet, LaneOrNode
+from graph_editor.making.options import MakingOptions
+from graph_editor.making.straights import Margin, margins_of, straights, ways_to_drive
+from graph_editor.making.tidying import LEAST_FLOOR
+
+STEP = 0.25  # m between places where lanes may begin, bend and end
+ENOUGH = 0.9  # of what a lane would serve at the far end of the floor: there it ends
+MIDDLE = 2.0  # m of way that a metre of clearance is worth, for a far end
+
+Cell = Tuple[int, int]
+
+
+class Joint(NamedTuple):
+    """Where a lane can begin."""
+
+    root: LaneOrNode
+    position: np.ndarray
+
+
+class Way(NamedTuple):
+    """Lanes from a joint over `places` (N,2) to turn, of which the joint is the first."""
+
+    joint: Joint
+    places: np.ndarray
+    clearances: List[float]
+    """m, of each lane."""
+
+
+def reach_out(net: LaneNet, options: MakingOptions) -> None:
+    """Leads lanes to where robots could turn and no lane is near, to the largest such part first.
+
+    Parts of less than LEAST_FLOOR m2 are left, and those to which no way leads.
+    """
+    floor = net.floor
+    coverage = Coverage(floor, floor.clearance >= options.tight, options.reach)
+    lanes = [dense(np.array(net.ends(lane)), coverage.pitch) for lane in net.lanes]
+    away = coverage.distances(np.vstack([*net.positions.values(), *lanes]))
+    turning = Coverage(floor, floor.clearance >= options.turning, options.reach).mask
+    far = turning & (away > options.reach)
+    while True:
+        parts, _ = ndimage.label(far, EVERY_NEIGHBOUR)
+        sizes = np.bincount(parts.ravel())[1:]
+        if sizes.max(initial=0) * coverage.cell_area < LEAST_FLOOR:
+            return
+        part = parts == int(np.argmax(sizes)) + 1
+        way = _way_to(net, part, coverage, options)
+        served = np.zeros(0, int) if way is None else coverage.covered_by(way.places)
+        if way is None or not part.flat[served].any():
+            far[part] = False
+        else:
+            _draw(net, way, options)
+            far.flat[served] = False
+
+
+def _way_to(net: LaneNet, part: np.ndarray, coverage: Coverage,
+            options: MakingOptions) -> Optional[Way]:
+    """The way into a `part` (rows, columns) of the coverage's cells; None where there is none."""
+    floor, margin = net.floor, margins_of(options)[1]
+    goals = coverage.points_of(*np.nonzero(part))
+    costs = ways_to_drive(floor, margin, options, goals)
+    joints = {cell: joint for cell, joint in _joints(net, margin).items()
+              if costs[cell] != CLOSED}
+    if not joints:
+        return None
+    search = MCP_Geometric(costs)
+    ways, _ = search.find_costs(list(joints))
+    rows, columns = floor.cells_of(goals)
+    reached = np.isfinite(ways[rows, columns])
+    if not reached.any():
+        return None
+    rows, columns = rows[reached], columns[reached]
+    end = int(np.argmax(ways[rows, columns] + MIDDLE * floor.clearance[rows, columns]))
+    cells = np.array(search.traceback((rows[end], columns[end])))
+    points = floor.centres(*cells.T)
+    joint = joints[tuple(cells[0])]
+    points[0] = joint.position
+    points = points[:_enough(points, part, coverage, options, floor)]
+    return _straightened(joint, points, floor, margin, options)
+
+
+def _joints(net: LaneNet, margin: Margin) -> Dict[Cell, Joint]:
+    """By cell, where there is room to turn: on lanes, and nodes, which are preferred."""
+    joints = []
+    for lane in net.lanes:
+        a, b = net.ends(lane)
+        length = net.length(lane)
+        joints += [Joint(lane, a + s / length * (b - a)) for s in np.arange(STEP, length, STEP)]
+    joints += [Joint(node, net.positions[node]) for node in net.nodes]
+    positions = np.array([joint.position for joint in joints]).reshape(-1, 2)
+    roomy = net.floor.clearance_at(positions) >= margin.turning
+    cells = zip(*(each.tolist() for each in net.floor.cells_of(positions)))
+    return {cell: joint for cell, joint, enough in zip(cells, joints, roomy) if enough}
+
+
+def _enough(points: np.ndarray, part: np.ndarray, coverage: Coverage, options: MakingOptions,
+            floor: Floor) -> int:
+    """How many of the points (N,2) of a way serve nearly as much of the `part` as all of them."""
+    def served(count: int) -> int:
+        return int(np.count_nonzero(part.flat[coverage.covered_by(points[:count])]))
+    wanted = ENOUGH * served(len(points))
+    roomy = np.flatnonzero(floor.clearance_at(points) >= options.turning) + 1
+    step = max(1, int(round(STEP / floor.resolution)))
+    return next((int(count) for count in roomy[1::step] if served(count) >= wanted), len(points))
+
+
+def _straightened(joint: Joint, points: np.ndarray, floor: Floor, margin: Margin,
+                  options: MakingOptions) -> Optional[Way]:
+    """The cheapest lanes along points (N,2) that begin and end where robots can turn."""
+    roomy = floor.clearance_at(points) >= margin.turning
+    jumping = ~roomy | np.roll(~roomy, 1) | np.roll(~roomy, -1)
+    step = max(1, int(round(STEP / floor.resolution)))
+    chosen = roomy & (jumping | (np.arange(len(points)) % step == 0))
+    chosen[[0, -1]] = True
+    places = points[chosen]
+    costs, clearances = straights(floor, places, len(places), margin, options)
+    totals, before = dijkstra(costs, directed=False, indices=0, return_predecessors=True)
+    if len(places) < 2 or not np.isfinite(totals[-1]):
+        return None
+    way = [len(places) - 1]
+    while way[-1]:
+        way.append(int(before[way[-1]]))
+    way.reverse()
+    return Way(joint, places[way], [float(clearances[a, b]) for a, b in zip(way, way[1:])])
+
+
+def _draw(net: LaneNet, way: Way, options: MakingOptions) -> None:
+    here = net.joint(*way.joint)
+    for start, end, clearance in zip(way.places, way.places[1:], way.clearances):
+        there = net.add_node(end)
+        net.add_lane(here, there, min(options.wide, clearance), np.array((start, end)))
+        here = there
