@@ -166,7 +166,9 @@ def _meetings_of_rests(timetable: Timetable, drives: _Drives, mover: RobotType,
 
 
 def _check(timetable: Timetable, names: Sequence[str], drives: _Drives, pairs: _Pairs) -> None:
-    """Do the times of the plans keep the order?"""
+    """Do the times of the plans keep the order, and is it one without rings?"""
+    if (pairs.first >= pairs.then).any():
+        raise Conflicting('a drive would wait for one that comes after it in the order of all')
     start, begun = drives.start[pairs.first], drives.begun[pairs.first]
     share = (pairs.fraction - begun) / (1.0 - begun)
     until = start + share * (drives.end[pairs.first] - start)
