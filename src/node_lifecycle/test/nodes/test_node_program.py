@@ -97,6 +97,7 @@ def test_commands_of_other_packages_end_so_too(begin, wait):
 import os, signal, sys
 sys.path[:0] = {paths!r}
 import {begin}
+signal.signal(signal.SIGINT, signal.default_int_handler)    # what runs in the background ignores it
 def wait(*_):
     os.kill(os.getpid(), signal.SIGINT)
     signal.pause()
