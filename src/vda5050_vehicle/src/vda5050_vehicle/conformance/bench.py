@@ -153,6 +153,7 @@ class Bench:
         before, online = master.state, master.count('connection')
         states = master.count()
         self._own_broker.kill()
+        master.checker.broker_lost()
         time.sleep(AWAY)
         self._own_broker.start()
         back = time.monotonic()
