@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Iterable, Optional, Tuple
+from typing import Iterable, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from scipy import ndimage
@@ -63,6 +63,10 @@ class Floor:
         columns, rows = self._grid_coordinates(points)
         return ndimage.map_coordinates(self.clearance, (rows, columns), output=float, order=1,
                                        cval=0.0)
+
+    def clearance_of(self, place: Union[np.ndarray, Sequence[float]]) -> float:
+        """The same for one place (x, y)."""
+        return float(self.clearance_at(np.array([place]))[0])
 
     def cells_of(self, points: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
         """Rows and columns of the cells that hold `points` (N,2), held to the grid."""

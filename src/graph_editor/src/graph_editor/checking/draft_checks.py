@@ -50,7 +50,7 @@ def check_corners(draft: Draft, curves: Curves, floor: Floor, rules: CheckRules)
     findings = []
     for id, directions in _directions(draft, curves).items():
         vertex = draft.vertices[id]
-        clearance = float(floor.clearance_at(np.array([vertex.position]))[0])
+        clearance = floor.clearance_of(vertex.position)
         if clearance >= rules.turning - GRAIN or clearance < rules.robot_width / 2.0:
             continue
         if len(directions) == 1 or any(

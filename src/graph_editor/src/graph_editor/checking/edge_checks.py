@@ -59,7 +59,7 @@ def check_vertex(vertex: Vertex, floor: Optional[Floor], rules: CheckRules) -> L
     """What is wrong with the place of a vertex."""
     if floor is None:
         return []
-    clearance = float(floor.clearance_at(np.array([vertex.position]))[0])
+    clearance = floor.clearance_of(vertex.position)
     if clearance < rules.robot_width / 2.0:
         return [Finding(Severity.ERROR, _too_near(clearance, rules), 'vertex', vertex.id,
                         vertex.position)]

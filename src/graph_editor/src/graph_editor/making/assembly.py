@@ -147,7 +147,7 @@ def _with_parking(graph: Graph, places: Mapping[int, Place], floor: Floor,
         if id in places or not graph.is_end_vertex(id):
             continue
         own, = graph.edges_at(id)
-        room = float(floor.clearance_at(np.array([vertex.position]))[0])
+        room = floor.clearance_of(vertex.position)
         here = Point(vertex.position)
         away = min((curve.distance(here) for other, curve in curves.items() if other != own),
                    default=math.inf)

@@ -108,7 +108,7 @@ def _tangents(net: LaneNet, corners: Sequence[np.ndarray], needs: Sequence[float
     inner = len(corners) - 2
     limits = [min(length * (0.5 if 0 < k < inner else SHARE) for k, length in (
         (k, lengths[k]), (k + 1, lengths[k + 1]))) for k in range(inner)]
-    rooms = [float(net.floor.clearance_at(corner[None, :])[0]) for corner in corners]
+    rooms = [net.floor.clearance_of(corner) for corner in corners]
     turning = [min(options.turning, room) if room >= options.least_turning else 0.0
                for room in rooms]
     tangents = [_tangent(net, corners[k:k + 3], max(min(needs[k:k + 2]), turning[k + 1]), limits[k])

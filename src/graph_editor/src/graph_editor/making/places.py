@@ -44,7 +44,7 @@ def attach_places(net: LaneNet, places: Iterable[Place], options: MakingOptions)
 def _attach(net: LaneNet, place: Place, attached: Attached,
             options: MakingOptions) -> Optional[int]:
     position = np.array(place.position)
-    room = float(net.floor.clearance_at(position[None, :])[0])
+    room = net.floor.clearance_of(position)
     if room < options.robot_width / 2.0 - TOLERANCE:
         attached.notes.append(f'{place.name} is {room:.2f} m from an obstacle, where no robot '
                               f'{options.robot_width:g} m wide fits: it is no vertex.')
@@ -173,7 +173,7 @@ def _start_of_lane(floor: Floor, place: Place,
 
 def _need_at(floor: Floor, position: np.ndarray, options: MakingOptions) -> float:
     """What a lane from there needs: no more than there is, but never less than the robot."""
-    room = float(floor.clearance_at(position[None, :])[0])
+    room = floor.clearance_of(position)
     return max(min(options.wide, room), options.robot_width / 2.0)
 
 

@@ -54,11 +54,7 @@ def prune_tails(net: LaneNet, coverage: Coverage, turning: float) -> None:
 
 def _ends_narrow(net: LaneNet, node: int, turning: float) -> bool:
     """Would a dead end at this node be one where robots cannot turn?"""
-    return net.degree(node) == 2 and _room(net, net.positions[node]) < turning
-
-
-def _room(net: LaneNet, place: np.ndarray) -> float:
-    return float(net.floor.clearance_at(place[None, :])[0])
+    return net.degree(node) == 2 and net.floor.clearance_of(net.positions[node]) < turning
 
 
 def _cross(net: LaneNet) -> None:
@@ -103,7 +99,7 @@ def _lead_through(net: LaneNet, turning: float) -> None:
         for node in net.nodes:
             for lane in net.lanes:
                 if (node not in lane.nodes and _passes(net, lane, node)
-                        and _room(net, net.positions[node]) >= turning):
+                        and net.floor.clearance_of(net.positions[node]) >= turning):
                     a, b = lane.nodes
                     net.remove_lane(lane)
                     nearest = int(np.argmin(((lane.samples - net.positions[node]) ** 2
@@ -147,7 +143,7 @@ def _merge(net: LaneNet, a: int, b: int, keep: set, turning: float) -> bool:
                   if neighbour != node]
         starts = [(net.positions[next(n for n in lane.nodes if n != other)], lane.need)
                   for lane in around]
-        if around and _room(net, net.positions[node]) < turning:
+        if around and net.floor.clearance_of(net.positions[node]) < turning:
             continue
         if all(in_sight(net.floor, start, net.positions[node], need) for start, need in starts):
             if not around:
@@ -176,8 +172,9 @@ def _merge_in_corner(net: LaneNet, a: int, b: int, turning: float) -> bool:
     outer = [(net.lane(before, a), net.positions[before]), (net.lane(b, after),
                                                             net.positions[after])]
     need = min(net.lane(a, b).need, *(lane.need for lane, _ in outer))
-    if max(np.hypot(*(corner - here)), np.hypot(*(corner - there))) > CLOSE or (
-            _room(net, corner) < turning) or not all(
+    if max(np.hypot(*(corner - here)), np.hypot(*(corner - there))) > CLOSE:
+        return False
+    if net.floor.clearance_of(corner) < turning or not all(
             in_sight(net.floor, far, corner, need) for _, far in outer):
         return False
     for lane, _ in outer:

@@ -47,13 +47,13 @@ def _place_for(net: LaneNet, coverage: Coverage, tip: int, base: int,
     if back is not None and np.array_equal(back, here) or len(net.lanes) > 1 and (
             _left_unserved(net, coverage, tip, base, back) < LEAST_FLOOR):
         return back
+    room_to_bend = net.floor.clearance_of(net.positions[base])
     for margin in margins_of(options):
-        room = net.floor.clearance_at(net.positions[base][None, :])[0]
-        if net.degree(base) == 1 or room >= margin.turning:     # the lane will bend there
+        if net.degree(base) == 1 or room_to_bend >= margin.turning:
             places = _nearest_to_turn(net, here, margin)
-            room = room_between(net.floor, net.positions[base], places)
-            for place in places[room >= margin.straight]:
-                return place
+            free = room_between(net.floor, net.positions[base], places) >= margin.straight
+            if free.any():
+                return places[int(np.argmax(free))]
     return back
 
 

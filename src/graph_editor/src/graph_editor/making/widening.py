@@ -58,7 +58,7 @@ def widen(net: LaneNet, options: MakingOptions, places: Dict[int, Place],
         if not any(_redraw(net, cluster, margin, options) for margin in margins):
             for each in cluster & set(_too_narrow(net, margins[-1])):
                 net.remove_node(each)
-            notes.append(f'At {x:.2f} {y:.2f} there are {_room(net, np.array((x, y))):.2f} m to '
+            notes.append(f'At {x:.2f} {y:.2f} there are {net.floor.clearance_of((x, y)):.2f} m to '
                          f'the nearest obstacle, too little for a robot to turn or to pass: no '
                          f'lane leads through{_leave_out(net, places, homes, options)}.')
 
@@ -76,14 +76,10 @@ def _split_narrow_lanes(net: LaneNet, least: Margin) -> None:
 def _too_narrow(net: LaneNet, least: Margin) -> Iterator[int]:
     """Nodes where a robot cannot pass, or would have to turn and cannot."""
     for node in net.nodes:
-        room = _room(net, net.positions[node])
+        room = net.floor.clearance_of(net.positions[node])
         if room < least.straight and net.degree(node) > 1 or (
                 room < least.turning and _bends(net, node)):
             yield node
-
-
-def _room(net: LaneNet, place: np.ndarray) -> float:
-    return float(net.floor.clearance_at(place[None, :])[0])
 
 
 def _leave_out(net: LaneNet, places: Dict[int, Place],

@@ -29,7 +29,7 @@ ATTEMPTS = 6
 SEARCH_AROUND = 4000.0  # mm around robot and goal where a way is looked for first
 TURN_NEAR = 300.0       # mm around the ends of a narrow place to look for places to turn
 TURN_PLACES = 80        # so many of them, at most
-COARSELY = 5             # every so-manieth point of many straights is looked at first
+COARSELY = 5            # every fifth point of many straights is looked at first
 DETOUR = 2.5            # a way from there may cost so many times the straight line in the open
 
 
