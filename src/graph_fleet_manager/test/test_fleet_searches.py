@@ -143,19 +143,36 @@ def test_one_robot_past_the_plan_of_another_takes_no_longer_than_it_must(search,
 @given(st.integers(0, 2 ** 32 - 1))
 @settings(max_examples=settings.default.max_examples * 2 // 5)
 def test_small_fleets_get_a_plan_whenever_there_is_one(seed):
-    random = Random(seed)
-    graph = _grid(random, 3, 3)
-    robots = random.choice((2, 2, 3))
-    starts, goals = (random.sample(list(graph.vertices), robots) for _ in 'ab')
-    best = _best_sum(graph, starts, goals)
-    planner = FleetPlanner(RoadNetwork(graph), 0.0, [UNIT])
-    outcome = planner.plan(_tasks(starts, goals), (), time.monotonic() + 0.5, 30)
+    best, outcome = _small_fleet(seed)
     if best is None:
         assert outcome.unserved
         return
     assert not outcome.unserved
-    cost = sum(drives[-1].end for drives in outcome.drives.values() if drives)
-    assert best <= cost + 1e-6
+    assert best <= _sum_of_ends(outcome) + 1e-6
+
+
+def test_plans_of_small_fleets_are_near_the_best_there_are():
+    """Of these. No bound is promised: one in some 1,600 such plans is beyond it, seed 3254 first.
+    """
+    for seed in range(200):
+        best, outcome = _small_fleet(seed)
+        if best is not None:
+            assert _sum_of_ends(outcome) <= 2.0 * best + 2.0, f'seed {seed}'
+
+
+def _small_fleet(seed):
+    """The least sum of the times at which all are there (None: they cannot be), and the plan."""
+    random = Random(seed)
+    graph = _grid(random, 3, 3)
+    robots = random.choice((2, 2, 3))
+    starts, goals = (random.sample(list(graph.vertices), robots) for _ in 'ab')
+    planner = FleetPlanner(RoadNetwork(graph), 0.0, [UNIT])
+    return (_best_sum(graph, starts, goals),
+            planner.plan(_tasks(starts, goals), (), time.monotonic() + 5.0, 30))
+
+
+def _sum_of_ends(outcome):
+    return sum(drives[-1].end for drives in outcome.drives.values() if drives)
 
 
 def test_plans_of_small_fleets_are_mostly_the_best_there_are():
