@@ -94,7 +94,7 @@ system_test() {  # system_test NAME ARCL_PORT OUTGOING_PORT: one rostest on free
   say "  $name: $verdict ($((SECONDS - begun)) s)"
   case "$verdict" in
     failed*)
-      tail -40 "$log"
+      tail -120 "$log"
       grep -qE '<(failure|error)' "$results"/ros{unit,test}-*"$name.xml" ||
         record "$results" failed "$name" "see $log"
       echo "$name" >>"$results/failed" ;;

@@ -2,15 +2,11 @@
 """The dissertation's headline, as a user drives it: the LD-90 ends docked at 16."""
 from __future__ import annotations
 
-import os
 import re
-import signal
 import subprocess
 import unittest
 from typing import List
-from xmlrpc.client import ServerProxy
 
-import rosgraph
 import rospkg
 import rospy
 from geometry_msgs.msg import Point, PointStamped
@@ -30,6 +26,7 @@ from system_support import (
     CommandRecorder,
     Recorder,
     connected_publisher,
+    kill_node,
     run_cases,
     wait_until,
 )
@@ -123,7 +120,7 @@ class FleetMission(unittest.TestCase):
                                    and status.destinations_reached == min(count, 2)
                                    and status.request_id != 0, 100, f'{reached} reached',
                                    after=max(len(self.statuses.messages) - 1, 0))
-            kill(node)
+            kill_node(node)
         output, _ = sent.communicate(timeout=150)
         self.assertEqual(sent.returncode, 0, output)
         drives = [text for text in self.commands.texts[given:] if text.startswith('goto')]
@@ -152,15 +149,6 @@ class FleetMission(unittest.TestCase):
             lambda status: status.request_id == mission and status.state not in (
                 MissionStatus.PENDING, MissionStatus.ACTIVE), 120, 'end of the mission')
         self.assertEqual(MissionStatus.SUCCEEDED, end.state, end.reason)
-
-
-def kill(node: str) -> None:
-    """Ends a node's process without a word, and waits until roslaunch has brought it back."""
-    master = rosgraph.Master('/fleet_mission_test')
-    api = master.lookupNode(node)
-    _, _, pid = ServerProxy(api).getPid('/fleet_mission_test')
-    os.kill(pid, signal.SIGKILL)
-    wait_until(lambda: master.lookupNode(node) != api, 30, f'{node} is back')
 
 
 if __name__ == '__main__':

@@ -6,27 +6,19 @@ import os
 import signal
 import unittest
 from typing import List
-from xmlrpc.client import ServerProxy
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from route_robot import RouteRobot, state_list
 
 from itrci_nav_msgs.msg import EdgeState, TargetRoute
-from system_support import Recorder, run_cases, wait_until
+from system_support import Recorder, process_of, run_cases, wait_until
 
 HALL = [1, 2, 3, 4, 5, 6]  # 8 10 12 14 32 33 35, 24 m
 LONG = bool(os.environ.get('LD90_LONG_TESTS'))
 STANDSTILL = 10.0 if LONG else 3.0  # s
 AFTER_EDGES = (1, 3, 4) if LONG else (2,)
 NODES = ('omron_controller', 'omron_connection_receiver', 'omron_edges_to_vertices')
-
-
-def process_of(node: str) -> int:
-    """The process id of a node."""
-    _, _, uri = rospy.get_master().lookupNode(f'/omron_ld90/{node}')
-    _, _, pid = ServerProxy(uri).getPid('/route_survival_test')
-    return pid
 
 
 class Survival(unittest.TestCase):
@@ -62,10 +54,10 @@ class Survival(unittest.TestCase):
         self.assertNotIn('Stopping', lines)
 
     def kill(self, node: str) -> None:
-        os.kill(process_of(node), signal.SIGKILL)
+        os.kill(process_of(f'/omron_ld90/{node}'), signal.SIGKILL)
 
     def halt(self, node: str, seconds: float) -> None:
-        pid = process_of(node)
+        pid = process_of(f'/omron_ld90/{node}')
         os.kill(pid, signal.SIGSTOP)
         try:
             rospy.sleep(seconds)  # the standstill itself, not a wait for something
@@ -119,7 +111,7 @@ class Survival(unittest.TestCase):
         self.lab.wait_ready()
         wait_until(lambda: self.route_diagnosis().level == DiagnosticStatus.OK, 10.0,
                    f'a well bridge, not: {self.route_diagnosis().message}')
-        pid = process_of('omron_connection_receiver')
+        pid = process_of('/omron_ld90/omron_connection_receiver')
         os.kill(pid, signal.SIGSTOP)
         try:
             wait_until(lambda: 'outgoing: its node has reported nothing'

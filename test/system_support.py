@@ -5,6 +5,7 @@ sleeps for a fixed time.
 """
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
 import sys
@@ -13,8 +14,10 @@ import threading
 import time
 from pathlib import Path
 from typing import Any, Callable, List, Optional, Type
+from xmlrpc.client import ServerProxy
 
 import pytest
+import rosgraph
 import rospy
 from std_msgs.msg import String
 
@@ -68,6 +71,21 @@ def wait_until(condition: Callable[[], Any], timeout: float, what: str) -> Any:
             return value
         time.sleep(0.02)
     raise AssertionError(f'not within {timeout:.0f} s: {what}')
+
+
+def process_of(node: str) -> int:
+    """The process id of a node."""
+    caller = rospy.get_name()
+    _, _, pid = ServerProxy(rosgraph.Master(caller).lookupNode(node)).getPid(caller)
+    return pid
+
+
+def kill_node(node: str) -> None:
+    """Ends a node's process without a word, and waits until roslaunch has brought it back."""
+    master = rosgraph.Master(rospy.get_name())
+    uri = master.lookupNode(node)
+    os.kill(process_of(node), signal.SIGKILL)
+    wait_until(lambda: master.lookupNode(node) != uri, 30, f'{node} is back')
 
 
 def connected_publisher(topic: str, message_type: Type, timeout: float = 30.0,

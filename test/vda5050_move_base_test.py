@@ -15,12 +15,12 @@ from geometry_msgs.msg import PoseStamped
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from nav_msgs.msg import Odometry
 
+from system_support import kill_node
 from vda5050_vehicle.conformance.bench import OwnBroker
-from vda5050_vehicle.conformance.master import Master
+from vda5050_vehicle.conformance.master import Master, Message
 from vda5050_vehicle.conformance.track import Stop, Track, node_ids
 from vda5050_vehicle.mqtt.link import Broker
 
-SPEED = 3.0    # m/s
 PERIOD = 0.05  # s
 HALL = Track(tuple(Stop(name, 2.0 * i, 0.0) for i, name in enumerate('ABCD')),
              ('AB', 'BC', 'CD'), ('BA', 'CB', 'DC'))
@@ -32,46 +32,55 @@ class Trolley:
     def __init__(self) -> None:
         self.goals: List[Tuple[float, float]] = []
         self.blocked_at = math.inf  # x beyond which nothing is reached
-        self._x = 0.0
+        self.speed = 3.0  # m/s that it drives at
+        self.x = 0.0
         self._speed = 0.0
         self._lock = threading.Lock()
         self._poses = rospy.Publisher('/trolley/pose', PoseStamped, queue_size=1)
         self._odometry = rospy.Publisher('/trolley/odom', Odometry, queue_size=1)
+        self._timer = rospy.Timer(rospy.Duration(PERIOD), self._tell)
+
+    def start_move_base(self) -> None:
+        """Until then the robot tells where it is, and takes no goals."""
         self._server = actionlib.SimpleActionServer('/trolley/move_base', MoveBaseAction,
                                                     self._drive, auto_start=False)
         self._server.start()
-        self._timer = rospy.Timer(rospy.Duration(PERIOD), self._tell)
 
     def _drive(self, goal: MoveBaseGoal) -> None:
         target = goal.target_pose.pose.position
         self.goals.append((target.x, target.y))
         rate = rospy.Rate(1.0 / PERIOD)
         while not rospy.is_shutdown():
-            left = target.x - self._x
+            left = target.x - self.x
             if self._server.is_preempt_requested():
                 if not self._server.is_new_goal_available():
                     self._speed = 0.0
                 self._server.set_preempted()
                 return
-            if self._x >= self.blocked_at:
+            if self.x >= self.blocked_at:
                 self._speed = 0.0
                 self._server.set_aborted(text='the way is blocked')
                 return
-            if abs(left) < SPEED * PERIOD:
+            if abs(left) < self.speed * PERIOD:
                 self._speed = 0.0
                 self._server.set_succeeded()
                 return
-            self._speed = math.copysign(SPEED, left)
-            self._x += self._speed * PERIOD
+            self._speed = math.copysign(self.speed, left)
+            self.x += self._speed * PERIOD
             rate.sleep()
 
     def _tell(self, _event: rospy.timer.TimerEvent) -> None:
         pose, odometry = PoseStamped(), Odometry()
         pose.header.frame_id = 'map'
-        pose.pose.position.x, pose.pose.orientation.w = self._x, 1.0
+        pose.pose.position.x, pose.pose.orientation.w = self.x, 1.0
         odometry.twist.twist.linear.x = self._speed
         self._poses.publish(pose)
         self._odometry.publish(odometry)
+
+
+def errors(state: Message) -> List[Tuple[str, str]]:
+    """Types and texts of a state's errors."""
+    return [(error['errorType'], error['errorDescription']) for error in state['errors']]
 
 
 class MoveBase(unittest.TestCase):
@@ -94,8 +103,11 @@ class MoveBase(unittest.TestCase):
         self.assertEqual(self.master.checker.violations, [])
 
     def test_1_nodes_are_passed_without_stopping_and_the_horizon_is_not_driven(self) -> None:
+        """Though the order comes before move_base is there."""
         master = self.master
         heard = master.send('order', HALL.order('there', base=3))
+        master.wait(lambda s: s['orderId'] == 'there', 10, 'the order', after=heard)
+        self.trolley.start_move_base()
         state = master.wait(lambda s: s['lastNodeId'] == 'C' and not s['driving'], 10,
                             'standing at the end of the base', after=heard)
         self.assertEqual(node_ids(state), ['D'])
@@ -121,13 +133,26 @@ class MoveBase(unittest.TestCase):
         self.assertEqual(self.trolley.goals[begun:], [(4.0, 0.0), (2.0, 0.0), (2.0, 0.0),
                                                       (0.0, 0.0)])
 
-    def test_3_what_move_base_cannot_reach_holds_the_order_until_it_is_cancelled(self) -> None:
+    def test_3_a_goal_that_nobody_follows_any_more_is_cancelled(self) -> None:
+        master, begun, self.trolley.speed = self.master, len(self.trolley.goals), 0.1
+        heard = master.send('order', HALL.order('killed'))
+        master.wait(lambda s: s['orderId'] == 'killed' and s['driving'], 10, 'under way',
+                    after=heard)
+        heard = master.count()
+        master.checker.restarted()
+        kill_node('/trolley/vda5050_vehicle')
+        master.wait(lambda s: errors(s) == [('driveError', 'the adapter was restarted under way')]
+                    and not s['driving'], 20, 'a robot that stands, for a reason', after=heard)
+        self.assertEqual(self.trolley.goals[begun:], [(2.0, 0.0)])
+        self.assertEqual(master.ended(master.act('cancelOrder'))['actionStatus'], 'FINISHED')
+        self.trolley.x, self.trolley.speed = 0.0, 3.0  # carried back
+
+    def test_4_what_move_base_cannot_reach_holds_the_order_until_it_is_cancelled(self) -> None:
         master = self.master
         self.trolley.blocked_at = 3.0
         heard = master.send('order', HALL.order('blocked'))
         state = master.wait(lambda s: s['errors'] and not s['driving'], 10, 'an error', after=heard)
-        self.assertEqual([(error['errorType'], error['errorDescription'])
-                          for error in state['errors']], [('driveError', 'the way is blocked')])
+        self.assertEqual(errors(state), [('driveError', 'the way is blocked')])
         self.assertEqual(node_ids(state), ['C', 'D'])
         tried = len(self.trolley.goals)
         self.assertEqual(master.ended(master.act('cancelOrder'))['actionStatus'], 'FINISHED')

@@ -8,23 +8,19 @@ checker of vda5050_bench for what the schemas let pass.
 from __future__ import annotations
 
 import json
-import os
-import signal
 import subprocess
 import sys
 import unittest
 from pathlib import Path
 from typing import Any, Dict, List
-from xmlrpc.client import ServerProxy
 
-import rosgraph
 import rospy
 import rostest
 from jsonschema import Draft7Validator
 
 from itrci_nav_msgs.msg import TargetRoute
 from omron_ld90_msgs.msg import LinkState
-from system_support import Recorder, wait_until
+from system_support import Recorder, kill_node, wait_until
 from trajectory_graph import load_graph
 from vda5050_vehicle.conformance.bench import BROKEN, Bench, OwnBroker, scorecard
 from vda5050_vehicle.conformance.layout import shortest_edges, track_on
@@ -101,7 +97,7 @@ class Vda5050(unittest.TestCase):
 
         before = master.state
         master.checker.restarted()
-        self.kill('vda5050_vehicle')
+        kill_node('/omron_ld90/vda5050_vehicle')
         master.wait(lambda m: m['connectionState'] == 'CONNECTIONBROKEN', 10, 'the last will',
                     'connection', master.count('connection') - 1)
         state = master.wait(lambda s: status_of(s, 'started') == 'FAILED', 20,
@@ -116,7 +112,7 @@ class Vda5050(unittest.TestCase):
 
         master.wait(lambda s: s['lastNodeId'] == killed, 60, f'node {killed}',
                     after=master.count())
-        self.kill('omron_controller')
+        kill_node('/omron_ld90/omron_controller')
         self.go_on_if_held(order['nodes'])
         state = master.wait(lambda s: not s['nodeStates'] and not s['driving'], 120,
                             'the end of the mission', after=master.count())
@@ -160,14 +156,6 @@ class Vda5050(unittest.TestCase):
     def links(self) -> Dict[str, int]:
         """State of the links to the robot."""
         return {link.link: link.state for link in self.link_states.messages}
-
-    def kill(self, name: str) -> None:
-        """kill -9; returns when the node is registered anew."""
-        master = rosgraph.Master(rospy.get_name())
-        node = f'/omron_ld90/{name}'
-        uri = master.lookupNode(node)
-        os.kill(ServerProxy(uri).getPid(rospy.get_name())[2], signal.SIGKILL)
-        wait_until(lambda: master.lookupNode(node) != uri, 30, f'{name} is back')
 
 
 if __name__ == '__main__':

@@ -1,17 +1,14 @@
 """Goals of ROS actions, for the vehicle's table of actions: any server, any type."""
 from __future__ import annotations
 
-import threading
-from typing import Any, Callable, Dict, Mapping, Optional, Tuple
+from typing import Any, Dict, Mapping, Tuple
 
 import actionlib
 import roslib.message
-from actionlib import ClientGoalHandle, CommState, GoalStatus
 
 from node_lifecycle import ConfigurationError
 from vda5050_vehicle.core.action_table import ActionSpec, ActionTable, Call
-
-OnEnd = Callable[[str, bool, str], None]  # name of the goal, whether it succeeded, what was said
+from vda5050_vehicle.nodes.action_goals import ActionGoals, OnEnd
 
 
 def check_types(table: ActionTable) -> None:
@@ -38,10 +35,8 @@ class RosActions:
 
     def __init__(self, on_end: OnEnd) -> None:
         """`on_end` may be called from any thread."""
-        self._on_end = on_end
+        self._goals = ActionGoals(on_end)
         self._clients: Dict[Tuple[str, str], actionlib.ActionClient] = {}
-        self._open: Dict[str, Tuple[actionlib.ActionClient, Optional[ClientGoalHandle]]] = {}
-        self._lock = threading.Lock()
 
     def prepare(self, table: ActionTable) -> None:
         """Connects to the servers, so that the first goal need not wait."""
@@ -61,43 +56,12 @@ class RosActions:
         call = spec.call
         if call is None:
             raise ValueError(f'{spec.action_type} is no goal of a ROS action')
-        client = self._client(call)
-        if client.pub_goal.get_num_connections() == 0:
-            self._on_end(name, False, f'there is no action server {call.server}')
-            return
-        goal = _goal_type(call)(**call.fields(arguments))
-        with self._lock:
-            self._open[name] = (client, None)
-        handle = client.send_goal(goal, lambda handle: self._on_transition(name, handle))
-        with self._lock:
-            if name in self._open:
-                self._open[name] = (client, handle)  # actionlib forgets what nobody keeps
+        self._goals.send(name, self._client(call), _goal_type(call)(**call.fields(arguments)))
 
     def cancel(self, name: str) -> None:
         """Ends a goal; `on_end` tells when it has."""
-        with self._lock:
-            handle = self._open.get(name, (None, None))[1]
-        if handle is not None:
-            handle.cancel()
+        self._goals.cancel(name)
 
     def check(self) -> None:
-        """Ends goals whose server is gone; to be called now and then."""
-        with self._lock:
-            gone = [(name, client) for name, (client, _) in self._open.items()
-                    if client.status_sub.get_num_connections() == 0]
-        for name, client in gone:
-            self._end(name, False, f'the action server {client.ns} is gone')
-
-    def _on_transition(self, name: str, handle: ClientGoalHandle) -> None:
-        if handle.get_comm_state() != CommState.DONE:
-            return
-        status = handle.get_terminal_state()
-        text = handle.get_goal_status_text() or GoalStatus.to_string(status)
-        self._end(name, status == GoalStatus.SUCCEEDED, text)
-
-    def _end(self, name: str, succeeded: bool, text: str) -> None:
-        with self._lock:
-            if self._open.pop(name, None) is None:
-                return
-        printable = ''.join(char if char.isprintable() else ' ' for char in text)
-        self._on_end(name, succeeded, printable[:300])
+        """To be called several times a second."""
+        self._goals.check()

@@ -43,9 +43,10 @@ class CommandClient:
 
     @property
     def controller_is_there(self) -> bool:
-        """Whether a command would reach the controller."""
-        return (self._client.status_sub.get_num_connections() > 0
-                and self._client.pub_goal.get_num_connections() > 0)
+        """Whether a command would reach the controller, and its end would be heard."""
+        client = self._client
+        return all(end.get_num_connections() > 0
+                   for end in (client.pub_goal, client.status_sub, client.result_sub))
 
     def give(self, number: int, command: str) -> None:
         """Gives an ARCL command; `number` is its name in the callbacks, used once."""

@@ -1,0 +1,108 @@
+"""Goals of ROS actions, each of which ends once, also where its server is late, absent or gone."""
+from __future__ import annotations
+
+import threading
+import time
+from dataclasses import dataclass, replace
+from typing import Any, Callable, Dict, Optional
+
+from actionlib import ActionClient, ClientGoalHandle, CommState, GoalStatus
+
+PATIENCE = 5.0  # s that a goal waits for its server, which may still be starting
+
+OnEnd = Callable[[str, bool, str], None]  # name of the goal, whether it succeeded, what was said
+Clock = Callable[[], float]
+
+
+@dataclass(frozen=True)
+class _Goal:
+    """It waits for its server `until` then, as long as it has no handle."""
+
+    client: ActionClient
+    goal: Any
+    until: float
+    handle: Optional[ClientGoalHandle] = None
+
+
+class ActionGoals:
+    """Goals under names of the caller's. `check` is to be called several times a second.
+
+    What is published before a server is connected is lost: goals and cancellations are kept until
+    it is. `send`, `cancel`, `cancel_all` and `check` belong to one thread.
+    """
+
+    def __init__(self, on_end: OnEnd, clock: Clock = time.monotonic) -> None:
+        """`on_end` may be called from any thread."""
+        self._on_end = on_end
+        self._clock = clock
+        self._lock = threading.Lock()
+        self._goals: Dict[str, _Goal] = {}
+        self._to_clear: Dict[str, ActionClient] = {}  # by name: all goals there are to be cancelled
+
+    def send(self, name: str, client: ActionClient, goal: Any) -> None:
+        """Sends the goal, now or as soon as its server is there."""
+        with self._lock:
+            self._goals[name] = _Goal(client, goal, self._clock() + PATIENCE)
+        self.check()
+
+    def cancel(self, name: str) -> None:
+        """Cancels a goal; `on_end` tells when it has ended."""
+        goal = self._goals.get(name)
+        if goal is None:
+            return
+        if goal.handle is None:
+            self._end(name, False, 'it was cancelled before its server was there')
+        else:
+            goal.handle.cancel()
+
+    def cancel_all(self, client: ActionClient) -> None:
+        """Cancels all goals of a server, also those that somebody else has sent."""
+        for name, goal in list(self._goals.items()):
+            if goal.client is client and goal.handle is None:
+                self.cancel(name)
+        self._to_clear[client.ns] = client
+        self.check()
+
+    def check(self) -> None:
+        """Sends what can be sent now; ends goals whose server does not come, or is gone."""
+        clear = [client for client in self._to_clear.values()
+                 if client.pub_cancel.get_num_connections() > 0]
+        for client in clear:
+            client.cancel_all_goals()
+            del self._to_clear[client.ns]
+        if clear:
+            return  # a goal that is sent at once could overtake the cancellation, and be cancelled
+        for name, goal in list(self._goals.items()):
+            if goal.handle is not None:
+                if goal.client.status_sub.get_num_connections() == 0:
+                    self._end(name, False, f'the action server {goal.client.ns} is gone')
+            elif is_connected(goal.client):
+                self._send(name, goal)
+            elif self._clock() >= goal.until:
+                self._end(name, False, f'there is no action server {goal.client.ns}')
+
+    def _send(self, name: str, goal: _Goal) -> None:
+        handle = goal.client.send_goal(goal.goal, lambda handle: self._on_transition(name, handle))
+        with self._lock:
+            if name in self._goals:  # it may have ended already
+                self._goals[name] = replace(goal, handle=handle)  # actionlib forgets it otherwise
+
+    def _on_transition(self, name: str, handle: ClientGoalHandle) -> None:
+        if handle.get_comm_state() == CommState.DONE:
+            status = handle.get_terminal_state()
+            text = handle.get_goal_status_text() or GoalStatus.to_string(status)
+            self._end(name, status == GoalStatus.SUCCEEDED, text)
+
+    def _end(self, name: str, succeeded: bool, text: str) -> None:
+        with self._lock:
+            if self._goals.pop(name, None) is None:
+                return
+        printable = ''.join(char if char.isprintable() else ' ' for char in text)
+        self._on_end(name, succeeded, printable[:300])
+
+
+def is_connected(client: ActionClient) -> bool:
+    """Whether neither a goal nor its end would be lost on the way."""
+    return all(end.get_num_connections() > 0 for end in (
+        client.pub_goal, client.pub_cancel, client.status_sub, client.feedback_sub,
+        client.result_sub))
