@@ -308,11 +308,11 @@ class FakeController:
         if answer:
             handle.set_aborted(ExecuteCommandResult(outcome=answer[0], message=answer[1]))
             return
-        if command.startswith('goto'):
-            handle.publish_feedback(ExecuteCommandFeedback(line=f'Going to {command.split()[-1]}'))
         if answer is None:
             self._open.append(handle)
-        else:
+        if command.startswith('goto'):
+            handle.publish_feedback(ExecuteCommandFeedback(line=f'Going to {command.split()[-1]}'))
+        if answer is not None:
             self._succeed(handle)
 
     @staticmethod

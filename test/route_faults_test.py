@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import unittest
+from typing import Callable
 
+import actionlib
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from route_robot import BRIDGE, RouteRobot, state_list
 from std_msgs.msg import String
 
 from itrci_nav_msgs.msg import Edge, EdgeState, Graph, TargetRoute, Vertex
+from omron_ld90_msgs.msg import ExecuteCommandAction, ExecuteCommandGoal
 from system_support import Recorder, connected_publisher, run_cases, wait_until
 
 HALL = [1, 2, 3, 4, 5, 6]  # 8 10 12 14 32 33 35, 24 m
@@ -150,7 +153,34 @@ class Faults(unittest.TestCase):
                                  'report of the robot on edge 3', after=told)
         self.drives([3])
 
-    def test_12_a_refused_command_ends_the_route(self) -> None:
+    def test_12_a_stop_in_rviz_is_the_last_word(self) -> None:
+        clicks = actionlib.ActionClient('/omron_ld90/execute_command', ExecuteCommandAction)
+        self.assertTrue(clicks.wait_for_server(rospy.Duration(10.0)))
+        self.stays_stopped(lambda: clicks.send_goal(ExecuteCommandGoal(command='stop')))
+
+    def test_13_a_stop_of_another_arcl_client_is_the_last_word(self) -> None:
+        self.stays_stopped(lambda: self.lab.robot.inject('other stop'))
+
+    def stays_stopped(self, stop: Callable[[], object]) -> None:
+        """No goal is sent to a robot that brakes, though it says only `Stopping`, `Stopped`."""
+        self.lab.robot.inject('dialect interrupted nothing')
+        self.addCleanup(self.lab.robot.inject, 'dialect interrupted name')
+        for done in (1, 2):
+            with self.subTest(edges_driven=done):
+                route_id = self.lab.under_way(HALL, done)
+                given, heard = len(self.lab.drives_heard()), len(self.lab.responses.messages)
+                stop()
+                self.lab.responses.wait_for(lambda line: line.data == 'Stopped', 20,
+                                            'a robot that stands', after=heard)
+                end = self.lab.end_of(route_id, 20.0)
+                self.assertEqual(end.reason, 'taken over')
+                late = self.lab.drives_heard()[given:]
+                lines = [line.data for line in self.lab.responses.messages[heard:]]
+                self.assertLess(len(late), 2, lines)  # one may have been on its way already
+                self.assertNotIn('Going to', ' '.join(lines[lines.index('Stopping'):]))
+                self.tearDown()
+
+    def test_14_a_refused_command_ends_the_route(self) -> None:
         """The graph of the fleet manager has a vertex for which the robot has no goal."""
         graphs = rospy.Publisher('/graph', Graph, queue_size=1, latch=True)
         known = self.lab.graph

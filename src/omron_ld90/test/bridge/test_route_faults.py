@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import pytest
-from bridge_builders import Bench, dissertation_graph, yard
+from bridge_builders import Bench, dissertation_graph, graph_of, yard
 
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.events import Ending, Link, Motion
@@ -60,6 +60,20 @@ def test_a_drive_interrupted_by_nobody_of_us_is_a_take_over():
     bench.wait(1.0)
     assert_failed(bench, 'taken over', stopped=False)
     assert 'replaced by "goto 3"' in bench.notes[-1]
+
+@pytest.mark.parametrize('motion', [Motion.STOPPING, Motion.STANDING])
+def test_a_robot_that_somebody_stops_without_a_word_is_sent_nowhere_while_it_brakes(motion):
+    hall = graph_of({n: (8.0 * n, 0.0) for n in range(1, 6)}, {n: (n, n + 1) for n in range(1, 5)})
+    bench = Bench(hall, 1, 'rolling')
+    bench.order(7, 1, 2, 3, 4)
+    bench.run(lambda bench: bench.robot.position[0] > 11.0)
+    given = len(bench.commands)
+    bench.robot.motion = motion
+    bench.run(lambda bench: bench.robot.position[0] > 19.0)
+    assert len(bench.commands) == given
+    bench.robot.motion = Motion.GOING  # nobody had stopped it
+    bench.run(lambda bench: not bench.follower.running)
+    assert bench.states() == [EdgeState.COMPLETE] * 4
 
 def test_nothing_is_sent_to_a_robot_that_somebody_else_may_drive():
     def rolling() -> Bench:

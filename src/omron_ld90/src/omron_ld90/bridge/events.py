@@ -36,6 +36,7 @@ class Motion(Enum):
     GOING = 'going to a goal'
     ARRIVED = 'arrived at a goal'
     FAILED = 'failed going to a goal'
+    STOPPING = 'stopping'
     STANDING = 'standing'
     DOCKING = 'docking'
     DOCKED = 'docked'

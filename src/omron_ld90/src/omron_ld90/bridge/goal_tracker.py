@@ -22,7 +22,9 @@ MOST_EARLIER_GOALS = 20
 
 _TOWARDS_GOAL = (Motion.GOING, Motion.ARRIVED)
 _DOCK_MOTIONS = (Motion.DOCKING, Motion.DOCKED)
-_AT_REST = (Motion.STANDING, Motion.ARRIVED, Motion.DOCKED, Motion.UNKNOWN)
+_UNCLEAR = (Motion.UNKNOWN, Motion.STOPPING)  # what comes next is not to be seen
+_AT_REST = (Motion.STANDING, Motion.ARRIVED, Motion.DOCKED, *_UNCLEAR)
+_STOPPED = (Motion.STOPPING, Motion.STANDING)
 
 
 class Knowledge(Enum):
@@ -100,8 +102,13 @@ class GoalTracker:
 
     @property
     def is_doubtful(self) -> bool:
-        """Whether it is not known if the robot obeys the last command, or why it no longer does."""
-        return self.knowledge is Knowledge.DOUBTFUL or self._interruption is not None
+        """Whether it is not known if the robot obeys the last command, or why it no longer does.
+
+        One that stops on its way was perhaps stopped by somebody, whom no goal of ours may pass.
+        """
+        stops = (self.knowledge is Knowledge.AWAITED and self._last is not None
+                 and self._last.motion in _STOPPED)
+        return stops or self.knowledge is Knowledge.DOUBTFUL or self._interruption is not None
 
     # --- what we do ------------------------------------------------------------------------------
 
@@ -205,7 +212,7 @@ class GoalTracker:
 
     def _resolve(self, status: RobotSeen, now: float, link_stands_since: float) -> None:
         """Finds out what became of a command whose end was lost."""
-        if status.motion is Motion.UNKNOWN and not self._is_as_before(status):
+        if status.motion in _UNCLEAR and not self._is_as_before(status):
             return
         settled = now >= self._doubted_at + STATUS_LAG
         if self._is_ours(status) and not self._never_sent:
@@ -220,7 +227,7 @@ class GoalTracker:
 
     def _watch(self, status: RobotSeen, now: float) -> None:
         """Takes the robot's status for the end of the command that nobody else will tell."""
-        if status.motion is Motion.UNKNOWN:
+        if status.motion in _UNCLEAR:
             return
         if (status.motion is Motion.ARRIVED and status.goal == self.goal) or (
                 self.goal == DOCK and status.motion is Motion.DOCKED):

@@ -9,7 +9,7 @@ from omron_ld90.bridge.events import Motion
 MOTIONS: Dict[ActivityKind, Motion] = {
     ActivityKind.UNKNOWN: Motion.UNKNOWN,
     ActivityKind.STOPPED: Motion.STANDING,
-    ActivityKind.STOPPING: Motion.UNKNOWN,
+    ActivityKind.STOPPING: Motion.STOPPING,
     ActivityKind.GOING_TO_GOAL: Motion.GOING,
     ActivityKind.ARRIVED_AT_GOAL: Motion.ARRIVED,
     ActivityKind.GOING_TO_POINT: Motion.GOING,

@@ -141,4 +141,4 @@ def moves_robot(command: str) -> bool:
         spec = parse_command(command).spec
     except InvalidCommand:
         return False
-    return spec.drives or spec.name == STOP
+    return spec.drives or spec.stops

@@ -36,6 +36,7 @@ Parameters:
 """
 from __future__ import annotations
 
+import threading
 from typing import Any, Callable, List, Optional
 
 import rospy
@@ -56,7 +57,9 @@ from omron_arcl import (
     parse_line,
     printable,
 )
+from omron_arcl.commands import Command
 from omron_arcl.guard import Guard
+from omron_arcl.overruling import Motion, Overruling
 from omron_arcl.replies import Goal, MapChanged, OneLineStatus
 from omron_ld90.nodes.controller_actions import ExecuteCommandServer, MoveBaseServer
 from omron_ld90.nodes.controller_goals import GoalComparison
@@ -91,6 +94,8 @@ class Controller:
         self._log = log
         self._stop_on_shutdown = stop_on_shutdown
         self._help = HelpReport()
+        self._overruling = Overruling()
+        self._giving = threading.Lock()  # commands are given one at a time
         self._reporter = LinkReporter(LinkState.COMMANDS, log)
         self._health = RobotHealth()
         self._responses = rospy.Publisher('arcl_response', LineMessage, queue_size=1000,
@@ -127,9 +132,29 @@ class Controller:
             if result is None:
                 rospy.logwarn('A stop was sent at the end; the robot has not said that it stands.')
 
-    def _execute(self, text: str, **options: Any) -> Execution:
-        """Gives a command once it is allowed; raises ArclError."""
-        execution = self._client.execute(text, check=self._guard.check, **options)
+    def _execute(self, text: str, giver: str, *,
+                 on_end: Optional[Callable[[Result], None]] = None, **options: Any) -> Execution:
+        """Gives a command of `giver`, a node, once it is allowed; raises ArclError."""
+        motion: Optional[Motion] = None
+
+        def check(command: Command) -> None:
+            nonlocal motion
+            self._guard.check(command)
+            motion = self._overruling.take(giver, command)
+
+        def end(result: Result) -> None:
+            if motion:
+                self._overruling.ended(motion, result.outcome)
+            if on_end:
+                on_end(result)
+
+        with self._giving:
+            try:
+                execution = self._client.execute(text, check=check, on_end=end, **options)
+            except ArclError:
+                if motion:
+                    self._overruling.ended(motion, Outcome.LOST)
+                raise
         self._help.sent(execution.command)
         return execution
 

@@ -29,7 +29,8 @@ from move_base_msgs.msg import (
 
 from omron_arcl import ArclError, Execution, NotConnected, Outcome, Result, printable
 from omron_arcl.guard import is_stop
-from omron_ld90.nodes.controller_refusals import OldMessages, Refusals, failure
+from omron_arcl.overruling import Overruled
+from omron_ld90.nodes.controller_refusals import OldMessages, Refusals, caller_of, failure
 from omron_ld90.nodes.support.call_queue import CallQueue
 from omron_ld90.nodes.support.poses import pose_to_robot
 from omron_ld90_msgs.msg import (
@@ -43,7 +44,7 @@ _QUEUE_PARAMETER = 'actionlib_server_pub_queue_size'  # read by actionlib, for a
 _RESULTS_QUEUED = 1000
 OWN_CONNECTION = 5.0  # s to wait for the topic of its own goals
 
-# Gives a command; raises ArclError. (text, timeout, on_line, on_end) -> Execution
+# Gives a command of a node; raises ArclError. (text, giver, timeout, on_line, on_end) -> Execution
 Execute = Callable[..., Execution]
 
 _OUTCOMES: Dict[Outcome, int] = {
@@ -135,7 +136,7 @@ class _Actions:
             self._running[goal_id] = goal
         try:
             goal.execution = self._execute(
-                text, timeout=timeout or None, stop_on_timeout=True,
+                text, self._giver(handle), timeout=timeout or None, stop_on_timeout=True,
                 on_line=lambda line: self._calls.add(lambda: self._on_line(handle, line),
                                                      optional=True),
                 on_end=lambda result: self._calls.add(
@@ -175,6 +176,10 @@ class _Actions:
             return [goal.handle for goal in self._running.values()]
 
     # --- what a kind of action is ----------------------------------------------------------------
+
+    def _giver(self, handle: actionlib.ServerGoalHandle) -> str:
+        """The node that gave a goal."""
+        return caller_of(handle.goal)
 
     def _command_of(self, goal: Any) -> Tuple[str, float]:
         """The command that a goal means, and its time-out (0: its own); raises Refused."""
@@ -222,7 +227,13 @@ class ExecuteCommandServer(_Actions):
                                     lines=list(result.lines))
 
     def _refusal(self, reason: Exception) -> ExecuteCommandResult:
-        """LOST, and never sent, where the command as such was well: it may be given again."""
+        """LOST, and never sent, where the command as such was well: it may be given again.
+
+        INTERRUPTED where somebody else's word came first.
+        """
+        if isinstance(reason, Overruled):
+            return ExecuteCommandResult(outcome=ExecuteCommandResult.INTERRUPTED,
+                                        message=str(reason))
         if isinstance(reason, (NotConnected, NeverSent)):
             return ExecuteCommandResult(outcome=ExecuteCommandResult.LOST,
                                         message=f'never sent: {reason}')
@@ -269,6 +280,10 @@ class MoveBaseServer(_Actions):
             self._forwarded[goal.goal_id.id] = caller
         goal.goal.target_pose = pose
         self._goals.publish(goal)
+
+    def _giver(self, handle: actionlib.ServerGoalHandle) -> str:
+        with self._lock:
+            return self._forwarded.get(handle.get_goal_id().id, '') or super()._giver(handle)
 
     def _command_of(self, goal: MoveBaseGoal) -> Tuple[str, float]:
         return 'gotoPoint {} {} {}'.format(*robot_pose(goal.target_pose, self._map_frame)), 0.0

@@ -13,6 +13,7 @@ from omron_ld90.nodes.controller_actions import MoveBaseServer, Refused, robot_p
 from omron_ld90.nodes.controller_refusals import (
     OldMessages,
     Refusals,
+    caller_of,
     failure,
 )
 
@@ -45,7 +46,7 @@ class TopicCommands:
     def _unless_refused(self, callback: Callable[[rospy.Message, str], None],
                         topic: str) -> Callable[[rospy.Message], None]:
         def receive(message: rospy.Message) -> None:
-            caller = getattr(message, '_connection_header', {}).get('callerid', 'unknown')
+            caller = caller_of(message)
             is_click = not isinstance(message, String)
             text = topic if is_click else message.data
             reason = self._old.reason(message, topic, is_stop(text))
@@ -87,6 +88,6 @@ class TopicCommands:
                 self._refusals.tell(text, caller, reason)
 
         try:
-            self._execute(text, on_end=on_end)
+            self._execute(text, caller, on_end=on_end)
         except ArclError as error:
             self._refusals.tell(text, caller, str(error))

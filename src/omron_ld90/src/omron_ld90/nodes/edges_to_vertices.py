@@ -8,6 +8,7 @@ Subscribes
     /graph (itrci_nav_msgs/Graph): replaces the graph of ~graph_file
     robot_status (omron_ld90_msgs/RobotStatus), link_state (omron_ld90_msgs/LinkState)
     send_command (std_msgs/String): a motion command of somebody else ends the route
+    execute_command/goal: so does somebody else's stop
 Publishes
     execution_route_states (itrci_nav_msgs/ExecutionRouteStates, latched): 10 Hz and on change
         while a route runs, else 1 Hz
@@ -50,6 +51,7 @@ from std_msgs.msg import String
 
 from itrci_nav_msgs import msg
 from node_lifecycle import ConfigurationError, choice, number, parameter, publish_diagnostics, run
+from omron_arcl.guard import is_stop
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.robot_monitor import moves_robot
 from omron_ld90.bridge.route_follower import RouteFollower
@@ -61,7 +63,12 @@ from omron_ld90.nodes.support import shared_parameters
 from omron_ld90.nodes.support.command_client import CommandClient
 from omron_ld90.nodes.support.followed_graph import FollowedGraph
 from omron_ld90.nodes.support.worker import start_worker
-from omron_ld90_msgs.msg import ExecuteCommandResult, LinkState, RobotStatus
+from omron_ld90_msgs.msg import (
+    ExecuteCommandActionGoal,
+    ExecuteCommandResult,
+    LinkState,
+    RobotStatus,
+)
 from trajectory_graph import Graph
 from trajectory_graph.route_messages import fill_refusal, fill_report, order_of
 from trajectory_graph.route_protocol import EdgeState, RouteRefusal, RouteReport
@@ -104,6 +111,7 @@ class EdgesToVertices:
                 ('link_state', LinkState, self._on_link),
                 ('robot_status', RobotStatus, self._on_status),
                 ('send_command', String, self._on_command),
+                ('execute_command/goal', ExecuteCommandActionGoal, self._on_goal),
                 ('target_route', msg.TargetRoute, self._on_route)):
             rospy.Subscriber(topic, kind, callback, queue_size=100, tcp_nodelay=True)
         FollowedGraph(graph, self._on_graph).subscribe()
@@ -146,6 +154,15 @@ class EdgesToVertices:
     def _on_command(self, message: String) -> None:
         if moves_robot(message.data):
             self._tell(p.ForeignCommand(message.data, message._connection_header['callerid']))
+
+    def _on_goal(self, message: ExecuteCommandActionGoal) -> None:
+        """Somebody's stop, of which no drive of ours would tell that just ended.
+
+        Drives of others are left to the controller: it may refuse them, and our own goes on.
+        """
+        caller, command = message._connection_header['callerid'], message.goal.command
+        if caller != rospy.get_name() and is_stop(command):
+            self._tell(p.ForeignCommand(command, caller))
 
     def _on_graph(self, graph: Graph) -> None:
         self._calls.put(lambda now: self._follower.use_graph(graph, now))

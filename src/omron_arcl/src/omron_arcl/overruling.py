@@ -1,0 +1,78 @@
+"""Whose word counts where several drive one robot: whoever gave it last.
+
+Software that drives the robot along a route gives one drive after another. Where a person stops the
+robot, or sends it elsewhere, that software learns so a moment later; what it gave meanwhile must
+not pass the person's word in the robot.
+"""
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+from typing import Callable, List, Optional
+
+from omron_arcl.commands import Command
+from omron_arcl.errors import ArclError
+from omron_arcl.execution import Outcome
+
+LATE = 0.5  # s from the end of a drive until whoever gave it has certainly heard so
+
+# Ends of a motion that never moved or stopped the robot.
+_WITHOUT_EFFECT = (Outcome.REJECTED, Outcome.NO_GOAL, Outcome.UNKNOWN_COMMAND, Outcome.LOST)
+
+
+@dataclass(eq=False)
+class Motion:
+    """A drive or a stop that was given."""
+
+    giver: str
+    text: str
+    overruled_by: Optional[Motion] = None
+    ended_at: float = math.inf
+
+
+class Overruled(ArclError):
+    """A drive whose giver cannot have known of `by`, which somebody else gave before it."""
+
+    def __init__(self, by: Motion) -> None:
+        super().__init__(f'Not sent, "{by.text}" of {by.giver} came first.')
+        self.by = by
+
+
+class Overruling:
+    """Refuses drives of those who have been overruled, until they can know it.
+
+    Givers are told apart by any name. The caller holds a lock from `take` until the command is
+    given, so that commands are given in the order in which they were taken.
+    """
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock = clock
+        self._drives: List[Motion] = []  # under way, or ended less than LATE ago
+
+    def take(self, giver: str, command: Command) -> Optional[Motion]:
+        """Takes a command that `giver` gives; None where it is no motion. Raises Overruled."""
+        spec = command.spec
+        if not (spec.drives or spec.stops):
+            return None
+        now = self._clock()
+        self._drives = [drive for drive in self._drives if now < drive.ended_at + LATE]
+        if spec.drives:
+            for drive in self._drives:
+                if drive.giver == giver and drive.overruled_by is not None:
+                    raise Overruled(drive.overruled_by)
+        motion = Motion(giver, command.text)
+        for drive in self._drives:
+            if drive.giver != giver and now < drive.ended_at and drive.overruled_by is None:
+                drive.overruled_by = motion
+        if spec.drives:
+            self._drives.append(motion)
+        return motion
+
+    def ended(self, motion: Motion, outcome: Outcome) -> None:
+        """A motion has ended, or could not be given."""
+        motion.ended_at = self._clock()
+        if outcome in _WITHOUT_EFFECT:
+            for drive in self._drives:
+                if drive.overruled_by is motion and drive.ended_at == math.inf:
+                    drive.overruled_by = None

@@ -1,0 +1,107 @@
+"""What somebody gave before he could know of another's stop or drive must not pass that."""
+from __future__ import annotations
+
+import pytest
+
+from omron_arcl import Outcome, parse_command
+from omron_arcl.overruling import LATE, Overruled, Overruling
+
+ROUTE, PERSON, OTHER = '/edges_to_vertices', '/rviz', '/joystick'
+
+
+class Bench:
+    """Commands given by nodes, with a clock of its own."""
+
+    def __init__(self) -> None:
+        self.now = 100.0
+        self._overruling = Overruling(lambda: self.now)
+
+    def give(self, giver: str, text: str):
+        return self._overruling.take(giver, parse_command(text))
+
+    def end(self, motion, outcome: Outcome = Outcome.INTERRUPTED) -> None:
+        self._overruling.ended(motion, outcome)
+
+
+@pytest.fixture
+def bench() -> Bench:
+    return Bench()
+
+
+@pytest.mark.parametrize('word', ['stop', 'goto 3', 'dock', 'gotoPoint 0 0 0'])
+def test_a_drive_cannot_pass_what_somebody_else_gave_while_its_givers_last_was_under_way(
+        bench, word):
+    bench.give(ROUTE, 'goto 12')
+    bench.give(PERSON, word)
+    with pytest.raises(Overruled, match=f'"{word}" of {PERSON} came first'):
+        bench.give(ROUTE, 'goto 14')
+
+
+def test_it_is_refused_until_its_giver_has_heard_that_its_last_drive_is_over(bench):
+    drive = bench.give(ROUTE, 'goto 12')
+    bench.give(PERSON, 'stop')
+    bench.now += 10.0  # a robot that brakes without a word
+    with pytest.raises(Overruled):
+        bench.give(ROUTE, 'goto 14')
+    bench.end(drive)
+    bench.now += LATE / 2
+    with pytest.raises(Overruled):
+        bench.give(ROUTE, 'goto 14')
+    bench.now += LATE
+    bench.give(ROUTE, 'goto 14')
+
+
+def test_whoever_gave_the_last_word_may_go_on(bench):
+    bench.give(ROUTE, 'goto 12')
+    bench.give(PERSON, 'stop')
+    bench.give(PERSON, 'goto 3')
+    bench.give(PERSON, 'goto 4')
+
+
+def test_a_route_replaces_its_own_drives_and_stops_itself(bench):
+    bench.give(ROUTE, 'goto 12')
+    bench.give(ROUTE, 'goto 14')
+    bench.give(ROUTE, 'stop')
+    bench.give(ROUTE, 'goto 16')
+
+
+def test_who_has_no_drive_under_way_gives_a_new_word(bench):
+    bench.give(PERSON, 'stop')
+    bench.give(ROUTE, 'goto 12')
+    bench.give(OTHER, 'goto 3')
+
+
+def test_a_drive_that_ended_by_itself_is_not_overruled_afterwards(bench):
+    bench.end(bench.give(ROUTE, 'goto 12'), Outcome.SUCCEEDED)
+    bench.give(PERSON, 'goto 3')
+    bench.give(ROUTE, 'goto 14')
+
+
+def test_a_stop_is_never_refused(bench):
+    bench.give(ROUTE, 'goto 12')
+    bench.give(PERSON, 'goto 3')
+    bench.give(ROUTE, 'stop')
+
+
+@pytest.mark.parametrize('outcome', [Outcome.NO_GOAL, Outcome.REJECTED, Outcome.UNKNOWN_COMMAND,
+                                     Outcome.LOST])
+def test_a_word_that_came_to_nothing_overrules_nobody(bench, outcome):
+    bench.give(ROUTE, 'goto 12')
+    bench.end(bench.give(PERSON, 'goto nowhere'), outcome)
+    bench.give(ROUTE, 'goto 14')
+
+
+def test_the_first_of_two_words_is_named(bench):
+    bench.give(ROUTE, 'goto 12')
+    bench.give(PERSON, 'stop')
+    bench.give(OTHER, 'goto 3')
+    with pytest.raises(Overruled, match=PERSON) as refused:
+        bench.give(ROUTE, 'goto 14')
+    assert refused.value.by.text == 'stop'
+
+
+@pytest.mark.parametrize('text', ['status', 'say hello', 'enableMotors', 'getGoals'])
+def test_what_does_not_move_the_robot_is_no_word(bench, text):
+    bench.give(ROUTE, 'goto 12')
+    assert bench.give(PERSON, text) is None
+    bench.give(ROUTE, 'goto 14')
