@@ -75,6 +75,16 @@ class TestOutcomes:
             show(tracker, motion, goal)
         assert (tracker.reached, tracker.failure) == (False, None)
 
+    @pytest.mark.parametrize('motion', [Motion.STOPPING, Motion.STANDING])
+    def test_a_robot_that_stops_on_its_way_may_have_been_stopped_by_somebody(self, motion):
+        tracker = sent()
+        show(tracker, Motion.GOING, '12')
+        assert not tracker.is_doubtful
+        show(tracker, motion, times=1)
+        assert tracker.is_doubtful
+        show(tracker, Motion.GOING, '12', times=1)
+        assert not tracker.is_doubtful
+
 
 class TestLostOutcome:
     """The link or the controller was lost: the robot's status tells."""
@@ -86,6 +96,14 @@ class TestLostOutcome:
         show(tracker, Motion.ARRIVED, '12', begin=9.0, times=1)
         assert tracker.reached
         assert not tracker.give_again
+
+    def test_it_may_have_been_stopped_then_too(self):
+        tracker = doubtful()
+        show(tracker, Motion.GOING, '12')
+        assert tracker.knowledge is Knowledge.WATCHED
+        assert not tracker.is_doubtful
+        show(tracker, Motion.STOPPING, times=1)
+        assert tracker.is_doubtful
 
     def test_an_arrival_in_the_meantime_counts(self):
         tracker = doubtful()

@@ -106,7 +106,7 @@ class GoalTracker:
 
         One that stops on its way was perhaps stopped by somebody, whom no goal of ours may pass.
         """
-        stops = (self.knowledge is Knowledge.AWAITED and self._last is not None
+        stops = (self.knowledge is not Knowledge.NOTHING and self._last is not None
                  and self._last.motion in _STOPPED)
         return stops or self.knowledge is Knowledge.DOUBTFUL or self._interruption is not None
 
