@@ -6,7 +6,7 @@ import pytest
 from omron_ld90.bridge.events import CommandEnded, Ending, Motion, RobotSeen
 from omron_ld90.bridge.stop_duty import StopDuty
 
-OURS = frozenset({'12'})
+OURS = '12'
 
 
 def given(number: int = 1, now: float = 0.0) -> StopDuty:
@@ -19,8 +19,9 @@ def given(number: int = 1, now: float = 0.0) -> StopDuty:
 
 
 def see(duty: StopDuty, motion: Motion, goal: str = '', times: int = 2, begin: float = 2.0) -> None:
+    on_our_way = goal == OURS if motion is Motion.GOING else None
     for count in range(times):
-        duty.seen(RobotSeen(0, motion, goal), OURS, begin + count)
+        duty.seen(RobotSeen(0, motion, goal), on_our_way, begin + count)
 
 
 @pytest.mark.parametrize('ending', [Ending.SUCCEEDED, Ending.INTERRUPTED,

@@ -41,6 +41,7 @@ class Motion(Enum):
     DOCKING = 'docking'
     DOCKED = 'docked'
     UNDOCKING = 'undocking'
+    BY_HAND = 'driven by hand'
 
 
 class Docking(Enum):
@@ -89,10 +90,9 @@ class CommandEnded:
 # --- what others did ------------------------------------------------------------------------------
 
 @dataclass(frozen=True)
-class ForeignCommand:
-    """A motion command that somebody else gave to the controller."""
+class ForeignStop:
+    """A stop that somebody else gave to the controller; it may not have come to the robot."""
 
-    command: str
     caller: str
 
 
@@ -112,7 +112,7 @@ class LinkReported:
     reason: str = ''
 
 
-Event = Union[RouteOrder, RobotSeen, CommandEnded, ForeignCommand, LinkReported]
+Event = Union[RouteOrder, RobotSeen, CommandEnded, ForeignStop, LinkReported]
 
 
 # --- what is to be done ---------------------------------------------------------------------------
