@@ -142,6 +142,20 @@ def test_a_robot_that_obeys_somebody_without_a_word_is_sent_nowhere(motion, goal
     bench.run()
     assert bench.states() == [EdgeState.COMPLETE] * 4
 
+def test_a_longer_route_sends_no_robot_on_that_has_just_said_that_it_stops():
+    bench = Bench(yard(), 1, 'rolling')
+    bench.order(7, 1)
+    bench.run(lambda bench: bench.robot.position[0] > 2.0)
+    bench.tell(p.StopBegun())
+    bench.order(7, 1, 5)
+    assert bench.commands == ['goto 2']
+    bench.robot.motion = Motion.STOPPING
+    bench.drive(1.0)
+    assert bench.commands == ['goto 2']
+    bench.robot.motion = Motion.GOING  # it was somebody else's word about nothing
+    bench.run()
+    assert bench.commands == ['goto 2', 'goto 5']
+
 def test_nothing_is_sent_to_a_robot_that_somebody_else_may_drive():
     def rolling() -> Bench:
         bench = Bench(yard(), 1, 'rolling')

@@ -4,7 +4,14 @@ from __future__ import annotations
 import pytest
 from bridge_builders import Bench, dissertation_graph, graph_of, yard
 
-from omron_ld90.bridge.events import CommandEnded, Ending, ForeignStop, Link, LinkReported, RobotSeen
+from omron_ld90.bridge.events import (
+    CommandEnded,
+    Ending,
+    ForeignStop,
+    Link,
+    LinkReported,
+    RobotSeen,
+)
 from omron_ld90.bridge.route_follower import RouteFollower
 from omron_ld90.bridge.route_strategies import Settings
 from trajectory_graph.route_protocol import EdgeState, RouteOrder, RouteRefusal, RouteReport

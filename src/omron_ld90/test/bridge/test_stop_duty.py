@@ -32,7 +32,8 @@ def test_obeyed_or_overtaken_it_is_over(ending):
     assert not duty.owed
 
 
-@pytest.mark.parametrize('ending', [Ending.LOST, Ending.NEVER_SENT, Ending.FAILED])
+@pytest.mark.parametrize('ending', [Ending.LOST, Ending.NEVER_SENT, Ending.FAILED,
+                                    Ending.CANCELLED])
 def test_what_came_to_nothing_is_tried_again_once_the_link_stands(ending):
     duty = given()
     duty.ended(CommandEnded(1, ending, 'why not'))

@@ -50,7 +50,7 @@ def test_every_activity_is_some_motion():
     ('SUCCEEDED', 'Arrived at 12', Ending.SUCCEEDED),
     ('FAILED', 'Failed going to goal', Ending.FAILED),
     ('INTERRUPTED', 'replaced', Ending.INTERRUPTED),
-    ('CANCELLED', 'cancelled', Ending.INTERRUPTED),
+    ('CANCELLED', 'cancelled', Ending.CANCELLED),
     ('TIMED_OUT', 'silent', Ending.FAILED),
     ('REFUSED', 'not allowed', Ending.FAILED),
     ('EMERGENCY_STOPPED', 'EStop pressed', Ending.EMERGENCY_STOPPED),

@@ -65,6 +65,11 @@ class RobotSeen:
     place: Optional[Tuple[float, float]] = None  # m, map frame
 
 
+@dataclass(frozen=True)
+class StopBegun:
+    """The robot has just said that it stops, before its status shows that."""
+
+
 # --- what became of our commands ------------------------------------------------------------------
 
 class Ending(Enum):
@@ -73,6 +78,7 @@ class Ending(Enum):
     SUCCEEDED = 'succeeded'
     FAILED = 'failed'
     INTERRUPTED = 'interrupted'              # somebody else drives or stopped the robot
+    CANCELLED = 'cancelled'                  # by somebody else
     EMERGENCY_STOPPED = 'emergency stop'
     LOST = 'lost'                            # nobody knows whether the robot obeys it
     NEVER_SENT = 'never sent'                # it certainly did not reach the robot
@@ -112,7 +118,7 @@ class LinkReported:
     reason: str = ''
 
 
-Event = Union[RouteOrder, RobotSeen, CommandEnded, ForeignStop, LinkReported]
+Event = Union[RouteOrder, RobotSeen, StopBegun, CommandEnded, ForeignStop, LinkReported]
 
 
 # --- what is to be done ---------------------------------------------------------------------------

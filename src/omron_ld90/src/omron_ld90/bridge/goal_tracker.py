@@ -82,6 +82,7 @@ class GoalTracker:
         self._via: FrozenSet[str] = frozenset()
         self._before: Optional[RobotSeen] = None  # the last status before the command
         self._last: Optional[RobotSeen] = None
+        self._stop_begun = False  # the robot has said that it stops since the last status
         self._names_goals: Optional[bool] = None  # the robot shows where we sent it, by its name
         self._place: Optional[Tuple[float, float]] = None
         self._place_before: Optional[Tuple[float, float]] = None
@@ -112,10 +113,12 @@ class GoalTracker:
         One that stops on its way, or goes elsewhere, perhaps obeys somebody whom no goal of ours
         may pass.
         """
-        strays = (self.knowledge in (Knowledge.AWAITED, Knowledge.WATCHED)
-                  and self._last is not None and (self._last.motion in _STOPPED
-                                                  or self.is_on_our_way(self._last) is False))
-        return strays or self.knowledge is Knowledge.DOUBTFUL or self._interruption is not None
+        if self.knowledge is Knowledge.DOUBTFUL or self._interruption is not None:
+            return True
+        last = self._last
+        strays = self._stop_begun or last is not None and (
+            last.motion in _STOPPED or self.is_on_our_way(last) is False)
+        return strays and self.knowledge in (Knowledge.AWAITED, Knowledge.WATCHED)
 
     def is_on_our_way(self, status: RobotSeen) -> Optional[bool]:
         """Whether the robot goes where we sent it; None where it is not seen to go anywhere."""
@@ -186,7 +189,7 @@ class GoalTracker:
         self.number = None
         if event.ending is Ending.SUCCEEDED:
             self._arrive()
-        elif event.ending is Ending.INTERRUPTED:
+        elif event.ending in (Ending.INTERRUPTED, Ending.CANCELLED):
             self._interruption = (now, event.text)
         elif event.ending is Ending.EMERGENCY_STOPPED:
             self.failure = RouteFailed('emergency stop')
@@ -207,6 +210,7 @@ class GoalTracker:
     def seen(self, status: RobotSeen, now: float, link_stands_since: float) -> None:
         """The robot's status; `link_stands_since` is infinite while no command can reach it."""
         self._last = status
+        self._stop_begun = False
         if status.motion is Motion.GOING and self.knowledge is Knowledge.AWAITED:
             self._names_goals = bool(status.goal or self._names_goals)
         if status.motion in _TOWARDS_GOAL and status.goal == self.goal:
@@ -215,6 +219,10 @@ class GoalTracker:
             self._resolve(status, now, link_stands_since)
         elif self.knowledge is Knowledge.WATCHED:
             self._watch(status, now)
+
+    def stop_begun(self) -> None:
+        """The robot has said that it stops; its next status shows whether it goes on."""
+        self._stop_begun = True
 
     def check_clock(self, now: float) -> None:
         """An interruption whose cause was not told in time was somebody's doing."""

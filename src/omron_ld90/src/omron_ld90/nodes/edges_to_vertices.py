@@ -7,6 +7,7 @@ Subscribes
     target_route (itrci_nav_msgs/TargetRoute): the route to drive
     /graph (itrci_nav_msgs/Graph): replaces the graph of ~graph_file
     robot_status (omron_ld90_msgs/RobotStatus), link_state (omron_ld90_msgs/LinkState)
+    arcl_response (std_msgs/String): the robot says that it stops
     send_command (std_msgs/String), execute_command/goal: a stop of somebody else ends the route
 Publishes
     execution_route_states (itrci_nav_msgs/ExecutionRouteStates, latched): 10 Hz and on change
@@ -50,7 +51,9 @@ from std_msgs.msg import String
 
 from itrci_nav_msgs import msg
 from node_lifecycle import ConfigurationError, choice, number, parameter, publish_diagnostics, run
+from omron_arcl import parse_line
 from omron_arcl.guard import is_stop
+from omron_arcl.replies import Stopping
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.route_follower import RouteFollower
 from omron_ld90.bridge.route_strategies import STRATEGIES, Settings
@@ -108,6 +111,7 @@ class EdgesToVertices:
         for topic, kind, callback in (
                 ('link_state', LinkState, self._on_link),
                 ('robot_status', RobotStatus, self._on_status),
+                ('arcl_response', String, self._on_line),
                 ('send_command', String, self._on_command),
                 ('execute_command/goal', ExecuteCommandActionGoal, self._on_goal),
                 ('target_route', msg.TargetRoute, self._on_route)):
@@ -148,6 +152,10 @@ class EdgesToVertices:
         event = link_reported(message)
         if event is not None:
             self._tell(event)
+
+    def _on_line(self, message: String) -> None:
+        if isinstance(parse_line(message.data), Stopping):
+            self._tell(p.StopBegun())
 
     def _on_command(self, message: String) -> None:
         self._on_foreign(message.data, message._connection_header['callerid'])
