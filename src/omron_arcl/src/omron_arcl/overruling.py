@@ -72,7 +72,7 @@ class Overruling:
         for drive in self._drives:
             if drive.giver == giver:
                 drive.superseded = True
-            elif drive.overruled_by is None:
+            elif drive.overruled_by is None and (spec.stops or now < drive.ended_at):
                 drive.overruled_by = motion
         if spec.drives:
             self._drives.append(motion)

@@ -28,7 +28,7 @@ from move_base_msgs.msg import (
 )
 
 from omron_arcl import ArclError, Execution, NotConnected, Outcome, Result, printable
-from omron_arcl.guard import is_stop
+from omron_arcl.command_line import is_stop
 from omron_arcl.overruling import Overruled
 from omron_ld90.nodes.controller_action_server import ActionServer
 from omron_ld90.nodes.controller_refusals import OldMessages, Refusals, caller_of, failure

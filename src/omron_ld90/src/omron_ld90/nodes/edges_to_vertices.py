@@ -52,7 +52,7 @@ from std_msgs.msg import String
 from itrci_nav_msgs import msg
 from node_lifecycle import ConfigurationError, choice, number, parameter, publish_diagnostics, run
 from omron_arcl import parse_line
-from omron_arcl.guard import is_stop
+from omron_arcl.command_line import is_stop
 from omron_arcl.replies import Stopping
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.route_follower import RouteFollower
