@@ -195,7 +195,8 @@ class SupervisedFleet:
             for _ in range(self._copies()):
                 refusal = self.agvs[order.robot].order(order.route_id, order.edges)
                 if refusal is not None:
-                    self.do(self.supervisor.refusal(order.robot, refusal, self.now))
+                    self.do(self.supervisor.refusal(order.robot, refusal, self.now,
+                                                    self.now))
 
     def do(self, actions: Sequence[Action]) -> None:
         """Does what the supervisor wants done, unless it dies first."""

@@ -67,6 +67,20 @@ def test_a_robot_whose_track_the_graph_lost_stays_out_of_service():
     assert fleet.supervisor.robots['a'].outage is Outage.OUT_OF_SERVICE
 
 
+def test_a_stop_that_a_robot_has_not_heard_outlives_a_graph_without_its_track():
+    fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)}, settings=RobotSettings(release_ahead=8.0))
+    fleet.request(1, 6)
+    fleet.run(2.0)
+    fleet.silent['a'] = 1e9
+    fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+    fleet.agvs['a'].stalled = 10.0
+    restart_on(fleet, cut_short(fleet.graph, 4))
+    fleet.run(1.0)
+    fleet.silent.clear()
+    fleet.run(3.0)
+    assert fleet.agvs['a'].edges == () and not fleet.supervisor.robots['a'].client.is_stopping
+
+
 @pytest.mark.parametrize('edges', [(1, 99), (2, 1), (0,)])
 @pytest.mark.parametrize('state', [EdgeState.PROCESSING, EdgeState.COMPLETE, EdgeState.FAILED])
 def test_a_route_that_the_graph_does_not_have_is_nobodys_but_the_robots(edges, state):

@@ -42,6 +42,12 @@ class Memory(NamedTuple):
         """Does a graph, maybe another than when this was stored, have all of it?"""
         return is_on(graph, self.track) and (self.place is None or self.place.is_on(graph))
 
+    @property
+    def without_places(self) -> Memory:
+        """What is true on any graph: a stop that is under way, and which routes are over."""
+        return self._replace(track=(), done=0, place=None, over=True, shortened=None,
+                             bases={self.route_id: 0} if self.is_stopping else {})
+
 
 @dataclass
 class Heard:

@@ -30,8 +30,8 @@ def robots_of(fleet: Fleet, settings: Mapping[str, RobotSettings], graph: Graph,
 
 
 def _restore(robot: ManagedRobot, memory: RobotMemory, graph: Graph) -> None:
-    if memory.client.is_on(graph):
-        robot.client.restore(memory.client)
+    client = memory.client
+    robot.client.restore(client if client.is_on(graph) else client.without_places)
     if memory.outage is not None and memory.outage.needs_person:
         robot.outage, robot.why = memory.outage, memory.why
     robot.is_halted, robot.comes_to_rest = memory.is_halted, memory.comes_to_rest

@@ -151,10 +151,14 @@ class Supervisor:
             'renewed, or the clock of its computer differs (NTP); others stay far behind it.')
         self._out.note_state(f'{name}/age', old or '', f'The locations of {name} are new again.')
         before, begun = robot.progress, robot.track.begun
+        was_seen = robot.liveness.is_seen
         robot.hear(report, now)
         robot.begin_elsewhere()
-        if robot.track.begun != begun:
+        if robot.track.begun != begun or was_seen != robot.liveness.is_seen:
             self.dispatcher.forget_plan_of(name)
+        if robot.drives_on(report):
+            robot.client.halt(self._out.new_id)
+            self._out.send()
         self.roads.learn(robot, now)
         if before != robot.progress:
             self._out.robot_changed(name)
@@ -163,11 +167,12 @@ class Supervisor:
         self._outages.look()
         return self._out.take(now)
 
-    def refusal(self, name: str, refusal: RouteRefusal, now: float) -> List[Action]:
-        """A robot did not take up an order."""
+    def refusal(self, name: str, refusal: RouteRefusal, now: float,
+                stamp: float = 0.0) -> List[Action]:
+        """A robot did not take up an order; `stamp`: s, when, by its clock, 0: unknown."""
         robot = self.robots[name]
         was_stopped = robot.outage is Outage.STOPPED
-        if not robot.hear_refusal(refusal):
+        if not robot.hear_refusal(refusal, stamp):
             return self._out.take(now)
         self._out.robot_changed(name)
         if not (was_stopped and robot.outage is Outage.STOPPED):  # each trial is refused then
@@ -200,7 +205,8 @@ class Supervisor:
         if now - robot.liveness.seen > SILENCE or robot.outage is Outage.DEAF:
             return f'{name} does not report or answer: mend its link first', self._out.take(now)
         if robot.client.order is not None or not robot.liveness.is_still(now):
-            return f'{name} does not stand still yet: try again in a moment', self._out.take(now)
+            return (f'{name} does not stand still yet, or has a route to drive, or its locations '
+                    'are old: try again in a moment'), self._out.take(now)
         problem = robot.come_back(robot.place_at(robot.track.pose))
         self.dispatcher.forget_plan_of(name)
         self._outages.look()
@@ -285,7 +291,7 @@ class Supervisor:
                                  and now - self._began < SILENCE)
         if self.is_stopped:
             self._waiting.hold('the fleet is stopped')
-        elif self.trouble:
+        elif self._is_starting or self.trouble:
             self.dispatcher.shorten()
         if self._is_starting or self.is_stopped or self.trouble:
             return
