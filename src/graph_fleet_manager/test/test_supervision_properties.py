@@ -70,11 +70,20 @@ class FleetLife(RuleBasedStateMachine):
         self.cancelled: Set[int] = set()
         self.shortened = False
         self.may_fail = False
+        self.foreign = 10 ** 8
 
     @invariant()
     def a_moment_passes(self) -> None:
-        """Between two events."""
-        self.fleet.run(self.moment)
+        """Between two events. Nobody who is left to a person, and stands, is sent on."""
+        fleet = self.fleet
+        under_way = {order.robot for _, order in fleet._under_way}
+        under_way |= {order.robot for order in fleet._to_robots}
+        left = {name: fleet.agvs[name].travelled for name, robot in fleet.supervisor.robots.items()
+                if robot.outage is not None and robot.outage.needs_person
+                and not fleet.agvs[name].is_driving and name not in under_way}
+        fleet.run(self.moment)
+        for name, travelled in left.items():
+            assert fleet.agvs[name].travelled == travelled, fleet.picture()
 
     # -- missions ---------------------------------------------------------------------------------
 
@@ -150,6 +159,43 @@ class FleetLife(RuleBasedStateMachine):
         self.may_fail = True
         self.fleet.agvs[robot].fail('taken over')
 
+    @rule(robot=robots, delay=st.sampled_from((0.0, 0.2, 0.4, 1.5)))
+    def orders_come_late(self, robot: str, delay: float) -> None:
+        self.fleet.orders_late[robot] = delay
+
+    @rule(robot=robots, pause=seconds(15.0))
+    def lose_link(self, robot: str, pause: float) -> None:
+        """It drives on, and nobody knows where."""
+        self.may_fail = True
+        self.fleet.lose_link(robot)
+        self.fleet.run(pause)
+        self.fleet.find_link(robot)
+
+    @rule(robot=robots)
+    def give_a_foreign_route(self, robot: str) -> None:
+        """Somebody else lets it drive to the end of its edge."""
+        self.may_fail = True
+        self.foreign += 1
+        agv = self.fleet.agvs[robot]
+        if agv.is_driving and robot not in self.fleet.lost:
+            agv.order(self.foreign, (agv.edges[agv.current],))
+
+    @rule(robot=robots, edge=st.sampled_from(sorted(YARD.edges)), share=st.sampled_from((0.0, 0.4)))
+    def carry(self, robot: str, edge: int, share: float) -> None:
+        """Somebody carries a robot that is left to a person to where there is room."""
+        fleet, agv = self.fleet, self.fleet.agvs[robot]
+        outage = fleet.supervisor.robots[robot].outage
+        if outage is None or not outage.needs_person or agv.is_driving:
+            return
+        x, y = YARD.curve(edge).point_at(share * YARD.curve(edge).length)
+        for name, other in fleet.supervisor.robots.items():
+            if name != robot and (
+                    math.dist((x, y), fleet.agvs[name].position) < 1.5
+                    or any(YARD.curve(e).project(x, y).distance < 1.5 for e in other.track.held)):
+                return
+        agv.forget()
+        agv.edge, agv.arc = edge, share * YARD.curve(edge).length
+
     # -- the fleet --------------------------------------------------------------------------------
 
     @rule(pause=seconds(12.0))
@@ -212,6 +258,7 @@ class FleetLife(RuleBasedStateMachine):
         fleet.silent.clear()
         fleet.deaf.clear()
         fleet.late.clear()
+        fleet.orders_late.clear()
         fleet.loss, fleet.crash_at = 0.0, None
         fleet.close()
         for agv in fleet.agvs.values():

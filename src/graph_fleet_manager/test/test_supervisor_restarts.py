@@ -126,3 +126,24 @@ def test_a_pause_outlives_a_restart_while_the_robot_is_silent():
     fleet.do(fleet.supervisor.command(1, Command.RESUME, fleet.now))
     fleet.run_until_done(1)
     assert fleet.state(1) is MissionState.SUCCEEDED
+
+
+@pytest.mark.parametrize('starts_anew', [True, False])
+def test_a_request_that_comes_again_after_others_with_its_id_is_not_driven_twice(starts_anew):
+    """It was latched, and whoever takes missions joins again."""
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    for stamp, vertex in ((100.0, 3), (200.0, 1)):
+        fleet.request(7, vertex, stamp=stamp)
+        fleet.run_until_done(7)
+    if starts_anew:
+        fleet.restart()
+        fleet.run(1.0)
+    travelled = fleet.agvs['a'].travelled
+    fleet.request(7, 3, stamp=100.0)
+    fleet.run(10.0)
+    assert fleet.agvs['a'].travelled == travelled
+    last = fleet.statuses[-1]
+    assert (last.state, last.stamp) == (MissionState.SUCCEEDED, 100.0)
+    fleet.request(7, 3, stamp=300.0)
+    fleet.run_until_done(7)
+    assert fleet.agvs['a'].travelled > travelled

@@ -11,6 +11,7 @@ from supervised_fleet import SupervisedFleet
 from graph_fleet_manager.nodes import fleet_services
 from graph_fleet_manager.nodes.early_stop import EarlyStop
 from graph_fleet_manager.nodes.event_loop import EventLoop
+from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.route_client import REPEAT
 
 
@@ -110,3 +111,31 @@ def test_a_stop_that_cannot_be_stored_is_done_and_that_is_said(services):
     answer, actions = services.call('/stop_fleet', fleet.supervisor)
     assert answer.success and 'forgotten: the journal' in answer.message
     assert ('a', ()) in [(order.robot, order.edges) for order in actions if hasattr(order, 'robot')]
+
+
+@pytest.mark.parametrize('name', ['/resume_fleet', '/a/join_fleet'])
+def test_what_was_not_done_in_time_is_not_done_later(services, monkeypatch, name):
+    """Who was told that robots do not go on may be among them by then."""
+    monkeypatch.setattr(fleet_services, 'PATIENCE', 0.1)
+    fleet = SupervisedFleet(corridor(3), {'a': (AGV, 1), 'b': (AGV, 3)})
+    fleet.run(3.0)
+    fleet.do(fleet.supervisor.take_out('a', fleet.now))
+    fleet.run(3.0)
+    if name == '/resume_fleet':
+        fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+    answer, _ = services.call(name, hangs=True)
+    assert not answer.success and 'nor will it be' in answer.message
+    services.loop.take()(None, 0.0)  # the clock, which is due first
+    assert services.loop.take()(fleet.supervisor, fleet.now) == ()
+    assert not fleet.supervisor.robots['a'].works
+    assert fleet.supervisor.is_stopped == (name == '/resume_fleet')
+
+
+def test_a_robot_that_was_not_taken_out_in_time_is_taken_out_later(services, monkeypatch):
+    monkeypatch.setattr(fleet_services, 'PATIENCE', 0.1)
+    fleet = SupervisedFleet(corridor(3), {'a': (AGV, 1), 'b': (AGV, 3)})
+    answer, _ = services.call('/a/leave_fleet', hangs=True)
+    assert not answer.success and 'but it will be' in answer.message
+    services.loop.take()(None, 0.0)
+    assert services.loop.take()(fleet.supervisor, fleet.now)
+    assert fleet.supervisor.robots['a'].outage is Outage.OUT_OF_SERVICE

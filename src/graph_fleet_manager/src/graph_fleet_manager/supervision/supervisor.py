@@ -16,7 +16,7 @@ from graph_fleet_manager.supervision.actions import Action, TellStatus
 from graph_fleet_manager.supervision.charging import ChargeQueue
 from graph_fleet_manager.supervision.dispatcher import Dispatcher
 from graph_fleet_manager.supervision.errands import Errand, errand_of
-from graph_fleet_manager.supervision.journal import Journal
+from graph_fleet_manager.supervision.journal import Journal, JournalUnavailable
 from graph_fleet_manager.supervision.liveness import SILENCE
 from graph_fleet_manager.supervision.mission_commands import carry_out, not_done, not_stored
 from graph_fleet_manager.supervision.missions import (
@@ -59,6 +59,7 @@ class Supervisor:
         self.is_stopped = bool(journal.value(STOPPED))
         self.charging = ChargeQueue(self.robots)
         self.book = MissionBook(journal.missions(), journal.last_serial() + 1)
+        self._journal = journal
         self._began = now
         self._is_starting = True
         self._waiting = WaitingMissions(self.book, self.robots)
@@ -94,9 +95,16 @@ class Supervisor:
         """Accepts, refuses or repeats; an accepted mission is on the disk before it is told."""
         known = self.book.find(request.id)
         try:
+            if known is None or known.request != request:
+                ended = self._journal.find(request) if request.stamp else None
+                if ended is not None:  # latched, or under way for long
+                    self._out.put(TellStatus(ended.status))
+                    return self._out.take(now)
             mission = self.book.add(request, self.acceptance)
         except RequestRefused as refused:
             return self._refuse(request, str(refused), now)
+        except JournalUnavailable as unavailable:
+            return self._refuse(request, unavailable.reason, now)
         actions = self._out.take(now)
         if mission is not None and self.trouble:
             self.book.withdraw(mission, known)
