@@ -1,4 +1,4 @@
-"""A stop, a cancel, a robot taken over: that is the last word, whatever is late, lost or unknown."""
+"""A stop, a cancel, a takeover: that is the last word, whatever is late, lost or unknown."""
 from __future__ import annotations
 
 from dataclasses import replace
