@@ -98,6 +98,25 @@ def test_a_stop_goes_past_a_supervisor_that_hangs_and_is_kept_for_it(services, m
     assert fleet.supervisor.is_stopped
 
 
+def test_a_stop_past_a_supervisor_lasts_when_that_is_killed_for_it():
+    """Nothing of it is on the disk, but the robots tell of it."""
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)})
+    fleet.request(1, 3, robot='a')
+    fleet.run_until_done(1)
+    for order in EarlyStop(['a', 'b']).stop(0.0):
+        fleet.agvs[order.robot].order(order.route_id, order.edges)
+    fleet.request(2, 5, robot='a')
+    fleet.restart()
+    travelled = fleet.agvs['a'].travelled
+    fleet.run(8.0)
+    assert fleet.supervisor.is_stopped and fleet.agvs['a'].travelled == travelled
+    fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
+    fleet.run_until_done(2)
+    fleet.restart()
+    fleet.run(6.0)
+    assert not fleet.supervisor.is_stopped
+
+
 def test_what_else_is_asked_for_without_a_graph_is_not_done(services):
     for name in ('/resume_fleet', '/a/leave_fleet', '/a/join_fleet'):
         answer, actions = services.call(name)

@@ -153,7 +153,7 @@ class Dispatcher:
         asked = plan.asked_to_move(movers, {name: track.end for name, track in tracks.items()})
         for name, own in plan.plans.items():
             robot = self._robots[name]
-            self.waits_for[name] = ''
+            self.waits_for[name] = '' if robot.client.is_ready else 'a new location of its own'
             if not robot.works or robot.comes_to_rest or not robot.client.is_ready:
                 continue
             until = goes_until(robot, errands[name], own, name in asked)

@@ -35,6 +35,7 @@ from graph_fleet_manager.supervision.reports import Report, WrongReport, check_r
 from graph_fleet_manager.supervision.restoring import robots_of
 from graph_fleet_manager.supervision.roads import Roads
 from graph_fleet_manager.supervision.robots import ManagedRobot
+from graph_fleet_manager.supervision.route_ids import is_past
 from graph_fleet_manager.supervision.settings import RobotSettings
 from graph_fleet_manager.supervision.waiting_missions import WaitingMissions
 from trajectory_graph import Graph
@@ -164,6 +165,11 @@ class Supervisor:
         robot.begin_elsewhere()
         if robot.track.begun != begun or was_seen != robot.liveness.is_seen:
             self.dispatcher.forget_plan_of(name)
+        if self._is_starting and not was_seen and is_past(report.route_id) and not (
+                self.is_stopped or robot.client.is_stopping):
+            self._out.note(f'{name} was stopped past a fleet manager that hung and has ended since: '
+                           'so the whole fleet is stopped until it is resumed.', True)
+            self._stop()
         if robot.drives_on(report):
             robot.client.halt(self._out.new_id)
             self._out.send()
@@ -223,11 +229,14 @@ class Supervisor:
 
     def stop_fleet(self, now: float) -> List[Action]:
         """Every robot gets an empty route at once, planner or not."""
+        self._stop()
+        return self._out.take(now)
+
+    def _stop(self) -> None:
         self.is_stopped = True
         self._out.value_changed(STOPPED, 1)
         self._halt(self.robots.values())
         self._out.send()
-        return self._out.take(now)
 
     def _halt(self, robots: Iterable[ManagedRobot]) -> None:
         for robot in robots:
