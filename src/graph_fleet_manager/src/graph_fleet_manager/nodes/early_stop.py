@@ -1,8 +1,8 @@
 """Stop all where there is no supervisor to do it: before it has a graph, or while it hangs.
 
 The robots get an empty route under an id that no journal gives; the supervisor stops them once more
-by its own rules as soon as it can. One that begins after the one that hung was killed stops the fleet
-when robots report such an id.
+by its own rules as soon as it can. One that begins after another that hung was killed stops the
+fleet when robots report such an id.
 """
 from __future__ import annotations
 

@@ -167,8 +167,8 @@ class Supervisor:
             self.dispatcher.forget_plan_of(name)
         if self._is_starting and not was_seen and is_past(report.route_id) and not (
                 self.is_stopped or robot.client.is_stopping):
-            self._out.note(f'{name} was stopped past a fleet manager that hung and has ended since: '
-                           'so the whole fleet is stopped until it is resumed.', True)
+            self._out.note(f'{name} was stopped past a fleet manager that hung and was ended: '
+                           'the fleet is stopped until it is resumed.', True)
             self._stop()
         if robot.drives_on(report):
             robot.client.halt(self._out.new_id)
