@@ -210,10 +210,16 @@ def test_a_plan_that_does_not_know_of_a_robot_releases_nothing():
     fleet.run(10.0)
 
 
-def test_a_robot_that_drives_while_edges_behind_it_are_taken_out_of_the_graph():
-    fleet = SupervisedFleet(corridor(10), {'a': (AGV, 1), 'b': (AGV, 10)}, settings=FAR)
+@pytest.mark.parametrize('told', ['all', 'no longer', 'not of the last edges'])
+def test_a_robot_that_drives_while_edges_behind_it_are_taken_out_of_the_graph(told):
+    """Be it heard, silent, or with an order still under way to it."""
+    fleet = SupervisedFleet(corridor(10), {'a': (AGV, 1), 'b': (AGV, 10)},
+                            settings=RobotSettings(release_ahead=3.0))
     fleet.request(1, 7, robot='a')
-    fleet.run(5.0)
+    fleet.run(4.5)
+    if told == 'not of the last edges':
+        fleet.deaf['a'] = fleet.now + 2.0
+        fleet.run_until(lambda: robot(fleet).client.order is not None)
     assert fleet.agvs['a'].current >= 2 and fleet.agvs['a'].is_driving
     graph = fleet.graph
     fleet.graph = Graph([v for v in graph.vertices.values() if v.id > 1],
@@ -221,10 +227,12 @@ def test_a_robot_that_drives_while_edges_behind_it_are_taken_out_of_the_graph():
     fleet._planners.clear()
     fleet._parking = tuple(fleet.graph.vertices)
     ahead = robot(fleet).track.ahead
-    fleet.agvs['a'].stalled = 20.0
+    fleet.agvs['a'].stalled = 10.0
+    if told == 'no longer':
+        fleet.silent['a'] = fleet.now + 15.0
     fleet.restart()
     fleet.run(1.0)
-    assert robot(fleet).track.held[-len(ahead):] == ahead
+    assert robot(fleet).track.ahead == ahead
     fleet.request(2, 4, robot='b')
     fleet.run_until_done(1, 2)
     assert fleet.state(1) is MissionState.SUCCEEDED

@@ -38,13 +38,21 @@ class Memory(NamedTuple):
     shortened: Optional[int] = None
     """So many edges of the track are left by an order to which there was no answer yet."""
 
-    def is_on(self, graph: Graph) -> bool:
-        """Does a graph, maybe another than when this was stored, have all of it?"""
-        return is_on(graph, self.track) and (self.place is None or self.place.is_on(graph))
+    def on(self, graph: Graph) -> Memory:
+        """What of it is true on a graph, maybe another than when this was stored.
 
-    @property
-    def without_places(self) -> Memory:
-        """What is true on any graph: a stop that is under way, and which routes are over."""
+        Edges that are driven may be gone: a route that began with them goes on under another id.
+        Where more is gone no place is left, but a stop under way is, and which routes are over.
+        """
+        place = self.place if self.place is not None and self.place.is_on(graph) else None
+        ahead = self.track[self.done:]
+        if is_on(graph, self.track) and place == self.place:
+            return self
+        if ahead and is_on(graph, ahead):
+            return self._replace(
+                track=ahead, done=0, place=place, over=True,
+                bases={id: base - self.done for id, base in self.bases.items()},
+                shortened=None if self.shortened is None else self.shortened - self.done)
         return self._replace(track=(), done=0, place=None, over=True, shortened=None,
                              bases={self.route_id: 0} if self.is_stopping else {})
 

@@ -29,6 +29,8 @@ class RouteClient:
         """What is not acknowledged yet."""
         self.over = True
         """The last route cannot be extended: another one needs another id."""
+        self.to_order_anew = 0
+        """So many edges were under way before a restart, on a route that cannot be repeated."""
         self._bases: Dict[int, int] = {}
         self._acknowledged: Set[int] = set()
         self._ended: Set[int] = set()
@@ -95,10 +97,11 @@ class RouteClient:
         self._give(Order(self.route_id, self.track.done, ()), True)
 
     def try_again(self, new_id: NewId, count: int) -> None:
-        """Orders once more, under a new id, so many of the edges that an emergency stop kept the
-        robot from driving."""
+        """Orders once more, under a new id, so many of the edges ahead: an emergency stop kept the
+        robot from driving them, or a restart from hearing of them."""
         self._begin(new_id())
         self._give(Order(self.route_id, self.track.done, self.track.ahead[:count]))
+        self.to_order_anew = 0
 
     def withdraw(self) -> None:
         """What the robot may not have heard yet is not ordered any more; a stop is."""
@@ -146,7 +149,11 @@ class RouteClient:
 
     def _order_again(self) -> None:
         """Repeats the order before a restart."""
-        self._order_until(self.track.end if self._ordered is None else self._ordered)
+        end = self.track.end if self._ordered is None else self._ordered
+        if self._bases[self.route_id] < self.track.first:
+            self.to_order_anew = end - self.track.first
+        else:
+            self._order_until(end)
 
     def _order_until(self, end: int) -> None:
         base = self._bases[self.route_id]

@@ -170,6 +170,8 @@ class Supervisor:
             self._out.note(f'{name} was stopped past a fleet manager that hung and was ended: '
                            'the fleet is stopped until it is resumed.', True)
             self._stop()
+        if robot.client.to_order_anew:
+            robot.client.try_again(self._out.new_id, robot.client.to_order_anew)
         if robot.drives_on(report):
             robot.client.halt(self._out.new_id)
             self._out.send()
