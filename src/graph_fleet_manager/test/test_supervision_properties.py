@@ -206,6 +206,23 @@ class FleetLife(RuleBasedStateMachine):
     def close(self, edges: Tuple[int, ...]) -> None:
         self.fleet.close(*edges)
 
+    @rule(edge=st.sampled_from((0, *(e for e in sorted(YARD.edges) if e < 200))))
+    def reload(self, edge: int) -> None:
+        """A graph without one edge, or with all, comes into force, where that breaks no route."""
+        agvs = self.fleet.agvs.values()
+        used = {abs(e) for agv in agvs for e in (agv.edge, *agv.edges[agv.current:],
+                                                 agv.report(0.0).pose.edge)}
+        if edge not in used:
+            self._use(Graph(YARD.vertices.values(),
+                            [e for e in YARD.edges.values() if e.id != edge]))
+
+    def _use(self, graph: Graph) -> None:
+        self.fleet.graph = graph
+        for agv in self.fleet.agvs.values():
+            agv.graph = graph
+        self.fleet._planners.clear()
+        self.fleet.restart()
+
     @rule(pause=seconds(5.0))
     def stop_and_resume(self, pause: float) -> None:
         self.fleet.do(self.fleet.supervisor.stop_fleet(self.fleet.now))
@@ -260,6 +277,7 @@ class FleetLife(RuleBasedStateMachine):
         fleet.late.clear()
         fleet.orders_late.clear()
         fleet.loss, fleet.crash_at = 0.0, None
+        self._use(YARD)
         fleet.close()
         for agv in fleet.agvs.values():
             agv.pace, agv.refusing = 1.0, 0
