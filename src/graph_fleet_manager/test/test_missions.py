@@ -9,6 +9,7 @@ from contextlib import contextmanager
 import pytest
 from fleet_builders import AGV, corridor
 
+from graph_fleet_manager.supervision import missions
 from graph_fleet_manager.supervision.journal import (
     Journal,
     JournalError,
@@ -53,6 +54,19 @@ def test_a_repeat_of_an_open_mission_changes_nothing(stamp):
     assert book.add(Request(1, (2,), stamp=stamp), ACCEPTANCE) is not None
     assert book.add(Request(1, (2,), stamp=stamp), ACCEPTANCE) is None
     assert len(book.open) == 1
+
+
+def test_so_many_missions_are_open_and_no_more(monkeypatch):
+    monkeypatch.setattr(missions, 'MOST_OPEN', 2)
+    book = MissionBook()
+    first = book.add(Request(1, (2,)), ACCEPTANCE)
+    book.add(Request(2, (2,)), ACCEPTANCE)
+    with pytest.raises(RequestRefused, match='2 missions are open'):
+        book.add(Request(3, (2,)), ACCEPTANCE)
+    assert book.add(Request(2, (2,)), ACCEPTANCE) is None
+    book.set(first, MissionState.CANCELLED)
+    book.stored()
+    assert book.add(Request(3, (2,)), ACCEPTANCE) is not None
 
 
 def test_the_id_of_an_open_mission_with_other_content_is_refused():

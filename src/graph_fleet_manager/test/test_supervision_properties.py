@@ -111,6 +111,23 @@ class FleetLife(RuleBasedStateMachine):
         self.shortened |= command in (Command.CANCEL, Command.PAUSE)
         self.fleet.do(self.fleet.supervisor.command(id, command, self.fleet.now))
 
+    @rule(command=st.sampled_from((Command.CANCEL, Command.PAUSE)), orders=seconds(1.0),
+          reports=seconds(1.0))
+    def command_amid_an_order(self, command: Command, orders: float, reports: float) -> None:
+        """A mission is cancelled or paused just as its robot is let go on, and all is late."""
+        fleet, until = self.fleet, self.fleet.now + 6.0
+        while fleet.now < until and not fleet._to_robots:
+            fleet.step()
+        for name in {order.robot for order in fleet._to_robots}:
+            fleet.orders_late[name], fleet.late[name] = orders, reports
+            mission = fleet.supervisor.book.of_robot(name)
+            if mission is not None:
+                self.shortened = True
+                if command is Command.CANCEL:
+                    self.cancelled.add(mission.request.id)
+                fleet.run(0.1)
+                self._say(mission.request.id, command)
+
     # -- robots -----------------------------------------------------------------------------------
 
     @rule(robot=robots, pause=seconds(20.0))
@@ -163,12 +180,14 @@ class FleetLife(RuleBasedStateMachine):
     def orders_come_late(self, robot: str, delay: float) -> None:
         self.fleet.orders_late[robot] = delay
 
-    @rule(robot=robots, pause=seconds(15.0))
-    def lose_link(self, robot: str, pause: float) -> None:
+    @rule(robot=robots)
+    def lose_link(self, robot: str) -> None:
         """It drives on, and nobody knows where."""
         self.may_fail = True
         self.fleet.lose_link(robot)
-        self.fleet.run(pause)
+
+    @rule(robot=robots)
+    def find_link(self, robot: str) -> None:
         self.fleet.find_link(robot)
 
     @rule(robot=robots)
@@ -182,10 +201,15 @@ class FleetLife(RuleBasedStateMachine):
 
     @rule(robot=robots, edge=st.sampled_from(sorted(YARD.edges)), share=st.sampled_from((0.0, 0.4)))
     def carry(self, robot: str, edge: int, share: float) -> None:
-        """Somebody carries a robot that is left to a person to where there is room."""
-        fleet, agv = self.fleet, self.fleet.agvs[robot]
+        """Somebody carries a robot that is left to a person to where there is room, while the
+        planner works if it soon does."""
+        fleet, agv, until = self.fleet, self.fleet.agvs[robot], self.fleet.now + 2.0
         outage = fleet.supervisor.robots[robot].outage
-        if outage is None or not outage.needs_person or agv.is_driving:
+        if outage is None or not outage.needs_person or robot in fleet.lost:
+            return
+        while fleet.now < until and not fleet.supervisor.dispatcher.is_planning:
+            fleet.step()
+        if agv.is_driving:
             return
         x, y = YARD.curve(edge).point_at(share * YARD.curve(edge).length)
         for name, other in fleet.supervisor.robots.items():
@@ -274,6 +298,8 @@ class FleetLife(RuleBasedStateMachine):
         fleet = self.fleet
         fleet.silent.clear()
         fleet.deaf.clear()
+        for name in ROBOTS:
+            fleet.find_link(name)
         fleet.late.clear()
         fleet.orders_late.clear()
         fleet.loss, fleet.crash_at = 0.0, None

@@ -7,7 +7,7 @@ import rospy
 from graph_fleet_manager.commands import mission
 from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandError
 from graph_fleet_manager.messages.missions import request_of, status_message
-from graph_fleet_manager.supervision.missions import MissionState, Status
+from graph_fleet_manager.supervision.missions import MissionState, RequestRefused, Status
 from itrci_nav_msgs.msg import MissionRequest, MissionStatus
 
 MINE, OTHER = 1.7e9 + 0.123456789, 1.7e9 - 60.0
@@ -111,3 +111,13 @@ def test_the_first_status_that_shows_a_command_answers_it(monkeypatch, capsys, w
     on_the_way = [] if word == 'release' else [status(other, MINE, 'a: it does not report')]
     change(monkeypatch, word, status(other), *on_the_way, last)
     assert MissionState(last.state).name in capsys.readouterr().out
+
+
+@pytest.mark.parametrize('name, problem', [('a' * 257, 'more than 256 letters'),
+                                           ('a\n', 'cannot be printed')])
+@pytest.mark.parametrize('field', ['robot', 'robot_type'])
+def test_a_request_that_names_what_is_no_name_is_refused(field, name, problem):
+    message = request()
+    setattr(message, field, name)
+    with pytest.raises(RequestRefused, match=f'its {field} .*{problem}'):
+        request_of(message)
