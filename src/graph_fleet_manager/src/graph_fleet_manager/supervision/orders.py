@@ -64,6 +64,7 @@ class Heard:
     passed  -- vertices passed since the last report, in order
     failed  -- why the route failed; empty: it did not
     refused -- why an order was not taken up; empty: it was
+    was_shorter -- that order was to end the route sooner
     foreign -- the robot drives a route that it was not given here
     left    -- nothing is to be driven, but the robot is not where its route ended
     """
@@ -71,6 +72,7 @@ class Heard:
     passed: List[int] = field(default_factory=list)
     failed: str = ''
     refused: str = ''
+    was_shorter: bool = False
     foreign: bool = False
     left: bool = False
 

@@ -145,7 +145,7 @@ class ManagedRobot:
         if heard.refused:
             self._has_refused = True
             stopped = outage_of(heard.refused) is Outage.STOPPED
-            self._refusals += not stopped
+            self._refusals += not (stopped or heard.was_shorter)
             if stopped:
                 self.fail(Outage.STOPPED, heard.refused)
                 self.client.keep_after_refusal()

@@ -37,6 +37,7 @@ class RouteClient:
         self._reported = 0
         self._sent_at: Optional[float] = None
         self._takes_away = False  # the order stops the robot, or cuts its route short
+        self._cut_refused = 0  # number behind the last edge of a shorter route that it refused
         self._awaits_report = False
         self._refused_at = 0.0  # by the robot's clock: reports of before do not tell what it has
         self._withdrawn: Optional[int] = None  # id of an order that may reach the robot yet
@@ -75,7 +76,10 @@ class RouteClient:
         self._order_all()
 
     def shorten(self, new_id: NewId) -> bool:
-        """Asks the robot to stop at the end of its edge; tells whether it may drive farther."""
+        """Asks the robot to stop at the end of its edge; tells whether it may drive farther.
+
+        Where it refuses, as it cannot brake in time, at the end of the next one.
+        """
         if self.is_new_motion and self.track.told <= self.track.done:
             self.track.cut(self.track.done)  # it was never told of all this
             self.order, self.over = None, True
@@ -83,10 +87,13 @@ class RouteClient:
             return False
         if self._awaits_report or (self.order is not None and self._is_shorter(self.order)):
             return True
+        end = max(self.track.done, self._cut_refused) + 1
+        if end >= self.track.end:
+            return True
         if self.over or self.order is not None:  # a report of before that order is no answer
             self._begin(new_id())
         base = self._bases[self.route_id]
-        self._give(Order(self.route_id, base, self.track.between(base, self.track.done + 1)), True)
+        self._give(Order(self.route_id, base, self.track.between(base, end)), True)
         return True
 
     def halt(self, new_id: NewId) -> None:
@@ -297,6 +304,9 @@ class RouteClient:
         heard = Heard()
         if self.order is not None and (refusal.route_id, refusal.edges) == (
                 self.order.route_id, self.order.edges):
+            heard.was_shorter = self._takes_away
+            if heard.was_shorter:
+                self._cut_refused = self.order.base + len(self.order.edges)
             self.order = None
             self._awaits_report, self._refused_at = True, stamp
             heard.refused = refusal.reason or 'it gave no reason'
