@@ -29,6 +29,7 @@ from graph_fleet_manager.supervision.reports import Report
 from graph_fleet_manager.supervision.settings import RobotSettings
 from graph_fleet_manager.supervision.supervisor import Supervisor
 from trajectory_graph import Graph
+from trajectory_graph.route_protocol import EdgeState, RouteRefusal
 
 STEP = 0.1  # s
 
@@ -43,6 +44,34 @@ class _CountingJournal(Journal):
               values: Optional[Mapping[str, int]] = None) -> None:
         super().store(missions, robots, values)
         self.commits += 1
+
+
+class LostLink:
+    """What a robot's computer tells of it while the link between them is down."""
+
+    def __init__(self, agv: Agv, now: float) -> None:
+        self._agv = agv
+        last = agv.report(now)
+        failed = (EdgeState.FAILED,) * len(last.left) if last.is_running else ()
+        self.told = replace(last, states=last.states[:len(last.states) - len(failed)] + failed,
+                            reason='lost link: commands' if failed else last.reason)
+        self._stop: Optional[int] = None
+
+    def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[RouteRefusal]:
+        """A stop is owed to the robot; nothing else can be taken up."""
+        if edges:
+            same = (route_id, edges) == (self.told.route_id, self.told.edges)
+            return None if same else RouteRefusal(route_id, edges, 'the link is down')
+        self._stop = route_id
+        self.told = replace(self.told, route_id=route_id, edges=(), states=(),
+                            reason='the robot has not obeyed the stop yet: the link is down')
+        return None
+
+    def end(self) -> None:
+        """The robot is told to stop."""
+        self._agv.fail('lost link: commands')
+        if self._stop is not None:
+            self._agv.order(self._stop, ())
 
 
 class SupervisedFleet:
@@ -67,6 +96,10 @@ class SupervisedFleet:
         """Until when no order reaches a robot, which goes on reporting."""
         self.late: Dict[str, float] = {}
         """s that reports of a robot are under way."""
+        self.orders_late: Dict[str, float] = {}
+        """s that orders to a robot are under way; none overtakes another."""
+        self.lost: Dict[str, LostLink] = {}
+        """Robots to which their computers have lost the link."""
         self.closed: Tuple[int, ...] = ()
         self.crash_at: Optional[int] = None
         """With this commit the supervisor dies, before anything is done that relies on it."""
@@ -77,6 +110,7 @@ class SupervisedFleet:
         self.nearest = math.inf
         """The least room (m) that any two robots left each other beyond the clearance."""
         self._to_robots: List[SendRoute] = []
+        self._under_way: List[Tuple[float, SendRoute]] = []
         self._reports: List[Tuple[float, str, Report]] = []
         self._answers: List[Tuple[float, int, Outcome]] = []
         self._planners: Dict[Tuple[frozenset, frozenset], FleetPlanner] = {}
@@ -94,7 +128,10 @@ class SupervisedFleet:
         self.journal._db.execute(f'PRAGMA query_only={int(fails)}')
 
     def restart(self) -> None:
-        """The supervisor dies, with all messages to and from it, and comes back."""
+        """The supervisor dies, with all messages to and from it, and comes back.
+
+        What is under way to robots longer than a step still reaches them.
+        """
         self.commits += self.journal.commits
         self.journal.close()
         self._to_robots, self._answers, self._reports = [], [], []
@@ -134,6 +171,18 @@ class SupervisedFleet:
         assert mission is not None
         return mission.reached
 
+    def lose_link(self, name: str) -> None:
+        """A robot's computer loses the link to it: it drives on as it was told, and nobody knows
+        where. Its route fails; a stop is obeyed once the link is back."""
+        if name not in self.lost:
+            self.lost[name] = LostLink(self.agvs[name], self.now)
+
+    def find_link(self, name: str) -> None:
+        """The link is there again."""
+        link = self.lost.pop(name, None)
+        if link is not None:
+            link.end()
+
     # -- time -------------------------------------------------------------------------------------
 
     def run(self, seconds: float) -> None:
@@ -166,7 +215,8 @@ class SupervisedFleet:
         for name, agv in self.agvs.items():
             if self.silent.get(name, 0.0) <= self.now:
                 at = self.now + self.late.get(name, 0.0)
-                self._reports += [(at, name, agv.report(self.now))] * self._copies()
+                told = self.lost[name].told if name in self.lost else agv.report(self.now)
+                self._reports += [(at, name, told)] * self._copies()
         reports, self._reports = self._reports, []
         for at, name, report in reports:
             if at <= self.now:
@@ -189,13 +239,24 @@ class SupervisedFleet:
 
     def _deliver_orders(self) -> None:
         orders, self._to_robots = self._to_robots, []
-        for order in orders:
-            if max(self.silent.get(order.robot, 0.0), self.deaf.get(order.robot, 0.0)) > self.now:
-                continue
-            for _ in range(self._copies()):
-                refusal = self.agvs[order.robot].order(order.route_id, order.edges)
-                if refusal is not None:
-                    self.do(self.supervisor.refusal(order.robot, refusal, self.now))
+        under_way, self._under_way = self._under_way, []
+        last: Dict[str, float] = {}
+        for at, order in [*under_way, *((self.now + self.orders_late.get(o.robot, 0.0), o)
+                                        for o in orders)]:
+            at = last[order.robot] = max(at, last.get(order.robot, 0.0))
+            if at > self.now:
+                self._under_way.append((at, order))
+            else:
+                self._deliver(order)
+
+    def _deliver(self, order: SendRoute) -> None:
+        if max(self.silent.get(order.robot, 0.0), self.deaf.get(order.robot, 0.0)) > self.now:
+            return
+        robot = self.lost.get(order.robot, self.agvs[order.robot])
+        for _ in range(self._copies()):
+            refusal = robot.order(order.route_id, order.edges)
+            if refusal is not None:
+                self.do(self.supervisor.refusal(order.robot, refusal, self.now, self.now))
 
     def do(self, actions: Sequence[Action]) -> None:
         """Does what the supervisor wants done, unless it dies first."""

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 import pytest
 from fleet_builders import AGV, corridor
 
+from graph_fleet_manager.supervision import missions
 from graph_fleet_manager.supervision.journal import (
     Journal,
     JournalError,
@@ -53,6 +54,19 @@ def test_a_repeat_of_an_open_mission_changes_nothing(stamp):
     assert book.add(Request(1, (2,), stamp=stamp), ACCEPTANCE) is not None
     assert book.add(Request(1, (2,), stamp=stamp), ACCEPTANCE) is None
     assert len(book.open) == 1
+
+
+def test_so_many_missions_are_open_and_no_more(monkeypatch):
+    monkeypatch.setattr(missions, 'MOST_OPEN', 2)
+    book = MissionBook()
+    first = book.add(Request(1, (2,)), ACCEPTANCE)
+    book.add(Request(2, (2,)), ACCEPTANCE)
+    with pytest.raises(RequestRefused, match='2 missions are open'):
+        book.add(Request(3, (2,)), ACCEPTANCE)
+    assert book.add(Request(2, (2,)), ACCEPTANCE) is None
+    book.set(first, MissionState.CANCELLED)
+    book.stored()
+    assert book.add(Request(3, (2,)), ACCEPTANCE) is not None
 
 
 def test_the_id_of_an_open_mission_with_other_content_is_refused():
@@ -172,12 +186,12 @@ def test_route_ids_never_repeat_though_the_disk_was_full_as_they_were_given(tmp_
 
 def test_route_ids_are_those_of_a_message_for_ever(tmp_path):
     journal = Journal(str(tmp_path / 'fleet.sqlite'))
-    journal.store(values={'route_id': 2 ** 31 - 3})
+    journal.store(values={'route_id': 2 ** 30 - 3})
     ids = RouteIds(journal)
-    assert [ids() for _ in range(4)] == [2 ** 31 - 2, 2 ** 31 - 1, 1, 2]
+    assert [ids() for _ in range(4)] == [2 ** 30 - 2, 2 ** 30 - 1, 1, 2]
     for _ in range(RESERVED):
         ids()
-    assert ids.reserved > 2 ** 31 - 3 + RESERVED, 'more is to be reserved before it is given'
+    assert ids.reserved > 2 ** 30 - 3 + RESERVED, 'more is to be reserved before it is given'
 
 
 @pytest.mark.parametrize('reason, outage', [

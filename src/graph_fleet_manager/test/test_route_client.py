@@ -1,6 +1,7 @@
 """The fleet manager's side of the route protocol."""
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import count
 
 import pytest
@@ -69,6 +70,31 @@ def test_what_is_passed_is_told_once_whatever_is_reported_twice_or_late(client, 
     assert client.take(report(1, [1, 2, 3], 2)).passed == []
     assert client.take(report(1, [1, 2, 3], 1)).passed == []
     assert client.track.done == 2
+
+
+def test_what_a_person_drives_after_a_failed_route_leaves_nothing(client, ids):
+    """It may be driven back again."""
+    client.extend([1, 2], ids)
+    client.take(report(1, [1, 2], 0, fraction=0.2))
+    client.take(report(1, [1, 2], 0, fraction=0.9, state=FAILED, reason='taken over'))
+    assert client.track.left == (0, pytest.approx(0.2))
+
+
+@pytest.mark.parametrize('late', [True, False])
+def test_what_was_reported_before_a_refusal_does_not_tell_what_the_robot_has(client, ids, late):
+    """It had taken up one order more, and refused the next; the reports come later than that."""
+    client.extend([1], ids)
+    client.take(report(1, [1], 0))
+    client.extend([2, 3], ids)
+    client.due(0.0)
+    client.extend([4], ids)
+    client.due(0.0)
+    client.refuse(RouteRefusal(1, (1, 2, 3, 4), 'no'), stamp=100.5)
+    if late:
+        client.take(report(1, [1], 0))
+        assert client.track.held == (1, 2, 3, 4) and not client.is_ready
+    client.take(replace(report(1, [1, 2, 3], 0), stamp=100.6))
+    assert client.track.held == (1, 2, 3) and client.is_ready
 
 
 def test_an_edge_is_left_by_the_reported_place_less_what_its_age_allows(client, ids):

@@ -70,11 +70,20 @@ class FleetLife(RuleBasedStateMachine):
         self.cancelled: Set[int] = set()
         self.shortened = False
         self.may_fail = False
+        self.foreign = 10 ** 8
 
     @invariant()
     def a_moment_passes(self) -> None:
-        """Between two events."""
-        self.fleet.run(self.moment)
+        """Between two events. Nobody who is left to a person, and stands, is sent on."""
+        fleet = self.fleet
+        under_way = {order.robot for _, order in fleet._under_way}
+        under_way |= {order.robot for order in fleet._to_robots}
+        left = {name: fleet.agvs[name].travelled for name, robot in fleet.supervisor.robots.items()
+                if robot.outage is not None and robot.outage.needs_person
+                and not fleet.agvs[name].is_driving and name not in under_way}
+        fleet.run(self.moment)
+        for name, travelled in left.items():
+            assert fleet.agvs[name].travelled == travelled, fleet.picture()
 
     # -- missions ---------------------------------------------------------------------------------
 
@@ -101,6 +110,23 @@ class FleetLife(RuleBasedStateMachine):
             self.cancelled.add(id)
         self.shortened |= command in (Command.CANCEL, Command.PAUSE)
         self.fleet.do(self.fleet.supervisor.command(id, command, self.fleet.now))
+
+    @rule(command=st.sampled_from((Command.CANCEL, Command.PAUSE)), orders=seconds(1.0),
+          reports=seconds(1.0))
+    def command_amid_an_order(self, command: Command, orders: float, reports: float) -> None:
+        """A mission is cancelled or paused just as its robot is let go on, and all is late."""
+        fleet, until = self.fleet, self.fleet.now + 6.0
+        while fleet.now < until and not fleet._to_robots:
+            fleet.step()
+        for name in {order.robot for order in fleet._to_robots}:
+            fleet.orders_late[name], fleet.late[name] = orders, reports
+            mission = fleet.supervisor.book.of_robot(name)
+            if mission is not None:
+                self.shortened = True
+                if command is Command.CANCEL:
+                    self.cancelled.add(mission.request.id)
+                fleet.run(0.1)
+                self._say(mission.request.id, command)
 
     # -- robots -----------------------------------------------------------------------------------
 
@@ -150,6 +176,50 @@ class FleetLife(RuleBasedStateMachine):
         self.may_fail = True
         self.fleet.agvs[robot].fail('taken over')
 
+    @rule(robot=robots, delay=st.sampled_from((0.0, 0.2, 0.4, 1.5)))
+    def orders_come_late(self, robot: str, delay: float) -> None:
+        self.fleet.orders_late[robot] = delay
+
+    @rule(robot=robots)
+    def lose_link(self, robot: str) -> None:
+        """It drives on, and nobody knows where."""
+        self.may_fail = True
+        self.fleet.lose_link(robot)
+
+    @rule(robot=robots)
+    def find_link(self, robot: str) -> None:
+        self.fleet.find_link(robot)
+
+    @rule(robot=robots)
+    def give_a_foreign_route(self, robot: str) -> None:
+        """Somebody else lets it drive to the end of its edge."""
+        self.may_fail = True
+        self.foreign += 1
+        agv = self.fleet.agvs[robot]
+        if agv.is_driving and robot not in self.fleet.lost:
+            agv.order(self.foreign, (agv.edges[agv.current],))
+
+    @rule(robot=robots, edge=st.sampled_from(sorted(YARD.edges)), share=st.sampled_from((0.0, 0.4)))
+    def carry(self, robot: str, edge: int, share: float) -> None:
+        """Somebody carries a robot that is left to a person to where there is room, while the
+        planner works if it soon does."""
+        fleet, agv, until = self.fleet, self.fleet.agvs[robot], self.fleet.now + 2.0
+        outage = fleet.supervisor.robots[robot].outage
+        if outage is None or not outage.needs_person or robot in fleet.lost:
+            return
+        while fleet.now < until and not fleet.supervisor.dispatcher.is_planning:
+            fleet.step()
+        if agv.is_driving:
+            return
+        x, y = YARD.curve(edge).point_at(share * YARD.curve(edge).length)
+        for name, other in fleet.supervisor.robots.items():
+            if name != robot and (
+                    math.dist((x, y), fleet.agvs[name].position) < 1.5
+                    or any(YARD.curve(e).project(x, y).distance < 1.5 for e in other.track.held)):
+                return
+        agv.forget()
+        agv.edge, agv.arc = edge, share * YARD.curve(edge).length
+
     # -- the fleet --------------------------------------------------------------------------------
 
     @rule(pause=seconds(12.0))
@@ -159,6 +229,23 @@ class FleetLife(RuleBasedStateMachine):
     @rule(edges=st.sampled_from(((), (12,), (1, 12), (201,))))
     def close(self, edges: Tuple[int, ...]) -> None:
         self.fleet.close(*edges)
+
+    @rule(edge=st.sampled_from((0, *(e for e in sorted(YARD.edges) if e < 200))))
+    def reload(self, edge: int) -> None:
+        """A graph without one edge, or with all, comes into force, where that breaks no route."""
+        agvs = self.fleet.agvs.values()
+        used = {abs(e) for agv in agvs for e in (agv.edge, *agv.edges[agv.current:],
+                                                 agv.report(0.0).pose.edge)}
+        if edge not in used:
+            self._use(Graph(YARD.vertices.values(),
+                            [e for e in YARD.edges.values() if e.id != edge]))
+
+    def _use(self, graph: Graph) -> None:
+        self.fleet.graph = graph
+        for agv in self.fleet.agvs.values():
+            agv.graph = graph
+        self.fleet._planners.clear()
+        self.fleet.restart()
 
     @rule(pause=seconds(5.0))
     def stop_and_resume(self, pause: float) -> None:
@@ -211,8 +298,12 @@ class FleetLife(RuleBasedStateMachine):
         fleet = self.fleet
         fleet.silent.clear()
         fleet.deaf.clear()
+        for name in ROBOTS:
+            fleet.find_link(name)
         fleet.late.clear()
+        fleet.orders_late.clear()
         fleet.loss, fleet.crash_at = 0.0, None
+        self._use(YARD)
         fleet.close()
         for agv in fleet.agvs.values():
             agv.pace, agv.refusing = 1.0, 0

@@ -251,3 +251,24 @@ def test_a_robot_that_stands_on_an_edge_has_left_when_it_is_elsewhere(edge, arc,
     carry(fleet.agvs['a'], edge, arc)
     fleet.run(0.5)
     assert (fleet.supervisor.robots['a'].outage is Outage.TAKEN_OVER) == left
+
+
+@pytest.mark.parametrize('command', [Command.CANCEL, Command.PAUSE])
+@pytest.mark.parametrize('before', [0.1, 0.6, 0.9])
+def test_who_cannot_brake_in_time_for_a_cancel_stops_later_and_has_not_failed(command, before):
+    fleet = SupervisedFleet(corridor(9), {'a': (AGV, 1)},
+                            settings=RobotSettings(release_ahead=6.0))
+    agv, take_up = fleet.agvs['a'], fleet.agvs['a']._take_up
+
+    def brakes_within_a_metre(route_id, edges):
+        length = fleet.graph.curve(agv.edge).length
+        if agv.is_driving and edges[-1] == agv.edge and length - agv.arc < 1.0:
+            return 'the vehicle cannot stop where the route demands it'
+        return take_up(route_id, edges)
+    agv._take_up = brakes_within_a_metre
+    fleet.request(1, 9)
+    fleet.run_until(lambda: agv.travelled >= 4.0 - before)
+    fleet.do(fleet.supervisor.command(1, command, fleet.now))
+    fleet.run(10.0)
+    assert fleet.supervisor.robots['a'].works, fleet.notes[-1]
+    assert agv.travelled == pytest.approx(6.0)

@@ -67,6 +67,20 @@ def test_a_robot_whose_track_the_graph_lost_stays_out_of_service():
     assert fleet.supervisor.robots['a'].outage is Outage.OUT_OF_SERVICE
 
 
+def test_a_stop_that_a_robot_has_not_heard_outlives_a_graph_without_its_track():
+    fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)}, settings=RobotSettings(release_ahead=8.0))
+    fleet.request(1, 6)
+    fleet.run(2.0)
+    fleet.silent['a'] = 1e9
+    fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+    fleet.agvs['a'].stalled = 10.0
+    restart_on(fleet, cut_short(fleet.graph, 4))
+    fleet.run(1.0)
+    fleet.silent.clear()
+    fleet.run(3.0)
+    assert fleet.agvs['a'].edges == () and not fleet.supervisor.robots['a'].client.is_stopping
+
+
 @pytest.mark.parametrize('edges', [(1, 99), (2, 1), (0,)])
 @pytest.mark.parametrize('state', [EdgeState.PROCESSING, EdgeState.COMPLETE, EdgeState.FAILED])
 def test_a_route_that_the_graph_does_not_have_is_nobodys_but_the_robots(edges, state):
@@ -112,3 +126,24 @@ def test_a_pause_outlives_a_restart_while_the_robot_is_silent():
     fleet.do(fleet.supervisor.command(1, Command.RESUME, fleet.now))
     fleet.run_until_done(1)
     assert fleet.state(1) is MissionState.SUCCEEDED
+
+
+@pytest.mark.parametrize('starts_anew', [True, False])
+def test_a_request_that_comes_again_after_others_with_its_id_is_not_driven_twice(starts_anew):
+    """It was latched, and whoever takes missions joins again."""
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    for stamp, vertex in ((100.0, 3), (200.0, 1)):
+        fleet.request(7, vertex, stamp=stamp)
+        fleet.run_until_done(7)
+    if starts_anew:
+        fleet.restart()
+        fleet.run(1.0)
+    travelled = fleet.agvs['a'].travelled
+    fleet.request(7, 3, stamp=100.0)
+    fleet.run(10.0)
+    assert fleet.agvs['a'].travelled == travelled
+    last = fleet.statuses[-1]
+    assert (last.state, last.stamp) == (MissionState.SUCCEEDED, 100.0)
+    fleet.request(7, 3, stamp=300.0)
+    fleet.run_until_done(7)
+    assert fleet.agvs['a'].travelled > travelled

@@ -11,6 +11,7 @@ from supervised_fleet import SupervisedFleet
 from graph_fleet_manager.nodes import fleet_services
 from graph_fleet_manager.nodes.early_stop import EarlyStop
 from graph_fleet_manager.nodes.event_loop import EventLoop
+from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.route_client import REPEAT
 
 
@@ -97,6 +98,25 @@ def test_a_stop_goes_past_a_supervisor_that_hangs_and_is_kept_for_it(services, m
     assert fleet.supervisor.is_stopped
 
 
+def test_a_stop_past_a_supervisor_lasts_when_that_is_killed_for_it():
+    """Nothing of it is on the disk, but the robots tell of it."""
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)})
+    fleet.request(1, 3, robot='a')
+    fleet.run_until_done(1)
+    for order in EarlyStop(['a', 'b']).stop(0.0):
+        fleet.agvs[order.robot].order(order.route_id, order.edges)
+    fleet.request(2, 5, robot='a')
+    fleet.restart()
+    travelled = fleet.agvs['a'].travelled
+    fleet.run(8.0)
+    assert fleet.supervisor.is_stopped and fleet.agvs['a'].travelled == travelled
+    fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
+    fleet.run_until_done(2)
+    fleet.restart()
+    fleet.run(6.0)
+    assert not fleet.supervisor.is_stopped
+
+
 def test_what_else_is_asked_for_without_a_graph_is_not_done(services):
     for name in ('/resume_fleet', '/a/leave_fleet', '/a/join_fleet'):
         answer, actions = services.call(name)
@@ -110,3 +130,31 @@ def test_a_stop_that_cannot_be_stored_is_done_and_that_is_said(services):
     answer, actions = services.call('/stop_fleet', fleet.supervisor)
     assert answer.success and 'forgotten: the journal' in answer.message
     assert ('a', ()) in [(order.robot, order.edges) for order in actions if hasattr(order, 'robot')]
+
+
+@pytest.mark.parametrize('name', ['/resume_fleet', '/a/join_fleet'])
+def test_what_was_not_done_in_time_is_not_done_later(services, monkeypatch, name):
+    """Who was told that robots do not go on may be among them by then."""
+    monkeypatch.setattr(fleet_services, 'PATIENCE', 0.1)
+    fleet = SupervisedFleet(corridor(3), {'a': (AGV, 1), 'b': (AGV, 3)})
+    fleet.run(3.0)
+    fleet.do(fleet.supervisor.take_out('a', fleet.now))
+    fleet.run(3.0)
+    if name == '/resume_fleet':
+        fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+    answer, _ = services.call(name, hangs=True)
+    assert not answer.success and 'nor will it be' in answer.message
+    services.loop.take()(None, 0.0)  # the clock, which is due first
+    assert services.loop.take()(fleet.supervisor, fleet.now) == ()
+    assert not fleet.supervisor.robots['a'].works
+    assert fleet.supervisor.is_stopped == (name == '/resume_fleet')
+
+
+def test_a_robot_that_was_not_taken_out_in_time_is_taken_out_later(services, monkeypatch):
+    monkeypatch.setattr(fleet_services, 'PATIENCE', 0.1)
+    fleet = SupervisedFleet(corridor(3), {'a': (AGV, 1), 'b': (AGV, 3)})
+    answer, _ = services.call('/a/leave_fleet', hangs=True)
+    assert not answer.success and 'but it will be' in answer.message
+    services.loop.take()(None, 0.0)
+    assert services.loop.take()(fleet.supervisor, fleet.now)
+    assert fleet.supervisor.robots['a'].outage is Outage.OUT_OF_SERVICE

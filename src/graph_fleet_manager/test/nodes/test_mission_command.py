@@ -7,7 +7,7 @@ import rospy
 from graph_fleet_manager.commands import mission
 from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandError
 from graph_fleet_manager.messages.missions import request_of, status_message
-from graph_fleet_manager.supervision.missions import MissionState, Status
+from graph_fleet_manager.supervision.missions import MissionState, RequestRefused, Status
 from itrci_nav_msgs.msg import MissionRequest, MissionStatus
 
 MINE, OTHER = 1.7e9 + 0.123456789, 1.7e9 - 60.0
@@ -84,3 +84,40 @@ def test_the_stamp_of_a_request_survives_the_way_through_the_fleet_manager():
     assert mission.is_about(told, sent)
     sent.header.stamp += rospy.Duration(0, 2000)
     assert not mission.is_about(told, sent)
+
+
+def change(monkeypatch, word: str, *statuses: MissionStatus) -> None:
+    """Carries out `mission WORD 7` while this is told."""
+    monkeypatch.setattr(mission, 'connect', lambda name: None)
+    monkeypatch.setattr(mission, 'Listener', lambda *_: Told(*statuses))
+    monkeypatch.setattr('rospy.rostime.get_rostime', lambda: rospy.Time(5))
+    mission._change(word, [word, '7'])
+
+
+def test_what_is_told_of_other_missions_with_its_id_is_no_answer_to_a_command(monkeypatch, capsys):
+    change(monkeypatch, 'cancel',
+           status(MissionState.SUCCEEDED, OTHER), status(MissionState.ACTIVE),
+           status(MissionState.REFUSED, OTHER, 'mission 7 is open with other content'),
+           status(MissionState.CANCELLED, MINE, 'cancelled on request'))
+    assert capsys.readouterr().out == 'Mission 7: CANCELLED: cancelled on request\n'
+
+
+@pytest.mark.parametrize('word, last', [
+    ('cancel', status(MissionState.ACTIVE, MINE, 'CANCEL is carried out, but forgotten if')),
+    ('cancel', status(MissionState.SUCCEEDED)), ('pause', status(MissionState.PAUSED)),
+    ('resume', status(MissionState.PENDING)), ('release', status(MissionState.ACTIVE))])
+def test_the_first_status_that_shows_a_command_answers_it(monkeypatch, capsys, word, last):
+    other = MissionState.PAUSED if word == 'resume' else MissionState.ACTIVE
+    on_the_way = [] if word == 'release' else [status(other, MINE, 'a: it does not report')]
+    change(monkeypatch, word, status(other), *on_the_way, last)
+    assert MissionState(last.state).name in capsys.readouterr().out
+
+
+@pytest.mark.parametrize('name, problem', [('a' * 257, 'more than 256 letters'),
+                                           ('a\n', 'cannot be printed')])
+@pytest.mark.parametrize('field', ['robot', 'robot_type'])
+def test_a_request_that_names_what_is_no_name_is_refused(field, name, problem):
+    message = request()
+    setattr(message, field, name)
+    with pytest.raises(RequestRefused, match=f'its {field} .*{problem}'):
+        request_of(message)

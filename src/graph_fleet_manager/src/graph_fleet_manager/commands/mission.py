@@ -197,22 +197,35 @@ def _change(word: str, arguments: List[str]) -> int:
     message = MissionCommand(request_id=options.id, command=int(_CHANGES[word]))
     message.header.stamp = rospy.Time.now()
     deadline = time.monotonic() + 2.0
-    known = False
+    known: Optional[MissionStatus] = None
     while time.monotonic() < deadline and not known:  # open missions are told to who comes new
         listener.wait(0.2)
-        known = any(s.request_id == options.id for s in listener.take())
-    if not known:
+        known = next((s for s in listener.take()
+                      if s.request_id == options.id and MissionState(s.state).is_open), None)
+    if known is None:
         raise CommandError(f'There is no open mission {options.id}; see mission list.', NOT_DONE)
     publisher.publish(message)
     deadline = time.monotonic() + PATIENCE
     while time.monotonic() < deadline:
         listener.wait(0.2)
         for status in listener.take():
-            if status.request_id == options.id:
+            if status.request_id == options.id and status.request_stamp == known.request_stamp and (
+                    _shows(status, _CHANGES[word])):
                 reason = f': {status.reason}' if status.reason else ''
                 print(f'Mission {options.id}: {MissionState(status.state).name}{reason}')
                 return OK
     raise CommandError(f'Nothing changed about mission {options.id}; see mission list.', NOT_DONE)
+
+
+def _shows(status: MissionStatus, command: Command) -> bool:
+    """Does the status of a mission tell what became of a command?"""
+    state = MissionState(status.state)
+    if not state.is_open or status.reason.startswith(f'{command.name} is '):
+        return True
+    if command is Command.RELEASE:
+        return True
+    return command is not Command.CANCEL and (state is MissionState.PAUSED) == (
+        command is Command.PAUSE)
 
 
 def _history(arguments: List[str]) -> int:

@@ -21,6 +21,7 @@ Moment = Callable[[float], genpy.Time]
 """The ROS time of a moment of the supervisor's clock."""
 
 _SAME = 1e-6           # s by which stamps of one request may differ, being floats in between
+_LONGEST_NAME = 256
 _LONGEST_REASON = 500  # letters of a robot's words that are kept
 
 
@@ -29,6 +30,8 @@ def request_of(message: msg.MissionRequest) -> Request:
     for name, value in (('robot_type', message.robot_type), ('robot', message.robot)):
         if value and not value.isprintable():
             raise RequestRefused(f'its {name} holds what cannot be printed')
+        if len(value) > _LONGEST_NAME:
+            raise RequestRefused(f'its {name} has more than {_LONGEST_NAME} letters')
     return Request(message.request_id, tuple(message.destination_vertices_id), message.robot_type,
                    message.robot, message.priority, tuple(message.dwell),
                    message.header.stamp.to_sec())

@@ -1,7 +1,8 @@
 """Stop all where there is no supervisor to do it: before it has a graph, or while it hangs.
 
-The robots get an empty route under an id of their own, which no journal has or gives for ages; the
-supervisor stops them once more by its own rules as soon as it can.
+The robots get an empty route under an id that no journal gives; the supervisor stops them once more
+by its own rules as soon as it can. One that begins after another that hung was killed stops the
+fleet when robots report such an id.
 """
 from __future__ import annotations
 
@@ -12,7 +13,7 @@ from typing import Iterable, List, Optional, Sequence
 from graph_fleet_manager.supervision.actions import SendRoute
 from graph_fleet_manager.supervision.route_client import REPEAT
 
-_IDS = (2 ** 30, 2 ** 31 - 1)
+_IDS = (2 ** 30, 2 ** 31 - 1)  # see route_ids.is_past
 
 
 class EarlyStop:

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import queue
+import threading
 import time
 from typing import Callable, Iterable, List, Optional, Sequence, Tuple
 
@@ -36,13 +37,16 @@ class FleetServices:
         for robot in robots:
             self._services += [
                 self._offer(f'/{robot}/leave_fleet', _out(robot),
-                            f'{robot} was told to stop and is out of service.'),
+                            f'{robot} was told to stop and is out of service.', lasts=True),
                 self._offer(f'/{robot}/join_fleet', _back(robot), f'{robot} is in service.')]
 
-    def _offer(self, name: str, act: Act, done: str) -> rospy.Service:
+    def _offer(self, name: str, act: Act, done: str, lasts: bool = False) -> rospy.Service:
+        late = 'but it will be' if lasts else 'nor will it be'
+
         def answer(_: TriggerRequest) -> TriggerResponse:
-            return self._answer(act, done) or TriggerResponse(
-                False, f'not done within {PATIENCE:.0f} s')
+            return self._answer(act, done, lasts=lasts) or TriggerResponse(
+                False, f'not done within {PATIENCE:.0f} s, {late}: look at the disk of the fleet '
+                       'manager, and at its log')
         return rospy.Service(name, Trigger, answer)
 
     def stop(self, _: TriggerRequest) -> TriggerResponse:
@@ -52,20 +56,26 @@ class FleetServices:
             return TriggerResponse(True, f'Every robot was told to stop.{warning}'), actions
 
         done = self._answer(lambda supervisor, now: ('', supervisor.stop_fleet(now)),
-                            'Every robot was told to stop.', STOP_PATIENCE, early)
+                            'Every robot was told to stop.', STOP_PATIENCE, early, lasts=True)
         if done is not None:
             return done
         self._past(time.monotonic())
         return TriggerResponse(True, 'Every robot was told to stop, past the fleet manager, which '
                                      'hangs: look at its disk and its log.')
 
-    def _answer(self, act: Act, done: str, patience: float = PATIENCE,
-                early: Optional[Callable[[float], Tuple[TriggerResponse, Sequence[Action]]]] = None
-                ) -> Optional[TriggerResponse]:
-        """What became of it; None where nothing did within `patience`."""
+    def _answer(self, act: Act, done: str, patience: Optional[float] = None,
+                early: Optional[Callable[[float], Tuple[TriggerResponse, Sequence[Action]]]] = None,
+                lasts: bool = False) -> Optional[TriggerResponse]:
+        """What became of it; None where nothing did within `patience`.
+
+        Nor will it then, unless it `lasts`: whoever was told that robots do not go on relies on it.
+        """
         answer: queue.Queue[TriggerResponse] = queue.Queue(1)
+        turn = threading.Lock()  # is taken once: to do it, or to give it up
 
         def event(supervisor: Optional[Supervisor], now: float) -> Sequence[Action]:
+            if not turn.acquire(blocking=False):
+                return ()
             if supervisor is None:
                 response, actions = early(now) if early is not None else (
                     TriggerResponse(False, 'the fleet manager has no graph yet, or its disk cannot '
@@ -76,10 +86,14 @@ class FleetServices:
             answer.put(TriggerResponse(not problem, problem or done + _warning(supervisor)))
             return actions
         self._put(event)
+        patience = PATIENCE if patience is None else patience
         try:
             return answer.get(timeout=patience)
         except queue.Empty:
-            return None
+            if lasts or turn.acquire(blocking=False):
+                return None
+        return TriggerResponse(False, f'begun, but not done within {patience:.0f} s: look at its '
+                                      'disk and its log')
 
 
 def _warning(supervisor: Supervisor) -> str:

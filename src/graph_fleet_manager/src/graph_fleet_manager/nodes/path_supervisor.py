@@ -245,8 +245,9 @@ class PathSupervisor:
         self._events.put_report(lambda supervisor, now: supervisor.report(robot, report, now))
 
     def _on_refusal(self, robot: str, message: RouteRefused) -> None:
-        refusal = messages.refusal_of(message)
-        self._events.put_report(lambda supervisor, now: supervisor.refusal(robot, refusal, now))
+        refusal, stamp = messages.refusal_of(message), message.header.stamp.to_sec()
+        self._events.put_report(
+            lambda supervisor, now: supervisor.refusal(robot, refusal, now, stamp))
 
     def _on_battery(self, robot: str, message: BatteryState) -> None:
         charge = message.percentage

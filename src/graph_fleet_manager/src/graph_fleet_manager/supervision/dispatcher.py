@@ -41,6 +41,7 @@ class Dispatcher:
         self._number = 0
         self._replan = True
         self._displaced = False         # somebody stands where no plan in force has it
+        self._displaced_since = False   # nor the one that was asked for
         self._obstacles: Tuple[Obstacle, ...] = ()  # of the last question
         self._failed = False
         self._planned = -inf
@@ -62,7 +63,7 @@ class Dispatcher:
         if self.plan is not None:
             self.plan.drop(name)
         self._outbox.robot_changed(name)
-        self._replan = self._displaced = True
+        self._replan = self._displaced = self._displaced_since = True
 
     def plan_made(self, number: int, outcome: Outcome) -> bool:
         """Takes the planner's answer; tells whether it was waited for.
@@ -76,7 +77,7 @@ class Dispatcher:
         self._tell('')
         if question.fits(self._robots):
             self.plan = question.plan(outcome, asked_at)
-            self._displaced = False
+            self._displaced = self._displaced_since
         else:
             self._replan = True
         return True
@@ -124,17 +125,18 @@ class Dispatcher:
         """Shortens and releases routes, and asks for another plan where one is wanted."""
         self.shorten()
         if self._asked is None:
-            if now - self._planned >= AGAIN and have_moved(self._robots, self._obstacles):
+            moved = have_moved(self._robots, self._obstacles)
+            if moved and now - self._planned >= AGAIN:
                 self._replan = self._displaced = True
-            if not self._displaced:
+            if not (moved or self._displaced):
                 self._release(errands, network)
             self._ask(errands, network, now)
 
     def shorten(self) -> None:
         """Who is to come to rest gets no farther than the end of its edge."""
         for name, robot in self._robots.items():
-            if not robot.comes_to_rest or not robot.works:
-                continue
+            if not robot.comes_to_rest or not (robot.works or robot.client.order):
+                continue  # an order that was not heard yet must not be heard as it was
             if not robot.client.shorten(self._new_id):
                 robot.comes_to_rest = False
                 self._replan = True
@@ -151,7 +153,7 @@ class Dispatcher:
         asked = plan.asked_to_move(movers, {name: track.end for name, track in tracks.items()})
         for name, own in plan.plans.items():
             robot = self._robots[name]
-            self.waits_for[name] = ''
+            self.waits_for[name] = '' if robot.client.is_ready else 'a new location of its own'
             if not robot.works or robot.comes_to_rest or not robot.client.is_ready:
                 continue
             until = goes_until(robot, errands[name], own, name in asked)
@@ -170,7 +172,7 @@ class Dispatcher:
             return
         question = snapshot(self._robots, errands, self.plan, now)
         self._obstacles = question.obstacles
-        self._replan = self._failed = False
+        self._replan = self._failed = self._displaced_since = False
         self._planned = now
         if not question.tasks:
             self.trouble = ''

@@ -164,6 +164,20 @@ class Journal:
         return [Mission(serial, _request(text), MissionState(state), robot, reached, None, reason)
                 for serial, text, state, robot, reached, reason in rows]
 
+    def find(self, request: Request) -> Optional[Mission]:
+        """The last mission that exactly this request became, ended ages ago or not.
+
+        Raises JournalUnavailable.
+        """
+        row = self._run(
+            'SELECT serial, state, robot, reached, reason FROM mission WHERE request_id = ? AND '
+            'request = ? ORDER BY serial DESC LIMIT 1',
+            (request.id, _request_text(request))).fetchone()
+        if row is None:
+            return None
+        serial, state, robot, reached, reason = row
+        return Mission(serial, request, MissionState(state), robot, reached, None, reason)
+
     def last_serial(self) -> int:
         """Serial of the last mission that was accepted, 0 before any."""
         return int(self._run('SELECT MAX(serial) FROM mission').fetchone()[0] or 0)

@@ -27,6 +27,7 @@ class Liveness:
         self._located = -math.inf    # when it last told of another location than before
         self._fresh_after = 0.0      # stamp, by its clock, of its location when its link was lost
         self._route: Tuple[int, Tuple[int, ...]] = (0, ())  # that it last reported
+        self._is_running = False     # whether anything of that was still to be driven
         self._answered = -math.inf   # when it last had nothing to answer, or showed that it hears
 
     @property
@@ -43,17 +44,22 @@ class Liveness:
         self.seen = now
         if distance(graph, report.pose, self._pose) > TREMBLE:
             self._pose, self._moved = report.pose, now
-        if report.stamp != self._stamp:
+        if report.stamp != self._stamp or not report.stamp:
             self._located = now
         self._stamp = report.stamp
+        self._is_running = report.is_running
 
     def is_silent(self, now: float) -> bool:
         """Did it report before, but not for a while?"""
         return self.is_seen and now - self.seen > SILENCE
 
     def is_still(self, now: float) -> bool:
-        """Does it report, and has it not moved for a while?"""
-        return now - self.seen <= STANDING and now - self._moved >= STANDING
+        """Does it report where it is now, and has it neither moved nor a route to drive?
+
+        One that reports an old location may drive on meanwhile.
+        """
+        return (not self._is_running and now - self.seen <= STANDING
+                and now - self._located < STANDING and now - self._moved >= STANDING)
 
     # -- answers to orders ------------------------------------------------------------------------
 
@@ -89,5 +95,4 @@ class Liveness:
         The robot's clock need not be ours, and may be set meanwhile.
         """
         self._fresh_after = min(self._fresh_after, report.stamp)
-        return (report.stamp > self._fresh_after + STANDING and now - self._located < STANDING
-                and self.is_still(now))
+        return report.stamp > self._fresh_after + STANDING and self.is_still(now)

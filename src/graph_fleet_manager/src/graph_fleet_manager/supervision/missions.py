@@ -11,6 +11,7 @@ from graph_fleet_manager.fleet import RobotType
 from trajectory_graph import Graph
 
 MOST_DESTINATIONS = 1000
+MOST_OPEN = 5000      # missions; more are a mistake, and would slow down what cannot wait
 REMEMBERED = 1000     # ended missions whose ids are known as repeats
 LONGEST_DWELL = 1e6  # s; more is a mistake
 
@@ -229,6 +230,8 @@ class MissionBook:
                 raise RequestRefused(f'mission {request.id} is open with other content; choose '
                                      'another id')
         acceptance.check(request)
+        if len(self._by_serial) >= MOST_OPEN:
+            raise RequestRefused(f'{MOST_OPEN} missions are open; cancel some, or wait')
         mission = Mission(self._next, request)
         self._next += 1
         self._by_serial[mission.serial] = self._last[request.id] = mission

@@ -38,9 +38,23 @@ class Memory(NamedTuple):
     shortened: Optional[int] = None
     """So many edges of the track are left by an order to which there was no answer yet."""
 
-    def is_on(self, graph: Graph) -> bool:
-        """Does a graph, maybe another than when this was stored, have all of it?"""
-        return is_on(graph, self.track) and (self.place is None or self.place.is_on(graph))
+    def on(self, graph: Graph) -> Memory:
+        """What of it is true on a graph, maybe another than when this was stored.
+
+        Edges that are driven may be gone: a route that began with them goes on under another id.
+        Where more is gone no place is left, but a stop under way is, and which routes are over.
+        """
+        place = self.place if self.place is not None and self.place.is_on(graph) else None
+        ahead = self.track[self.done:]
+        if is_on(graph, self.track) and place == self.place:
+            return self
+        if ahead and is_on(graph, ahead):
+            return self._replace(
+                track=ahead, done=0, place=place, over=True,
+                bases={id: base - self.done for id, base in self.bases.items()},
+                shortened=None if self.shortened is None else self.shortened - self.done)
+        return self._replace(track=(), done=0, place=None, over=True, shortened=None,
+                             bases={self.route_id: 0} if self.is_stopping else {})
 
 
 @dataclass
@@ -50,6 +64,7 @@ class Heard:
     passed  -- vertices passed since the last report, in order
     failed  -- why the route failed; empty: it did not
     refused -- why an order was not taken up; empty: it was
+    was_shorter -- that order was to end the route sooner
     foreign -- the robot drives a route that it was not given here
     left    -- nothing is to be driven, but the robot is not where its route ended
     """
@@ -57,6 +72,7 @@ class Heard:
     passed: List[int] = field(default_factory=list)
     failed: str = ''
     refused: str = ''
+    was_shorter: bool = False
     foreign: bool = False
     left: bool = False
 

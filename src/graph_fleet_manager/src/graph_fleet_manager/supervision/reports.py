@@ -58,6 +58,11 @@ class Report:
         return len(self.states)
 
     @property
+    def left(self) -> Tuple[int, ...]:
+        """The edges that are not COMPLETE."""
+        return self.edges[self.completed:]
+
+    @property
     def is_failed(self) -> bool:
         """Has the route, or what was left of it, failed?"""
         return EdgeState.FAILED in self.states

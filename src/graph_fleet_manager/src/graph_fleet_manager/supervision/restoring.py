@@ -30,8 +30,7 @@ def robots_of(fleet: Fleet, settings: Mapping[str, RobotSettings], graph: Graph,
 
 
 def _restore(robot: ManagedRobot, memory: RobotMemory, graph: Graph) -> None:
-    if memory.client.is_on(graph):
-        robot.client.restore(memory.client)
+    robot.client.restore(memory.client.on(graph))
     if memory.outage is not None and memory.outage.needs_person:
         robot.outage, robot.why = memory.outage, memory.why
     robot.is_halted, robot.comes_to_rest = memory.is_halted, memory.comes_to_rest

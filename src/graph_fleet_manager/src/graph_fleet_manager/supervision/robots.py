@@ -127,9 +127,15 @@ class ManagedRobot:
         if driven is not None:
             self.driven.append(driven)
 
-    def hear_refusal(self, refusal: RouteRefusal) -> bool:
-        """An order was not taken up; tells whether it is one that is still to be answered."""
-        heard = self.client.refuse(refusal)
+    def drives_on(self, report: Report) -> bool:
+        """Does a robot that was left to a person drive what was under way to it by then?"""
+        return (self.outage is not None and self.outage.needs_person
+                and self.client.drives_withdrawn(report))
+
+    def hear_refusal(self, refusal: RouteRefusal, stamp: float = 0.0) -> bool:
+        """An order was not taken up, at `stamp` (s) of the robot's clock; tells whether it is one
+        that is still to be answered."""
+        heard = self.client.refuse(refusal, stamp)
         self._judge(heard, None)
         return bool(heard.refused)
 
@@ -139,7 +145,7 @@ class ManagedRobot:
         if heard.refused:
             self._has_refused = True
             stopped = outage_of(heard.refused) is Outage.STOPPED
-            self._refusals += not stopped
+            self._refusals += not (stopped or heard.was_shorter)
             if stopped:
                 self.fail(Outage.STOPPED, heard.refused)
                 self.client.keep_after_refusal()
@@ -165,6 +171,8 @@ class ManagedRobot:
         """Something keeps it from working; what needs a person outlasts what does not."""
         if self.outage is None or not self.outage.needs_person or outage.needs_person:
             self.outage, self.why = outage, why
+        if outage.needs_person:
+            self.client.withdraw()
 
     @property
     def _was_nowhere(self) -> bool:

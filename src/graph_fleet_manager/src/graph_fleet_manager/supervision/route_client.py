@@ -29,13 +29,18 @@ class RouteClient:
         """What is not acknowledged yet."""
         self.over = True
         """The last route cannot be extended: another one needs another id."""
+        self.to_order_anew = 0
+        """So many edges were under way before a restart, on a route that cannot be repeated."""
         self._bases: Dict[int, int] = {}
         self._acknowledged: Set[int] = set()
         self._ended: Set[int] = set()
         self._reported = 0
         self._sent_at: Optional[float] = None
         self._takes_away = False  # the order stops the robot, or cuts its route short
+        self._cut_refused = 0  # number behind the last edge of a shorter route that it refused
         self._awaits_report = False
+        self._refused_at = 0.0  # by the robot's clock: reports of before do not tell what it has
+        self._withdrawn: Optional[int] = None  # id of an order that may reach the robot yet
         self._stamp = 0.0
         self._ordered: Optional[int] = None  # before a restart, if it was less than the track
 
@@ -71,7 +76,10 @@ class RouteClient:
         self._order_all()
 
     def shorten(self, new_id: NewId) -> bool:
-        """Asks the robot to stop at the end of its edge; tells whether it may drive farther."""
+        """Asks the robot to stop at the end of its edge; tells whether it may drive farther.
+
+        Where it refuses, as it cannot brake in time, at the end of the next one.
+        """
         if self.is_new_motion and self.track.told <= self.track.done:
             self.track.cut(self.track.done)  # it was never told of all this
             self.order, self.over = None, True
@@ -79,10 +87,13 @@ class RouteClient:
             return False
         if self._awaits_report or (self.order is not None and self._is_shorter(self.order)):
             return True
-        if self.over:
+        end = max(self.track.done, self._cut_refused) + 1
+        if end >= self.track.end:
+            return True
+        if self.over or self.order is not None:  # a report of before that order is no answer
             self._begin(new_id())
         base = self._bases[self.route_id]
-        self._give(Order(self.route_id, base, self.track.between(base, self.track.done + 1)), True)
+        self._give(Order(self.route_id, base, self.track.between(base, end)), True)
         return True
 
     def halt(self, new_id: NewId) -> None:
@@ -93,10 +104,23 @@ class RouteClient:
         self._give(Order(self.route_id, self.track.done, ()), True)
 
     def try_again(self, new_id: NewId, count: int) -> None:
-        """Orders once more, under a new id, so many of the edges that an emergency stop kept the
-        robot from driving."""
+        """Orders once more, under a new id, so many of the edges ahead: an emergency stop kept the
+        robot from driving them, or a restart from hearing of them."""
         self._begin(new_id())
         self._give(Order(self.route_id, self.track.done, self.track.ahead[:count]))
+        self.to_order_anew = 0
+
+    def withdraw(self) -> None:
+        """What the robot may not have heard yet is not ordered any more; a stop is."""
+        self.over = True
+        if self.order is not None and not self.is_stopping:
+            self._withdrawn = self.order.route_id
+            self.order = None
+
+    def drives_withdrawn(self, report: Report) -> bool:
+        """Does the robot drive what was withdrawn, as it was under way already?"""
+        return (report.is_running and report.route_id == self._withdrawn
+                and not self.is_stopping)
 
     def settle(self, place: Optional[Place]) -> None:
         """The robot stands here, and holds nothing else any more."""
@@ -124,6 +148,7 @@ class RouteClient:
         self._bases[route_id] = self.track.done
         self.route_id = route_id
         self.over = False
+        self._withdrawn = None
 
     def _order_all(self) -> None:
         """Orders the whole track, from where the route begins."""
@@ -131,7 +156,11 @@ class RouteClient:
 
     def _order_again(self) -> None:
         """Repeats the order before a restart."""
-        self._order_until(self.track.end if self._ordered is None else self._ordered)
+        end = self.track.end if self._ordered is None else self._ordered
+        if self._bases[self.route_id] < self.track.first:
+            self.to_order_anew = end - self.track.first
+        else:
+            self._order_until(end)
 
     def _order_until(self, end: int) -> None:
         base = self._bases[self.route_id]
@@ -176,7 +205,7 @@ class RouteClient:
             if report.route_id in self._ended:
                 if self.track.ahead and self.route_id in self._bases and not self.is_stopping:
                     self._order_again()  # it did not reach the robot
-            elif not self.track.ahead and is_on(self.track.graph, report.edges):
+            elif not self.track.ahead and is_on(self.track.graph, report.left):
                 self._adopt_other(report)
             # In any other case `take` finds that the robot was taken over, or lost its route.
         else:
@@ -191,14 +220,17 @@ class RouteClient:
                 self._order_again()
 
     def _adopt_other(self, report: Report) -> None:
-        """A route of which nothing is known here; a stop that is under way stays so."""
-        self.track.adopt(report.edges)
+        """A route of which nothing is known here; a stop that is under way stays so.
+
+        Of what is driven the graph may have lost edges: it does not count.
+        """
+        self.track.adopt(report.left)
         self._bases = {self.route_id: self.track.done} if self.order is not None else {}
-        self._bases[report.route_id] = self.track.first
+        self._bases[report.route_id] = self.track.first - report.completed
         self._acknowledged.add(report.route_id)
         if self.order is None:
             self.route_id = report.route_id
-            self.over = not report.edges or report.is_failed
+            self.over = not report.is_running or report.completed > 0
         if not report.is_running:
             self.track.place = place_of(report.pose, self.track.graph)
 
@@ -211,8 +243,11 @@ class RouteClient:
             return heard
         self._stamp = report.stamp
         self._reported = report.route_id
-        if self._awaits_report and report.route_id != self.route_id:
+        awaited = self._awaits_report and not (
+            0.0 < self._refused_at - report.stamp < _OVERTAKEN)
+        if awaited and report.route_id != self.route_id:
             self._take_truth(report)
+            awaited = False
         if report.route_id not in self._bases:
             track.pose = report.pose
             if report.is_running:
@@ -238,16 +273,17 @@ class RouteClient:
             # It has taken up a route: who now tells of none, or of one before, has forgotten it.
             self._bases.pop(0, None)
             self._ended.clear()
-        if self._awaits_report:
+        if awaited:
             self._take_truth(report)
         track.pose = report.pose
         self._acknowledge(report)
         heard.passed = track.complete(base + report.completed)
-        track.leave(report.age)
+        if report.is_running or track.is_standing:  # else a person may drive it back again
+            track.leave(report.age)
         # What belongs to a route that may still be reported is kept.
         track.forget(min([*self._bases.values(), *([self.order.base] if self.order else [])]))
         if report.is_failed:
-            self.order, self.over = None, True
+            self.withdraw()
             heard.failed = report.reason or 'it gave no reason'
         elif track.is_standing and self.order is None and report.edges:
             heard.left = track.has_left()
@@ -259,13 +295,20 @@ class RouteClient:
         if self.track.ahead:
             heard.failed = 'it has forgotten its route'
 
-    def refuse(self, refusal: RouteRefusal) -> Heard:
-        """The robot did not take up an order: the next report tells what it really drives."""
+    def refuse(self, refusal: RouteRefusal, stamp: float = 0.0) -> Heard:
+        """The robot did not take up an order: the next report tells what it really drives.
+
+        stamp -- s, when it refused, by its clock: what it reported before may come later; 0: the
+                 refusal came among the reports
+        """
         heard = Heard()
         if self.order is not None and (refusal.route_id, refusal.edges) == (
                 self.order.route_id, self.order.edges):
+            heard.was_shorter = self._takes_away
+            if heard.was_shorter:
+                self._cut_refused = self.order.base + len(self.order.edges)
             self.order = None
-            self._awaits_report = True
+            self._awaits_report, self._refused_at = True, stamp
             heard.refused = refusal.reason or 'it gave no reason'
         return heard
 

@@ -6,8 +6,13 @@ from typing import Dict
 from graph_fleet_manager.supervision.journal import Journal
 
 RESERVED = 10000      # ids that are on the disk as given before they are
-_MOST = 2 ** 31 - 1   # an id is an int32
+_MOST = 2 ** 30 - 1   # an id is an int32; those above are given past the supervisor
 _NAME = 'route_id'
+
+
+def is_past(route_id: int) -> bool:
+    """Is this the id of a stop that was given past a supervisor, as it hung or did not run?"""
+    return route_id > _MOST
 
 
 class RouteIds:

@@ -16,7 +16,7 @@ from graph_fleet_manager.supervision.actions import Action, TellStatus
 from graph_fleet_manager.supervision.charging import ChargeQueue
 from graph_fleet_manager.supervision.dispatcher import Dispatcher
 from graph_fleet_manager.supervision.errands import Errand, errand_of
-from graph_fleet_manager.supervision.journal import Journal
+from graph_fleet_manager.supervision.journal import Journal, JournalUnavailable
 from graph_fleet_manager.supervision.liveness import SILENCE
 from graph_fleet_manager.supervision.mission_commands import carry_out, not_done, not_stored
 from graph_fleet_manager.supervision.missions import (
@@ -35,6 +35,7 @@ from graph_fleet_manager.supervision.reports import Report, WrongReport, check_r
 from graph_fleet_manager.supervision.restoring import robots_of
 from graph_fleet_manager.supervision.roads import Roads
 from graph_fleet_manager.supervision.robots import ManagedRobot
+from graph_fleet_manager.supervision.route_ids import is_past
 from graph_fleet_manager.supervision.settings import RobotSettings
 from graph_fleet_manager.supervision.waiting_missions import WaitingMissions
 from trajectory_graph import Graph
@@ -59,6 +60,7 @@ class Supervisor:
         self.is_stopped = bool(journal.value(STOPPED))
         self.charging = ChargeQueue(self.robots)
         self.book = MissionBook(journal.missions(), journal.last_serial() + 1)
+        self._journal = journal
         self._began = now
         self._is_starting = True
         self._waiting = WaitingMissions(self.book, self.robots)
@@ -94,9 +96,16 @@ class Supervisor:
         """Accepts, refuses or repeats; an accepted mission is on the disk before it is told."""
         known = self.book.find(request.id)
         try:
+            if known is None or known.request != request:
+                ended = self._journal.find(request) if request.stamp else None
+                if ended is not None:  # latched, or under way for long
+                    self._out.put(TellStatus(ended.status))
+                    return self._out.take(now)
             mission = self.book.add(request, self.acceptance)
         except RequestRefused as refused:
             return self._refuse(request, str(refused), now)
+        except JournalUnavailable as unavailable:
+            return self._refuse(request, unavailable.reason, now)
         actions = self._out.take(now)
         if mission is not None and self.trouble:
             self.book.withdraw(mission, known)
@@ -151,10 +160,21 @@ class Supervisor:
             'renewed, or the clock of its computer differs (NTP); others stay far behind it.')
         self._out.note_state(f'{name}/age', old or '', f'The locations of {name} are new again.')
         before, begun = robot.progress, robot.track.begun
+        was_seen = robot.liveness.is_seen
         robot.hear(report, now)
         robot.begin_elsewhere()
-        if robot.track.begun != begun:
+        if robot.track.begun != begun or was_seen != robot.liveness.is_seen:
             self.dispatcher.forget_plan_of(name)
+        if self._is_starting and not was_seen and is_past(report.route_id) and not (
+                self.is_stopped or robot.client.is_stopping):
+            self._out.note(f'{name} was stopped past a fleet manager that hung and was ended: '
+                           'the fleet is stopped until it is resumed.', True)
+            self._stop()
+        if robot.client.to_order_anew:
+            robot.client.try_again(self._out.new_id, robot.client.to_order_anew)
+        if robot.drives_on(report):
+            robot.client.halt(self._out.new_id)
+            self._out.send()
         self.roads.learn(robot, now)
         if before != robot.progress:
             self._out.robot_changed(name)
@@ -163,11 +183,12 @@ class Supervisor:
         self._outages.look()
         return self._out.take(now)
 
-    def refusal(self, name: str, refusal: RouteRefusal, now: float) -> List[Action]:
-        """A robot did not take up an order."""
+    def refusal(self, name: str, refusal: RouteRefusal, now: float,
+                stamp: float = 0.0) -> List[Action]:
+        """A robot did not take up an order; `stamp`: s, when, by its clock, 0: unknown."""
         robot = self.robots[name]
         was_stopped = robot.outage is Outage.STOPPED
-        if not robot.hear_refusal(refusal):
+        if not robot.hear_refusal(refusal, stamp):
             return self._out.take(now)
         self._out.robot_changed(name)
         if not (was_stopped and robot.outage is Outage.STOPPED):  # each trial is refused then
@@ -200,7 +221,8 @@ class Supervisor:
         if now - robot.liveness.seen > SILENCE or robot.outage is Outage.DEAF:
             return f'{name} does not report or answer: mend its link first', self._out.take(now)
         if robot.client.order is not None or not robot.liveness.is_still(now):
-            return f'{name} does not stand still yet: try again in a moment', self._out.take(now)
+            return (f'{name} does not stand still yet, or has a route to drive, or its locations '
+                    'are old: try again in a moment'), self._out.take(now)
         problem = robot.come_back(robot.place_at(robot.track.pose))
         self.dispatcher.forget_plan_of(name)
         self._outages.look()
@@ -209,11 +231,14 @@ class Supervisor:
 
     def stop_fleet(self, now: float) -> List[Action]:
         """Every robot gets an empty route at once, planner or not."""
+        self._stop()
+        return self._out.take(now)
+
+    def _stop(self) -> None:
         self.is_stopped = True
         self._out.value_changed(STOPPED, 1)
         self._halt(self.robots.values())
         self._out.send()
-        return self._out.take(now)
 
     def _halt(self, robots: Iterable[ManagedRobot]) -> None:
         for robot in robots:
@@ -285,7 +310,7 @@ class Supervisor:
                                  and now - self._began < SILENCE)
         if self.is_stopped:
             self._waiting.hold('the fleet is stopped')
-        elif self.trouble:
+        elif self._is_starting or self.trouble:
             self.dispatcher.shorten()
         if self._is_starting or self.is_stopped or self.trouble:
             return

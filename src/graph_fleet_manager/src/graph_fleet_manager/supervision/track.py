@@ -70,7 +70,7 @@ class Track:
 
     def between(self, begin: int, end: int) -> Tuple[int, ...]:
         """The edges from number `begin`, which must not be forgotten yet, to before `end`."""
-        return tuple(self.edges[begin - self.first:end - self.first])
+        return tuple(self.edges[begin - self.first:max(begin, end) - self.first])
 
     def distance_ahead(self) -> float:
         """Length (m) of what is still to be driven."""

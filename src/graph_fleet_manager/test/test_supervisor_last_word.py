@@ -1,0 +1,238 @@
+"""A stop, a cancel, a takeover: that is the last word, whatever is late, lost or unknown."""
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from fleet_builders import AGV, corridor
+from supervised_fleet import SupervisedFleet
+
+from graph_fleet_manager.supervision.missions import Command, MissionState
+from graph_fleet_manager.supervision.outages import Outage
+from graph_fleet_manager.supervision.settings import RobotSettings
+from trajectory_graph import Graph
+from trajectory_graph.route_protocol import EdgeState
+
+FAR = RobotSettings(release_ahead=8.0)
+
+
+def carry(agv, edge, arc):
+    """Somebody carries a robot to a place on an edge, where it stands without a route."""
+    agv.forget()
+    agv.edge, agv.arc = edge, arc
+
+
+def robot(fleet, name='a'):
+    return fleet.supervisor.robots[name]
+
+
+# -- who is believed to stand still ---------------------------------------------------------------
+
+
+@pytest.mark.parametrize('how', ['lost link', 'stop all', 'fleet out'])
+def test_who_does_not_know_where_it_is_now_does_not_stand_still(how):
+    """Its computer reports, but hears nothing of the robot, which drives on as it was told."""
+    fleet = SupervisedFleet(corridor(10), {'a': (AGV, 1), 'b': (AGV, 10)}, settings=FAR)
+    fleet.request(1, 6, robot='a')
+    fleet.run(2.0)
+    agv, last = fleet.agvs['a'], fleet.agvs['a'].report(fleet.now)
+    fleet.deaf['a'] = 1e9
+    if how == 'lost link':
+        told = replace(last, states=(EdgeState.FAILED,) * len(last.edges),
+                       reason='lost link: commands')
+    else:
+        fleet.do(fleet.supervisor.stop_fleet(fleet.now) if how == 'stop all' else
+                 fleet.supervisor.take_out('a', fleet.now))
+        told = replace(last, route_id=robot(fleet).client.route_id, edges=(), states=(),
+                       reason='the robot has not obeyed the stop yet: the link is down')
+    agv.report, report = lambda stamp: told, agv.report
+    fleet.run(4.0)
+    fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
+    fleet.do(fleet.supervisor.bring_in('a', fleet.now)[1])
+    fleet.request(2, 4, robot='b')
+    fleet.run(4.0)
+    assert not robot(fleet).works and len(robot(fleet).track.held) >= 4
+    agv.report = report
+    fleet.deaf.clear()
+    fleet.run(15.0)
+    fleet.do(fleet.supervisor.bring_in('a', fleet.now)[1])
+    fleet.run(2.0)
+    assert robot(fleet).works
+
+
+def test_who_still_has_a_route_to_drive_is_not_brought_in_where_it_waits():
+    """It refused more, and waits on its way for somebody who stands before it."""
+    fleet = SupervisedFleet(corridor(12), {'a': (AGV, 1)}, settings=FAR)
+    fleet.request(1, 12, robot='a')
+    fleet.run(3.0)
+    fleet.agvs['a'].refusing = 9
+    fleet.run_until(lambda: robot(fleet).outage is Outage.FAILED)
+    assert fleet.agvs['a'].is_driving
+    fleet.agvs['a'].stalled = 5.0
+    fleet.run(3.0)
+    problem, actions = fleet.supervisor.bring_in('a', fleet.now)
+    fleet.do(actions)
+    assert 'still' in problem and not robot(fleet).works
+    fleet.agvs['a'].refusing = 0
+    fleet.run(12.0)
+    problem, actions = fleet.supervisor.bring_in('a', fleet.now)
+    fleet.do(actions)
+    assert not problem and robot(fleet).works
+
+
+# -- cancelled and paused -------------------------------------------------------------------------
+
+
+def test_a_report_from_before_the_last_order_does_not_answer_a_cancel():
+    """It shows the route that the cancel asks for, but more is under way to the robot."""
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)},
+                            settings=RobotSettings(release_ahead=1.0))
+    fleet.request(1, 8)
+    fleet.run_until(lambda: len(robot(fleet).track.ahead) > 1)
+    fleet._to_robots, orders = [], fleet._to_robots  # the order that makes the route longer
+    assert len(orders[-1].edges) == 2 and robot(fleet).track.done == 0
+    fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
+    fleet.do(fleet.supervisor.report('a', fleet.agvs['a'].report(fleet.now), fleet.now))
+    assert len(robot(fleet).track.held) == 2, 'it has not heard the cancel'
+
+
+@pytest.mark.parametrize('command', [Command.CANCEL, Command.PAUSE])
+def test_what_a_robot_has_not_heard_yet_is_not_ordered_after_a_cancel(command):
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)}, settings=FAR)
+    fleet.run(1.0)
+    fleet.deaf['a'] = 1e9
+    fleet.request(1, 8)
+    fleet.run(8.0)
+    assert robot(fleet).outage is Outage.DEAF
+    fleet.do(fleet.supervisor.command(1, command, fleet.now))
+    fleet.run(2.0)
+    sent = len(fleet.sent)
+    fleet.deaf.clear()
+    fleet.run(20.0)
+    assert all(len(order.edges) <= 1 for order in fleet.sent[sent:]), fleet.sent[sent:]
+    assert fleet.agvs['a'].travelled <= 2.0
+
+
+def test_a_restart_orders_nothing_again_that_was_cancelled_while_the_robot_was_silent():
+    fleet = SupervisedFleet(corridor(9), {'a': (AGV, 1), 'b': (AGV, 9)},
+                            settings=RobotSettings(release_ahead=1.0))
+    fleet.request(1, 7, robot='a')
+    fleet.run_until(lambda: len(robot(fleet).track.ahead) > 1)
+    fleet.silent['a'] = fleet.silent['b'] = 1e9
+    fleet.agvs['a'].stalled = 1e9
+    fleet.run(8.0)
+    fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
+    fleet.run(2.0)
+    sent = len(fleet.sent)
+    fleet.restart()
+    fleet.silent.pop('a')
+    fleet.run(3.0)
+    fleet.agvs['a'].stalled = 0.0
+    fleet.run(20.0)
+    assert all(len(order.edges) <= 1 for order in fleet.sent[sent:]), fleet.sent[sent:]
+    assert fleet.agvs['a'].travelled <= 2.1
+
+
+# -- taken over and stopped -----------------------------------------------------------------------
+
+
+def test_who_was_given_a_route_by_somebody_else_is_not_ordered_what_he_has_not_heard():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 4)}, settings=FAR)
+    fleet.run(1.0)
+    fleet.deaf['a'] = 1e9
+    fleet.request(1, 8)
+    fleet.run(2.0)
+    fleet.agvs['a'].order(777, (4,))
+    fleet.run(0.5)
+    assert robot(fleet).outage is Outage.TAKEN_OVER
+    fleet.deaf.clear()
+    fleet.run(20.0)
+    assert fleet.agvs['a'].visited == [4, 5]
+    problem, actions = fleet.supervisor.bring_in('a', fleet.now)
+    fleet.do(actions)
+    assert not problem
+
+
+def test_an_order_that_was_under_way_as_the_robot_was_taken_over_does_not_drive_it_on():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)}, settings=FAR)
+    fleet.request(1, 8)
+    fleet.run(1.5)
+    agv = fleet.agvs['a']
+    fleet.request(2, 8, robot='a')
+    fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
+    fleet.run_until(lambda: fleet.robot_of(2) == 'a' and bool(fleet._to_robots))
+    order = fleet._to_robots.pop()
+    assert order.route_id != agv.route_id
+    agv.fail('taken over')
+    fleet.run(0.1)
+    assert robot(fleet).outage is Outage.TAKEN_OVER
+    agv.order(order.route_id, order.edges)  # it came late
+    before = agv.travelled
+    fleet.run(20.0)
+    assert agv.travelled - before < 0.5
+
+
+def test_a_stop_is_repeated_until_it_is_heard_though_the_route_has_failed():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)}, settings=FAR)
+    fleet.request(1, 8)
+    fleet.run(2.0)
+    fleet.deaf['a'] = fleet.now + 3.0
+    fleet.agvs['a'].fail('lost link: commands')
+    fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+    fleet.run(5.0)
+    assert fleet.agvs['a'].edges == (), 'it was told to stop'
+
+
+# -- where robots truly are -----------------------------------------------------------------------
+
+
+def test_a_plan_that_does_not_know_where_a_robot_was_carried_releases_nothing():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)}, planning=0.6)
+    fleet.run(1.0)
+    fleet.do(fleet.supervisor.take_out('b', fleet.now))
+    fleet.run(3.0)
+    fleet.request(1, 6, robot='a')
+    fleet.run(0.3)
+    carry(fleet.agvs['b'], 1, 1.9)
+    fleet.run(5.0)
+    assert fleet.agvs['a'].travelled == 0.0
+
+
+def test_a_plan_that_does_not_know_of_a_robot_releases_nothing():
+    """It is switched on in the midst of the way, while that is planned."""
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 4)}, settings=FAR)
+    fleet.silent['b'] = 1e9
+    fleet.run(6.0)
+    fleet.planning = 1.0
+    fleet.request(1, 6, robot='a')
+    fleet.run(0.5)
+    fleet.silent.clear()
+    fleet.run(10.0)
+
+
+@pytest.mark.parametrize('told', ['all', 'no longer', 'not of the last edges'])
+def test_a_robot_that_drives_while_edges_behind_it_are_taken_out_of_the_graph(told):
+    """Be it heard, silent, or with an order still under way to it."""
+    fleet = SupervisedFleet(corridor(10), {'a': (AGV, 1), 'b': (AGV, 10)},
+                            settings=RobotSettings(release_ahead=3.0))
+    fleet.request(1, 7, robot='a')
+    fleet.run(4.5)
+    if told == 'not of the last edges':
+        fleet.deaf['a'] = fleet.now + 2.0
+        fleet.run_until(lambda: robot(fleet).client.order is not None)
+    assert fleet.agvs['a'].current >= 2 and fleet.agvs['a'].is_driving
+    graph = fleet.graph
+    fleet.graph = Graph([v for v in graph.vertices.values() if v.id > 1],
+                        [e for e in graph.edges.values() if e.id > 1])
+    fleet._planners.clear()
+    fleet._parking = tuple(fleet.graph.vertices)
+    ahead = robot(fleet).track.ahead
+    fleet.agvs['a'].stalled = 10.0
+    if told == 'no longer':
+        fleet.silent['a'] = fleet.now + 15.0
+    fleet.restart()
+    fleet.run(1.0)
+    assert robot(fleet).track.ahead == ahead
+    fleet.request(2, 4, robot='b')
+    fleet.run_until_done(1, 2)
+    assert fleet.state(1) is MissionState.SUCCEEDED
