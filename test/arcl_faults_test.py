@@ -87,10 +87,16 @@ class ArclFaultsTest(unittest.TestCase):
     def drive(self, goal: str) -> actionlib.ClientGoalHandle:
         """A drive that has begun."""
         before = len(self.responses.messages)
-        handle = self.execute.send_goal(ExecuteCommandGoal(command=f'goto {goal}'))
-        self.responses.wait_for(lambda line: line.data == f'Going to {goal}', DRIVE, 'the drive',
-                                before)
-        return handle
+        handles = []
+
+        def has_begun() -> bool:  # it is refused for a moment after another client's word
+            if not handles or handles[-1].get_goal_status() == GoalStatus.REJECTED:
+                handles.append(self.execute.send_goal(ExecuteCommandGoal(command=f'goto {goal}')))
+            return any(line.data == f'Going to {goal}'
+                       for line in self.responses.messages[before:])
+
+        wait_until(has_begun, DRIVE, 'the drive')
+        return handles[-1]
 
     def ended(self, handle: actionlib.ClientGoalHandle):
         wait_until(lambda: handle.get_comm_state() == actionlib.CommState.DONE, DRIVE,

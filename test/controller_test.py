@@ -282,7 +282,7 @@ class ControllerTest(unittest.TestCase):
         said = len(self.responses.messages)
         with self.second_controller():
             refusal = refusals.wait_for(lambda _: True, 30.0, 'refusal')
-            self.assertIn('before the controller started', refusal.reason)
+            self.assertIn('before this node started', refusal.reason)
             links.wait_for(lambda link: link.state == LinkState.CONNECTED, SOON, 'login')
             commands.publish('goto 20')  # by the same publisher, but now
             self.wait_for_line('Going to 20', said, SOON)

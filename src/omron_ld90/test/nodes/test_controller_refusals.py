@@ -1,21 +1,10 @@
-"""What came to nothing is told in a sentence; what is too old is not carried out."""
+"""What came to nothing is told in a sentence."""
 from __future__ import annotations
 
-from typing import Dict, List
-
 import pytest
-from std_msgs.msg import String
 
 from omron_arcl import Outcome, Result
-from omron_ld90.nodes.controller_refusals import (
-    LATCHED,
-    LATCHED_WITHIN,
-    STANDSTILL,
-    WAITED,
-    WAITED_WITHIN,
-    OldMessages,
-    failure,
-)
+from omron_ld90.nodes.controller_refusals import failure
 
 
 @pytest.mark.parametrize(('outcome', 'words'), [
@@ -33,65 +22,3 @@ def test_a_command_that_came_to_nothing_is_told_with_the_robots_words(outcome, w
 @pytest.mark.parametrize('outcome', [Outcome.SUCCEEDED, Outcome.INTERRUPTED, Outcome.CANCELLED])
 def test_a_command_that_was_done_or_replaced_did_not_come_to_nothing(outcome):
     assert failure('goto 12', Result(outcome, '', ())) is None
-
-
-class Clock:
-    now = 100.0
-
-    def __call__(self) -> float:
-        return self.now
-
-
-def message(caller: str, latching: bool = True) -> String:
-    said = String('goto 12')
-    said._connection_header = {'callerid': caller, 'latching': '1' if latching else '0'}
-    return said
-
-
-@pytest.fixture
-def clock() -> Clock:
-    return Clock()
-
-
-@pytest.fixture
-def old(clock) -> OldMessages:
-    publishers: Dict[str, List[str]] = {'send_command': ['/before', '/also_before']}
-    old = OldMessages(lambda topic: publishers.get(topic, []), clock)
-    old.watch('send_command')
-    old.watch('initialpose')
-    return old
-
-
-def test_the_last_message_of_a_publisher_that_was_there_before_is_old_and_its_next_is_not(old):
-    assert old.reason(message('/before'), 'send_command') == LATCHED
-    assert old.reason(message('/before'), 'send_command') is None
-    assert old.reason(message('/also_before'), 'send_command', is_stop=True) == LATCHED
-
-
-def test_a_publisher_that_does_not_latch_or_came_later_is_heard(old):
-    assert old.reason(message('/before', latching=False), 'send_command') is None
-    assert old.reason(message('/later'), 'send_command') is None
-    assert old.reason(message('/before'), 'initialpose') is None
-    assert old.reason(String('goto 12'), 'send_command') is None
-
-
-def test_what_comes_long_after_the_start_is_new(old, clock):
-    for _ in range(10):
-        clock.now += LATCHED_WITHIN / 10
-        old.tick(clock.now)
-    assert old.reason(message('/before'), 'send_command') is None
-
-
-def test_what_waited_while_the_process_stood_still_is_old_but_for_a_stop(old, clock):
-    clock.now += 10.0
-    assert old.reason(message('/later'), 'send_command') == WAITED
-    assert old.reason(message('/later'), 'send_command', is_stop=True) is None
-    clock.now += WAITED_WITHIN / 2
-    assert old.reason(message('/later'), 'send_command') == WAITED
-    clock.now += WAITED_WITHIN
-    assert old.reason(message('/later'), 'send_command') is None
-
-
-def test_a_process_that_is_slow_does_not_stand_still(old, clock):
-    clock.now += STANDSTILL
-    assert old.reason(message('/later'), 'send_command') is None

@@ -66,7 +66,7 @@ from omron_ld90.nodes.controller_actions import ExecuteCommandServer, MoveBaseSe
 from omron_ld90.nodes.controller_goals import GoalComparison
 from omron_ld90.nodes.controller_help import HelpReport
 from omron_ld90.nodes.controller_password import read_password
-from omron_ld90.nodes.controller_refusals import OldMessages, Refusals, publishers_by_master
+from omron_ld90.nodes.controller_refusals import Refusals
 from omron_ld90.nodes.controller_topics import TopicCommands
 from omron_ld90.nodes.support.click_rule import ClickRule
 from omron_ld90.nodes.support.link_reports import (
@@ -75,6 +75,7 @@ from omron_ld90.nodes.support.link_reports import (
     robot_host,
     session_log,
 )
+from omron_ld90.nodes.support.old_messages import OldMessages, publishers_by_master
 from omron_ld90.nodes.support.poses import pose_from_robot
 from omron_ld90.nodes.support.publishing import LineMessage
 from omron_ld90.nodes.support.robot_health import RobotHealth

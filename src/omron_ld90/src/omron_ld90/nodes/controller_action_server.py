@@ -21,6 +21,8 @@ class ActionServer(actionlib.ActionServer):
     `canceller` is the node whose cancellation is being carried out.
     """
 
+    last_cancel: rospy.Time  # actionlib's own: it refuses goals whose stamp is not younger
+
     def __init__(self, name: str, kind: type, on_goal: Callable[..., None],
                  on_cancel: Callable[..., None], always_taken: Callable[[Any], bool]) -> None:
         self.canceller = ''

@@ -51,6 +51,7 @@ from omron_ld90.nodes.support.click_rule import ClickRule
 from omron_ld90.nodes.support.command_client import CommandClient
 from omron_ld90.nodes.support.displayed_map import DisplayedMap
 from omron_ld90.nodes.support.fleet_missions import FleetMissions
+from omron_ld90.nodes.support.old_messages import OldMessages, publishers_by_master
 from omron_ld90.nodes.support.poses import yaw_from_quaternion
 from omron_ld90.operator.goal_clicks import (
     Target,
@@ -119,6 +120,8 @@ class GoalSender:
         self._listener = tf2_ros.TransformListener(self._buffer)
         self._commands = CommandClient(self._on_end, self._on_line)
         self._missions = FleetMissions(self._rule.robot, self._on_mission)
+        self._old = OldMessages(publishers_by_master).start()
+        self._old.watch('clicked_point')
         for topic, message, callback in (
                 ('command_refused', CommandRefused, self._on_refused),
                 ('link_state', LinkState, self._on_link),
@@ -157,6 +160,10 @@ class GoalSender:
     def _on_click(self, message: PointStamped) -> None:
         point = self._in_map(message)
         if point is None:
+            return
+        old = self._old.reason(message, 'clicked_point')
+        if old:
+            self._feedback.say(Severity.BAD, f'The click did nothing. {old}', point)
             return
         with self._lock:
             if self._targets is None:
