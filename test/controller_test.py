@@ -128,6 +128,20 @@ class ControllerTest(unittest.TestCase):
         self.wait_for_line('Stopped', before)
         self.assertEqual(self.location(), self.location(), 'the robot still moves')
 
+    def test_a_cancellation_holds_back_no_later_stop_or_drive(self):
+        """actionlib refuses what is older than the last cancellation, by the clocks of clients."""
+        cancels = connected_publisher('/omron_ld90/execute_command/cancel', GoalID,
+                                      to='omron_controller')
+        driving = self.run_command('goto 20')
+        cancels.publish(GoalID(stamp=rospy.Time.now() + rospy.Duration(3600)))
+        self.assertEqual(self.result_of(driving).outcome, ExecuteCommandResult.CANCELLED)
+        before = len(self.responses.messages)
+        stop = self.run_command('stop')
+        self.assertEqual(self.result_of(stop, SOON).message, 'Stopped')
+        self.wait_for_line('Stopped', before, SOON)
+        query = self.run_command('oneLineStatus')
+        self.assertEqual(len(self.result_of(query, SOON).lines), 1)
+
     def test_a_storm_of_goals_and_cancels_leaves_nothing_hanging(self):
         # By topic: actionlib's client may overlook a result that comes while it cancels.
         results = Recorder('/omron_ld90/execute_command/result', ExecuteCommandActionResult)
@@ -166,7 +180,11 @@ class ControllerTest(unittest.TestCase):
         self.assertEqual([ExecuteCommandResult.SUCCEEDED] * 160, outcomes)
 
     def test_a_newer_drive_interrupts_the_older_one_and_arrives(self):
-        self.result_of(self.run_command('goto 8'))  # the robot may stand at 20 already
+        def is_at_8() -> bool:  # not at once after another client has stopped the robot
+            return (self.result_of(self.run_command('goto 8')).outcome
+                    == ExecuteCommandResult.SUCCEEDED)
+
+        wait_until(is_at_8, DRIVE, 'the robot at 8')
         older = self.run_command('goto 20')
         newer = self.run_command('goto 8')
         self.assertEqual(ExecuteCommandResult.INTERRUPTED, self.result_of(older).outcome)

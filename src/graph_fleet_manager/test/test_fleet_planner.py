@@ -16,6 +16,7 @@ from graph_fleet_manager.planning.plans import Drive
 from graph_fleet_manager.planning.precedence import Conflicting, precedence
 from graph_fleet_manager.planning.problem import Problem
 from graph_fleet_manager.planning.road_network import RoadNetwork
+from graph_fleet_manager.planning.safe_intervals import find_way
 from graph_fleet_manager.planning.tasks import CannotPlan, Obstacle, PlannedDrive, Task
 from graph_fleet_manager.planning.timetable import Timetable
 from trajectory_graph import load_graph
@@ -103,6 +104,22 @@ def test_who_is_not_to_stay_goes_on_to_parking():
     outcome = _plan(_planner(corridor(5), parking=(5,)), Task('a', AGV, 1, destinations=(3,)))
     assert _edges(outcome, 'a') == [1, 2, 3, 4]
     assert outcome.cost == pytest.approx(4.0, abs=0.01), 'the rest hardly counts'
+
+
+def test_who_got_a_way_when_it_made_room_for_another_is_not_planned_once_more():
+    """a finds no way; b finds one together with a, and both have theirs."""
+    calls = []
+
+    def search(errand, *others):
+        calls.append(errand)
+        return None if len(calls) <= 4 else find_way(errand, *others)
+
+    graph = ladder(5)
+    planner = FleetPlanner(RoadNetwork(graph), 0.1, (AGV,), tuple(graph.vertices), search)
+    outcome = _plan(planner, Task('a', AGV, 1, destinations=(5,), kept=()),
+                    Task('b', AGV, 5, destinations=(1,), kept=()))
+    assert not outcome.unserved
+    assert len(calls) == 4 + 2
 
 
 def test_an_idle_robot_gives_way_and_comes_to_rest_on_parking():

@@ -4,7 +4,7 @@ from __future__ import annotations
 import pytest
 
 from omron_arcl import InvalidCommand, parse_command, printable, quote, same_name
-from omron_arcl.command_line import LONGEST_COMMAND
+from omron_arcl.command_line import LONGEST_COMMAND, is_stop
 
 
 @pytest.mark.parametrize(('text', 'name', 'arguments'), [
@@ -31,6 +31,18 @@ def test_what_is_not_one_command_is_refused_with_a_reason(text, reason):
         parse_command(text)
     assert reason in str(refused.value)
     assert refused.value.command.isprintable()
+
+
+@pytest.mark.parametrize(('text', 'stops'), [
+    ('stop', True), (' STOP ', True), ('stop now', True), ('stopp', False), ('', False),
+    ('goto stop', False)])
+def test_a_stop_is_known_however_it_is_written(text, stops):
+    assert is_stop(text) is stops
+
+
+@pytest.mark.parametrize('text', ['stop\n', 'stop now', ' stop\r\n', 'stop\nshutdown', 'stop \xf6'])
+def test_nothing_behind_it_keeps_a_stop_from_the_robot(text):
+    assert parse_command(text).line == b'stop'
 
 
 def test_the_longest_command_is_taken():

@@ -183,6 +183,16 @@ def test_cancelling_a_drive_stops_the_robot(talk):
     assert outcome(goto) is Outcome.CANCELLED
 
 
+def test_a_stop_that_is_cancelled_before_it_was_sent_is_sent_all_the_same(talk):
+    dispatcher = talk.dispatcher
+    stop = dispatcher.start(parse_command('stop'))
+    talk.cancel(stop)
+    assert outcome(stop) is Outcome.CANCELLED
+    talk.send()
+    assert talk.sent == ['stop']
+    talk.robot('Stopped')
+
+
 def test_cancelling_docking_ends_when_the_robot_has_stopped(talk):
     dock = talk.give('dock')
     talk.robot(*DOCK[:2])

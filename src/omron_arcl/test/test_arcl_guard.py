@@ -4,7 +4,7 @@ from __future__ import annotations
 import pytest
 
 from omron_arcl import HelpList, InvalidCommand, parse_command
-from omron_arcl.guard import Guard, is_stop, is_unlisted
+from omron_arcl.guard import Guard, is_unlisted
 
 
 @pytest.fixture
@@ -46,13 +46,6 @@ def test_a_command_can_be_allowed_by_name(guard):
 def test_stop_cannot_be_forbidden(allowed):
     passes(Guard(allowed), 'stop')
     passes(Guard(allowed), 'STOP')
-
-
-@pytest.mark.parametrize(('text', 'stops'), [
-    ('stop', True), (' STOP ', True), ('stop now', True), ('stopp', False), ('', False),
-    ('goto stop', False)])
-def test_a_stop_is_known_however_it_is_written(text, stops):
-    assert is_stop(text) is stops
 
 
 def test_a_shortcut_is_no_way_around_the_guard(guard):

@@ -19,6 +19,9 @@ class Bench:
     def give(self, giver: str, text: str):
         return self._overruling.take(giver, parse_command(text))
 
+    def cancel(self, motion, canceller: str) -> None:
+        self._overruling.cancelled(motion, canceller)
+
     def end(self, motion, outcome: Outcome = Outcome.INTERRUPTED) -> None:
         self._overruling.ended(motion, outcome)
 
@@ -71,9 +74,49 @@ def test_who_has_no_drive_under_way_gives_a_new_word(bench):
     bench.give(OTHER, 'goto 3')
 
 
-def test_a_drive_that_ended_by_itself_is_not_overruled_afterwards(bench):
+def test_between_two_drives_of_a_route_a_stop_is_not_passed_either(bench):
     bench.end(bench.give(ROUTE, 'goto 12'), Outcome.SUCCEEDED)
-    bench.give(PERSON, 'goto 3')
+    bench.give(PERSON, 'stop')
+    with pytest.raises(Overruled, match=f'"stop" of {PERSON} came first'):
+        bench.give(ROUTE, 'goto 14')
+
+
+@pytest.mark.parametrize('word, later', [('stop', LATE), ('goto 3', 0.0)])
+def test_a_drive_that_ended_by_itself_is_not_overruled_afterwards(bench, word, later):
+    bench.end(bench.give(ROUTE, 'goto 12'), Outcome.SUCCEEDED)
+    bench.now += later
+    bench.give(PERSON, word)
+    bench.give(ROUTE, 'goto 14')
+
+
+def test_a_drive_does_not_pass_what_another_client_of_the_robot_did_to_the_one_before(bench):
+    bench.end(bench.give(ROUTE, 'goto 12'), Outcome.INTERRUPTED)
+    with pytest.raises(Overruled, match='another client of the robot came first'):
+        bench.give(ROUTE, 'goto 14')
+    bench.now += LATE
+    bench.give(ROUTE, 'goto 14')
+
+
+@pytest.mark.parametrize('own', ['goto 14', 'stop'])
+def test_what_a_route_interrupts_itself_overrules_it_not(bench, own):
+    drive = bench.give(ROUTE, 'goto 12')
+    bench.give(ROUTE, own)
+    bench.end(drive, Outcome.INTERRUPTED)
+    bench.give(ROUTE, 'goto 16')
+
+
+def test_a_drive_cannot_pass_somebodys_cancellation_of_the_one_before(bench):
+    drive = bench.give(ROUTE, 'goto 12')
+    bench.cancel(drive, PERSON)
+    with pytest.raises(Overruled, match=f'cancellation of {PERSON} came first'):
+        bench.give(ROUTE, 'goto 14')
+    bench.end(drive, Outcome.CANCELLED)
+    bench.now += LATE
+    bench.give(ROUTE, 'goto 14')
+
+
+def test_who_cancels_his_own_drive_may_give_another(bench):
+    bench.cancel(bench.give(ROUTE, 'goto 12'), ROUTE)
     bench.give(ROUTE, 'goto 14')
 
 
@@ -97,7 +140,7 @@ def test_the_first_of_two_words_is_named(bench):
     bench.give(OTHER, 'goto 3')
     with pytest.raises(Overruled, match=PERSON) as refused:
         bench.give(ROUTE, 'goto 14')
-    assert refused.value.by.text == 'stop'
+    assert refused.value.by.text == '"stop"'
 
 
 @pytest.mark.parametrize('text', ['status', 'say hello', 'enableMotors', 'getGoals'])

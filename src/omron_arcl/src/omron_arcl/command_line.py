@@ -22,6 +22,8 @@ def parse_command(text: str, full_name: Callable[[str], Optional[str]] = lambda 
     characters ARCL takes no others.
     """
     text = text.strip(' ')
+    if is_stop(text):
+        text = text.split()[0]  # no line end or word behind it keeps a stop from the robot
     reason = _reason_against(text)
     if reason:
         raise InvalidCommand(printable(text), reason)
@@ -37,6 +39,12 @@ def parse_command(text: str, full_name: Callable[[str], Optional[str]] = lambda 
     if len(arguments) < spec.required:
         raise InvalidCommand(printable(text), f'its syntax is "{spec.syntax}"')
     return Command(text, line, spec.name, arguments, spec)
+
+
+def is_stop(text: str) -> bool:
+    """Whether a command line stops the robot, whatever follows the word."""
+    words = text.split(maxsplit=1)
+    return bool(words) and spec_of(words[0]).stops
 
 
 def _reason_against(text: str) -> str:

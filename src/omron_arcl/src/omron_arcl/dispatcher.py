@@ -62,7 +62,8 @@ class Dispatcher:
     def cancel(self, execution: Execution, now: float) -> None:
         """Ends a command: the unsent is dropped, the driving stopped, a query no longer awaited.
 
-        A driving command that has been replaced is left to the one that replaced it.
+        A driving command that has been replaced is left to the one that replaced it. A stop goes
+        to the robot all the same.
         """
         if execution.result is not None:
             return
@@ -70,7 +71,8 @@ class Dispatcher:
             if execution.cancel_requested is None:
                 execution.cancel_requested = now
         else:
-            self._commands.end(execution, Outcome.CANCELLED, 'cancelled', keep=execution.sent)
+            self._commands.end(execution, Outcome.CANCELLED, 'cancelled',
+                               keep=execution.sent or execution.command.spec.stops)
         self._stop_if_cancelled(now)
 
     def next_to_send(self, now: float) -> Optional[bytes]:

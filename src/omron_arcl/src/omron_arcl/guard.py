@@ -4,7 +4,7 @@ from __future__ import annotations
 from typing import FrozenSet, Iterable, Optional
 
 from omron_arcl.command_line import printable
-from omron_arcl.command_table import COMMANDS, spec_of
+from omron_arcl.command_table import COMMANDS
 from omron_arcl.commands import Category, Command
 from omron_arcl.errors import InvalidCommand
 from omron_arcl.help_list import HelpList
@@ -55,11 +55,6 @@ class Guard:
             return (f'the robot has no goal "{printable(command.goals[0])}": load a map that has '
                     'it into the robot')
         return ''
-
-
-def is_stop(text: str) -> bool:
-    """Whether a command line stops the robot."""
-    return spec_of(text.strip().partition(' ')[0]).stops
 
 
 def is_unlisted(command: Command, help_list: HelpList) -> bool:

@@ -1,8 +1,8 @@
 """Whose word counts where several drive one robot: whoever gave it last.
 
 Software that drives the robot along a route gives one drive after another. Where a person stops the
-robot, or sends it elsewhere, that software learns so a moment later; what it gave meanwhile must
-not pass the person's word in the robot.
+robot, or sends it elsewhere, here or by another client of the robot, that software learns so a
+moment later; what it gave meanwhile must not pass the person's word in the robot.
 """
 from __future__ import annotations
 
@@ -23,19 +23,26 @@ _WITHOUT_EFFECT = (Outcome.REJECTED, Outcome.NO_GOAL, Outcome.UNKNOWN_COMMAND, O
 
 @dataclass(eq=False)
 class Motion:
-    """A drive or a stop that was given."""
+    """A drive, a stop or the cancellation of a drive that was given.
+
+    superseded: its giver has given another since, so that its end tells nothing of others.
+    """
 
     giver: str
     text: str
+    superseded: bool = False
     overruled_by: Optional[Motion] = None
     ended_at: float = math.inf
+
+
+_ANOTHER_CLIENT = Motion('another client of the robot', 'a command')
 
 
 class Overruled(ArclError):
     """A drive whose giver cannot have known of `by`, which somebody else gave before it."""
 
     def __init__(self, by: Motion) -> None:
-        super().__init__(f'Not sent, "{by.text}" of {by.giver} came first.')
+        super().__init__(f'Not sent, {by.text} of {by.giver} came first.')
         self.by = by
 
 
@@ -61,13 +68,20 @@ class Overruling:
             for drive in self._drives:
                 if drive.giver == giver and drive.overruled_by is not None:
                     raise Overruled(drive.overruled_by)
-        motion = Motion(giver, command.text)
+        motion = Motion(giver, f'"{command.text}"')
         for drive in self._drives:
-            if drive.giver != giver and now < drive.ended_at and drive.overruled_by is None:
+            if drive.giver == giver:
+                drive.superseded = True
+            elif drive.overruled_by is None and (spec.stops or now < drive.ended_at):
                 drive.overruled_by = motion
         if spec.drives:
             self._drives.append(motion)
         return motion
+
+    def cancelled(self, motion: Motion, canceller: str) -> None:
+        """Somebody cancels a motion; its own giver may do so."""
+        if canceller != motion.giver and motion.overruled_by is None:
+            motion.overruled_by = Motion(canceller, 'a cancellation')
 
     def ended(self, motion: Motion, outcome: Outcome) -> None:
         """A motion has ended, or could not be given."""
@@ -76,3 +90,6 @@ class Overruling:
             for drive in self._drives:
                 if drive.overruled_by is motion and drive.ended_at == math.inf:
                     drive.overruled_by = None
+        elif (outcome is Outcome.INTERRUPTED and not motion.superseded
+                and motion.overruled_by is None):
+            motion.overruled_by = _ANOTHER_CLIENT

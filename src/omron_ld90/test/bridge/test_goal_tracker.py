@@ -75,6 +75,16 @@ class TestOutcomes:
             show(tracker, motion, goal)
         assert (tracker.reached, tracker.failure) == (False, None)
 
+    @pytest.mark.parametrize('motion', [Motion.STOPPING, Motion.STANDING])
+    def test_a_robot_that_stops_on_its_way_may_have_been_stopped_by_somebody(self, motion):
+        tracker = sent()
+        show(tracker, Motion.GOING, '12')
+        assert not tracker.is_doubtful
+        show(tracker, motion, times=1)
+        assert tracker.is_doubtful
+        show(tracker, Motion.GOING, '12', times=1)
+        assert not tracker.is_doubtful
+
 
 class TestLostOutcome:
     """The link or the controller was lost: the robot's status tells."""
@@ -86,6 +96,14 @@ class TestLostOutcome:
         show(tracker, Motion.ARRIVED, '12', begin=9.0, times=1)
         assert tracker.reached
         assert not tracker.give_again
+
+    def test_it_may_have_been_stopped_then_too(self):
+        tracker = doubtful()
+        show(tracker, Motion.GOING, '12')
+        assert tracker.knowledge is Knowledge.WATCHED
+        assert not tracker.is_doubtful
+        show(tracker, Motion.STOPPING, times=1)
+        assert tracker.is_doubtful
 
     def test_an_arrival_in_the_meantime_counts(self):
         tracker = doubtful()
@@ -131,10 +149,20 @@ class TestLostOutcome:
             show(tracker, Motion.GOING, goal, begin=float(number), times=1)
         assert tracker.our_goals == {'8', '10'}
 
-    def test_a_robot_that_stands_where_it_stood_never_heard_of_it(self):
-        tracker = doubtful(before=Motion.ARRIVED)
-        show(tracker, Motion.STANDING)
+    @pytest.mark.parametrize('motion', [Motion.ARRIVED, Motion.STANDING, Motion.DOCKED])
+    def test_a_robot_that_stands_where_it_stood_never_heard_of_it(self, motion):
+        tracker = doubtful(before=motion)
+        show(tracker, motion)
         assert tracker.give_again
+
+    @pytest.mark.parametrize('motion', [Motion.ARRIVED, Motion.DOCKED])
+    def test_a_robot_that_stood_and_says_now_that_it_stops_was_stopped_by_somebody(self, motion):
+        tracker = doubtful(Ending.NEVER_SENT, before=motion)
+        show(tracker, Motion.STOPPING)
+        assert not tracker.give_again
+        show(tracker, Motion.STANDING, begin=5.0)
+        assert isinstance(tracker.failure, TakenOver)
+        assert not tracker.give_again
 
     def test_a_robot_that_stands_elsewhere_was_stopped_by_somebody(self):
         tracker = doubtful(before=Motion.ARRIVED)
@@ -180,3 +208,36 @@ class TestLostOutcome:
         assert tracker.failure is None
         show(tracker, Motion.STANDING, begin=9.0)
         assert isinstance(tracker.failure, TakenOver)
+
+
+class TestWhoseWay:
+    """Where the robot goes is ours, or somebody else's."""
+
+    @pytest.mark.parametrize('motion, goal, ours', [
+        (Motion.GOING, '12', True), (Motion.GOING, '99', False), (Motion.GOING, '', False),
+        (Motion.BY_HAND, '', False), (Motion.STANDING, '', None), (Motion.STOPPING, '', None),
+        (Motion.UNDOCKING, '', None), (Motion.UNKNOWN, '', None)])
+    def test_by_its_goal(self, motion, goal, ours):
+        assert sent().is_on_our_way(RobotSeen(0, motion, goal)) is ours
+
+    def test_the_dock_may_have_any_name_but_that_of_a_vertex(self):
+        tracker = sent(DOCK)
+        tracker.end()
+        assert tracker.is_on_our_way(RobotSeen(0, Motion.GOING, 'Charger 1'))
+        assert not tracker.is_on_our_way(RobotSeen(0, Motion.GOING, '14'))
+
+    def test_a_robot_that_never_names_where_it_goes_may_go_where_we_sent_it(self):
+        tracker, nameless = sent(), RobotSeen(0, Motion.GOING)
+        tracker.seen(nameless, 1.0, LONG_AGO)
+        assert tracker.is_on_our_way(nameless)
+        tracker.seen(RobotSeen(0, Motion.GOING, '12'), 2.0, LONG_AGO)
+        tracker.seen(nameless, 3.0, LONG_AGO)
+        assert not tracker.is_on_our_way(nameless)
+
+    def test_such_a_robot_is_watched_when_the_end_of_its_drive_was_lost(self):
+        tracker, nameless = sent(), RobotSeen(0, Motion.GOING)
+        tracker.seen(nameless, 0.5, LONG_AGO)
+        tracker.ended(CommandEnded(1, Ending.LOST), 1.0)
+        show(tracker, Motion.GOING)
+        assert tracker.knowledge is Knowledge.WATCHED
+        assert tracker.failure is None

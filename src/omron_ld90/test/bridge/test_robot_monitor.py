@@ -7,14 +7,14 @@ from omron_ld90.bridge.events import (
     CommandEnded,
     Docking,
     Ending,
-    ForeignCommand,
+    ForeignStop,
     Link,
     LinkReported,
     Motion,
     RobotSeen,
 )
 from omron_ld90.bridge.goal_tracker import RouteFailed
-from omron_ld90.bridge.robot_monitor import RobotMonitor, moves_robot
+from omron_ld90.bridge.robot_monitor import RobotMonitor
 from omron_ld90.bridge.route_strategies import Settings
 
 
@@ -55,11 +55,11 @@ def test_a_stop_takes_back_what_was_not_given_yet():
     assert [give.command for give in robot.due_commands(0.0)] == ['stop']
 
 
-def test_somebody_elses_command_ends_what_we_owe():
+def test_somebody_elses_stop_takes_over_and_does_not_end_the_stop_that_we_owe():
     robot = monitor()
     robot.stop(0.0)
-    robot.update(ForeignCommand('goto 3', '/somebody'), 0.0)
-    assert robot.due_commands(0.0) == []
+    robot.update(ForeignStop('/rviz'), 0.0)
+    assert [give.command for give in robot.due_commands(0.0)] == ['stop']
     assert why_failed(robot, 0.1) == 'taken over'
 
 
@@ -84,12 +84,3 @@ def test_docked_is_known_as_soon_as_the_command_has_ended():
     robot.update(CommandEnded(give.number, Ending.SUCCEEDED), 9.0)
     assert robot.docking is Docking.DOCKED
     assert robot.docking_changed == 9.0
-
-
-@pytest.mark.parametrize('command, moves', [
-    ('goto 12', True), ('stop', True), ('STOP', True), ('dock', True), ('undock', True),
-    ('gotoPoint 1 2 3', True), ('status', False), ('getGoals', False), ('say hello', False),
-    ('', False), ('go\nto', False), ('nonsense', False),
-])
-def test_what_counts_as_a_motion_command(command, moves):
-    assert moves_robot(command) is moves

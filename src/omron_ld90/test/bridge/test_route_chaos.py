@@ -15,7 +15,6 @@ from trajectory_graph.route_protocol import EdgeState, RouteReport
 PART_OF_THE_YARD = graph_of({1: (0, 0), 2: (4, 0), 5: (8, 0), DOCK_VERTEX: (0, -4)},
                             {1: (1, 2), 5: (2, 5), 9: (1, DOCK_VERTEX)})
 GOALS = st.sampled_from(['1', '2', '5', 'dock', 'Charger', ''])
-COMMANDS = st.sampled_from(['goto 2', 'goto 5', 'dock', 'goto', 'stop'])
 TURNS = st.lists(st.integers(0, 3), min_size=1, max_size=4)  # which edge to take, vertex by vertex
 
 DISTURBANCES = st.one_of(
@@ -23,7 +22,8 @@ DISTURBANCES = st.one_of(
               st.one_of(st.none(), st.sampled_from(list(p.Docking))), st.booleans()),
     st.builds(p.CommandEnded, st.integers(0, 12), st.sampled_from(list(p.Ending)),
               st.just('words')),
-    st.builds(p.ForeignCommand, COMMANDS, st.just('/somebody')),
+    st.builds(p.ForeignStop, st.just('/somebody')),
+    st.builds(p.StopBegun),
     st.builds(p.LinkReported, st.sampled_from(list(p.Link)), st.booleans(), st.just('why')))
 HAPPENINGS = st.one_of(
     st.tuples(st.just('drive'), st.integers(1, 80)),

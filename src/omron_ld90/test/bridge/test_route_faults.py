@@ -49,10 +49,68 @@ def test_an_emergency_stop_that_only_the_status_shows_fails_the_route():
     bench.look()
     assert_failed(bench, 'emergency stop')
 
-def test_a_motion_command_of_somebody_else_takes_over_and_is_not_stopped():
-    bench = under_way()
-    bench.tell(p.ForeignCommand('goto 3', '/somebody'))
-    assert_failed(bench, 'taken over', stopped=False)
+class TestAStopOfSomebodyElse:
+    """It takes over at once; should it be lost on its way to the robot, ours follows."""
+
+    def test_a_robot_that_obeys_it_needs_no_other(self):
+        bench = under_way()
+        bench.robot.obey(None, 'stop')
+        bench.tell(p.ForeignStop('/rviz'))
+        bench.drive(6.0)
+        assert bench.follower.report().reason == 'taken over'
+        assert bench.commands.count('stop') == 1
+
+    def test_a_robot_that_drives_on_along_the_route_is_stopped(self):
+        bench = under_way()
+        bench.tell(p.ForeignStop('/rviz'))
+        assert_failed(bench, 'taken over', stopped=False)
+        bench.drive(2.0)
+        assert bench.commands[-1] == 'stop'
+
+    def test_one_that_somebody_drives_elsewhere_afterwards_is_not(self):
+        bench = under_way()
+        bench.tell(p.ForeignStop('/rviz'))
+        bench.robot.obey(None, 'goto 3')
+        bench.drive(6.0)
+        assert bench.commands[-1] == 'goto 3'
+
+    def test_while_the_link_is_down_it_is_lost_and_ours_follows_when_the_link_is_back(self):
+        bench = under_way(links=LINKS)
+        bench.give = Unreachable(bench)
+        bench.link_is_up[Link.COMMANDS] = False
+        bench.drive(1.0)
+        bench.tell(p.ForeignStop('/rviz'))
+        bench.drive(1.0)
+        assert bench.follower.report().reason == 'taken over'
+        del bench.give
+        bench.link_is_up[Link.COMMANDS] = True
+        bench.drive(3.0)
+        assert bench.commands[-1] == 'stop'
+
+    def test_it_does_not_end_the_stop_that_is_owed_already(self):
+        bench = under_way(links=LINKS)
+        bench.give = Unreachable(bench)
+        bench.link_is_up[Link.COMMANDS] = False
+        bench.order(9)
+        bench.tell(p.ForeignStop('/rviz'))
+        del bench.give
+        bench.link_is_up[Link.COMMANDS] = True
+        bench.drive(3.0)
+        assert bench.commands[-1] == 'stop'
+
+
+def test_a_stop_stays_owed_while_the_robot_shows_its_dock_by_a_name_of_its_own():
+    bench = Bench(yard(), 1, links=LINKS)
+    bench.order(7, 9)
+    bench.robot.motion, bench.robot._shown = Motion.GOING, 'Charger 1'
+    bench.give = Unreachable(bench)
+    bench.link_is_up[Link.COMMANDS] = False
+    bench.order(8)
+    bench.drive(2.5)
+    del bench.give
+    bench.link_is_up[Link.COMMANDS] = True
+    bench.drive(2.0)
+    assert bench.commands == ['dock', 'stop']
 
 def test_a_drive_interrupted_by_nobody_of_us_is_a_take_over():
     bench = under_way()
@@ -61,19 +119,42 @@ def test_a_drive_interrupted_by_nobody_of_us_is_a_take_over():
     assert_failed(bench, 'taken over', stopped=False)
     assert 'replaced by "goto 3"' in bench.notes[-1]
 
-@pytest.mark.parametrize('motion', [Motion.STOPPING, Motion.STANDING])
-def test_a_robot_that_somebody_stops_without_a_word_is_sent_nowhere_while_it_brakes(motion):
+@pytest.mark.parametrize('end_is_lost', [False, True])
+@pytest.mark.parametrize('motion, goal', [
+    (Motion.STOPPING, ''), (Motion.STANDING, ''), (Motion.BY_HAND, ''), (Motion.GOING, '99')])
+def test_a_robot_that_obeys_somebody_without_a_word_is_sent_nowhere(motion, goal, end_is_lost):
     hall = graph_of({n: (8.0 * n, 0.0) for n in range(1, 6)}, {n: (n, n + 1) for n in range(1, 5)})
     bench = Bench(hall, 1, 'rolling')
     bench.order(7, 1, 2, 3, 4)
+    bench.run(lambda bench: bench.robot.position[0] > 9.0)
+    if end_is_lost:  # the robot's status tells
+        end_of_drive(bench, Ending.LOST, 'the connection broke')
     bench.run(lambda bench: bench.robot.position[0] > 11.0)
-    given = len(bench.commands)
+    given, ours = len(bench.commands), bench.robot._shown
     bench.robot.motion = motion
-    bench.run(lambda bench: bench.robot.position[0] > 19.0)
+    bench.robot._shown = goal
+    bench.run(lambda bench: bench.robot.position[0] > 19.0 or not bench.follower.running)
     assert len(bench.commands) == given
-    bench.robot.motion = Motion.GOING  # nobody had stopped it
-    bench.run(lambda bench: not bench.follower.running)
+    if end_is_lost and motion is not Motion.STOPPING:
+        assert bench.follower.report().reason == 'taken over'
+        return
+    bench.robot.motion, bench.robot._shown = Motion.GOING, ours  # nobody had
+    bench.run()
     assert bench.states() == [EdgeState.COMPLETE] * 4
+
+def test_a_longer_route_sends_no_robot_on_that_has_just_said_that_it_stops():
+    bench = Bench(yard(), 1, 'rolling')
+    bench.order(7, 1)
+    bench.run(lambda bench: bench.robot.position[0] > 2.0)
+    bench.tell(p.StopBegun())
+    bench.order(7, 1, 5)
+    assert bench.commands == ['goto 2']
+    bench.robot.motion = Motion.STOPPING
+    bench.drive(1.0)
+    assert bench.commands == ['goto 2']
+    bench.robot.motion = Motion.GOING  # it was somebody else's word about nothing
+    bench.run()
+    assert bench.commands == ['goto 2', 'goto 5']
 
 def test_nothing_is_sent_to_a_robot_that_somebody_else_may_drive():
     def rolling() -> Bench:

@@ -4,7 +4,14 @@ from __future__ import annotations
 import pytest
 from bridge_builders import Bench, dissertation_graph, graph_of, yard
 
-from omron_ld90.bridge.events import Link, LinkReported, RobotSeen
+from omron_ld90.bridge.events import (
+    CommandEnded,
+    Ending,
+    ForeignStop,
+    Link,
+    LinkReported,
+    RobotSeen,
+)
 from omron_ld90.bridge.route_follower import RouteFollower
 from omron_ld90.bridge.route_strategies import Settings
 from trajectory_graph.route_protocol import EdgeState, RouteOrder, RouteRefusal, RouteReport
@@ -258,6 +265,51 @@ def test_an_order_from_the_future_is_refused_and_locks_nobody_out():
     assert 'is 7.0 s ahead of the clock' in refusal.reason
     follower.handle(RouteOrder(8, (1,), stamp=2 * second, received=second), 0.0)
     assert follower.running
+
+
+@pytest.mark.parametrize('running', [False, True])
+def test_an_order_that_waits_does_not_pass_somebodys_stop(running):
+    bench = Bench(yard(), 1, links=list(Link))
+    if running:
+        bench.order(7, 1, 5)
+        bench.drive(1.0)
+    bench.link_is_up[Link.OUTGOING] = False
+    bench.drive(1.0)
+    given = list(bench.commands)
+    bench.order(8, 1)
+    assert not bench.refusals
+    bench.tell(ForeignStop('/rviz'))
+    bench.robot.obey(None, 'stop')
+    assert [refusal.reason for refusal in bench.refusals] == ['taken over']
+    bench.link_is_up[Link.OUTGOING] = True
+    bench.drive(6.0)
+    assert bench.commands == [*given, 'stop']
+
+
+@pytest.mark.parametrize('sent, refused', [(99.8, True), (100.1, False), (0.0, False)])
+def test_an_order_that_was_on_its_way_when_somebody_took_over_is_refused(sent, refused):
+    bench = Bench(yard(), 1)
+    bench.tell(ForeignStop('/rviz'))
+    bench.now += 0.3
+    second = 1_000_000_000
+    bench.tell(RouteOrder(8, (1,), int(sent * second), int(bench.now * second)))
+    assert [refusal.reason for refusal in bench.refusals] == ['taken over'] * refused
+    assert bench.commands == ['goto 2'] * (not refused)
+
+
+def test_a_sender_whose_clock_is_slow_is_heard_again_soon_after_a_take_over():
+    bench = Bench(yard(), 1)
+    bench.order(7, 1, 5)
+    bench.tell(CommandEnded(bench.robot.number, Ending.INTERRUPTED, 'replaced by "goto 3"'))
+    bench.robot.number = None
+    bench.drive(1.0)
+    assert bench.follower.report().reason == 'taken over'
+    second, hour = 1_000_000_000, 3600.0
+    for route_id in (8, 9):
+        bench.tell(RouteOrder(route_id, (1,), int((bench.now + 3.0 - hour) * second),
+                              int(bench.now * second)))
+        bench.now += 3.0
+    assert refusals(bench, 8) and not refusals(bench, 9)
 
 
 def test_an_order_waits_for_the_first_location():

@@ -102,6 +102,19 @@ def test_a_robot_that_somebody_drove_off_meanwhile_is_left_to_them():
     assert bench.commands[-1] == 'goto 3'
 
 
+@pytest.mark.parametrize('word', ['stop', 'goto 3'])
+def test_nor_does_the_route_pass_them_where_the_robot_had_passed_its_goal_but_not_arrived(word):
+    bench = Bench(dissertation_graph(), 1)
+    bench.order(7, 1, 4, 5)
+    bench.run(lambda bench: bench.states()[0] == EdgeState.COMPLETE)
+    assert bench.commands == ['goto 2']
+    bench.robot.obey(None, word)
+    bench.restart(0.1)
+    bench.drive(3.0)
+    assert bench.follower.report().reason == 'taken over'
+    assert bench.commands == ['goto 2', word]
+
+
 @pytest.mark.parametrize('end', ['complete', 'failed', 'taken over', 'stopped'])
 def test_a_route_that_has_ended_is_not_driven_again(end):
     bench = under_way()

@@ -6,7 +6,7 @@ import pytest
 from omron_ld90.bridge.events import CommandEnded, Ending, Motion, RobotSeen
 from omron_ld90.bridge.stop_duty import StopDuty
 
-OURS = frozenset({'12'})
+OURS = '12'
 
 
 def given(number: int = 1, now: float = 0.0) -> StopDuty:
@@ -19,8 +19,9 @@ def given(number: int = 1, now: float = 0.0) -> StopDuty:
 
 
 def see(duty: StopDuty, motion: Motion, goal: str = '', times: int = 2, begin: float = 2.0) -> None:
+    on_our_way = goal == OURS if motion is Motion.GOING else None
     for count in range(times):
-        duty.seen(RobotSeen(0, motion, goal), OURS, begin + count)
+        duty.seen(RobotSeen(0, motion, goal), on_our_way, begin + count)
 
 
 @pytest.mark.parametrize('ending', [Ending.SUCCEEDED, Ending.INTERRUPTED,
@@ -31,7 +32,8 @@ def test_obeyed_or_overtaken_it_is_over(ending):
     assert not duty.owed
 
 
-@pytest.mark.parametrize('ending', [Ending.LOST, Ending.NEVER_SENT, Ending.FAILED])
+@pytest.mark.parametrize('ending', [Ending.LOST, Ending.NEVER_SENT, Ending.FAILED,
+                                    Ending.CANCELLED])
 def test_what_came_to_nothing_is_tried_again_once_the_link_stands(ending):
     duty = given()
     duty.ended(CommandEnded(1, ending, 'why not'))

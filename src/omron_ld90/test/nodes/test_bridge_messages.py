@@ -33,7 +33,7 @@ def test_a_status_without_a_pose_has_no_place():
 
 @pytest.mark.parametrize('activity, motion', [
     (RobotStatus.GOING_TO_POINT, Motion.GOING), (RobotStatus.PATROLLING, Motion.GOING),
-    (RobotStatus.DOING_TASK, Motion.GOING), (RobotStatus.TELEOPERATED, Motion.GOING)])
+    (RobotStatus.DOING_TASK, Motion.GOING), (RobotStatus.TELEOPERATED, Motion.BY_HAND)])
 def test_a_drive_of_somebody_else_goes_to_no_goal_of_ours(activity, motion):
     seen = robot_seen(RobotStatus(activity=activity, goal='12'))
     assert (seen.motion, seen.goal) == (motion, '')
@@ -50,7 +50,7 @@ def test_every_activity_is_some_motion():
     ('SUCCEEDED', 'Arrived at 12', Ending.SUCCEEDED),
     ('FAILED', 'Failed going to goal', Ending.FAILED),
     ('INTERRUPTED', 'replaced', Ending.INTERRUPTED),
-    ('CANCELLED', 'cancelled', Ending.INTERRUPTED),
+    ('CANCELLED', 'cancelled', Ending.CANCELLED),
     ('TIMED_OUT', 'silent', Ending.FAILED),
     ('REFUSED', 'not allowed', Ending.FAILED),
     ('EMERGENCY_STOPPED', 'EStop pressed', Ending.EMERGENCY_STOPPED),

@@ -36,6 +36,10 @@ class Handle:
         self._state, self._status, self._text = CommState.DONE, status, text
         self._on_transition(self)
 
+    def loses_its_result(self) -> None:
+        """The server's status says that it is over, and no more comes."""
+        self._state = CommState.WAITING_FOR_RESULT
+
     def get_comm_state(self) -> int:
         return self._state
 
@@ -158,6 +162,21 @@ def test_a_goal_ends_when_its_server_is_gone(bench):
     bench.client.connect(0)
     bench.goals.check()
     assert bench.ends == [('up', False, 'the action server lift is gone')]
+
+
+def test_a_result_that_got_lost_is_not_waited_for_for_ever(bench):
+    bench.client.connect()
+    bench.send()
+    bench.now = 10.0 * PATIENCE  # it may take its time
+    bench.goals.check()
+    bench.client.handles[0].loses_its_result()
+    bench.goals.check()
+    bench.now += 0.9 * PATIENCE
+    bench.goals.check()
+    assert bench.ends == []
+    bench.now += 0.1 * PATIENCE
+    bench.goals.check()
+    assert bench.ends == [('up', False, 'the result of the action server lift was lost')]
 
 
 def test_cancelling_all_is_owed_until_the_server_can_hear_it(bench):

@@ -125,6 +125,7 @@ class Attempts:
                     self._tea_star.book_present(traveller)
             failed = [t for t in missing
                       if t.name not in self._ways and not self._serve_one(t, deadline)]
+            failed = [t for t in failed if t.name not in self._ways]  # nor got one with another
         if not failed or self._plan_all(failed, self._part_of(deadline, failed)):
             return
         failed = self._serve_somebody(failed, deadline)

@@ -41,6 +41,7 @@ class Motion(Enum):
     DOCKING = 'docking'
     DOCKED = 'docked'
     UNDOCKING = 'undocking'
+    BY_HAND = 'driven by hand'
 
 
 class Docking(Enum):
@@ -64,6 +65,11 @@ class RobotSeen:
     place: Optional[Tuple[float, float]] = None  # m, map frame
 
 
+@dataclass(frozen=True)
+class StopBegun:
+    """The robot has just said that it stops, before its status shows that."""
+
+
 # --- what became of our commands ------------------------------------------------------------------
 
 class Ending(Enum):
@@ -72,6 +78,7 @@ class Ending(Enum):
     SUCCEEDED = 'succeeded'
     FAILED = 'failed'
     INTERRUPTED = 'interrupted'              # somebody else drives or stopped the robot
+    CANCELLED = 'cancelled'                  # by somebody else
     EMERGENCY_STOPPED = 'emergency stop'
     LOST = 'lost'                            # nobody knows whether the robot obeys it
     NEVER_SENT = 'never sent'                # it certainly did not reach the robot
@@ -89,10 +96,9 @@ class CommandEnded:
 # --- what others did ------------------------------------------------------------------------------
 
 @dataclass(frozen=True)
-class ForeignCommand:
-    """A motion command that somebody else gave to the controller."""
+class ForeignStop:
+    """A stop that somebody else gave to the controller; it may not have come to the robot."""
 
-    command: str
     caller: str
 
 
@@ -112,7 +118,7 @@ class LinkReported:
     reason: str = ''
 
 
-Event = Union[RouteOrder, RobotSeen, CommandEnded, ForeignCommand, LinkReported]
+Event = Union[RouteOrder, RobotSeen, StopBegun, CommandEnded, ForeignStop, LinkReported]
 
 
 # --- what is to be done ---------------------------------------------------------------------------

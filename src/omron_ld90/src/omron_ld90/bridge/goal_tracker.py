@@ -49,10 +49,14 @@ class RouteFailed(Exception):
 
 
 class TakenOver(RouteFailed):
-    """The robot obeys somebody else already, so that it is not ours to stop."""
+    """The robot obeys somebody else already, so that it is not ours to stop.
 
-    def __init__(self, how: str) -> None:
+    `stop_given`: that was a stop, which it must obey in any case.
+    """
+
+    def __init__(self, how: str, stop_given: bool = False) -> None:
         super().__init__('taken over', how)
+        self.stop_given = stop_given
 
 
 class GoalTracker:
@@ -78,6 +82,8 @@ class GoalTracker:
         self._via: FrozenSet[str] = frozenset()
         self._before: Optional[RobotSeen] = None  # the last status before the command
         self._last: Optional[RobotSeen] = None
+        self._stop_begun = False  # the robot has said that it stops since the last status
+        self._names_goals: Optional[bool] = None  # the robot shows where we sent it, by its name
         self._place: Optional[Tuple[float, float]] = None
         self._place_before: Optional[Tuple[float, float]] = None
         self._doubted_at = -math.inf
@@ -104,11 +110,26 @@ class GoalTracker:
     def is_doubtful(self) -> bool:
         """Whether it is not known if the robot obeys the last command, or why it no longer does.
 
-        One that stops on its way was perhaps stopped by somebody, whom no goal of ours may pass.
+        One that stops on its way, or goes elsewhere, perhaps obeys somebody whom no goal of ours
+        may pass.
         """
-        stops = (self.knowledge is Knowledge.AWAITED and self._last is not None
-                 and self._last.motion in _STOPPED)
-        return stops or self.knowledge is Knowledge.DOUBTFUL or self._interruption is not None
+        if self.knowledge is Knowledge.DOUBTFUL or self._interruption is not None:
+            return True
+        last = self._last
+        strays = self._stop_begun or last is not None and (
+            last.motion in _STOPPED or self.is_on_our_way(last) is False)
+        return strays and self.knowledge in (Knowledge.AWAITED, Knowledge.WATCHED)
+
+    def is_on_our_way(self, status: RobotSeen) -> Optional[bool]:
+        """Whether the robot goes where we sent it; None where it is not seen to go anywhere."""
+        if status.motion is Motion.BY_HAND:
+            return False
+        if status.motion is not Motion.GOING:
+            return None
+        if not status.goal:
+            return self._names_goals is False
+        return status.goal in self.our_goals or (
+            self.last_goal == DOCK and not status.goal.isdecimal())
 
     # --- what we do ------------------------------------------------------------------------------
 
@@ -168,7 +189,7 @@ class GoalTracker:
         self.number = None
         if event.ending is Ending.SUCCEEDED:
             self._arrive()
-        elif event.ending is Ending.INTERRUPTED:
+        elif event.ending in (Ending.INTERRUPTED, Ending.CANCELLED):
             self._interruption = (now, event.text)
         elif event.ending is Ending.EMERGENCY_STOPPED:
             self.failure = RouteFailed('emergency stop')
@@ -189,12 +210,19 @@ class GoalTracker:
     def seen(self, status: RobotSeen, now: float, link_stands_since: float) -> None:
         """The robot's status; `link_stands_since` is infinite while no command can reach it."""
         self._last = status
+        self._stop_begun = False
+        if status.motion is Motion.GOING and self.knowledge is Knowledge.AWAITED:
+            self._names_goals = bool(status.goal or self._names_goals)
         if status.motion in _TOWARDS_GOAL and status.goal == self.goal:
             self._earlier = self._earlier[-1:]  # it has heard of this goal: no older one will come
         if self.knowledge is Knowledge.DOUBTFUL:
             self._resolve(status, now, link_stands_since)
         elif self.knowledge is Knowledge.WATCHED:
             self._watch(status, now)
+
+    def stop_begun(self) -> None:
+        """The robot has said that it stops; its next status shows whether it goes on."""
+        self._stop_begun = True
 
     def check_clock(self, now: float) -> None:
         """An interruption whose cause was not told in time was somebody's doing."""
@@ -259,6 +287,8 @@ class GoalTracker:
                 status.motion is Motion.GOING and not status.goal.isdecimal())
         if status.motion is Motion.UNDOCKING:
             return True  # it leaves the dock before it goes to its goal
+        if status.motion is Motion.GOING and not status.goal:
+            return self._names_goals is False
         return (status.motion in (Motion.GOING, Motion.ARRIVED, Motion.FAILED)
                 and status.goal in {self.goal, *self._via})
 
@@ -267,9 +297,16 @@ class GoalTracker:
         if status.motion in _TOWARDS_GOAL and status.goal in self._earlier:
             return True
         before, now = self._place_before, self._place
-        return (self._before is not None and self._before.motion in _AT_REST
-                and status.motion in _AT_REST and before is not None and now is not None
+        return (self._before is not None and _rests_as(self._before, status)
+                and before is not None and now is not None
                 and math.dist(before, now) <= UNMOVED)
+
+
+def _rests_as(before: RobotSeen, status: RobotSeen) -> bool:
+    """Whether the robot rests as it did `before`: one that was stopped meanwhile says so."""
+    if before.motion in _UNCLEAR:
+        return status.motion in _AT_REST
+    return before.motion in _AT_REST and status.motion in (before.motion, Motion.UNKNOWN)
 
 
 def _what_it_does(status: RobotSeen) -> str:

@@ -24,7 +24,7 @@ MOTIONS: Dict[ActivityKind, Motion] = {
     ActivityKind.UNDOCKED: Motion.STANDING,
     ActivityKind.PARKING: Motion.GOING,
     ActivityKind.PARKED: Motion.STANDING,
-    ActivityKind.TELEOPERATED: Motion.GOING,
+    ActivityKind.TELEOPERATED: Motion.BY_HAND,
     ActivityKind.EMERGENCY_STOP: Motion.STANDING,
     ActivityKind.MOTORS_DISABLED: Motion.STANDING,
     ActivityKind.LOST: Motion.UNKNOWN,

@@ -4,7 +4,6 @@ from __future__ import annotations
 import math
 from typing import Callable, Dict, Iterable, List, Optional, Type
 
-from omron_arcl import InvalidCommand, parse_command
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.goal_tracker import STOP, GoalTracker, RouteFailed, TakenOver
 from omron_ld90.bridge.robot_state import Located, RobotLinks, RobotLocation
@@ -31,7 +30,8 @@ class RobotMonitor:
         self._count = 0  # of commands given
         self._handlers: Dict[Type[object], Callable[..., None]] = {
             p.RobotSeen: self._on_seen, p.CommandEnded: self._on_ended,
-            p.ForeignCommand: self._on_foreign_command, p.LinkReported: self._on_link,
+            p.StopBegun: lambda event, now: self.tracker.stop_begun(),
+            p.ForeignStop: self._on_foreign_stop, p.LinkReported: self._on_link,
         }
 
     # --- what we do ------------------------------------------------------------------------------
@@ -41,10 +41,14 @@ class RobotMonitor:
         self.tracker.end()
         self.stop_duty.require(now)
 
-    def leave(self) -> None:
-        """The robot is somebody else's: we have no more business with it."""
+    def leave(self, taken_over: TakenOver, now: float) -> None:
+        """The robot is somebody else's: we have no more business with it.
+
+        But where somebody stopped it, and it is seen to go on where we sent it, his stop was lost.
+        """
         self.tracker.end()
-        self.stop_duty.forgive()
+        if taken_over.stop_given:
+            self.stop_duty.require(now, look_first=self._settings.location_timeout)
 
     def begin(self) -> None:
         """A new route begins: what happened before does not count any more."""
@@ -119,7 +123,7 @@ class RobotMonitor:
         since = (self.links.up_since(p.Link.COMMANDS)
                  if self.links.stands(p.Link.COMMANDS, now) else math.inf)
         self.tracker.seen(status, now, since)
-        self.stop_duty.seen(status, self.tracker.our_goals, now)
+        self.stop_duty.seen(status, self.tracker.is_on_our_way(status), now)
 
     def _on_ended(self, event: p.CommandEnded, now: float) -> None:
         self.stop_duty.ended(event)
@@ -127,18 +131,8 @@ class RobotMonitor:
         if self.tracker.has_docked:
             self.docking, self.docking_changed = p.Docking.DOCKED, now
 
-    def _on_foreign_command(self, event: p.ForeignCommand, _: float) -> None:
-        self.stop_duty.forgive()
-        self._taken_over = TakenOver(f'{event.caller} sent {event.command!r}.')
+    def _on_foreign_stop(self, event: p.ForeignStop, _: float) -> None:
+        self._taken_over = TakenOver(f'{event.caller} stopped the robot.', stop_given=True)
 
     def _on_link(self, event: p.LinkReported, now: float) -> None:
         self.links.update(event, now)
-
-
-def moves_robot(command: str) -> bool:
-    """Does an ARCL command make the robot drive, or stop?"""
-    try:
-        spec = parse_command(command).spec
-    except InvalidCommand:
-        return False
-    return spec.drives or spec.stops

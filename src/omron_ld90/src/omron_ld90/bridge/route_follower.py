@@ -7,6 +7,7 @@ orders are taken up, and the fleet manager is told.
 """
 from __future__ import annotations
 
+import math
 from typing import Callable, Iterable, List, Optional, Tuple, TypeVar
 
 from omron_ld90.bridge import events as p
@@ -37,6 +38,8 @@ from trajectory_graph.route_protocol import (
     SymbolicPose,
 )
 
+LATE_ORDER = 2.0  # s that an order may be on its way
+
 _Event = TypeVar('_Event')
 
 
@@ -54,6 +57,7 @@ class RouteFollower:
         self._restored: Optional[Tuple[p.RouteRecord, float]] = None  # to go on with; give up
         self._waiting: Optional[Tuple[RouteOrder, float]] = None      # to be judged; give up
         self._refused: Optional[Tuple[RouteOrder, str]] = None        # the last one, and why
+        self._taken_over_at = -math.inf  # somebody else stopped or drove the robot
         self._explained: Optional[int] = None  # route of which a duplicate was explained
         self._emergency_told = False  # a refusal in the emergency stop was noted
         self._last_reported: Tuple[object, ...] = ()
@@ -176,6 +180,8 @@ class RouteFollower:
             self._explain_duplicate(route)
         elif order.stamp and self._refused and order == self._refused[0]:
             self._refuse(*self._refused)
+        elif self._is_overruled(order, now):
+            self._refuse(order, 'taken over')
         else:
             self._waiting = (order, now + self.settings.location_timeout)
             self._go_on(now)
@@ -185,6 +191,19 @@ class RouteFollower:
         self._waiting = self._restored = None
         self.robot.stop(now)
         self.route = self._run(order, None, now, Phase.STOPPED)
+
+    def _overrule(self, now: float) -> None:
+        """Somebody else stops or drives the robot: no order given before may pass that."""
+        self._taken_over_at = now
+        if self._waiting:
+            order, _ = self._waiting
+            self._waiting = None
+            self._refuse(order, 'taken over')
+
+    def _is_overruled(self, order: RouteOrder, now: float) -> bool:
+        """Whether the order came after a take-over of which its sender could not know yet."""
+        age = (order.received - order.stamp) / 1e9 if order.stamp and order.received else 0.0
+        return now - age < self._taken_over_at and now < self._taken_over_at + LATE_ORDER
 
     def _explain_duplicate(self, route: RouteRun) -> None:
         """Nothing is done; who orders a route once more that is over is told so, once."""
@@ -270,6 +289,8 @@ class RouteFollower:
         return route if route and route.running and route.is_on_graph else None
 
     def _on_event(self, event: p.Event, now: float) -> None:
+        if isinstance(event, p.ForeignStop):
+            self._overrule(now)
         moved, driven = self.robot.update(event, now), self._driven
         if moved and driven:
             self._note(driven.locate(self._here, now))
@@ -334,7 +355,8 @@ class RouteFollower:
         route = self.route
         assert route is not None  # only a running route fails
         if isinstance(failure, TakenOver):
-            self.robot.leave()
+            self.robot.leave(failure, now)
+            self._overrule(now)
         else:
             self.robot.stop(now)
         route.phase = Phase.FAILED

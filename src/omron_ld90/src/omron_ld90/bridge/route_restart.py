@@ -24,7 +24,8 @@ def current_edge(record: RouteRecord, here: GraphLocation, seen: RobotSeen) -> i
     found = here.nearest_of(ahead)
     if found is not None:
         return record.completed + found
-    if seen.motion is Motion.GOING and seen.goal != record.goal:
+    if seen.motion is Motion.BY_HAND or (
+            seen.motion is Motion.GOING and seen.goal != record.goal):
         raise TakenOver('While the bridge was restarted, somebody drove the robot elsewhere.')
     raise RouteFailed('the robot was not on the route any more after a restart of the bridge')
 
@@ -38,7 +39,7 @@ def resume(route: RouteRun, record: RouteRecord, graph: Graph, seen: RobotSeen,
     target = _target_shown(graph, record, current, seen)
     if target is None:
         target = record.target
-    if target is None or target < current or _rests_at_start(graph, record, current, seen):
+    if target is None or _rests_at_start(graph, record, current, seen):
         route.drive()
     else:
         route.resume(target, now)

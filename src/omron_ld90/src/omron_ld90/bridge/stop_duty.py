@@ -5,7 +5,7 @@ A broken link, a full queue, a refusal or a restart of a node only delays it.
 from __future__ import annotations
 
 import math
-from typing import Collection, Optional
+from typing import Optional
 
 from omron_ld90.bridge.events import CommandEnded, Ending, Motion, RobotSeen
 
@@ -62,14 +62,16 @@ class StopDuty:
             if event.ending in _OVER:
                 self.forgive()
 
-    def seen(self, status: RobotSeen, our_goals: Collection[str], now: float) -> None:
-        """The robot's status: twice at rest, or on another way than ours, ends the duty."""
+    def seen(self, status: RobotSeen, on_our_way: Optional[bool], now: float) -> None:
+        """The robot's status: twice at rest, or on another way than ours, ends the duty.
+
+        `on_our_way` is None where the robot is not seen to go anywhere.
+        """
         if not self.owed or now < self._since + STATUS_LAG:
             return
-        if status.motion is Motion.GOING and status.goal in our_goals:
+        if on_our_way:
             self._look_until = now
-        over = status.motion in _AT_REST or (
-            status.motion is Motion.GOING and status.goal not in our_goals)
+        over = status.motion in _AT_REST or on_our_way is False
         if over and self._seen_over:
             self.forgive()
         else:

@@ -18,7 +18,7 @@ _ENDINGS: Dict[int, Ending] = {
     ExecuteCommandResult.LOST: Ending.LOST,
     ExecuteCommandResult.TIMED_OUT: Ending.FAILED,
     ExecuteCommandResult.REFUSED: Ending.FAILED,
-    ExecuteCommandResult.CANCELLED: Ending.INTERRUPTED,
+    ExecuteCommandResult.CANCELLED: Ending.CANCELLED,
     ExecuteCommandResult.EMERGENCY_STOPPED: Ending.EMERGENCY_STOPPED,
 }
 _DOCKING: Dict[str, Docking] = {state.value: state for state in Docking}

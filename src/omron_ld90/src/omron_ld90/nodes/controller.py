@@ -38,6 +38,7 @@ from __future__ import annotations
 
 import threading
 from typing import Any, Callable, List, Optional
+from weakref import WeakKeyDictionary
 
 import rospy
 from geometry_msgs.msg import PoseStamped
@@ -95,6 +96,7 @@ class Controller:
         self._stop_on_shutdown = stop_on_shutdown
         self._help = HelpReport()
         self._overruling = Overruling()
+        self._motions: WeakKeyDictionary[Execution, Motion] = WeakKeyDictionary()
         self._giving = threading.Lock()  # commands are given one at a time
         self._reporter = LinkReporter(LinkState.COMMANDS, log)
         self._health = RobotHealth()
@@ -103,9 +105,8 @@ class Controller:
         self._client: Client = make_client(on_line=self._on_line, on_link=self._on_link,
                                            on_login=self._on_login)
         refusals, old = Refusals(), OldMessages(publishers_by_master).start()
-        ExecuteCommandServer(self._execute, self._client.cancel, old)
-        self._move_base = MoveBaseServer(self._execute, self._client.cancel, old, refusals,
-                                         map_frame)
+        ExecuteCommandServer(self._execute, self._cancel, old)
+        self._move_base = MoveBaseServer(self._execute, self._cancel, old, refusals, map_frame)
         TopicCommands(self._execute, self._move_base, refusals, old, map_frame,
                       ClickRule.of_this_node().refusal)
         publish_diagnostics(self._client.peer, {'link to the robot': self._reporter.diagnose,
@@ -155,8 +156,17 @@ class Controller:
                 if motion:
                     self._overruling.ended(motion, Outcome.LOST)
                 raise
+            if motion:
+                self._motions[execution] = motion
         self._help.sent(execution.command)
         return execution
+
+    def _cancel(self, execution: Execution, canceller: str) -> None:
+        """Cancels a command for a node, so that no drive follows that was given before."""
+        with self._giving:
+            if execution in self._motions:
+                self._overruling.cancelled(self._motions[execution], canceller)
+            self._client.cancel(execution)
 
     # --- from the robot ---------------------------------------------------------------------------
 

@@ -28,8 +28,9 @@ from move_base_msgs.msg import (
 )
 
 from omron_arcl import ArclError, Execution, NotConnected, Outcome, Result, printable
-from omron_arcl.guard import is_stop
+from omron_arcl.command_line import is_stop
 from omron_arcl.overruling import Overruled
+from omron_ld90.nodes.controller_action_server import ActionServer
 from omron_ld90.nodes.controller_refusals import OldMessages, Refusals, caller_of, failure
 from omron_ld90.nodes.support.call_queue import CallQueue
 from omron_ld90.nodes.support.poses import pose_to_robot
@@ -46,6 +47,7 @@ OWN_CONNECTION = 5.0  # s to wait for the topic of its own goals
 
 # Gives a command of a node; raises ArclError. (text, giver, timeout, on_line, on_end) -> Execution
 Execute = Callable[..., Execution]
+Cancel = Callable[[Execution, str], None]  # cancels a command for a node
 
 _OUTCOMES: Dict[Outcome, int] = {
     Outcome.SUCCEEDED: ExecuteCommandResult.SUCCEEDED,
@@ -97,7 +99,7 @@ class _Actions:
     """Goals of one action server and the commands that they are."""
 
     def __init__(self, name: str, kind: type, execute: Execute,
-                 cancel: Callable[[Execution], None], old: OldMessages) -> None:
+                 cancel: Cancel, old: OldMessages) -> None:
         self._topic = f'{name}/goal'
         self._execute = execute
         self._cancel = cancel
@@ -107,8 +109,7 @@ class _Actions:
         self._calls = CallQueue(f'action {name}')
         old.watch(self._topic)
         _keep_results()
-        self._server = actionlib.ActionServer(name, kind, self._on_goal, self._on_cancel,
-                                              auto_start=False)
+        self._server = ActionServer(name, kind, self._on_goal, self._on_cancel, self._is_stop)
         self._server.start()
 
     # --- from actionlib, which holds its lock ----------------------------------------------------
@@ -152,7 +153,7 @@ class _Actions:
         with self._lock:
             goal = self._running.get(goal_id)
         if goal and goal.execution:
-            self._cancel(goal.execution)
+            self._cancel(goal.execution, self._server.canceller)
 
     # --- in the thread of the calls --------------------------------------------------------------
 
@@ -185,6 +186,10 @@ class _Actions:
         """The command that a goal means, and its time-out (0: its own); raises Refused."""
         raise NotImplementedError
 
+    def _is_stop(self, goal: Any) -> bool:
+        """Whether a goal stops the robot."""
+        return False
+
     def _on_line(self, handle: actionlib.ServerGoalHandle, line: str) -> None:
         """A line that belongs to the command; by default told nobody."""
 
@@ -208,9 +213,11 @@ def _keep_results() -> None:
 class ExecuteCommandServer(_Actions):
     """Action `execute_command`."""
 
-    def __init__(self, execute: Execute, cancel: Callable[[Execution], None],
-                 old: OldMessages) -> None:
+    def __init__(self, execute: Execute, cancel: Cancel, old: OldMessages) -> None:
         super().__init__('execute_command', ExecuteCommandAction, execute, cancel, old)
+
+    def _is_stop(self, goal: ExecuteCommandGoal) -> bool:
+        return is_stop(goal.command)
 
     def _command_of(self, goal: ExecuteCommandGoal) -> Tuple[str, float]:
         if not (math.isfinite(goal.timeout) and goal.timeout >= 0.0):
@@ -247,8 +254,8 @@ class MoveBaseServer(_Actions):
     watches `move_base/status` sees a new one.
     """
 
-    def __init__(self, execute: Execute, cancel: Callable[[Execution], None],
-                 old: OldMessages, refusals: Refusals, map_frame: str) -> None:
+    def __init__(self, execute: Execute, cancel: Cancel, old: OldMessages, refusals: Refusals,
+                 map_frame: str) -> None:
         self._map_frame = map_frame
         self._refusals = refusals
         self._forwarded: Dict[str, str] = {}  # goal id -> who gave it by topic

@@ -8,7 +8,7 @@ from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from std_msgs.msg import String
 
 from omron_arcl import ArclError, Execution, Result
-from omron_arcl.guard import is_stop
+from omron_arcl.command_line import is_stop
 from omron_ld90.nodes.controller_actions import MoveBaseServer, Refused, robot_pose
 from omron_ld90.nodes.controller_refusals import (
     OldMessages,

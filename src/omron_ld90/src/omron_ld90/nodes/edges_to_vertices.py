@@ -7,8 +7,8 @@ Subscribes
     target_route (itrci_nav_msgs/TargetRoute): the route to drive
     /graph (itrci_nav_msgs/Graph): replaces the graph of ~graph_file
     robot_status (omron_ld90_msgs/RobotStatus), link_state (omron_ld90_msgs/LinkState)
-    send_command (std_msgs/String): a motion command of somebody else ends the route
-    execute_command/goal: so does somebody else's stop
+    arcl_response (std_msgs/String): the robot says that it stops
+    send_command (std_msgs/String), execute_command/goal: a stop of somebody else ends the route
 Publishes
     execution_route_states (itrci_nav_msgs/ExecutionRouteStates, latched): 10 Hz and on change
         while a route runs, else 1 Hz
@@ -51,9 +51,10 @@ from std_msgs.msg import String
 
 from itrci_nav_msgs import msg
 from node_lifecycle import ConfigurationError, choice, number, parameter, publish_diagnostics, run
-from omron_arcl.guard import is_stop
+from omron_arcl import parse_line
+from omron_arcl.command_line import is_stop
+from omron_arcl.replies import Stopping
 from omron_ld90.bridge import events as p
-from omron_ld90.bridge.robot_monitor import moves_robot
 from omron_ld90.bridge.route_follower import RouteFollower
 from omron_ld90.bridge.route_strategies import STRATEGIES, Settings
 from omron_ld90.bridge.running_clock import RunningClock
@@ -110,6 +111,7 @@ class EdgesToVertices:
         for topic, kind, callback in (
                 ('link_state', LinkState, self._on_link),
                 ('robot_status', RobotStatus, self._on_status),
+                ('arcl_response', String, self._on_line),
                 ('send_command', String, self._on_command),
                 ('execute_command/goal', ExecuteCommandActionGoal, self._on_goal),
                 ('target_route', msg.TargetRoute, self._on_route)):
@@ -151,18 +153,23 @@ class EdgesToVertices:
         if event is not None:
             self._tell(event)
 
+    def _on_line(self, message: String) -> None:
+        if isinstance(parse_line(message.data), Stopping):
+            self._tell(p.StopBegun())
+
     def _on_command(self, message: String) -> None:
-        if moves_robot(message.data):
-            self._tell(p.ForeignCommand(message.data, message._connection_header['callerid']))
+        self._on_foreign(message.data, message._connection_header['callerid'])
 
     def _on_goal(self, message: ExecuteCommandActionGoal) -> None:
+        self._on_foreign(message.goal.command, message._connection_header['callerid'])
+
+    def _on_foreign(self, command: str, caller: str) -> None:
         """Somebody's stop, of which no drive of ours would tell that just ended.
 
         Drives of others are left to the controller: it may refuse them, and our own goes on.
         """
-        caller, command = message._connection_header['callerid'], message.goal.command
         if caller != rospy.get_name() and is_stop(command):
-            self._tell(p.ForeignCommand(command, caller))
+            self._tell(p.ForeignStop(caller))
 
     def _on_graph(self, graph: Graph) -> None:
         self._calls.put(lambda now: self._follower.use_graph(graph, now))

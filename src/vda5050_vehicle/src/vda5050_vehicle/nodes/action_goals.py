@@ -8,7 +8,7 @@ from typing import Any, Callable, Dict, Optional
 
 from actionlib import ActionClient, ClientGoalHandle, CommState, GoalStatus
 
-PATIENCE = 5.0  # s that a goal waits for its server, which may still be starting
+PATIENCE = 5.0  # s that a goal waits for its server, which may still be starting, or its result
 
 OnEnd = Callable[[str, bool, str], None]  # name of the goal, whether it succeeded, what was said
 Clock = Callable[[], float]
@@ -16,7 +16,7 @@ Clock = Callable[[], float]
 
 @dataclass(frozen=True)
 class _Goal:
-    """It waits for its server `until` then, as long as it has no handle."""
+    """It waits `until` then: for its server, or, once it is over, for its result."""
 
     client: ActionClient
     goal: Any
@@ -74,12 +74,21 @@ class ActionGoals:
             return  # a goal that is sent at once could overtake the cancellation, and be cancelled
         for name, goal in list(self._goals.items()):
             if goal.handle is not None:
-                if goal.client.status_sub.get_num_connections() == 0:
-                    self._end(name, False, f'the action server {goal.client.ns} is gone')
+                self._look_at_sent(name, goal, goal.handle)
             elif is_connected(goal.client):
                 self._send(name, goal)
             elif self._clock() >= goal.until:
                 self._end(name, False, f'there is no action server {goal.client.ns}')
+
+    def _look_at_sent(self, name: str, goal: _Goal, handle: ClientGoalHandle) -> None:
+        if goal.client.status_sub.get_num_connections() == 0:
+            self._end(name, False, f'the action server {goal.client.ns} is gone')
+        elif handle.get_comm_state() != CommState.WAITING_FOR_RESULT:
+            with self._lock:
+                if name in self._goals:
+                    self._goals[name] = replace(goal, until=self._clock() + PATIENCE)
+        elif self._clock() >= goal.until:
+            self._end(name, False, f'the result of the action server {goal.client.ns} was lost')
 
     def _send(self, name: str, goal: _Goal) -> None:
         handle = goal.client.send_goal(goal.goal, lambda handle: self._on_transition(name, handle))

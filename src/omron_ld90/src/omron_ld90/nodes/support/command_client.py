@@ -9,7 +9,7 @@ import threading
 from typing import Callable, Dict, Optional
 
 import actionlib
-from actionlib import ClientGoalHandle, CommState
+from actionlib import ClientGoalHandle, CommState, GoalStatus
 
 from omron_ld90.nodes.support.call_queue import CallQueue
 from omron_ld90_msgs.msg import (
@@ -21,7 +21,10 @@ from omron_ld90_msgs.msg import (
 
 NEVER_SENT = 'never sent'  # how the message of a LOST outcome begins when the robot never heard it
 
-STATUSES_TO_ACKNOWLEDGE = 5  # of the server, five a second, in which a goal given must stand
+STATUSES_WAITED = 5  # of the server, five a second, in which what is on its way must come
+_ON_ITS_WAY = {
+    CommState.WAITING_FOR_GOAL_ACK: 'omron_controller did not hear the command',
+    CommState.WAITING_FOR_RESULT: 'the result of omron_controller did not come'}
 
 OnEnd = Callable[[int, ExecuteCommandResult], None]
 OnLine = Callable[[int, str], None]
@@ -64,7 +67,8 @@ class CommandClient:
     def check(self) -> None:
         """Ends what the controller will not end; to be called several times a second.
 
-        That is everything once it is gone, and a goal that got lost on its way to one just started.
+        That is everything once it is gone, and what got lost on its way: a goal to one that has
+        just started, or a result.
         """
         gone = self._client.status_sub.get_num_connections() == 0
         if self._client.last_status_msg is not self._last_status:
@@ -75,9 +79,13 @@ class CommandClient:
         for number, given in opened:
             if gone:
                 self._end_later(number, _lost('omron_controller is gone'))
-            elif (self._statuses - given.statuses > STATUSES_TO_ACKNOWLEDGE and given.handle
-                  and given.handle.get_comm_state() == CommState.WAITING_FOR_GOAL_ACK):
-                self._end_later(number, _lost('omron_controller did not hear the command'))
+            elif given.handle:
+                state = given.handle.get_comm_state()
+                if state != given.state:
+                    given.state, given.statuses = state, self._statuses
+                elif (state in _ON_ITS_WAY
+                        and self._statuses - given.statuses > STATUSES_WAITED):
+                    self._end_later(number, _lost(_ON_ITS_WAY[state]))
 
     def close(self) -> None:
         """Ends the thread of the callbacks."""
@@ -85,8 +93,7 @@ class CommandClient:
 
     def _on_transition(self, number: int, handle: ClientGoalHandle) -> None:
         if handle.get_comm_state() == CommState.DONE:
-            self._end_later(number, handle.get_result() or _lost(
-                f'omron_controller lost the command: {handle.get_goal_status_text()}'))
+            self._end_later(number, result_of(handle))
 
     def _on_feedback(self, number: int, feedback: ExecuteCommandFeedback) -> None:
         on_line = self._on_line
@@ -108,8 +115,25 @@ class _Given:
     """A command given; actionlib forgets a goal whose handle nobody keeps."""
 
     def __init__(self, statuses: int) -> None:
-        self.statuses = statuses
+        self.state: int = CommState.WAITING_FOR_GOAL_ACK
+        self.statuses = statuses  # of the server, when it came to be in this state
         self.handle: Optional[ClientGoalHandle] = None
+
+
+def result_of(handle: ClientGoalHandle) -> ExecuteCommandResult:
+    """How a command ended, of a goal that is done.
+
+    actionlib itself ends a goal that was cancelled before it came, with an empty result.
+    """
+    result = handle.get_result()
+    text = handle.get_goal_status_text()
+    if result is None:
+        return _lost(f'omron_controller lost the command: {text}')
+    if (result.outcome == ExecuteCommandResult.SUCCEEDED
+            and handle.get_terminal_state() != GoalStatus.SUCCEEDED):
+        return ExecuteCommandResult(outcome=ExecuteCommandResult.CANCELLED,
+                                    message=f'never sent: {text or "it was cancelled before"}')
+    return result
 
 
 def _lost(message: str) -> ExecuteCommandResult:
