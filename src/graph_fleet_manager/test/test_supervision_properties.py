@@ -209,7 +209,7 @@ class FleetLife(RuleBasedStateMachine):
             return
         while fleet.now < until and not fleet.supervisor.dispatcher.is_planning:
             fleet.step()
-        if agv.is_driving:
+        if agv.is_driving or edge not in fleet.graph.edges:
             return
         x, y = YARD.curve(edge).point_at(share * YARD.curve(edge).length)
         for name, other in fleet.supervisor.robots.items():
