@@ -136,16 +136,17 @@ class PoseTest(unittest.TestCase):
         listener = tf2_ros.TransformListener(listener_buffer)
         self.addCleanup(listener.unregister)
 
-        def robot_is_in_the_map() -> bool:
+        def robot_is_there() -> bool:
             message.header.stamp = odometry.header.stamp = rospy.Time.now()
             self.odometry.sendTransform(odometry)
             self.status.publish(message)
-            return listener_buffer.can_transform('map', 'other/base_link', rospy.Time(0))
+            if not listener_buffer.can_transform('map', 'other/base_link', rospy.Time(0)):
+                return False
+            robot = listener_buffer.lookup_transform('map', 'other/base_link', rospy.Time(0))
+            place = robot.transform.translation  # that of another test may be the latest yet
+            return math.dist((place.x, place.y), (32.0, 2.0)) < 1e-6
 
-        wait_until(robot_is_in_the_map, 20.0, 'map -> other/odom -> other/base_link')
-        robot = listener_buffer.lookup_transform('map', 'other/base_link', rospy.Time(0))
-        self.assertAlmostEqual(32.0, robot.transform.translation.x)
-        self.assertAlmostEqual(2.0, robot.transform.translation.y)
+        wait_until(robot_is_there, 20.0, 'map -> other/odom -> other/base_link, at 32, 2')
         self.assertEqual([], [tf for tf in self.sent('other/base_link')
                               if tf.header.frame_id == 'map'])
 
