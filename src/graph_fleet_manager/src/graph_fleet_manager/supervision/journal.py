@@ -161,8 +161,7 @@ class Journal:
             f'WHERE state IN ({marks}) UNION SELECT * FROM (SELECT serial, request, state, robot, '
             f'reached, reason FROM mission WHERE state NOT IN ({marks}) ORDER BY serial DESC '
             'LIMIT ?)) ORDER BY serial', (REMEMBERED,))
-        return [Mission(serial, _request(text), MissionState(state), robot, reached, None, reason)
-                for serial, text, state, robot, reached, reason in rows]
+        return [_mission(row) for row in rows]
 
     def find(self, request: Request) -> Optional[Mission]:
         """The last mission that exactly this request became, ended ages ago or not.
@@ -170,13 +169,10 @@ class Journal:
         Raises JournalUnavailable.
         """
         row = self._run(
-            'SELECT serial, state, robot, reached, reason FROM mission WHERE request_id = ? AND '
-            'request = ? ORDER BY serial DESC LIMIT 1',
+            'SELECT serial, request, state, robot, reached, reason FROM mission '
+            'WHERE request_id = ? AND request = ? ORDER BY serial DESC LIMIT 1',
             (request.id, _request_text(request))).fetchone()
-        if row is None:
-            return None
-        serial, state, robot, reached, reason = row
-        return Mission(serial, request, MissionState(state), robot, reached, None, reason)
+        return _mission(row) if row else None
 
     def last_serial(self) -> int:
         """Serial of the last mission that was accepted, 0 before any."""
@@ -220,6 +216,12 @@ def _history_line(text: str, number: int, robot: str, reached: int, reason: str,
 
 def _request_text(request: Request) -> str:
     return json.dumps(astuple(request))
+
+
+def _mission(row: Tuple[int, str, int, str, int, str]) -> Mission:
+    """A mission of its row: serial, request, state, robot, destinations reached, reason."""
+    serial, text, state, robot, reached, reason = row
+    return Mission(serial, _request(text), MissionState(state), robot, reached, None, reason)
 
 
 def _request(text: str) -> Request:

@@ -11,7 +11,7 @@ import actionlib
 import rospy
 from actionlib_msgs.msg import GoalID
 
-from omron_ld90.nodes.controller_refusals import caller_of
+from omron_ld90.nodes.support.callers import caller_of
 
 
 class ActionServer(actionlib.ActionServer):

@@ -31,8 +31,9 @@ from omron_arcl import ArclError, Execution, NotConnected, Outcome, Result, prin
 from omron_arcl.command_line import is_stop
 from omron_arcl.overruling import Overruled
 from omron_ld90.nodes.controller_action_server import ActionServer
-from omron_ld90.nodes.controller_refusals import Refusals, caller_of, failure
+from omron_ld90.nodes.controller_refusals import Refusals, failure
 from omron_ld90.nodes.support.call_queue import CallQueue
+from omron_ld90.nodes.support.callers import caller_of
 from omron_ld90.nodes.support.old_messages import OldMessages
 from omron_ld90.nodes.support.poses import pose_to_robot
 from omron_ld90_msgs.msg import (

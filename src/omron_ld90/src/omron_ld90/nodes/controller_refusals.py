@@ -29,11 +29,6 @@ def failure(text: str, result: Result) -> Optional[str]:
             f'{printable(result.words)}.')
 
 
-def caller_of(message: rospy.Message) -> str:
-    """The node that sent a message."""
-    return getattr(message, '_connection_header', {}).get('callerid', 'unknown')
-
-
 class Refusals:
     """Topic `command_refused`, and the same in the log."""
 

@@ -61,6 +61,7 @@ from omron_ld90.bridge.running_clock import RunningClock
 from omron_ld90.nodes.bridge_memory import RouteMemory
 from omron_ld90.nodes.bridge_messages import command_ended, link_reported, robot_seen
 from omron_ld90.nodes.support import shared_parameters
+from omron_ld90.nodes.support.callers import caller_of
 from omron_ld90.nodes.support.command_client import CommandClient
 from omron_ld90.nodes.support.followed_graph import FollowedGraph
 from omron_ld90.nodes.support.worker import start_worker
@@ -158,10 +159,10 @@ class EdgesToVertices:
             self._tell(p.StopBegun())
 
     def _on_command(self, message: String) -> None:
-        self._on_foreign(message.data, message._connection_header['callerid'])
+        self._on_foreign(message.data, caller_of(message))
 
     def _on_goal(self, message: ExecuteCommandActionGoal) -> None:
-        self._on_foreign(message.goal.command, message._connection_header['callerid'])
+        self._on_foreign(message.goal.command, caller_of(message))
 
     def _on_foreign(self, command: str, caller: str) -> None:
         """Somebody's stop, of which no drive of ours would tell that just ended.

@@ -10,6 +10,7 @@ from typing import Callable, Optional
 import rospy
 from std_msgs.msg import String
 
+from omron_ld90.nodes.support.callers import caller_of
 from omron_map import MapDocument, MapError
 
 SHOWN_BY = 'map_visualisation'
@@ -36,7 +37,7 @@ class DisplayedMap:
 
     def take(self, message: String) -> None:
         """Load what a message of `map_file` names."""
-        sender = message._connection_header['callerid']
+        sender = caller_of(message)
         if sender != self._shown_by:
             rospy.logwarn_throttle(
                 STRANGERS_TOLD, 'A map_file from %s is ignored: only %s says which map is '
