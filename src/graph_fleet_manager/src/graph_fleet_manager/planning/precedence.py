@@ -16,7 +16,7 @@ from typing import Dict, List, Mapping, NamedTuple, Sequence, Tuple
 import numpy as np
 
 from graph_fleet_manager.fleet import RobotType
-from graph_fleet_manager.planning.arrays import count_up
+from graph_fleet_manager.planning.arrays import count_up, order_of
 from graph_fleet_manager.planning.plans import Plans
 from graph_fleet_manager.planning.timetable import Timetable
 
@@ -122,14 +122,14 @@ def _meetings(timetable: Timetable, drives: _Drives, mover: RobotType, observer:
     counts = wanted[conflicts.other[at]] & (fraction > drives.begun[before])
     before, fraction = before[counts], fraction[counts]
     # All uses of each edge: of each robot one after the other, each until its next.
-    edge = conflicts.other[at][counts] - vertices
-    by_robot = (edge * (drives.robot.max() + 1) + drives.robot[before]) * count + before
-    use = np.argsort(by_robot)
-    same = np.diff(by_robot[use] // count) == 0
+    edge, robot = conflicts.other[at][counts] - vertices, drives.robot[before]
+    by_robot = edge * (drives.robot.max() + 1) + robot
+    use = order_of(by_robot)
+    same = np.diff(by_robot[use]) == 0
     until = np.full(len(use), count)
     until[use[:-1][same]] = before[use[1:][same]]
     # The same in the order of time: those before a drive are the beginning of a row.
-    use = np.argsort(edge * count + before)
+    use = order_of(edge)
     edge, before, fraction, until = edge[use], before[use], fraction[use], until[use]
     key = edge * count + before
     low = np.searchsorted(key, edge_after * count)

@@ -28,16 +28,14 @@ class Problem:
         self._network: RoadNetwork = timetable.network
         self._parking = frozenset(self._network.index[id] for id in parking)
         self.tasks: Dict[str, Task] = {task.name: task for task in tasks}
-        wanted = {name: frozenset(self._vertices(task.destinations))
-                  for name, task in self.tasks.items()}
-        robots = Counter(chain.from_iterable(wanted.values()))
+        self._wanted = {name: frozenset(self._vertices(task.destinations))
+                        for name, task in self.tasks.items()}
+        self._robots_to = Counter(chain.from_iterable(self._wanted.values()))
         for kind in timetable.kinds:  # all at once: one by one they take several times as long
             self._network.ways_to(kind, [vertex for name, task in self.tasks.items()
-                                         if task.type == kind for vertex in wanted[name]])
-        self.travellers: Dict[str, Traveller] = {}
-        for name, task in self.tasks.items():
-            others = robots.keys() - {vertex for vertex in wanted[name] if robots[vertex] == 1}
-            self.travellers[name] = self._traveller(task, frozenset(others))
+                                         if task.type == kind for vertex in self._wanted[name]])
+        self.travellers: Dict[str, Traveller] = {
+            name: self._traveller(task) for name, task in self.tasks.items()}
 
     def rests(self, kind: RobotType, unwanted: FrozenSet[int] = frozenset()) -> FrozenSet[int]:
         """Where robots of a type may be parked; without what others want if that leaves enough."""
@@ -62,7 +60,7 @@ class Problem:
         return traveller._replace(errand=self._errand(task, traveller.fixed, traveller.between,
                                                       rests))
 
-    def _traveller(self, task: Task, wanted: FrozenSet[int]) -> Traveller:
+    def _traveller(self, task: Task) -> Traveller:
         fixed = self._fixed(task)
         between = self._between(task)
         if task.stays:
@@ -70,7 +68,7 @@ class Problem:
                 frozenset(range(self._network.vertices)) - self._network.docks
                 | frozenset(self._vertices(() if task.vertex is None else (task.vertex,))))
         else:
-            rests = self.rests(task.type, wanted)
+            rests = self.rests(task.type, self._wanted_by_others(task.name))
         start = -1
         if task.vertex is not None:
             start = self._network.index[task.vertex]
@@ -78,6 +76,11 @@ class Problem:
             start = self._network.origin[fixed[0].drive]
         return Traveller(task.name, task.type, start, fixed,
                          self._errand(task, fixed, between, rests), task.priority, between)
+
+    def _wanted_by_others(self, name: str) -> FrozenSet[int]:
+        """The destinations of all robots but one."""
+        alone = {vertex for vertex in self._wanted[name] if self._robots_to[vertex] == 1}
+        return frozenset(self._robots_to.keys() - alone)
 
     def _errand(self, task: Task, fixed: Sequence[Drive], between: Optional[Between],
                 rests: Optional[FrozenSet[int]]) -> Errand:

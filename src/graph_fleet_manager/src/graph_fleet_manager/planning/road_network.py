@@ -68,8 +68,8 @@ class RoadNetwork:
         self._times: Dict[RobotType, List[float]] = {}
         self._roads: Dict[RobotType, Roads] = {}
         self._shortest: Dict[RobotType, ShortestWays] = {}
-        self._ways: Dict[Tuple[RobotType, int], np.ndarray] = {}
-        self._estimates: Dict[Tuple[RobotType, int], Sequence[float]] = {}
+        self._ways: Dict[RobotType, Dict[int, np.ndarray]] = {}
+        self._estimates: Dict[RobotType, Dict[int, Sequence[float]]] = {}
 
     def with_closed(self, closed: Iterable[int],
                     learned: Mapping[Tuple[str, int], float] = MappingProxyType({})) -> RoadNetwork:
@@ -141,24 +141,24 @@ class RoadNetwork:
 
         They are remembered, so targets that come again cost nothing.
         """
-        missing = [t for t in dict.fromkeys(targets) if (kind, t) not in self._ways]
-        if not missing:
-            return [self._ways[kind, target] for target in targets]
-        docks = {dock: [(self.origin[drive], seconds)
-                        for drive, seconds in enumerate(self.times(kind))
-                        if self.destination(drive) == dock and self._open(drive, seconds)]
-                 for dock in self.docks.intersection(missing)}
-        plain = dict.fromkeys(
-            vertex for vertex in (*missing, *(begin for roads in docks.values()
-                                              for begin, _ in roads))
-            if vertex not in self.docks and (kind, vertex) not in self._ways)
-        for target, row in zip(plain, self.prepared(kind).to(list(plain)) if plain else ()):
-            self._ways[kind, target] = row
-        for dock, roads in docks.items():
-            self._ways[kind, dock] = self._ways_to_dock(kind, dock, roads)
-        return [self._ways[kind, target] for target in targets]
+        known = self._ways.setdefault(kind, {})
+        missing = [t for t in dict.fromkeys(targets) if t not in known]
+        if missing:
+            docks = {dock: [(self.origin[drive], seconds)
+                            for drive, seconds in enumerate(self.times(kind))
+                            if self.destination(drive) == dock and self._open(drive, seconds)]
+                     for dock in self.docks.intersection(missing)}
+            plain = dict.fromkeys(
+                vertex for vertex in (*missing, *(begin for roads in docks.values()
+                                                  for begin, _ in roads))
+                if vertex not in self.docks and vertex not in known)
+            if plain:
+                known.update(zip(plain, self.prepared(kind).to(list(plain))))
+            for dock, roads in docks.items():
+                known[dock] = self._ways_to_dock(known, dock, roads)
+        return [known[target] for target in targets]
 
-    def _ways_to_dock(self, kind: RobotType, dock: int,
+    def _ways_to_dock(self, known: Mapping[int, np.ndarray], dock: int,
                       roads: Sequence[Tuple[int, float]]) -> np.ndarray:
         """Over the last edges (vertex where it begins, seconds); through no other dock."""
         ways = np.full(self.vertices, math.inf)
@@ -166,7 +166,7 @@ class RoadNetwork:
             if begin in self.docks:
                 ways[begin] = min(ways[begin], seconds)
             else:
-                ways = np.minimum(ways, self._ways[kind, begin] + seconds)
+                ways = np.minimum(ways, known[begin] + seconds)
         ways[dock] = 0.0
         return ways
 
@@ -180,9 +180,10 @@ class RoadNetwork:
 
     def estimates(self, kind: RobotType, target: int) -> Sequence[float]:
         """`ways_to` a target as the searches use it."""
-        if (kind, target) not in self._estimates:
-            self._estimates[kind, target] = estimated(self.ways_to(kind, (target,))[0])
-        return self._estimates[kind, target]
+        known = self._estimates.setdefault(kind, {})
+        if target not in known:
+            known[target] = estimated(self.ways_to(kind, (target,))[0])
+        return known[target]
 
     def _open(self, drive: int, seconds: float) -> bool:
         return seconds < math.inf and self.edge_ids[drive >> 1] not in self.closed

@@ -10,7 +10,7 @@ are (partial expansion, Yoshizumi et al., AAAI 2000).
 from __future__ import annotations
 
 from bisect import bisect_right
-from heapq import heappop, heappush
+from heapq import heappop, heappush, heappushpop
 from math import inf
 from sys import float_info
 from typing import Dict, List, Optional, Sequence, Tuple
@@ -43,6 +43,7 @@ def find_way(errand: Errand, slots: Slots, latest: float = inf,
     node, leg, served = -1, 0, errand.ready
     moves = list(arrivals) or [(-1, 0.0, errand.vertex, errand.ready)]
     while True:
+        entry = None  # the one made last: it is often the next one, too, and never on the heap
         for drive, begin, end, arrival in moves:
             starts, ends = merged[drives + end] or busy_of(drives + end)
             interval, until = 0, inf
@@ -70,11 +71,14 @@ def find_way(errand: Errand, slots: Slots, latest: float = inf,
                 cost = new_served + later * (time - new_served + to_go[new_leg][end])
             if cost <= latest:
                 best[key] = time
-                heappush(heap, (cost, len(nodes), -inf))
+                if entry:
+                    heappush(heap, entry)
+                entry = cost, len(nodes), -inf
                 nodes.append((end, time, new_leg, new_served, until, key,
                               node, drive, begin, arrival))
-        while heap:
-            cost, node, done = heappop(heap)
+        while heap or entry:
+            cost, node, done = heappushpop(heap, entry) if entry else heappop(heap)
+            entry = None
             vertex, now, leg, served, until, key, _, _, _, _ = nodes[node]
             if best[key] == now:
                 break

@@ -72,6 +72,13 @@ def merge(bookings: Sequence[Booking]) -> Busy:
         return _NEVER
     if len(bookings) == 1:
         return (bookings[0][0],), (bookings[0][1],)
+    if len(bookings) == 2:  # these three make up most of all that is asked for
+        one, other = bookings
+        if other[0] < one[0]:
+            one, other = other, one
+        if other[0] >= one[1]:
+            return (one[0], other[0]), (one[1], other[1])
+        return (one[0],), (max(one[1], other[1]),)
     starts: List[float] = []
     ends: List[float] = []
     last = -inf
