@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from math import inf
-from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple
+from typing import Iterable, List, Optional, Sequence, Tuple
 
 from graph_fleet_manager.planning.blocking import Block
 
@@ -10,8 +10,8 @@ Busy = Tuple[Sequence[float], Sequence[float]]
 """Beginnings and ends of the times at which a slot is blocked: ascending, without overlaps."""
 
 _NEVER: Busy = ((), ())
-Booking = List[Any]
-"""Begin, end, robot."""
+Booking = Tuple[float, float, str]
+"""Begin, end, robot. What one robot blocks without a break is one booking."""
 
 
 class Slots:
@@ -25,33 +25,35 @@ class Slots:
         self.horizon = 0.0
         """After this time nothing changes any more."""
 
-    def add(self, latest: Dict[int, Booking], slot: int, begin: float, end: float,
-            robot: str) -> None:
-        """Books a slot. What one robot blocks without a break is one booking: it is in `latest`."""
-        booking = latest.get(slot)
-        if booking is not None and begin <= booking[1]:
-            booking[0] = min(booking[0], begin)
-            booking[1] = max(booking[1], end)
-        else:
-            latest[slot] = booking = [begin, end, robot]
-            self.bookings[slot].append(booking)
-            self.merged[slot] = None
+    def add(self, slot: int, begin: float, end: float, robot: str, touched: List[int]) -> None:
+        """Books a slot for a robot; a slot in which it then has one booking more is touched."""
+        row = self.bookings[slot]
+        if row:
+            since, until, name = row[-1]
+            if name == robot and begin <= until:
+                row[-1] = min(since, begin), max(until, end), robot
+                return
+        row.append((begin, end, robot))
+        self.merged[slot] = None
+        touched.append(slot)
 
-    def add_drive(self, latest: Dict[int, Booking], blocks: Iterable[Block], start: float,
-                  seconds: float, robot: str) -> None:
+    def add_drive(self, blocks: Iterable[Block], start: float, seconds: float, robot: str,
+                  touched: List[int]) -> None:
         """Books all that a drive blocks: `add` for each, written out because it runs so often."""
         bookings, merged = self.bookings, self.merged
         for slot, clear, lead in blocks:
             begin = start - lead
-            booking = latest.get(slot)
-            if booking is None or begin > booking[1]:
-                latest[slot] = booking = [begin, start + clear * seconds, robot]
-                bookings[slot].append(booking)
-                merged[slot] = None
-            else:
-                booking[1] = start + clear * seconds  # later than what came before it
-                if begin < booking[0]:
-                    booking[0] = begin
+            row = bookings[slot]
+            if row:
+                since, until, name = row[-1]
+                if name == robot and begin <= until:
+                    if since < begin:
+                        begin = since
+                    row[-1] = begin, start + clear * seconds, robot  # later than what came before
+                    continue
+            row.append((begin, start + clear * seconds, robot))
+            merged[slot] = None
+            touched.append(slot)
 
     def is_booked(self, robot: str, slot: int, begin: float, end: float) -> bool:
         """Is a slot booked for a robot at any time between two, or at one within?"""

@@ -86,25 +86,25 @@ class Timetable:
         self._touched[robot] = []
         for observer in self.kinds:
             slots, blocking = self.slots[observer], self.blocking[kind, observer]
-            latest: Dict[int, Booking] = {}
+            touched: List[int] = []
             waits = None if between is None else self._at_point(kind, observer, between)
             since, at = -inf, vertex
             for number, (drive, start, end, begun) in enumerate(plan):
                 if start > since and (not begun or between):
                     for slot, lead in blocking.wait(at) if waits is None else waits:
-                        slots.add(latest, slot, since - lead, start, robot)
+                        slots.add(slot, since - lead, start, robot, touched)
                 blocks: Iterable[Block] = blocking.drive(drive)
                 if begun:
                     blocks = _rest_of(blocks, begun)
                 if number < held:
                     for slot, clear, _ in blocks:
-                        slots.add(latest, slot, -inf, start + clear * (end - start), robot)
+                        slots.add(slot, -inf, start + clear * (end - start), robot, touched)
                 else:
-                    slots.add_drive(latest, blocks, start, end - start, robot)
+                    slots.add_drive(blocks, start, end - start, robot, touched)
                 waits, since, at = None, end, self.network.origin[drive ^ 1]
             for slot, lead in blocking.wait(at) if waits is None else waits:
-                slots.add(latest, slot, since - lead, until, robot)
-            self._touched[robot].append((slots, latest))
+                slots.add(slot, since - lead, until, robot, touched)
+            self._touched[robot].append((slots, touched))
             slots.horizon = max(slots.horizon, since, until if until < inf else since)
 
     def book_places(self, robot: str, kind: RobotType, places: Iterable[int]) -> None:
@@ -112,11 +112,11 @@ class Timetable:
         self._touched[robot] = []
         for observer in self.kinds:
             slots = self.slots[observer]
-            latest: Dict[int, Booking] = {}
+            touched: List[int] = []
             for place in places:
                 for slot, _ in self.blocking[kind, observer].of_place(place):
-                    slots.add(latest, slot, -inf, inf, robot)
-            self._touched[robot].append((slots, latest))
+                    slots.add(slot, -inf, inf, robot, touched)
+            self._touched[robot].append((slots, touched))
 
     def cancel(self, robot: str) -> None:
         """Takes a robot out; one that is not booked is none."""
@@ -136,7 +136,7 @@ class Timetable:
         for slots in self.slots.values():
             bookings, merged = slots.bookings, slots.merged
             kept = {slot: (bookings[slot], merged[slot]) for per_robot in touched.values()
-                    for of, latest in per_robot if of is slots for slot in latest}
+                    for of, slots_of in per_robot if of is slots for slot in slots_of}
             for slot, (old, _) in kept.items():  # new lists: the old ones stay as they are
                 bookings[slot] = [b for b in old if b[2] not in gone]
                 merged[slot] = None
@@ -152,7 +152,7 @@ class Timetable:
         since = [entry for robot in gone for entry in self._touched.pop(robot, ())]
         for slots, kept in taken.before:
             bookings, merged = slots.bookings, slots.merged
-            for slot in {slot for of, latest in since if of is slots for slot in latest}:
+            for slot in {slot for of, slots_of in since if of is slots for slot in slots_of}:
                 if slot not in kept:
                     bookings[slot] = [b for b in bookings[slot] if b[2] not in gone]
                     merged[slot] = None
@@ -197,7 +197,7 @@ class Timetable:
         for robot, begin, end, blocks in self._activities(kind):
             for slot, lead in blocks:
                 if slot == drive and lead > behind:
-                    found.append([begin - (lead - behind), end, robot])
+                    found.append((begin - (lead - behind), end, robot))
         return found
 
     def _undisturbed(self, kind: RobotType, between: Between) -> float:
