@@ -8,7 +8,7 @@ set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 [ "${1:-}" != -h ] && [ "${1:-}" != --help ] || { sed -n '2,6s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0; }
-topics=() options=(--markdown)
+topics=() options=()
 while [ $# -gt 0 ] && [[ "$1" != -* ]]; do topics+=("$1"); shift; done
 options+=("$@")
 if [ ${#topics[@]} = 0 ]; then

@@ -5,19 +5,21 @@ points a second. The floor of latency and CPU is a bare rospy publisher of the s
 """
 from __future__ import annotations
 
-import os
 import random
 import socket
-import statistics
 import subprocess
 import sys
 import tempfile
 import threading
 import time
 from pathlib import Path
-from typing import Callable, Dict, List, NamedTuple, Tuple
+from typing import Callable, Dict, Iterator, List, Tuple
 
 import numpy as np
+from measuring.processes import cpu_seconds
+from measuring.ros_master import own_ros_master
+from measuring.tables import Row, print_table
+from measuring.timing import milliseconds
 
 from omron_arcl.session import Session
 from ports import free_port
@@ -28,7 +30,6 @@ RUNS = 7
 SECONDS = 20.0
 RATE = 10.0  # statuses, and scans, a second
 PASSWORD = b'bench'
-TICKS = os.sysconf('SC_CLK_TCK')
 
 # Publishes the lines of a status and a scan as plain Strings, stamped with the time of each burst.
 BARE_NODE = '''
@@ -49,23 +50,9 @@ while not rospy.is_shutdown():
 '''
 
 
-class Row(NamedTuple):
-    """One line of the table."""
-
-    what: str
-    figure: str
-    floor: str
-    aim: str
-
-
 def lines_per_second(work: Callable[[], object], lines: int) -> float:
     """Median of several runs."""
-    times = []
-    for _ in range(RUNS):
-        begin = time.perf_counter()
-        work()
-        times.append(time.perf_counter() - begin)
-    return lines / statistics.median(times)
+    return 1e3 * lines / milliseconds(work, RUNS)
 
 
 def in_chunks(data: bytes) -> List[bytes]:
@@ -141,23 +128,19 @@ class Robot:
 
 def nodes() -> List[Row]:
     """Latency and CPU of the nodes, against those of the bare publisher."""
-    import rosgraph
     import rospy
-    master_port, receiver_port = free_port(), free_port()
-    os.environ['ROS_MASTER_URI'] = f'http://127.0.0.1:{master_port}'
+    receiver_port = free_port()
     quiet = {'stdout': subprocess.DEVNULL, 'stderr': subprocess.DEVNULL}
     points = ' '.join(map(str, np.random.default_rng(2).integers(-15_000, 15_000, 2000)))
     robot = Robot()
-    processes = {'roscore': subprocess.Popen(['roscore', '-p', str(master_port)], **quiet)}
-    with tempfile.TemporaryDirectory() as folder:
+    processes: Dict[str, subprocess.Popen] = {}
+    with own_ros_master(), tempfile.TemporaryDirectory() as folder:
         password = Path(folder) / 'password'
         password.write_bytes(PASSWORD)
         lines = Path(folder) / 'lines'
         status, scan = burst(0, points)
         lines.write_text('\n'.join([*status, scan]))
         try:
-            while not rosgraph.Master('/bench').is_online():
-                time.sleep(0.05)
             rospy.init_node('bench', anonymous=True, disable_signals=True)
             processes['bare'] = subprocess.Popen([sys.executable, '-c', BARE_NODE, str(lines)],
                                                  **quiet)
@@ -264,22 +247,13 @@ def feed(connection: socket.socket, points: str, sent: List[int], times: int) ->
         time.sleep(max(due - time.monotonic(), 0.0))
 
 
-def cpu_seconds(pid: int) -> float:
-    """What a process has used."""
-    fields = Path(f'/proc/{pid}/stat').read_text().rsplit(')', 1)[1].split()
-    return (int(fields[11]) + int(fields[12])) / TICKS
-
-
 def main() -> None:
     """Measure everything and print the table."""
-    rows = [statuses(), scans(), *nodes()]
-    if '--markdown' in sys.argv[1:]:
-        print('| what | median | floor in the same run | aim |\n|---|---|---|---|')
-        for row in rows:
-            print('| ' + ' | '.join(row) + ' |')
-    else:
-        for row in rows:
-            print(f'{row.what}: {row.figure}; {row.floor}; {row.aim}')
+    def rows() -> Iterator[Row]:
+        yield statuses()
+        yield scans()
+        yield from nodes()
+    print_table(rows())
 
 
 if __name__ == '__main__':

@@ -21,8 +21,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
+from measuring.processes import arguments, cpu_seconds, descendants, node_name, proportional
+from measuring.tables import print_table
 from rviz_support import Screen, missing_programs
-from stack import cpu_seconds, descendants
 
 from ports import free_port
 from rviz import frames_in
@@ -150,31 +151,22 @@ def screen_with_frames() -> Iterator[Tuple[Dict[str, str], Callable[[], List[flo
 
 def part_of(pid: int) -> str:
     """What a process is: the name of its node, else that of its program."""
-    words = Path(f'/proc/{pid}/cmdline').read_text().split('\0')
-    node = next((word[len('__name:='):] for word in words if word.startswith('__name:=')), '')
+    words = arguments(pid)
     python = 'python' in os.path.basename(words[0]) and len(words) > 1
-    return node or os.path.basename(words[1] if python else words[0])
-
-
-def memory_of(pid: int) -> float:
-    """MB: its own, and its share of what it has in common with others."""
-    for line in Path(f'/proc/{pid}/smaps_rollup').read_text().splitlines():
-        if line.startswith('Pss:'):
-            return int(line.split()[1]) / 1024.0
-    return 0.0
+    return node_name(pid) or os.path.basename(words[1] if python else words[0])
 
 
 def usage_of(pid: int) -> Dict[str, Usage]:
     """What every part of a launch uses over some time; the script's own shells are left out."""
-    before = {one: (part_of(one), cpu_seconds(one)[1]) for one in descendants(pid)}
+    before = {one: (part_of(one), cpu_seconds(one)) for one in descendants(pid)}
     time.sleep(MEASURE)
     parts: Dict[str, Usage] = {}
     for one, (name, used) in [*before.items(), (pid, (part_of(pid), 0.0))]:
         if name in ('bash', 'tail', 'run.sh'):
             continue
-        share = (cpu_seconds(one)[1] - used) / MEASURE if one != pid else 0.0
+        share = (cpu_seconds(one) - used) / MEASURE if one != pid else 0.0
         processes, total, memory = parts.get(name, Usage(0, 0.0, 0.0))
-        parts[name] = Usage(processes + 1, total + share, memory + memory_of(one))
+        parts[name] = Usage(processes + 1, total + share, memory + proportional(one) / 2 ** 20)
     return parts
 
 
@@ -196,14 +188,14 @@ def start() -> None:
         shown = median(factory('rviz:=true'), watch_fleet, 2 * COUNT, environment)
         hidden = median(factory('rviz:=false'), watch_fleet, 2 * COUNT)
         floor = median(lambda port: ['roslaunch', '-p', port, bare.name], watch_topics, nodes)
-    print(f'| `run.sh fleet:={COUNT}` to all {2 * COUNT} robots ready, median of {RUNS} runs '
-          f'| measured | floor ({nodes} bare rospy nodes) | goal |\n|---|---|---|---|')
-    print(f'| with RViz | {shown} | {floor} | < 20 s |\n| without | {hidden} | {floor} | |')
+    print_table([('with RViz', shown, floor, '< 20 s'), ('without', hidden, floor, '')],
+                (f'`run.sh fleet:={COUNT}` to all {2 * COUNT} robots ready, median of {RUNS} runs',
+                 'measured', f'floor ({nodes} bare rospy nodes)', 'goal'))
 
 
 def nodes_of(pid: int) -> List[int]:
     """The ROS nodes below a process."""
-    return [one for one in descendants(pid) if cpu_seconds(one)[0]]
+    return [one for one in descendants(pid) if node_name(one)]
 
 
 def load() -> None:
@@ -217,12 +209,12 @@ def load() -> None:
     print(f'RViz, software rendering, 1280 x 900, {2 * COUNT} robots at work: '
           f'{statistics.median(rates):.1f} frames a second (median of {len(rates)} seconds; '
           f'least {min(rates):.1f}); goal >= 10\n')
-    print('| part, all at work | processes | % of a core | MB |\n|---|---|---|---|')
-    for name, use in sorted(parts.items(), key=lambda item: -item[1].share):
-        print(f'| `{name}` | {use.processes} | {100 * use.share:.1f} | {use.memory:.0f} |')
-    print(f'| all | {sum(use.processes for use in parts.values())} '
-          f'| {100 * sum(use.share for use in parts.values()):.0f} '
-          f'| {sum(use.memory for use in parts.values()):.0f} |')
+    rows = [(f'`{name}`', use) for name, use in sorted(parts.items(),
+                                                       key=lambda item: -item[1].share)]
+    everything = Usage(*map(sum, zip(*parts.values())))
+    print_table([(name, str(use.processes), f'{100 * use.share:.1f}', f'{use.memory:.0f}')
+                 for name, use in (*rows, ('all', everything))],
+                ('part, all at work', 'processes', '% of a core', 'MB'))
 
 
 def missions() -> None:
@@ -244,7 +236,6 @@ def main() -> None:
     """Prints the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--only', choices=SECTIONS, help='run only this section')
-    parser.add_argument('--markdown', action='store_true', help='the tables are Markdown anyway')
     only = parser.parse_args().only
     missing = missing_programs()
     if missing and only != 'missions':

@@ -18,6 +18,7 @@ sys.path.insert(0, str(ROOT / 'src' / 'omron_ld90' / 'test' / 'converter'))
 
 from converter_builders import map_with  # noqa: E402
 from fence_builders import grid, real_site_graph  # noqa: E402
+from measuring.tables import print_table  # noqa: E402
 
 from omron_ld90.converter.converter import Options, convert  # noqa: E402
 from omron_ld90.converter.corridors import CorridorRules, corridors_of  # noqa: E402
@@ -98,14 +99,8 @@ def seconds(run: Callable[[], object], runs: int) -> float:
 
 
 def main() -> None:
-    """Print the table; `--markdown` as a Markdown table."""
-    rows = [measure(case) for case in cases()]
-    if '--markdown' in sys.argv[1:]:
-        for row in [HEADINGS, ['---'] * len(HEADINGS), *rows]:
-            print(f'| {" | ".join(row)} |')
-    else:
-        for row in rows:
-            print(', '.join(f'{heading} {value}' for heading, value in zip(HEADINGS, row)))
+    """Prints the table."""
+    print_table((measure(case) for case in cases()), HEADINGS)
 
 
 if __name__ == '__main__':

@@ -29,6 +29,7 @@ from fleet_bench.instances import (  # noqa: E402
     draw,
     sparse_roadmap,
 )
+from measuring.tables import print_table  # noqa: E402
 from plan_checker import faults  # noqa: E402
 
 from graph_fleet_manager.files.plan_file import solved_plan  # noqa: E402
@@ -278,16 +279,10 @@ SECTIONS: Dict[str, Callable[[], Iterator[Row]]] = {
 def main() -> None:
     """Prints the table."""
     options = argparse.ArgumentParser(description=__doc__)
-    options.add_argument('--markdown', action='store_true', help='print a Markdown table')
     options.add_argument('--only', choices=SECTIONS, action='append', help='run only these')
     chosen = options.parse_args()
-    line = '| {} | {} | {} |' if chosen.markdown else '{}: {}  ({})'
-    print(line.format('what', f'figure, {SEEDS} seeds where nothing else is said', 'aim'))
-    if chosen.markdown:
-        print('|---|---|---|')
-    for name in chosen.only or SECTIONS:
-        for row in SECTIONS[name]():
-            print(line.format(*row), flush=True)
+    print_table((row for name in chosen.only or SECTIONS for row in SECTIONS[name]()),
+                ('what', f'figure, {SEEDS} seeds where nothing else is said', 'aim'))
 
 
 if __name__ == '__main__':

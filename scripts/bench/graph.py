@@ -20,6 +20,8 @@ from typing import Dict, Iterator, List, NamedTuple, Tuple
 import numpy as np
 import rospy
 from geometry_msgs.msg import Pose
+from measuring.ros_master import own_ros_master
+from measuring.tables import print_row, print_table
 from PIL import Image
 from rviz_support import Screen, missing_programs
 from scipy import ndimage
@@ -35,7 +37,6 @@ from graph_editor.making.options import MakingOptions
 from graph_editor.nodes.handles import VERTICES, vertex_group
 from graph_editor.nodes.view import fitted, rendering_arguments
 from graph_editor.site import Site, SiteOptions, load_site
-from ports import free_port
 from rviz import frames_in
 from trajectory_graph import Edge, Graph, Vertex, load_graph, save_graph
 from trajectory_graph.editing import Draft
@@ -92,18 +93,19 @@ def timed(*command: object) -> Times:
 def making() -> None:
     """Time, reach and soundness of the graphs of all maps."""
     floor = timed(sys.executable, '-c', IMPORTS)
-    print('| map | vertices, edges, m | make_graph | imports alone | aim | floor within 2 m of an '
-          'edge, by the way to drive | aim | errors |\n|---|---|---|---|---|---|---|---|')
+    print_table([], ('map', 'vertices, edges, m', 'make_graph', 'imports alone', 'aim',
+                     'floor within 2 m of an edge, by the way to drive', 'aim', 'errors'))
     with tempfile.TemporaryDirectory() as folder:
         for path in (LAB, *REAL):
             output = f'{folder}/{path.stem}.yaml'
             needed = timed(sys.executable, ROOT / 'src/graph_editor/nodes/make_graph', '--map',
                            path, '--output', output)
             site, graph = load_site(str(path), SiteOptions()), load_graph(output)
-            print(f'| {path.name} | {len(graph.vertices)}, {len(graph.edges)}, '
-                  f'{length(graph):.0f} | {needed.wall:.2f} s ({needed.cpu:.2f} s of CPU) '
-                  f'| {floor.wall:.2f} s | < 5 s | {100.0 * share_served(site, graph):.1f} % '
-                  f'| >= 95 % | {errors(site, graph)} |')
+            print_row((path.name,
+                       f'{len(graph.vertices)}, {len(graph.edges)}, {length(graph):.0f}',
+                       f'{needed.wall:.2f} s ({needed.cpu:.2f} s of CPU)', f'{floor.wall:.2f} s',
+                       '< 5 s', f'{100.0 * share_served(site, graph):.1f} %', '>= 95 %',
+                       str(errors(site, graph))))
 
 
 def length(graph: Graph) -> float:
@@ -139,14 +141,15 @@ def compare_with_hand() -> None:
               'maps/lab_graph.yaml': load_graph(ROOT / 'maps' / 'lab_graph.yaml')}
     rooms, count = ndimage.label(robot_floor(site, graphs['made'])
                                  & (site.floor.clearance >= ROOM), EVERY_NEIGHBOUR)
-    print('\n| laboratory | m | vertices, edges | rooms with an edge in their middle '
-          '| floor within 2 m of an edge |\n|---|---|---|---|---|')
+    print()
+    print_table([], ('laboratory', 'm', 'vertices, edges', 'rooms with an edge in their middle',
+                     'floor within 2 m of an edge'))
     for name, graph in graphs.items():
         cells = site.floor.cells_of(np.vstack([graph.curve(id).sample(0.05)
                                                for id in graph.edges]))
         reached = set(rooms[cells].tolist()) - {0}
-        print(f'| {name} | {length(graph):.0f} | {len(graph.vertices)}, {len(graph.edges)} '
-              f'| {len(reached)} of {count} | {100.0 * share_served(site, graph):.1f} % |')
+        print_row((name, f'{length(graph):.0f}', f'{len(graph.vertices)}, {len(graph.edges)}',
+                   f'{len(reached)} of {count}', f'{100.0 * share_served(site, graph):.1f} %'))
     ratio = length(graphs['made']) / length(graphs['maps/lab_graph.yaml'])
     print(f'\nLength of the made graph over that of the drawn one: {ratio:.2f} (aim: at most 1.3).')
 
@@ -246,34 +249,27 @@ def circle(count: int) -> Iterator[Tuple[float, float]]:
 def editing() -> None:
     """The delay of a drag, and RViz's frames a second meanwhile."""
     gc.freeze()  # its pauses would count as the editor's: 60 ms each; RViz has no collector
-    port = free_port()
-    os.environ['ROS_MASTER_URI'] = f'http://127.0.0.1:{port}'
-    with tempfile.TemporaryDirectory() as folder:
+    with own_ros_master(), tempfile.TemporaryDirectory() as folder:
         map_file, graph_file, vertex = large_site(folder)
-        master = subprocess.Popen(['roscore', '-p', str(port)], stdout=subprocess.DEVNULL,
-                                  stderr=subprocess.DEVNULL)
-        try:
-            rospy.init_node('bench_graph', disable_signals=True)
-            floor = in_process([sys.executable, '-c', ECHO], vertex)
-            figures: Dict[str, List[float]] = {}
-            measured = in_process(
-                [sys.executable, '-m', 'graph_editor.nodes.editor', '__name:=graph_editor',
-                 f'_map_file:={map_file}', f'_graph_file:={graph_file}', '_window:=false'],
-                vertex, lambda mouse: figures.update(frames(mouse, map_file)))
-        finally:
-            master.send_signal(signal.SIGINT)
-            master.wait(20)
-    print('\n| 500 vertices, 1,000 edges | measured | floor | aim |\n|---|---|---|---|')
-    for name, share in (('median', 50), ('p95', 95)):
-        print(f'| feedback of a drag to the update with its edges, {name} of {DRAGS} '
-              f'| {1e3 * np.percentile(measured, share):.1f} ms '
-              f'| an echo by a bare rospy node: {1e3 * np.percentile(floor, share):.1f} ms '
-              f'| {"p95 < 50 ms" if share == 95 else ""} |')
+        rospy.init_node('bench_graph', disable_signals=True)
+        floor = in_process([sys.executable, '-c', ECHO], vertex)
+        figures: Dict[str, List[float]] = {}
+        measured = in_process(
+            [sys.executable, '-m', 'graph_editor.nodes.editor', '__name:=graph_editor',
+             f'_map_file:={map_file}', f'_graph_file:={graph_file}', '_window:=false'],
+            vertex, lambda mouse: figures.update(frames(mouse, map_file)))
+    print()
+    print_table([], ('500 vertices, 1,000 edges', 'measured', 'floor', 'aim'))
+    for name, share, aim in (('median', 50, ''), ('p95', 95, 'p95 < 50 ms')):
+        print_row((f'feedback of a drag to the update with its edges, {name} of {DRAGS}',
+                   f'{1e3 * np.percentile(measured, share):.1f} ms',
+                   f'an echo by a bare rospy node: {1e3 * np.percentile(floor, share):.1f} ms',
+                   aim))
     if figures:
         rows = [statistics.median(figures[name]) for name in ('dragged', 'at rest', 'empty')]
-        print(f'| RViz in software rendering, frames a second while it is dragged | {rows[0]:.1f} '
-              f'| without displays: {rows[2]:.1f} | >= 10 |')
-        print(f'| the same at rest | {rows[1]:.1f} | without displays: {rows[2]:.1f} | >= 10 |')
+        for name, figure in zip(('RViz in software rendering, frames a second while it is dragged',
+                                 'the same at rest'), rows):
+            print_row((name, f'{figure:.1f}', f'without displays: {rows[2]:.1f}', '>= 10'))
 
 
 def in_process(command: List[str], vertex: int, more=lambda mouse: None) -> List[float]:
@@ -334,7 +330,6 @@ def measured_frames(screen: Screen, text: str, mouse: Mouse) -> Tuple[List[float
 def main() -> None:
     """Print the tables, or with --only editing the last one."""
     options = argparse.ArgumentParser(description=__doc__)
-    options.add_argument('--markdown', action='store_true', help='as everywhere; it is one anyway')
     options.add_argument('--only', choices=('making', 'editing'), help='a part of it')
     only = options.parse_args().only
     if only != 'editing':

@@ -14,11 +14,15 @@ import threading
 import time
 import warnings
 from pathlib import Path
-from typing import Callable, List, NamedTuple
+from typing import Iterator, List
 
 import numpy as np
 from genpy import Time
 from geometry_msgs.msg import Point
+from measuring.processes import resident
+from measuring.ros_master import own_ros_master
+from measuring.tables import Row, print_table
+from measuring.timing import milliseconds
 from nav_msgs.msg import MapMetaData
 from std_msgs.msg import Header
 from visualization_msgs.msg import Marker
@@ -26,7 +30,6 @@ from visualization_msgs.msg import Marker
 from omron_ld90.nodes.map_visualisation import MARKER_ARRAYS, MARKERS
 from omron_ld90.nodes.rviz.fast_messages import GridMessage, PointsMarker
 from omron_map import MapDocument, OccupancyGrid
-from ports import free_port
 
 ROOT = Path(__file__).resolve().parents[2]
 REAL = Path(os.environ.get('LD90_REAL_MAPS') or '/nowhere') / 'omron-ld-site-a.map'
@@ -52,25 +55,6 @@ before = resident()
 document = MapDocument.load(sys.argv[1])
 print(resident() - before)
 '''
-
-
-class Row(NamedTuple):
-    """One line of the table."""
-
-    what: str
-    figure: str
-    floor: str
-    aim: str
-
-
-def milliseconds(run: Callable[[], object], runs: int = RUNS) -> float:
-    """Median time of `run`."""
-    times = []
-    for _ in range(runs):
-        begin = time.perf_counter()
-        run()
-        times.append(time.perf_counter() - begin)
-    return statistics.median(times) * 1000.0
 
 
 def load(path: Path) -> Row:
@@ -149,14 +133,7 @@ def memory(path: Path) -> Row:
 def node(path: Path) -> List[Row]:
     """Start of the node to all topics, and its memory, against a bare rospy publisher's."""
     import rospy
-    port = free_port()
-    os.environ['ROS_MASTER_URI'] = f'http://127.0.0.1:{port}'
-    import rosgraph
-    core = subprocess.Popen(['roscore', '-p', str(port)], stdout=subprocess.DEVNULL,
-                            stderr=subprocess.DEVNULL)
-    try:
-        while not rosgraph.Master('/bench').is_online():
-            time.sleep(0.05)
+    with own_ros_master():
         rospy.init_node('bench', anonymous=True, disable_signals=True)
         ours = [start_node([str(ROOT / 'src/omron_ld90/nodes/map_visualisation'),
                             f'_map_file:={path}'], TOPICS) for _ in range(RUNS)]
@@ -166,19 +143,16 @@ def node(path: Path) -> List[Row]:
             empty = [start_node([str(ROOT / 'src/omron_ld90/nodes/map_visualisation'),
                                  f'_map_file:={tiny.name}'], TOPICS) for _ in range(3)]
         bare = [start_node(['-c', BARE_NODE], ['bare']) for _ in range(RUNS)]
-    finally:
-        core.terminate()
-        core.wait()
-    seconds, resident = (statistics.median(values) for values in zip(*ours))
+    seconds, memory = (statistics.median(values) for values in zip(*ours))
     bare_seconds, _ = (statistics.median(values) for values in zip(*bare))
-    _, empty_resident = (statistics.median(values) for values in zip(*empty))
+    _, empty_memory = (statistics.median(values) for values in zip(*empty))
     size = path.stat().st_size
-    growth = resident - empty_resident
+    growth = memory - empty_memory
     return [
         Row(f'map_visualisation: start to {len(TOPICS)} latched topics', f'{seconds:.2f} s',
             f'bare rospy publisher: {bare_seconds:.2f} s', 'under 1.5 s'),
         Row('map_visualisation: memory for the map', f'{growth / 1e6:.1f} MB '
-            f'({growth / size:.1f} x)', f'with a map of one point: {empty_resident / 1e6:.0f} MB',
+            f'({growth / size:.1f} x)', f'with a map of one point: {empty_memory / 1e6:.0f} MB',
             'under 10 x')]
 
 
@@ -199,28 +173,23 @@ def start_node(command: List[str], topics: List[str]) -> tuple:
         if not everything.wait(30.0):
             raise RuntimeError(f'nothing came on {", ".join(sorted(missing))}')
         seconds = time.perf_counter() - begin
-        status = Path(f'/proc/{process.pid}/status').read_text()
-        resident = int(status.split('VmRSS:')[1].split()[0]) * 1024
+        memory = resident(process.pid)
     finally:
         process.terminate()
         process.wait(10)
         for subscriber in subscribers:
             subscriber.unregister()
-    return seconds, resident
+    return seconds, memory
 
 
 def main() -> None:
     """Measure everything and print the table."""
     warnings.simplefilter('ignore', DeprecationWarning)
     path = REAL if REAL.exists() else ROOT / 'maps' / 'lab.map'
-    rows = [load(path), load_million(), grid(), markers(), memory(path), *node(path)]
-    if '--markdown' in sys.argv[1:]:
-        print('| what | median | floor in the same run | aim |\n|---|---|---|---|')
-        for row in rows:
-            print('| ' + ' | '.join(row) + ' |')
-    else:
-        for row in rows:
-            print(f'{row.what}: {row.figure}; {row.floor}; {row.aim}')
+    def rows() -> Iterator[Row]:
+        yield from (load(path), load_million(), grid(), markers(), memory(path))
+        yield from node(path)
+    print_table(rows())
 
 
 if __name__ == '__main__':

@@ -19,6 +19,7 @@ from typing import Callable, ContextManager, Iterator, List, Tuple
 
 from joined_fleet import LD90, JoinedFleet, Odometer
 from joined_masters import Computer, has_fkie
+from measuring.tables import print_row, print_table
 from network_namespaces import Cable, entering, inside, why_not
 
 from system_support import wait_until
@@ -120,11 +121,6 @@ def rate(cable: Cable) -> Tuple[float, float]:
     return there, back
 
 
-def row(*cells: str) -> None:
-    """One line of the table."""
-    print('| ' + ' | '.join(cells) + ' |', flush=True)
-
-
 def seconds(values: List[float]) -> str:
     """Least, median and most."""
     return ' / '.join(f'{value:.2f}' for value in (
@@ -145,32 +141,30 @@ def measure(fleet: JoinedFleet, cable: Cable) -> None:
             for name, broken in (('cable pulled', cable.pulled),
                                  ('radio shadow', cable.in_radio_shadow)):
                 for away, recovered, lost in without_link(broken, reports):
-                    row(f'{name} for {away:.0f} s: next report after the link is back',
+                    print_row(f'{name} for {away:.0f} s: next report after the link is back',
                         f'{recovered:.2f} s, {lost} reports lost', '< 3 s')
         up, crossed = zip(*died(fleet.robot, robot, REPORTS[0], reports))
-    row('robot\'s computer dead and started anew: its own start', seconds(list(up)), '')
-    row('from then on until its first report crosses', seconds(list(crossed)), '< 3 s')
+    print_row('robot\'s computer dead and started anew: its own start', seconds(list(up)), '')
+    print_row('from then on until its first report crosses', seconds(list(crossed)), '< 3 s')
     with listening(fleet.robot, robot, STATES) as states:
         up, crossed = zip(*died(fleet.manager, manager, STATES[0], states))
-    row('fleet\'s computer dead and started anew: its own start', seconds(list(up)), '')
-    row('from then on until its first fleet state crosses', seconds(list(crossed)), '< 3 s')
+    print_row('fleet\'s computer dead and started anew: its own start', seconds(list(up)), '')
+    print_row('from then on until its first fleet state crosses', seconds(list(crossed)), '< 3 s')
     for name, (there, back) in (('standing', standing), ('driving', driving)):
-        row(f'across the link for one {name} robot: from it / to it',
+        print_row(f'across the link for one {name} robot: from it / to it',
             f'{there / 1000:.1f} / {back / 1000:.1f} kB/s', '< 20 kB/s')
 
 
 def main() -> None:
     """Prints the table."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument('--markdown', action='store_true', help='as all benchmarks print')
-    parser.parse_args()
+    argparse.ArgumentParser(description=__doc__).parse_args()
     reason = why_not() or ('' if has_fkie() else 'fkie multimaster is not there; '
                                                  'scripts/multimaster.sh brings it')
     if reason:
         print(f'Left out: {reason}.')
         return
-    row('two ROS masters, fkie multimaster, real time', 'least / median / most', 'goal')
-    row('---', '---', '---')
+    print_table([], ('two ROS masters, fkie multimaster, real time', 'least / median / most',
+                     'goal'))
     with tempfile.TemporaryDirectory() as folder, Cable() as cable, JoinedFleet(
             Path(folder), 1.0, namespaces=cable.namespaces, addresses=cable.addresses,
             pictures=False) as fleet:

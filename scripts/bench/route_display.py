@@ -4,20 +4,19 @@ The floor is the same node with the report of an ordinary route at the same rate
 """
 from __future__ import annotations
 
-import os
 import signal
 import statistics
 import subprocess
 import time
 from pathlib import Path
-from typing import Callable, Iterator, List, NamedTuple, Tuple
+from typing import Callable, Iterator, NamedTuple
 
-import rosgraph
 import rospy
-from stack import cpu_seconds
+from measuring.processes import cpu_seconds, resident
+from measuring.ros_master import own_ros_master
+from measuring.tables import print_table
 
 from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates
-from ports import free_port
 
 ROOT = Path(__file__).resolve().parents[2]
 RATE, SECONDS, RUNS = 10.0, 10.0, 3
@@ -50,12 +49,6 @@ def with_forged(edges: int) -> Reports:
         yield forged if number % 20 == 19 else report
 
 
-def resident(pid: int) -> float:
-    """Memory of a process, MB."""
-    status = Path(f'/proc/{pid}/status').read_text()
-    return int(status.split('VmRSS:')[1].split()[0]) / 1000.0
-
-
 def measure(reports: Callable[[], Reports]) -> Load:
     """A new node, shown `reports` for a while."""
     node = subprocess.Popen(
@@ -67,16 +60,16 @@ def measure(reports: Callable[[], Reports]) -> Load:
     try:
         while publisher.get_num_connections() == 0:
             time.sleep(0.05)
-        before, largest = resident(node.pid), 0.0
-        used, begin = cpu_seconds(node.pid)[1], time.monotonic()
+        before, largest = resident(node.pid), 0
+        used, begin = cpu_seconds(node.pid), time.monotonic()
         for report in reports():
             publisher.publish(report)
             largest = max(largest, resident(node.pid))
             if time.monotonic() - begin > SECONDS:
                 break
             time.sleep(1.0 / RATE)
-        share = (cpu_seconds(node.pid)[1] - used) / (time.monotonic() - begin)
-        return Load(largest - before, share)
+        share = (cpu_seconds(node.pid) - used) / (time.monotonic() - begin)
+        return Load((largest - before) / 1e6, share)
     finally:
         publisher.unregister()
         node.send_signal(signal.SIGINT)
@@ -91,27 +84,17 @@ def median(reports: Callable[[], Reports]) -> Load:
 
 def main() -> None:
     """Print the table."""
-    port = free_port()
-    os.environ['ROS_MASTER_URI'] = f'http://127.0.0.1:{port}'
-    core = subprocess.Popen(['roscore', '-p', str(port)], stdout=subprocess.DEVNULL,
-                            stderr=subprocess.DEVNULL)
-    try:
-        while not rosgraph.Master('/bench').is_online():
-            time.sleep(0.05)
+    with own_ros_master():
         rospy.init_node('bench', disable_signals=True)
-        rows: List[Tuple[str, Load]] = [
-            (name, median(reports)) for name, reports in (
-                (f'a route of {SHORT} edges (floor)', lambda: advancing(SHORT)),
-                (f'a route of {LONG:,} edges', lambda: advancing(LONG)),
-                (f'the same, and a forged report of {FORGED:,} edges every 2 s',
-                 lambda: with_forged(LONG)))]
-    finally:
-        core.send_signal(signal.SIGINT)
-        core.wait(10)
-    print(f'| `route_visualisation`, reports at {RATE:g} Hz for {SECONDS:g} s '
-          '| memory grew by | share of a core |\n|---|---|---|')
-    for name, load in rows:
-        print(f'| {name} | {load.growth:.0f} MB | {100 * load.share:.0f} % |')
+        print_table(
+            ((name, f'{load.growth:.0f} MB', f'{100 * load.share:.0f} %')
+             for name, load in ((name, median(reports)) for name, reports in (
+                 (f'a route of {SHORT} edges (floor)', lambda: advancing(SHORT)),
+                 (f'a route of {LONG:,} edges', lambda: advancing(LONG)),
+                 (f'the same, and a forged report of {FORGED:,} edges every 2 s',
+                  lambda: with_forged(LONG))))),
+            (f'`route_visualisation`, reports at {RATE:g} Hz for {SECONDS:g} s', 'memory grew by',
+             'share of a core'))
 
 
 if __name__ == '__main__':

@@ -16,8 +16,9 @@ import time
 from pathlib import Path
 from typing import Dict, List, NamedTuple
 
+from measuring.processes import cpu_seconds, descendants, node_name
+from measuring.tables import print_table
 from rviz_support import Screen, missing_programs
-from stack import cpu_seconds, descendants
 
 from omron_ld90.nodes.rviz_view import rendering_arguments
 from ports import free_port
@@ -54,8 +55,8 @@ def measure(screen: Screen, stack: int, configuration: str, frame_rate: int) -> 
             drawn = len(frames_in(folder))
             before = {pid: cpu_seconds(pid) for pid in [rviz.pid, *descendants(stack)]}
             time.sleep(MEASURE)
-            shares = {name: (cpu_seconds(pid)[1] - used) / MEASURE
-                      for pid, (name, used) in before.items() if name}
+            shares = {node_name(pid): (cpu_seconds(pid) - used) / MEASURE
+                      for pid, used in before.items()}
             return Figures(statistics.median(frames_in(folder)[drawn:]), shares)
         finally:
             rviz.send_signal(signal.SIGINT)
@@ -89,17 +90,18 @@ def main() -> None:
         stack.send_signal(signal.SIGINT)
         stack.wait(30)
         screen.close()
-    print('| RViz on lab.map, software rendering, 1280 x 900 | measured | floor (no displays) '
-          '| goal |\n|---|---|---|---|')
-    print(f'| frames a second at Frame Rate 30 | {fast.frames:.1f} | {fast_floor.frames:.1f} '
-          '| >= 20 |')
-    print(f'| CPU of RViz as shipped (Frame Rate 10) | {100 * slow.shares["rviz"]:.0f} % of a core '
-          f'| {100 * slow_floor.shares["rviz"]:.0f} % | < 60 % |')
-    print(f'| CPU of the visualisation nodes, 2 Hz | '
-          f'{100 * sum(slow.shares[node] for node in NODES):.1f} % of a core | | < 8 % |')
-    print('\n| node | % of a core |\n|---|---|')
-    for node in NODES:
-        print(f'| `{node}` | {100 * slow.shares[node]:.1f} |')
+    feeding = sum(slow.shares[node] for node in NODES)
+    print_table([
+        ('frames a second at Frame Rate 30', f'{fast.frames:.1f}', f'{fast_floor.frames:.1f}',
+         '>= 20'),
+        ('CPU of RViz as shipped (Frame Rate 10)', f'{100 * slow.shares["rviz"]:.0f} % of a core',
+         f'{100 * slow_floor.shares["rviz"]:.0f} %', '< 60 %'),
+        ('CPU of the visualisation nodes, 2 Hz', f'{100 * feeding:.1f} % of a core', '', '< 8 %')],
+        ('RViz on lab.map, software rendering, 1280 x 900', 'measured', 'floor (no displays)',
+         'goal'))
+    print()
+    print_table([(f'`{node}`', f'{100 * slow.shares[node]:.1f}') for node in NODES],
+                ('node', '% of a core'))
 
 
 if __name__ == '__main__':

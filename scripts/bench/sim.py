@@ -6,7 +6,6 @@ robot's map where there is one beside the repository, else the laboratory.
 """
 from __future__ import annotations
 
-import argparse
 import contextlib
 import os
 import selectors
@@ -18,9 +17,12 @@ import tempfile
 import threading
 import time
 from pathlib import Path
-from typing import Callable, Dict, List, NamedTuple, Tuple
+from typing import Callable, Dict, Iterator, List, Tuple
 
 import numpy as np
+from measuring.processes import cpu_seconds
+from measuring.tables import Row, print_table
+from measuring.timing import milliseconds
 from skimage.graph import MCP_Geometric
 
 from omron_ld90_sim.behaviour.robot import Robot
@@ -46,15 +48,6 @@ SETTLE = 8.0            # s, in which a whole fleet plans its first ways
 RUNS = 3
 FLEET = 50
 PAIRS = 60
-
-
-class Row(NamedTuple):
-    """One line of the table."""
-
-    what: str
-    figure: str
-    floor: str
-    aim: str
 
 
 class Listener:
@@ -99,12 +92,6 @@ class Listener:
         return np.concatenate(late)
 
 
-def processor_seconds(pid: int) -> float:
-    """User and system time of a process."""
-    fields = Path(f'/proc/{pid}/stat').read_text().rsplit(')', 1)[1].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')
-
-
 def share_of_a_core(command: List[str], ready: int, work: Callable[[List[int]], None]
                     ) -> Tuple[float, float]:
     """Percent of a core that a program takes, median of several stretches; and when they began."""
@@ -116,9 +103,9 @@ def share_of_a_core(command: List[str], ready: int, work: Callable[[List[int]], 
             time.sleep(SETTLE)
             shares, first = [], time.monotonic()
             for _ in range(RUNS):
-                begin, used = time.monotonic(), processor_seconds(program.pid)
+                begin, used = time.monotonic(), cpu_seconds(program.pid)
                 time.sleep(SECONDS)
-                shares.append((processor_seconds(program.pid) - used)
+                shares.append((cpu_seconds(program.pid) - used)
                               / (time.monotonic() - begin) * 100.0)
             return statistics.median(shares), first
         finally:
@@ -247,40 +234,25 @@ def plans(floor: Floor, start: Pose) -> Row:
                'median under 100 ms')
 
 
-def milliseconds(run: Callable[[], object], runs: int) -> float:
-    """Median time of `run`."""
-    times = []
-    for _ in range(runs):
-        begin = time.perf_counter()
-        run()
-        times.append(time.perf_counter() - begin)
-    return statistics.median(times) * 1000.0
-
-
 def main() -> None:
     """Measures and prints the table."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument('--markdown', action='store_true')
-    markdown = parser.parse_args().markdown
     lab = ROOT / 'maps' / 'lab.map'
     path = REAL if REAL.exists() else lab
     document = MapDocument.load(str(path))
     floor = Floor.from_map(document)
     goal = document.goals[0]
     start = Pose(goal.x, goal.y, goal.theta)
-    loading = milliseconds(lambda: Floor.from_map(document), 5)
-    reading = milliseconds(lambda: MapDocument.load(str(path)), 5)
-    rows = [Row(f'distance fields of {path.name}', f'{loading:.0f} ms',
-                f'{reading:.0f} ms (reading the file)', ''),
-            scans(document, floor, start), plans(floor, start), ready(lab), *processes(lab)]
-    header = Row('what', 'figure', 'floor', 'aim')
-    if markdown:
-        print('\n'.join('| ' + ' | '.join(row) + ' |'
-                        for row in (header, Row('---', '---', '---', '---'), *rows)))
-    else:
-        widths = [max(len(row[k]) for row in (header, *rows)) for k in range(4)]
-        for row in (header, *rows):
-            print('  '.join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip())
+
+    def rows() -> Iterator[Row]:
+        loading = milliseconds(lambda: Floor.from_map(document), 5)
+        reading = milliseconds(lambda: MapDocument.load(str(path)), 5)
+        yield Row(f'distance fields of {path.name}', f'{loading:.0f} ms',
+                  f'{reading:.0f} ms (reading the file)')
+        yield scans(document, floor, start)
+        yield plans(floor, start)
+        yield ready(lab)
+        yield from processes(lab)
+    print_table(rows())
 
 
 if __name__ == '__main__':

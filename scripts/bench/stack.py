@@ -16,6 +16,9 @@ import time
 from pathlib import Path
 from typing import Callable, Dict, List, Tuple
 
+from measuring.processes import cpu_seconds, descendants, node_name
+from measuring.tables import Row, print_table
+
 from ports import free_port
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -39,35 +42,6 @@ def first_transform(master_port: int, result: multiprocessing.Queue) -> None:
     result.put(time.monotonic())
 
 
-def descendants(pid: int) -> List[int]:
-    """Process ids below `pid`."""
-    children: Dict[int, List[int]] = {}
-    for folder in Path('/proc').glob('[0-9]*'):
-        try:
-            fields = (folder / 'stat').read_text().rsplit(')', 1)[1].split()
-        except OSError:  # it has ended meanwhile
-            continue
-        children.setdefault(int(fields[1]), []).append(int(folder.name))
-    found, waiting = [], [pid]
-    while waiting:
-        below = children.get(waiting.pop(), [])
-        found += below
-        waiting += below
-    return found
-
-
-def cpu_seconds(pid: int) -> Tuple[str, float]:
-    """Node name (from its __name argument) and the CPU time used so far, in s.
-
-    From the scheduler's own account: /proc/PID/stat counts whole ticks and misses short wake-ups.
-    """
-    arguments = Path(f'/proc/{pid}/cmdline').read_text().split('\0')
-    name = next((a[len('__name:='):] for a in arguments if a.startswith('__name:=')), '')
-    nanoseconds = sum(int(task.read_text().split()[0])
-                      for task in Path(f'/proc/{pid}/task').glob('*/schedstat'))
-    return name, nanoseconds / 1e9
-
-
 def run(command: Callable[[int], List[str]], idle: bool) -> Tuple[float, Dict[str, float]]:
     """Start `command`; returns seconds to the first transform, and CPU shares by node when idle."""
     master_port = free_port()
@@ -85,11 +59,11 @@ def run(command: Callable[[int], List[str]], idle: bool) -> Tuple[float, Dict[st
         shares: Dict[str, float] = {}
         if idle:
             time.sleep(5.0)  # start-up is over
-            before = {pid: cpu_seconds(pid) for pid in descendants(process.pid)}
+            before = {pid: cpu_seconds(pid) for pid in descendants(process.pid)
+                      if node_name(pid) not in ('', 'rosout')}
             time.sleep(IDLE_SECONDS)
-            for pid, (name, used) in before.items():
-                if name and name != 'rosout':
-                    shares[name] = (cpu_seconds(pid)[1] - used) / IDLE_SECONDS
+            shares = {node_name(pid): (cpu_seconds(pid) - used) / IDLE_SECONDS
+                      for pid, used in before.items()}
         return seconds, shares
     finally:
         process.send_signal(signal.SIGINT)
@@ -116,14 +90,16 @@ def main() -> None:
         floors = [run(floor, idle=False)[0] for _ in range(RUNS)]
         shares = run(stack, idle=True)[1]
         bare_share = sum(run(floor, idle=True)[1].values())
-    print('| figure | median | floor (one bare rospy publisher) | goal |\n|---|---|---|---|')
-    print('| `scripts/run.sh` (nothing missing) to the first TF '
-          f'| {statistics.median(starts):.2f} s | {statistics.median(floors):.2f} s | < 7 s |')
-    print('| idle stack without RViz and roscore, 2 Hz status and laser '
-          f'| {100 * sum(shares.values()):.1f} % of a core | {100 * bare_share:.1f} % | < 25 % |')
-    print('\n| node, idle | % of a core |\n|---|---|')
-    for name, share in sorted(shares.items(), key=lambda item: -item[1]):
-        print(f'| `{name}` | {100 * share:.1f} |')
+    print_table([
+        Row('`scripts/run.sh` (nothing missing) to the first TF',
+            f'{statistics.median(starts):.2f} s', f'{statistics.median(floors):.2f} s', '< 7 s'),
+        Row('idle stack without RViz and roscore, 2 Hz status and laser',
+            f'{100 * sum(shares.values()):.1f} % of a core', f'{100 * bare_share:.1f} %',
+            '< 25 %')], ('figure', 'median', 'floor (one bare rospy publisher)', 'goal'))
+    print()
+    print_table([(f'`{name}`', f'{100 * share:.1f}')
+                 for name, share in sorted(shares.items(), key=lambda item: -item[1])],
+                ('node, idle', '% of a core'))
 
 
 if __name__ == '__main__':

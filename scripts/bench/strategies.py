@@ -18,6 +18,7 @@ from typing import List, NamedTuple, Sequence, Tuple
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / 'src/omron_ld90/test/bridge'))
 
+from measuring.tables import print_table
 from simulated_drive import DOCK_VERTEX, MAPS, STATUS_PERIOD, SimulatedDrive, shortest_route
 
 from trajectory_graph import load_graph, route_vertices
@@ -84,22 +85,14 @@ def table_of(mission: Sequence[int], route: Sequence[int]) -> List[Tuple[str, ..
 
 def main() -> None:
     """Prints the tables."""
-    options = argparse.ArgumentParser(description=__doc__)
-    options.add_argument('--markdown', action='store_true', help='print Markdown tables')
-    markdown = options.parse_args().markdown
+    argparse.ArgumentParser(description=__doc__).parse_args()
     graph = load_graph(MAPS / 'lab_graph.yaml')
     for mission in MISSIONS:
         route = shortest_route(graph, (DOCK_VERTEX, *mission))
         length = sum(graph.curve(edge).length for edge in route)
         print(f'\nMission {", ".join(map(str, mission))} from the dock: {len(route)} edges, '
               f'{length:.0f} m; seconds of the robot, medians of {RUNS}.\n')
-        table = [HEADINGS, *table_of(mission, route)]
-        widths = [max(map(len, column)) for column in zip(*table)]
-        for index, row in enumerate(table):
-            line = ' | '.join(cell.ljust(width) for cell, width in zip(row, widths))
-            print(f'| {line} |' if markdown else line.replace(' | ', '  '))
-            if index == 0 and markdown:
-                print('|' + '|'.join('-' * (width + 2) for width in widths) + '|')
+        print_table(table_of(mission, route), HEADINGS)
 
 
 if __name__ == '__main__':

@@ -14,11 +14,13 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, List, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Tuple
 
 import rospy
 from arcl_tap import ArclTap
-from stack import cpu_seconds, descendants
+from measuring.processes import cpu_seconds, descendants, node_name, proportional
+from measuring.tables import Row, print_row, print_table
+from measuring.timing import p50_and_p99
 from supervisor_bench.stacks import AGVS, MANAGER, ROBOT, Stack
 
 from itrci_nav_msgs.msg import (
@@ -43,8 +45,6 @@ DRIVES = 20
 ACCEPTED = 300
 AGV_COUNT = 50
 LOAD_SECONDS = 60.0
-Row = Tuple[str, str, str, str]
-"""What, the figure, its floor, the aim."""
 
 
 class Robot:
@@ -158,7 +158,7 @@ def acceptance() -> Iterator[Row]:
             missions.wait(id, MissionStatus.CANCELLED)
         floor = bare_commits(stack.folder)
     yield (f'mission sent to its status heard, on the disk before ({ACCEPTED} missions)',
-           percentiles(found), f'{percentiles(floor)}: a bare SQLite commit', 'p99 < 30 ms')
+           p50_and_p99(found), f'{p50_and_p99(floor)}: a bare SQLite commit', 'p99 < 30 ms')
 
 
 def bare_commits(folder: Path) -> List[float]:
@@ -175,13 +175,6 @@ def bare_commits(folder: Path) -> List[float]:
     return found
 
 
-def percentiles(milliseconds: Sequence[float]) -> str:
-    """Median and 99th percentile."""
-    ordered = sorted(milliseconds)
-    return (f'p50 {statistics.median(ordered):.1f} ms, p99 '
-            f'{ordered[int(0.99 * (len(ordered) - 1))]:.1f} ms')
-
-
 def load() -> Iterator[Row]:
     """CPU and memory of the three nodes while fifty AGVs drive random missions."""
     with Stack() as stack:
@@ -195,7 +188,7 @@ def load() -> Iterator[Row]:
         fleet.wait_for(lambda state: sum(robot.has_mission for robot in state.robots)
                        >= 0.9 * AGV_COUNT, 120, 'a busy fleet')
         time.sleep(20.0)  # the first plans for all of them are made
-        before = {pid: cpu_seconds(pid) for pid in descendants(manager.pid)}
+        before = {pid: cpu_seconds(pid) for pid in descendants(manager.pid) if node_name(pid)}
         heard = sum(len(recorder.messages) for recorder in reports)
         begun = time.monotonic()
         time.sleep(LOAD_SECONDS)
@@ -203,10 +196,9 @@ def load() -> Iterator[Row]:
         rate = (sum(len(recorder.messages) for recorder in reports) - heard) / seconds
         shares: Dict[str, float] = {}
         memory: Dict[str, float] = {}
-        for pid, (name, used) in before.items():
-            if name:
-                shares[name] = 100 * (cpu_seconds(pid)[1] - used) / seconds
-                memory[name] = resident(pid)
+        for pid, used in before.items():
+            shares[node_name(pid)] = 100 * (cpu_seconds(pid) - used) / seconds
+            memory[node_name(pid)] = proportional(pid) / 2 ** 20
         busy = sum(robot.has_mission for robot in fleet.messages[-1].robots)
     each = ', '.join(f'{name} {share:.0f} %, {memory[name]:.0f} MB'
                      for name, share in sorted(shares.items()))
@@ -216,12 +208,6 @@ def load() -> Iterator[Row]:
            '< 50 %, 200 MB')
 
 
-def resident(pid: int) -> float:
-    """Megabytes that are the process's own: of what it shares, its part."""
-    lines = Path(f'/proc/{pid}/smaps_rollup').read_text().splitlines()
-    return next(int(line.split()[1]) for line in lines if line.startswith('Pss:')) / 1024
-
-
 SECTIONS: Dict[str, Callable[[], Iterator[Row]]] = {
     'headline': headline, 'latency': latency, 'acceptance': acceptance, 'load': load}
 
@@ -229,17 +215,16 @@ SECTIONS: Dict[str, Callable[[], Iterator[Row]]] = {
 def main() -> None:
     """Prints the table; each section in a process of its own, as a process is one ROS node."""
     options = argparse.ArgumentParser(description=__doc__)
-    options.add_argument('--markdown', action='store_true', help='print a Markdown table')
     options.add_argument('--only', choices=sorted(SECTIONS), action='append')
     arguments = options.parse_args()
     sections = arguments.only or list(SECTIONS)
     if len(sections) > 1:
-        print('| what | figure | floor | aim |\n|---|---|---|---|', flush=True)
+        print_table([])
         for section in sections:
             subprocess.run([sys.executable, __file__, '--only', section], check=True)
         return
     for row in SECTIONS[sections[0]]():
-        print(f'| {" | ".join(row)} |', flush=True)
+        print_row(row)
 
 
 if __name__ == '__main__':

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import signal
 import statistics
 import subprocess
@@ -21,10 +20,12 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Callable, Dict, Iterator, List, Sequence, Tuple
 
-import rosgraph
 import rospy
 from arcl_tap import ArclTap
-from stack import cpu_seconds, descendants
+from measuring.processes import cpu_seconds, descendants, node_name
+from measuring.ros_master import own_ros_master
+from measuring.tables import print_row, print_table
+from measuring.timing import p50_and_p99
 from std_msgs.msg import Bool
 
 from ports import free_port
@@ -49,7 +50,7 @@ AHEAD = 8.0  # m that the base is kept ahead
 @contextmanager
 def stack(broker: Broker, sim_speed: float, folder: Path) -> Iterator[Tuple[ArclTap, int]]:
     """The stack under a ROS master of its own; yields the tap and roslaunch's process id."""
-    master_port, robot_port, outgoing = free_port(), free_port(), free_port()
+    robot_port, outgoing = free_port(), free_port()
     tap = ArclTap(free_port(), robot_port)
     launch, vehicle = folder / 'bench.launch', folder / 'vehicle.yaml'
     vehicle.write_text((ROOT / 'src/vda5050_vehicle/config/ld90/vehicle.yaml').read_text()
@@ -76,24 +77,19 @@ def stack(broker: Broker, sim_speed: float, folder: Path) -> Iterator[Tuple[Arcl
     <arg name="journal" value="{folder}/journal_{uuid.uuid4().hex}.json"/>
   </include>
 </launch>''')
-    os.environ['ROS_MASTER_URI'] = f'http://127.0.0.1:{master_port}'
-    process = subprocess.Popen(['roslaunch', '-p', str(master_port), str(launch)],
-                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    try:
-        yield tap, process.pid
-    finally:
-        process.send_signal(signal.SIGINT)
-        process.wait(30)
-
-
-def percentile(values: Sequence[float], share: float) -> float:
-    """E.g. share 0.99; in the values' unit."""
-    return sorted(values)[min(int(len(values) * share), len(values) - 1)]
+    with own_ros_master():
+        process = subprocess.Popen(['roslaunch', str(launch)], stdout=subprocess.DEVNULL,
+                                   stderr=subprocess.DEVNULL)
+        try:
+            yield tap, process.pid
+        finally:
+            process.send_signal(signal.SIGINT)
+            process.wait(30)
 
 
 def milliseconds(values: Sequence[float]) -> str:
-    """p50 and p99 for a table."""
-    return f'{1e3 * statistics.median(values):.2f} ms, {1e3 * percentile(values, 0.99):.2f} ms'
+    """Of seconds, for a table."""
+    return p50_and_p99([1e3 * value for value in values])
 
 
 def ready(master: Master) -> None:
@@ -255,16 +251,10 @@ def returns(master: Master, own_broker: OwnBroker) -> List[float]:
 def share_of_core(pid: int, seconds: float) -> float:
     """CPU of the adapter, as a share of one core."""
     adapter = next(child for child in descendants(pid)
-                   if cpu_seconds(child)[0] == 'vda5050_vehicle')
-    before = cpu_seconds(adapter)[1]
+                   if node_name(child) == 'vda5050_vehicle')
+    before = cpu_seconds(adapter)
     time.sleep(seconds)
-    return (cpu_seconds(adapter)[1] - before) / seconds
-
-
-def wait_for_master() -> None:
-    """Until roscore answers."""
-    while not rosgraph.Master('/bench').is_online():
-        time.sleep(0.05)
+    return (cpu_seconds(adapter) - before) / seconds
 
 
 def part_latency(broker: Broker, own_broker: OwnBroker, folder: Path) -> None:
@@ -272,7 +262,6 @@ def part_latency(broker: Broker, own_broker: OwnBroker, folder: Path) -> None:
     graph = load_graph(ROOT / 'maps' / 'lab_graph.yaml')
     master = Master(broker, PREFIX)
     with stack(broker, 1.0, folder) as (_, pid):
-        wait_for_master()
         rospy.init_node('vda5050_bench', anonymous=True, disable_signals=True)
         ready(master)
         changes = ros_to_mqtt(master)
@@ -324,18 +313,17 @@ def part_mission(broker: Broker, folder: Path) -> None:
 
 def row(figure: str, value: str, floor: str, goal: str) -> None:
     """A line of the table."""
-    print(f'| {figure} | {value} | {floor} | {goal} |', flush=True)
+    print_row((figure, value, floor, goal))
 
 
 def main() -> None:
     """Prints the table."""
     options = argparse.ArgumentParser(description=__doc__)
-    options.add_argument('--markdown', action='store_true', help='as everywhere; it is one anyway')
     options.add_argument('--only', choices=('latency', 'mission'), help='a part of it')
     only = options.parse_args().only
     port = free_port()
     own_broker = OwnBroker(port)
-    print('| figure | measured | floor: bare MQTT | goal |\n|---|---|---|---|')
+    print_table([], ('figure', 'measured', 'floor: bare MQTT', 'goal'))
     with tempfile.TemporaryDirectory() as folder:
         try:
             if only != 'mission':

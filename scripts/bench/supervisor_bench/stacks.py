@@ -1,16 +1,16 @@
 """What is measured: one LD-90 with or without its fleet manager, or a fleet of simulated AGVs."""
 from __future__ import annotations
 
-import os
 import signal
 import subprocess
 import tempfile
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 from fleet_bench.instances import aisles
+from measuring.ros_master import own_ros_master
 
-from ports import free_port
 from trajectory_graph import save_graph
 
 ROBOT = '''<launch>
@@ -47,29 +47,26 @@ class Stack:
     """A ROS master of its own, and launch texts on it; ended with `with`."""
 
     def __init__(self) -> None:
-        self._folder = tempfile.TemporaryDirectory()
-        self.folder = Path(self._folder.name)
-        port = free_port()
-        os.environ['ROS_MASTER_URI'] = f'http://127.0.0.1:{port}'
-        self._processes = [subprocess.Popen(['roscore', '-p', str(port)],
-                                            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)]
+        self._context = ExitStack()
+        self.folder = Path(self._context.enter_context(tempfile.TemporaryDirectory()))
+        self._context.enter_context(own_ros_master())
+        self._launched = 0
 
     def __enter__(self) -> Stack:
         return self
 
     def __exit__(self, *_: object) -> None:
-        for process in reversed(self._processes):
-            self.end(process)
-        self._folder.cleanup()
+        self._context.close()
 
     def launch(self, text: str, **values: Any) -> subprocess.Popen:
         """Starts what a launch text says."""
-        path = self.folder / f'{len(self._processes)}.launch'
+        self._launched += 1
+        path = self.folder / f'{self._launched}.launch'
         path.write_text(text.format(folder=self.folder, **values))
-        log = (self.folder / f'{len(self._processes)}.log').open('w')
+        log = (self.folder / f'{self._launched}.log').open('w')
         process = subprocess.Popen(['roslaunch', '--wait', str(path)], stdout=log,
                                    stderr=subprocess.STDOUT)
-        self._processes.append(process)
+        self._context.callback(self.end, process)
         return process
 
     @staticmethod

@@ -1,0 +1,24 @@
+"""How long something takes."""
+from __future__ import annotations
+
+import statistics
+import time
+from typing import Callable, Sequence
+
+import numpy as np
+
+
+def milliseconds(run: Callable[[], object], runs: int = 7) -> float:
+    """Median of several runs, by the clock."""
+    times = []
+    for _ in range(runs):
+        begun = time.perf_counter()
+        run()
+        times.append(time.perf_counter() - begun)
+    return 1e3 * statistics.median(times)
+
+
+def p50_and_p99(values: Sequence[float]) -> str:
+    """Median and 99th percentile of some times in ms."""
+    p50, p99 = np.percentile(values, (50, 99))
+    return f'p50 {p50:.2f} ms, p99 {p99:.2f} ms'
