@@ -24,6 +24,12 @@ def sent(goal: str = '12', before: Motion = Motion.STANDING, previous: str = '')
     return tracker
 
 
+def arrived() -> GoalTracker:
+    tracker = sent()
+    tracker.ended(CommandEnded(1, Ending.SUCCEEDED), 5.0)
+    return tracker
+
+
 def doubtful(ending: Ending = Ending.LOST, **how) -> GoalTracker:
     tracker = sent(**how)
     tracker.ended(CommandEnded(1, ending, 'the link broke'), 1.0)
@@ -84,6 +90,42 @@ class TestOutcomes:
         assert tracker.is_doubtful
         show(tracker, Motion.GOING, '12', times=1)
         assert not tracker.is_doubtful
+
+    def test_whoever_stops_a_robot_that_stands_at_its_goal_has_taken_it_over(self):
+        tracker = arrived()
+        tracker.stop_begun(6.0)
+        assert isinstance(tracker.failure, TakenOver)
+
+    def test_one_that_shows_that_it_was_stopped_there_as_well(self):
+        tracker = arrived()
+        show(tracker, Motion.ARRIVED, '12', begin=5.5, times=1)
+        show(tracker, Motion.STANDING, begin=6.0, times=1)
+        assert isinstance(tracker.failure, TakenOver)
+
+    def test_one_that_shows_no_arrival_by_name_just_stands(self):
+        tracker = arrived()
+        show(tracker, Motion.STANDING, begin=5.5)
+        assert tracker.failure is None
+        assert not tracker.is_doubtful
+
+    def test_one_that_said_that_it_stops_before_its_arrival_is_told_is_sent_on_by_its_status(self):
+        tracker = sent()
+        show(tracker, Motion.GOING, '12')
+        tracker.stop_begun(4.0)
+        tracker.ended(CommandEnded(1, Ending.SUCCEEDED), 4.1)
+        show(tracker, Motion.GOING, '12', begin=4.2, times=1)  # from before
+        assert tracker.is_doubtful
+        show(tracker, Motion.ARRIVED, '12', begin=5.1, times=1)
+        assert not tracker.is_doubtful
+        assert tracker.failure is None
+
+    def test_or_is_somebody_elses(self):
+        tracker = sent()
+        show(tracker, Motion.GOING, '12')
+        tracker.stop_begun(4.0)
+        tracker.ended(CommandEnded(1, Ending.SUCCEEDED), 4.1)
+        show(tracker, Motion.STANDING, begin=4.5, times=1)
+        assert isinstance(tracker.failure, TakenOver)
 
 
 class TestLostOutcome:
@@ -194,6 +236,18 @@ class TestLostOutcome:
         tracker = doubtful(ending=Ending.NEVER_SENT, before=Motion.GOING, previous='10')
         show(tracker, Motion.GOING, '10')
         assert tracker.give_again
+
+    @pytest.mark.parametrize('by_its_status', [True, False])
+    def test_a_robot_that_rests_as_before_but_was_stopped_meanwhile_heard_somebody(
+            self, by_its_status):
+        tracker = doubtful(ending=Ending.NEVER_SENT)
+        if by_its_status:
+            show(tracker, Motion.STOPPING, begin=1.5, times=1)
+        else:
+            tracker.stop_begun(1.5)
+        show(tracker, Motion.STANDING)
+        assert not tracker.give_again
+        assert isinstance(tracker.failure, TakenOver)
 
     def test_a_failed_drive_fails(self):
         tracker = doubtful()

@@ -80,9 +80,11 @@ class GoalTracker:
         # Goals sent before it, the last one at the end: those that the robot may yet be going to,
         # for the controller may not have heard of all that we sent.
         self._via: FrozenSet[str] = frozenset()
-        self._before: Optional[RobotSeen] = None  # the last status before the command
+        # The last status before the command; None where it says nothing, as after a stop since.
+        self._before: Optional[RobotSeen] = None
         self._last: Optional[RobotSeen] = None
-        self._stop_begun = False  # the robot has said that it stops since the last status
+        self._stop_begun = False  # the robot has said that it stops, and no status followed yet
+        self._stop_begun_at = -math.inf
         self._names_goals: Optional[bool] = None  # the robot shows where we sent it, by its name
         self._place: Optional[Tuple[float, float]] = None
         self._place_before: Optional[Tuple[float, float]] = None
@@ -115,6 +117,8 @@ class GoalTracker:
         """
         if self.knowledge is Knowledge.DOUBTFUL or self._interruption is not None:
             return True
+        if self.reached:
+            return self._stop_begun
         last = self._last
         strays = self._stop_begun or last is not None and (
             last.motion in _STOPPED or self.is_on_our_way(last) is False)
@@ -209,8 +213,15 @@ class GoalTracker:
 
     def seen(self, status: RobotSeen, now: float, link_stands_since: float) -> None:
         """The robot's status; `link_stands_since` is infinite while no command can reach it."""
-        self._last = status
-        self._stop_begun = False
+        last, self._last = self._last, status
+        stop_begun = self._stop_begun
+        if now >= self._stop_begun_at + STATUS_LAG:
+            self._stop_begun = False
+        if status.motion is Motion.STOPPING and not self._is_as_before(status):
+            self._before = None
+        if self.reached and status.motion in _STOPPED and (stop_begun or (
+                last is not None and (last.motion, last.goal) == (Motion.ARRIVED, self.goal))):
+            self.failure = TakenOver(f'The robot was stopped at {self.goal}.')
         if status.motion is Motion.GOING and self.knowledge is Knowledge.AWAITED:
             self._names_goals = bool(status.goal or self._names_goals)
         if status.motion in _TOWARDS_GOAL and status.goal == self.goal:
@@ -220,9 +231,15 @@ class GoalTracker:
         elif self.knowledge is Knowledge.WATCHED:
             self._watch(status, now)
 
-    def stop_begun(self) -> None:
-        """The robot has said that it stops; its next status shows whether it goes on."""
-        self._stop_begun = True
+    def stop_begun(self, now: float) -> None:
+        """The robot has said that it stops; its status will show whether it goes on.
+
+        One that stands at its goal has been stopped by somebody.
+        """
+        self._stop_begun, self._stop_begun_at = True, now
+        self._before = None
+        if self.reached:
+            self.failure = TakenOver(f'The robot was stopped at {self.goal}.')
 
     def check_clock(self, now: float) -> None:
         """An interruption whose cause was not told in time was somebody's doing."""

@@ -30,7 +30,7 @@ class RobotMonitor:
         self._count = 0  # of commands given
         self._handlers: Dict[Type[object], Callable[..., None]] = {
             p.RobotSeen: self._on_seen, p.CommandEnded: self._on_ended,
-            p.StopBegun: lambda event, now: self.tracker.stop_begun(),
+            p.StopBegun: lambda event, now: self.tracker.stop_begun(now),
             p.ForeignStop: self._on_foreign_stop, p.LinkReported: self._on_link,
         }
 

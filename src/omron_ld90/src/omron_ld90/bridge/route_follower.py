@@ -8,6 +8,7 @@ orders are taken up, and the fleet manager is told.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Callable, Iterable, List, Optional, Tuple, TypeVar
 
 from omron_ld90.bridge import events as p
@@ -106,6 +107,8 @@ class RouteFollower:
     @property
     def record(self) -> Optional[p.RouteRecord]:
         """What `restore` is to be given after a restart; None before the first route."""
+        if self._restored:  # died again before it knew more
+            return replace(self._restored[0], owes_stop=self.robot.stop_duty.owed)
         return self.route.record(self.robot.stop_duty.owed) if self.route else None
 
     def report(self) -> RouteReport:

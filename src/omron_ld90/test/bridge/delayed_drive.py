@@ -1,0 +1,342 @@
+"""The bridge's mind, the controller's core and a robot that speaks ARCL, with delays between them.
+
+All without ROS and sockets: everything happens at its time on one clock, nothing is random, and
+every line and message takes as long as it is told to. A person may stop the robot at any moment.
+"""
+from __future__ import annotations
+
+import heapq
+from dataclasses import dataclass
+from functools import partial
+from typing import Callable, List, Optional, Sequence, Tuple
+
+from bridge_builders import DOCK_VERTEX, ENDINGS, NANOSECONDS, GraphRobot
+from speaking_robot import SpeakingRobot
+
+from omron_arcl import ArclError, Execution, NotConnected, parse_command, parse_line, read_activity
+from omron_arcl.arbiter import Arbiter
+from omron_arcl.dispatcher import Dispatcher
+from omron_arcl.guard import Guard
+from omron_arcl.overruling import Overruled
+from omron_arcl.replies import DockingStatus, Interrupted, Stopping
+from omron_ld90.bridge import events as p
+from omron_ld90.bridge.motions import motion_of
+from omron_ld90.bridge.route_follower import RouteFollower
+from omron_ld90.bridge.route_strategies import STRATEGIES, Settings
+from trajectory_graph import Graph
+from trajectory_graph.route_protocol import RouteOrder, RouteReport
+
+BRIDGE, PERSON = '/bridge', '/rviz'
+HEARTBEAT = 1.5  # s between statuses that the controller asks for
+TICK = 0.1
+
+
+@dataclass(frozen=True)
+class Delays:
+    """Seconds that each way takes."""
+
+    commands: float        # bridge -> controller
+    ends: float            # controller -> bridge: how commands end
+    lines: float           # controller -> bridge: `arcl_response`
+    to_robot: float        # controller -> robot
+    from_robot: float      # robot -> controller
+    statuses: float        # robot -> receiver -> bridge
+    to_controller: float   # person -> controller
+    to_bridge: float       # person -> bridge
+
+
+class DelayedDrive:
+    """A route that is driven under the eyes of a person who may stop the robot.
+
+    passed -- drives of the route that the bridge gave, or the controller let through, although it
+        knew of the person's stop
+    crossed -- a drive that was on its way when the person stopped the robot itself, and that
+        nobody could hold back any more, came to the robot after that stop
+    """
+
+    def __init__(self, graph: Graph, vertex: int, strategy: str, delays: Delays,
+                 interruption: str, braking: float) -> None:
+        self.now = 100.0
+        self.delays = delays
+        self.up = dict.fromkeys(p.Link, True)
+        self.stopped_at: Optional[float] = None      # the person's last stop
+        self.bridge_knows = self.controller_knows = False
+        self.crossed = self._stopped_at_robot = False
+        self._signs_of_stop: Tuple[p.Motion, ...] = (p.Motion.STOPPING,)
+        self.passed: List[str] = []
+        self.trace: List[str] = []
+        self.watchers: List[Callable[[str], None]] = []  # of the moments of the drive
+        self._due: List[Tuple[float, int, Callable[[], None]]] = []
+        self._count = 0
+        self._generation = 0     # of the bridge's process
+        self._connection = 0     # of the controller's link
+        self._drives: List[Execution] = []  # of the route
+        self._dispatcher = Dispatcher()
+        self._arbiter = Arbiter(self._execute, lambda execution: self._dispatcher.cancel(
+            execution, self.now), Guard(['motion']), lambda: self.now)
+        self.robot = SpeakingRobot(graph, vertex, self._say, self.later, interruption, braking)
+        self.bridge: Optional[RouteFollower] = RouteFollower(
+            Settings(dock_vertex=DOCK_VERTEX, strategy=STRATEGIES[strategy]), graph,
+            tuple(p.Link))
+        self._every(TICK, self._tick)
+        self._every(1.0, self._report_links)
+        self._every(GraphRobot.STATUS_PERIOD, self._show_status)
+        self._every(HEARTBEAT, self._ask_status)
+        self.run(1.5)
+
+    # --- time -------------------------------------------------------------------------------------
+
+    def later(self, seconds: float, call: Callable[[], None]) -> None:
+        """Does something in a while; what is due at one time is done in the order of asking."""
+        self._count += 1
+        heapq.heappush(self._due, (self.now + seconds, self._count, call))
+
+    def run(self, seconds: float, until: Callable[[], bool] = lambda: False) -> bool:
+        """Lets time pass; whether the condition came to hold."""
+        end = self.now + seconds
+        while not until():
+            if not self._due or self._due[0][0] > end:
+                self.now = end
+                return False
+            self.now, _, call = heapq.heappop(self._due)
+            call()
+        return True
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether the bridge knows that its route is over."""
+        return self.bridge is not None and not self.bridge.running
+
+    def _every(self, period: float, call: Callable[[], None]) -> None:
+        def again() -> None:
+            self.later(period, again)
+            call()
+        self.later(0.0, again)
+
+    def _tick(self) -> None:
+        goal = self.robot.move(self.now)
+        if goal is not None:
+            self._note('arrival')
+        self._dispatcher.on_time(self.now)
+        self._send()
+        self._call_back()
+        if self.bridge:
+            self._act(self.bridge.tick(self.now))
+
+    def _note(self, moment: str) -> None:
+        self.trace.append(f'{self.now:.3f} {moment}')
+        for watch in list(self.watchers):
+            watch(moment)
+
+    # --- what people and the fleet do -------------------------------------------------------------
+
+    def order(self, route_id: int, *edges: int) -> None:
+        """The fleet manager gives a route, knowing of all that has happened."""
+        stamp = int(self.now * NANOSECONDS)
+        self.stopped_at = None
+        self.bridge_knows = self.controller_knows = self._stopped_at_robot = False
+        self._note('order')
+        self._tell(RouteOrder(route_id, edges, stamp, stamp))
+
+    def stop_by_topic(self) -> None:
+        """A person stops the robot in RViz, on `send_command` or on `execute_command`."""
+        self._begin_stop('topic')
+        self._tell_nodes(self._take_stop)
+
+    def _take_stop(self) -> None:
+        try:
+            self._arbiter.execute('stop', PERSON)
+        except NotConnected:
+            return
+        self.controller_knows = True
+
+    def stop_by_cancelling(self) -> None:
+        """A person cancels what `execute_command` does."""
+        self._begin_stop('cancellation')
+        self._tell_nodes(self._take_cancellation)
+
+    def _take_cancellation(self) -> None:
+        for execution in self._drives:
+            if execution.result is None:
+                self.controller_knows = True
+                self._arbiter.cancel(execution, PERSON)
+        self._send()
+        self._call_back()
+
+    def stop_at_robot(self) -> None:
+        """A person stops the robot in MobilePlanner, or with another client of it."""
+        self._begin_stop('another client')
+        self._stopped_at_robot = True
+        self.robot.take('stop')
+
+    def _tell_nodes(self, take: Callable[[], None]) -> None:
+        """The controller takes the person's word, and the bridge hears it, too."""
+        self.later(self.delays.to_controller, take)
+        self.later(self.delays.to_bridge, lambda: self._tell(p.ForeignStop(PERSON)))
+
+    def _begin_stop(self, how: str) -> None:
+        self.stopped_at = self.now
+        if self.robot.status != 'Stopped':  # else that is no news
+            self._signs_of_stop = (p.Motion.STOPPING, p.Motion.STANDING)
+        self._note(f'stop by {how}')
+
+    def cut(self, link: p.Link, seconds: float) -> None:
+        """A link is down for some seconds."""
+        self.up[link] = False
+        self._note(f'{link.value} down')
+        if link is p.Link.COMMANDS:
+            self._connection += 1
+            self._dispatcher.on_lost('the link broke')
+            self._call_back()
+        self._report_links()
+
+        def mend() -> None:
+            self.up[link] = True
+            self._report_links()
+            self._note(f'{link.value} up')
+        self.later(seconds, mend)
+
+    def restart_bridge(self, seconds: float) -> None:
+        """The bridge dies, and is back after some seconds with what it remembers."""
+        if self.bridge is None:
+            return
+        dead, record = self.bridge, self.bridge.record
+        self.bridge = None
+        self._generation += 1
+        self._note('bridge dies')
+
+        def start() -> None:
+            self.bridge = RouteFollower(dead.settings, dead.graph, tuple(p.Link))
+            if record:
+                self.bridge.restore(record, True, self.now)
+            self._report_links()
+            self._note('bridge is back')
+        self.later(seconds, start)
+
+    # --- the bridge -------------------------------------------------------------------------------
+
+    def _tell(self, event: p.Event) -> None:
+        if self.bridge:
+            self._judge(event)
+            self._act(self.bridge.handle(event, self.now))
+
+    def _judge(self, event: p.Event) -> None:
+        """Whether the bridge can know of the person's stop by this event."""
+        if self.stopped_at is None:
+            return
+        self.bridge_knows = self.bridge_knows or (
+            isinstance(event, (p.ForeignStop, p.StopBegun))
+            or (isinstance(event, p.CommandEnded) and not event.text.startswith('replaced by')
+                and event.ending in (p.Ending.INTERRUPTED, p.Ending.CANCELLED))
+            or (isinstance(event, p.RobotSeen) and event.stamp > self.stopped_at * NANOSECONDS
+                and event.motion in self._signs_of_stop))
+
+    def _act(self, actions: Sequence[p.Action]) -> None:
+        for action in actions:
+            if isinstance(action, p.Give):
+                self._give(action)
+            elif isinstance(action, RouteReport) and action.reason:
+                self.trace.append(f'{self.now:.3f} route failed: {action.reason}')
+
+    def _give(self, give: p.Give) -> None:
+        generation, drives = self._generation, give.command != 'stop'
+        if drives and self.bridge_knows:
+            self.passed.append(f'{self.now:.3f} given: {give.command}')
+
+        def end(ending: p.Ending, words: str) -> None:
+            def tell() -> None:
+                if generation == self._generation:
+                    self.trace.append(f'{self.now:.3f} ended {give} {ending.value}: {words}')
+                    self._tell(p.CommandEnded(give.number, ending, words))
+            self.later(self.delays.ends, tell)
+
+        self.later(self.delays.commands, lambda: self._take_from_bridge(give.command, end))
+        self._note(f'give {give.command}')
+
+    def _report_links(self) -> None:
+        for link, up in self.up.items():
+            self._tell(p.LinkReported(link, up, '' if up else 'connection refused'))
+
+    # --- the controller ---------------------------------------------------------------------------
+
+    def _execute(self, text: str, check: Callable, on_end: Callable, **_: object) -> Execution:
+        """What the client of ARCL does."""
+        command = parse_command(text)
+        check(command)
+        if not self.up[p.Link.COMMANDS]:
+            raise NotConnected('connection refused')
+        execution = self._dispatcher.start(command, on_end=on_end)
+        self._send()
+        return execution
+
+    def _take_from_bridge(self, command: str, end: Callable[[p.Ending, str], None]) -> None:
+        try:
+            execution = self._arbiter.execute(
+                command, BRIDGE, on_end=lambda result: end(ENDINGS[result.outcome], result.words))
+        except Overruled as overruled:
+            end(p.Ending.INTERRUPTED, str(overruled))
+        except ArclError as error:
+            end(p.Ending.NEVER_SENT, f'never sent: {error}')
+        else:
+            if execution.command.spec.drives:
+                self._drives.append(execution)
+                self._note(f'let through: {command}')
+                if self.controller_knows:
+                    self.passed.append(f'{self.now:.3f} let through: {command}')
+        self._call_back()
+
+    def _send(self) -> None:
+        while self.up[p.Link.COMMANDS]:
+            line = self._dispatcher.next_to_send(self.now)
+            if line is None:
+                return
+            self._carry(self.delays.to_robot, partial(self._reach_robot, line.decode()))
+
+    def _reach_robot(self, line: str) -> None:
+        if self._stopped_at_robot and line not in ('stop', 'oneLineStatus') and not self.passed:
+            self.crossed = True
+            self._note(f'crossed: {line}')
+        self.robot.take(line)
+
+    def _carry(self, seconds: float, call: Callable[[], None]) -> None:
+        """Over the link `commands`, on which nothing arrives any more once it is down."""
+        connection = self._connection
+        self.later(seconds, lambda: call() if connection == self._connection else None)
+
+    def _ask_status(self) -> None:
+        if self.up[p.Link.COMMANDS]:
+            self._dispatcher.start(parse_command('oneLineStatus'))
+            self._send()
+
+    def _say(self, line: str) -> None:
+        if not line.startswith('Status'):
+            self.trace.append(f'{self.now:.3f} robot: {line}')
+        if self.up[p.Link.COMMANDS]:
+            self._carry(self.delays.from_robot, lambda: self._hear(line))
+
+    def _hear(self, line: str) -> None:
+        reply = parse_line(line)
+        if isinstance(reply, (Stopping, Interrupted)) and self.stopped_at is not None:
+            self.controller_knows = True
+        if isinstance(reply, Stopping):
+            self.later(self.delays.lines, lambda: self._tell(p.StopBegun()))
+        self._arbiter.on_reply(reply)
+        self._dispatcher.on_reply(reply, line, self.now)
+        self._send()
+        self._call_back()
+
+    def _call_back(self) -> None:
+        for call in self._dispatcher.pop_callbacks():
+            call()
+
+    # --- the receiver -----------------------------------------------------------------------------
+
+    def _show_status(self) -> None:
+        if not self.up[p.Link.OUTGOING]:
+            return
+        activity = read_activity(self.robot.status)
+        docking = (p.Docking(activity.reply.docking.value)
+                   if isinstance(activity.reply, DockingStatus) else p.Docking.UNDOCKED)
+        seen = p.RobotSeen(int(self.now * NANOSECONDS), *motion_of(activity.kind, activity.goal),
+                           docking, place=self.robot.position)
+        self.later(self.delays.statuses, lambda: self._tell(seen))
