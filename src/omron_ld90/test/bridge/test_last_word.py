@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from omron_ld90.bridge import events as p
 
+YARD = yard()  # what is worked out about its corners is kept
 ROUTES = ((1, 5, 6), (1, 2, 3, 4), (1, -1, 9), (1, 5))
 LONGEST_DRIVE = 60.0  # s of any of these routes
 LONGEST_END = 45.0  # s until the end of a drive is known: a dock may be tried several times
@@ -46,7 +47,7 @@ def at(drive: DelayedDrive, moment: Tuple[str, int, float], call: Callable[[], N
        TROUBLES, MOMENTS, STOPS)
 def test_nothing_of_a_route_passes_a_persons_stop(
         strategy, edges, delays, interruption, braking, troubles, moment, stop):
-    drive = DelayedDrive(yard(), 1, strategy, delays, interruption, braking)
+    drive = DelayedDrive(YARD, 1, strategy, delays, interruption, braking)
     for when, (trouble, *how) in troubles:
         at(drive, when, lambda trouble=trouble, how=how: getattr(drive, trouble)(*how))
     at(drive, moment, getattr(drive, stop))
@@ -67,7 +68,7 @@ def test_nothing_of_a_route_passes_a_persons_stop(
 
 def is_driven_again(drive: DelayedDrive) -> bool:
     """Whether a new order drives the robot, from where it stands."""
-    edge, on_it = yard().nearest_edge(*drive.robot.position)
+    edge, on_it = YARD.nearest_edge(*drive.robot.position)
     sent = []
     at(drive, ('let through', 1, 0.0), lambda: sent.append(drive.now))
     drive.order(8, edge if on_it.fraction < 0.5 else -edge)
