@@ -6,7 +6,8 @@ import math
 import pytest
 
 from omron_ld90.bridge.events import CommandEnded, Ending, Motion, RobotSeen
-from omron_ld90.bridge.goal_tracker import DOCK, GoalTracker, Knowledge, TakenOver
+from omron_ld90.bridge.goal_tracker import GoalTracker, Knowledge, TakenOver
+from omron_ld90.bridge.own_goals import DOCK
 
 HERE, THERE = (0.0, 0.0), (3.0, 0.0)
 LONG_AGO = -math.inf
@@ -15,7 +16,7 @@ LONG_AGO = -math.inf
 def sent(goal: str = '12', before: Motion = Motion.STANDING, previous: str = '') -> GoalTracker:
     """A tracker whose command, number 1, was given at time 0 to a robot that did `before`."""
     tracker = GoalTracker()
-    tracker.remember(previous)
+    tracker.goals.remember(previous)
     tracker.located(HERE)
     tracker.seen(RobotSeen(0, before, previous), 0.0, LONG_AGO)
     tracker.send(goal, f'goto {goal}')
@@ -189,7 +190,7 @@ class TestLostOutcome:
             tracker.send(goal, f'goto {goal}')
             tracker.given(number)
             show(tracker, Motion.GOING, goal, begin=float(number), times=1)
-        assert tracker.our_goals == {'8', '10'}
+        assert {name for name in ('8', '9', '10', '12') if name in tracker.goals} == {'8', '10'}
 
     @pytest.mark.parametrize('motion', [Motion.ARRIVED, Motion.STANDING, Motion.DOCKED])
     def test_a_robot_that_stands_where_it_stood_never_heard_of_it(self, motion):
@@ -263,32 +264,7 @@ class TestLostOutcome:
         show(tracker, Motion.STANDING, begin=9.0)
         assert isinstance(tracker.failure, TakenOver)
 
-
-class TestWhoseWay:
-    """Where the robot goes is ours, or somebody else's."""
-
-    @pytest.mark.parametrize('motion, goal, ours', [
-        (Motion.GOING, '12', True), (Motion.GOING, '99', False), (Motion.GOING, '', False),
-        (Motion.BY_HAND, '', False), (Motion.STANDING, '', None), (Motion.STOPPING, '', None),
-        (Motion.UNDOCKING, '', None), (Motion.UNKNOWN, '', None)])
-    def test_by_its_goal(self, motion, goal, ours):
-        assert sent().is_on_our_way(RobotSeen(0, motion, goal)) is ours
-
-    def test_the_dock_may_have_any_name_but_that_of_a_vertex(self):
-        tracker = sent(DOCK)
-        tracker.end()
-        assert tracker.is_on_our_way(RobotSeen(0, Motion.GOING, 'Charger 1'))
-        assert not tracker.is_on_our_way(RobotSeen(0, Motion.GOING, '14'))
-
-    def test_a_robot_that_never_names_where_it_goes_may_go_where_we_sent_it(self):
-        tracker, nameless = sent(), RobotSeen(0, Motion.GOING)
-        tracker.seen(nameless, 1.0, LONG_AGO)
-        assert tracker.is_on_our_way(nameless)
-        tracker.seen(RobotSeen(0, Motion.GOING, '12'), 2.0, LONG_AGO)
-        tracker.seen(nameless, 3.0, LONG_AGO)
-        assert not tracker.is_on_our_way(nameless)
-
-    def test_such_a_robot_is_watched_when_the_end_of_its_drive_was_lost(self):
+    def test_a_robot_that_names_no_goals_is_watched_too(self):
         tracker, nameless = sent(), RobotSeen(0, Motion.GOING)
         tracker.seen(nameless, 0.5, LONG_AGO)
         tracker.ended(CommandEnded(1, Ending.LOST), 1.0)

@@ -123,7 +123,7 @@ class RobotMonitor:
         since = (self.links.up_since(p.Link.COMMANDS)
                  if self.links.stands(p.Link.COMMANDS, now) else math.inf)
         self.tracker.seen(status, now, since)
-        self.stop_duty.seen(status, self.tracker.is_on_our_way(status), now)
+        self.stop_duty.seen(status, self.tracker.goals.is_on_our_way(status), now)
 
     def _on_ended(self, event: p.CommandEnded, now: float) -> None:
         self.stop_duty.ended(event)

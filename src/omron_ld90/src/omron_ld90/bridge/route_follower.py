@@ -89,7 +89,7 @@ class RouteFollower:
         self.route = RouteRun(order, self.settings, self.robot.tracker, self.robot.location, None,
                               now, record.phase, record.completed)
         self.route.reason = record.reason
-        self.robot.tracker.remember(record.goal)
+        self.robot.tracker.goals.remember(record.goal)
         owes_stop = record.owes_stop
         if record.phase is Phase.RUNNING and not is_recent:
             self.route.phase, self.route.reason = Phase.FAILED, 'the bridge was away for too long'

@@ -4,8 +4,9 @@ from __future__ import annotations
 from typing import Optional
 
 from omron_ld90.bridge.events import Motion, RobotSeen, RouteRecord
-from omron_ld90.bridge.goal_tracker import DOCK, RouteFailed, TakenOver
+from omron_ld90.bridge.goal_tracker import RouteFailed, TakenOver
 from omron_ld90.bridge.graph_location import GraphLocation
+from omron_ld90.bridge.own_goals import DOCK
 from omron_ld90.bridge.route_run import RouteRun
 from omron_ld90.goal_names import goal_name
 from trajectory_graph import Graph
