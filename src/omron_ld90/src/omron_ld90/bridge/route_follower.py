@@ -2,24 +2,23 @@
 
 Neither ROS nor sockets nor a clock: every event comes with the time at which it happened (s,
 monotonic), and every answer is a list of actions. Metres, the map frame. Events change what is
-known (`robot_monitor`); then the running route is judged and driven on by that (`route_run`). Here
-orders are taken up, and the fleet manager is told.
+known (`robot_monitor`); then the running route is judged and driven on by that (`route_run`).
+Orders are sorted in `order_intake`; here they become routes, and the fleet manager is told.
 """
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from typing import Callable, Iterable, List, Optional, Tuple, TypeVar
 
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.goal_tracker import RouteFailed, TakenOver
 from omron_ld90.bridge.graph_location import GraphLocation
+from omron_ld90.bridge.order_intake import OrderIntake
 from omron_ld90.bridge.robot_monitor import RobotMonitor
 from omron_ld90.bridge.route_orders import (
     RouteRefused,
     check_change,
     check_edges,
-    check_order,
     check_start,
     is_change,
     is_equal,
@@ -39,8 +38,6 @@ from trajectory_graph.route_protocol import (
     SymbolicPose,
 )
 
-LATE_ORDER = 2.0  # s that an order may be on its way
-
 _Event = TypeVar('_Event')
 
 
@@ -56,11 +53,8 @@ class RouteFollower:
         self.route: Optional[RouteRun] = None
         """The running route, or the last one."""
         self._restored: Optional[Tuple[p.RouteRecord, float]] = None  # to go on with; give up
-        self._waiting: Optional[Tuple[RouteOrder, float]] = None      # to be judged; give up
-        self._refused: Optional[Tuple[RouteOrder, str]] = None        # the last one, and why
-        self._taken_over_at = -math.inf  # somebody else stopped or drove the robot
-        self._explained: Optional[int] = None  # route of which a duplicate was explained
-        self._emergency_told = False  # a refusal in the emergency stop was noted
+        self._orders = OrderIntake(self.robot, settings.location_timeout, self._tell_refusal,
+                                   self._note)
         self._last_reported: Tuple[object, ...] = ()
         self._out: List[p.Action] = []
 
@@ -173,65 +167,27 @@ class RouteFollower:
     # --- orders -----------------------------------------------------------------------------------
 
     def _on_order(self, order: RouteOrder, now: float) -> None:
-        route = self.route
         if not order.edges:
             self._stop(order, now)
-        elif route and 0 < order.stamp < route.order.stamp:
-            self._note(f'Route {order.route_id} came late and was left out: route '
-                       f'{route.order.route_id} was sent after it.')
-        elif route and (order.route_id, order.edges) == (route.order.route_id, route.edges):
-            self._explain_duplicate(route)
-        elif order.stamp and self._refused and order == self._refused[0]:
-            self._refuse(*self._refused)
-        elif self._is_overruled(order, now):
-            self._refuse(order, 'taken over')
-        else:
-            self._waiting = (order, now + self.settings.location_timeout)
+        elif self._orders.take(order, self.route, now):
             self._go_on(now)
 
     def _stop(self, order: RouteOrder, now: float) -> None:
         """An empty order is obeyed whenever it comes, late or twice."""
-        self._waiting = self._restored = None
+        self._orders.drop()
+        self._restored = None
         self.robot.stop(now)
         self.route = self._run(order, None, now, Phase.STOPPED)
 
-    def _overrule(self, now: float) -> None:
-        """Somebody else stops or drives the robot: no order given before may pass that."""
-        self._taken_over_at = now
-        if self._waiting:
-            order, _ = self._waiting
-            self._waiting = None
-            self._refuse(order, 'taken over')
-
-    def _is_overruled(self, order: RouteOrder, now: float) -> bool:
-        """Whether the order came after a take-over of which its sender could not know yet."""
-        age = (order.received - order.stamp) / 1e9 if order.stamp and order.received else 0.0
-        return now - age < self._taken_over_at and now < self._taken_over_at + LATE_ORDER
-
-    def _explain_duplicate(self, route: RouteRun) -> None:
-        """Nothing is done; who orders a route once more that is over is told so, once."""
-        if not route.running and self._explained != route.order.route_id:
-            self._explained = route.order.route_id
-            self._note(f'Route {route.order.route_id} was ordered again and is ignored: it is '
-                       f'{route.phase.value}. Another drive needs another id.')
-
-    def _consider_waiting(self, now: float) -> None:
-        """Takes up the order that waits, or refuses it, once it can be judged or is too old."""
-        if self._waiting is None:
+    def _consider_order(self, now: float) -> None:
+        """Takes up the order that waits, or refuses it, once it can be judged."""
+        order = self._orders.due(self._why_unknown, now)
+        if order is None:
             return
-        order, give_up = self._waiting
         try:
-            check_order(order)
-            unknown = self._why_unknown(now)
-            if unknown and now <= give_up and not self.robot.emergency:
-                return
-            self._waiting = None
-            if self.robot.emergency or unknown:
-                raise RouteRefused('emergency stop' if self.robot.emergency else unknown)
             self._take_up(order, now)
         except RouteRefused as refusal:
-            self._waiting = None
-            self._refuse(order, str(refusal))
+            self._orders.refuse(order, str(refusal))
 
     def _why_unknown(self, now: float) -> str:
         return 'there is no graph' if self.graph is None else self.robot.why_unknown(now)
@@ -246,9 +202,7 @@ class RouteFollower:
         else:
             check_start(order, route, here)
             self._begin(order, now)
-        if self._emergency_told:
-            self._emergency_told = False
-            self._note(f'Route {order.route_id} is driven: the emergency stop is over.')
+        self._orders.accepted(order)
 
     def _begin(self, order: RouteOrder, now: float) -> None:
         """Drives a new route."""
@@ -271,17 +225,13 @@ class RouteFollower:
         return RouteRun(order, self.settings, self.robot.tracker, self.robot.location, progress,
                         now, phase)
 
-    def _refuse(self, order: RouteOrder, reason: str) -> None:
-        """Says so; where the id is not that of the route in the reports, by a report, too."""
-        self._refused = (order, reason)
+    def _tell_refusal(self, order: RouteOrder, reason: str) -> None:
+        """Where the id is not that of the route in the reports, a report tells of it, too."""
         self._out.append(RouteRefusal(order.route_id, order.edges, reason))
         if self.route is None or self.route.order.route_id != order.route_id:
             self._out.append(RouteReport(
                 self._stamp, order.route_id, order.edges,
                 (EdgeState.FAILED,) * len(order.edges), self._pose(), reason))
-        if not (self.robot.emergency and self._emergency_told):  # who waits for its end tries on
-            self._note(f'Route {order.route_id} was refused: {reason}.')
-        self._emergency_told = self.robot.emergency
 
     # --- what happens to the route ----------------------------------------------------------------
 
@@ -293,7 +243,7 @@ class RouteFollower:
 
     def _on_event(self, event: p.Event, now: float) -> None:
         if isinstance(event, p.ForeignStop):
-            self._overrule(now)
+            self._orders.overrule(now)
         moved, driven = self.robot.update(event, now), self._driven
         if moved and driven:
             self._note(driven.locate(self._here, now))
@@ -305,7 +255,7 @@ class RouteFollower:
     def _go_on(self, now: float) -> None:
         """Judges what is known now, and drives on."""
         self._consider_restored(now)
-        self._consider_waiting(now)
+        self._consider_order(now)
         driven = self._driven
         if driven:
             self.robot.check(now)
@@ -359,7 +309,7 @@ class RouteFollower:
         assert route is not None  # only a running route fails
         if isinstance(failure, TakenOver):
             self.robot.leave(failure, now)
-            self._overrule(now)
+            self._orders.overrule(now)
         else:
             self.robot.stop(now)
         route.phase = Phase.FAILED
