@@ -35,14 +35,14 @@ TICK = 0.1
 class Delays:
     """Seconds that each way takes."""
 
-    commands: float        # bridge -> controller
-    ends: float            # controller -> bridge: how commands end
-    lines: float           # controller -> bridge: `arcl_response`
-    to_robot: float        # controller -> robot
-    from_robot: float      # robot -> controller
-    statuses: float        # robot -> receiver -> bridge
-    to_controller: float   # person -> controller
-    to_bridge: float       # person -> bridge
+    commands: float = 0.0        # bridge -> controller
+    ends: float = 0.0            # controller -> bridge: how commands end
+    lines: float = 0.0           # controller -> bridge: `arcl_response`
+    to_robot: float = 0.0        # controller -> robot
+    from_robot: float = 0.0      # robot -> controller
+    statuses: float = 0.0        # robot -> receiver -> bridge
+    to_controller: float = 0.0   # person -> controller
+    to_bridge: float = 0.0       # person -> bridge
 
 
 class DelayedDrive:

@@ -2,7 +2,8 @@
 from __future__ import annotations
 
 from dataclasses import fields
-from typing import Callable, Tuple
+from functools import lru_cache
+from typing import Callable, Sequence, Tuple
 
 from bridge_builders import yard
 from delayed_drive import DelayedDrive, Delays
@@ -21,10 +22,23 @@ MOMENTS = st.one_of(
     st.tuples(st.just('order'), st.just(1), st.floats(0.0, 25.0)),
     st.tuples(st.sampled_from(['give', 'let through', 'arrival', 'up', 'bridge is back']),
               st.integers(1, 4), st.one_of(SECONDS, st.floats(0.0, 1.2))))
+NEAR_ONE = st.tuples(st.just('as planned'), st.integers(1, 12), st.floats(-0.8, 0.3))
 STOPS = st.sampled_from(['stop_by_topic', 'stop_by_cancelling', 'stop_at_robot'])
 TROUBLES = st.lists(st.tuples(MOMENTS, st.one_of(
     st.tuples(st.just('cut'), st.sampled_from(list(p.Link)), st.floats(0.1, 5.0)),
     st.tuples(st.just('restart_bridge'), st.floats(0.1, 4.0)))), max_size=2)
+
+
+@lru_cache(maxsize=None)
+def planned_moments(strategy: str, edges: Tuple[int, ...]) -> Sequence[float]:
+    """Seconds from the order to each drive and each arrival of a route that nothing delays."""
+    drive = DelayedDrive(YARD, 1, strategy, Delays(), 'name', 0.0)
+    moments = []
+    drive.watchers.append(lambda what: moments.append(drive.now) if what != 'order' else None)
+    start = drive.now
+    drive.order(7, *edges)
+    drive.run(LONGEST_DRIVE, lambda: drive.has_ended)
+    return [moment - start for moment in moments]
 
 
 def at(drive: DelayedDrive, moment: Tuple[str, int, float], call: Callable[[], None]) -> None:
@@ -44,12 +58,16 @@ def at(drive: DelayedDrive, moment: Tuple[str, int, float], call: Callable[[], N
 @given(st.sampled_from(['rolling', 'vertex_by_vertex', 'direct']), st.sampled_from(ROUTES),
        st.builds(Delays, **{way.name: SECONDS for way in fields(Delays)}),
        st.sampled_from(['name', 'coordinates', 'nothing']), st.sampled_from([0.0, 0.3, 1.5]),
-       TROUBLES, MOMENTS, STOPS)
+       TROUBLES, st.one_of(NEAR_ONE, NEAR_ONE, MOMENTS), STOPS)
 def test_nothing_of_a_route_passes_a_persons_stop(
         strategy, edges, delays, interruption, braking, troubles, moment, stop):
     drive = DelayedDrive(YARD, 1, strategy, delays, interruption, braking)
     for when, (trouble, *how) in troubles:
         at(drive, when, lambda trouble=trouble, how=how: getattr(drive, trouble)(*how))
+    if moment[0] == 'as planned':
+        _, count, seconds = moment
+        planned = planned_moments(strategy, edges)
+        moment = ('order', 1, max(planned[count % len(planned)] + seconds, 0.0))
     at(drive, moment, getattr(drive, stop))
     drive.order(7, *edges)
     drive.run(LONGEST_DRIVE, lambda: drive.stopped_at is not None or drive.has_ended)

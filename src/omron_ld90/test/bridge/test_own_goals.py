@@ -21,7 +21,7 @@ def seen(motion: Motion, goal: str = '') -> RobotSeen:
 @pytest.mark.parametrize('motion, goal, ours', [
     (Motion.GOING, '12', True), (Motion.GOING, '99', False), (Motion.GOING, '', False),
     (Motion.BY_HAND, '', False), (Motion.STANDING, '', None), (Motion.STOPPING, '', None),
-    (Motion.UNDOCKING, '', None), (Motion.UNKNOWN, '', None)])
+    (Motion.UNDOCKING, '', None), (Motion.DOCKING, '', None), (Motion.UNKNOWN, '', None)])
 def test_a_robot_is_on_our_way_by_the_goal_that_it_names(motion, goal, ours):
     assert sent('12').is_on_our_way(seen(motion, goal)) is ours
 
@@ -49,6 +49,7 @@ def test_that_is_our_way_also_after_its_end():
     assert own.current is None
     assert own.last == DOCK
     assert own.is_on_our_way(seen(Motion.GOING, 'Charger 1'))
+    assert own.is_on_our_way(seen(Motion.DOCKING))
     assert not own.is_on_our_way(seen(Motion.GOING, '14'))
 
 

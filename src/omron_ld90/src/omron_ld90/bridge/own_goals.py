@@ -70,6 +70,8 @@ class OwnGoals:
         """Whether the robot goes where we sent it; None where it is not seen to go anywhere."""
         if status.motion is Motion.BY_HAND:
             return False
+        if status.motion is Motion.DOCKING and self.last == DOCK:
+            return True
         if status.motion is not Motion.GOING:
             return None
         if not status.goal:
