@@ -8,7 +8,8 @@ Orders are sorted in `order_intake`; here they become routes, and the fleet mana
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Callable, Iterable, List, Optional, Tuple, TypeVar
+from functools import partial
+from typing import Callable, Iterable, List, Optional, Tuple
 
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.goal_tracker import RouteFailed, TakenOver
@@ -25,7 +26,7 @@ from omron_ld90.bridge.route_orders import (
     is_same_in,
 )
 from omron_ld90.bridge.route_progress import RouteProgress
-from omron_ld90.bridge.route_restart import current_edge, resume
+from omron_ld90.bridge.route_restart import go_on
 from omron_ld90.bridge.route_run import RouteRun
 from omron_ld90.bridge.route_strategies import Settings
 from trajectory_graph import Graph
@@ -37,8 +38,6 @@ from trajectory_graph.route_protocol import (
     RouteReport,
     SymbolicPose,
 )
-
-_Event = TypeVar('_Event')
 
 
 class RouteFollower:
@@ -63,16 +62,16 @@ class RouteFollower:
     def handle(self, event: p.Event, now: float) -> List[p.Action]:
         """Takes an event; commands in the answer come before anything told about them."""
         if isinstance(event, RouteOrder):
-            return self._answer(self._on_order, event, now)
-        return self._answer(self._on_event, event, now)
+            return self._answer(partial(self._on_order, event, now), now)
+        return self._answer(partial(self._on_event, event, now), now)
 
     def tick(self, now: float) -> List[p.Action]:
         """Looks at the clock; to be called about ten times a second."""
-        return self._answer(self._on_tick, None, now)
+        return self._answer(partial(self._go_on, now), now)
 
     def use_graph(self, graph: Graph, now: float) -> List[p.Action]:
         """Replaces the graph; a running route goes on when its edges are what they were."""
-        return self._answer(self._use_graph, graph, now)
+        return self._answer(partial(self._use_graph, graph, now), now)
 
     def restore(self, record: p.RouteRecord, is_recent: bool, now: float) -> None:
         """What the bridge knew of the last route when it last ran.
@@ -113,12 +112,11 @@ class RouteFollower:
         return RouteReport(self._stamp, route.order.route_id, route.edges, route.states,
                            self._pose(), self._reason)
 
-    def _answer(self, handle: Callable[[_Event, float], None], event: _Event,
-                now: float) -> List[p.Action]:
+    def _answer(self, handle: Callable[[], None], now: float) -> List[p.Action]:
         """What a handler makes of an event: commands, notes, a report where more than a
         percentage has changed."""
         try:
-            handle(event, now)
+            handle()
         except RouteFailed as failure:
             self._fail(failure, now)
         actions: List[p.Action] = [*self.robot.due_commands(now), *self._out]
@@ -249,9 +247,6 @@ class RouteFollower:
             self._note(driven.locate(self._here, now))
         self._go_on(now)
 
-    def _on_tick(self, _: None, now: float) -> None:
-        self._go_on(now)
-
     def _go_on(self, now: float) -> None:
         """Judges what is known now, and drives on."""
         self._consider_restored(now)
@@ -267,28 +262,14 @@ class RouteFollower:
         if self._restored is None or route is None:
             return
         record, give_up = self._restored
-        unknown = self._why_unknown(now)
-        if (unknown or seen is None) and now <= give_up:
+        unknown = self._why_unknown(now) or ('' if seen else 'the robot is silent')
+        if unknown and now <= give_up:
             return
         self._restored = None
-        if unknown or seen is None:
-            if route.running:
-                raise RouteFailed(unknown or 'the robot is silent')
-            return
-        here = self._here
-        try:
-            check_edges(here.graph, record.edges)
-        except RouteRefused as refusal:
-            if route.running:
-                raise RouteFailed(str(refusal)) from None
-            return
-        if route.running:
-            current = current_edge(record, here, seen)
-            route.progress = self._progress(record.edges, current)
-            resume(route, record, here.graph, seen, now)
-            self._note(f'Route {record.route_id} goes on after a restart of the bridge.')
-        else:
-            route.progress = self._progress(record.edges, record.completed)
+        if seen and not unknown:
+            self._note(go_on(route, record, self._here, self._progress, seen, now))
+        elif route.running:
+            raise RouteFailed(unknown)
 
     def _use_graph(self, graph: Graph, now: float) -> None:
         if self.graph is not None and is_equal(graph, self.graph):

@@ -59,9 +59,10 @@ from omron_arcl import (
 from omron_arcl.arbiter import Arbiter
 from omron_arcl.guard import Guard
 from omron_arcl.replies import Goal, MapChanged, OneLineStatus
-from omron_ld90.nodes.controller_actions import ExecuteCommandServer, MoveBaseServer
+from omron_ld90.nodes.controller_execute_command import ExecuteCommandServer
 from omron_ld90.nodes.controller_goals import GoalComparison
 from omron_ld90.nodes.controller_help import HelpReport
+from omron_ld90.nodes.controller_move_base import MoveBaseServer
 from omron_ld90.nodes.controller_password import read_password
 from omron_ld90.nodes.controller_refusals import Refusals
 from omron_ld90.nodes.controller_topics import TopicCommands
