@@ -18,7 +18,7 @@ from omron_arcl.arbiter import Arbiter
 from omron_arcl.dispatcher import Dispatcher
 from omron_arcl.guard import Guard
 from omron_arcl.overruling import Overruled
-from omron_arcl.replies import DockingStatus, Interrupted, Stopping
+from omron_arcl.replies import DockingStatus, Stopping
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.motions import motion_of
 from omron_ld90.bridge.route_follower import RouteFollower
@@ -62,13 +62,16 @@ class DelayedDrive:
         self.stopped_at: Optional[float] = None      # the person's last stop
         self.bridge_knows = self.controller_knows = False
         self.crossed = self._stopped_at_robot = False
+        # That the robot stands is no news where it stood, and some show their arrival so.
         self._signs_of_stop: Tuple[p.Motion, ...] = (p.Motion.STOPPING,)
+        self._shown = p.Motion.UNKNOWN               # by the last status that the bridge has seen
         self.passed: List[str] = []
         self.trace: List[str] = []
         self.watchers: List[Callable[[str], None]] = []  # of the moments of the drive
         self._due: List[Tuple[float, int, Callable[[], None]]] = []
         self._count = 0
         self._generation = 0     # of the bridge's process
+        self._last_number = 0    # of its commands
         self._connection = 0     # of the controller's link
         self._drives: List[Execution] = []  # of the route
         self._dispatcher = Dispatcher()
@@ -176,7 +179,7 @@ class DelayedDrive:
 
     def _begin_stop(self, how: str) -> None:
         self.stopped_at = self.now
-        if self.robot.status != 'Stopped':  # else that is no news
+        if self.robot.goal is not None or self._shown is p.Motion.ARRIVED:
             self._signs_of_stop = (p.Motion.STOPPING, p.Motion.STANDING)
         self._note(f'stop by {how}')
 
@@ -222,11 +225,13 @@ class DelayedDrive:
 
     def _judge(self, event: p.Event) -> None:
         """Whether the bridge can know of the person's stop by this event."""
+        if isinstance(event, p.RobotSeen):
+            self._shown = event.motion
         if self.stopped_at is None:
             return
         self.bridge_knows = self.bridge_knows or (
             isinstance(event, (p.ForeignStop, p.StopBegun))
-            or (isinstance(event, p.CommandEnded) and not event.text.startswith('replaced by')
+            or (isinstance(event, p.CommandEnded) and event.number == self._last_number
                 and event.ending in (p.Ending.INTERRUPTED, p.Ending.CANCELLED))
             or (isinstance(event, p.RobotSeen) and event.stamp > self.stopped_at * NANOSECONDS
                 and event.motion in self._signs_of_stop))
@@ -240,6 +245,7 @@ class DelayedDrive:
 
     def _give(self, give: p.Give) -> None:
         generation, drives = self._generation, give.command != 'stop'
+        self._last_number = give.number
         if drives and self.bridge_knows:
             self.passed.append(f'{self.now:.3f} given: {give.command}')
 
@@ -316,7 +322,7 @@ class DelayedDrive:
 
     def _hear(self, line: str) -> None:
         reply = parse_line(line)
-        if isinstance(reply, (Stopping, Interrupted)) and self.stopped_at is not None:
+        if isinstance(reply, Stopping) and self.stopped_at is not None:
             self.controller_knows = True
         if isinstance(reply, Stopping):
             self.later(self.delays.lines, lambda: self._tell(p.StopBegun()))
