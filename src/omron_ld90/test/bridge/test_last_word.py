@@ -54,7 +54,7 @@ def at(drive: DelayedDrive, moment: Tuple[str, int, float], call: Callable[[], N
     drive.watchers.append(watch)
 
 
-@settings(max_examples=max(settings.default.max_examples, 100))
+@settings(max_examples=settings.default.max_examples * 5 // 3)
 @given(st.sampled_from(['rolling', 'vertex_by_vertex', 'direct']), st.sampled_from(ROUTES),
        st.builds(Delays, **{way.name: SECONDS for way in fields(Delays)}),
        st.sampled_from(['name', 'coordinates', 'nothing']), st.sampled_from([0.0, 0.3, 1.5]),
