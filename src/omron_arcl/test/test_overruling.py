@@ -83,6 +83,13 @@ def test_the_first_drive_of_a_route_does_not_pass_a_stop_of_the_same_moment_eith
         bench.give(ROUTE, 'goto 12')
 
 
+def test_the_stop_at_the_end_of_a_route_holds_back_nobody_else(bench):
+    bench.end(bench.give(ROUTE, 'goto 12'), Outcome.FAILED)
+    bench.now += LATE
+    bench.give(ROUTE, 'stop')
+    bench.give(PERSON, 'goto 3')
+
+
 def test_a_stop_that_came_to_nothing_holds_back_no_first_drive(bench):
     bench.end(bench.give(PERSON, 'stop'), Outcome.LOST)
     bench.give(ROUTE, 'goto 12')
@@ -102,6 +109,17 @@ def test_a_robot_that_obeys_our_stop_was_not_stopped_by_another_client(bench):
     bench.stopping()
     bench.end(stop, Outcome.SUCCEEDED)
     bench.give(OTHER, 'goto 12')
+
+
+@pytest.mark.parametrize('outcome', [Outcome.CANCELLED, Outcome.TIMED_OUT])
+def test_nor_one_that_obeys_the_stop_after_a_cancellation_or_a_time_out(bench, outcome):
+    drive = bench.give(ROUTE, 'goto 12')
+    bench.now += 10.0
+    if outcome is Outcome.CANCELLED:
+        bench.cancel(drive, ROUTE)
+    bench.end(drive, outcome)
+    bench.stopping()
+    bench.give(ROUTE, 'goto 14')
 
 
 def test_a_robot_that_stops_for_an_instant_to_replace_a_drive_was_stopped_by_nobody(bench):

@@ -25,12 +25,16 @@ _WITHOUT_EFFECT = (Outcome.REJECTED, Outcome.NO_GOAL, Outcome.UNKNOWN_COMMAND, O
 class Motion:
     """A drive, a stop or the cancellation of a drive that was given.
 
+    stopped: a drive that was cancelled or has timed out, so that a stop of ours follows it.
+    own_affair: a stop of whoever drove last, be it at the end of a route: it overrules nobody else.
     superseded: its giver has given another since, so that its end tells nothing of others.
     """
 
     giver: str
     text: str
     given_at: float = -math.inf
+    stopped: bool = False
+    own_affair: bool = False
     superseded: bool = False
     overruled_by: Optional[Motion] = None
     ended_at: float = math.inf
@@ -58,6 +62,7 @@ class Overruling:
         self._clock = clock
         self._drives: List[Motion] = []  # under way, or ended less than LATE ago
         self._stops: List[Motion] = []  # under way, or given less than LATE ago
+        self._last_driver = ''  # who gave the last drive, long ago or not
         self._powered_at = -math.inf  # the motors were enabled
 
     def take(self, giver: str, command: Command) -> Optional[Motion]:
@@ -71,13 +76,17 @@ class Overruling:
                        if stop.ended_at == math.inf or now < stop.given_at + LATE]
         if spec.drives:
             self._check(giver, now)
-        motion = Motion(giver, f'"{command.text}"', now)
+        motion = Motion(giver, f'"{command.text}"', now, own_affair=giver == self._last_driver)
         for drive in self._drives:
             if drive.giver == giver:
                 drive.superseded = True
             elif drive.overruled_by is None and (spec.stops or now < drive.ended_at):
                 drive.overruled_by = motion
-        (self._drives if spec.drives else self._stops).append(motion)
+        if spec.drives:
+            self._drives.append(motion)
+            self._last_driver = giver
+        else:
+            self._stops.append(motion)
         return motion
 
     def _check(self, giver: str, now: float) -> None:
@@ -86,11 +95,12 @@ class Overruling:
             if drive.giver == giver and drive.overruled_by is not None:
                 raise Overruled(drive.overruled_by)
         for stop in self._stops:
-            if stop.giver != giver and now < stop.given_at + LATE:
+            if stop.giver != giver and not stop.own_affair and now < stop.given_at + LATE:
                 raise Overruled(stop)
 
     def cancelled(self, motion: Motion, canceller: str) -> None:
         """Somebody cancels a motion; its own giver may do so."""
+        motion.stopped = True
         if canceller != motion.giver and motion.overruled_by is None:
             motion.overruled_by = Motion(canceller, 'a cancellation')
 
@@ -105,13 +115,15 @@ class Overruling:
         """
         now = self._clock()
         ours = (any(stop.ended_at == math.inf for stop in self._stops)
-                or any(now < drive.given_at + LATE for drive in self._drives))
+                or any(now < drive.given_at + LATE
+                       or drive.stopped and now < drive.ended_at + LATE for drive in self._drives))
         if not ours and now >= self._powered_at + LATE:
             self._stops.append(Motion(_ANOTHER_CLIENT, 'a stop', now, ended_at=now))
 
     def ended(self, motion: Motion, outcome: Outcome) -> None:
         """A motion has ended, or could not be given."""
         motion.ended_at = self._clock()
+        motion.stopped = motion.stopped or outcome is Outcome.TIMED_OUT
         if outcome in _WITHOUT_EFFECT:
             self._stops = [stop for stop in self._stops if stop is not motion]
             for drive in self._drives:
