@@ -13,7 +13,16 @@ from typing import Callable, List, Optional, Sequence, Tuple
 from bridge_builders import DOCK_VERTEX, ENDINGS, NANOSECONDS, GraphRobot
 from speaking_robot import SpeakingRobot
 
-from omron_arcl import ArclError, Execution, NotConnected, parse_command, parse_line, read_activity
+from omron_arcl import (
+    ArclError,
+    Execution,
+    NotConnected,
+    Outcome,
+    Result,
+    parse_command,
+    parse_line,
+    read_activity,
+)
 from omron_arcl.arbiter import Arbiter
 from omron_arcl.dispatcher import Dispatcher
 from omron_arcl.guard import Guard
@@ -57,11 +66,14 @@ class DelayedDrive:
     def __init__(self, graph: Graph, vertex: int, strategy: str, delays: Delays,
                  interruption: str, braking: float) -> None:
         self.now = 100.0
+        self._graph = graph
+        self._edges: Tuple[int, ...] = ()            # of the route
         self.delays = delays
         self.up = dict.fromkeys(p.Link, True)
         self.stopped_at: Optional[float] = None      # the person's last stop
         self.bridge_knows = self.controller_knows = False
         self.crossed = self._stopped_at_robot = False
+        self.spared = False                          # no more links or nodes die
         # That the robot stands is no news where it stood, and some show their arrival so.
         self._signs_of_stop: Tuple[p.Motion, ...] = (p.Motion.STOPPING,)
         self._shown = p.Motion.UNKNOWN               # by the last status that the bridge has seen
@@ -106,6 +118,11 @@ class DelayedDrive:
         return True
 
     @property
+    def is_well(self) -> bool:
+        """Whether the links stand and the bridge runs."""
+        return self.bridge is not None and all(self.up.values())
+
+    @property
     def has_ended(self) -> bool:
         """Whether the bridge knows that its route is over."""
         return self.bridge is not None and not self.bridge.running
@@ -138,20 +155,14 @@ class DelayedDrive:
         stamp = int(self.now * NANOSECONDS)
         self.stopped_at = None
         self.bridge_knows = self.controller_knows = self._stopped_at_robot = False
+        self._edges = edges
         self._note('order')
         self._tell(RouteOrder(route_id, edges, stamp, stamp))
 
     def stop_by_topic(self) -> None:
         """A person stops the robot in RViz, on `send_command` or on `execute_command`."""
         self._begin_stop('topic')
-        self._tell_nodes(self._take_stop)
-
-    def _take_stop(self) -> None:
-        try:
-            self._arbiter.execute('stop', PERSON)
-        except NotConnected:
-            return
-        self.controller_knows = True
+        self._tell_nodes(partial(self._give_for_person, 'stop'))
 
     def stop_by_cancelling(self) -> None:
         """A person cancels what `execute_command` does."""
@@ -165,6 +176,28 @@ class DelayedDrive:
                 self._arbiter.cancel(execution, PERSON)
         self._send()
         self._call_back()
+
+    def send_elsewhere(self) -> None:
+        """A person sends the robot to a vertex that is not on its route, on `send_command`."""
+        self._begin_stop('another drive')
+        self.later(self.delays.to_controller, self._take_drive)
+
+    def _take_drive(self) -> None:
+        """Between two drives of the route it is the next one that counts."""
+        under_way = any(execution.result is None for execution in self._drives)
+        ends = {self._graph.end_vertex(edge).id for edge in self._edges}
+        self._give_for_person(f'goto {min({4, 6} - ends)}', counts=under_way)
+
+    def _give_for_person(self, command: str, counts: bool = True) -> None:
+        """What is lost with the link has come to nothing, and the person is told so."""
+        def end(result: Result) -> None:
+            if result.outcome is Outcome.LOST:
+                self.controller_knows = False
+        try:
+            self._arbiter.execute(command, PERSON, on_end=end)
+        except NotConnected:
+            return
+        self.controller_knows = counts
 
     def stop_at_robot(self) -> None:
         """A person stops the robot in MobilePlanner, or with another client of it."""
@@ -185,6 +218,8 @@ class DelayedDrive:
 
     def cut(self, link: p.Link, seconds: float) -> None:
         """A link is down for some seconds."""
+        if self.spared:
+            return
         self.up[link] = False
         self._note(f'{link.value} down')
         if link is p.Link.COMMANDS:
@@ -201,7 +236,7 @@ class DelayedDrive:
 
     def restart_bridge(self, seconds: float) -> None:
         """The bridge dies, and is back after some seconds with what it remembers."""
-        if self.bridge is None:
+        if self.bridge is None or self.spared:
             return
         dead, record = self.bridge, self.bridge.record
         self.bridge = None

@@ -1,4 +1,5 @@
-"""Whenever a person stops the robot: no drive of the route passes that, and the route ends."""
+"""Whenever a person stops the robot, or sends it elsewhere: no drive of the route passes that, and
+the route ends."""
 from __future__ import annotations
 
 from dataclasses import fields
@@ -23,7 +24,7 @@ MOMENTS = st.one_of(
     st.tuples(st.sampled_from(['give', 'let through', 'arrival', 'up', 'bridge is back']),
               st.integers(1, 4), st.one_of(SECONDS, st.floats(0.0, 1.2))))
 NEAR_ONE = st.tuples(st.just('as planned'), st.integers(1, 12), st.floats(-0.8, 0.3))
-STOPS = st.sampled_from(['stop_by_topic', 'stop_by_cancelling', 'stop_at_robot'])
+STOPS = st.sampled_from(['stop_by_topic', 'stop_by_cancelling', 'stop_at_robot', 'send_elsewhere'])
 TROUBLES = st.lists(st.tuples(MOMENTS, st.one_of(
     st.tuples(st.just('cut'), st.sampled_from(list(p.Link)), st.floats(0.1, 5.0)),
     st.tuples(st.just('restart_bridge'), st.floats(0.1, 4.0)))), max_size=2)
@@ -80,12 +81,16 @@ def test_nothing_of_a_route_passes_a_persons_stop(
     assert not drive.passed
     if not drive.crossed:
         assert drive.has_ended
+    if not drive.crossed and stop != 'send_elsewhere':
         assert drive.robot.goal is None, 'the robot drives on'
         assert is_driven_again(drive)
 
 
 def is_driven_again(drive: DelayedDrive) -> bool:
-    """Whether a new order drives the robot, from where it stands."""
+    """Whether a new order drives the robot, from where it stands, once all is well."""
+    drive.watchers.clear()
+    drive.spared = True
+    drive.run(LONGEST_STOP, lambda: drive.is_well)
     edge, on_it = YARD.nearest_edge(*drive.robot.position)
     sent = []
     at(drive, ('let through', 1, 0.0), lambda: sent.append(drive.now))
