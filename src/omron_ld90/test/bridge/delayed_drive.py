@@ -5,29 +5,18 @@ every line and message takes as long as it is told to. A person may stop the rob
 """
 from __future__ import annotations
 
-import heapq
-from dataclasses import dataclass
 from functools import partial
 from typing import Callable, List, Optional, Sequence, Tuple
 
 from bridge_builders import DOCK_VERTEX, ENDINGS, NANOSECONDS, GraphRobot
+from modelled_controller import Delays, ModelledController
 from speaking_robot import SpeakingRobot
+from timeline import Timeline
 
-from omron_arcl import (
-    ArclError,
-    Execution,
-    NotConnected,
-    Outcome,
-    Result,
-    parse_command,
-    parse_line,
-    read_activity,
-)
-from omron_arcl.arbiter import Arbiter
-from omron_arcl.dispatcher import Dispatcher
-from omron_arcl.guard import Guard
+from omron_arcl import ArclError, Execution, NotConnected, Outcome, Result, read_activity
 from omron_arcl.overruling import Overruled
 from omron_arcl.replies import DockingStatus, Stopping
+from omron_arcl.replies.reply import Reply
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.motions import motion_of
 from omron_ld90.bridge.route_follower import RouteFollower
@@ -36,22 +25,7 @@ from trajectory_graph import Graph
 from trajectory_graph.route_protocol import RouteOrder, RouteReport
 
 BRIDGE, PERSON = '/bridge', '/rviz'
-HEARTBEAT = 1.5  # s between statuses that the controller asks for
 TICK = 0.1
-
-
-@dataclass(frozen=True)
-class Delays:
-    """Seconds that each way takes."""
-
-    commands: float = 0.0        # bridge -> controller
-    ends: float = 0.0            # controller -> bridge: how commands end
-    lines: float = 0.0           # controller -> bridge: `arcl_response`
-    to_robot: float = 0.0        # controller -> robot
-    from_robot: float = 0.0      # robot -> controller
-    statuses: float = 0.0        # robot -> receiver -> bridge
-    to_controller: float = 0.0   # person -> controller
-    to_bridge: float = 0.0       # person -> bridge
 
 
 class DelayedDrive:
@@ -65,7 +39,8 @@ class DelayedDrive:
 
     def __init__(self, graph: Graph, vertex: int, strategy: str, delays: Delays,
                  interruption: str, braking: float) -> None:
-        self.now = 100.0
+        self._time = Timeline(100.0)
+        self.later, self.run = self._time.later, self._time.run
         self._graph = graph
         self._edges: Tuple[int, ...] = ()            # of the route
         self.delays = delays
@@ -80,42 +55,26 @@ class DelayedDrive:
         self.passed: List[str] = []
         self.trace: List[str] = []
         self.watchers: List[Callable[[str], None]] = []  # of the moments of the drive
-        self._due: List[Tuple[float, int, Callable[[], None]]] = []
-        self._count = 0
         self._generation = 0     # of the bridge's process
         self._last_number = 0    # of its commands
-        self._connection = 0     # of the controller's link
         self._drives: List[Execution] = []  # of the route
-        self._dispatcher = Dispatcher()
-        self._arbiter = Arbiter(self._execute, lambda execution: self._dispatcher.cancel(
-            execution, self.now), Guard(['motion']), lambda: self.now)
+        self._controller = ModelledController(
+            self._time, delays, self._reach_robot, self._on_reply)
         self.robot = SpeakingRobot(graph, vertex, self._say, self.later, interruption, braking)
         self.bridge: Optional[RouteFollower] = RouteFollower(
             Settings(dock_vertex=DOCK_VERTEX, strategy=STRATEGIES[strategy]), graph,
             tuple(p.Link))
-        self._every(TICK, self._tick)
-        self._every(1.0, self._report_links)
-        self._every(GraphRobot.STATUS_PERIOD, self._show_status)
-        self._every(HEARTBEAT, self._ask_status)
+        self._time.every(TICK, self._tick)
+        self._time.every(1.0, self._report_links)
+        self._time.every(GraphRobot.STATUS_PERIOD, self._show_status)
         self.run(1.5)
 
     # --- time -------------------------------------------------------------------------------------
 
-    def later(self, seconds: float, call: Callable[[], None]) -> None:
-        """Does something in a while; what is due at one time is done in the order of asking."""
-        self._count += 1
-        heapq.heappush(self._due, (self.now + seconds, self._count, call))
-
-    def run(self, seconds: float, until: Callable[[], bool] = lambda: False) -> bool:
-        """Lets time pass; whether the condition came to hold."""
-        end = self.now + seconds
-        while not until():
-            if not self._due or self._due[0][0] > end:
-                self.now = end
-                return False
-            self.now, _, call = heapq.heappop(self._due)
-            call()
-        return True
+    @property
+    def now(self) -> float:
+        """s"""
+        return self._time.now
 
     @property
     def is_well(self) -> bool:
@@ -127,19 +86,11 @@ class DelayedDrive:
         """Whether the bridge knows that its route is over."""
         return self.bridge is not None and not self.bridge.running
 
-    def _every(self, period: float, call: Callable[[], None]) -> None:
-        def again() -> None:
-            self.later(period, again)
-            call()
-        self.later(0.0, again)
-
     def _tick(self) -> None:
         goal = self.robot.move(self.now)
         if goal is not None:
             self._note('arrival')
-        self._dispatcher.on_time(self.now)
-        self._send()
-        self._call_back()
+        self._controller.turn()
         if self.bridge:
             self._act(self.bridge.tick(self.now))
 
@@ -173,9 +124,7 @@ class DelayedDrive:
         for execution in self._drives:
             if execution.result is None:
                 self.controller_knows = True
-                self._arbiter.cancel(execution, PERSON)
-        self._send()
-        self._call_back()
+                self._controller.cancel(execution, PERSON)
 
     def send_elsewhere(self) -> None:
         """A person sends the robot to a vertex that is not on its route, on `send_command`."""
@@ -194,7 +143,7 @@ class DelayedDrive:
             if result.outcome is Outcome.LOST:
                 self.controller_knows = False
         try:
-            self._arbiter.execute(command, PERSON, on_end=end)
+            self._controller.give(command, PERSON, end)
         except NotConnected:
             return
         self.controller_knows = counts
@@ -223,13 +172,12 @@ class DelayedDrive:
         self.up[link] = False
         self._note(f'{link.value} down')
         if link is p.Link.COMMANDS:
-            self._connection += 1
-            self._dispatcher.on_lost('the link broke')
-            self._call_back()
+            self._controller.lose_link()
         self._report_links()
 
         def mend() -> None:
             self.up[link] = True
+            self._controller.connected = self.up[p.Link.COMMANDS]
             self._report_links()
             self._note(f'{link.value} up')
         self.later(seconds, mend)
@@ -300,20 +248,10 @@ class DelayedDrive:
 
     # --- the controller ---------------------------------------------------------------------------
 
-    def _execute(self, text: str, check: Callable, on_end: Callable, **_: object) -> Execution:
-        """What the client of ARCL does."""
-        command = parse_command(text)
-        check(command)
-        if not self.up[p.Link.COMMANDS]:
-            raise NotConnected('connection refused')
-        execution = self._dispatcher.start(command, on_end=on_end)
-        self._send()
-        return execution
-
     def _take_from_bridge(self, command: str, end: Callable[[p.Ending, str], None]) -> None:
         try:
-            execution = self._arbiter.execute(
-                command, BRIDGE, on_end=lambda result: end(ENDINGS[result.outcome], result.words))
+            execution = self._controller.give(
+                command, BRIDGE, lambda result: end(ENDINGS[result.outcome], result.words))
         except Overruled as overruled:
             end(p.Ending.INTERRUPTED, str(overruled))
         except ArclError as error:
@@ -324,14 +262,7 @@ class DelayedDrive:
                 self._note(f'let through: {command}')
                 if self.controller_knows:
                     self.passed.append(f'{self.now:.3f} let through: {command}')
-        self._call_back()
-
-    def _send(self) -> None:
-        while self.up[p.Link.COMMANDS]:
-            line = self._dispatcher.next_to_send(self.now)
-            if line is None:
-                return
-            self._carry(self.delays.to_robot, partial(self._reach_robot, line.decode()))
+        self._controller.call_back()
 
     def _reach_robot(self, line: str) -> None:
         if self._stopped_at_robot and line not in ('stop', 'oneLineStatus') and not self.passed:
@@ -339,36 +270,16 @@ class DelayedDrive:
             self._note(f'crossed: {line}')
         self.robot.take(line)
 
-    def _carry(self, seconds: float, call: Callable[[], None]) -> None:
-        """Over the link `commands`, on which nothing arrives any more once it is down."""
-        connection = self._connection
-        self.later(seconds, lambda: call() if connection == self._connection else None)
-
-    def _ask_status(self) -> None:
-        if self.up[p.Link.COMMANDS]:
-            self._dispatcher.start(parse_command('oneLineStatus'))
-            self._send()
-
     def _say(self, line: str) -> None:
         if not line.startswith('Status'):
             self.trace.append(f'{self.now:.3f} robot: {line}')
-        if self.up[p.Link.COMMANDS]:
-            self._carry(self.delays.from_robot, lambda: self._hear(line))
+        self._controller.say(line)
 
-    def _hear(self, line: str) -> None:
-        reply = parse_line(line)
-        if isinstance(reply, Stopping) and self.stopped_at is not None:
-            self.controller_knows = True
+    def _on_reply(self, reply: Reply) -> None:
+        """The controller has heard it."""
         if isinstance(reply, Stopping):
+            self.controller_knows = self.controller_knows or self.stopped_at is not None
             self.later(self.delays.lines, lambda: self._tell(p.StopBegun()))
-        self._arbiter.on_reply(reply)
-        self._dispatcher.on_reply(reply, line, self.now)
-        self._send()
-        self._call_back()
-
-    def _call_back(self) -> None:
-        for call in self._dispatcher.pop_callbacks():
-            call()
 
     # --- the receiver -----------------------------------------------------------------------------
 

@@ -7,9 +7,10 @@ from functools import lru_cache
 from typing import Callable, Sequence, Tuple
 
 from bridge_builders import yard
-from delayed_drive import DelayedDrive, Delays
+from delayed_drive import DelayedDrive
 from hypothesis import given, note, settings
 from hypothesis import strategies as st
+from modelled_controller import Delays
 
 from omron_ld90.bridge import events as p
 
