@@ -1,6 +1,7 @@
 """A robot on a graph that takes and says lines of ARCL, as an LD-90 or one less exact would."""
 from __future__ import annotations
 
+import math
 from typing import Callable, Optional
 
 from bridge_builders import GraphRobot
@@ -10,7 +11,7 @@ from trajectory_graph import Graph
 
 
 class SpeakingRobot(GraphRobot):
-    """Takes lines of ARCL, and says what an LD-90 would; brakes for a while, on the spot.
+    """Takes lines of ARCL, and says what an LD-90 would; brakes for a while on its way.
 
     interruption -- what it says of a drive that another word ends: its goal's `name`, the
     `coordinates`, or `nothing`
@@ -37,7 +38,7 @@ class SpeakingRobot(GraphRobot):
             place = '1000 2000' if self._interruption == 'coordinates' else self.goal
             self._say(f'Interrupted: Going to {place}')
         if line == 'stop':
-            self.halt(p.Motion.STOPPING)
+            self._coast()
             self.status = 'Stopping'
             self._say('Stopping')
             words = self._words
@@ -48,8 +49,22 @@ class SpeakingRobot(GraphRobot):
                            if line == 'dock' else f'Going to {self.goal}')
             self._say(self.status)
 
+    def _coast(self) -> None:
+        """Its way is over where it can stand."""
+        way, left, here = self._way, self.speed * self._braking_time / 2.0, self.position
+        self.goal, self._way = None, []
+        for point in way:
+            length = math.dist(here, point)
+            if length > left:
+                x, y = (a + left / length * (b - a) for a, b in zip(here, point))
+                self._way.append((x, y))
+                break
+            self._way.append(point)
+            here, left = point, left - length
+
     def _stand(self, words: int) -> None:
         if words == self._words:  # nobody has sent it elsewhere while it braked
+            self.halt(p.Motion.STANDING)
             self.status = 'Stopped'
             self._say('Stopped')
 
