@@ -24,6 +24,7 @@ MOMENTS = st.one_of(
     st.tuples(st.just('order'), st.just(1), st.floats(0.0, 25.0)),
     st.tuples(st.sampled_from(['give', 'let through', 'arrival', 'up', 'bridge is back']),
               st.integers(1, 4), st.one_of(SECONDS, st.floats(0.0, 1.2))))
+# so near the n-th drive or arrival of the route, as `planned_moments` has them
 NEAR_ONE = st.tuples(st.just('as planned'), st.integers(1, 12), st.floats(-0.8, 0.3))
 STOPS = st.sampled_from(['stop_by_topic', 'stop_by_cancelling', 'stop_at_robot', 'send_elsewhere'])
 TROUBLES = st.lists(st.tuples(MOMENTS, st.one_of(
