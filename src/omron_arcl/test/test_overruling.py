@@ -15,6 +15,7 @@ class Bench:
     def __init__(self) -> None:
         self.now = 100.0
         self._overruling = Overruling(lambda: self.now)
+        self.stopping, self.powered = self._overruling.stopping, self._overruling.powered
 
     def give(self, giver: str, text: str):
         return self._overruling.take(giver, parse_command(text))
@@ -70,8 +71,68 @@ def test_a_route_replaces_its_own_drives_and_stops_itself(bench):
 
 def test_who_has_no_drive_under_way_gives_a_new_word(bench):
     bench.give(PERSON, 'stop')
+    bench.now += LATE
     bench.give(ROUTE, 'goto 12')
     bench.give(OTHER, 'goto 3')
+
+
+def test_the_first_drive_of_a_route_does_not_pass_a_stop_of_the_same_moment_either(bench):
+    bench.give(PERSON, 'stop')
+    bench.now += LATE / 2
+    with pytest.raises(Overruled, match=f'"stop" of {PERSON} came first'):
+        bench.give(ROUTE, 'goto 12')
+
+
+def test_the_stop_at_the_end_of_a_route_holds_back_nobody_else(bench):
+    bench.end(bench.give(ROUTE, 'goto 12'), Outcome.FAILED)
+    bench.now += LATE
+    bench.give(ROUTE, 'stop')
+    bench.give(PERSON, 'goto 3')
+
+
+def test_a_stop_that_came_to_nothing_holds_back_no_first_drive(bench):
+    bench.end(bench.give(PERSON, 'stop'), Outcome.LOST)
+    bench.give(ROUTE, 'goto 12')
+
+
+def test_a_drive_does_not_pass_a_stop_of_another_client_of_the_robot(bench):
+    bench.stopping()
+    with pytest.raises(Overruled, match='a stop of another client of the robot came first'):
+        bench.give(ROUTE, 'goto 12')
+    bench.now += LATE
+    bench.give(ROUTE, 'goto 12')
+
+
+def test_a_robot_that_obeys_our_stop_was_not_stopped_by_another_client(bench):
+    stop = bench.give(ROUTE, 'stop')
+    bench.now += 2 * LATE  # it says so late
+    bench.stopping()
+    bench.end(stop, Outcome.SUCCEEDED)
+    bench.give(OTHER, 'goto 12')
+
+
+@pytest.mark.parametrize('outcome', [Outcome.CANCELLED, Outcome.TIMED_OUT])
+def test_nor_one_that_obeys_the_stop_after_a_cancellation_or_a_time_out(bench, outcome):
+    drive = bench.give(ROUTE, 'goto 12')
+    bench.now += 10.0
+    if outcome is Outcome.CANCELLED:
+        bench.cancel(drive, ROUTE)
+    bench.end(drive, outcome)
+    bench.stopping()
+    bench.give(ROUTE, 'goto 14')
+
+
+def test_a_robot_that_stops_for_an_instant_to_replace_a_drive_was_stopped_by_nobody(bench):
+    bench.give(ROUTE, 'goto 12')
+    bench.now += LATE / 2
+    bench.stopping()
+    bench.give(ROUTE, 'goto 14')
+
+
+def test_a_robot_that_stops_by_itself_once_its_motors_are_on_was_stopped_by_nobody(bench):
+    bench.powered()
+    bench.stopping()
+    bench.give(ROUTE, 'goto 12')
 
 
 def test_between_two_drives_of_a_route_a_stop_is_not_passed_either(bench):
@@ -81,11 +142,9 @@ def test_between_two_drives_of_a_route_a_stop_is_not_passed_either(bench):
         bench.give(ROUTE, 'goto 14')
 
 
-@pytest.mark.parametrize('word, later', [('stop', LATE), ('goto 3', 0.0)])
-def test_a_drive_that_ended_by_itself_is_not_overruled_afterwards(bench, word, later):
+def test_a_drive_that_ended_by_itself_is_not_overruled_by_another_drive_afterwards(bench):
     bench.end(bench.give(ROUTE, 'goto 12'), Outcome.SUCCEEDED)
-    bench.now += later
-    bench.give(PERSON, word)
+    bench.give(PERSON, 'goto 3')
     bench.give(ROUTE, 'goto 14')
 
 
@@ -136,11 +195,11 @@ def test_a_word_that_came_to_nothing_overrules_nobody(bench, outcome):
 
 def test_the_first_of_two_words_is_named(bench):
     bench.give(ROUTE, 'goto 12')
-    bench.give(PERSON, 'stop')
-    bench.give(OTHER, 'goto 3')
+    bench.give(PERSON, 'goto 2')
+    bench.give(OTHER, 'stop')
     with pytest.raises(Overruled, match=PERSON) as refused:
         bench.give(ROUTE, 'goto 14')
-    assert refused.value.by.text == '"stop"'
+    assert refused.value.by.text == '"goto 2"'
 
 
 @pytest.mark.parametrize('text', ['status', 'say hello', 'enableMotors', 'getGoals'])

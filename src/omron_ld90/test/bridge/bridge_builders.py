@@ -5,6 +5,7 @@ import heapq
 import math
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
+from omron_arcl import Outcome
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.route_follower import RouteFollower
 from omron_ld90.bridge.route_strategies import STRATEGIES, Settings
@@ -13,6 +14,17 @@ from trajectory_graph.route_protocol import RouteOrder, RouteRefusal, RouteRepor
 
 DOCK_VERTEX = 90
 NANOSECONDS = 1_000_000_000
+
+# how the nodes tell the bridge what became of a command
+ENDINGS = {
+    Outcome.SUCCEEDED: p.Ending.SUCCEEDED,
+    Outcome.INTERRUPTED: p.Ending.INTERRUPTED,
+    Outcome.CANCELLED: p.Ending.CANCELLED,
+    Outcome.EMERGENCY_STOPPED: p.Ending.EMERGENCY_STOPPED,
+    Outcome.LOST: p.Ending.LOST,
+    **dict.fromkeys((Outcome.REJECTED, Outcome.NO_GOAL, Outcome.UNKNOWN_COMMAND, Outcome.FAILED,
+                     Outcome.TIMED_OUT), p.Ending.FAILED),
+}
 
 
 def graph_of(places: Dict[int, Tuple[float, float]], ends: Dict[int, Tuple[int, int]]) -> Graph:

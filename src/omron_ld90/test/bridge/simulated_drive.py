@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Callable, List, Optional, Sequence, Tuple
 
 import numpy as np
+from bridge_builders import ENDINGS
 from scipy.spatial import cKDTree
 
 from omron_arcl import (
     ActivityKind,
-    Outcome,
     StatusAssembler,
     parse_command,
     parse_line,
@@ -46,16 +46,6 @@ STATUS_PERIOD = 0.5   # s
 PATH_STEP = 0.06      # s between samples of the path driven
 NANOSECONDS = 1_000_000_000
 DOCK_VERTEX = 16
-
-ENDINGS = {
-    Outcome.SUCCEEDED: p.Ending.SUCCEEDED,
-    Outcome.INTERRUPTED: p.Ending.INTERRUPTED,
-    Outcome.CANCELLED: p.Ending.INTERRUPTED,
-    Outcome.EMERGENCY_STOPPED: p.Ending.EMERGENCY_STOPPED,
-    Outcome.LOST: p.Ending.LOST,
-    **dict.fromkeys((Outcome.REJECTED, Outcome.NO_GOAL, Outcome.UNKNOWN_COMMAND, Outcome.FAILED,
-                     Outcome.TIMED_OUT), p.Ending.FAILED),
-}
 
 
 class SimulatedDrive:

@@ -6,7 +6,8 @@ import math
 import pytest
 
 from omron_ld90.bridge.events import CommandEnded, Ending, Motion, RobotSeen
-from omron_ld90.bridge.goal_tracker import DOCK, GoalTracker, Knowledge, TakenOver
+from omron_ld90.bridge.goal_tracker import GoalTracker, Knowledge, TakenOver
+from omron_ld90.bridge.own_goals import DOCK
 
 HERE, THERE = (0.0, 0.0), (3.0, 0.0)
 LONG_AGO = -math.inf
@@ -15,12 +16,18 @@ LONG_AGO = -math.inf
 def sent(goal: str = '12', before: Motion = Motion.STANDING, previous: str = '') -> GoalTracker:
     """A tracker whose command, number 1, was given at time 0 to a robot that did `before`."""
     tracker = GoalTracker()
-    tracker.remember(previous)
+    tracker.goals.remember(previous)
     tracker.located(HERE)
     tracker.seen(RobotSeen(0, before, previous), 0.0, LONG_AGO)
     tracker.send(goal, f'goto {goal}')
     assert tracker.give_again
     tracker.given(1)
+    return tracker
+
+
+def arrived() -> GoalTracker:
+    tracker = sent()
+    tracker.ended(CommandEnded(1, Ending.SUCCEEDED), 5.0)
     return tracker
 
 
@@ -85,6 +92,42 @@ class TestOutcomes:
         show(tracker, Motion.GOING, '12', times=1)
         assert not tracker.is_doubtful
 
+    def test_whoever_stops_a_robot_that_stands_at_its_goal_has_taken_it_over(self):
+        tracker = arrived()
+        tracker.stop_begun(6.0)
+        assert isinstance(tracker.failure, TakenOver)
+
+    def test_one_that_shows_that_it_was_stopped_there_as_well(self):
+        tracker = arrived()
+        show(tracker, Motion.ARRIVED, '12', begin=5.5, times=1)
+        show(tracker, Motion.STANDING, begin=6.0, times=1)
+        assert isinstance(tracker.failure, TakenOver)
+
+    def test_one_that_shows_no_arrival_by_name_just_stands(self):
+        tracker = arrived()
+        show(tracker, Motion.STANDING, begin=5.5)
+        assert tracker.failure is None
+        assert not tracker.is_doubtful
+
+    def test_one_that_said_that_it_stops_before_its_arrival_is_told_is_sent_on_by_its_status(self):
+        tracker = sent()
+        show(tracker, Motion.GOING, '12')
+        tracker.stop_begun(4.0)
+        tracker.ended(CommandEnded(1, Ending.SUCCEEDED), 4.1)
+        show(tracker, Motion.GOING, '12', begin=4.2, times=1)  # from before
+        assert tracker.is_doubtful
+        show(tracker, Motion.ARRIVED, '12', begin=5.1, times=1)
+        assert not tracker.is_doubtful
+        assert tracker.failure is None
+
+    def test_or_is_somebody_elses(self):
+        tracker = sent()
+        show(tracker, Motion.GOING, '12')
+        tracker.stop_begun(4.0)
+        tracker.ended(CommandEnded(1, Ending.SUCCEEDED), 4.1)
+        show(tracker, Motion.STANDING, begin=4.5, times=1)
+        assert isinstance(tracker.failure, TakenOver)
+
 
 class TestLostOutcome:
     """The link or the controller was lost: the robot's status tells."""
@@ -147,7 +190,7 @@ class TestLostOutcome:
             tracker.send(goal, f'goto {goal}')
             tracker.given(number)
             show(tracker, Motion.GOING, goal, begin=float(number), times=1)
-        assert tracker.our_goals == {'8', '10'}
+        assert {name for name in ('8', '9', '10', '12') if name in tracker.goals} == {'8', '10'}
 
     @pytest.mark.parametrize('motion', [Motion.ARRIVED, Motion.STANDING, Motion.DOCKED])
     def test_a_robot_that_stands_where_it_stood_never_heard_of_it(self, motion):
@@ -195,6 +238,18 @@ class TestLostOutcome:
         show(tracker, Motion.GOING, '10')
         assert tracker.give_again
 
+    @pytest.mark.parametrize('by_its_status', [True, False])
+    def test_a_robot_that_rests_as_before_but_was_stopped_meanwhile_heard_somebody(
+            self, by_its_status):
+        tracker = doubtful(ending=Ending.NEVER_SENT)
+        if by_its_status:
+            show(tracker, Motion.STOPPING, begin=1.5, times=1)
+        else:
+            tracker.stop_begun(1.5)
+        show(tracker, Motion.STANDING)
+        assert not tracker.give_again
+        assert isinstance(tracker.failure, TakenOver)
+
     def test_a_failed_drive_fails(self):
         tracker = doubtful()
         show(tracker, Motion.FAILED, '12')
@@ -209,32 +264,7 @@ class TestLostOutcome:
         show(tracker, Motion.STANDING, begin=9.0)
         assert isinstance(tracker.failure, TakenOver)
 
-
-class TestWhoseWay:
-    """Where the robot goes is ours, or somebody else's."""
-
-    @pytest.mark.parametrize('motion, goal, ours', [
-        (Motion.GOING, '12', True), (Motion.GOING, '99', False), (Motion.GOING, '', False),
-        (Motion.BY_HAND, '', False), (Motion.STANDING, '', None), (Motion.STOPPING, '', None),
-        (Motion.UNDOCKING, '', None), (Motion.UNKNOWN, '', None)])
-    def test_by_its_goal(self, motion, goal, ours):
-        assert sent().is_on_our_way(RobotSeen(0, motion, goal)) is ours
-
-    def test_the_dock_may_have_any_name_but_that_of_a_vertex(self):
-        tracker = sent(DOCK)
-        tracker.end()
-        assert tracker.is_on_our_way(RobotSeen(0, Motion.GOING, 'Charger 1'))
-        assert not tracker.is_on_our_way(RobotSeen(0, Motion.GOING, '14'))
-
-    def test_a_robot_that_never_names_where_it_goes_may_go_where_we_sent_it(self):
-        tracker, nameless = sent(), RobotSeen(0, Motion.GOING)
-        tracker.seen(nameless, 1.0, LONG_AGO)
-        assert tracker.is_on_our_way(nameless)
-        tracker.seen(RobotSeen(0, Motion.GOING, '12'), 2.0, LONG_AGO)
-        tracker.seen(nameless, 3.0, LONG_AGO)
-        assert not tracker.is_on_our_way(nameless)
-
-    def test_such_a_robot_is_watched_when_the_end_of_its_drive_was_lost(self):
+    def test_a_robot_that_names_no_goals_is_watched_too(self):
         tracker, nameless = sent(), RobotSeen(0, Motion.GOING)
         tracker.seen(nameless, 0.5, LONG_AGO)
         tracker.ended(CommandEnded(1, Ending.LOST), 1.0)

@@ -112,6 +112,16 @@ def test_a_stop_stays_owed_while_the_robot_shows_its_dock_by_a_name_of_its_own()
     bench.drive(2.0)
     assert bench.commands == ['dock', 'stop']
 
+@pytest.mark.parametrize('edges', [(9,), (1, 5)])
+def test_somebodys_stop_that_came_to_nothing_is_given_soon_to_a_robot_on_our_way(edges):
+    bench = Bench(yard(), 1)
+    bench.order(7, *edges)
+    bench.drive(1.0)
+    bench.tell(p.ForeignStop('/rviz'))
+    bench.drive(2.0)
+    assert bench.commands[-1] == 'stop', 'he pressed it, and the robot goes on'
+
+
 def test_a_drive_interrupted_by_nobody_of_us_is_a_take_over():
     bench = under_way()
     end_of_drive(bench, Ending.INTERRUPTED, 'replaced by "goto 3"')

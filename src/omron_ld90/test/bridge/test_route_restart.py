@@ -55,6 +55,18 @@ def test_a_goal_that_was_decided_but_never_given_is_given():
     assert bench.commands == ['goto 2', 'goto 7']
 
 
+def test_a_bridge_that_dies_again_before_it_has_seen_the_robot_still_knows_its_goal():
+    bench = Bench(dissertation_graph(), 1)
+    bench.order(7, 1, 4)
+    look, bench.look = bench.look, lambda: None
+    bench.restart()
+    assert bench.follower.record.target == 0
+    bench.look = look
+    bench.restart()
+    bench.run()
+    assert bench.commands == ['goto 2', 'goto 7']
+
+
 def test_the_same_order_once_more_changes_nothing():
     bench = under_way()
     bench.restart()

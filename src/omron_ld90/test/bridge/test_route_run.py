@@ -7,8 +7,9 @@ import pytest
 from bridge_builders import DOCK_VERTEX, yard
 
 from omron_ld90.bridge.events import CommandEnded, Ending
-from omron_ld90.bridge.goal_tracker import DOCK, GoalTracker, RouteFailed
+from omron_ld90.bridge.goal_tracker import GoalTracker, RouteFailed
 from omron_ld90.bridge.graph_location import GraphLocation
+from omron_ld90.bridge.own_goals import DOCK
 from omron_ld90.bridge.robot_state import Located, RobotLocation
 from omron_ld90.bridge.route_progress import RouteProgress
 from omron_ld90.bridge.route_run import RouteRun

@@ -8,20 +8,16 @@ from __future__ import annotations
 
 import math
 from enum import Enum
-from typing import FrozenSet, Iterable, Optional, Tuple
+from typing import Iterable, Optional, Tuple
 
 from omron_ld90.bridge.events import CommandEnded, Ending, Motion, RobotSeen
+from omron_ld90.bridge.own_goals import DOCK, OwnGoals
 
 STOP = 'stop'
-DOCK = 'dock'
 REASON_DELAY = 0.5  # s for an emergency stop to be told after the motion that it interrupted
 UNMOVED = 0.1       # m, that a standing robot may seem to move
 STATUS_LAG = 1.0    # s that a status may be older than what the robot was told
 
-MOST_EARLIER_GOALS = 20
-
-_TOWARDS_GOAL = (Motion.GOING, Motion.ARRIVED)
-_DOCK_MOTIONS = (Motion.DOCKING, Motion.DOCKED)
 _UNCLEAR = (Motion.UNKNOWN, Motion.STOPPING)  # what comes next is not to be seen
 _AT_REST = (Motion.STANDING, Motion.ARRIVED, Motion.DOCKED, *_UNCLEAR)
 _STOPPED = (Motion.STOPPING, Motion.STANDING)
@@ -63,8 +59,7 @@ class GoalTracker:
     """The last goal, from the command to the arrival."""
 
     def __init__(self) -> None:
-        self.goal: Optional[str] = None
-        """Name of the goal last sent; DOCK for the dock, None when we have sent it nowhere."""
+        self.goals = OwnGoals()
         self.reached = False
         """Whether the robot has said that it is there."""
         self.knowledge = Knowledge.NOTHING
@@ -76,14 +71,11 @@ class GoalTracker:
         """What the robot did with the command instead of obeying it."""
         self.rested_at_goal = 0
         """So many locations in a row, after it said that it is there, show the robot unmoved."""
-        self._earlier: Tuple[str, ...] = ()
-        # Goals sent before it, the last one at the end: those that the robot may yet be going to,
-        # for the controller may not have heard of all that we sent.
-        self._via: FrozenSet[str] = frozenset()
-        self._before: Optional[RobotSeen] = None  # the last status before the command
+        # The last status before the command; None where it says nothing, as after a stop since.
+        self._before: Optional[RobotSeen] = None
         self._last: Optional[RobotSeen] = None
-        self._stop_begun = False  # the robot has said that it stops since the last status
-        self._names_goals: Optional[bool] = None  # the robot shows where we sent it, by its name
+        self._stop_begun = False  # the robot has said that it stops, and no status followed yet
+        self._stop_begun_at = -math.inf
         self._place: Optional[Tuple[float, float]] = None
         self._place_before: Optional[Tuple[float, float]] = None
         self._doubted_at = -math.inf
@@ -92,14 +84,9 @@ class GoalTracker:
         self._strange_since: Optional[float] = None  # since then each status contradicts the goal
 
     @property
-    def our_goals(self) -> FrozenSet[str]:
-        """Names that the robot may show because of us."""
-        return self._via.union(self._earlier, () if self.goal is None else (self.goal,))
-
-    @property
-    def last_goal(self) -> str:
-        """Name of the last goal sent, whether or not we still have business with the robot."""
-        return self.goal or ''.join(self._earlier[-1:])
+    def goal(self) -> Optional[str]:
+        """Name of the goal last sent; DOCK for the dock, None when we have sent it nowhere."""
+        return self.goals.current
 
     @property
     def has_docked(self) -> bool:
@@ -115,30 +102,20 @@ class GoalTracker:
         """
         if self.knowledge is Knowledge.DOUBTFUL or self._interruption is not None:
             return True
+        if self.reached:
+            return self._stop_begun
         last = self._last
         strays = self._stop_begun or last is not None and (
-            last.motion in _STOPPED or self.is_on_our_way(last) is False)
+            last.motion in _STOPPED or self.goals.is_on_our_way(last) is False)
         return strays and self.knowledge in (Knowledge.AWAITED, Knowledge.WATCHED)
-
-    def is_on_our_way(self, status: RobotSeen) -> Optional[bool]:
-        """Whether the robot goes where we sent it; None where it is not seen to go anywhere."""
-        if status.motion is Motion.BY_HAND:
-            return False
-        if status.motion is not Motion.GOING:
-            return None
-        if not status.goal:
-            return self._names_goals is False
-        return status.goal in self.our_goals or (
-            self.last_goal == DOCK and not status.goal.isdecimal())
 
     # --- what we do ------------------------------------------------------------------------------
 
     def send(self, goal: str, command: str, via: Iterable[str] = ()) -> None:
         """The robot is to go to `goal` (a goal's name, or DOCK), over the goals `via`."""
-        self._retire_goal()
-        self._reset(goal)
+        self.goals.send(goal, via)
+        self._reset()
         self.command = command
-        self._via = frozenset(via)
         self._before, self._place_before = self._last, self._place
         self.give_again = True
 
@@ -150,25 +127,17 @@ class GoalTracker:
 
     def resume(self, goal: Optional[str], now: float) -> None:
         """Before a restart of this program the robot was sent to `goal`: see whether it goes."""
-        self._reset(goal)
+        self.goals.resume(goal)
+        self._reset()
         if goal is not None:
             self._doubt(now)
 
-    def remember(self, goal: str) -> None:
-        """Before a restart of this program the robot was sent to `goal`, which is over."""
-        self._earlier = (goal,) if goal else ()
-
     def end(self) -> None:
         """We have no more business with the robot."""
-        self._retire_goal()
-        self._reset(None)
+        self.goals.end()
+        self._reset()
 
-    def _retire_goal(self) -> None:
-        if self.goal is not None:
-            self._earlier = (*self._earlier, self.goal)[-MOST_EARLIER_GOALS:]
-
-    def _reset(self, goal: Optional[str]) -> None:
-        self.goal = goal
+    def _reset(self) -> None:
         self.reached = False
         self.knowledge = Knowledge.NOTHING
         self.number = None
@@ -178,7 +147,6 @@ class GoalTracker:
         self._interruption = None
         self._never_sent = False
         self._strange_since = None
-        self._via = frozenset()
 
     # --- what becomes of it ----------------------------------------------------------------------
 
@@ -209,20 +177,30 @@ class GoalTracker:
 
     def seen(self, status: RobotSeen, now: float, link_stands_since: float) -> None:
         """The robot's status; `link_stands_since` is infinite while no command can reach it."""
-        self._last = status
-        self._stop_begun = False
-        if status.motion is Motion.GOING and self.knowledge is Knowledge.AWAITED:
-            self._names_goals = bool(status.goal or self._names_goals)
-        if status.motion in _TOWARDS_GOAL and status.goal == self.goal:
-            self._earlier = self._earlier[-1:]  # it has heard of this goal: no older one will come
+        last, self._last = self._last, status
+        stop_begun = self._stop_begun
+        if now >= self._stop_begun_at + STATUS_LAG:
+            self._stop_begun = False
+        if status.motion is Motion.STOPPING and not self._is_as_before(status):
+            self._before = None
+        if self.reached and status.motion in _STOPPED and (stop_begun or (
+                last is not None and (last.motion, last.goal) == (Motion.ARRIVED, self.goal))):
+            self.failure = TakenOver(f'The robot was stopped at {self.goal}.')
+        self.goals.seen(status, self.knowledge is Knowledge.AWAITED)
         if self.knowledge is Knowledge.DOUBTFUL:
             self._resolve(status, now, link_stands_since)
         elif self.knowledge is Knowledge.WATCHED:
             self._watch(status, now)
 
-    def stop_begun(self) -> None:
-        """The robot has said that it stops; its next status shows whether it goes on."""
-        self._stop_begun = True
+    def stop_begun(self, now: float) -> None:
+        """The robot has said that it stops; its status will show whether it goes on.
+
+        One that stands at its goal has been stopped by somebody.
+        """
+        self._stop_begun, self._stop_begun_at = True, now
+        self._before = None
+        if self.reached:
+            self.failure = TakenOver(f'The robot was stopped at {self.goal}.')
 
     def check_clock(self, now: float) -> None:
         """An interruption whose cause was not told in time was somebody's doing."""
@@ -243,7 +221,7 @@ class GoalTracker:
         if status.motion in _UNCLEAR and not self._is_as_before(status):
             return
         settled = now >= self._doubted_at + STATUS_LAG
-        if self._is_ours(status) and not self._never_sent:
+        if self.goals.is_obeyed(status) and not self._never_sent:
             if settled:
                 self.knowledge = Knowledge.WATCHED
                 self._watch(status, now)
@@ -262,7 +240,7 @@ class GoalTracker:
             self._arrive()
         elif status.motion is Motion.FAILED and status.goal == self.goal:
             self.failure = RouteFailed(f'Failed going to {status.goal}')
-        elif self._is_ours(status):
+        elif self.goals.is_obeyed(status):
             self._strange_since = None
         else:
             self._contradict(status, now)
@@ -273,28 +251,16 @@ class GoalTracker:
         A goal that is neither ours nor shown since before our command is somebody else's at once.
         """
         shown_before = self._before is not None and self._before.goal == status.goal
-        foreign = (status.motion is Motion.GOING and status.goal not in self.our_goals
+        foreign = (status.motion is Motion.GOING and status.goal not in self.goals
                    and not shown_before)
         if self._strange_since is None:
             self._strange_since = now
         if foreign or now - self._strange_since >= STATUS_LAG:
             self.failure = TakenOver(_what_it_does(status))
 
-    def _is_ours(self, status: RobotSeen) -> bool:
-        """Whether the status shows the robot obeying the command."""
-        if self.goal == DOCK:
-            return status.motion in _DOCK_MOTIONS or (
-                status.motion is Motion.GOING and not status.goal.isdecimal())
-        if status.motion is Motion.UNDOCKING:
-            return True  # it leaves the dock before it goes to its goal
-        if status.motion is Motion.GOING and not status.goal:
-            return self._names_goals is False
-        return (status.motion in (Motion.GOING, Motion.ARRIVED, Motion.FAILED)
-                and status.goal in {self.goal, *self._via})
-
     def _is_as_before(self, status: RobotSeen) -> bool:
         """Whether the robot does what it did before the command, so that it never heard it."""
-        if status.motion in _TOWARDS_GOAL and status.goal in self._earlier:
+        if self.goals.is_earlier_obeyed(status):
             return True
         before, now = self._place_before, self._place
         return (self._before is not None and _rests_as(self._before, status)

@@ -30,7 +30,7 @@ class RobotMonitor:
         self._count = 0  # of commands given
         self._handlers: Dict[Type[object], Callable[..., None]] = {
             p.RobotSeen: self._on_seen, p.CommandEnded: self._on_ended,
-            p.StopBegun: lambda event, now: self.tracker.stop_begun(),
+            p.StopBegun: lambda event, now: self.tracker.stop_begun(now),
             p.ForeignStop: self._on_foreign_stop, p.LinkReported: self._on_link,
         }
 
@@ -123,7 +123,7 @@ class RobotMonitor:
         since = (self.links.up_since(p.Link.COMMANDS)
                  if self.links.stands(p.Link.COMMANDS, now) else math.inf)
         self.tracker.seen(status, now, since)
-        self.stop_duty.seen(status, self.tracker.is_on_our_way(status), now)
+        self.stop_duty.seen(status, self.tracker.goals.is_on_our_way(status), now)
 
     def _on_ended(self, event: p.CommandEnded, now: float) -> None:
         self.stop_duty.ended(event)

@@ -2,30 +2,31 @@
 
 Neither ROS nor sockets nor a clock: every event comes with the time at which it happened (s,
 monotonic), and every answer is a list of actions. Metres, the map frame. Events change what is
-known (`robot_monitor`); then the running route is judged and driven on by that (`route_run`). Here
-orders are taken up, and the fleet manager is told.
+known (`robot_monitor`); then the running route is judged and driven on by that (`route_run`).
+Orders are sorted in `order_intake`; here they become routes, and the fleet manager is told.
 """
 from __future__ import annotations
 
-import math
-from typing import Callable, Iterable, List, Optional, Tuple, TypeVar
+from dataclasses import replace
+from functools import partial
+from typing import Callable, Iterable, List, Optional, Tuple
 
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.goal_tracker import RouteFailed, TakenOver
 from omron_ld90.bridge.graph_location import GraphLocation
+from omron_ld90.bridge.order_intake import OrderIntake
 from omron_ld90.bridge.robot_monitor import RobotMonitor
 from omron_ld90.bridge.route_orders import (
     RouteRefused,
     check_change,
     check_edges,
-    check_order,
     check_start,
     is_change,
     is_equal,
     is_same_in,
 )
 from omron_ld90.bridge.route_progress import RouteProgress
-from omron_ld90.bridge.route_restart import current_edge, resume
+from omron_ld90.bridge.route_restart import go_on
 from omron_ld90.bridge.route_run import RouteRun
 from omron_ld90.bridge.route_strategies import Settings
 from trajectory_graph import Graph
@@ -37,10 +38,6 @@ from trajectory_graph.route_protocol import (
     RouteReport,
     SymbolicPose,
 )
-
-LATE_ORDER = 2.0  # s that an order may be on its way
-
-_Event = TypeVar('_Event')
 
 
 class RouteFollower:
@@ -55,11 +52,8 @@ class RouteFollower:
         self.route: Optional[RouteRun] = None
         """The running route, or the last one."""
         self._restored: Optional[Tuple[p.RouteRecord, float]] = None  # to go on with; give up
-        self._waiting: Optional[Tuple[RouteOrder, float]] = None      # to be judged; give up
-        self._refused: Optional[Tuple[RouteOrder, str]] = None        # the last one, and why
-        self._taken_over_at = -math.inf  # somebody else stopped or drove the robot
-        self._explained: Optional[int] = None  # route of which a duplicate was explained
-        self._emergency_told = False  # a refusal in the emergency stop was noted
+        self._orders = OrderIntake(self.robot, settings.location_timeout, self._tell_refusal,
+                                   self._note)
         self._last_reported: Tuple[object, ...] = ()
         self._out: List[p.Action] = []
 
@@ -68,16 +62,16 @@ class RouteFollower:
     def handle(self, event: p.Event, now: float) -> List[p.Action]:
         """Takes an event; commands in the answer come before anything told about them."""
         if isinstance(event, RouteOrder):
-            return self._answer(self._on_order, event, now)
-        return self._answer(self._on_event, event, now)
+            return self._answer(partial(self._on_order, event, now), now)
+        return self._answer(partial(self._on_event, event, now), now)
 
     def tick(self, now: float) -> List[p.Action]:
         """Looks at the clock; to be called about ten times a second."""
-        return self._answer(self._on_tick, None, now)
+        return self._answer(partial(self._go_on, now), now)
 
     def use_graph(self, graph: Graph, now: float) -> List[p.Action]:
         """Replaces the graph; a running route goes on when its edges are what they were."""
-        return self._answer(self._use_graph, graph, now)
+        return self._answer(partial(self._use_graph, graph, now), now)
 
     def restore(self, record: p.RouteRecord, is_recent: bool, now: float) -> None:
         """What the bridge knew of the last route when it last ran.
@@ -88,7 +82,7 @@ class RouteFollower:
         self.route = RouteRun(order, self.settings, self.robot.tracker, self.robot.location, None,
                               now, record.phase, record.completed)
         self.route.reason = record.reason
-        self.robot.tracker.remember(record.goal)
+        self.robot.tracker.goals.remember(record.goal)
         owes_stop = record.owes_stop
         if record.phase is Phase.RUNNING and not is_recent:
             self.route.phase, self.route.reason = Phase.FAILED, 'the bridge was away for too long'
@@ -106,6 +100,8 @@ class RouteFollower:
     @property
     def record(self) -> Optional[p.RouteRecord]:
         """What `restore` is to be given after a restart; None before the first route."""
+        if self._restored:  # died again before it knew more
+            return replace(self._restored[0], owes_stop=self.robot.stop_duty.owed)
         return self.route.record(self.robot.stop_duty.owed) if self.route else None
 
     def report(self) -> RouteReport:
@@ -116,12 +112,11 @@ class RouteFollower:
         return RouteReport(self._stamp, route.order.route_id, route.edges, route.states,
                            self._pose(), self._reason)
 
-    def _answer(self, handle: Callable[[_Event, float], None], event: _Event,
-                now: float) -> List[p.Action]:
+    def _answer(self, handle: Callable[[], None], now: float) -> List[p.Action]:
         """What a handler makes of an event: commands, notes, a report where more than a
         percentage has changed."""
         try:
-            handle(event, now)
+            handle()
         except RouteFailed as failure:
             self._fail(failure, now)
         actions: List[p.Action] = [*self.robot.due_commands(now), *self._out]
@@ -170,65 +165,27 @@ class RouteFollower:
     # --- orders -----------------------------------------------------------------------------------
 
     def _on_order(self, order: RouteOrder, now: float) -> None:
-        route = self.route
         if not order.edges:
             self._stop(order, now)
-        elif route and 0 < order.stamp < route.order.stamp:
-            self._note(f'Route {order.route_id} came late and was left out: route '
-                       f'{route.order.route_id} was sent after it.')
-        elif route and (order.route_id, order.edges) == (route.order.route_id, route.edges):
-            self._explain_duplicate(route)
-        elif order.stamp and self._refused and order == self._refused[0]:
-            self._refuse(*self._refused)
-        elif self._is_overruled(order, now):
-            self._refuse(order, 'taken over')
-        else:
-            self._waiting = (order, now + self.settings.location_timeout)
+        elif self._orders.take(order, self.route, now):
             self._go_on(now)
 
     def _stop(self, order: RouteOrder, now: float) -> None:
         """An empty order is obeyed whenever it comes, late or twice."""
-        self._waiting = self._restored = None
+        self._orders.drop()
+        self._restored = None
         self.robot.stop(now)
         self.route = self._run(order, None, now, Phase.STOPPED)
 
-    def _overrule(self, now: float) -> None:
-        """Somebody else stops or drives the robot: no order given before may pass that."""
-        self._taken_over_at = now
-        if self._waiting:
-            order, _ = self._waiting
-            self._waiting = None
-            self._refuse(order, 'taken over')
-
-    def _is_overruled(self, order: RouteOrder, now: float) -> bool:
-        """Whether the order came after a take-over of which its sender could not know yet."""
-        age = (order.received - order.stamp) / 1e9 if order.stamp and order.received else 0.0
-        return now - age < self._taken_over_at and now < self._taken_over_at + LATE_ORDER
-
-    def _explain_duplicate(self, route: RouteRun) -> None:
-        """Nothing is done; who orders a route once more that is over is told so, once."""
-        if not route.running and self._explained != route.order.route_id:
-            self._explained = route.order.route_id
-            self._note(f'Route {route.order.route_id} was ordered again and is ignored: it is '
-                       f'{route.phase.value}. Another drive needs another id.')
-
-    def _consider_waiting(self, now: float) -> None:
-        """Takes up the order that waits, or refuses it, once it can be judged or is too old."""
-        if self._waiting is None:
+    def _consider_order(self, now: float) -> None:
+        """Takes up the order that waits, or refuses it, once it can be judged."""
+        order = self._orders.due(self._why_unknown, now)
+        if order is None:
             return
-        order, give_up = self._waiting
         try:
-            check_order(order)
-            unknown = self._why_unknown(now)
-            if unknown and now <= give_up and not self.robot.emergency:
-                return
-            self._waiting = None
-            if self.robot.emergency or unknown:
-                raise RouteRefused('emergency stop' if self.robot.emergency else unknown)
             self._take_up(order, now)
         except RouteRefused as refusal:
-            self._waiting = None
-            self._refuse(order, str(refusal))
+            self._orders.refuse(order, str(refusal))
 
     def _why_unknown(self, now: float) -> str:
         return 'there is no graph' if self.graph is None else self.robot.why_unknown(now)
@@ -243,9 +200,7 @@ class RouteFollower:
         else:
             check_start(order, route, here)
             self._begin(order, now)
-        if self._emergency_told:
-            self._emergency_told = False
-            self._note(f'Route {order.route_id} is driven: the emergency stop is over.')
+        self._orders.accepted(order)
 
     def _begin(self, order: RouteOrder, now: float) -> None:
         """Drives a new route."""
@@ -268,17 +223,13 @@ class RouteFollower:
         return RouteRun(order, self.settings, self.robot.tracker, self.robot.location, progress,
                         now, phase)
 
-    def _refuse(self, order: RouteOrder, reason: str) -> None:
-        """Says so; where the id is not that of the route in the reports, by a report, too."""
-        self._refused = (order, reason)
+    def _tell_refusal(self, order: RouteOrder, reason: str) -> None:
+        """Where the id is not that of the route in the reports, a report tells of it, too."""
         self._out.append(RouteRefusal(order.route_id, order.edges, reason))
         if self.route is None or self.route.order.route_id != order.route_id:
             self._out.append(RouteReport(
                 self._stamp, order.route_id, order.edges,
                 (EdgeState.FAILED,) * len(order.edges), self._pose(), reason))
-        if not (self.robot.emergency and self._emergency_told):  # who waits for its end tries on
-            self._note(f'Route {order.route_id} was refused: {reason}.')
-        self._emergency_told = self.robot.emergency
 
     # --- what happens to the route ----------------------------------------------------------------
 
@@ -290,19 +241,16 @@ class RouteFollower:
 
     def _on_event(self, event: p.Event, now: float) -> None:
         if isinstance(event, p.ForeignStop):
-            self._overrule(now)
+            self._orders.overrule(now)
         moved, driven = self.robot.update(event, now), self._driven
         if moved and driven:
             self._note(driven.locate(self._here, now))
         self._go_on(now)
 
-    def _on_tick(self, _: None, now: float) -> None:
-        self._go_on(now)
-
     def _go_on(self, now: float) -> None:
         """Judges what is known now, and drives on."""
         self._consider_restored(now)
-        self._consider_waiting(now)
+        self._consider_order(now)
         driven = self._driven
         if driven:
             self.robot.check(now)
@@ -314,28 +262,14 @@ class RouteFollower:
         if self._restored is None or route is None:
             return
         record, give_up = self._restored
-        unknown = self._why_unknown(now)
-        if (unknown or seen is None) and now <= give_up:
+        unknown = self._why_unknown(now) or ('' if seen else 'the robot is silent')
+        if unknown and now <= give_up:
             return
         self._restored = None
-        if unknown or seen is None:
-            if route.running:
-                raise RouteFailed(unknown or 'the robot is silent')
-            return
-        here = self._here
-        try:
-            check_edges(here.graph, record.edges)
-        except RouteRefused as refusal:
-            if route.running:
-                raise RouteFailed(str(refusal)) from None
-            return
-        if route.running:
-            current = current_edge(record, here, seen)
-            route.progress = self._progress(record.edges, current)
-            resume(route, record, here.graph, seen, now)
-            self._note(f'Route {record.route_id} goes on after a restart of the bridge.')
-        else:
-            route.progress = self._progress(record.edges, record.completed)
+        if seen and not unknown:
+            self._note(go_on(route, record, self._here, self._progress, seen, now))
+        elif route.running:
+            raise RouteFailed(unknown)
 
     def _use_graph(self, graph: Graph, now: float) -> None:
         if self.graph is not None and is_equal(graph, self.graph):
@@ -356,7 +290,7 @@ class RouteFollower:
         assert route is not None  # only a running route fails
         if isinstance(failure, TakenOver):
             self.robot.leave(failure, now)
-            self._overrule(now)
+            self._orders.overrule(now)
         else:
             self.robot.stop(now)
         route.phase = Phase.FAILED

@@ -1,17 +1,42 @@
 """How a route goes on that ran when the bridge was restarted: the robot drove on meanwhile."""
 from __future__ import annotations
 
-from typing import Optional
+from typing import Callable, Optional, Tuple
 
 from omron_ld90.bridge.events import Motion, RobotSeen, RouteRecord
-from omron_ld90.bridge.goal_tracker import DOCK, RouteFailed, TakenOver
+from omron_ld90.bridge.goal_tracker import RouteFailed, TakenOver
 from omron_ld90.bridge.graph_location import GraphLocation
+from omron_ld90.bridge.own_goals import DOCK
+from omron_ld90.bridge.route_orders import RouteRefused, check_edges
+from omron_ld90.bridge.route_progress import RouteProgress
 from omron_ld90.bridge.route_run import RouteRun
 from omron_ld90.goal_names import goal_name
 from trajectory_graph import Graph
 
 
-def current_edge(record: RouteRecord, here: GraphLocation, seen: RobotSeen) -> int:
+def go_on(route: RouteRun, record: RouteRecord, here: GraphLocation,
+          progress: Callable[[Tuple[int, ...], int], RouteProgress], seen: RobotSeen,
+          now: float) -> str:
+    """Goes on with the route of `record`; what people should know of that, or nothing.
+
+    `progress` makes the progress along edges from the current one on. Of a route that had ended
+    only the place in it is found again. Raises RouteFailed where one that ran cannot go on.
+    """
+    try:
+        check_edges(here.graph, record.edges)
+    except RouteRefused as refusal:
+        if route.running:
+            raise RouteFailed(str(refusal)) from None
+        return ''
+    if not route.running:
+        route.progress = progress(record.edges, record.completed)
+        return ''
+    route.progress = progress(record.edges, _current_edge(record, here, seen))
+    _resume(route, record, here.graph, seen, now)
+    return f'Route {record.route_id} goes on after a restart of the bridge.'
+
+
+def _current_edge(record: RouteRecord, here: GraphLocation, seen: RobotSeen) -> int:
     """Index of the edge on which the robot is found; raises RouteFailed when it is elsewhere.
 
     As long as it is found on the edges that lead to where it had been sent, those behind it were
@@ -30,7 +55,7 @@ def current_edge(record: RouteRecord, here: GraphLocation, seen: RobotSeen) -> i
     raise RouteFailed('the robot was not on the route any more after a restart of the bridge')
 
 
-def resume(route: RouteRun, record: RouteRecord, graph: Graph, seen: RobotSeen,
+def _resume(route: RouteRun, record: RouteRecord, graph: Graph, seen: RobotSeen,
            now: float) -> None:
     """Goes on with the route, whose progress is set: looks where the robot is going first."""
     current = route.completed

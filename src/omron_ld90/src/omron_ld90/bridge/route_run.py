@@ -5,8 +5,9 @@ import math
 from typing import List, Optional, Tuple
 
 from omron_ld90.bridge.events import RouteRecord
-from omron_ld90.bridge.goal_tracker import DOCK, GoalTracker, RouteFailed
+from omron_ld90.bridge.goal_tracker import GoalTracker, RouteFailed
 from omron_ld90.bridge.graph_location import GraphLocation
+from omron_ld90.bridge.own_goals import DOCK
 from omron_ld90.bridge.robot_state import RobotLocation
 from omron_ld90.bridge.route_progress import RouteProgress
 from omron_ld90.bridge.route_strategies import Settings, StrategyContext
@@ -90,7 +91,7 @@ class RouteRun:
     def record(self, owes_stop: bool) -> RouteRecord:
         """What a restarted bridge needs to know."""
         return RouteRecord(self.order.route_id, self.edges, self.order.stamp, self.phase,
-                           self.reason, self.completed, self.target, self._tracker.last_goal,
+                           self.reason, self.completed, self.target, self._tracker.goals.last,
                            owes_stop)
 
     @property

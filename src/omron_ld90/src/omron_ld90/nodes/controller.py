@@ -36,9 +36,7 @@ Parameters:
 """
 from __future__ import annotations
 
-import threading
 from typing import Any, Callable, List, Optional
-from weakref import WeakKeyDictionary
 
 import rospy
 from geometry_msgs.msg import PoseStamped
@@ -58,13 +56,13 @@ from omron_arcl import (
     parse_line,
     printable,
 )
-from omron_arcl.commands import Command
+from omron_arcl.arbiter import Arbiter
 from omron_arcl.guard import Guard
-from omron_arcl.overruling import Motion, Overruling
 from omron_arcl.replies import Goal, MapChanged, OneLineStatus
-from omron_ld90.nodes.controller_actions import ExecuteCommandServer, MoveBaseServer
+from omron_ld90.nodes.controller_execute_command import ExecuteCommandServer
 from omron_ld90.nodes.controller_goals import GoalComparison
 from omron_ld90.nodes.controller_help import HelpReport
+from omron_ld90.nodes.controller_move_base import MoveBaseServer
 from omron_ld90.nodes.controller_password import read_password
 from omron_ld90.nodes.controller_refusals import Refusals
 from omron_ld90.nodes.controller_topics import TopicCommands
@@ -96,18 +94,17 @@ class Controller:
         self._log = log
         self._stop_on_shutdown = stop_on_shutdown
         self._help = HelpReport()
-        self._overruling = Overruling()
-        self._motions: WeakKeyDictionary[Execution, Motion] = WeakKeyDictionary()
-        self._giving = threading.Lock()  # commands are given one at a time
         self._reporter = LinkReporter(LinkState.COMMANDS, log)
         self._health = RobotHealth()
         self._responses = rospy.Publisher('arcl_response', LineMessage, queue_size=1000,
                                           tcp_nodelay=True)
         self._client: Client = make_client(on_line=self._on_line, on_link=self._on_link,
                                            on_login=self._on_login)
+        self._arbiter = Arbiter(self._client.execute, self._client.cancel, guard)
         refusals, old = Refusals(), OldMessages(publishers_by_master).start()
-        ExecuteCommandServer(self._execute, self._cancel, old)
-        self._move_base = MoveBaseServer(self._execute, self._cancel, old, refusals, map_frame)
+        ExecuteCommandServer(self._execute, self._arbiter.cancel, old)
+        self._move_base = MoveBaseServer(self._execute, self._arbiter.cancel, old, refusals,
+                                         map_frame)
         TopicCommands(self._execute, self._move_base, refusals, old, map_frame,
                       ClickRule.of_this_node().refusal)
         publish_diagnostics(self._client.peer, {'link to the robot': self._reporter.diagnose,
@@ -134,40 +131,11 @@ class Controller:
             if result is None:
                 rospy.logwarn('A stop was sent at the end; the robot has not said that it stands.')
 
-    def _execute(self, text: str, giver: str, *,
-                 on_end: Optional[Callable[[Result], None]] = None, **options: Any) -> Execution:
+    def _execute(self, text: str, giver: str, **options: Any) -> Execution:
         """Gives a command of `giver`, a node, once it is allowed; raises ArclError."""
-        motion: Optional[Motion] = None
-
-        def check(command: Command) -> None:
-            nonlocal motion
-            self._guard.check(command)
-            motion = self._overruling.take(giver, command)
-
-        def end(result: Result) -> None:
-            if motion:
-                self._overruling.ended(motion, result.outcome)
-            if on_end:
-                on_end(result)
-
-        with self._giving:
-            try:
-                execution = self._client.execute(text, check=check, on_end=end, **options)
-            except ArclError:
-                if motion:
-                    self._overruling.ended(motion, Outcome.LOST)
-                raise
-            if motion:
-                self._motions[execution] = motion
+        execution = self._arbiter.execute(text, giver, **options)
         self._help.sent(execution.command)
         return execution
-
-    def _cancel(self, execution: Execution, canceller: str) -> None:
-        """Cancels a command for a node, so that no drive follows that was given before."""
-        with self._giving:
-            if execution in self._motions:
-                self._overruling.cancelled(self._motions[execution], canceller)
-            self._client.cancel(execution)
 
     # --- from the robot ---------------------------------------------------------------------------
 
@@ -175,6 +143,7 @@ class Controller:
         self._responses.publish(LineMessage(line.raw))
         self._reporter.line()
         self._health.observe(line.reply)
+        self._arbiter.on_reply(line.reply)
         if isinstance(line.reply, MapChanged):
             self._ask_goals()
         elif (isinstance(line.reply, OneLineStatus) and line.reply.location

@@ -1,4 +1,4 @@
-"""The controller's two actions: a command to its completion, and driving to a pose.
+"""What the controller's actions have in common: each goal is a command, carried out to its end.
 
 Succeeded is SUCCEEDED; cancelled, and replaced by another command, is PREEMPTED; whatever else
 ended the command is ABORTED with a text that says what; what was never sent is REJECTED. Commands
@@ -10,59 +10,27 @@ thread uses none: it leaves that to a `CallQueue`.
 """
 from __future__ import annotations
 
-import math
 import threading
-import time
-from functools import partial
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
 import actionlib
 import rospy
-from geometry_msgs.msg import PoseStamped
-from move_base_msgs.msg import (
-    MoveBaseAction,
-    MoveBaseActionGoal,
-    MoveBaseFeedback,
-    MoveBaseGoal,
-    MoveBaseResult,
-)
 
-from omron_arcl import ArclError, Execution, NotConnected, Outcome, Result, printable
+from omron_arcl import ArclError, Execution, Outcome, Result, printable
 from omron_arcl.command_line import is_stop
-from omron_arcl.overruling import Overruled
 from omron_ld90.nodes.controller_action_server import ActionServer
-from omron_ld90.nodes.controller_refusals import Refusals, failure
+from omron_ld90.nodes.controller_refusals import failure
 from omron_ld90.nodes.support.call_queue import CallQueue
 from omron_ld90.nodes.support.callers import caller_of
 from omron_ld90.nodes.support.old_messages import OldMessages
-from omron_ld90.nodes.support.poses import pose_to_robot
-from omron_ld90_msgs.msg import (
-    ExecuteCommandAction,
-    ExecuteCommandFeedback,
-    ExecuteCommandGoal,
-    ExecuteCommandResult,
-)
 
 _QUEUE_PARAMETER = 'actionlib_server_pub_queue_size'  # read by actionlib, for all servers here
 _RESULTS_QUEUED = 1000
-OWN_CONNECTION = 5.0  # s to wait for the topic of its own goals
 
 # Gives a command of a node; raises ArclError. (text, giver, timeout, on_line, on_end) -> Execution
 Execute = Callable[..., Execution]
 Cancel = Callable[[Execution, str], None]  # cancels a command for a node
 
-_OUTCOMES: Dict[Outcome, int] = {
-    Outcome.SUCCEEDED: ExecuteCommandResult.SUCCEEDED,
-    Outcome.REJECTED: ExecuteCommandResult.FAILED,
-    Outcome.NO_GOAL: ExecuteCommandResult.FAILED,
-    Outcome.UNKNOWN_COMMAND: ExecuteCommandResult.FAILED,
-    Outcome.FAILED: ExecuteCommandResult.FAILED,
-    Outcome.EMERGENCY_STOPPED: ExecuteCommandResult.EMERGENCY_STOPPED,
-    Outcome.INTERRUPTED: ExecuteCommandResult.INTERRUPTED,
-    Outcome.CANCELLED: ExecuteCommandResult.CANCELLED,
-    Outcome.TIMED_OUT: ExecuteCommandResult.TIMED_OUT,
-    Outcome.LOST: ExecuteCommandResult.LOST,
-}
 _PREEMPTED = (Outcome.INTERRUPTED, Outcome.CANCELLED)
 
 
@@ -74,21 +42,6 @@ class NeverSent(Refused):
     """A goal that is not carried out because of its moment; the text says why."""
 
 
-def robot_pose(pose: PoseStamped, map_frame: str) -> Tuple[int, int, int]:
-    """x, y (mm), heading (degrees) of a pose in the map frame; raises Refused."""
-    frame = pose.header.frame_id.lstrip('/')
-    if frame != map_frame:
-        raise Refused(f'the pose is in the frame "{frame}", not in "{map_frame}"')
-    p, q = pose.pose.position, pose.pose.orientation
-    if not all(math.isfinite(number) for number in (p.x, p.y, q.x, q.y, q.z, q.w)):
-        raise Refused('the pose holds a number that is not finite')
-    if abs(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w - 1.0) > 0.01:
-        raise Refused('the orientation is no unit quaternion')
-    if max(abs(p.x), abs(p.y)) > 1e6:
-        raise Refused('the position is more than 1000 km away')
-    return pose_to_robot(pose.pose)
-
-
 class _Goal:
     """A goal of an action, and the command that it became."""
 
@@ -97,7 +50,7 @@ class _Goal:
         self.execution: Optional[Execution] = None
 
 
-class _Actions:
+class CommandActions:
     """Goals of one action server and the commands that they are."""
 
     def __init__(self, name: str, kind: type, execute: Execute,
@@ -210,102 +163,3 @@ def _keep_results() -> None:
     """More results may wait for a client than actionlib's 50: one that is dropped never comes."""
     if not rospy.has_param(_QUEUE_PARAMETER):
         rospy.set_param(_QUEUE_PARAMETER, _RESULTS_QUEUED)
-
-
-class ExecuteCommandServer(_Actions):
-    """Action `execute_command`."""
-
-    def __init__(self, execute: Execute, cancel: Cancel, old: OldMessages) -> None:
-        super().__init__('execute_command', ExecuteCommandAction, execute, cancel, old)
-
-    def _is_stop(self, goal: ExecuteCommandGoal) -> bool:
-        return is_stop(goal.command)
-
-    def _command_of(self, goal: ExecuteCommandGoal) -> Tuple[str, float]:
-        if not (math.isfinite(goal.timeout) and goal.timeout >= 0.0):
-            raise Refused(f'the timeout is {goal.timeout}, but must be 0 or more seconds')
-        return goal.command, goal.timeout
-
-    def _on_line(self, handle: actionlib.ServerGoalHandle, line: str) -> None:
-        handle.publish_feedback(ExecuteCommandFeedback(line=line))
-
-    def _result(self, result: Result) -> ExecuteCommandResult:
-        left_out = f' ({result.left_out} more lines were left out)' if result.left_out else ''
-        return ExecuteCommandResult(outcome=_OUTCOMES[result.outcome],
-                                    message=printable(result.words, 1000) + left_out,
-                                    lines=list(result.lines))
-
-    def _refusal(self, reason: Exception) -> ExecuteCommandResult:
-        """LOST, and never sent, where the command as such was well: it may be given again.
-
-        INTERRUPTED where somebody else's word came first.
-        """
-        if isinstance(reason, Overruled):
-            return ExecuteCommandResult(outcome=ExecuteCommandResult.INTERRUPTED,
-                                        message=str(reason))
-        if isinstance(reason, (NotConnected, NeverSent)):
-            return ExecuteCommandResult(outcome=ExecuteCommandResult.LOST,
-                                        message=f'never sent: {reason}')
-        return ExecuteCommandResult(outcome=ExecuteCommandResult.REFUSED, message=str(reason))
-
-
-class MoveBaseServer(_Actions):
-    """Action `move_base`; feedback is where the robot is, whenever it says so.
-
-    A goal that comes by topic becomes a goal of the action, as with the real move_base: whoever
-    watches `move_base/status` sees a new one.
-    """
-
-    def __init__(self, execute: Execute, cancel: Cancel, old: OldMessages, refusals: Refusals,
-                 map_frame: str) -> None:
-        self._map_frame = map_frame
-        self._refusals = refusals
-        self._forwarded: Dict[str, str] = {}  # goal id -> who gave it by topic
-        self._count = 0
-        super().__init__('move_base', MoveBaseAction, execute, cancel, old)
-        self._goals = rospy.Publisher(self._topic, MoveBaseActionGoal, queue_size=10)
-        self._await_own_connection()
-
-    def _await_own_connection(self) -> None:
-        """Until goals published here arrive here, or else the first one might be lost."""
-        deadline = time.monotonic() + OWN_CONNECTION
-        while not self._goals.get_num_connections() and time.monotonic() < deadline:
-            time.sleep(0.01)
-
-    def feedback(self, pose: PoseStamped) -> None:
-        """The robot is at `pose`."""
-        for handle in self._handles():
-            self._calls.add(partial(handle.publish_feedback,
-                                    MoveBaseFeedback(base_position=pose)), optional=True)
-
-    def forward(self, pose: PoseStamped, caller: str) -> None:
-        """Makes a goal of the action of a pose that `caller` gave by topic."""
-        goal = MoveBaseActionGoal()
-        goal.header.stamp = goal.goal_id.stamp = rospy.Time.now()
-        with self._lock:
-            self._count += 1
-            goal.goal_id.id = (f'{rospy.get_name()}-simple-{self._count}-'
-                               f'{goal.goal_id.stamp.to_sec():.9f}')
-            self._forwarded[goal.goal_id.id] = caller
-        goal.goal.target_pose = pose
-        self._goals.publish(goal)
-
-    def _giver(self, handle: actionlib.ServerGoalHandle) -> str:
-        with self._lock:
-            return self._forwarded.get(handle.get_goal_id().id, '') or super()._giver(handle)
-
-    def _command_of(self, goal: MoveBaseGoal) -> Tuple[str, float]:
-        return 'gotoPoint {} {} {}'.format(*robot_pose(goal.target_pose, self._map_frame)), 0.0
-
-    def _result(self, result: Result) -> MoveBaseResult:
-        return MoveBaseResult()
-
-    def _refusal(self, reason: Exception) -> MoveBaseResult:
-        return MoveBaseResult()
-
-    def _tell(self, goal_id: str, reason: Optional[str]) -> None:
-        """Who gave a goal by topic has no result to look at."""
-        with self._lock:
-            caller = self._forwarded.pop(goal_id, None)
-        if caller and reason:
-            self._refusals.tell('gotoPoint', caller, reason)

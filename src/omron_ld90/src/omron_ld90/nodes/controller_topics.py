@@ -9,7 +9,8 @@ from std_msgs.msg import String
 
 from omron_arcl import ArclError, Execution, Result
 from omron_arcl.command_line import is_stop
-from omron_ld90.nodes.controller_actions import MoveBaseServer, Refused, robot_pose
+from omron_ld90.nodes.controller_actions import Refused
+from omron_ld90.nodes.controller_move_base import MoveBaseServer, robot_pose
 from omron_ld90.nodes.controller_refusals import Refusals, failure
 from omron_ld90.nodes.support.callers import caller_of
 from omron_ld90.nodes.support.old_messages import OldMessages

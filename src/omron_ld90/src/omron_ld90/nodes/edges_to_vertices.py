@@ -8,7 +8,8 @@ Subscribes
     /graph (itrci_nav_msgs/Graph): replaces the graph of ~graph_file
     robot_status (omron_ld90_msgs/RobotStatus), link_state (omron_ld90_msgs/LinkState)
     arcl_response (std_msgs/String): the robot says that it stops
-    send_command (std_msgs/String), execute_command/goal: a stop of somebody else ends the route
+    send_command (std_msgs/String), execute_command/goal, execute_command/cancel: a stop of somebody
+        else ends the route
 Publishes
     execution_route_states (itrci_nav_msgs/ExecutionRouteStates, latched): 10 Hz and on change
         while a route runs, else 1 Hz
@@ -42,24 +43,25 @@ from __future__ import annotations
 import queue
 import threading
 import time
-from typing import Callable, Dict, Iterable, Optional, Tuple
+from typing import Callable, Dict, Iterable, Tuple
 
 import rospy
+from actionlib_msgs.msg import GoalID
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 from std_msgs.msg import String
 
 from itrci_nav_msgs import msg
-from node_lifecycle import ConfigurationError, choice, number, parameter, publish_diagnostics, run
+from node_lifecycle import parameter, publish_diagnostics, run
 from omron_arcl import parse_line
 from omron_arcl.command_line import is_stop
 from omron_arcl.replies import Stopping
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.route_follower import RouteFollower
-from omron_ld90.bridge.route_strategies import STRATEGIES, Settings
 from omron_ld90.bridge.running_clock import RunningClock
 from omron_ld90.nodes.bridge_memory import RouteMemory
 from omron_ld90.nodes.bridge_messages import command_ended, link_reported, robot_seen
+from omron_ld90.nodes.bridge_settings import read_settings
 from omron_ld90.nodes.support import shared_parameters
 from omron_ld90.nodes.support.callers import caller_of
 from omron_ld90.nodes.support.command_client import CommandClient
@@ -93,7 +95,7 @@ class EdgesToVertices:
     def __init__(self) -> None:
         graph = shared_parameters.trajectory_graph()
         self._clock = RunningClock()
-        settings = _read_settings(graph)
+        settings = read_settings(graph)
         self._follower = RouteFollower(settings, graph, links=tuple(p.Link))
         self._memory = RouteMemory(parameter('~launch_id', ''), parameter('~route_file', ''))
         record, age = self._memory.recall()
@@ -115,6 +117,7 @@ class EdgesToVertices:
                 ('arcl_response', String, self._on_line),
                 ('send_command', String, self._on_command),
                 ('execute_command/goal', ExecuteCommandActionGoal, self._on_goal),
+                ('execute_command/cancel', GoalID, self._on_cancel),
                 ('target_route', msg.TargetRoute, self._on_route)):
             rospy.Subscriber(topic, kind, callback, queue_size=100, tcp_nodelay=True)
         FollowedGraph(graph, self._on_graph).subscribe()
@@ -170,6 +173,12 @@ class EdgesToVertices:
         Drives of others are left to the controller: it may refuse them, and our own goes on.
         """
         if caller != rospy.get_name() and is_stop(command):
+            self._tell(p.ForeignStop(caller))
+
+    def _on_cancel(self, message: GoalID) -> None:
+        """To cancel a drive of ours is to stop the robot, even where that never heard of it."""
+        caller = caller_of(message)
+        if caller != rospy.get_name() and self._commands.is_meant_by(message):
             self._tell(p.ForeignStop(caller))
 
     def _on_graph(self, graph: Graph) -> None:
@@ -245,42 +254,6 @@ def _diagnosis(follower: RouteFollower, now: float) -> Diagnosis:
         'edge': str(report.pose.edge), 'percentage': f'{report.pose.percentage:.1f}',
         'going to': str(follower.robot.tracker.goal),
         'command': follower.robot.tracker.knowledge.value}
-
-
-def _read_settings(graph: Optional[Graph]) -> Settings:
-    dock = parameter('~dock_vertex', 0, int)
-    if graph is not None and dock and dock not in graph.vertices:
-        raise ConfigurationError(
-            f'~dock_vertex is {dock}, which is no vertex of the graph: set it to the id of the '
-            'dock, or to 0 where there is none.')
-    strategy = choice('~strategy', 'rolling', tuple(STRATEGIES))
-    native_command = parameter('~native_command', '')
-    if strategy == 'native':
-        _check_native_command(native_command)
-    return Settings(
-        dock_vertex=dock or None,
-        strategy=STRATEGIES[strategy],
-        native_command=native_command if strategy == 'native' else '',
-        vertex_tolerance=number('~vertex_tolerance', 0.3, 0.05, 2.0),
-        corridor_width=number('~corridor_width', 0.9, 0.3, 10.0),
-        stall_timeout=number('~stall_timeout', 30.0, 1.0, 3600.0),
-        location_timeout=number('~location_timeout', 5.0, 0.5, 60.0),
-        link_timeout=number('~link_timeout', 2.0, 0.0, 60.0),
-        restart_timeout=number('~restart_timeout', 20.0, 0.0, 600.0),
-        top_speed=number('~top_speed', 1.35, 0.1, 10.0),
-        acceleration=number('~acceleration', 0.5, 0.05, 10.0),
-        braking=number('~braking', 0.2, 0.05, 10.0))
-
-
-def _check_native_command(template: str) -> None:
-    try:
-        wrong = '1 2' not in template.format(goals='1 2', last='1 2')
-    except (LookupError, ValueError, AttributeError):
-        wrong = True
-    if wrong:
-        raise ConfigurationError(
-            f'~native_command is {template!r}, but strategy native needs the command that takes '
-            'several goals, with {goals} for their names or {last} for the last one.')
 
 
 def main() -> None:

@@ -5,7 +5,9 @@ import threading
 from types import SimpleNamespace
 
 import pytest
+import rospy
 from actionlib import CommState, GoalStatus
+from actionlib_msgs.msg import GoalID
 
 from omron_ld90.nodes.support import command_client
 from omron_ld90.nodes.support.command_client import STATUSES_WAITED, CommandClient, result_of
@@ -49,7 +51,10 @@ class Server:
         self.state = CommState.WAITING_FOR_GOAL_ACK
 
     def send_goal(self, goal, **callbacks):
-        return SimpleNamespace(get_comm_state=lambda: self.state)
+        goal_id = GoalID(rospy.Time(100), 'ours')
+        return SimpleNamespace(
+            get_comm_state=lambda: self.state,
+            comm_state_machine=SimpleNamespace(action_goal=SimpleNamespace(goal_id=goal_id)))
 
 
 @pytest.fixture
@@ -57,6 +62,18 @@ def server(monkeypatch) -> Server:
     server = Server()
     monkeypatch.setattr(command_client.actionlib, 'ActionClient', lambda name, kind: server)
     return server
+
+
+@pytest.mark.parametrize('cancellation, under_way, before', [
+    (GoalID(), True, True), (GoalID(id='ours'), True, False), (GoalID(id='other'), False, False),
+    (GoalID(stamp=rospy.Time(99)), False, False), (GoalID(stamp=rospy.Time(100)), True, False)])
+def test_a_cancellation_means_the_commands_that_it_names_or_everything(
+        server, cancellation, under_way, before):
+    commands = CommandClient(lambda number, result: None)
+    assert commands.is_meant_by(cancellation) is before
+    commands.give(1, 'goto 12')
+    assert commands.is_meant_by(cancellation) is under_way
+    commands.close()
 
 
 @pytest.mark.parametrize('state, lost', [

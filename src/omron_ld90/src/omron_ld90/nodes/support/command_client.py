@@ -10,6 +10,7 @@ from typing import Callable, Dict, Optional
 
 import actionlib
 from actionlib import ClientGoalHandle, CommState, GoalStatus
+from actionlib_msgs.msg import GoalID
 
 from omron_ld90.nodes.support.call_queue import CallQueue
 from omron_ld90_msgs.msg import (
@@ -86,6 +87,17 @@ class CommandClient:
                 elif (state in _ON_ITS_WAY
                         and self._statuses - given.statuses > STATUSES_WAITED):
                     self._end_later(number, _lost(_ON_ITS_WAY[state]))
+
+    def is_meant_by(self, cancellation: GoalID) -> bool:
+        """Whether a command under way is cancelled. Who cancels everything means us anyway."""
+        if not cancellation.id and not cancellation.stamp:
+            return True
+        with self._lock:
+            handles = [given.handle for given in self._open.values() if given.handle]
+        goals = [handle.comm_state_machine.action_goal.goal_id for handle in handles]
+        return any(goal.id == cancellation.id
+                   or bool(cancellation.stamp) and goal.stamp <= cancellation.stamp
+                   for goal in goals)
 
     def close(self) -> None:
         """Ends the thread of the callbacks."""

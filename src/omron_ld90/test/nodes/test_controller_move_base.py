@@ -6,9 +6,8 @@ import math
 import pytest
 from geometry_msgs.msg import PoseStamped
 
-from omron_arcl import Outcome
-from omron_ld90.nodes.controller_actions import _OUTCOMES, Refused, robot_pose
-from omron_ld90_msgs.msg import ExecuteCommandResult
+from omron_ld90.nodes.controller_actions import Refused
+from omron_ld90.nodes.controller_move_base import robot_pose
 
 
 def pose(x: float = 1.0, y: float = 2.0, yaw: float = 0.0, frame: str = 'map') -> PoseStamped:
@@ -37,9 +36,3 @@ def test_an_orientation_that_is_none_is_refused():
     bad.pose.orientation.w = 0.0
     with pytest.raises(Refused, match='unit quaternion'):
         robot_pose(bad, 'map')
-
-
-def test_every_way_to_end_has_an_outcome_of_the_action():
-    assert set(_OUTCOMES) == set(Outcome)
-    assert _OUTCOMES[Outcome.EMERGENCY_STOPPED] == ExecuteCommandResult.EMERGENCY_STOPPED
-    assert _OUTCOMES[Outcome.LOST] == ExecuteCommandResult.LOST

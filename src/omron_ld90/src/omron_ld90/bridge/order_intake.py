@@ -1,0 +1,120 @@
+"""Which orders of the fleet manager are taken up, and when.
+
+One that came late, that was on its way when somebody took the robot over, or that was refused
+before is not; one that comes before the robot is known waits for that. What an order must be by
+itself, and beside the route that runs, is in `route_orders`.
+"""
+from __future__ import annotations
+
+import math
+from typing import Callable, Optional, Tuple
+
+from omron_ld90.bridge.robot_monitor import RobotMonitor
+from omron_ld90.bridge.route_orders import RouteRefused, check_order
+from omron_ld90.bridge.route_run import RouteRun
+from trajectory_graph.route_protocol import RouteOrder
+
+LATE_ORDER = 2.0  # s that an order may be on its way
+
+
+class OrderIntake:
+    """Sorts orders, and keeps the one that waits.
+
+    patience -- s that an order may wait
+    tell_refusal -- called with an order that is refused, and why
+    note -- called with what people should know
+    """
+
+    def __init__(self, robot: RobotMonitor, patience: float,
+                 tell_refusal: Callable[[RouteOrder, str], None],
+                 note: Callable[[str], None]) -> None:
+        self._robot = robot
+        self._patience = patience
+        self._tell_refusal = tell_refusal
+        self._note = note
+        self._waiting: Optional[Tuple[RouteOrder, float]] = None  # to be judged; give up
+        self._refused: Optional[Tuple[RouteOrder, str]] = None    # the last one, and why
+        self._overruled_at = -math.inf  # somebody else stopped or drove the robot
+        self._explained: Optional[int] = None  # route of which a duplicate was explained
+        self._emergency_told = False  # a refusal in the emergency stop was noted
+
+    # --- what comes ------------------------------------------------------------------------------
+
+    def take(self, order: RouteOrder, route: Optional[RouteRun], now: float) -> bool:
+        """Takes an order of edges; `route` is the last one. Whether it may be driven, once due."""
+        if route and 0 < order.stamp < route.order.stamp:
+            self._note(f'Route {order.route_id} came late and was left out: route '
+                       f'{route.order.route_id} was sent after it.')
+        elif route and (order.route_id, order.edges) == (route.order.route_id, route.edges):
+            self._explain_duplicate(route)
+        elif order.stamp and self._refused and order == self._refused[0]:
+            self.refuse(*self._refused)
+        elif self._is_overruled(order, now):
+            self.refuse(order, 'taken over')
+        else:
+            self._waiting = (order, now + self._patience)
+            return True
+        return False
+
+    def drop(self) -> None:
+        """Nobody wants what waits any more."""
+        self._waiting = None
+
+    def overrule(self, now: float) -> None:
+        """Somebody else stops or drives the robot: no order given before may pass that."""
+        self._overruled_at = now
+        if self._waiting:
+            order, _ = self._waiting
+            self._waiting = None
+            self.refuse(order, 'taken over')
+
+    def _is_overruled(self, order: RouteOrder, now: float) -> bool:
+        """Whether the order came after a take-over of which its sender could not know yet."""
+        age = (order.received - order.stamp) / 1e9 if order.stamp and order.received else 0.0
+        return now - age < self._overruled_at and now < self._overruled_at + LATE_ORDER
+
+    def _explain_duplicate(self, route: RouteRun) -> None:
+        """Nothing is done; who orders a route once more that is over is told so, once."""
+        if not route.running and self._explained != route.order.route_id:
+            self._explained = route.order.route_id
+            self._note(f'Route {route.order.route_id} was ordered again and is ignored: it is '
+                       f'{route.phase.value}. Another drive needs another id.')
+
+    # --- what becomes of it ----------------------------------------------------------------------
+
+    def due(self, why_unknown: Callable[[float], str], now: float) -> Optional[RouteOrder]:
+        """The order that waited and can be judged now; it is refused here when it is too old.
+
+        `why_unknown` tells why nobody knows yet whether the robot could drive it, or nothing.
+        """
+        if self._waiting is None:
+            return None
+        order, give_up = self._waiting
+        emergency = self._robot.emergency
+        try:
+            check_order(order)
+            unknown = why_unknown(now)
+            if unknown and now <= give_up and not emergency:
+                return None
+            if emergency or unknown:
+                raise RouteRefused('emergency stop' if emergency else unknown)
+        except RouteRefused as refusal:
+            self._waiting = None
+            self.refuse(order, str(refusal))
+            return None
+        self._waiting = None
+        return order
+
+    def refuse(self, order: RouteOrder, reason: str) -> None:
+        """Says so. In an emergency stop once: whoever waits for its end tries on."""
+        self._refused = (order, reason)
+        self._tell_refusal(order, reason)
+        if not (self._robot.emergency and self._emergency_told):
+            self._note(f'Route {order.route_id} was refused: {reason}.')
+        self._emergency_told = self._robot.emergency
+
+    def accepted(self, order: RouteOrder) -> None:
+        """The order that was due is driven."""
+        if self._emergency_told:
+            self._emergency_told = False
+            self._note(f'Route {order.route_id} is driven: the emergency stop is over.')

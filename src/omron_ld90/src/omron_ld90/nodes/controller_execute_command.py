@@ -1,0 +1,69 @@
+"""The controller's action `execute_command`: any command, and how it ended in the robot's words."""
+from __future__ import annotations
+
+import math
+from typing import Dict, Tuple
+
+import actionlib
+
+from omron_arcl import NotConnected, Outcome, Result, printable
+from omron_arcl.command_line import is_stop
+from omron_arcl.overruling import Overruled
+from omron_ld90.nodes.controller_actions import Cancel, CommandActions, Execute, NeverSent, Refused
+from omron_ld90.nodes.support.old_messages import OldMessages
+from omron_ld90_msgs.msg import (
+    ExecuteCommandAction,
+    ExecuteCommandFeedback,
+    ExecuteCommandGoal,
+    ExecuteCommandResult,
+)
+
+_OUTCOMES: Dict[Outcome, int] = {
+    Outcome.SUCCEEDED: ExecuteCommandResult.SUCCEEDED,
+    Outcome.REJECTED: ExecuteCommandResult.FAILED,
+    Outcome.NO_GOAL: ExecuteCommandResult.FAILED,
+    Outcome.UNKNOWN_COMMAND: ExecuteCommandResult.FAILED,
+    Outcome.FAILED: ExecuteCommandResult.FAILED,
+    Outcome.EMERGENCY_STOPPED: ExecuteCommandResult.EMERGENCY_STOPPED,
+    Outcome.INTERRUPTED: ExecuteCommandResult.INTERRUPTED,
+    Outcome.CANCELLED: ExecuteCommandResult.CANCELLED,
+    Outcome.TIMED_OUT: ExecuteCommandResult.TIMED_OUT,
+    Outcome.LOST: ExecuteCommandResult.LOST,
+}
+
+
+class ExecuteCommandServer(CommandActions):
+    """Action `execute_command`."""
+
+    def __init__(self, execute: Execute, cancel: Cancel, old: OldMessages) -> None:
+        super().__init__('execute_command', ExecuteCommandAction, execute, cancel, old)
+
+    def _is_stop(self, goal: ExecuteCommandGoal) -> bool:
+        return is_stop(goal.command)
+
+    def _command_of(self, goal: ExecuteCommandGoal) -> Tuple[str, float]:
+        if not (math.isfinite(goal.timeout) and goal.timeout >= 0.0):
+            raise Refused(f'the timeout is {goal.timeout}, but must be 0 or more seconds')
+        return goal.command, goal.timeout
+
+    def _on_line(self, handle: actionlib.ServerGoalHandle, line: str) -> None:
+        handle.publish_feedback(ExecuteCommandFeedback(line=line))
+
+    def _result(self, result: Result) -> ExecuteCommandResult:
+        left_out = f' ({result.left_out} more lines were left out)' if result.left_out else ''
+        return ExecuteCommandResult(outcome=_OUTCOMES[result.outcome],
+                                    message=printable(result.words, 1000) + left_out,
+                                    lines=list(result.lines))
+
+    def _refusal(self, reason: Exception) -> ExecuteCommandResult:
+        """LOST, and never sent, where the command as such was well: it may be given again.
+
+        INTERRUPTED where somebody else's word came first.
+        """
+        if isinstance(reason, Overruled):
+            return ExecuteCommandResult(outcome=ExecuteCommandResult.INTERRUPTED,
+                                        message=str(reason))
+        if isinstance(reason, (NotConnected, NeverSent)):
+            return ExecuteCommandResult(outcome=ExecuteCommandResult.LOST,
+                                        message=f'never sent: {reason}')
+        return ExecuteCommandResult(outcome=ExecuteCommandResult.REFUSED, message=str(reason))

@@ -1,0 +1,103 @@
+"""The controller's action `move_base`: drives to a pose, as navigation software knows it."""
+from __future__ import annotations
+
+import math
+import time
+from functools import partial
+from typing import Dict, Optional, Tuple
+
+import actionlib
+import rospy
+from geometry_msgs.msg import PoseStamped
+from move_base_msgs.msg import (
+    MoveBaseAction,
+    MoveBaseActionGoal,
+    MoveBaseFeedback,
+    MoveBaseGoal,
+    MoveBaseResult,
+)
+
+from omron_arcl import Result
+from omron_ld90.nodes.controller_actions import Cancel, CommandActions, Execute, Refused
+from omron_ld90.nodes.controller_refusals import Refusals
+from omron_ld90.nodes.support.old_messages import OldMessages
+from omron_ld90.nodes.support.poses import pose_to_robot
+
+OWN_CONNECTION = 5.0  # s to wait for the topic of its own goals
+
+
+def robot_pose(pose: PoseStamped, map_frame: str) -> Tuple[int, int, int]:
+    """x, y (mm), heading (degrees) of a pose in the map frame; raises Refused."""
+    frame = pose.header.frame_id.lstrip('/')
+    if frame != map_frame:
+        raise Refused(f'the pose is in the frame "{frame}", not in "{map_frame}"')
+    p, q = pose.pose.position, pose.pose.orientation
+    if not all(math.isfinite(number) for number in (p.x, p.y, q.x, q.y, q.z, q.w)):
+        raise Refused('the pose holds a number that is not finite')
+    if abs(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w - 1.0) > 0.01:
+        raise Refused('the orientation is no unit quaternion')
+    if max(abs(p.x), abs(p.y)) > 1e6:
+        raise Refused('the position is more than 1000 km away')
+    return pose_to_robot(pose.pose)
+
+
+class MoveBaseServer(CommandActions):
+    """Action `move_base`; feedback is where the robot is, whenever it says so.
+
+    A goal that comes by topic becomes a goal of the action, as with the real move_base: whoever
+    watches `move_base/status` sees a new one.
+    """
+
+    def __init__(self, execute: Execute, cancel: Cancel, old: OldMessages, refusals: Refusals,
+                 map_frame: str) -> None:
+        self._map_frame = map_frame
+        self._refusals = refusals
+        self._forwarded: Dict[str, str] = {}  # goal id -> who gave it by topic
+        self._count = 0
+        super().__init__('move_base', MoveBaseAction, execute, cancel, old)
+        self._goals = rospy.Publisher(self._topic, MoveBaseActionGoal, queue_size=10)
+        self._await_own_connection()
+
+    def _await_own_connection(self) -> None:
+        """Until goals published here arrive here, or else the first one might be lost."""
+        deadline = time.monotonic() + OWN_CONNECTION
+        while not self._goals.get_num_connections() and time.monotonic() < deadline:
+            time.sleep(0.01)
+
+    def feedback(self, pose: PoseStamped) -> None:
+        """The robot is at `pose`."""
+        for handle in self._handles():
+            self._calls.add(partial(handle.publish_feedback,
+                                    MoveBaseFeedback(base_position=pose)), optional=True)
+
+    def forward(self, pose: PoseStamped, caller: str) -> None:
+        """Makes a goal of the action of a pose that `caller` gave by topic."""
+        goal = MoveBaseActionGoal()
+        goal.header.stamp = goal.goal_id.stamp = rospy.Time.now()
+        with self._lock:
+            self._count += 1
+            goal.goal_id.id = (f'{rospy.get_name()}-simple-{self._count}-'
+                               f'{goal.goal_id.stamp.to_sec():.9f}')
+            self._forwarded[goal.goal_id.id] = caller
+        goal.goal.target_pose = pose
+        self._goals.publish(goal)
+
+    def _giver(self, handle: actionlib.ServerGoalHandle) -> str:
+        with self._lock:
+            return self._forwarded.get(handle.get_goal_id().id, '') or super()._giver(handle)
+
+    def _command_of(self, goal: MoveBaseGoal) -> Tuple[str, float]:
+        return 'gotoPoint {} {} {}'.format(*robot_pose(goal.target_pose, self._map_frame)), 0.0
+
+    def _result(self, result: Result) -> MoveBaseResult:
+        return MoveBaseResult()
+
+    def _refusal(self, reason: Exception) -> MoveBaseResult:
+        return MoveBaseResult()
+
+    def _tell(self, goal_id: str, reason: Optional[str]) -> None:
+        """Who gave a goal by topic has no result to look at."""
+        with self._lock:
+            caller = self._forwarded.pop(goal_id, None)
+        if caller and reason:
+            self._refusals.tell('gotoPoint', caller, reason)

@@ -1,0 +1,294 @@
+"""The bridge's mind, the controller's core and a robot that speaks ARCL, with delays between them.
+
+All without ROS and sockets: everything happens at its time on one clock, nothing is random, and
+every line and message takes as long as it is told to. A person may stop the robot at any moment.
+"""
+from __future__ import annotations
+
+from functools import partial
+from typing import Callable, List, Optional, Sequence, Tuple
+
+from bridge_builders import DOCK_VERTEX, ENDINGS, NANOSECONDS, GraphRobot
+from modelled_controller import Delays, ModelledController
+from speaking_robot import SpeakingRobot
+from timeline import Timeline
+
+from omron_arcl import ArclError, Execution, NotConnected, Outcome, Result, read_activity
+from omron_arcl.overruling import Overruled
+from omron_arcl.replies import DockingStatus, Stopping
+from omron_arcl.replies.reply import Reply
+from omron_ld90.bridge import events as p
+from omron_ld90.bridge.motions import motion_of
+from omron_ld90.bridge.route_follower import RouteFollower
+from omron_ld90.bridge.route_strategies import STRATEGIES, Settings
+from trajectory_graph import Graph
+from trajectory_graph.route_protocol import RouteOrder, RouteReport
+
+BRIDGE, PERSON = '/bridge', '/rviz'
+TICK = 0.1
+
+
+class DelayedDrive:
+    """A route that is driven under the eyes of a person who may stop the robot.
+
+    passed -- drives of the route that the bridge gave, or the controller let through, although it
+        knew of the person's stop
+    crossed -- a drive that was on its way when the person stopped the robot itself, and that
+        nobody could hold back any more, came to the robot after that stop
+    """
+
+    def __init__(self, graph: Graph, vertex: int, strategy: str, delays: Delays,
+                 interruption: str, braking: float) -> None:
+        self._time = Timeline(100.0)
+        self.later, self.run = self._time.later, self._time.run
+        self._graph = graph
+        self._edges: Tuple[int, ...] = ()            # of the route
+        self.delays = delays
+        self.up = dict.fromkeys(p.Link, True)
+        self.stopped_at: Optional[float] = None      # the person's last stop
+        self.bridge_knows = self.controller_knows = False
+        self.crossed = self._stopped_at_robot = False
+        self.spared = False                          # no more links or nodes die
+        # That the robot stands is no news where it stood, and some show their arrival so.
+        self._signs_of_stop: Tuple[p.Motion, ...] = (p.Motion.STOPPING,)
+        self._shown = p.Motion.UNKNOWN               # by the last status that the bridge has seen
+        self.passed: List[str] = []
+        self.trace: List[str] = []
+        self.watchers: List[Callable[[str], None]] = []  # of the moments of the drive
+        self._generation = 0     # of the bridge's process
+        self._last_number = 0    # of its commands
+        self._drives: List[Execution] = []  # of the route
+        self._controller = ModelledController(
+            self._time, delays, self._reach_robot, self._on_reply)
+        self.robot = SpeakingRobot(graph, vertex, self._say, self.later, interruption, braking)
+        self.bridge: Optional[RouteFollower] = RouteFollower(
+            Settings(dock_vertex=DOCK_VERTEX, strategy=STRATEGIES[strategy]), graph,
+            tuple(p.Link))
+        self._time.every(TICK, self._tick)
+        self._time.every(1.0, self._report_links)
+        self._time.every(GraphRobot.STATUS_PERIOD, self._show_status)
+        self.run(1.5)
+
+    # --- time -------------------------------------------------------------------------------------
+
+    @property
+    def now(self) -> float:
+        """s"""
+        return self._time.now
+
+    @property
+    def is_well(self) -> bool:
+        """Whether the links stand and the bridge runs."""
+        return self.bridge is not None and all(self.up.values())
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether the bridge knows that its route is over."""
+        return self.bridge is not None and not self.bridge.running
+
+    def _tick(self) -> None:
+        goal = self.robot.move(self.now)
+        if goal is not None:
+            self._note('arrival')
+        self._controller.turn()
+        if self.bridge:
+            self._act(self.bridge.tick(self.now))
+
+    def _note(self, moment: str) -> None:
+        self.trace.append(f'{self.now:.3f} {moment}')
+        for watch in list(self.watchers):
+            watch(moment)
+
+    # --- what people and the fleet do -------------------------------------------------------------
+
+    def order(self, route_id: int, *edges: int) -> None:
+        """The fleet manager gives a route, knowing of all that has happened."""
+        stamp = int(self.now * NANOSECONDS)
+        self.stopped_at = None
+        self.bridge_knows = self.controller_knows = self._stopped_at_robot = False
+        self._edges = edges
+        self._note('order')
+        self._tell(RouteOrder(route_id, edges, stamp, stamp))
+
+    def stop_by_topic(self) -> None:
+        """A person stops the robot in RViz, on `send_command` or on `execute_command`."""
+        self._begin_stop('topic')
+        self._tell_nodes(partial(self._give_for_person, 'stop'))
+
+    def stop_by_cancelling(self) -> None:
+        """A person cancels what `execute_command` does."""
+        self._begin_stop('cancellation')
+        self._tell_nodes(self._take_cancellation)
+
+    def _take_cancellation(self) -> None:
+        for execution in self._drives:
+            if execution.result is None:
+                self.controller_knows = True
+                self._controller.cancel(execution, PERSON)
+
+    def send_elsewhere(self) -> None:
+        """A person sends the robot to a vertex that is not on its route, on `send_command`."""
+        self._begin_stop('another drive')
+        self.later(self.delays.to_controller, self._take_drive)
+
+    def _take_drive(self) -> None:
+        """Between two drives of the route it is the next one that counts."""
+        under_way = any(execution.result is None for execution in self._drives)
+        ends = {self._graph.end_vertex(edge).id for edge in self._edges}
+        self._give_for_person(f'goto {min({4, 6} - ends)}', counts=under_way)
+
+    def _give_for_person(self, command: str, counts: bool = True) -> None:
+        """What is lost with the link has come to nothing, and the person is told so."""
+        def end(result: Result) -> None:
+            if result.outcome is Outcome.LOST:
+                self.controller_knows = False
+        try:
+            self._controller.give(command, PERSON, end)
+        except NotConnected:
+            return
+        self.controller_knows = counts
+
+    def stop_at_robot(self) -> None:
+        """A person stops the robot in MobilePlanner, or with another client of it."""
+        self._begin_stop('another client')
+        self._stopped_at_robot = True
+        self.robot.take('stop')
+
+    def _tell_nodes(self, take: Callable[[], None]) -> None:
+        """The controller takes the person's word, and the bridge hears it, too."""
+        self.later(self.delays.to_controller, take)
+        self.later(self.delays.to_bridge, lambda: self._tell(p.ForeignStop(PERSON)))
+
+    def _begin_stop(self, how: str) -> None:
+        self.stopped_at = self.now
+        if self.robot.goal is not None or self._shown is p.Motion.ARRIVED:
+            self._signs_of_stop = (p.Motion.STOPPING, p.Motion.STANDING)
+        self._note(f'stop by {how}')
+
+    def cut(self, link: p.Link, seconds: float) -> None:
+        """A link is down for some seconds."""
+        if self.spared:
+            return
+        self.up[link] = False
+        self._note(f'{link.value} down')
+        if link is p.Link.COMMANDS:
+            self._controller.lose_link()
+        self._report_links()
+
+        def mend() -> None:
+            self.up[link] = True
+            self._controller.connected = self.up[p.Link.COMMANDS]
+            self._report_links()
+            self._note(f'{link.value} up')
+        self.later(seconds, mend)
+
+    def restart_bridge(self, seconds: float) -> None:
+        """The bridge dies, and is back after some seconds with what it remembers."""
+        if self.bridge is None or self.spared:
+            return
+        dead, record = self.bridge, self.bridge.record
+        self.bridge = None
+        self._generation += 1
+        self._note('bridge dies')
+
+        def start() -> None:
+            self.bridge = RouteFollower(dead.settings, dead.graph, tuple(p.Link))
+            if record:
+                self.bridge.restore(record, True, self.now)
+            self._report_links()
+            self._note('bridge is back')
+        self.later(seconds, start)
+
+    # --- the bridge -------------------------------------------------------------------------------
+
+    def _tell(self, event: p.Event) -> None:
+        if self.bridge:
+            self._judge(event)
+            self._act(self.bridge.handle(event, self.now))
+
+    def _judge(self, event: p.Event) -> None:
+        """Whether the bridge can know of the person's stop by this event."""
+        if isinstance(event, p.RobotSeen):
+            self._shown = event.motion
+        if self.stopped_at is None:
+            return
+        self.bridge_knows = self.bridge_knows or (
+            isinstance(event, (p.ForeignStop, p.StopBegun))
+            or (isinstance(event, p.CommandEnded) and event.number == self._last_number
+                and event.ending in (p.Ending.INTERRUPTED, p.Ending.CANCELLED))
+            or (isinstance(event, p.RobotSeen) and event.stamp > self.stopped_at * NANOSECONDS
+                and event.motion in self._signs_of_stop))
+
+    def _act(self, actions: Sequence[p.Action]) -> None:
+        for action in actions:
+            if isinstance(action, p.Give):
+                self._give(action)
+            elif isinstance(action, RouteReport) and action.reason:
+                self.trace.append(f'{self.now:.3f} route failed: {action.reason}')
+
+    def _give(self, give: p.Give) -> None:
+        generation, drives = self._generation, give.command != 'stop'
+        self._last_number = give.number
+        if drives and self.bridge_knows:
+            self.passed.append(f'{self.now:.3f} given: {give.command}')
+
+        def end(ending: p.Ending, words: str) -> None:
+            def tell() -> None:
+                if generation == self._generation:
+                    self.trace.append(f'{self.now:.3f} ended {give} {ending.value}: {words}')
+                    self._tell(p.CommandEnded(give.number, ending, words))
+            self.later(self.delays.ends, tell)
+
+        self.later(self.delays.commands, lambda: self._take_from_bridge(give.command, end))
+        self._note(f'give {give.command}')
+
+    def _report_links(self) -> None:
+        for link, up in self.up.items():
+            self._tell(p.LinkReported(link, up, '' if up else 'connection refused'))
+
+    # --- the controller ---------------------------------------------------------------------------
+
+    def _take_from_bridge(self, command: str, end: Callable[[p.Ending, str], None]) -> None:
+        try:
+            execution = self._controller.give(
+                command, BRIDGE, lambda result: end(ENDINGS[result.outcome], result.words))
+        except Overruled as overruled:
+            end(p.Ending.INTERRUPTED, str(overruled))
+        except ArclError as error:
+            end(p.Ending.NEVER_SENT, f'never sent: {error}')
+        else:
+            if execution.command.spec.drives:
+                self._drives.append(execution)
+                self._note(f'let through: {command}')
+                if self.controller_knows:
+                    self.passed.append(f'{self.now:.3f} let through: {command}')
+        self._controller.call_back()
+
+    def _reach_robot(self, line: str) -> None:
+        if self._stopped_at_robot and line not in ('stop', 'oneLineStatus') and not self.passed:
+            self.crossed = True
+            self._note(f'crossed: {line}')
+        self.robot.take(line)
+
+    def _say(self, line: str) -> None:
+        if not line.startswith('Status'):
+            self.trace.append(f'{self.now:.3f} robot: {line}')
+        self._controller.say(line)
+
+    def _on_reply(self, reply: Reply) -> None:
+        """The controller has heard it."""
+        if isinstance(reply, Stopping):
+            self.controller_knows = self.controller_knows or self.stopped_at is not None
+            self.later(self.delays.lines, lambda: self._tell(p.StopBegun()))
+
+    # --- the receiver -----------------------------------------------------------------------------
+
+    def _show_status(self) -> None:
+        if not self.up[p.Link.OUTGOING]:
+            return
+        activity = read_activity(self.robot.status)
+        docking = (p.Docking(activity.reply.docking.value)
+                   if isinstance(activity.reply, DockingStatus) else p.Docking.UNDOCKED)
+        seen = p.RobotSeen(int(self.now * NANOSECONDS), *motion_of(activity.kind, activity.goal),
+                           docking, place=self.robot.position)
+        self.later(self.delays.statuses, lambda: self._tell(seen))

@@ -1,0 +1,80 @@
+"""A robot on a graph that takes and says lines of ARCL, as an LD-90 or one less exact would."""
+from __future__ import annotations
+
+import math
+from typing import Callable, Optional
+
+from bridge_builders import GraphRobot
+
+from omron_ld90.bridge import events as p
+from trajectory_graph import Graph
+
+
+class SpeakingRobot(GraphRobot):
+    """Takes lines of ARCL, and says what an LD-90 would; brakes for a while on its way.
+
+    interruption -- what it says of a drive that another word ends: its goal's `name`, the
+    `coordinates`, or `nothing`
+    """
+
+    def __init__(self, graph: Graph, vertex: int, say: Callable[[str], None],
+                 later: Callable[[float, Callable[[], None]], None], interruption: str,
+                 braking: float) -> None:
+        super().__init__(graph, vertex)
+        self.status = 'Stopped'
+        self._say, self._later = say, later
+        self._interruption, self._braking_time = interruption, braking
+        self._words = 0  # taken
+
+    def take(self, line: str) -> None:
+        """A command of any client."""
+        if line == 'oneLineStatus':
+            x, y = (round(1000.0 * value) for value in self.position)
+            self._say(f'Status: {self.status} StateOfCharge: 80.0 Location: {x} {y} 0 '
+                      'Temperature: 30')
+            return
+        self._words += 1
+        if self.goal is not None and self._interruption != 'nothing':
+            place = '1000 2000' if self._interruption == 'coordinates' else self.goal
+            self._say(f'Interrupted: Going to {place}')
+        if line == 'stop':
+            self._coast()
+            self.status = 'Stopping'
+            self._say('Stopping')
+            words = self._words
+            self._later(self._braking_time, lambda: self._stand(words))
+        else:
+            self.obey(None, line)
+            self.status = ('DockingState: Docking ForcedState: Unforced ChargeState: Not'
+                           if line == 'dock' else f'Going to {self.goal}')
+            self._say(self.status)
+
+    def _coast(self) -> None:
+        """Its way is over where it can stand."""
+        way, left, here = self._way, self.speed * self._braking_time / 2.0, self.position
+        self.goal, self._way = None, []
+        for point in way:
+            length = math.dist(here, point)
+            if length > left:
+                x, y = (a + left / length * (b - a) for a, b in zip(here, point))
+                self._way.append((x, y))
+                break
+            self._way.append(point)
+            here, left = point, left - length
+
+    def _stand(self, words: int) -> None:
+        if words == self._words:  # nobody has sent it elsewhere while it braked
+            self.halt(p.Motion.STANDING)
+            self.status = 'Stopped'
+            self._say('Stopped')
+
+    def move(self, now: float) -> Optional[str]:
+        """Drives on; the goal at which it has arrived just now."""
+        goal = self.goal
+        self.step(now)
+        if goal is None or self.goal is not None:
+            return None
+        self.status = ('DockingState: Docked ForcedState: Unforced ChargeState: Bulk'
+                       if goal == 'dock' else f'Arrived at {goal}')
+        self._say(self.status)
+        return goal

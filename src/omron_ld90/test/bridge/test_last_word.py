@@ -1,0 +1,100 @@
+"""Whenever a person stops the robot, or sends it elsewhere: no drive of the route passes that, and
+the route ends."""
+from __future__ import annotations
+
+from dataclasses import fields
+from functools import lru_cache
+from typing import Callable, Sequence, Tuple
+
+from bridge_builders import yard
+from delayed_drive import DelayedDrive
+from hypothesis import given, note, settings
+from hypothesis import strategies as st
+from modelled_controller import Delays
+
+from omron_ld90.bridge import events as p
+
+YARD = yard()  # what is worked out about its corners is kept
+ROUTES = ((1, 5, 6), (1, 2, 3, 4), (1, -1, 9), (1, 5))
+LONGEST_DRIVE = 60.0  # s of any of these routes
+LONGEST_END = 45.0  # s until the end of a drive is known: a dock may be tried several times
+LONGEST_STOP = 8.0  # s until the bridge gives a stop that came to nothing, whatever it sees
+SECONDS = st.sampled_from([0.0, 0.01, 0.05, 0.2])
+MOMENTS = st.one_of(
+    st.tuples(st.just('order'), st.just(1), st.floats(0.0, 25.0)),
+    st.tuples(st.sampled_from(['give', 'let through', 'arrival', 'up', 'bridge is back']),
+              st.integers(1, 4), st.one_of(SECONDS, st.floats(0.0, 1.2))))
+# so near the n-th drive or arrival of the route, as `planned_moments` has them
+NEAR_ONE = st.tuples(st.just('as planned'), st.integers(1, 12), st.floats(-0.8, 0.3))
+STOPS = st.sampled_from(['stop_by_topic', 'stop_by_cancelling', 'stop_at_robot', 'send_elsewhere'])
+TROUBLES = st.lists(st.tuples(MOMENTS, st.one_of(
+    st.tuples(st.just('cut'), st.sampled_from(list(p.Link)), st.floats(0.1, 5.0)),
+    st.tuples(st.just('restart_bridge'), st.floats(0.1, 4.0)))), max_size=2)
+
+
+@lru_cache(maxsize=None)
+def planned_moments(strategy: str, edges: Tuple[int, ...]) -> Sequence[float]:
+    """Seconds from the order to each drive and each arrival of a route that nothing delays."""
+    drive = DelayedDrive(YARD, 1, strategy, Delays(), 'name', 0.0)
+    moments = []
+    drive.watchers.append(lambda what: moments.append(drive.now) if what != 'order' else None)
+    start = drive.now
+    drive.order(7, *edges)
+    drive.run(LONGEST_DRIVE, lambda: drive.has_ended)
+    return [moment - start for moment in moments]
+
+
+def at(drive: DelayedDrive, moment: Tuple[str, int, float], call: Callable[[], None]) -> None:
+    """Does something so long after something has happened in the drive for the n-th time."""
+    what, count, seconds = moment
+    happened = []
+
+    def watch(now: str) -> None:
+        if what in now:
+            happened.append(now)
+            if len(happened) == count:
+                drive.later(seconds, call)
+    drive.watchers.append(watch)
+
+
+@settings(max_examples=settings.default.max_examples * 5 // 3)
+@given(st.sampled_from(['rolling', 'vertex_by_vertex', 'direct']), st.sampled_from(ROUTES),
+       st.builds(Delays, **{way.name: SECONDS for way in fields(Delays)}),
+       st.sampled_from(['name', 'coordinates', 'nothing']), st.sampled_from([0.0, 0.3, 1.5]),
+       TROUBLES, st.one_of(NEAR_ONE, NEAR_ONE, MOMENTS), STOPS)
+def test_nothing_of_a_route_passes_a_persons_stop(
+        strategy, edges, delays, interruption, braking, troubles, moment, stop):
+    drive = DelayedDrive(YARD, 1, strategy, delays, interruption, braking)
+    for when, (trouble, *how) in troubles:
+        at(drive, when, lambda trouble=trouble, how=how: getattr(drive, trouble)(*how))
+    if moment[0] == 'as planned':
+        _, count, seconds = moment
+        planned = planned_moments(strategy, edges)
+        moment = ('order', 1, max(planned[count % len(planned)] + seconds, 0.0))
+    at(drive, moment, getattr(drive, stop))
+    drive.order(7, *edges)
+    drive.run(LONGEST_DRIVE, lambda: drive.stopped_at is not None or drive.has_ended)
+    if drive.stopped_at is None:
+        return
+    drive.run(LONGEST_END, lambda: drive.crossed or drive.has_ended)
+    drive.run(LONGEST_STOP, lambda: drive.crossed)
+    drive.run(LONGEST_STOP, lambda: drive.crossed or drive.has_ended)
+    note('\n'.join(drive.trace))
+    assert not drive.passed
+    if not drive.crossed:
+        assert drive.has_ended
+    if not drive.crossed and stop != 'send_elsewhere':
+        assert drive.robot.goal is None, 'the robot drives on'
+        assert is_driven_again(drive)
+
+
+def is_driven_again(drive: DelayedDrive) -> bool:
+    """Whether a new order drives the robot, from where it stands, once all is well."""
+    drive.watchers.clear()
+    drive.spared = True
+    drive.run(LONGEST_STOP, lambda: drive.is_well)
+    edge, on_it = YARD.nearest_edge(*drive.robot.position)
+    sent = []
+    at(drive, ('let through', 1, 0.0), lambda: sent.append(drive.now))
+    drive.order(8, edge if on_it.fraction < 0.5 else -edge)
+    return drive.run(LONGEST_STOP, lambda: bool(sent))

@@ -1,0 +1,111 @@
+"""Orders are due, wait, or are refused with a reason that people read once."""
+from __future__ import annotations
+
+from typing import List, Tuple
+
+import pytest
+
+from omron_ld90.bridge.events import RobotSeen
+from omron_ld90.bridge.order_intake import LATE_ORDER, OrderIntake
+from omron_ld90.bridge.robot_monitor import RobotMonitor
+from omron_ld90.bridge.route_strategies import Settings
+from trajectory_graph.route_protocol import RouteOrder
+
+NANOSECONDS = 1_000_000_000
+PATIENCE = 5.0
+
+
+def order(route_id: int = 7, sent: float = 100.0, received: float = 100.0) -> RouteOrder:
+    return RouteOrder(route_id, (1, 2), int(sent * NANOSECONDS), int(received * NANOSECONDS))
+
+
+class Bench:
+    """An intake, and what it tells."""
+
+    def __init__(self) -> None:
+        self.unknown = ''
+        self.refusals: List[Tuple[int, str]] = []
+        self.notes: List[str] = []
+        self.robot = RobotMonitor(Settings())
+        self.intake = OrderIntake(
+            self.robot, PATIENCE,
+            lambda order, reason: self.refusals.append((order.route_id, reason)),
+            self.notes.append)
+
+    def take(self, order: RouteOrder, now: float) -> bool:
+        return self.intake.take(order, None, now)
+
+    def due(self, now: float):
+        return self.intake.due(lambda now: self.unknown, now)
+
+    def press_emergency_stop(self, pressed: bool, now: float) -> None:
+        self.robot.update(RobotSeen(int(now * NANOSECONDS), emergency_stop=pressed), now)
+
+
+@pytest.fixture
+def bench() -> Bench:
+    return Bench()
+
+
+def test_an_order_is_due_once(bench):
+    assert bench.take(order(), 100.0)
+    assert bench.due(100.0) == order()
+    assert bench.due(100.1) is None
+
+
+def test_one_waits_until_the_robot_is_known(bench):
+    bench.unknown = 'the robot has not told where it is'
+    bench.take(order(), 100.0)
+    assert bench.due(100.0 + PATIENCE) is None
+    bench.unknown = ''
+    assert bench.due(100.0 + PATIENCE) == order()
+
+
+def test_but_not_for_ever(bench):
+    bench.unknown = 'there is no graph'
+    bench.take(order(), 100.0)
+    assert bench.due(100.1 + PATIENCE) is None
+    assert bench.refusals == [(7, 'there is no graph')]
+    bench.unknown = ''
+    assert bench.due(106.0) is None
+
+
+def test_what_was_dropped_is_never_due(bench):
+    bench.take(order(), 100.0)
+    bench.intake.drop()
+    assert bench.due(100.0) is None
+    assert not bench.refusals
+
+
+def test_who_takes_the_robot_over_is_passed_by_no_order_that_waits(bench):
+    bench.take(order(), 100.0)
+    bench.intake.overrule(100.5)
+    assert bench.due(100.5) is None
+    assert bench.refusals == [(7, 'taken over')]
+
+
+@pytest.mark.parametrize('sent, taken, is_taken', [
+    (99.0, 100.6, False), (100.55, 100.6, True), (99.0, 100.5 + LATE_ORDER, True)])
+def test_nor_by_one_that_was_on_its_way(bench, sent, taken, is_taken):
+    bench.intake.overrule(100.5)
+    assert bench.take(order(sent=sent, received=taken), taken) is is_taken
+
+
+def test_a_refused_order_is_refused_again_with_the_same_reason(bench):
+    bench.take(order(), 100.0)
+    bench.intake.refuse(bench.due(100.0), 'off the graph')
+    assert not bench.take(order(), 101.0)
+    assert bench.refusals == [(7, 'off the graph')] * 2
+
+
+def test_in_an_emergency_stop_only_the_first_refusal_is_noted_and_the_end_of_it(bench):
+    bench.press_emergency_stop(True, 100.0)
+    for count in range(3):
+        bench.take(order(7 + count), 100.0 + count)
+        assert bench.due(100.0 + count) is None
+    assert [reason for _, reason in bench.refusals] == ['emergency stop'] * 3
+    assert len(bench.notes) == 1
+    bench.press_emergency_stop(False, 104.0)
+    bench.take(order(10), 104.0)
+    bench.intake.accepted(bench.due(104.0))
+    assert bench.notes[1:] == ['Route 10 is driven: the emergency stop is over.']
