@@ -6,7 +6,7 @@ from itertools import groupby
 from typing import Callable, Dict, Iterator, List, NamedTuple, Sequence, Set, Tuple
 
 from fleet_builders import graph_of
-from fleet_promises import STOPS_WITHIN, Promises
+from fleet_promises import Promises
 from supervised_fleet import SupervisedFleet
 
 from graph_fleet_manager.nodes.early_stop import EarlyStop
@@ -36,6 +36,9 @@ def yard() -> Graph:
 
 YARD = yard()
 VERTICES = sorted(YARD.vertices)
+
+
+Act = Callable[['Chaos', str, int], None]
 
 
 class Event(NamedTuple):
@@ -352,7 +355,7 @@ class Chaos:
 
     def end(self) -> None:
         """All trouble is over; people have done their part. Now every mission ends, and truly."""
-        fleet = self.fleet
+        fleet, limit = self.fleet, self.fleet.now + 100.0
         fleet.disk_fails(False)
         for at_end in (fleet.silent, fleet.deaf, fleet.late, fleet.orders_late):
             at_end.clear()
@@ -366,12 +369,15 @@ class Chaos:
         fleet.close()
         self.run(2.0 + AGAIN)
         self.resume_all('', 0)
-        for _ in range(3):
-            self.run(STOPS_WITHIN)
+        for mission in fleet.supervisor.book.open[2:]:
+            self._say(mission, Command.CANCEL)
+        while any(robot.outage is not None for robot in fleet.supervisor.robots.values()):
+            assert fleet.now < limit, fleet.picture()
+            self.run(1.0)
             for name, robot in fleet.supervisor.robots.items():
                 if robot.outage is not None and robot.outage.needs_person:
                     self.bring_in(name, 0)
-        fleet.run_until(self._all_are_done, limit=900.0)
+        fleet.run_until(self._all_are_done, limit=300.0)
         for request in self.requests:
             self._check_end(request)
 
@@ -408,12 +414,20 @@ def _seconds(number: int) -> float:
     return _SECONDS[number % len(_SECONDS)]
 
 
-ACTS: Dict[str, Callable[[Chaos, str, int], None]] = {
-    act.__name__: act for act in (
-        Chaos.request, Chaos.repeat, Chaos.cancel, Chaos.pause, Chaos.resume, Chaos.release,
-        Chaos.stall, Chaos.slow_down, Chaos.brake_late, Chaos.switch_off, Chaos.refuse,
-        Chaos.emergency_stop, Chaos.take_over, Chaos.fail, Chaos.drive_by_hand, Chaos.carry,
-        Chaos.reports_come_late, Chaos.orders_come_late, Chaos.silence, Chaos.deafness,
-        Chaos.lose_link, Chaos.close, Chaos.change_graph, Chaos.stop_all, Chaos.resume_all,
-        Chaos.take_out, Chaos.bring_in, Chaos.die, Chaos.restart, Chaos.hang, Chaos.fill_disk)}
+def _named(*acts: Act) -> Dict[str, Act]:
+    return {act.__name__: act for act in acts}
+
+
+PEOPLE = _named(
+    Chaos.repeat, Chaos.cancel, Chaos.pause, Chaos.resume, Chaos.release, Chaos.stop_all,
+    Chaos.resume_all, Chaos.take_out, Chaos.bring_in, Chaos.carry)
+"""What people do, by its name."""
+TROUBLE = _named(
+    Chaos.stall, Chaos.slow_down, Chaos.brake_late, Chaos.switch_off, Chaos.refuse,
+    Chaos.emergency_stop, Chaos.take_over, Chaos.fail, Chaos.drive_by_hand,
+    Chaos.reports_come_late, Chaos.orders_come_late, Chaos.silence, Chaos.deafness,
+    Chaos.lose_link, Chaos.close, Chaos.change_graph, Chaos.die, Chaos.restart, Chaos.hang,
+    Chaos.fill_disk)
+"""What goes wrong, by its name."""
+ACTS = {**_named(Chaos.request), **PEOPLE, **TROUBLE}
 """What an event names."""
