@@ -117,6 +117,23 @@ def test_a_stop_past_a_supervisor_lasts_when_that_is_killed_for_it():
     assert not fleet.supervisor.is_stopped
 
 
+def test_who_was_stopped_on_its_way_past_a_supervisor_goes_on_after_a_resume():
+    """It did not forget its route: nobody needs to look at it."""
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)})
+    fleet.request(1, 5, robot='a')
+    fleet.run(3.0)
+    for order in EarlyStop(['a', 'b']).stop(0.0):
+        fleet.agvs[order.robot].order(order.route_id, order.edges)
+    fleet.restart()
+    fleet.run(8.0)
+    assert fleet.supervisor.is_stopped and fleet.supervisor.robots['a'].outage is None
+    problems, actions = fleet.supervisor.resume_fleet(fleet.now)
+    fleet.do(actions)
+    assert problems == []
+    fleet.run_until_done(1)
+    assert fleet.agvs['a'].visited[-1] == 5
+
+
 def test_what_else_is_asked_for_without_a_graph_is_not_done(services):
     for name in ('/resume_fleet', '/a/leave_fleet', '/a/join_fleet'):
         answer, actions = services.call(name)

@@ -161,15 +161,15 @@ class Supervisor:
         self._out.note_state(f'{name}/age', old or '', f'The locations of {name} are new again.')
         before, begun = robot.progress, robot.track.begun
         was_seen = robot.liveness.is_seen
-        robot.hear(report, now)
-        robot.begin_elsewhere()
-        if robot.track.begun != begun or was_seen != robot.liveness.is_seen:
-            self.dispatcher.forget_plan_of(name)
         if self._is_starting and not was_seen and is_past(report.route_id) and not (
                 self.is_stopped or robot.client.is_stopping):
             self._out.note(f'{name} was stopped past a fleet manager that hung and was ended: '
                            'the fleet is stopped until it is resumed.', True)
             self._stop()
+        robot.hear(report, now)
+        robot.begin_elsewhere()
+        if robot.track.begun != begun or was_seen != robot.liveness.is_seen:
+            self.dispatcher.forget_plan_of(name)
         if robot.client.to_order_anew:
             robot.client.try_again(self._out.new_id, robot.client.to_order_anew)
         if robot.drives_on(report):
