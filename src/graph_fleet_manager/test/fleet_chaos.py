@@ -155,9 +155,8 @@ class Chaos:
         supervisor = fleet.supervisor
         if command is Command.CANCEL:
             self._cancelled.append(mission.request.stamp)
-        drove = fleet.agvs[robot].is_driving if robot else False
         actions = supervisor.command(mission.request.id, command, fleet.now)
-        if robot and command in (Command.CANCEL, Command.PAUSE) and drove:
+        if robot and command in (Command.CANCEL, Command.PAUSE):
             self.promises.rest(robot, mission.serial)
         elif robot and command is Command.RESUME:
             self.promises.resting.pop(robot, None)

@@ -77,8 +77,9 @@ class Promises:
         self.out[name] = Word(self.fleet.now)
 
     def rest(self, name: str, serial: int) -> None:
-        """The mission with this serial, which a robot serves, was cancelled or paused."""
-        self.resting[name] = Rest(Word(self.fleet.now), serial, self.fleet.refused[name])
+        """The mission with this serial, which a robot serves, is now cancelled or paused."""
+        if len(self._may_drive(name)) > 1:
+            self.resting[name] = Rest(Word(self.fleet.now), serial, self.fleet.refused[name])
 
     # -- what happens -----------------------------------------------------------------------------
 
@@ -91,12 +92,13 @@ class Promises:
         assert name not in self.out, f'{order} though it is out of service: {fleet.picture()}'
         outage = fleet.supervisor.robots[name].outage
         assert outage is None or not outage.needs_person, f'{order}: {fleet.picture()}'
+        had = self._may_drive(name)
+        if len(had) <= 1:
+            self.resting.pop(name, None)
         rest = self.resting.get(name)
         if rest is not None:
-            left = len(self._left_of(order))
-            assert left <= 2 + fleet.refused[name] - rest.refused, (
+            assert len(self._left_of(order)) <= 2 + fleet.refused[name] - rest.refused, (
                 f'{order} though its mission is cancelled or paused: {fleet.picture()}')
-        had = self._may_drive(name)
         more = [edge for edge in self._left_of(order) if edge not in had]
         if fleet.is_disk_full:
             assert order.repeated or not more, f'{order} is on no disk: {fleet.picture()}'
@@ -185,14 +187,23 @@ class Promises:
     # -- what is true -----------------------------------------------------------------------------
 
     def _left_of(self, order: SendRoute) -> Sequence[int]:
-        """What of an order a robot has not driven yet, wherever the order begins."""
-        agv = self.fleet.agvs[order.robot]
+        """What of an order a robot has not driven yet, or can still begin with."""
+        agv, edges = self.fleet.agvs[order.robot], order.edges
         if order.route_id == agv.route_id:
-            return order.edges[agv.current:]
-        if agv.edge not in order.edges:
-            return order.edges
+            return edges[agv.current:]
+        if agv.edge not in edges:
+            return edges if edges and self._comes_by(order.robot, edges[0]) else ()
         is_over = agv.arc > agv.graph.curve(agv.edge).length - NEAR
-        return order.edges[order.edges.index(agv.edge) + is_over:]
+        return edges[edges.index(agv.edge) + is_over:]
+
+    def _comes_by(self, name: str, first: int) -> bool:
+        """Is or comes a robot to where an edge begins?"""
+        agv, start = self.fleet.agvs[name], self._lines[abs(first)].coords[0 if first > 0 else -1]
+        ahead = [*(agv.edges[agv.current:] if agv.is_driving else ()),
+                 *(edge for order in self.fleet.under_way(name) for edge in order.edges)]
+        return math.dist(agv.position, start) <= NEAR or any(
+            start == self._lines[abs(edge)].coords[-1 if edge > 0 else 0] for edge in ahead) or (
+                abs(first) == abs(agv.edge))
 
     def _may_drive(self, name: str) -> Set[int]:
         """Signed ids of the edges that a robot is driving, or may by an order under way to it."""

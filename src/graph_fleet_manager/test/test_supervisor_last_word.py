@@ -186,6 +186,36 @@ def test_a_stop_is_repeated_until_it_is_heard_though_the_route_has_failed():
 # -- where robots truly are -----------------------------------------------------------------------
 
 
+def taken_over_as_it_was_let_go_on():
+    """It refuses more edges, as its route has failed: it stands in the midst of one."""
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)},
+                            settings=RobotSettings(release_ahead=1.0))
+    fleet.request(1, 6, robot='a')
+    fleet.run_until(lambda: bool(fleet._to_robots) and fleet.agvs['a'].arc > 0.5)
+    fleet.agvs['a'].fail('taken over')
+    fleet.run(2.0)
+    assert robot(fleet).outage is Outage.TAKEN_OVER
+    return fleet
+
+
+def test_where_a_person_drives_who_refused_more_is_known():
+    """Its reports still tell of the route that has failed."""
+    fleet = taken_over_as_it_was_let_go_on()
+    fleet.agvs['a'].edge, fleet.agvs['a'].arc = 4, 1.0
+    fleet.run(0.5)
+    assert 4 in robot(fleet).blocked()[1]
+
+
+@pytest.mark.parametrize('is_silent', [False, True])
+def test_who_refused_more_as_it_was_taken_over_keeps_its_edge_after_a_restart(is_silent):
+    fleet = taken_over_as_it_was_let_go_on()
+    if is_silent:
+        fleet.silent['a'] = 1e9
+    fleet.restart()
+    fleet.run(1.0)
+    assert abs(fleet.agvs['a'].edge) in robot(fleet).blocked()[1]
+
+
 def test_a_plan_that_does_not_know_where_a_robot_was_carried_releases_nothing():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)}, planning=0.6)
     fleet.run(1.0)

@@ -243,13 +243,13 @@ class RouteClient:
             return heard
         self._stamp = report.stamp
         self._reported = report.route_id
+        track.pose = report.pose
         awaited = self._awaits_report and not (
             0.0 < self._refused_at - report.stamp < _OVERTAKEN)
         if awaited and report.route_id != self.route_id:
             self._take_truth(report)
             awaited = False
         if report.route_id not in self._bases:
-            track.pose = report.pose
             if report.is_running:
                 heard.foreign = report.route_id not in self._ended
                 return heard
@@ -275,7 +275,6 @@ class RouteClient:
             self._ended.clear()
         if awaited:
             self._take_truth(report)
-        track.pose = report.pose
         self._acknowledge(report)
         heard.passed = track.complete(base + report.completed)
         if report.is_running or track.is_standing:  # else a person may drive it back again
@@ -320,15 +319,12 @@ class RouteClient:
     def _take_truth(self, report: Report) -> None:
         """After a refusal: the robot holds what it reports, and nothing else of what was ordered.
 
-        Another order needs another id.
+        It stands somewhere on what has failed. Another order needs another id.
         """
         self._awaits_report = False
         self.over = True
         base = self._bases.get(report.route_id)
-        if base is None:
-            end = self.track.done
-        else:
-            end = base + len(report.edges) if report.is_running else base + report.completed
+        end = self.track.done if base is None else base + len(report.edges)
         self.track.cut(min(max(end, self.track.done), self.track.end))
         if base is not None:
             self._bases = {report.route_id: base}

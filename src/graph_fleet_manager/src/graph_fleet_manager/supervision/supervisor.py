@@ -126,7 +126,7 @@ class Supervisor:
         if mission is None or not mission.state.is_open:
             self._out.note(f'There is no open mission {request_id} for {command.name}.', True)
             return self._out.take(now)
-        before = mission.status
+        before = mission.stored or mission.status
         if self.trouble and command in (Command.RESUME, Command.RELEASE):
             self._out.put(TellStatus(not_done(before, command, self.trouble)))
             return self._out.take(now)
@@ -141,8 +141,8 @@ class Supervisor:
         return actions
 
     def open_statuses(self) -> List[Status]:
-        """The status of every open mission, for who comes late."""
-        return [mission.status for mission in self.book.open]
+        """The status of every open mission, for who comes late: of each the one that is stored."""
+        return self.book.stored_open
 
     # -- robots -----------------------------------------------------------------------------------
 
