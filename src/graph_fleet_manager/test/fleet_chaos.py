@@ -1,4 +1,4 @@
-"""Everything that can happen to a fleet, by name: to robots, to messages, by people, to the disk."""
+"""All that can happen to a fleet, by name: to robots, to messages, by people, to the disk."""
 from __future__ import annotations
 
 import math
@@ -106,8 +106,8 @@ class Chaos:
         dwell = (None, None, 0.0, 2.0, -1.0)[number % 5]
         request = Request(
             1 + len(self.requests) % 6, tuple(vertices), robot='' if number % 4 else robot,
-            priority=5 * (number % 7 == 0), dwells=() if dwell is None else (dwell,) * len(vertices),
-            stamp=1.0 + len(self.requests))
+            priority=5 * (number % 7 == 0), stamp=1.0 + len(self.requests),
+            dwells=() if dwell is None else (dwell,) * len(vertices))
         self.requests.append(request)
         self._passed[request.stamp] = {name: len(agv.visited) - 1
                                        for name, agv in self.fleet.agvs.items()}
@@ -259,8 +259,8 @@ class Chaos:
         self.fleet.close(*((), (12,), (1, 12), (201,))[number % 4])
 
     def change_graph(self, robot: str, number: int) -> None:
-        """A graph comes into force without the edge behind a robot, or another one; or with all."""
-        fleet, agv = self.fleet, self.fleet.agvs[robot]
+        """A graph without the edge behind a robot, or without another one, or with all edges."""
+        agv = self.fleet.agvs[robot]
         edge = 0
         if number % 3 == 0 and agv.current:
             edge = abs(agv.edges[agv.current - 1])

@@ -62,7 +62,7 @@ class Promises:
                        for id in graph.edges}
         self._vertices = {v.id: Point(v.x, v.y) for v in graph.vertices.values()}
         self._told: Dict[Tuple[int, float], Status] = {}
-        self._well_since = {name: 0.0 for name in fleet.agvs}
+        self._well_since = dict.fromkeys(fleet.agvs, 0.0)
         self._db = sqlite3.connect(os.path.join(fleet._folder.name, 'journal.sqlite'))
         fleet.watcher = self
 

@@ -36,6 +36,7 @@ class Agv:
         self.current = 0
         self.phase = Phase.STOPPED
         self.reason = ''
+        self._refused: Optional[RouteRefusal] = None
         self._to_begin = 0.0  # m to drive back on its edge, to the vertex at which the route begins
         self.stalled = 0.0
         self.emergency = False
@@ -61,15 +62,18 @@ class Agv:
     # -- orders -----------------------------------------------------------------------------------
 
     def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[RouteRefusal]:
-        """Takes up a route, or a change of its route, or refuses it."""
+        """Takes up a route, or a change of its route, or refuses it, as often as it comes."""
         if not edges:
             self.forget()
             self.route_id = route_id
             return None
         if (route_id, edges) == (self.route_id, self.edges):
             return None
-        reason = self._take_up(route_id, edges)
-        return RouteRefusal(route_id, edges, reason) if reason else None
+        refused = self._refused
+        if refused is None or (route_id, edges) != (refused.route_id, refused.edges):
+            reason = self._take_up(route_id, edges)
+            self._refused = RouteRefusal(route_id, edges, reason) if reason else None
+        return self._refused
 
     def _take_up(self, route_id: int, edges: Tuple[int, ...]) -> str:
         if self.emergency:

@@ -12,7 +12,7 @@ from graph_fleet_manager.nodes import fleet_services
 from graph_fleet_manager.nodes.early_stop import EarlyStop
 from graph_fleet_manager.nodes.event_loop import EventLoop
 from graph_fleet_manager.supervision.outages import Outage
-from graph_fleet_manager.supervision.route_client import REPEAT
+from graph_fleet_manager.supervision.pending_order import REPEAT
 
 
 class Services:

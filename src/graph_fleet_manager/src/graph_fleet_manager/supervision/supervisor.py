@@ -16,6 +16,7 @@ from graph_fleet_manager.supervision.actions import Action, TellStatus
 from graph_fleet_manager.supervision.charging import ChargeQueue
 from graph_fleet_manager.supervision.dispatcher import Dispatcher
 from graph_fleet_manager.supervision.errands import Errand, errand_of
+from graph_fleet_manager.supervision.fleet_stop import FleetStop
 from graph_fleet_manager.supervision.journal import Journal, JournalUnavailable
 from graph_fleet_manager.supervision.liveness import SILENCE
 from graph_fleet_manager.supervision.mission_commands import carry_out, not_done, not_stored
@@ -31,19 +32,18 @@ from graph_fleet_manager.supervision.missions import (
 from graph_fleet_manager.supervision.outage_watch import OutageWatch
 from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.outbox import Outbox
-from graph_fleet_manager.supervision.reports import Report, WrongReport, check_report
+from graph_fleet_manager.supervision.reports import (
+    Report,
+    WrongReport,
+    check_report,
+    old_location,
+)
 from graph_fleet_manager.supervision.restoring import robots_of
 from graph_fleet_manager.supervision.roads import Roads
-from graph_fleet_manager.supervision.robots import ManagedRobot
-from graph_fleet_manager.supervision.route_ids import is_past
 from graph_fleet_manager.supervision.settings import RobotSettings
 from graph_fleet_manager.supervision.waiting_missions import WaitingMissions
 from trajectory_graph import Graph
 from trajectory_graph.route_protocol import RouteRefusal
-
-STOPPED = 'fleet_is_stopped'
-"""By this name the journal has whether it is."""
-_OLD = 10.0  # s that a location may be old as it arrives
 
 
 class Supervisor:
@@ -57,7 +57,6 @@ class Supervisor:
                  journal: Journal, now: float, rate: float = 1.0) -> None:
         self.robots = robots_of(fleet, settings, graph, journal.robots())
         self.roads = Roads(graph, fleet, rate)
-        self.is_stopped = bool(journal.value(STOPPED))
         self.charging = ChargeQueue(self.robots)
         self.book = MissionBook(journal.missions(), journal.last_serial() + 1)
         self._journal = journal
@@ -66,8 +65,7 @@ class Supervisor:
         self._waiting = WaitingMissions(self.book, self.robots)
         self._out = Outbox(journal, self.book, self.robots)
         self.dispatcher = Dispatcher(self.robots, self._out)
-        if self.is_stopped:  # maybe before there was a supervisor
-            self._halt(robot for robot in self.robots.values() if not robot.is_halted)
+        self._stop = FleetStop(journal, self.robots, self._out)
         self._outages = OutageWatch(self.book, self.robots, self._out, self.dispatcher)
         for mission, why in mission_progress.no_longer_possible(self.book, self.acceptance):
             self.book.set(mission, MissionState.FAILED, why)
@@ -84,6 +82,11 @@ class Supervisor:
         While it lasts no mission is accepted and no robot gets anything new to drive.
         """
         return self._out.trouble
+
+    @property
+    def is_stopped(self) -> bool:
+        """Is every robot to stand until the fleet is resumed?"""
+        return self._stop.is_in_force
 
     @property
     def acceptance(self) -> Acceptance:
@@ -155,17 +158,12 @@ class Supervisor:
             self._out.note_state(name, f'A report of {name} is ignored: {wrong}.', '')
             return self._out.take(now)
         self._out.note_state(name, '', f'The reports of {name} make sense again.')
-        old = report.age > _OLD and (
-            f'The locations of {name} are more than {_OLD:.0f} s old as they arrive: they are not '
-            'renewed, or the clock of its computer differs (NTP); others stay far behind it.')
-        self._out.note_state(f'{name}/age', old or '', f'The locations of {name} are new again.')
+        self._out.note_state(f'{name}/age', old_location(name, report),
+                             f'The locations of {name} are new again.')
         before, begun = robot.progress, robot.track.begun
         was_seen = robot.liveness.is_seen
-        if self._is_starting and not was_seen and is_past(report.route_id) and not (
-                self.is_stopped or robot.client.is_stopping):
-            self._out.note(f'{name} was stopped past a fleet manager that hung and was ended: '
-                           'the fleet is stopped until it is resumed.', True)
-            self._stop()
+        if self._is_starting and not was_seen:
+            self._stop.look_for(robot, report)
         robot.hear(report, now)
         robot.begin_elsewhere()
         if robot.track.begun != begun or was_seen != robot.liveness.is_seen:
@@ -231,28 +229,15 @@ class Supervisor:
 
     def stop_fleet(self, now: float) -> List[Action]:
         """Every robot gets an empty route at once, planner or not."""
-        self._stop()
+        self._stop.stop()
         return self._out.take(now)
-
-    def _stop(self) -> None:
-        self.is_stopped = True
-        self._out.value_changed(STOPPED, 1)
-        self._halt(self.robots.values())
-        self._out.send()
-
-    def _halt(self, robots: Iterable[ManagedRobot]) -> None:
-        for robot in robots:
-            robot.client.halt(self._out.new_id)
-            robot.is_halted = True
-            self._out.robot_changed(robot.name)
 
     def resume_fleet(self, now: float) -> Tuple[List[str], List[Action]]:
         """Every robot goes on from where it is; also names those for which a person must look.
 
         One that has not obeyed the stop yet goes on once it has.
         """
-        self.is_stopped = False
-        self._out.value_changed(STOPPED, 0)
+        self._stop.end()
         self._go_on(now)
         problems = [f'{robot.name}: {robot.why}' for robot in self.robots.values()
                     if robot.outage is not None and robot.outage.needs_person]
