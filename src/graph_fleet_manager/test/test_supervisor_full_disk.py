@@ -184,7 +184,7 @@ def test_neither_a_command_nor_who_comes_late_is_told_what_is_on_no_disk():
     fleet.run_until(lambda: fleet.reached(1) == 1)
     fleet.do(fleet.supervisor.command(1, Command.PAUSE, fleet.now))
     assert fleet.statuses[-1].reason.startswith('PAUSE is carried out, but forgotten')
-    status, = fleet.supervisor.open_statuses()
+    status, = fleet.supervisor.book.stored_open
     for told in (fleet.statuses[-1], status):
         assert (told.state, told.reached) == (MissionState.ACTIVE, 0)
 
@@ -193,10 +193,10 @@ def test_who_comes_late_is_told_of_an_end_only_once_it_is_stored():
     fleet = driving()
     fleet.disk_fails()
     fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
-    assert [status.state for status in fleet.supervisor.open_statuses()] == [MissionState.ACTIVE]
+    assert [status.state for status in fleet.supervisor.book.stored_open] == [MissionState.ACTIVE]
     fleet.disk_fails(False)
     fleet.run(3.0)
-    assert fleet.supervisor.open_statuses() == []
+    assert fleet.supervisor.book.stored_open == []
 
 
 def test_a_death_while_nothing_could_be_stored_loses_and_repeats_nothing():

@@ -150,7 +150,7 @@ class PathSupervisor:
 
     def _tell_open(self, publish: TellStatuses) -> None:
         def tell(supervisor: Supervisor, now: float) -> Sequence[Action]:
-            for status in supervisor.open_statuses():
+            for status in supervisor.book.stored_open:
                 publish(status_message(status))
             return ()
         self._events.put_order(tell)

@@ -11,7 +11,7 @@ from typing import Dict, Iterable, List, Mapping, Tuple
 from graph_fleet_manager.fleet import Fleet
 from graph_fleet_manager.planning.road_network import RoadNetwork
 from graph_fleet_manager.planning.tasks import Outcome
-from graph_fleet_manager.supervision import mission_progress
+from graph_fleet_manager.supervision import mission_commands, mission_progress
 from graph_fleet_manager.supervision.actions import Action, TellStatus
 from graph_fleet_manager.supervision.charging import ChargeQueue
 from graph_fleet_manager.supervision.dispatcher import Dispatcher
@@ -19,7 +19,6 @@ from graph_fleet_manager.supervision.errands import Errand, errand_of
 from graph_fleet_manager.supervision.fleet_stop import FleetStop
 from graph_fleet_manager.supervision.journal import Journal, JournalUnavailable
 from graph_fleet_manager.supervision.liveness import SILENCE
-from graph_fleet_manager.supervision.mission_commands import carry_out, not_done, not_stored
 from graph_fleet_manager.supervision.missions import (
     Acceptance,
     Command,
@@ -27,7 +26,6 @@ from graph_fleet_manager.supervision.missions import (
     MissionState,
     Request,
     RequestRefused,
-    Status,
 )
 from graph_fleet_manager.supervision.outage_watch import OutageWatch
 from graph_fleet_manager.supervision.outages import Outage
@@ -105,8 +103,8 @@ class Supervisor:
                     self._out.put(TellStatus(ended.status))
                     return self._out.take(now)
             mission = self.book.add(request, self.acceptance)
-        except RequestRefused as refused:
-            return self._refuse(request, str(refused), now)
+        except RequestRefused as refusal:
+            return self._refuse(request, str(refusal), now)
         except JournalUnavailable as unavailable:
             return self._refuse(request, unavailable.reason, now)
         actions = self._out.take(now)
@@ -119,8 +117,7 @@ class Supervisor:
         return [*actions, *self._out.take(now)]
 
     def _refuse(self, request: Request, reason: str, now: float) -> List[Action]:
-        self._out.put(TellStatus(Status(request.id, MissionState.REFUSED, reason=reason,
-                                        stamp=request.stamp)))
+        self._out.put(TellStatus(mission_commands.refused(request, reason)))
         return self._out.take(now)
 
     def command(self, request_id: int, command: Command, now: float) -> List[Action]:
@@ -131,21 +128,18 @@ class Supervisor:
             return self._out.take(now)
         before = mission.stored or mission.status
         if self.trouble and command in (Command.RESUME, Command.RELEASE):
-            self._out.put(TellStatus(not_done(before, command, self.trouble)))
+            self._out.put(TellStatus(mission_commands.not_done(before, command, self.trouble)))
             return self._out.take(now)
-        problem = carry_out(command, mission, self.book, self.dispatcher)
+        problem = mission_commands.carry_out(command, mission, self.book, self.dispatcher)
         if problem:
             self._out.note(problem)
         self.dispatcher.replan()
         self._go_on(now)
         actions = self._out.take(now)
         if self.trouble:
-            actions.append(TellStatus(not_stored(before, command, self.trouble)))
+            told = mission_commands.not_stored(before, command, self.trouble)
+            actions.append(TellStatus(told))
         return actions
-
-    def open_statuses(self) -> List[Status]:
-        """The status of every open mission, for who comes late: of each the one that is stored."""
-        return self.book.stored_open
 
     # -- robots -----------------------------------------------------------------------------------
 
@@ -214,13 +208,9 @@ class Supervisor:
         robot = self.robots[name]
         if self.is_stopped:
             return 'the fleet is stopped: resume it first', self._out.take(now)
-        if robot.outage is None and not robot.is_halted:
-            return '', self._out.take(now)
-        if now - robot.liveness.seen > SILENCE or robot.outage is Outage.DEAF:
-            return f'{name} does not report or answer: mend its link first', self._out.take(now)
-        if robot.client.order is not None or not robot.liveness.is_still(now):
-            return (f'{name} does not stand still yet, or has a route to drive, or its locations '
-                    'are old: try again in a moment'), self._out.take(now)
+        problem = robot.not_back_yet(now)
+        if problem or (robot.outage is None and not robot.is_halted):
+            return problem, self._out.take(now)
         problem = robot.come_back(robot.place_at(robot.track.pose))
         self.dispatcher.forget_plan_of(name)
         self._outages.look()
