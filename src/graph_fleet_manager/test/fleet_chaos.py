@@ -91,10 +91,10 @@ class Chaos:
         if event.robot != SAME:
             self._robot = sorted(ROBOTS, key=lambda r: not fleet.agvs[r].is_driving)[event.robot]
         if event.moment == 'order':
-            self._until(lambda: bool(fleet._to_robots), 6.0)
+            self._until(lambda: bool(fleet._to_robots), 3.0)
             self._robot = next((order.robot for order in fleet._to_robots), self._robot)
         elif event.moment == 'plan':
-            self._until(lambda: fleet.supervisor.dispatcher.is_planning, 3.0)
+            self._until(lambda: fleet.supervisor.dispatcher.is_planning, 1.5)
         ACTS[event.act](self, self._robot, event.number)
         self.run(event.pause)
 

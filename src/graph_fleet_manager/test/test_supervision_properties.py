@@ -56,7 +56,7 @@ def lives(draw: st.DrawFn) -> List[Event]:
             *draw(st.lists(events, min_size=count, max_size=count))]
 
 
-@settings(max_examples=2000 if LONG else settings.default.max_examples // 2, deadline=None,
+@settings(max_examples=1000 if LONG else settings.default.max_examples // 4, deadline=None,
           suppress_health_check=list(HealthCheck))
 @given(fleets(), lives())
 def test_whatever_happens_to_a_fleet_its_promises_are_kept(fleet: SupervisedFleet,
