@@ -105,7 +105,7 @@ class Chaos:
         vertices = [VERTICES[(number * k + k) % len(VERTICES)] for k in range(1, 2 + number % 3)]
         dwell = (None, None, 0.0, 2.0, -1.0)[number % 5]
         request = Request(
-            1 + len(self.requests) % 6, tuple(vertices), robot='' if number % 4 else robot,
+            1 + len(self.requests) % 4, tuple(vertices), robot='' if number % 4 else robot,
             priority=5 * (number % 7 == 0), stamp=1.0 + len(self.requests),
             dwells=() if dwell is None else (dwell,) * len(vertices))
         self.requests.append(request)
@@ -114,9 +114,11 @@ class Chaos:
         self._send(request)
 
     def repeat(self, _: str, number: int) -> None:
-        """A request of any time before comes again, as one that was under way for long."""
-        if self.requests:
-            self._send(self.requests[-1 - number % len(self.requests)])
+        """A request of before comes again, as one that was under way for long: one whose id was
+        given to another since, if there is one."""
+        requests = self.requests[:-4] or self.requests
+        if requests:
+            self._send(requests[-1 - number % len(requests)])
 
     def _send(self, request: Request) -> None:
         fleet = self.fleet
@@ -329,7 +331,7 @@ class Chaos:
     def hang(self, _: str, number: int) -> None:
         """The supervisor hangs for a while; maybe somebody stops the fleet past it, and then it is
         killed or goes on."""
-        fleet, is_stopped = self.fleet, number % 3 > 0
+        fleet, is_stopped, is_killed = self.fleet, number % 4 > 0, number % 4 > 1
         hears = not fleet.loss and not any(
             until > fleet.now for until in (*fleet.deaf.values(), *fleet.silent.values())
         ) and not fleet.lost
@@ -338,7 +340,7 @@ class Chaos:
             fleet._to_robots += EarlyStop(ROBOTS).stop(fleet.now)
         self.run(2.0)
         fleet.hangs = False
-        if number % 3 == 2:
+        if is_killed:
             if hears:
                 self.promises.stop(is_past=True)
             fleet.restart()
