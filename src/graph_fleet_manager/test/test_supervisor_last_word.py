@@ -11,7 +11,7 @@ from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.settings import RobotSettings
 from trajectory_graph import Graph
-from trajectory_graph.route_protocol import EdgeState
+from trajectory_graph.route_protocol import EdgeState, Phase, RouteRefusal
 
 FAR = RobotSettings(release_ahead=8.0)
 
@@ -170,6 +170,23 @@ def test_an_order_that_was_under_way_as_the_robot_was_taken_over_does_not_drive_
     before = agv.travelled
     fleet.run(20.0)
     assert agv.travelled - before < 0.5
+
+
+def test_nothing_is_tried_again_after_an_emergency_stop_before_it_is_known_what_the_robot_has():
+    """It refused the last trial for another reason, and has not reported since."""
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    fleet.request(1, 6)
+    fleet.run_until(lambda: fleet.agvs['a'].phase is Phase.COMPLETE)
+    fleet.agvs['a'].emergency = True
+    fleet.run_until(lambda: robot(fleet).outage is Outage.STOPPED)
+    fleet.silent['a'] = fleet.now + 4.6
+    client = robot(fleet).client
+    fleet.run_until(lambda: client.order is not None)
+    refusal = RouteRefusal(client.order.route_id, client.order.edges, 'it does not want to')
+    fleet.do(fleet.supervisor.refusal('a', refusal, fleet.now, fleet.now))
+    while fleet.now < fleet.silent['a'] - 0.2:
+        assert client.order is None, 'what the next report tells that it has not may be given away'
+        fleet.step()
 
 
 def test_a_stop_is_repeated_until_it_is_heard_though_the_route_has_failed():

@@ -200,7 +200,7 @@ class ManagedRobot:
         """
         if self.outage is not Outage.STOPPED or self.is_halted or now - self._tried < TRIAL:
             return False
-        if self.client.order is not None:
+        if self.client.order is not None or not self.client.is_ready:
             return False
         self._tried = now
         ahead = self.track.ahead
