@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""A fleet of AGVs in a corridor with one siding: they swap places, and drop out one by one.
+"""A fleet of AGVs in a corridor with one siding: they swap places, and drop out one by one; then
+the fleet manager's disk is full.
 
 How near they come to each other is measured on the simulator's true poses, all the time.
 """
@@ -9,16 +10,34 @@ import itertools
 import json
 import math
 import os
+import resource
 import socket
 import threading
 import unittest
-from typing import Dict, List, Tuple
+from contextlib import contextmanager
+from typing import Callable, Dict, Iterator, List, Tuple
 
 import rospy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from std_srvs.srv import Trigger
 
-from itrci_nav_msgs.msg import FleetRobot, FleetState, MissionRequest, MissionStatus
-from system_support import Recorder, connected_publisher, run_cases, wait_until
+from graph_fleet_manager.supervision.journal import history
+from itrci_nav_msgs.msg import (
+    EdgeState,
+    ExecutionRouteStates,
+    FleetRobot,
+    FleetState,
+    MissionCommand,
+    MissionRequest,
+    MissionStatus,
+)
+from system_support import (
+    Recorder,
+    connected_publisher,
+    process_of,
+    run_cases,
+    wait_until,
+)
 
 LONG = os.environ.get('LD90_LONG_TESTS') == '1'
 SWAPS = 10 if LONG else 2
@@ -34,7 +53,10 @@ class FleetFaults(unittest.TestCase):
         cls.control = Control()
         cls.fleet = Recorder('/fleet_state', FleetState)
         cls.statuses = Recorder('/mission_status', MissionStatus)
+        cls.diagnostics = Recorder('/diagnostics', DiagnosticArray)
+        cls.reports = Recorder('/agv_3/execution_route_states', ExecutionRouteStates)
         cls.requests = connected_publisher('/mission_request', MissionRequest, to='path_supervisor')
+        cls.commands = connected_publisher('/mission_command', MissionCommand, to='path_supervisor')
         cls.ids = itertools.count(1)
         cls.fleet.wait_for(lambda state: len(state.robots) == 3 and all(
             robot.seen and robot.pose.edge_id for robot in state.robots), 60, 'fleet on the graph')
@@ -131,6 +153,73 @@ class FleetFaults(unittest.TestCase):
         self.assertIn('forgotten its route', robot.waits_for)
         self.bring_in('agv_3')
         self.wait_for_success(mission)
+
+    def test_5_on_a_full_disk_people_stop_and_cancel_and_nothing_else_is_begun(self) -> None:
+        self.control.inject('agv_3', 'stall 1000000')
+        mission = self.send('agv_3', 6)
+        self.reports.wait_for(lambda report: len(_left_of(report)) == 2, OFTEN,
+                              'route over two edges', after=len(self.reports.messages))
+        journal = rospy.get_param('/path_supervisor/journal')
+        with full_disk(process_of('/path_supervisor')):
+            other = self.send('agv_1', 3)
+            refused = self.wait_for_status(other, lambda status: True)
+            self.assertEqual(MissionStatus.REFUSED, refused.state)
+            self.assertIn('cannot be written', refused.reason)
+            self.assertIn('free space on its disk', refused.reason)
+
+            self.commands.publish(request_id=mission, command=MissionCommand.CANCEL)
+            self.reports.wait_for(lambda report: len(_left_of(report)) == 1, OFTEN,
+                                  'route that the cancel cut', after=len(self.reports.messages))
+            self.wait_for_status(mission, lambda status: status.reason.startswith(
+                'CANCEL is carried out, but forgotten if'))
+
+            stopped = rospy.ServiceProxy('/stop_fleet', Trigger)()
+            self.assertTrue(stopped.success, stopped.message)
+            self.assertIn('it is forgotten', stopped.message)
+            self.reports.wait_for(lambda report: not report.edge_states, OFTEN, 'stop',
+                                  after=len(self.reports.messages))
+            self.control.inject('agv_3', 'stall 0')
+
+            said = self.wait_for_fleet_diagnosis(DiagnosticStatus.ERROR)
+            self.assertIn(os.path.basename(journal), said)
+            states = {line.request_id: line.state.name for line in history(journal)}
+            self.assertEqual('ACTIVE', states[mission], 'what is on the disk is as it was')
+            self.assertNotIn(other, states)
+
+        self.wait_for_status(mission, lambda status: status.state == MissionStatus.CANCELLED)
+        self.assertIn('stopped', self.wait_for_fleet_diagnosis(DiagnosticStatus.WARN))
+        resumed = rospy.ServiceProxy('/resume_fleet', Trigger)()
+        self.assertTrue(resumed.success, resumed.message)
+        self.wait_for_success(self.send('agv_3', 5))
+
+    def wait_for_status(self, mission: int,
+                        predicate: Callable[[MissionStatus], bool]) -> MissionStatus:
+        return self.statuses.wait_for(
+            lambda status: status.request_id == mission and predicate(status), OFTEN,
+            f'such status of mission {mission}')
+
+    def wait_for_fleet_diagnosis(self, level: int) -> str:
+        """What /diagnostics says of the fleet, once it says that anew on this level."""
+        def of_fleet(array: DiagnosticArray) -> List[str]:
+            return [status.message for status in array.status
+                    if status.name == 'path_supervisor: fleet' and status.level == level]
+        return of_fleet(self.diagnostics.wait_for(of_fleet, OFTEN, 'word of the fleet',
+                                                  after=len(self.diagnostics.messages)))[0]
+
+
+def _left_of(report: ExecutionRouteStates) -> List[int]:
+    return [edge.edge_id for edge in report.edge_states if edge.state == EdgeState.PROCESSING]
+
+
+@contextmanager
+def full_disk(process: int) -> Iterator[None]:
+    """No file of a process can be written: EFBIG where a full disk gives ENOSPC."""
+    before = resource.prlimit(process, resource.RLIMIT_FSIZE)
+    resource.prlimit(process, resource.RLIMIT_FSIZE, (0, before[1]))
+    try:
+        yield
+    finally:
+        resource.prlimit(process, resource.RLIMIT_FSIZE, before)
 
 
 class Control:

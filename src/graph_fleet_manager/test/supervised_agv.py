@@ -4,6 +4,7 @@ It shares no code with `agv_sim`, so that neither hides a mistake of the other.
 """
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import List, Optional, Tuple
 
 from graph_fleet_manager.fleet import RobotType
@@ -35,12 +36,14 @@ class Agv:
         self.current = 0
         self.phase = Phase.STOPPED
         self.reason = ''
+        self._refused: Optional[RouteRefusal] = None
         self._to_begin = 0.0  # m to drive back on its edge, to the vertex at which the route begins
         self.stalled = 0.0
         self.emergency = False
         self.pace = 1.0
         self.refusing = 0
         self.near = _NEAR
+        self.braking = 0.0
         self.travelled = 0.0
         self.visited: List[int] = [vertex]
         """Vertices at which it was, in order."""
@@ -59,15 +62,18 @@ class Agv:
     # -- orders -----------------------------------------------------------------------------------
 
     def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[RouteRefusal]:
-        """Takes up a route, or a change of its route, or refuses it."""
+        """Takes up a route, or a change of its route, or refuses it, as often as it comes."""
         if not edges:
             self.forget()
             self.route_id = route_id
             return None
         if (route_id, edges) == (self.route_id, self.edges):
             return None
-        reason = self._take_up(route_id, edges)
-        return RouteRefusal(route_id, edges, reason) if reason else None
+        refused = self._refused
+        if refused is None or (route_id, edges) != (refused.route_id, refused.edges):
+            reason = self._take_up(route_id, edges)
+            self._refused = RouteRefusal(route_id, edges, reason) if reason else None
+        return self._refused
 
     def _take_up(self, route_id: int, edges: Tuple[int, ...]) -> str:
         if self.emergency:
@@ -85,12 +91,16 @@ class Agv:
             kept = self.edges[:self.current + 1]
             if edges[:len(kept)] != kept:
                 return f'route {route_id} must go on with the edges done and the current one'
+            if edges == kept and self._cannot_brake():
+                return 'it cannot brake in time'
             if self.phase is Phase.COMPLETE and self.current < len(edges):
                 self.edge, self.arc = edges[self.current], 0.0
         else:
             begun = self._beginning(edges)
             if begun is None:
                 return f'edge {edges[0]} does not start where the robot is'
+            if edges[begun[0]:] == (self.edge,) and self._cannot_brake():
+                return 'it cannot brake in time'
             self.current, edge, arc = begun
             self._to_begin = 0.0 if abs(edge) == abs(self.edge) else self._from_vertex(edge)
             if not self._to_begin:
@@ -118,6 +128,12 @@ class Agv:
         if first == driven and edges[1:2] == (self.edge,) and self.arc <= _JUST_LEFT:
             return 1, self.edge, self.arc
         return None
+
+    def _cannot_brake(self) -> bool:
+        """Does it drive on to another edge, and is it too near the end of this one to stop there?
+        """
+        return (self.is_driving and self.current + 1 < len(self.edges)
+                and self.graph.curve(self.edge).length - self.arc < self.braking)
 
     def _from_vertex(self, first: int) -> float:
         """How far (m) it is from where edge `first` begins, on its own edge; 0: there."""
@@ -202,3 +218,31 @@ class Agv:
         if self.phase is Phase.COMPLETE:
             return Pose(self.edges[-1], 1.0)
         return Pose(abs(self.edge), fraction if self.edge > 0 else 1.0 - fraction)
+
+
+class LostLink:
+    """What a robot's computer tells of it while the link between them is down."""
+
+    def __init__(self, agv: Agv, now: float) -> None:
+        self._agv = agv
+        last = agv.report(now)
+        failed = (EdgeState.FAILED,) * len(last.left) if last.is_running else ()
+        self.told = replace(last, states=last.states[:len(last.states) - len(failed)] + failed,
+                            reason='lost link: commands' if failed else last.reason)
+        self._stop: Optional[int] = None
+
+    def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[RouteRefusal]:
+        """A stop is owed to the robot; nothing else can be taken up."""
+        if edges:
+            same = (route_id, edges) == (self.told.route_id, self.told.edges)
+            return None if same else RouteRefusal(route_id, edges, 'the link is down')
+        self._stop = route_id
+        self.told = replace(self.told, route_id=route_id, edges=(), states=(),
+                            reason='the robot has not obeyed the stop yet: the link is down')
+        return None
+
+    def end(self) -> None:
+        """The robot is told to stop."""
+        self._agv.fail('lost link: commands')
+        if self._stop is not None:
+            self._agv.order(self._stop, ())

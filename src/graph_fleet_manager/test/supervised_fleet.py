@@ -9,9 +9,9 @@ import os
 import tempfile
 from dataclasses import replace
 from random import Random
-from typing import Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
+from typing import Callable, Dict, Iterable, List, Mapping, Optional, Protocol, Sequence, Tuple
 
-from supervised_agv import Agv
+from supervised_agv import Agv, LostLink
 
 from graph_fleet_manager.fleet import Fleet, Robot, RobotType
 from graph_fleet_manager.planning.planner import FleetPlanner
@@ -29,7 +29,7 @@ from graph_fleet_manager.supervision.reports import Report
 from graph_fleet_manager.supervision.settings import RobotSettings
 from graph_fleet_manager.supervision.supervisor import Supervisor
 from trajectory_graph import Graph
-from trajectory_graph.route_protocol import EdgeState, RouteRefusal
+from trajectory_graph.route_protocol import RouteRefusal
 
 STEP = 0.1  # s
 
@@ -46,32 +46,20 @@ class _CountingJournal(Journal):
         self.commits += 1
 
 
-class LostLink:
-    """What a robot's computer tells of it while the link between them is down."""
+class Watcher(Protocol):
+    """Who looks at everything that happens to a fleet."""
 
-    def __init__(self, agv: Agv, now: float) -> None:
-        self._agv = agv
-        last = agv.report(now)
-        failed = (EdgeState.FAILED,) * len(last.left) if last.is_running else ()
-        self.told = replace(last, states=last.states[:len(last.states) - len(failed)] + failed,
-                            reason='lost link: commands' if failed else last.reason)
-        self._stop: Optional[int] = None
+    def sends(self, order: SendRoute) -> None:
+        """An order goes out now."""
 
-    def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[RouteRefusal]:
-        """A stop is owed to the robot; nothing else can be taken up."""
-        if edges:
-            same = (route_id, edges) == (self.told.route_id, self.told.edges)
-            return None if same else RouteRefusal(route_id, edges, 'the link is down')
-        self._stop = route_id
-        self.told = replace(self.told, route_id=route_id, edges=(), states=(),
-                            reason='the robot has not obeyed the stop yet: the link is down')
-        return None
+    def tells(self, status: Status) -> None:
+        """A status is told now."""
 
-    def end(self) -> None:
-        """The robot is told to stop."""
-        self._agv.fail('lost link: commands')
-        if self._stop is not None:
-            self._agv.order(self._stop, ())
+    def stepped(self) -> None:
+        """One step of time is over."""
+
+    def restarted(self) -> None:
+        """The supervisor has begun anew."""
 
 
 class SupervisedFleet:
@@ -103,15 +91,23 @@ class SupervisedFleet:
         self.closed: Tuple[int, ...] = ()
         self.crash_at: Optional[int] = None
         """With this commit the supervisor dies, before anything is done that relies on it."""
+        self.dies_after = 0
+        """So many of the actions that follow that commit are done nevertheless."""
+        self.hangs = False
+        """The supervisor does nothing; what comes in waits for it."""
         self.commits = 0
+        self.watcher: Optional[Watcher] = None
         self.statuses: List[Status] = []
         self.notes: List[str] = []
         self.sent: List[SendRoute] = []
+        self.refused = dict.fromkeys(robots, 0)
+        """How many orders each robot did not take up."""
         self.nearest = math.inf
         """The least room (m) that any two robots left each other beyond the clearance."""
         self._to_robots: List[SendRoute] = []
         self._under_way: List[Tuple[float, SendRoute]] = []
         self._reports: List[Tuple[float, str, Report]] = []
+        self._refusals: List[Tuple[float, str, RouteRefusal, float]] = []
         self._answers: List[Tuple[float, int, Outcome]] = []
         self._planners: Dict[Tuple[frozenset, frozenset], FleetPlanner] = {}
         self._begin()
@@ -120,22 +116,28 @@ class SupervisedFleet:
         self.journal = _CountingJournal(os.path.join(self._folder.name, 'journal.sqlite'),
                                         lambda: 1e9 + self.now)
         self.journal._db.execute('PRAGMA synchronous=OFF')  # no test here cuts the power
+        self.is_disk_full = False
         self.supervisor = Supervisor(self.graph, self.fleet, self.settings, self.journal, self.now)
         self.do(self.supervisor.close_edges(self.closed, self.now))
 
     def disk_fails(self, fails: bool = True) -> None:
         """From now on nothing can be written, or everything again."""
+        self.is_disk_full = fails
         self.journal._db.execute(f'PRAGMA query_only={int(fails)}')
 
     def restart(self) -> None:
         """The supervisor dies, with all messages to and from it, and comes back.
 
-        What is under way to robots longer than a step still reaches them.
+        What is under way to robots longer than a step still reaches them. A full disk has room
+        again, for without one no supervisor begins.
         """
         self.commits += self.journal.commits
         self.journal.close()
-        self._to_robots, self._answers, self._reports = [], [], []
+        self._to_robots, self._answers, self._reports, self._refusals = [], [], [], []
+        self.hangs = False
         self._begin()
+        if self.watcher is not None:
+            self.watcher.restarted()
 
     # -- what users do ----------------------------------------------------------------------------
 
@@ -170,6 +172,11 @@ class SupervisedFleet:
         mission = self.supervisor.book.find(id)
         assert mission is not None
         return mission.reached
+
+    def under_way(self, name: str) -> List[SendRoute]:
+        """Orders that have not reached a robot yet, and still may."""
+        return [order for order in (*(late for _, late in self._under_way), *self._to_robots)
+                if order.robot == name]
 
     def lose_link(self, name: str) -> None:
         """A robot's computer loses the link to it: it drives on as it was told, and nobody knows
@@ -217,6 +224,20 @@ class SupervisedFleet:
                 at = self.now + self.late.get(name, 0.0)
                 told = self.lost[name].told if name in self.lost else agv.report(self.now)
                 self._reports += [(at, name, told)] * self._copies()
+        if not self.hangs:
+            self._supervise()
+        if self.watcher is not None:
+            self.watcher.stepped()
+
+    def _supervise(self) -> None:
+        """The supervisor hears what has arrived by now, and looks at the clock."""
+        refusals, self._refusals = self._refusals, []
+        for refused in refusals:
+            at, name, refusal, stamp = refused
+            if at <= self.now:
+                self.do(self.supervisor.refusal(name, refusal, self.now, stamp))
+            else:
+                self._refusals.append(refused)
         reports, self._reports = self._reports, []
         for at, name, report in reports:
             if at <= self.now:
@@ -256,19 +277,29 @@ class SupervisedFleet:
         for _ in range(self._copies()):
             refusal = robot.order(order.route_id, order.edges)
             if refusal is not None:
-                self.do(self.supervisor.refusal(order.robot, refusal, self.now, self.now))
+                self.refused[order.robot] += 1
+                at = self.now + self.late.get(order.robot, 0.0)
+                self._refusals += [(at, order.robot, refusal, self.now)] * self._copies()
 
     def do(self, actions: Sequence[Action]) -> None:
         """Does what the supervisor wants done, unless it dies first."""
         if self.crash_at is not None and self.commits + self.journal.commits >= self.crash_at:
             self.crash_at = None
+            self._perform(actions[:self.dies_after])
             self.restart()
-            return
+        else:
+            self._perform(actions)
+
+    def _perform(self, actions: Sequence[Action]) -> None:
         for action in actions:
             if isinstance(action, SendRoute):
+                if self.watcher is not None:
+                    self.watcher.sends(action)
                 self.sent.append(action)
                 self._to_robots.append(action)
             elif isinstance(action, TellStatus):
+                if self.watcher is not None:
+                    self.watcher.tells(action.status)
                 self.statuses.append(action.status)
             elif isinstance(action, Note):
                 self.notes.append(action.text)

@@ -7,6 +7,7 @@ from itertools import count
 import pytest
 from fleet_builders import corridor, graph_of
 
+from graph_fleet_manager.supervision.pending_order import REPEAT
 from graph_fleet_manager.supervision.reports import (
     Place,
     Pose,
@@ -15,7 +16,7 @@ from graph_fleet_manager.supervision.reports import (
     check_report,
     place_of,
 )
-from graph_fleet_manager.supervision.route_client import REPEAT, RouteClient
+from graph_fleet_manager.supervision.route_client import RouteClient
 from graph_fleet_manager.supervision.track import Track
 from trajectory_graph.route_protocol import EdgeState, RouteRefusal
 

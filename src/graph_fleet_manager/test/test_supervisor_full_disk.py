@@ -176,6 +176,29 @@ def test_an_end_that_cannot_be_stored_is_told_once_it_is():
     assert fleet.told(1)[-1] is MissionState.SUCCEEDED
 
 
+def test_neither_a_command_nor_who_comes_late_is_told_what_is_on_no_disk():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)}, settings=AHEAD)
+    fleet.request(1, 3, 8)
+    fleet.run(2.0)
+    fleet.disk_fails()
+    fleet.run_until(lambda: fleet.reached(1) == 1)
+    fleet.do(fleet.supervisor.command(1, Command.PAUSE, fleet.now))
+    assert fleet.statuses[-1].reason.startswith('PAUSE is carried out, but forgotten')
+    status, = fleet.supervisor.book.stored_open
+    for told in (fleet.statuses[-1], status):
+        assert (told.state, told.reached) == (MissionState.ACTIVE, 0)
+
+
+def test_who_comes_late_is_told_of_an_end_only_once_it_is_stored():
+    fleet = driving()
+    fleet.disk_fails()
+    fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
+    assert [status.state for status in fleet.supervisor.book.stored_open] == [MissionState.ACTIVE]
+    fleet.disk_fails(False)
+    fleet.run(3.0)
+    assert fleet.supervisor.book.stored_open == []
+
+
 def test_a_death_while_nothing_could_be_stored_loses_and_repeats_nothing():
     fleet = driving()
     fleet.disk_fails()

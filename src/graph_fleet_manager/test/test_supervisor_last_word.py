@@ -11,7 +11,7 @@ from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.settings import RobotSettings
 from trajectory_graph import Graph
-from trajectory_graph.route_protocol import EdgeState
+from trajectory_graph.route_protocol import EdgeState, Phase, RouteRefusal
 
 FAR = RobotSettings(release_ahead=8.0)
 
@@ -172,6 +172,23 @@ def test_an_order_that_was_under_way_as_the_robot_was_taken_over_does_not_drive_
     assert agv.travelled - before < 0.5
 
 
+def test_nothing_is_tried_again_after_an_emergency_stop_before_it_is_known_what_the_robot_has():
+    """It refused the last trial for another reason, and has not reported since."""
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    fleet.request(1, 6)
+    fleet.run_until(lambda: fleet.agvs['a'].phase is Phase.COMPLETE)
+    fleet.agvs['a'].emergency = True
+    fleet.run_until(lambda: robot(fleet).outage is Outage.STOPPED)
+    fleet.silent['a'] = fleet.now + 4.6
+    client = robot(fleet).client
+    fleet.run_until(lambda: client.order is not None)
+    refusal = RouteRefusal(client.order.route_id, client.order.edges, 'it does not want to')
+    fleet.do(fleet.supervisor.refusal('a', refusal, fleet.now, fleet.now))
+    while fleet.now < fleet.silent['a'] - 0.2:
+        assert client.order is None, 'what the next report tells that it has not may be given away'
+        fleet.step()
+
+
 def test_a_stop_is_repeated_until_it_is_heard_though_the_route_has_failed():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)}, settings=FAR)
     fleet.request(1, 8)
@@ -184,6 +201,36 @@ def test_a_stop_is_repeated_until_it_is_heard_though_the_route_has_failed():
 
 
 # -- where robots truly are -----------------------------------------------------------------------
+
+
+def taken_over_as_it_was_let_go_on():
+    """It refuses more edges, as its route has failed: it stands in the midst of one."""
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)},
+                            settings=RobotSettings(release_ahead=1.0))
+    fleet.request(1, 6, robot='a')
+    fleet.run_until(lambda: bool(fleet._to_robots) and fleet.agvs['a'].arc > 0.5)
+    fleet.agvs['a'].fail('taken over')
+    fleet.run(2.0)
+    assert robot(fleet).outage is Outage.TAKEN_OVER
+    return fleet
+
+
+def test_where_a_person_drives_who_refused_more_is_known():
+    """Its reports still tell of the route that has failed."""
+    fleet = taken_over_as_it_was_let_go_on()
+    fleet.agvs['a'].edge, fleet.agvs['a'].arc = 4, 1.0
+    fleet.run(0.5)
+    assert 4 in robot(fleet).blocked()[1]
+
+
+@pytest.mark.parametrize('is_silent', [False, True])
+def test_who_refused_more_as_it_was_taken_over_keeps_its_edge_after_a_restart(is_silent):
+    fleet = taken_over_as_it_was_let_go_on()
+    if is_silent:
+        fleet.silent['a'] = 1e9
+    fleet.restart()
+    fleet.run(1.0)
+    assert abs(fleet.agvs['a'].edge) in robot(fleet).blocked()[1]
 
 
 def test_a_plan_that_does_not_know_where_a_robot_was_carried_releases_nothing():

@@ -12,7 +12,7 @@ from graph_fleet_manager.nodes import fleet_services
 from graph_fleet_manager.nodes.early_stop import EarlyStop
 from graph_fleet_manager.nodes.event_loop import EventLoop
 from graph_fleet_manager.supervision.outages import Outage
-from graph_fleet_manager.supervision.route_client import REPEAT
+from graph_fleet_manager.supervision.pending_order import REPEAT
 
 
 class Services:
@@ -98,13 +98,17 @@ def test_a_stop_goes_past_a_supervisor_that_hangs_and_is_kept_for_it(services, m
     assert fleet.supervisor.is_stopped
 
 
+def stop_past(fleet):
+    for order in EarlyStop(['a', 'b']).stop(0.0):
+        fleet.agvs[order.robot].order(order.route_id, order.edges)
+
+
 def test_a_stop_past_a_supervisor_lasts_when_that_is_killed_for_it():
     """Nothing of it is on the disk, but the robots tell of it."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)})
     fleet.request(1, 3, robot='a')
     fleet.run_until_done(1)
-    for order in EarlyStop(['a', 'b']).stop(0.0):
-        fleet.agvs[order.robot].order(order.route_id, order.edges)
+    stop_past(fleet)
     fleet.request(2, 5, robot='a')
     fleet.restart()
     travelled = fleet.agvs['a'].travelled
@@ -115,6 +119,22 @@ def test_a_stop_past_a_supervisor_lasts_when_that_is_killed_for_it():
     fleet.restart()
     fleet.run(6.0)
     assert not fleet.supervisor.is_stopped
+
+
+def test_who_was_stopped_on_its_way_past_a_supervisor_goes_on_after_a_resume():
+    """It did not forget its route: nobody needs to look at it."""
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)})
+    fleet.request(1, 5, robot='a')
+    fleet.run(3.0)
+    stop_past(fleet)
+    fleet.restart()
+    fleet.run(8.0)
+    assert fleet.supervisor.is_stopped and fleet.supervisor.robots['a'].outage is None
+    problems, actions = fleet.supervisor.resume_fleet(fleet.now)
+    fleet.do(actions)
+    assert problems == []
+    fleet.run_until_done(1)
+    assert fleet.agvs['a'].visited[-1] == 5
 
 
 def test_what_else_is_asked_for_without_a_graph_is_not_done(services):

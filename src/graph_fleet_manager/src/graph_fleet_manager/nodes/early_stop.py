@@ -11,7 +11,7 @@ from math import inf
 from typing import Iterable, List, Optional, Sequence
 
 from graph_fleet_manager.supervision.actions import SendRoute
-from graph_fleet_manager.supervision.route_client import REPEAT
+from graph_fleet_manager.supervision.pending_order import REPEAT
 
 _IDS = (2 ** 30, 2 ** 31 - 1)  # see route_ids.is_past
 

@@ -50,7 +50,7 @@ def report_fleet(supervisor: Optional[Supervisor], trouble: str,
 
 def report_missions(supervisor: Optional[Supervisor], status: DiagnosticStatusWrapper) -> None:
     """How many missions are open, in which state, and what the oldest ones wait for."""
-    missions = [] if supervisor is None else supervisor.open_statuses()
+    missions = [] if supervisor is None else supervisor.book.stored_open
     states = [mission.state for mission in missions]
     status.summary(DiagnosticStatus.OK, f'{len(states)} open missions')
     for state in (MissionState.PENDING, MissionState.ACTIVE, MissionState.PAUSED):

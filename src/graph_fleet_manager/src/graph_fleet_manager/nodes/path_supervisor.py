@@ -46,11 +46,12 @@ from graph_fleet_manager.nodes.fleet_services import FleetServices, not_stored
 from graph_fleet_manager.nodes.fleet_topics import FleetTopics, TellStatuses, status_message
 from graph_fleet_manager.nodes.journal_file import JournalFile
 from graph_fleet_manager.supervision.actions import Action, TellStatus
+from graph_fleet_manager.supervision.fleet_stop import STOPPED
 from graph_fleet_manager.supervision.journal import JournalUnavailable
 from graph_fleet_manager.supervision.missions import Command, RequestRefused
 from graph_fleet_manager.supervision.outbox import AGAIN
 from graph_fleet_manager.supervision.reports import WrongReport
-from graph_fleet_manager.supervision.supervisor import STOPPED, Supervisor
+from graph_fleet_manager.supervision.supervisor import Supervisor
 from itrci_nav_msgs.msg import (
     ClosedEdges,
     ExecutionRouteStates,
@@ -149,7 +150,7 @@ class PathSupervisor:
 
     def _tell_open(self, publish: TellStatuses) -> None:
         def tell(supervisor: Supervisor, now: float) -> Sequence[Action]:
-            for status in supervisor.open_statuses():
+            for status in supervisor.book.stored_open:
                 publish(status_message(status))
             return ()
         self._events.put_order(tell)

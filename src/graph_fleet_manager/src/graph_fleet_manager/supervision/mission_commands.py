@@ -9,6 +9,7 @@ from graph_fleet_manager.supervision.missions import (
     Mission,
     MissionBook,
     MissionState,
+    Request,
     Status,
 )
 
@@ -34,6 +35,11 @@ def carry_out(command: Command, mission: Mission, book: MissionBook,
     if name and command in (Command.CANCEL, Command.PAUSE):
         dispatcher.bring_to_rest(name)
     return ''
+
+
+def refused(request: Request, reason: str) -> Status:
+    """What is told of a request that becomes no mission."""
+    return Status(request.id, MissionState.REFUSED, reason=reason, stamp=request.stamp)
 
 
 def not_done(before: Status, command: Command, trouble: str) -> Status:

@@ -99,6 +99,7 @@ class Mission:
     dwell_until -- the supervisor's time at which it may leave the destination where it stays;
                    None: it does not stay now, infinite: until it is released
     reason      -- why it ended, or what it waits for
+    stored      -- its status as it is on the disk; None: it is not there yet
     """
 
     serial: int
@@ -108,6 +109,7 @@ class Mission:
     reached: int = 0
     dwell_until: Optional[float] = None
     reason: str = ''
+    stored: Optional[Status] = None
 
     @property
     def status(self) -> Status:
@@ -198,6 +200,7 @@ class MissionBook:
         self.changed: Set[int] = set()
         """Serials of missions whose status is to be stored and told."""
         for mission in missions:
+            mission.stored = mission.status
             self._last[mission.request.id] = mission
             if mission.state.is_open:
                 self._by_serial[mission.serial] = mission
@@ -210,6 +213,12 @@ class MissionBook:
     def open(self) -> List[Mission]:
         """Missions that are not at an end, in the order of their acceptance."""
         return [mission for mission in self._by_serial.values() if mission.state.is_open]
+
+    @property
+    def stored_open(self) -> List[Status]:
+        """The status of every mission that is not at an end, as it is on the disk."""
+        return [mission.stored for mission in self._by_serial.values()
+                if mission.stored is not None and mission.stored.state.is_open]
 
     def find(self, request_id: int) -> Optional[Mission]:
         """The last mission with this id."""
@@ -276,8 +285,9 @@ class MissionBook:
 
     def stored(self) -> None:
         """Everything is stored: what is at an end is kept for its id only."""
-        ended, self.changed = self.changes, set()
-        for mission in ended:
+        changes, self.changed = self.changes, set()
+        for mission in changes:
+            mission.stored = mission.status
             if not mission.state.is_open:
                 self._by_serial.pop(mission.serial, None)
                 self._ended.append(mission)

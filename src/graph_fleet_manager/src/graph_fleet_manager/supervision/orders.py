@@ -15,6 +15,11 @@ class Order(NamedTuple):
     base: int
     edges: Tuple[int, ...]
 
+    @property
+    def end(self) -> int:
+        """Number, in the track, behind its last edge."""
+        return self.base + len(self.edges)
+
 
 class Sending(NamedTuple):
     """An order to be sent now; a repeated one goes out exactly as before."""

@@ -10,6 +10,7 @@ from trajectory_graph.route_protocol import EdgeState
 
 LONGEST = 1000  # edges in a route; more is a mistake or an attack
 NEAR = 0.3      # m from a vertex at which a robot counts as standing on it
+_OLD = 10.0     # s that a location may be old as it arrives
 
 
 @dataclass(frozen=True)
@@ -89,6 +90,14 @@ def check_report(report: Report, graph: Graph) -> None:
         raise WrongReport('its stamp is no time')
     if report.pose.edge and abs(report.pose.edge) not in graph.edges:
         raise WrongReport(f'it is on edge {report.pose.edge}, which the graph does not have')
+
+
+def old_location(name: str, report: Report) -> str:
+    """What is to be said of a robot whose location was old as it arrived; empty: it was not."""
+    if report.age <= _OLD:
+        return ''
+    return (f'The locations of {name} are more than {_OLD:.0f} s old as they arrive: they are not '
+            'renewed, or the clock of its computer differs (NTP); others stay far behind it.')
 
 
 @dataclass(frozen=True)

@@ -200,7 +200,7 @@ class ManagedRobot:
         """
         if self.outage is not Outage.STOPPED or self.is_halted or now - self._tried < TRIAL:
             return False
-        if self.client.order is not None:
+        if self.client.order is not None or not self.client.is_ready:
             return False
         self._tried = now
         ahead = self.track.ahead
@@ -250,6 +250,17 @@ class ManagedRobot:
             self.client.settle(place)
             self.outage, self.why = None, ''
         return True
+
+    def not_back_yet(self, now: float) -> str:
+        """Why a person cannot put it back into service now; empty: they can, or it works."""
+        if self.works:
+            return ''
+        if now - self.liveness.seen > SILENCE or self.outage is Outage.DEAF:
+            return f'{self.name} does not report or answer: mend its link first'
+        if self.client.order is not None or not self.liveness.is_still(now):
+            return (f'{self.name} does not stand still yet, or has a route to drive, or its '
+                    'locations are old: try again in a moment')
+        return ''
 
     def come_back(self, place: Optional[Place]) -> str:
         """It works again, from where it is; returns why not, or nothing.

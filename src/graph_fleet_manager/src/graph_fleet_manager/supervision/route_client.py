@@ -4,14 +4,14 @@ What the robot holds by them is its track; a route is a part of that, under an i
 """
 from __future__ import annotations
 
-from typing import Callable, Dict, Optional, Sequence, Set
+from typing import Callable, Optional, Sequence
 
-from graph_fleet_manager.supervision.orders import Heard, Memory, Order, Sending, is_on
+from graph_fleet_manager.supervision.ordered_routes import OrderedRoutes
+from graph_fleet_manager.supervision.orders import Heard, Order, Sending, is_on
 from graph_fleet_manager.supervision.reports import Place, Report, place_of
 from graph_fleet_manager.supervision.track import Track
 from trajectory_graph.route_protocol import RouteRefusal
 
-REPEAT = 1.0      # s after which an order that was not acknowledged is repeated
 NEW_ID_AFTER = 50  # edges
 _OVERTAKEN = 10.0  # s: a report that is older than the last by more tells of a clock set back
 
@@ -19,52 +19,20 @@ NewId = Callable[[], int]
 """Gives a route id that was never used."""
 
 
-class RouteClient:
+class RouteClient(OrderedRoutes):
     """Orders routes, repeats what is not acknowledged, and follows the reports on a track."""
 
     def __init__(self, track: Track) -> None:
-        self.track = track
-        self.route_id = 0
-        self.order: Optional[Order] = None
-        """What is not acknowledged yet."""
-        self.over = True
-        """The last route cannot be extended: another one needs another id."""
-        self.to_order_anew = 0
-        """So many edges were under way before a restart, on a route that cannot be repeated."""
-        self._bases: Dict[int, int] = {}
-        self._acknowledged: Set[int] = set()
-        self._ended: Set[int] = set()
-        self._reported = 0
-        self._sent_at: Optional[float] = None
-        self._takes_away = False  # the order stops the robot, or cuts its route short
-        self._cut_refused = 0  # number behind the last edge of a shorter route that it refused
+        super().__init__(track)
         self._awaits_report = False
         self._refused_at = 0.0  # by the robot's clock: reports of before do not tell what it has
-        self._withdrawn: Optional[int] = None  # id of an order that may reach the robot yet
+        self._cut_refused = 0  # number behind the last edge of a shorter route that it refused
         self._stamp = 0.0
-        self._ordered: Optional[int] = None  # before a restart, if it was less than the track
-
-    @property
-    def _shortened(self) -> Optional[int]:
-        order = self.order
-        if order is None or not order.edges or not self._is_shorter(order):
-            return None
-        return order.base + len(order.edges) - self.track.first
 
     @property
     def is_ready(self) -> bool:
         """May it be given more? Not while it is being shortened, or after a refusal."""
         return not self._awaits_report and (self.order is None or not self._is_shorter(self.order))
-
-    @property
-    def is_stopping(self) -> bool:
-        """Was it told to stop, without an answer yet?"""
-        return self.order is not None and not self.order.edges
-
-    @property
-    def is_new_motion(self) -> bool:
-        """Is the order one that was never sent, and lets the robot drive?"""
-        return self.order is not None and self._sent_at is None and not self._takes_away
 
     # -- orders -----------------------------------------------------------------------------------
 
@@ -82,7 +50,8 @@ class RouteClient:
         """
         if self.is_new_motion and self.track.told <= self.track.done:
             self.track.cut(self.track.done)  # it was never told of all this
-            self.order, self.over = None, True
+            self._pending.drop()
+            self.over = True
         if len(self.track.ahead) <= 1:
             return False
         if self._awaits_report or (self.order is not None and self._is_shorter(self.order)):
@@ -93,7 +62,7 @@ class RouteClient:
         if self.over or self.order is not None:  # a report of before that order is no answer
             self._begin(new_id())
         base = self._bases[self.route_id]
-        self._give(Order(self.route_id, base, self.track.between(base, end)), True)
+        self._pending.give(Order(self.route_id, base, self.track.between(base, end)), True)
         return True
 
     def halt(self, new_id: NewId) -> None:
@@ -101,13 +70,13 @@ class RouteClient:
         self._begin(new_id())
         self.over = True
         self._awaits_report = False
-        self._give(Order(self.route_id, self.track.done, ()), True)
+        self._pending.give(Order(self.route_id, self.track.done, ()), True)
 
     def try_again(self, new_id: NewId, count: int) -> None:
         """Orders once more, under a new id, so many of the edges ahead: an emergency stop kept the
         robot from driving them, or a restart from hearing of them."""
         self._begin(new_id())
-        self._give(Order(self.route_id, self.track.done, self.track.ahead[:count]))
+        self._pending.give(Order(self.route_id, self.track.done, self.track.ahead[:count]))
         self.to_order_anew = 0
 
     def withdraw(self) -> None:
@@ -115,7 +84,7 @@ class RouteClient:
         self.over = True
         if self.order is not None and not self.is_stopping:
             self._withdrawn = self.order.route_id
-            self.order = None
+            self._pending.drop()
 
     def drives_withdrawn(self, report: Report) -> bool:
         """Does the robot drive what was withdrawn, as it was under way already?"""
@@ -128,27 +97,15 @@ class RouteClient:
         self._bases = {}
         self.track.settle(place)
         self.over = True
-        self.order = None
+        self._pending.drop()
         self._awaits_report = False
 
     def due(self, now: float) -> Optional[Sending]:
         """The order to send now, if there is one."""
-        if self.order is None or self._awaits_report:
-            return None
-        repeated = self._sent_at is not None
-        if self._sent_at is not None and now - self._sent_at < REPEAT:
-            return None
-        self._sent_at = now
-        self.track.told = max(self.track.told, self.order.base + len(self.order.edges))
-        return Sending(self.order.route_id, self.order.edges, repeated)
-
-    def _begin(self, route_id: int) -> None:
-        kept = (self.route_id, self._reported)
-        self._bases = {id: base for id, base in self._bases.items() if id in kept}
-        self._bases[route_id] = self.track.done
-        self.route_id = route_id
-        self.over = False
-        self._withdrawn = None
+        sending = None if self._awaits_report else self._pending.due(now)
+        if sending is not None and self.order is not None:
+            self.track.told = max(self.track.told, self.order.end)
+        return sending
 
     def _order_all(self) -> None:
         """Orders the whole track, from where the route begins."""
@@ -162,37 +119,7 @@ class RouteClient:
         else:
             self._order_until(end)
 
-    def _order_until(self, end: int) -> None:
-        base = self._bases[self.route_id]
-        self._give(Order(self.route_id, base, self.track.between(base, end)))
-
-    def _give(self, order: Order, takes_away: bool = False) -> None:
-        self.order = order
-        self._sent_at = None
-        self._takes_away = takes_away
-
-    def _is_shorter(self, order: Order) -> bool:
-        return order.base + len(order.edges) < self.track.end
-
     # -- after a restart --------------------------------------------------------------------------
-
-    @property
-    def memory(self) -> Memory:
-        """What `restore` needs after a restart; it is to be stored before an order is sent."""
-        track = self.track
-        bases = {id: base - track.first for id, base in self._bases.items()}
-        return Memory(self.route_id, tuple(track.edges), track.done - track.first, bases,
-                      track.place, self.over, tuple(sorted(self._ended)), self.is_stopping,
-                      self._shortened)
-
-    def restore(self, memory: Memory) -> None:
-        """What was known before: the robot may hold all of these edges."""
-        self.route_id, self._bases = memory.route_id, dict(memory.bases)
-        self.over, self._ended = memory.over, set(memory.ended)
-        self.track.restore(memory.track, memory.done, memory.place)
-        self._ordered = memory.shortened
-        if memory.is_stopping:
-            self._give(Order(self.route_id, self.track.done, ()), True)
 
     def adopt(self, report: Report) -> None:
         """The first report after a restart, to be taken next: what it has not driven is fixed.
@@ -243,13 +170,13 @@ class RouteClient:
             return heard
         self._stamp = report.stamp
         self._reported = report.route_id
+        track.pose = report.pose
         awaited = self._awaits_report and not (
             0.0 < self._refused_at - report.stamp < _OVERTAKEN)
         if awaited and report.route_id != self.route_id:
             self._take_truth(report)
             awaited = False
         if report.route_id not in self._bases:
-            track.pose = report.pose
             if report.is_running:
                 heard.foreign = report.route_id not in self._ended
                 return heard
@@ -275,7 +202,6 @@ class RouteClient:
             self._ended.clear()
         if awaited:
             self._take_truth(report)
-        track.pose = report.pose
         self._acknowledge(report)
         heard.passed = track.complete(base + report.completed)
         if report.is_running or track.is_standing:  # else a person may drive it back again
@@ -291,7 +217,8 @@ class RouteClient:
 
     def _forgotten(self, heard: Heard) -> None:
         """It was switched off and on: it would drive an extended route from its beginning."""
-        self.order, self.over = None, True
+        self._pending.drop()
+        self.over = True
         if self.track.ahead:
             heard.failed = 'it has forgotten its route'
 
@@ -304,10 +231,10 @@ class RouteClient:
         heard = Heard()
         if self.order is not None and (refusal.route_id, refusal.edges) == (
                 self.order.route_id, self.order.edges):
-            heard.was_shorter = self._takes_away
+            heard.was_shorter = self._pending.takes_away
             if heard.was_shorter:
-                self._cut_refused = self.order.base + len(self.order.edges)
-            self.order = None
+                self._cut_refused = self.order.end
+            self._pending.drop()
             self._awaits_report, self._refused_at = True, stamp
             heard.refused = refusal.reason or 'it gave no reason'
         return heard
@@ -320,15 +247,12 @@ class RouteClient:
     def _take_truth(self, report: Report) -> None:
         """After a refusal: the robot holds what it reports, and nothing else of what was ordered.
 
-        Another order needs another id.
+        It stands somewhere on what has failed. Another order needs another id.
         """
         self._awaits_report = False
         self.over = True
         base = self._bases.get(report.route_id)
-        if base is None:
-            end = self.track.done
-        else:
-            end = base + len(report.edges) if report.is_running else base + report.completed
+        end = self.track.done if base is None else base + len(report.edges)
         self.track.cut(min(max(end, self.track.done), self.track.end))
         if base is not None:
             self._bases = {report.route_id: base}
@@ -336,6 +260,6 @@ class RouteClient:
     def _acknowledge(self, report: Report) -> None:
         order = self.order
         if order and report.route_id == order.route_id and len(report.edges) == len(order.edges):
-            self.order = None
+            self._pending.drop()
             if order.edges and self._is_shorter(order):
-                self.track.cut(order.base + len(order.edges))
+                self.track.cut(order.end)

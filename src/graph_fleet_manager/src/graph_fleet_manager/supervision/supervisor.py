@@ -11,14 +11,14 @@ from typing import Dict, Iterable, List, Mapping, Tuple
 from graph_fleet_manager.fleet import Fleet
 from graph_fleet_manager.planning.road_network import RoadNetwork
 from graph_fleet_manager.planning.tasks import Outcome
-from graph_fleet_manager.supervision import mission_progress
+from graph_fleet_manager.supervision import mission_commands, mission_progress
 from graph_fleet_manager.supervision.actions import Action, TellStatus
 from graph_fleet_manager.supervision.charging import ChargeQueue
 from graph_fleet_manager.supervision.dispatcher import Dispatcher
 from graph_fleet_manager.supervision.errands import Errand, errand_of
+from graph_fleet_manager.supervision.fleet_stop import FleetStop
 from graph_fleet_manager.supervision.journal import Journal, JournalUnavailable
 from graph_fleet_manager.supervision.liveness import SILENCE
-from graph_fleet_manager.supervision.mission_commands import carry_out, not_done, not_stored
 from graph_fleet_manager.supervision.missions import (
     Acceptance,
     Command,
@@ -26,24 +26,22 @@ from graph_fleet_manager.supervision.missions import (
     MissionState,
     Request,
     RequestRefused,
-    Status,
 )
 from graph_fleet_manager.supervision.outage_watch import OutageWatch
 from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.outbox import Outbox
-from graph_fleet_manager.supervision.reports import Report, WrongReport, check_report
+from graph_fleet_manager.supervision.reports import (
+    Report,
+    WrongReport,
+    check_report,
+    old_location,
+)
 from graph_fleet_manager.supervision.restoring import robots_of
 from graph_fleet_manager.supervision.roads import Roads
-from graph_fleet_manager.supervision.robots import ManagedRobot
-from graph_fleet_manager.supervision.route_ids import is_past
 from graph_fleet_manager.supervision.settings import RobotSettings
 from graph_fleet_manager.supervision.waiting_missions import WaitingMissions
 from trajectory_graph import Graph
 from trajectory_graph.route_protocol import RouteRefusal
-
-STOPPED = 'fleet_is_stopped'
-"""By this name the journal has whether it is."""
-_OLD = 10.0  # s that a location may be old as it arrives
 
 
 class Supervisor:
@@ -57,7 +55,6 @@ class Supervisor:
                  journal: Journal, now: float, rate: float = 1.0) -> None:
         self.robots = robots_of(fleet, settings, graph, journal.robots())
         self.roads = Roads(graph, fleet, rate)
-        self.is_stopped = bool(journal.value(STOPPED))
         self.charging = ChargeQueue(self.robots)
         self.book = MissionBook(journal.missions(), journal.last_serial() + 1)
         self._journal = journal
@@ -66,8 +63,7 @@ class Supervisor:
         self._waiting = WaitingMissions(self.book, self.robots)
         self._out = Outbox(journal, self.book, self.robots)
         self.dispatcher = Dispatcher(self.robots, self._out)
-        if self.is_stopped:  # maybe before there was a supervisor
-            self._halt(robot for robot in self.robots.values() if not robot.is_halted)
+        self._stop = FleetStop(journal, self.robots, self._out)
         self._outages = OutageWatch(self.book, self.robots, self._out, self.dispatcher)
         for mission, why in mission_progress.no_longer_possible(self.book, self.acceptance):
             self.book.set(mission, MissionState.FAILED, why)
@@ -86,6 +82,11 @@ class Supervisor:
         return self._out.trouble
 
     @property
+    def is_stopped(self) -> bool:
+        """Is every robot to stand until the fleet is resumed?"""
+        return self._stop.is_in_force
+
+    @property
     def acceptance(self) -> Acceptance:
         """What requests are judged by."""
         return Acceptance(self.network.graph, {r.name: r.type for r in self.robots.values()})
@@ -102,8 +103,8 @@ class Supervisor:
                     self._out.put(TellStatus(ended.status))
                     return self._out.take(now)
             mission = self.book.add(request, self.acceptance)
-        except RequestRefused as refused:
-            return self._refuse(request, str(refused), now)
+        except RequestRefused as refusal:
+            return self._refuse(request, str(refusal), now)
         except JournalUnavailable as unavailable:
             return self._refuse(request, unavailable.reason, now)
         actions = self._out.take(now)
@@ -116,8 +117,7 @@ class Supervisor:
         return [*actions, *self._out.take(now)]
 
     def _refuse(self, request: Request, reason: str, now: float) -> List[Action]:
-        self._out.put(TellStatus(Status(request.id, MissionState.REFUSED, reason=reason,
-                                        stamp=request.stamp)))
+        self._out.put(TellStatus(mission_commands.refused(request, reason)))
         return self._out.take(now)
 
     def command(self, request_id: int, command: Command, now: float) -> List[Action]:
@@ -126,23 +126,20 @@ class Supervisor:
         if mission is None or not mission.state.is_open:
             self._out.note(f'There is no open mission {request_id} for {command.name}.', True)
             return self._out.take(now)
-        before = mission.status
+        before = mission.stored or mission.status
         if self.trouble and command in (Command.RESUME, Command.RELEASE):
-            self._out.put(TellStatus(not_done(before, command, self.trouble)))
+            self._out.put(TellStatus(mission_commands.not_done(before, command, self.trouble)))
             return self._out.take(now)
-        problem = carry_out(command, mission, self.book, self.dispatcher)
+        problem = mission_commands.carry_out(command, mission, self.book, self.dispatcher)
         if problem:
             self._out.note(problem)
         self.dispatcher.replan()
         self._go_on(now)
         actions = self._out.take(now)
         if self.trouble:
-            actions.append(TellStatus(not_stored(before, command, self.trouble)))
+            told = mission_commands.not_stored(before, command, self.trouble)
+            actions.append(TellStatus(told))
         return actions
-
-    def open_statuses(self) -> List[Status]:
-        """The status of every open mission, for who comes late."""
-        return [mission.status for mission in self.book.open]
 
     # -- robots -----------------------------------------------------------------------------------
 
@@ -155,21 +152,16 @@ class Supervisor:
             self._out.note_state(name, f'A report of {name} is ignored: {wrong}.', '')
             return self._out.take(now)
         self._out.note_state(name, '', f'The reports of {name} make sense again.')
-        old = report.age > _OLD and (
-            f'The locations of {name} are more than {_OLD:.0f} s old as they arrive: they are not '
-            'renewed, or the clock of its computer differs (NTP); others stay far behind it.')
-        self._out.note_state(f'{name}/age', old or '', f'The locations of {name} are new again.')
+        self._out.note_state(f'{name}/age', old_location(name, report),
+                             f'The locations of {name} are new again.')
         before, begun = robot.progress, robot.track.begun
         was_seen = robot.liveness.is_seen
+        if self._is_starting and not was_seen:
+            self._stop.look_for(robot, report)
         robot.hear(report, now)
         robot.begin_elsewhere()
         if robot.track.begun != begun or was_seen != robot.liveness.is_seen:
             self.dispatcher.forget_plan_of(name)
-        if self._is_starting and not was_seen and is_past(report.route_id) and not (
-                self.is_stopped or robot.client.is_stopping):
-            self._out.note(f'{name} was stopped past a fleet manager that hung and was ended: '
-                           'the fleet is stopped until it is resumed.', True)
-            self._stop()
         if robot.client.to_order_anew:
             robot.client.try_again(self._out.new_id, robot.client.to_order_anew)
         if robot.drives_on(report):
@@ -216,13 +208,9 @@ class Supervisor:
         robot = self.robots[name]
         if self.is_stopped:
             return 'the fleet is stopped: resume it first', self._out.take(now)
-        if robot.outage is None and not robot.is_halted:
-            return '', self._out.take(now)
-        if now - robot.liveness.seen > SILENCE or robot.outage is Outage.DEAF:
-            return f'{name} does not report or answer: mend its link first', self._out.take(now)
-        if robot.client.order is not None or not robot.liveness.is_still(now):
-            return (f'{name} does not stand still yet, or has a route to drive, or its locations '
-                    'are old: try again in a moment'), self._out.take(now)
+        problem = robot.not_back_yet(now)
+        if problem or (robot.outage is None and not robot.is_halted):
+            return problem, self._out.take(now)
         problem = robot.come_back(robot.place_at(robot.track.pose))
         self.dispatcher.forget_plan_of(name)
         self._outages.look()
@@ -231,28 +219,15 @@ class Supervisor:
 
     def stop_fleet(self, now: float) -> List[Action]:
         """Every robot gets an empty route at once, planner or not."""
-        self._stop()
+        self._stop.stop()
         return self._out.take(now)
-
-    def _stop(self) -> None:
-        self.is_stopped = True
-        self._out.value_changed(STOPPED, 1)
-        self._halt(self.robots.values())
-        self._out.send()
-
-    def _halt(self, robots: Iterable[ManagedRobot]) -> None:
-        for robot in robots:
-            robot.client.halt(self._out.new_id)
-            robot.is_halted = True
-            self._out.robot_changed(robot.name)
 
     def resume_fleet(self, now: float) -> Tuple[List[str], List[Action]]:
         """Every robot goes on from where it is; also names those for which a person must look.
 
         One that has not obeyed the stop yet goes on once it has.
         """
-        self.is_stopped = False
-        self._out.value_changed(STOPPED, 0)
+        self._stop.end()
         self._go_on(now)
         problems = [f'{robot.name}: {robot.why}' for robot in self.robots.values()
                     if robot.outage is not None and robot.outage.needs_person]

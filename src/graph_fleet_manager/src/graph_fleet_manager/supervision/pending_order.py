@@ -1,0 +1,49 @@
+"""The order that a robot has not acknowledged yet: sent, and repeated unchanged until it has."""
+from __future__ import annotations
+
+from typing import Optional
+
+from graph_fleet_manager.supervision.orders import Order, Sending
+
+REPEAT = 1.0  # s after which an order that was not acknowledged is repeated
+
+
+class PendingOrder:
+    """At most one order of one robot.
+
+    takes_away -- it stops the robot, or cuts its route short
+    """
+
+    def __init__(self) -> None:
+        self.order: Optional[Order] = None
+        self.takes_away = False
+        self._sent_at: Optional[float] = None
+
+    @property
+    def is_stop(self) -> bool:
+        """Is the robot to stop where it is?"""
+        return self.order is not None and not self.order.edges
+
+    @property
+    def is_new_motion(self) -> bool:
+        """Was it never sent, and does it let the robot drive?"""
+        return self.order is not None and self._sent_at is None and not self.takes_away
+
+    def give(self, order: Order, takes_away: bool = False) -> None:
+        """This is ordered now, and nothing of before any more."""
+        self.order, self.takes_away = order, takes_away
+        self._sent_at = None
+
+    def drop(self) -> None:
+        """It is acknowledged, refused, or not to be sent any more."""
+        self.order = None
+
+    def due(self, now: float) -> Optional[Sending]:
+        """What is to be sent now, if anything."""
+        if self.order is None:
+            return None
+        is_repeat = self._sent_at is not None
+        if self._sent_at is not None and now - self._sent_at < REPEAT:
+            return None
+        self._sent_at = now
+        return Sending(self.order.route_id, self.order.edges, is_repeat)

@@ -1,0 +1,256 @@
+"""What docs/fleet.md promises, checked while things happen to a fleet.
+
+What is true is read from the robots, the network and the journal's file; what the supervisor
+believes must never be less than that.
+"""
+from __future__ import annotations
+
+import json
+import math
+import os
+import sqlite3
+from dataclasses import dataclass
+from typing import Dict, Iterable, List, Optional, Sequence, Set, Tuple
+
+from shapely.geometry import LineString, Point
+from shapely.geometry.base import BaseGeometry
+from shapely.ops import unary_union
+from supervised_fleet import STEP, SupervisedFleet
+
+from graph_fleet_manager.supervision.actions import SendRoute
+from graph_fleet_manager.supervision.missions import MissionState, Request, Status
+from graph_fleet_manager.supervision.reports import NEAR
+from trajectory_graph import Graph
+
+STOPS_WITHIN = 3.5  # s after which a robot to which nothing is wrong has heard that it is to stop
+
+
+@dataclass
+class Word:
+    """What a person said; a word that was on no disk yet is forgotten where the supervisor dies."""
+
+    since: float
+    is_stored: bool = False
+    is_past: bool = False
+    """It was said past the supervisor, which is to find it in what robots report."""
+
+
+@dataclass
+class Rest:
+    """A robot whose mission was cancelled or paused; `refused`: orders that it refused before."""
+
+    word: Word
+    serial: int
+    refused: int
+
+
+class Promises:
+    """Watches a fleet on a graph of straight edges, of which `graph` has all that there ever are.
+
+    A person may have moved the robots that are `carried`; only those that are `blamed` may need
+    one.
+    """
+
+    def __init__(self, fleet: SupervisedFleet, graph: Graph) -> None:
+        self.fleet = fleet
+        self.stopped: Optional[Word] = None
+        self.out: Dict[str, Word] = {}
+        self.resting: Dict[str, Rest] = {}
+        self.blamed: Set[str] = set()
+        self.carried: Set[str] = set()
+        self._lines = {id: LineString([_at(graph, id, 0.0), _at(graph, id, 1.0)])
+                       for id in graph.edges}
+        self._vertices = {v.id: Point(v.x, v.y) for v in graph.vertices.values()}
+        self._told: Dict[Tuple[int, float], Status] = {}
+        self._well_since = dict.fromkeys(fleet.agvs, 0.0)
+        self._db = sqlite3.connect(os.path.join(fleet._folder.name, 'journal.sqlite'))
+        fleet.watcher = self
+
+    # -- what people say --------------------------------------------------------------------------
+
+    def stop(self, is_past: bool = False) -> None:
+        """Somebody stopped all robots, maybe past the supervisor."""
+        self.stopped = Word(self.fleet.now, is_past=is_past)
+
+    def take_out(self, name: str) -> None:
+        """Somebody took a robot out of service."""
+        self.out[name] = Word(self.fleet.now)
+
+    def rest(self, name: str, serial: int) -> None:
+        """The mission with this serial, which a robot serves, is now cancelled or paused."""
+        if len(self._may_drive(name)) > 1:
+            self.resting[name] = Rest(Word(self.fleet.now), serial, self.fleet.refused[name])
+
+    # -- what happens -----------------------------------------------------------------------------
+
+    def sends(self, order: SendRoute) -> None:
+        """An order goes out now."""
+        if not order.edges:
+            return
+        fleet, name = self.fleet, order.robot
+        assert self.stopped is None, f'{order} though the fleet is stopped: {fleet.picture()}'
+        assert name not in self.out, f'{order} though it is out of service: {fleet.picture()}'
+        outage = fleet.supervisor.robots[name].outage
+        assert outage is None or not outage.needs_person, f'{order}: {fleet.picture()}'
+        had = self._may_drive(name)
+        if len(had) <= 1:
+            self.resting.pop(name, None)
+        rest = self.resting.get(name)
+        if rest is not None:
+            assert len(self._left_of(order)) <= 2 + fleet.refused[name] - rest.refused, (
+                f'{order} though its mission is cancelled or paused: {fleet.picture()}')
+        more = [edge for edge in self._left_of(order) if edge not in had]
+        if fleet.is_disk_full:
+            assert order.repeated or not more, f'{order} is on no disk: {fleet.picture()}'
+        here = self._possible(name, more)
+        for other, agv in fleet.agvs.items():
+            if other == name or other in self.carried:
+                continue
+            room = (here.distance(self._possible(other, self._may_drive(other)))
+                    - agv.kind.radius - fleet.agvs[name].kind.radius - fleet.clearance)
+            assert room > -1e-6, f'{order} is too near to what {other} has: {fleet.picture()}'
+
+    def tells(self, status: Status) -> None:
+        """A status is told now: it is on the disk, and what was at an end stays there."""
+        key = status.request_id, status.stamp
+        before = self._told.get(key)
+        if before is not None and before.state is not MissionState.REFUSED:
+            assert before.state.is_open or status.state is before.state, (before, status)
+            assert status.state is not MissionState.REFUSED, (before, status)
+            assert status.reached >= before.reached, (before, status)
+            assert status.robot == before.robot or not before.reached, (before, status)
+        if status.state is MissionState.REFUSED:
+            assert not self.accepted(*key), (before, status)
+        else:
+            history = self._history(*key)
+            assert (status.state, status.robot, status.reached) in history, (
+                f'{status} is told, but on the disk is {history}')
+        self._told[key] = status
+
+    def restarted(self) -> None:
+        """The supervisor has begun anew: what was stored is as it was."""
+        supervisor = self.fleet.supervisor
+        stopped = self.stopped
+        if stopped is not None and not (stopped.is_past or supervisor.is_stopped):
+            assert not stopped.is_stored, 'the stop is forgotten'
+            self.stopped = None
+        for name, word in list(self.out.items()):
+            if supervisor.robots[name].outage is None or (
+                    not supervisor.robots[name].outage.needs_person):
+                assert not word.is_stored, f'{name} is in service again'
+                del self.out[name]
+        for name, rest in list(self.resting.items()):
+            if not rest.word.is_stored:
+                del self.resting[name]
+
+    def stepped(self) -> None:
+        """One step of time is over: what is true of the fleet now?"""
+        fleet = self.fleet
+        for name, rest in list(self.resting.items()):
+            mission = fleet.supervisor.book.of_robot(name)
+            if (mission is not None and mission.serial != rest.serial) or (
+                    len(self._may_drive(name)) <= 1):
+                del self.resting[name]
+        if self.stopped is not None and fleet.supervisor.is_stopped:
+            self.stopped.is_past = False
+        if not fleet.is_disk_full and not fleet.supervisor.trouble:
+            for word in (*([self.stopped] if self.stopped else []), *self.out.values(),
+                         *(rest.word for rest in self.resting.values())):
+                word.is_stored |= fleet.now - word.since > STEP
+        for name in fleet.agvs:
+            self._look_at(name)
+
+    def _look_at(self, name: str) -> None:
+        fleet, agv, robot = self.fleet, self.fleet.agvs[name], self.fleet.supervisor.robots[name]
+        vertices, edges = robot.blocked()
+        believed = {abs(edge) for edge in robot.track.held} | set(edges)
+        drives = [edge for edge in self._may_drive(name) if abs(edge) not in believed]
+        if name in self.carried and robot.track.pose == agv.report(0.0).pose:
+            self.carried.discard(name)
+        if drives or (name not in self.carried and abs(agv.edge) not in believed
+                      and robot.liveness.is_seen):
+            held = unary_union([*(self._lines[edge] for edge in believed),
+                                *(self._vertices[vertex] for vertex in vertices)])
+            assert held.buffer(2 * NEAR).covers(self._possible(name, drives)), (
+                f'{name} may drive {drives}, but holds {believed} {vertices} only: '
+                f'{fleet.picture()}')
+        if robot.outage is not None and robot.outage.needs_person:
+            assert name in self.blamed, f'{name} needs a person: {fleet.picture()}'
+        is_well = not (fleet.loss or fleet.hangs or name in fleet.lost
+                       or max(fleet.deaf.get(name, 0.0), fleet.silent.get(name, 0.0)) > fleet.now)
+        if not is_well:
+            self._well_since[name] = fleet.now
+        since = max([self._well_since[name], *([self.stopped.since] if self.stopped else [])])
+        if self.stopped is not None and fleet.now - since > STOPS_WITHIN:
+            assert not agv.edges, f'{name} did not stop: {fleet.picture()}'
+
+    # -- what is true -----------------------------------------------------------------------------
+
+    def _left_of(self, order: SendRoute) -> Sequence[int]:
+        """What of an order a robot has not driven yet, or can still begin with."""
+        agv, edges = self.fleet.agvs[order.robot], order.edges
+        if order.route_id == agv.route_id:
+            return edges[agv.current:]
+        if agv.edge not in edges:
+            return edges if edges and self._comes_by(order.robot, edges[0]) else ()
+        is_over = agv.arc > agv.graph.curve(agv.edge).length - NEAR
+        return edges[edges.index(agv.edge) + is_over:]
+
+    def _comes_by(self, name: str, first: int) -> bool:
+        """Is or comes a robot to where an edge begins?"""
+        agv, start = self.fleet.agvs[name], self._lines[abs(first)].coords[0 if first > 0 else -1]
+        ahead = [*(agv.edges[agv.current:] if agv.is_driving else ()),
+                 *(edge for order in self.fleet.under_way(name) for edge in order.edges)]
+        return math.dist(agv.position, start) <= NEAR or any(
+            start == self._lines[abs(edge)].coords[-1 if edge > 0 else 0] for edge in ahead) or (
+                abs(first) == abs(agv.edge))
+
+    def _may_drive(self, name: str) -> Set[int]:
+        """Signed ids of the edges that a robot is driving, or may by an order under way to it."""
+        agv = self.fleet.agvs[name]
+        edges = set(agv.edges[agv.current:]) if agv.is_driving else set()
+        for order in self.fleet.under_way(name):
+            edges.update(self._left_of(order))
+        return edges
+
+    def _possible(self, name: str, edges: Iterable[int]) -> BaseGeometry:
+        """Where a robot is, and the edges but what lies behind it."""
+        agv = self.fleet.agvs[name]
+        lines: List[BaseGeometry] = [Point(agv.position)]
+        for edge in edges:
+            lines.append(LineString([agv.position, _at(agv.graph, edge, 1.0)])
+                         if abs(edge) == abs(agv.edge) else self._lines[abs(edge)])
+        return unary_union(lines)
+
+    # -- the journal ------------------------------------------------------------------------------
+
+    def _serials(self, id: int, stamp: float) -> List[int]:
+        rows = self._db.execute('SELECT serial, request FROM mission WHERE request_id = ? '
+                                'ORDER BY serial', (id,))
+        return [serial for serial, text in rows if json.loads(text)[-1] == stamp]
+
+    def _history(self, id: int, stamp: float) -> List[Tuple[int, str, int]]:
+        """States, robots and destinations reached that a mission ever had on the disk."""
+        return [row for serial in self._serials(id, stamp)[-1:] for row in self._db.execute(
+            'SELECT state, robot, reached FROM change WHERE serial = ? ORDER BY rowid', (serial,))]
+
+    def accepted(self, id: int, stamp: float) -> int:
+        """How often a request became a mission."""
+        return len(self._serials(id, stamp))
+
+    def told(self, request: Request) -> Optional[MissionState]:
+        """The state of a request that was told last."""
+        status = self._told.get((request.id, request.stamp))
+        return None if status is None else status.state
+
+    def stored(self, id: int, stamp: float) -> Optional[Tuple[MissionState, str, int]]:
+        """State, robot and destinations reached of a mission, as they are on the disk."""
+        for state, robot, reached in self._history(id, stamp)[-1:]:
+            return MissionState(state), robot, reached
+        return None
+
+
+def _at(graph: Graph, edge: int, share: float) -> Tuple[float, float]:
+    curve = graph.curve(edge)
+    x, y = curve.point_at(share * curve.length)
+    return float(x), float(y)
