@@ -55,11 +55,6 @@ class Slots:
             merged[slot] = None
             touched.append(slot)
 
-    def is_booked(self, robot: str, slot: int, begin: float, end: float) -> bool:
-        """Is a slot booked for a robot at any time between two, or at one within?"""
-        return any(since < end and begin < until for since, until, name in self.bookings[slot]
-                   if name == robot)
-
     def busy(self, slot: int) -> Busy:
         """When `slot` is blocked. At the very ends of these times it is free."""
         busy = self.merged[slot]

@@ -11,11 +11,12 @@ from __future__ import annotations
 import time
 from math import inf
 from random import Random
-from typing import Dict, Iterable, List, NamedTuple, Optional, Sequence, Set
+from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Set
 
 from graph_fleet_manager.planning.layers import Search
 from graph_fleet_manager.planning.plans import Plan
 from graph_fleet_manager.planning.safe_intervals import Arrival, find_way
+from graph_fleet_manager.planning.slots import Booking
 from graph_fleet_manager.planning.timetable import Timetable
 from graph_fleet_manager.planning.travellers import Traveller
 
@@ -137,30 +138,39 @@ class TeaStar:
             return False
         ways[first.name] = way
         self.book(first, way)
+        booked = {kind: self.timetable.bookings_of(first.name, kind)
+                  for kind in self.timetable.kinds}
         for traveller in planned:
-            if self._meets(traveller, ways[traveller.name], first.name):
+            if self._meets(traveller, ways[traveller.name], booked[traveller.kind]):
                 del ways[traveller.name]
                 self.timetable.cancel(traveller.name)
                 self.book_present(traveller)
         return True
 
-    def _meets(self, traveller: Traveller, way: Way, other: str) -> bool:
-        """Does a way run into what is booked for another robot?"""
+    def _meets(self, traveller: Traveller, way: Way,
+               booked: Mapping[int, Sequence[Booking]]) -> bool:
+        """Does a way run into what is booked, by slot, for another robot?"""
         if traveller.between:
             return True  # where it stands is no vertex: it is simply planned again
-        slots = self.timetable.slots[traveller.kind]
+        network = self.timetable.network
         vertex, since = traveller.errand.vertex, traveller.errand.ready
         for drive in way.plan:
-            if (slots.is_booked(other, slots.drives + vertex, since, drive.start)
-                    or slots.is_booked(other, drive.drive, drive.start, drive.start)):
+            if (_overlap(booked.get(network.vertex_slot(vertex)), since, drive.start)
+                    or _overlap(booked.get(drive.drive), drive.start, drive.start)):
                 return True
-            vertex, since = self.timetable.network.destination(drive.drive), drive.end
-        return slots.is_booked(other, slots.drives + vertex, since, inf)
+            vertex, since = network.destination(drive.drive), drive.end
+        return _overlap(booked.get(network.vertex_slot(vertex)), since, inf)
 
     def _moment(self, traveller: Traveller) -> float:
         roads = traveller.errand.roads[traveller.errand.vertex]
         way_out = min((seconds for _, _, seconds in roads), default=0.0)
         return traveller.errand.ready + PRESENT * way_out
+
+
+def _overlap(bookings: Optional[Sequence[Booking]], begin: float, end: float) -> bool:
+    """Is anything booked at any time between two, or at one within?"""
+    return bookings is not None and any(since < end and begin < until
+                                        for since, until, _ in bookings)
 
 
 def by_length(travellers: Iterable[Traveller]) -> List[Traveller]:

@@ -118,6 +118,12 @@ class Timetable:
                     slots.add(slot, -inf, inf, robot, touched)
             self._touched[robot].append((slots, touched))
 
+    def bookings_of(self, robot: str, observer: RobotType) -> Dict[int, List[Booking]]:
+        """What is booked for one robot, by slot, as robots of a type see it."""
+        slots = self.slots[observer]
+        return {slot: [b for b in slots.bookings[slot] if b[2] == robot]
+                for of, touched in self._touched[robot] if of is slots for slot in touched}
+
     def cancel(self, robot: str) -> None:
         """Takes a robot out; one that is not booked is none."""
         self.booked.pop(robot, None)
