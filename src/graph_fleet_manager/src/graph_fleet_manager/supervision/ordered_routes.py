@@ -52,9 +52,10 @@ class OrderedRoutes:
         self.over = False
         self._withdrawn = None
 
-    def _order_until(self, end: int) -> None:
+    def _order_until(self, end: int, takes_away: bool = False) -> None:
+        """Orders the track up to there, from where the route begins."""
         base = self._bases[self.route_id]
-        self._pending.give(Order(self.route_id, base, self.track.between(base, end)))
+        self._pending.give(Order(self.route_id, base, self.track.between(base, end)), takes_away)
 
     def _is_shorter(self, order: Order) -> bool:
         return order.end < self.track.end

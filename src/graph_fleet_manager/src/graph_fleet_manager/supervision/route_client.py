@@ -41,7 +41,7 @@ class RouteClient(OrderedRoutes):
         if renew or self.over or self.track.end - self._bases[self.route_id] >= NEW_ID_AFTER:
             self._begin(new_id())
         self.track.append(edges)
-        self._order_all()
+        self._order_until(self.track.end)
 
     def shorten(self, new_id: NewId) -> bool:
         """Asks the robot to stop at the end of its edge; tells whether it may drive farther.
@@ -61,8 +61,7 @@ class RouteClient(OrderedRoutes):
             return True
         if self.over or self.order is not None:  # a report of before that order is no answer
             self._begin(new_id())
-        base = self._bases[self.route_id]
-        self._pending.give(Order(self.route_id, base, self.track.between(base, end)), True)
+        self._order_until(end, takes_away=True)
         return True
 
     def halt(self, new_id: NewId) -> None:
@@ -106,10 +105,6 @@ class RouteClient(OrderedRoutes):
         if sending is not None and self.order is not None:
             self.track.told = max(self.track.told, self.order.end)
         return sending
-
-    def _order_all(self) -> None:
-        """Orders the whole track, from where the route begins."""
-        self._order_until(self.track.end)
 
     def _order_again(self) -> None:
         """Repeats the order before a restart."""
