@@ -128,6 +128,30 @@ def test_all_failed_as_the_first_word_about_an_id_is_a_refusal_and_no_failure(cl
     assert heard.refused == 'not where the robot is' and not heard.failed
 
 
+def test_a_route_that_stays_failed_after_it_was_refused_is_what_the_robot_has(client, ids):
+    """It failed before any report of it running was heard."""
+    client.extend([1, 2], ids)
+    failed = report(1, [1, 2], 0, fraction=0.2, state=FAILED, reason='blocked')
+    assert client.take(failed).refused == 'blocked'
+    again = client.take(failed)
+    assert not again.refused and not again.failed and not client.is_ready, 'the same message'
+    assert client.take(replace(failed, stamp=100.1)).failed == 'blocked'
+    assert client.track.held == (1, 2) and client.is_ready
+
+
+@pytest.mark.parametrize('stamp', [100.5, 0.0])
+def test_a_refusal_that_comes_on_its_topic_and_as_a_report_is_one(client, ids, stamp):
+    client.extend([1], ids)
+    client.take(report(1, [1], 0))
+    client.extend([2], ids, renew=True)
+    refusal = RouteRefusal(2, (1, 2), 'no')
+    assert client.refuse(refusal, stamp).refused == 'no'
+    heard = client.take(report(2, [1, 2], 0, state=FAILED, reason='no'))
+    assert not heard.refused and not heard.failed and not client.is_ready
+    client.take(replace(report(1, [1], 0), stamp=100.6))
+    assert client.is_ready and client.track.held == (1,)
+
+
 def test_a_route_that_fails_says_why_and_stays_the_robots(client, ids):
     client.extend([1, 2], ids)
     client.take(report(1, [1, 2], 0))
@@ -163,6 +187,16 @@ def test_a_route_of_somebody_else_is_noticed(client, ids):
     client.extend([1], ids)
     client.take(report(1, [1], 1))
     assert client.take(report(77, [2, 3], 0)).foreign
+
+
+def test_what_was_refused_for_a_route_of_somebody_else_stays_held(client, ids):
+    """The robot may be driving on what it was ordered before, under the other's id."""
+    client.extend([1, 2], ids)
+    client.take(report(1, [1, 2], 1))
+    client.extend([3], ids)
+    client.refuse(RouteRefusal(1, (1, 2, 3), 'edge 1 does not start here'), stamp=100.5)
+    assert client.take(replace(report(77, [2], 0), stamp=100.6)).foreign
+    assert client.track.held == (2, 3)
 
 
 def test_a_robot_that_left_the_end_of_its_route_is_noticed(client, ids):

@@ -168,10 +168,11 @@ class RouteClient(OrderedRoutes):
         track.pose = report.pose
         awaited = self._awaits_report and not (
             0.0 < self._refused_at - report.stamp < _OVERTAKEN)
-        if awaited and report.route_id != self.route_id:
+        is_known = report.route_id in self._bases
+        if awaited and report.route_id != self.route_id and (is_known or not report.is_running):
             self._take_truth(report)
             awaited = False
-        if report.route_id not in self._bases:
+        if not is_known:
             if report.is_running:
                 heard.foreign = report.route_id not in self._ended
                 return heard
@@ -187,7 +188,9 @@ class RouteClient(OrderedRoutes):
         if mine != report.edges[skipped:]:
             heard.foreign = report.is_running
             return heard
-        if report.is_failed and report.route_id not in self._acknowledged and report.completed == 0:
+        if report.is_failed and report.completed == 0 and (
+                report.route_id not in self._acknowledged
+                and not (awaited and report.stamp != self._refused_at)):
             return self.refuse(RouteRefusal(report.route_id, report.edges, report.reason))
         self._acknowledged = {id for id in self._acknowledged if id in self._bases}
         self._acknowledged.add(report.route_id)
@@ -220,8 +223,8 @@ class RouteClient(OrderedRoutes):
     def refuse(self, refusal: RouteRefusal, stamp: float = 0.0) -> Heard:
         """The robot did not take up an order: the next report tells what it really drives.
 
-        stamp -- s, when it refused, by its clock: what it reported before may come later; 0: the
-                 refusal came among the reports
+        stamp -- s, when it refused, by its clock: what it reported before may come later; 0: with
+                 the last report
         """
         heard = Heard()
         if self.order is not None and (refusal.route_id, refusal.edges) == (
@@ -230,7 +233,7 @@ class RouteClient(OrderedRoutes):
             if heard.was_shorter:
                 self._cut_refused = self.order.end
             self._pending.drop()
-            self._awaits_report, self._refused_at = True, stamp
+            self._awaits_report, self._refused_at = True, stamp or self._stamp
             heard.refused = refusal.reason or 'it gave no reason'
         return heard
 
