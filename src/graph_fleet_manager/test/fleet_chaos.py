@@ -2,12 +2,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import groupby
 from typing import Callable, Dict, Iterator, List, NamedTuple, Sequence, Set, Tuple
 
 from fleet_builders import graph_of
 from fleet_promises import Promises
-from supervised_fleet import SupervisedFleet
+from supervised_fleet import STEP, SupervisedFleet
 
 from graph_fleet_manager.nodes.early_stop import EarlyStop
 from graph_fleet_manager.supervision.missions import Command, Mission, MissionState, Request
@@ -16,13 +17,17 @@ from trajectory_graph import Graph
 
 ROBOTS = ('a', 'b', 'c')
 PARKING = (21, 22, 23, 24, 25)
+DOCKS = (24, 25)
 SAME = 3  # instead of a robot's rank: the one of the event before
 _SECONDS = (0.3, 1.0, 2.5, 6.0, 12.0)
 _DELAYS = (0.0, 0.2, 0.4, 1.5)
+_CHARGES = (0.05, 0.2, 0.5, 0.9)
+_CHARGING = 0.05  # of the battery, in a second in the dock
 
 
 def yard() -> Graph:
-    """Two rows of vertices joined like a ladder, with a spur at each of the upper ones."""
+    """Two rows of vertices joined like a ladder, with a spur at each of the upper ones; at the ends
+    of two of them robots charge."""
     places: Dict[int, Tuple[float, float]] = {}
     ends: Dict[int, Tuple[int, int]] = {}
     for k in range(5):
@@ -31,7 +36,9 @@ def yard() -> Graph:
         ends[100 + k], ends[200 + k] = (k + 1, k + 11), (k + 11, k + 21)
         if k:
             ends[k], ends[k + 10] = (k, k + 1), (k + 10, k + 11)
-    return graph_of(places, ends)
+    graph = graph_of(places, ends)
+    return Graph([replace(vertex, dock=vertex.id in DOCKS) for vertex in graph.vertices.values()],
+                 graph.edges.values())
 
 
 YARD = yard()
@@ -63,6 +70,7 @@ class Chaos:
         self.fleet = fleet
         self.promises = Promises(fleet, YARD)
         self.requests: List[Request] = []
+        self._charges: Dict[str, float] = {}
         self._passed: Dict[float, Dict[str, int]] = {}
         self._cancelled: List[float] = []
         self._ends: List[Tuple[float, Callable[[], None]]] = []
@@ -77,10 +85,20 @@ class Chaos:
         end = self.fleet.now + seconds - 1e-6
         while self.fleet.now < end and not condition():
             self.fleet.step()
+            self._tell_charges()
             due = [what for at, what in self._ends if at <= self.fleet.now]
             self._ends = [(at, what) for at, what in self._ends if at > self.fleet.now]
             for what in due:
                 what()
+
+    def _tell_charges(self) -> None:
+        fleet = self.fleet
+        for name, charge in self._charges.items():
+            agv = fleet.agvs[name]
+            if not agv.is_driving and agv.visited[-1] in DOCKS:
+                charge = self._charges[name] = min(charge + _CHARGING * STEP, 1.0)
+            if not fleet.hangs and fleet.silent.get(name, 0.0) <= fleet.now:
+                fleet.do(fleet.supervisor.battery(name, charge, fleet.now))
 
     def _later(self, number: int, what: Callable[[], None]) -> None:
         self._ends.append((self.fleet.now + _seconds(number), what))
@@ -159,7 +177,7 @@ class Chaos:
             self._cancelled.append(mission.request.stamp)
         actions = supervisor.command(mission.request.id, command, fleet.now)
         if robot and command in (Command.CANCEL, Command.PAUSE):
-            self.promises.rest(robot, mission.serial)
+            self.promises.rest(robot)
         elif robot and command is Command.RESUME:
             self.promises.resting.pop(robot, None)
         fleet.do(actions)
@@ -193,6 +211,18 @@ class Chaos:
         """Its emergency stop is pressed for a while."""
         self.fleet.agvs[robot].emergency = True
         self._later(number, lambda: setattr(self.fleet.agvs[robot], 'emergency', False))
+
+    def change_battery(self, robot: str, number: int) -> None:
+        """It finds its battery fuller or emptier than before."""
+        self._charges[robot] = _CHARGES[number % 4]
+
+    def leave_graph(self, robot: str, number: int) -> None:
+        """It cannot tell for a while where it is."""
+        self.promises.blamed.add(robot)
+        agv = self.fleet.agvs[robot]
+        agv.fail('off the graph')
+        agv.off_graph = True
+        self._later(number, lambda: setattr(agv, 'off_graph', False))
 
     def take_over(self, robot: str, _: int) -> None:
         """Somebody stops it; no more than that, for what they drive into is not ours."""
@@ -259,6 +289,7 @@ class Chaos:
     def close(self, _: str, number: int) -> None:
         """Some edges are closed, or none."""
         self.fleet.close(*((), (12,), (1, 12), (201,))[number % 4])
+        self.promises.closed()
 
     def change_graph(self, robot: str, number: int) -> None:
         """A graph without the edge behind a robot, or without another one, or with all edges."""
@@ -363,6 +394,7 @@ class Chaos:
         for name, agv in fleet.agvs.items():
             fleet.find_link(name)
             agv.pace, agv.refusing, agv.emergency, agv.braking = 1.0, 0, False, 0.0
+            agv.off_graph = False
         self._ends.clear()
         fleet.loss, fleet.crash_at = 0.0, None
         if len(fleet.graph.edges) < len(YARD.edges):
@@ -378,7 +410,8 @@ class Chaos:
             for name, robot in fleet.supervisor.robots.items():
                 if robot.outage is not None and robot.outage.needs_person:
                     self.bring_in(name, 0)
-        fleet.run_until(self._all_are_done, limit=300.0)
+        self._until(self._all_are_done, 300.0)
+        assert not fleet.supervisor.book.open, fleet.picture()
         for request in self.requests:
             self._check_end(request)
 
@@ -425,10 +458,10 @@ PEOPLE = _named(
 """What people do, by its name."""
 TROUBLE = _named(
     Chaos.stall, Chaos.slow_down, Chaos.brake_late, Chaos.switch_off, Chaos.refuse,
-    Chaos.emergency_stop, Chaos.take_over, Chaos.fail, Chaos.drive_by_hand,
-    Chaos.reports_come_late, Chaos.orders_come_late, Chaos.silence, Chaos.deafness,
-    Chaos.lose_link, Chaos.close, Chaos.change_graph, Chaos.die, Chaos.restart, Chaos.hang,
-    Chaos.fill_disk)
+    Chaos.emergency_stop, Chaos.change_battery, Chaos.leave_graph, Chaos.take_over, Chaos.fail,
+    Chaos.drive_by_hand, Chaos.reports_come_late, Chaos.orders_come_late, Chaos.silence,
+    Chaos.deafness, Chaos.lose_link, Chaos.close, Chaos.change_graph, Chaos.die, Chaos.restart,
+    Chaos.hang, Chaos.fill_disk)
 """What goes wrong, by its name."""
 ACTS = {**_named(Chaos.request), **PEOPLE, **TROUBLE}
 """What an event names."""

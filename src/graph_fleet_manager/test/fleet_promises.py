@@ -40,7 +40,6 @@ class Rest:
     """A robot whose mission was cancelled or paused; `refused`: orders that it refused before."""
 
     word: Word
-    serial: int
     refused: int
 
 
@@ -58,6 +57,7 @@ class Promises:
         self.resting: Dict[str, Rest] = {}
         self.blamed: Set[str] = set()
         self.carried: Set[str] = set()
+        self._given: Dict[str, Set[int]] = {}
         self._lines = {id: LineString([_at(graph, id, 0.0), _at(graph, id, 1.0)])
                        for id in graph.edges}
         self._vertices = {v.id: Point(v.x, v.y) for v in graph.vertices.values()}
@@ -76,10 +76,15 @@ class Promises:
         """Somebody took a robot out of service."""
         self.out[name] = Word(self.fleet.now)
 
-    def rest(self, name: str, serial: int) -> None:
-        """The mission with this serial, which a robot serves, is now cancelled or paused."""
+    def rest(self, name: str) -> None:
+        """The mission that a robot serves is now cancelled or paused."""
         if len(self._may_drive(name)) > 1:
-            self.resting[name] = Rest(Word(self.fleet.now), serial, self.fleet.refused[name])
+            self.resting[name] = Rest(Word(self.fleet.now), self.fleet.refused[name])
+
+    def closed(self) -> None:
+        """Somebody closed edges: only what robots were given by now may still lead there."""
+        self._given = {name: set(map(abs, robot.track.held))
+                       for name, robot in self.fleet.supervisor.robots.items()}
 
     # -- what happens -----------------------------------------------------------------------------
 
@@ -102,6 +107,13 @@ class Promises:
         more = [edge for edge in self._left_of(order) if edge not in had]
         if fleet.is_disk_full:
             assert order.repeated or not more, f'{order} is on no disk: {fleet.picture()}'
+        if fleet.closed:
+            closed = set(fleet.closed) & {abs(edge) for edge in more} - self._given[name]
+            assert not closed, f'{order} leads over {closed}, which is closed: {fleet.picture()}'
+        mission = fleet.supervisor.book.of_robot(name)
+        if more and mission is not None and mission.dwell_until is not None:
+            assert fleet.now >= mission.dwell_until or mission.state is not MissionState.ACTIVE, (
+                f'{order} though it is to stay where it is: {fleet.picture()}')
         here = self._possible(name, more)
         for other, agv in fleet.agvs.items():
             if other == name or other in self.carried:
@@ -146,11 +158,8 @@ class Promises:
     def stepped(self) -> None:
         """One step of time is over: what is true of the fleet now?"""
         fleet = self.fleet
-        for name, rest in list(self.resting.items()):
-            mission = fleet.supervisor.book.of_robot(name)
-            if (mission is not None and mission.serial != rest.serial) or (
-                    len(self._may_drive(name)) <= 1):
-                del self.resting[name]
+        for name in [name for name in self.resting if len(self._may_drive(name)) <= 1]:
+            del self.resting[name]
         if self.stopped is not None and fleet.supervisor.is_stopped:
             self.stopped.is_past = False
         if not fleet.is_disk_full and not fleet.supervisor.trouble:

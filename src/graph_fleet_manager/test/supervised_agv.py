@@ -21,8 +21,9 @@ class Agv:
     """One AGV.
 
     It stands still for `stalled` s, drives with `pace` of its speed, and refuses the next
-    `refusing` orders; with `emergency` set it fails and refuses. Within `near` m of a vertex it is
-    at that, and begins on no other edge than one that leads away.
+    `refusing` orders; with `emergency` set it fails and refuses, and with `off_graph` it refuses,
+    too, and does not tell where it is. Within `near` m of a vertex it is at that, and begins on no
+    other edge than one that leads away.
     """
 
     def __init__(self, graph: Graph, kind: RobotType, vertex: int) -> None:
@@ -40,6 +41,7 @@ class Agv:
         self._to_begin = 0.0  # m to drive back on its edge, to the vertex at which the route begins
         self.stalled = 0.0
         self.emergency = False
+        self.off_graph = False
         self.pace = 1.0
         self.refusing = 0
         self.near = _NEAR
@@ -78,6 +80,8 @@ class Agv:
     def _take_up(self, route_id: int, edges: Tuple[int, ...]) -> str:
         if self.emergency:
             return 'emergency stop'
+        if self.off_graph:
+            return 'the robot is off the graph'
         if self.refusing:
             self.refusing -= 1
             return 'it does not want to'
@@ -210,6 +214,8 @@ class Agv:
         return Report(self.route_id, self.edges, states, self._pose(), self.reason, stamp)
 
     def _pose(self) -> Pose:
+        if self.off_graph:
+            return Pose()
         fraction = min(self.arc / self.graph.curve(self.edge).length, 1.0)
         if self.phase is Phase.RUNNING and self._to_begin:
             return Pose(self.edges[self.current], 0.0)

@@ -71,11 +71,15 @@ class SupervisedFleet:
                  parking: Optional[Sequence[int]] = None) -> None:
         kinds = tuple(dict.fromkeys(kind for kind, _ in robots.values()))
         self.graph, self.clearance = graph, clearance
+        self._told = (f'seed {seed}, loss {loss}, repeats {repeats}, planning {planning}, '
+                      f'{settings}, ' + ', '.join(f'{n}: {k}' for n, (k, _) in robots.items()))
         self.fleet = Fleet(kinds, tuple(Robot(n, k, v) for n, (k, v) in robots.items()), clearance)
         self.agvs = {name: Agv(graph, kind, vertex) for name, (kind, vertex) in robots.items()}
         self.settings = {name: settings or RobotSettings(release_ahead=0.0) for name in robots}
         self.random = Random(seed)
         self.loss, self.repeats, self.planning = loss, repeats, planning
+        self.rounds = 0
+        """In which plans are improved."""
         self._parking = tuple(graph.vertices) if parking is None else tuple(parking)
         self._folder = tempfile.TemporaryDirectory()
         self.now = 0.0
@@ -111,6 +115,9 @@ class SupervisedFleet:
         self._answers: List[Tuple[float, int, Outcome]] = []
         self._planners: Dict[Tuple[frozenset, frozenset], FleetPlanner] = {}
         self._begin()
+
+    def __repr__(self) -> str:
+        return f'<a fleet: {self._told}>'
 
     def _begin(self) -> None:
         self.journal = _CountingJournal(os.path.join(self._folder.name, 'journal.sqlite'),
@@ -313,7 +320,7 @@ class SupervisedFleet:
             planner = self._planners[roads] = FleetPlanner(
                 self.supervisor.network.with_closed(question.closed, question.edge_times),
                 self.clearance, self.fleet.types, self._parking)
-        return planner.plan(question.tasks, question.obstacles, rounds=0)
+        return planner.plan(question.tasks, question.obstacles, rounds=self.rounds)
 
     def _check_room(self) -> None:
         places = [(name, agv.kind.radius, *agv.position) for name, agv in self.agvs.items()]

@@ -91,6 +91,34 @@ def test_a_dwell_holds_the_robot_and_release_ends_one_without_end():
     assert fleet.state(1) is MissionState.SUCCEEDED
 
 
+def test_who_stays_at_a_destination_makes_room_for_nobody():
+    fleet = SupervisedFleet(corridor(6, siding_at=3), {'a': (AGV, 4), 'b': (AGV, 1)},
+                            parking=(1, 6, 100))
+    fleet.request(1, 3, 6, dwells=(-1.0, 0.0), robot='a')
+    fleet.run_until(lambda: fleet.agvs['a'].visited[-1] == 3 and not fleet.agvs['a'].is_driving)
+    fleet.request(2, 5, robot='b')
+    fleet.run(30.0)
+    assert fleet.agvs['a'].visited == [4, 3]
+    fleet.do(fleet.supervisor.command(1, Command.RELEASE, fleet.now))
+    fleet.run_until_done(1, 2)
+
+
+def test_a_stay_of_no_time_is_none():
+    with_stays, without = (SupervisedFleet(corridor(8), {'a': (AGV, 1)}) for _ in range(2))
+    with_stays.request(1, 3, 5, 7, dwells=(0.0, 0.0, 0.0))
+    without.request(1, 3, 5, 7)
+    assert with_stays.run_until_done(1) == without.run_until_done(1)
+
+
+def test_a_mission_for_a_robot_at_work_waits_for_it_to_be_free():
+    fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1), 'b': (AGV, 6)})
+    fleet.request(1, 4, robot='a')
+    fleet.run(1.0)
+    fleet.request(2, 2, robot='a')
+    fleet.run(1.0)
+    assert fleet.statuses[-1].reason == 'it waits for a robot to be free'
+
+
 def test_a_cancelled_robot_stops_at_the_end_of_its_edge():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)},
                             settings=RobotSettings(release_ahead=8.0))

@@ -6,11 +6,12 @@ nothing accepted is lost or driven twice, and everything ends when the trouble d
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from typing import Dict, List, Sequence
 
 import pytest
 from fleet_builders import AGV, corridor
-from fleet_chaos import PARKING, PEOPLE, ROBOTS, SAME, TROUBLE, YARD, Act, Chaos, Event
+from fleet_chaos import DOCKS, PARKING, PEOPLE, ROBOTS, SAME, TROUBLE, YARD, Act, Chaos, Event
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from supervised_fleet import SupervisedFleet
@@ -29,7 +30,8 @@ MOMENTS = st.sampled_from(('now', 'now', 'order', 'plan'))
 @st.composite
 def fleets(draw: st.DrawFn) -> SupervisedFleet:
     """Messages are lost and repeated from the beginning, and the planner takes its time."""
-    kinds = AGV, AGV, draw(st.sampled_from((AGV, SLOW)))
+    kinds = [replace(kind, docks=frozenset(DOCKS))
+             for kind in (AGV, AGV, draw(st.sampled_from((AGV, SLOW))))]
     return SupervisedFleet(
         YARD, {name: (kind, 21 + k) for k, (name, kind) in enumerate(zip(ROBOTS, kinds))},
         seed=draw(st.integers(0, 1000)), loss=draw(st.sampled_from((0.0, 0.0, 0.05, 0.3))),

@@ -201,3 +201,14 @@ def test_near_a_dock_is_not_docked():
     fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
     fleet.run_until_done(1)
     assert fleet.agvs['a'].arc == pytest.approx(4.0), 'it was told that it has arrived'
+
+
+def test_who_stands_elsewhere_gives_up_a_dock_that_it_cannot_reach_any_more():
+    fleet = yard({'a': 1}, planning=5.0)
+    charge(fleet, a=0.2)
+    fleet.run(1.0)
+    assert fleet.supervisor.robots['a'].dock == 6
+    fleet.close(3)
+    fleet.run(1.0)
+    assert fleet.supervisor.robots['a'].dock is None
+    assert view_of(fleet, 'a').waits_for == 'a dock: it reaches none'

@@ -150,6 +150,61 @@ def test_a_lost_link_comes_back_whatever_the_robots_clock_says(before, after):
     assert old == (after < -10.0)
 
 
+def test_who_is_elsewhere_once_its_link_is_back_needs_a_person():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    fleet.request(1, 4)
+    fleet.run(1.0)
+    fleet.lose_link('a')
+    fleet.run(5.0)
+    carry(fleet.agvs['a'], 7, 1.0)
+    fleet.find_link('a')
+    fleet.run(10.0)
+    assert fleet.supervisor.robots['a'].outage is Outage.TAKEN_OVER
+    assert 'it was expected elsewhere' in fleet.supervisor.robots['a'].why
+
+
+def test_who_left_the_graph_from_its_place_comes_back_only_by_a_person():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    fleet.run(1.0)
+    fleet.agvs['a'].off_graph = True
+    fleet.run(2.0)
+    assert fleet.supervisor.robots['a'].outage is Outage.OFF_GRAPH
+    carry(fleet.agvs['a'], 4, 1.0)
+    fleet.agvs['a'].off_graph = False
+    fleet.run(10.0)
+    assert fleet.supervisor.robots['a'].outage is Outage.OFF_GRAPH
+    fleet.do(fleet.supervisor.bring_in('a', fleet.now)[1])
+    assert fleet.supervisor.robots['a'].works
+
+
+@pytest.mark.parametrize('how', ['it reports', 'it refuses'])
+def test_what_an_emergency_stop_kept_a_robot_from_driving_stays_its_own(how):
+    """All that it was given, or was just to be given, is tried again as a whole."""
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)},
+                            settings=RobotSettings(release_ahead=3.0))
+    fleet.request(1, 8)
+    if how == 'it reports':
+        fleet.run(2.0)
+    else:
+        fleet.run_until(lambda: bool(fleet._to_robots))
+    held = fleet.supervisor.robots['a'].track.held
+    fleet.agvs['a'].emergency = True
+    fleet.run(10.0)
+    robot = fleet.supervisor.robots['a']
+    assert robot.outage is Outage.STOPPED and robot.track.held == held != ()
+
+
+def test_who_cannot_work_is_given_nothing_more_by_the_plan_in_force():
+    fleet = SupervisedFleet(corridor(12), {'a': (AGV, 1)}, planning=2.0)
+    fleet.request(1, 12)
+    fleet.run(5.0)
+    fleet.deaf['a'] = 1e9
+    fleet.run_until(lambda: fleet.supervisor.robots['a'].outage is Outage.DEAF)
+    held = fleet.supervisor.robots['a'].track.held
+    fleet.run(5.0)
+    assert fleet.supervisor.robots['a'].track.held == held
+
+
 def test_a_lost_link_is_not_back_while_the_locations_are_old():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.now = 1e6

@@ -147,3 +147,31 @@ def test_a_request_that_comes_again_after_others_with_its_id_is_not_driven_twice
     fleet.request(7, 3, stamp=300.0)
     fleet.run_until_done(7)
     assert fleet.agvs['a'].travelled > travelled
+
+
+@pytest.mark.parametrize('outage, after', [
+    (Outage.STOPPED, Outage.UNSEEN), (Outage.LOST_LINK, Outage.UNSEEN), (None, Outage.UNSEEN),
+    (Outage.TAKEN_OVER, Outage.TAKEN_OVER)])
+def test_after_a_restart_only_what_needs_a_person_is_still_wrong_with_an_unseen_robot(outage,
+                                                                                      after):
+    fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
+    fleet.run(1.0)
+    if outage is not None:
+        fleet.supervisor.robots['a'].fail(outage, 'for a reason')
+        fleet.step()
+    fleet.silent['a'] = 1e9
+    fleet.restart()
+    assert fleet.supervisor.robots['a'].outage is after
+    assert not fleet.supervisor.robots['a'].works
+
+
+def test_a_robot_that_is_off_the_graph_keeps_its_place_though_it_has_an_unknown_route():
+    """As somebody stopped it past a fleet manager that hung, and then was ended."""
+    fleet = SupervisedFleet(corridor(6), {'a': (AGV, 3)})
+    fleet.run(1.0)
+    fleet.agvs['a'].off_graph = True
+    fleet.agvs['a'].order(77, ())
+    fleet.restart()
+    fleet.run(1.0)
+    assert fleet.supervisor.robots['a'].outage is Outage.OFF_GRAPH
+    assert fleet.supervisor.robots['a'].blocked() == ((3,), ())

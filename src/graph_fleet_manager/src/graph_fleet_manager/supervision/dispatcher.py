@@ -92,8 +92,10 @@ class Dispatcher:
     # -- robots whose mission changed -------------------------------------------------------------
 
     def begin_mission(self, name: str) -> None:
-        """A robot has another mission: its next edges go out under a new route id."""
-        self._robots[name].comes_to_rest = False
+        """A robot has another mission: its next edges go out under a new route id.
+
+        One whose last mission was cancelled comes to rest first.
+        """
         self._renew.add(name)
         self._replan = True
 
@@ -152,6 +154,8 @@ class Dispatcher:
                   if errand.duty in (Duty.MISSION, Duty.CHARGE) and name not in plan.unserved]
         asked = plan.asked_to_move(movers, {name: track.end for name, track in tracks.items()})
         for name, own in plan.plans.items():
+            if self._replan and name in self._renew:
+                continue  # the plan leads to what was to be done before
             robot = self._robots[name]
             self.waits_for[name] = '' if robot.client.is_ready else 'a new location of its own'
             if not robot.works or robot.comes_to_rest or not robot.client.is_ready:

@@ -154,7 +154,8 @@ class RouteClient(OrderedRoutes):
             self.route_id = report.route_id
             self.over = not report.is_running or report.completed > 0
         if not report.is_running:
-            self.track.place = place_of(report.pose, self.track.graph)
+            # One that is off the graph now is still nearest to where it was.
+            self.track.place = place_of(report.pose, self.track.graph) or self.track.place
 
     # -- what the robot says ----------------------------------------------------------------------
 
