@@ -35,6 +35,16 @@ def test_a_paused_mission_whose_robot_drops_out_stays_paused():
     assert fleet.state(1) is MissionState.SUCCEEDED and fleet.robot_of(1) == 'b'
 
 
+def test_only_refusals_in_a_row_count_against_a_robot():
+    fleet = SupervisedFleet(corridor(10), {'a': (AGV, 1)})
+    for vertex in (3, 5, 7, 9):
+        fleet.request(vertex, vertex)
+        fleet.agvs['a'].refusing = 1
+        fleet.run_until_done(vertex)
+    assert fleet.refused['a'] >= 4
+    assert fleet.supervisor.robots['a'].works
+
+
 def test_what_is_refused_in_an_emergency_stop_does_not_count_against_the_robot():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.request(1, 8)
