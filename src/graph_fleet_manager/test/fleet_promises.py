@@ -174,7 +174,7 @@ class Promises:
         vertices, edges = robot.blocked()
         believed = {abs(edge) for edge in robot.track.held} | set(edges)
         drives = [edge for edge in self._may_drive(name) if abs(edge) not in believed]
-        if name in self.carried and robot.track.pose == agv.report(0.0).pose:
+        if not agv.off_graph and robot.track.pose == agv.report(0.0).pose:
             self.carried.discard(name)
         if drives or (name not in self.carried and abs(agv.edge) not in believed
                       and robot.liveness.is_seen):
