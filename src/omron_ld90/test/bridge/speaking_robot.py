@@ -9,7 +9,6 @@ from bridge_builders import GraphRobot
 from omron_ld90.bridge import events as p
 from trajectory_graph import Graph
 
-
 UNDOCKING_TIME = 3.0  # s
 _UNDOCKING = 'DockingState: Undocking ForcedState: Unforced ChargeState: Not'
 _UNDOCKED = 'DockingState: Undocked ForcedState: Unforced ChargeState: Not'

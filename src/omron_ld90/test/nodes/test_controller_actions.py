@@ -145,7 +145,7 @@ def test_a_time_out_that_is_none_is_refused(bench, timeout):
 
 @pytest.mark.parametrize(('error', 'outcome', 'message'), [
     (ArclError('not allowed'), R.REFUSED, 'not allowed'),
-    (NotConnected('connection refused'), R.LOST, f'never sent: {NotConnected("connection refused")}'),
+    (NotConnected('no route'), R.LOST, f'never sent: {NotConnected("no route")}'),
     (Overruled(Motion('/rviz', '"stop"')), R.INTERRUPTED, 'Not sent, "stop" of /rviz came first.')])
 def test_a_goal_that_cannot_be_given_is_rejected_with_its_reason(bench, error, outcome, message):
     bench.refusal = error

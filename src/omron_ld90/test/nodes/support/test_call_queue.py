@@ -21,7 +21,7 @@ def calls() -> Iterator[CallQueue]:
 @pytest.fixture
 def logged(monkeypatch) -> List[str]:
     said: List[str] = []
-    monkeypatch.setattr(call_queue.rospy, 'logerr', lambda text, *values: said.append(text % values))
+    monkeypatch.setattr(call_queue.rospy, 'logerr', lambda text, *with_: said.append(text % with_))
     return said
 
 
