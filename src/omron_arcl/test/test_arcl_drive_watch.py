@@ -321,3 +321,17 @@ def test_a_robot_that_left_its_dock_before_is_interrupted_in_that_not_in_the_dri
     talk.robot('Interrupted: Undocking', UNDOCKED, 'Stopping', 'Stopped')
     shows(talk, 'Stopped', 15.0)
     assert goto.result is None
+
+
+def test_a_docking_state_of_a_robot_that_stands_is_no_sign_that_it_sets_out(talk):
+    goto = setting_out(talk, before='Stopped', sign=UNDOCKED)
+    talk.robot('Interrupted: something unknown', 'Stopping', 'Stopped')
+    shows(talk, 'Stopped', 15.0)
+    assert goto.result is None
+
+
+@pytest.mark.parametrize('state', ['Docking', 'Docked'])
+def test_a_robot_that_leaves_its_dock_and_is_in_it_again_was_interrupted(talk, state):
+    undock = begun(talk, 'undock', UNDOCKING)
+    talk.robot(f'DockingState: {state} ForcedState: Unforced ChargeState: Not')
+    assert outcome(undock) is Outcome.INTERRUPTED
