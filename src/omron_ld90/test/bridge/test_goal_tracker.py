@@ -235,6 +235,13 @@ class TestLostOutcome:
         show(tracker, Motion.ARRIVED, begin=1.5, times=1)
         assert not tracker.give_again
 
+    def test_not_even_that_the_robot_obeys(self):
+        tracker = doubtful()
+        show(tracker, Motion.ARRIVED, '12', begin=1.5, times=1)
+        assert not tracker.reached
+        show(tracker, Motion.ARRIVED, '12', begin=2.0, times=1)
+        assert tracker.reached
+
     def test_a_command_that_was_never_sent_cannot_be_under_way(self):
         tracker = doubtful(ending=Ending.NEVER_SENT, before=Motion.GOING, previous='10')
         show(tracker, Motion.GOING, '10')

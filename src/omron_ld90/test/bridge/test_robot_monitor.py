@@ -78,6 +78,16 @@ def test_a_location_is_overdue_only_while_its_link_stands():
     robot.check(10.0)
 
 
+def test_of_a_link_that_is_down_that_is_told_not_that_nothing_comes_over_it():
+    robot = monitor()
+    robot.update(LinkReported(Link.COMMANDS, True), 20.0)
+    robot.update(LinkReported(Link.OUTGOING, True), 20.0)
+    assert robot.why_unknown(26.0).startswith('lost link: commands: its node has reported nothing')
+    robot.update(LinkReported(Link.COMMANDS, True), 26.0)
+    robot.update(LinkReported(Link.OUTGOING, False, 'the robot hung up'), 26.0)
+    assert robot.why_unknown(26.0) == 'lost link: outgoing: the robot hung up'
+
+
 def test_docked_is_known_as_soon_as_the_command_has_ended():
     robot = monitor()
     robot.tracker.send('dock', 'dock')
