@@ -168,7 +168,7 @@ def test_a_stop_that_comes_before_the_robot_is_seen_ends_the_route_for_good():
     bench.drive(5.0)
     assert bench.commands[-1] == 'stop'
     report = bench.follower.report()
-    assert (report.route_id, report.edges, report.reason) == (9, (), '')
+    assert (report.route_id, report.edges, report.states, report.reason) == (9, (), (), '')
 
 
 def test_a_complete_route_is_complete_however_long_the_bridge_was_away():

@@ -229,5 +229,5 @@ class TestAVertexThatWasMissed:
     def test_but_once_only(self, drive):
         drive.go((2.0, 0.0), (2.0, 0.0))
         drive.arrive()
-        with pytest.raises(RouteFailed, match='2'):
+        with pytest.raises(RouteFailed, match='says that it is at 2, but is 2.0 m away'):
             drive.go((2.0, 0.0), (2.0, 0.0))
