@@ -1,6 +1,8 @@
 """The bridge dies and is back: the route goes on where the robot is, and nothing is sent twice."""
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from bridge_builders import Bench, dissertation_graph, graph_of, yard
 from test_route_faults import end_of_drive
@@ -214,6 +216,34 @@ def test_a_robot_that_docked_meanwhile_is_not_sent_to_its_dock_again():
     bench.run()
     assert bench.states() == [EdgeState.COMPLETE], bench.follower.report().reason
     assert bench.commands == ['dock']
+
+
+def test_a_robot_that_still_goes_to_the_vertex_that_it_passes_is_not_sent_on_before_it_is_there():
+    bench = Bench(dissertation_graph(), 1)
+    bench.order(7, 1, 4)
+    bench.run(lambda bench: bench.follower.route.completed == 1)
+    assert bench.robot.motion is Motion.GOING
+    bench.restart()
+    assert bench.commands == ['goto 2']
+    bench.run()
+    assert bench.states() == [2, 2]
+    assert bench.commands == ['goto 2', 'goto 7']
+
+
+def test_a_robot_that_has_arrived_where_the_last_bridge_could_not_note_that_it_sent_it_goes_on():
+    bench = Bench(dissertation_graph(), 1)
+    bench.order(7, 1, 4, 5)
+    bench.run(lambda bench: bench.commands[-1] == 'goto 7')
+    record = replace(bench.follower.record, target=0, goal='2')
+    bench.robot.number = None
+    while bench.robot.motion is not Motion.ARRIVED:
+        bench.now += 0.1
+        bench.robot.step(bench.now)
+    bench.follower = RouteFollower(bench.follower.settings, bench.follower.graph)
+    bench.follower.restore(record, True, bench.now)
+    bench.run()
+    assert bench.states() == [2, 2, 2], bench.follower.report().reason
+    assert bench.commands == ['goto 2', 'goto 7', 'goto 6']
 
 
 def test_about_the_dock_the_route_goes_on_off_its_corridors():

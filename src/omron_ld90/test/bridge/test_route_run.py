@@ -4,7 +4,7 @@ from __future__ import annotations
 from typing import Tuple
 
 import pytest
-from bridge_builders import DOCK_VERTEX, yard
+from bridge_builders import DOCK_VERTEX, graph_of, yard
 
 from omron_ld90.bridge.events import CommandEnded, Docking, Ending
 from omron_ld90.bridge.goal_tracker import GoalTracker, RouteFailed
@@ -205,6 +205,22 @@ def test_a_robot_that_only_trembles_makes_no_progress():
     drive.go((1.04, 0.0))
     with pytest.raises(RouteFailed, match='no progress for 30 s'):
         drive.run.go_on(begun + 30.5, NEVER)
+
+
+@pytest.mark.parametrize('docking, told', [
+    (Docking.DOCKED, ''), (None, 'The robot missed vertex 1 and is sent back to it.')])
+def test_a_docked_robot_has_missed_no_vertex_wherever_it_stands(docking, told):
+    graph = graph_of({DOCK_VERTEX: (0, 0), 1: (1, 0), 2: (0, -1)}, {9: (DOCK_VERTEX, 1), 1: (1, 2)})
+    tracker, location, place = GoalTracker(), RobotLocation(), (0.0, -0.5)
+    location.update(Located(1, *place), 0.0)
+    progress = RouteProgress(graph, (9, 1), SETTINGS.vertex_tolerance, (DOCK_VERTEX,),
+                             (0.0, 0.0), 0)
+    run = RouteRun(RouteOrder(7, (9, 1), 0), SETTINGS, tracker, location, progress, 0.0)
+    run.target = 1
+    here = GraphLocation(graph, place, docking, DOCK_VERTEX, SETTINGS.vertex_tolerance,
+                         SETTINGS.corridor_width)
+    assert run.locate(here, 0.5) == told
+    assert tracker.give_again is bool(told)
 
 
 class TestAVertexThatWasMissed:
