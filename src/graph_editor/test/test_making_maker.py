@@ -7,7 +7,7 @@ from typing import List
 
 import numpy as np
 import pytest
-from floor_plans import Plan, corner, corridor, floor_plans, two_rooms
+from floor_plans import Box, Plan, corner, corridor, floor_plans, two_rooms
 from hypothesis import HealthCheck, given, settings
 from scipy import ndimage
 from scipy.sparse import coo_matrix
@@ -21,7 +21,7 @@ from graph_editor.making.keeping_ids import with_ids_of
 from graph_editor.making.maker import make_graph
 from graph_editor.making.options import Halls, MakingOptions
 from graph_editor.making.tidying import LEAST_FLOOR
-from graph_editor.site import Site
+from graph_editor.site import Place, PlaceKind, Site
 from trajectory_graph import Graph
 from trajectory_graph.editing import Draft
 from trajectory_graph.yaml_file import dump_graph
@@ -183,6 +183,39 @@ def test_of_two_parts_the_one_stays_in_which_robots_start_not_one_behind_the_wal
                 start=(0.9, 5.75))
     graph = make_graph(plan.site(), OPTIONS).graph
     assert sum(graph.curve(id).length for id in graph.edges) > 10.0
+
+
+def two_doors(*boxes: Box) -> Plan:
+    """Two rooms and two doors of 0.6 m between them; in the upper room a goal on either side."""
+    return Plan(6.4, 5.1, (
+        (0.0, 2.35, 1.75, 2.45), (2.35, 2.35, 4.9, 2.45), (5.5, 2.35, 6.4, 2.45), *boxes),
+        (3.2, 0.7), (Place(PlaceKind.GOAL, 'right', 3.9, 3.6),
+                     Place(PlaceKind.GOAL, 'left', 1.0, 3.6)))
+
+
+BEHIND_LEFT_DOOR = 1.6, 3.05, 2.0, 3.45  # a box: robots do not get round it
+
+
+def test_a_goal_is_a_vertex_even_if_the_first_lanes_to_it_are_too_narrow():
+    site = two_doors(BEHIND_LEFT_DOOR).site()
+    made = make_graph(site, OPTIONS)
+    graph, (note,) = made.graph, made.notes
+    labels = {vertex.label: vertex for vertex in graph.vertices.values()}
+    assert labels['left'].position == pytest.approx((1.0, 3.6), abs=1e-3)
+    assert labels['right'].position == pytest.approx((3.9, 3.6), abs=1e-3)
+    assert note.startswith('At 2.0') and note.endswith('no lane leads through.'), 'but there'
+    assert turns_without_room(site, graph) == []
+    assert least_clearance(site, graph) > OPTIONS.robot_width / 2.0 + 0.015
+
+
+def test_a_goal_that_no_lane_reaches_in_the_end_is_no_vertex_and_told():
+    wall_above = 2.45, 2.4, 2.55, 5.1
+    site = two_doors(BEHIND_LEFT_DOOR, wall_above).site()
+    made = make_graph(site, OPTIONS)
+    graph, (note,) = made.graph, made.notes
+    labels = {vertex.label for vertex in graph.vertices.values()}
+    assert 'right' in labels and 'left' not in labels
+    assert note.endswith(', with left.')
 
 
 def test_a_room_without_corners_to_go_to_is_one_vertex_or_a_few():

@@ -83,6 +83,6 @@ def test_of_two_parts_the_one_stays_that_robots_can_drive_to_not_the_nearer_one(
     block = (2.0, 0.6, 3.2, 1.8)
     plan = Plan(8.0, 5.0, ((0.0, 1.7, 1.15, 1.8), (1.85, 1.7, 8.0, 1.8), block), (0.9, 0.85))
     net = net_of(plan, (1.5, 4.3), (1.5, 0.3), (3.7, 0.3), (7.0, 0.3))
-    note, = widen(net, OPTIONS, {}, [plan.start])
+    gap, = widen(net, OPTIONS, {}, [plan.start])
     assert net.nodes == [1]
-    assert 'm of lanes behind it' in note
+    assert 'm of lanes behind it' in gap.note(())

@@ -1,6 +1,8 @@
 """Commands of several givers: what is allowed goes to the client, and nobody's word is passed."""
 from __future__ import annotations
 
+import threading
+
 import pytest
 
 from omron_arcl import ArclError, Execution, InvalidCommand, NotConnected, Outcome, parse_command
@@ -19,14 +21,16 @@ class Bench:
         self.now = 100.0
         self.given, self.cancelled = [], []
         self.connected = True
-        self.arbiter = Arbiter(self._execute, self.cancelled.append, Guard(['motion']),
-                               lambda: self.now)
+        self.guard = Guard(['motion'])
+        self.while_giving = lambda: None
+        self.arbiter = Arbiter(self._execute, self.cancelled.append, self.guard, lambda: self.now)
 
     def _execute(self, text, check, on_end) -> Execution:
         command = parse_command(text)
         check(command)
         if not self.connected:
             raise NotConnected('no route to host')
+        self.while_giving()
         self.given.append(text)
         return Execution(command, on_end=on_end)
 
@@ -94,3 +98,53 @@ def test_a_robot_whose_motors_were_enabled_stops_by_itself(bench):
     bench.arbiter.on_reply(Motors(enabled=True))
     bench.arbiter.on_reply(Stopping())
     bench.arbiter.execute('goto 12', ROUTE)
+
+
+def test_motors_that_are_switched_off_do_not_make_a_robot_stop_by_itself(bench):
+    bench.arbiter.on_reply(Motors(enabled=False))
+    bench.arbiter.on_reply(Stopping())
+    with pytest.raises(Overruled):
+        bench.arbiter.execute('goto 12', ROUTE)
+
+
+def test_a_drive_that_is_not_allowed_replaces_none_of_its_giver(bench):
+    bench.guard.list_goals(frozenset({'12', '14'}))
+    drive = bench.arbiter.execute('goto 12', ROUTE)
+    with pytest.raises(InvalidCommand):
+        bench.arbiter.execute('goto nowhere', ROUTE)
+    bench.end(drive, Outcome.INTERRUPTED)
+    with pytest.raises(Overruled):
+        bench.arbiter.execute('goto 14', ROUTE)
+
+
+def test_who_gave_only_what_is_not_allowed_has_not_driven_and_his_stop_is_not_passed(bench):
+    bench.guard.list_goals(frozenset({'12'}))
+    with pytest.raises(InvalidCommand):
+        bench.arbiter.execute('goto nowhere', PERSON)
+    bench.arbiter.execute('stop', PERSON)
+    with pytest.raises(Overruled):
+        bench.arbiter.execute('goto 12', ROUTE)
+
+
+@pytest.mark.parametrize('word', ['stop', 'cancellation'])
+def test_while_a_command_is_being_given_others_wait(bench, word):
+    """Else a drive that was taken first could come to the robot after the word."""
+    drive = bench.arbiter.execute('goto 12', ROUTE)
+    came = threading.Event()
+
+    def speak() -> None:
+        if word == 'stop':
+            bench.arbiter.execute('stop', PERSON)
+        else:
+            bench.arbiter.cancel(drive, PERSON)
+        came.set()
+    person = threading.Thread(target=speak)
+
+    def let_the_person_speak() -> None:
+        bench.while_giving = lambda: None
+        person.start()
+        assert not came.wait(0.2)
+    bench.while_giving = let_the_person_speak
+    bench.arbiter.execute('goto 14', ROUTE)
+    assert came.wait(10.0)
+    person.join(10.0)

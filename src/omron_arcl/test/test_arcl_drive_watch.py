@@ -256,3 +256,82 @@ def test_a_doubt_asks_for_a_status(talk):
     talk.pass_time(1.0)
     talk.robot('Status: Going to 12 Location: 1 2 3')
     assert not talk.dispatcher.in_doubt
+
+
+DOCKED, UNDOCKING, UNDOCKED = (
+    f'DockingState: {state} ForcedState: Unforced ChargeState: Not'
+    for state in ('Docked', 'Undocking', 'Undocked'))
+TO_DOCK = 'Going to dock at Dock 1'
+
+
+def setting_out(talk: Conversation, before: str = DOCKED, text: str = 'goto 12',
+                sign: str = UNDOCKING) -> Execution:
+    """A drive that the robot shows to carry out, but has not acknowledged."""
+    talk.robot(f'Status: {before} StateOfCharge: 79.4 Location: 1 2 3 Temperature: 36')
+    execution = talk.give(text)
+    talk.robot(sign)
+    assert not execution.begun
+    return execution
+
+
+@pytest.mark.parametrize(('text', 'before', 'sign'), [
+    ('goto 12', DOCKED, UNDOCKING), ('patrol round', DOCKED, UNDOCKING),
+    ('dock', 'Stopped', TO_DOCK)])
+@pytest.mark.parametrize('ran', ['Going to 12', UNDOCKING, 'Undocking', TO_DOCK, 'Docking',
+                                 'Going to -597 -5765', 'something unknown'])
+def test_a_drive_that_somebody_stops_before_the_robot_acknowledges_it_is_over_once_it_stands(
+        talk, text, before, sign, ran):
+    drive = setting_out(talk, before, text, sign)
+    talk.robot(UNDOCKED, f'Interrupted: {ran}', 'Stopping')
+    assert drive.result is None
+    talk.robot('Stopped')
+    assert outcome(drive) is Outcome.INTERRUPTED
+    assert drive.result.words == f'Interrupted: {ran}'
+
+
+def test_such_a_drive_is_over_as_well_if_the_robot_does_not_say_that_it_stands(talk):
+    goto = setting_out(talk)
+    talk.robot('Interrupted: Undocking', 'Stopping')
+    shows(talk, 'Stopped', 4.5)
+    assert goto.result is None
+    shows(talk, 'Stopped', 6.0)
+    assert outcome(goto) is Outcome.INTERRUPTED
+
+
+def test_an_interruption_after_which_the_robot_leaves_its_dock_was_of_another_drive(talk):
+    goto = setting_out(talk)
+    talk.robot('Interrupted: Undocking', UNDOCKING, UNDOCKED, 'Stopping', 'Stopped')
+    shows(talk, 'Stopped', 15.0)
+    assert goto.result is None
+    talk.robot('Going to 12')
+    assert goto.begun
+
+
+def test_undocking_that_ends_with_stopping_and_stopped_is_no_stop_of_somebody(talk):
+    goto = setting_out(talk)
+    talk.robot(UNDOCKED, 'Stopping', 'Stopped')
+    shows(talk, 'Stopped', 30.0)
+    assert goto.result is None
+    talk.robot('Going to 12')
+    assert goto.begun
+
+
+def test_a_robot_that_left_its_dock_before_is_interrupted_in_that_not_in_the_drive(talk):
+    goto = setting_out(talk, before=UNDOCKING)
+    talk.robot('Interrupted: Undocking', UNDOCKED, 'Stopping', 'Stopped')
+    shows(talk, 'Stopped', 15.0)
+    assert goto.result is None
+
+
+def test_a_docking_state_of_a_robot_that_stands_is_no_sign_that_it_sets_out(talk):
+    goto = setting_out(talk, before='Stopped', sign=UNDOCKED)
+    talk.robot('Interrupted: something unknown', 'Stopping', 'Stopped')
+    shows(talk, 'Stopped', 15.0)
+    assert goto.result is None
+
+
+@pytest.mark.parametrize('state', ['Docking', 'Docked'])
+def test_a_robot_that_leaves_its_dock_and_is_in_it_again_was_interrupted(talk, state):
+    undock = begun(talk, 'undock', UNDOCKING)
+    talk.robot(f'DockingState: {state} ForcedState: Unforced ChargeState: Not')
+    assert outcome(undock) is Outcome.INTERRUPTED

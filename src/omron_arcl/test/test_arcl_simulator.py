@@ -106,6 +106,20 @@ def test_dock_and_undock_end_by_the_docking_state(robot):
             assert client.execute(command).wait(PATIENCE).outcome is Outcome.SUCCEEDED
 
 
+@pytest.mark.parametrize('words', ['name', 'coordinates'])
+def test_a_drive_that_another_client_stops_as_the_robot_leaves_its_dock_ends_at_once(robot, words):
+    robot.inject(f'dialect interrupted {words}')
+    said = Noted()
+    with client_of(robot, heartbeat=0.1, on_line=lambda line: said(line.text)) as client, \
+            client_of(robot) as other:
+        said.wait(lambda line: line.startswith('Status: DockingState: Docked'), 'docked', PATIENCE)
+        drive = client.execute('goto 20')
+        said.wait(lambda line: line.startswith('DockingState: Undocking'), 'undocking', PATIENCE)
+        assert other.execute('stop').wait(PATIENCE).outcome is Outcome.SUCCEEDED
+        result = drive.wait(5.0)
+        assert result is not None and result.outcome is Outcome.INTERRUPTED, result
+
+
 def test_a_drive_that_fails_ends_with_the_robots_words(robot):
     robot.inject('fail 8')
     with client_of(robot) as client:

@@ -202,6 +202,85 @@ def test_the_first_of_two_words_is_named(bench):
     assert refused.value.by.text == '"goto 2"'
 
 
+def test_a_word_is_named_though_a_cancellation_or_the_end_of_the_drive_follows_it(bench):
+    drive = bench.give(ROUTE, 'goto 12')
+    bench.give(PERSON, 'goto 2')
+    bench.cancel(drive, OTHER)
+    bench.end(drive, Outcome.INTERRUPTED)
+    with pytest.raises(Overruled, match=f'"goto 2" of {PERSON} came first'):
+        bench.give(ROUTE, 'goto 14')
+
+
+def test_a_word_that_came_to_nothing_undoes_no_other(bench):
+    bench.give(ROUTE, 'goto 12')
+    bench.give(PERSON, 'goto 2')
+    bench.end(bench.give(OTHER, 'goto nowhere'), Outcome.NO_GOAL)
+    with pytest.raises(Overruled, match=PERSON):
+        bench.give(ROUTE, 'goto 14')
+
+
+def test_a_stop_whose_end_was_lost_after_it_ended_a_drive_has_not_come_to_nothing(bench):
+    drive, stop = bench.give(ROUTE, 'goto 12'), bench.give(PERSON, 'stop')
+    bench.end(drive, Outcome.INTERRUPTED)
+    bench.end(stop, Outcome.LOST)
+    with pytest.raises(Overruled, match=PERSON):
+        bench.give(ROUTE, 'goto 14')
+
+
+@pytest.mark.parametrize('outcome', [Outcome.NO_GOAL, Outcome.REJECTED, Outcome.LOST])
+def test_after_a_drive_of_its_own_that_came_to_nothing_a_route_is_interrupted_by_others(
+        bench, outcome):
+    drive = bench.give(ROUTE, 'goto 12')
+    bench.end(bench.give(ROUTE, 'goto nowhere'), outcome)
+    bench.end(drive, Outcome.INTERRUPTED)
+    with pytest.raises(Overruled, match='another client of the robot came first'):
+        bench.give(ROUTE, 'goto 14')
+
+
+def test_of_two_drives_of_its_own_one_that_came_to_nothing_does_not_hide_the_other(bench):
+    drive, nowhere = bench.give(ROUTE, 'goto 12'), bench.give(ROUTE, 'goto nowhere')
+    bench.give(ROUTE, 'goto 14')
+    bench.end(nowhere, Outcome.NO_GOAL)
+    bench.end(drive, Outcome.INTERRUPTED)
+    bench.give(ROUTE, 'goto 16')
+
+
+def test_a_route_between_two_drives_passes_no_stop_of_whoever_drove_meanwhile(bench):
+    bench.end(bench.give(ROUTE, 'goto 12'), Outcome.SUCCEEDED)
+    bench.give(PERSON, 'goto 3')
+    bench.give(PERSON, 'stop')
+    with pytest.raises(Overruled, match=f'"stop" of {PERSON} came first'):
+        bench.give(ROUTE, 'goto 14')
+
+
+def test_a_robot_that_says_late_that_it_obeys_our_stop_was_stopped_by_us(bench):
+    bench.give(ROUTE, 'stop')
+    bench.now += 2 * LATE
+    bench.give(OTHER, 'goto 12')
+    bench.now += 2 * LATE
+    bench.stopping()
+    bench.give(ROUTE, 'goto 14')
+
+
+def test_a_robot_that_stops_on_its_way_was_stopped_by_another_client(bench):
+    bench.give(ROUTE, 'goto 12')
+    bench.now += LATE
+    bench.stopping()
+    with pytest.raises(Overruled, match='a stop of another client of the robot came first'):
+        bench.give(ROUTE, 'goto 14')
+
+
+def test_so_was_one_that_stops_long_after_a_cancellation(bench):
+    drive = bench.give(ROUTE, 'goto 12')
+    bench.cancel(drive, ROUTE)
+    bench.now += LATE
+    bench.end(drive, Outcome.CANCELLED)
+    bench.now += LATE
+    bench.stopping()
+    with pytest.raises(Overruled, match='a stop of another client of the robot came first'):
+        bench.give(OTHER, 'goto 3')
+
+
 @pytest.mark.parametrize('text', ['status', 'say hello', 'enableMotors', 'getGoals'])
 def test_what_does_not_move_the_robot_is_no_word(bench, text):
     bench.give(ROUTE, 'goto 12')

@@ -11,7 +11,7 @@ from typing import Optional
 
 from omron_arcl.activity import STANDING, ActivityKind, activity_of, read_activity
 from omron_arcl.command_queue import CommandQueue
-from omron_arcl.drive_watch import DriveWatch, Observation
+from omron_arcl.drive_watch import ABOUT_THE_DOCK, DriveWatch, Observation
 from omron_arcl.endings import BadEndings
 from omron_arcl.execution import Execution, Outcome
 from omron_arcl.replies import driving, equipment, general, refusals, safety, site, status, tasks
@@ -92,7 +92,11 @@ class Attribution:
                 self._end(execution, Outcome.INTERRUPTED, text, now)
                 return True
             if spec.related and spec.related(command, reply):
-                stands = execution.begun and activity_of(reply).kind in STANDING
+                kind = activity_of(reply).kind
+                stands = execution.begun and kind in STANDING
+                if kind in ABOUT_THE_DOCK and (
+                        read_activity(execution.shown_when_sent).kind in STANDING):
+                    execution.set_out = True
                 self._commands.add_line(execution, text, now, sign_of_life=not stands)
                 return True
         return False

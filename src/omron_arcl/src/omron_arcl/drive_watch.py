@@ -31,6 +31,10 @@ SETTLE_OVERTAKEN = 6.0  # s for which it drives elsewhere, until a stop was over
 SETTLE_ONCE = 5.0  # s more where it was said only once, for the robot answers no status
 LAG = 1.0  # s after sending in which a status may be older than the command
 
+# Of a drive that the robot has not acknowledged by its goal's name: so it leaves the dock for it,
+# or drives to the dock.
+ABOUT_THE_DOCK = frozenset((ActivityKind.UNDOCKING, ActivityKind.DOCKING))
+
 
 class Sign(Enum):
     """What an activity says of a command, beside how it ends."""
@@ -167,8 +171,11 @@ def _judge(execution: Execution, seen: Observation) -> Verdict:
                 ActivityKind.GOING_TO_POINT, ActivityKind.ARRIVED_AT_POINT):
             return _judge_point(execution, seen)
         return _VERDICTS[course].get(activity.kind, Sign.NONE)
+    if execution.set_out and activity.kind is ActivityKind.INTERRUPTED:
+        return Outcome.INTERRUPTED
     # The robot drives to its dock before it says that it docks.
-    on_its_way = course is Course.INTO_THE_DOCK and activity.kind in MOVING
+    on_its_way = (course is Course.INTO_THE_DOCK and activity.kind in MOVING
+                  or execution.set_out and activity.kind in ABOUT_THE_DOCK)
     return Sign.CONFIRMED if on_its_way else Sign.NONE
 
 
@@ -190,7 +197,7 @@ def _acknowledges(execution: Execution, activity: Activity) -> bool:
 
 def _doubt(execution: Execution, outcome: Outcome, seen: Observation, now: float) -> None:
     broken_off = (isinstance(seen.activity.reply, driving.Interrupted) and not seen.is_status
-                  and not seen.activity.goal)
+                  and (not seen.activity.goal or not execution.begun))
     doubt = execution.doubt
     if doubt is None or (outcome is not doubt.outcome
                          and Outcome.SUCCEEDED in (outcome, doubt.outcome)):

@@ -74,6 +74,7 @@ class Execution:
         self.heard: Optional[float] = None  # when it was sent, or last heard of
         self.order = 0  # of sending
         self.begun = False  # the robot has acknowledged it
+        self.set_out = False  # it stood, and moves since: it leaves the dock, or drives to it
         self.cancel_requested: Optional[float] = None  # when
         self.stopping = False  # a stop was given because of that
         self.rejected_at: Optional[float] = None  # CommandError came, its description is awaited

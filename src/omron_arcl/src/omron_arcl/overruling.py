@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Callable, List, Optional
 
 from omron_arcl.commands import Command
@@ -27,7 +27,7 @@ class Motion:
 
     stopped: a drive that was cancelled or has timed out, so that a stop of ours follows it.
     own_affair: a stop of whoever drove last, be it at the end of a route: it overrules nobody else.
-    superseded: its giver has given another since, so that its end tells nothing of others.
+    superseded_by: what its giver has given since, so that its end tells nothing of others.
     """
 
     giver: str
@@ -35,7 +35,7 @@ class Motion:
     given_at: float = -math.inf
     stopped: bool = False
     own_affair: bool = False
-    superseded: bool = False
+    superseded_by: List[Motion] = field(default_factory=list)
     overruled_by: Optional[Motion] = None
     ended_at: float = math.inf
 
@@ -79,7 +79,7 @@ class Overruling:
         motion = Motion(giver, f'"{command.text}"', now, own_affair=giver == self._last_driver)
         for drive in self._drives:
             if drive.giver == giver:
-                drive.superseded = True
+                drive.superseded_by.append(motion)
             elif drive.overruled_by is None and (spec.stops or now < drive.ended_at):
                 drive.overruled_by = motion
         if spec.drives:
@@ -127,8 +127,10 @@ class Overruling:
         if outcome in _WITHOUT_EFFECT:
             self._stops = [stop for stop in self._stops if stop is not motion]
             for drive in self._drives:
+                if motion in drive.superseded_by:
+                    drive.superseded_by.remove(motion)
                 if drive.overruled_by is motion and drive.ended_at == math.inf:
                     drive.overruled_by = None
-        elif (outcome is Outcome.INTERRUPTED and not motion.superseded
+        elif (outcome is Outcome.INTERRUPTED and not motion.superseded_by
                 and motion.overruled_by is None):
             motion.overruled_by = Motion(_ANOTHER_CLIENT, 'a command')

@@ -9,19 +9,26 @@ from bridge_builders import GraphRobot
 from omron_ld90.bridge import events as p
 from trajectory_graph import Graph
 
+UNDOCKING_TIME = 3.0  # s
+_UNDOCKING = 'DockingState: Undocking ForcedState: Unforced ChargeState: Not'
+_UNDOCKED = 'DockingState: Undocked ForcedState: Unforced ChargeState: Not'
+_DOCKED = 'DockingState: Docked ForcedState: Unforced ChargeState: Bulk'
+
 
 class SpeakingRobot(GraphRobot):
     """Takes lines of ARCL, and says what an LD-90 would; brakes for a while on its way.
 
+    From its dock it sets out without a word of its goal, until it has undocked.
+
     interruption -- what it says of a drive that another word ends: its goal's `name`, the
-    `coordinates`, or `nothing`
+    `coordinates`, the `status` that it had shown, or `nothing`
     """
 
     def __init__(self, graph: Graph, vertex: int, say: Callable[[str], None],
                  later: Callable[[float, Callable[[], None]], None], interruption: str,
                  braking: float) -> None:
         super().__init__(graph, vertex)
-        self.status = 'Stopped'
+        self.status = _DOCKED if self.docked else 'Stopped'
         self._say, self._later = say, later
         self._interruption, self._braking_time = interruption, braking
         self._words = 0  # taken
@@ -34,19 +41,34 @@ class SpeakingRobot(GraphRobot):
                       'Temperature: 30')
             return
         self._words += 1
+        if self.status == _UNDOCKING:
+            self._say(_UNDOCKED)
         if self.goal is not None and self._interruption != 'nothing':
             place = '1000 2000' if self._interruption == 'coordinates' else self.goal
-            self._say(f'Interrupted: Going to {place}')
+            ran = self.status if self._interruption == 'status' else f'Going to {place}'
+            self._say(f'Interrupted: {ran}')
         if line == 'stop':
             self._coast()
             self.status = 'Stopping'
             self._say('Stopping')
             words = self._words
             self._later(self._braking_time, lambda: self._stand(words))
+        elif self.docked and line != 'dock':
+            self.obey(None, line)
+            self.status = _UNDOCKING
+            self._say(self.status)
+            words = self._words
+            self._later(UNDOCKING_TIME, lambda: self._leave_dock(words))
         else:
             self.obey(None, line)
             self.status = ('DockingState: Docking ForcedState: Unforced ChargeState: Not'
                            if line == 'dock' else f'Going to {self.goal}')
+            self._say(self.status)
+
+    def _leave_dock(self, words: int) -> None:
+        if words == self._words:
+            self._say(_UNDOCKED)
+            self.status = f'Going to {self.goal}'
             self._say(self.status)
 
     def _coast(self) -> None:
@@ -74,7 +96,6 @@ class SpeakingRobot(GraphRobot):
         self.step(now)
         if goal is None or self.goal is not None:
             return None
-        self.status = ('DockingState: Docked ForcedState: Unforced ChargeState: Bulk'
-                       if goal == 'dock' else f'Arrived at {goal}')
+        self.status = _DOCKED if goal == 'dock' else f'Arrived at {goal}'
         self._say(self.status)
         return goal

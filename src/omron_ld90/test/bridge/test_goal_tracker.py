@@ -59,9 +59,10 @@ class TestOutcomes:
         tracker.ended(CommandEnded(1, Ending.FAILED, 'Failed going to goal'), 5.0)
         assert tracker.failure.reason == 'Failed going to goal'
 
-    def test_an_interruption_is_somebody_elses_unless_an_emergency_stop_follows(self):
+    @pytest.mark.parametrize('ending', [Ending.INTERRUPTED, Ending.CANCELLED])
+    def test_an_interruption_is_somebody_elses_unless_an_emergency_stop_follows(self, ending):
         tracker = sent()
-        tracker.ended(CommandEnded(1, Ending.INTERRUPTED, 'replaced by "goto 3"'), 5.0)
+        tracker.ended(CommandEnded(1, ending, 'replaced by "goto 3"'), 5.0)
         tracker.check_clock(5.4)
         assert tracker.failure is None
         tracker.check_clock(5.6)
@@ -207,8 +208,9 @@ class TestLostOutcome:
         assert isinstance(tracker.failure, TakenOver)
         assert not tracker.give_again
 
-    def test_a_robot_that_stands_elsewhere_was_stopped_by_somebody(self):
-        tracker = doubtful(before=Motion.ARRIVED)
+    @pytest.mark.parametrize('before', [Motion.ARRIVED, Motion.STANDING])
+    def test_a_robot_that_stands_elsewhere_was_stopped_by_somebody(self, before):
+        tracker = doubtful(before=before)
         tracker.located(THERE)
         show(tracker, Motion.STANDING)
         assert isinstance(tracker.failure, TakenOver)
@@ -233,10 +235,83 @@ class TestLostOutcome:
         show(tracker, Motion.ARRIVED, begin=1.5, times=1)
         assert not tracker.give_again
 
+    def test_not_even_that_the_robot_obeys(self):
+        tracker = doubtful()
+        show(tracker, Motion.ARRIVED, '12', begin=1.5, times=1)
+        assert not tracker.reached
+        show(tracker, Motion.ARRIVED, '12', begin=2.0, times=1)
+        assert tracker.reached
+
     def test_a_command_that_was_never_sent_cannot_be_under_way(self):
         tracker = doubtful(ending=Ending.NEVER_SENT, before=Motion.GOING, previous='10')
         show(tracker, Motion.GOING, '10')
         assert tracker.give_again
+
+    def test_a_robot_on_its_way_to_a_goal_that_it_was_never_sent_to_obeys_somebody_else(self):
+        tracker = doubtful(ending=Ending.NEVER_SENT)
+        show(tracker, Motion.GOING, '12', times=1)
+        assert tracker.failure is None, 'not before it has shown that for a while'
+        show(tracker, Motion.GOING, '12', begin=3.0)
+        assert isinstance(tracker.failure, TakenOver)
+
+    def test_what_it_did_for_somebody_before_the_command_it_may_show_for_a_moment(self):
+        tracker = GoalTracker()
+        tracker.located(HERE)
+        tracker.seen(RobotSeen(0, Motion.GOING, '99'), 0.0, LONG_AGO)
+        tracker.send('12', 'goto 12')
+        tracker.given(1)
+        tracker.ended(CommandEnded(1, Ending.LOST), 1.0)
+        show(tracker, Motion.GOING, '99', times=1)
+        assert tracker.failure is None
+        show(tracker, Motion.GOING, '99', begin=3.0, times=1)
+        assert isinstance(tracker.failure, TakenOver)
+
+    @pytest.mark.parametrize('shown', [Motion.STOPPING, Motion.UNKNOWN])
+    def test_a_robot_that_shows_nothing_clear_is_waited_for(self, shown):
+        tracker = doubtful()
+        tracker.located(THERE)
+        show(tracker, shown, times=20)
+        assert (tracker.failure, tracker.give_again) == (None, False)
+
+    @pytest.mark.parametrize('before, shown', [
+        (Motion.UNKNOWN, [Motion.UNKNOWN]), (Motion.STANDING, [Motion.UNKNOWN]),
+        (Motion.STOPPING, [Motion.STOPPING, Motion.STANDING])])
+    def test_unless_it_showed_no_more_when_it_was_sent_off_and_has_not_moved(self, before, shown):
+        tracker = doubtful(before=before)
+        for count, motion in enumerate(shown):
+            show(tracker, motion, begin=2.0 + 2.0 * count)
+        assert tracker.failure is None
+        assert tracker.give_again
+
+    def test_one_that_showed_nothing_clear_and_is_driven_now_obeys_somebody(self):
+        tracker = doubtful(before=Motion.UNKNOWN)
+        show(tracker, Motion.BY_HAND)
+        assert isinstance(tracker.failure, TakenOver)
+        assert not tracker.give_again
+
+    def test_what_was_strange_before_a_command_was_given_again_counts_no_more(self):
+        tracker = doubtful(before=Motion.ARRIVED, previous='10')
+        show(tracker, Motion.BY_HAND, times=1)
+        show(tracker, Motion.ARRIVED, '10', begin=2.5)
+        assert tracker.give_again
+        tracker.given(2)
+        tracker.ended(CommandEnded(2, Ending.LOST), 9.0)
+        show(tracker, Motion.BY_HAND, begin=10.5, times=1)
+        assert tracker.failure is None
+
+    @pytest.mark.parametrize('motion, goal', [
+        (Motion.ARRIVED, '99'), (Motion.DOCKED, ''), (Motion.FAILED, '99')])
+    def test_a_watched_robot_that_arrives_elsewhere_was_sent_there_by_somebody(self, motion, goal):
+        tracker = doubtful()
+        show(tracker, Motion.GOING, '12')
+        show(tracker, motion, goal, begin=5.0)
+        assert not tracker.reached
+        assert isinstance(tracker.failure, TakenOver)
+
+    def test_without_a_goal_nothing_is_doubtful_after_a_restart(self):
+        tracker = GoalTracker()
+        tracker.resume(None, 0.0)
+        assert not tracker.is_doubtful
 
     @pytest.mark.parametrize('by_its_status', [True, False])
     def test_a_robot_that_rests_as_before_but_was_stopped_meanwhile_heard_somebody(
@@ -261,7 +336,9 @@ class TestLostOutcome:
         show(tracker, Motion.STANDING, begin=5.0, times=1)
         show(tracker, Motion.GOING, '12', begin=5.5)
         assert tracker.failure is None
-        show(tracker, Motion.STANDING, begin=9.0)
+        show(tracker, Motion.STANDING, begin=9.0, times=1)
+        assert tracker.failure is None, 'the one instant does not count with the other'
+        show(tracker, Motion.STANDING, begin=9.5)
         assert isinstance(tracker.failure, TakenOver)
 
     def test_a_robot_that_names_no_goals_is_watched_too(self):

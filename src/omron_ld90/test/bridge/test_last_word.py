@@ -6,16 +6,18 @@ from dataclasses import fields
 from functools import lru_cache
 from typing import Callable, Sequence, Tuple
 
-from bridge_builders import yard
+import pytest
+from bridge_builders import DOCK_VERTEX, yard
 from delayed_drive import DelayedDrive
 from hypothesis import given, note, settings
 from hypothesis import strategies as st
 from modelled_controller import Delays
+from speaking_robot import UNDOCKING_TIME
 
 from omron_ld90.bridge import events as p
 
 YARD = yard()  # what is worked out about its corners is kept
-ROUTES = ((1, 5, 6), (1, 2, 3, 4), (1, -1, 9), (1, 5))
+ROUTES = ((1, 5, 6), (1, 2, 3, 4), (1, -1, 9), (1, 5), (-9, 1))
 LONGEST_DRIVE = 60.0  # s of any of these routes
 LONGEST_END = 45.0  # s until the end of a drive is known: a dock may be tried several times
 LONGEST_STOP = 8.0  # s until the bridge gives a stop that came to nothing, whatever it sees
@@ -32,10 +34,15 @@ TROUBLES = st.lists(st.tuples(MOMENTS, st.one_of(
     st.tuples(st.just('restart_bridge'), st.floats(0.1, 4.0)))), max_size=2)
 
 
+def start_of(edges: Tuple[int, ...]) -> int:
+    """The vertex at which a route begins."""
+    return YARD.start_vertex(edges[0]).id
+
+
 @lru_cache(maxsize=None)
 def planned_moments(strategy: str, edges: Tuple[int, ...]) -> Sequence[float]:
     """Seconds from the order to each drive and each arrival of a route that nothing delays."""
-    drive = DelayedDrive(YARD, 1, strategy, Delays(), 'name', 0.0)
+    drive = DelayedDrive(YARD, start_of(edges), strategy, Delays(), 'name', 0.0)
     moments = []
     drive.watchers.append(lambda what: moments.append(drive.now) if what != 'order' else None)
     start = drive.now
@@ -64,7 +71,7 @@ def at(drive: DelayedDrive, moment: Tuple[str, int, float], call: Callable[[], N
        TROUBLES, st.one_of(NEAR_ONE, NEAR_ONE, MOMENTS), STOPS)
 def test_nothing_of_a_route_passes_a_persons_stop(
         strategy, edges, delays, interruption, braking, troubles, moment, stop):
-    drive = DelayedDrive(YARD, 1, strategy, delays, interruption, braking)
+    drive = DelayedDrive(YARD, start_of(edges), strategy, delays, interruption, braking)
     for when, (trouble, *how) in troubles:
         at(drive, when, lambda trouble=trouble, how=how: getattr(drive, trouble)(*how))
     if moment[0] == 'as planned':
@@ -86,6 +93,37 @@ def test_nothing_of_a_route_passes_a_persons_stop(
     if not drive.crossed and stop != 'send_elsewhere':
         assert drive.robot.goal is None, 'the robot drives on'
         assert is_driven_again(drive)
+
+
+DIALECTS = ['name', 'status', 'coordinates']
+OUT_OF_DOCK, INTO_DOCK = (DOCK_VERTEX, (-9, 1)), (1, (9,))
+
+
+@pytest.mark.parametrize('interruption', DIALECTS)
+@pytest.mark.parametrize('braking', [0.0, 0.3])
+@pytest.mark.parametrize('stop', ['stop_by_topic', 'stop_by_cancelling', 'stop_at_robot'])
+@pytest.mark.parametrize(('vertex', 'edges'), [OUT_OF_DOCK, INTO_DOCK])
+def test_a_stop_ends_a_route_as_soon_while_the_robot_leaves_its_dock_or_docks(
+        vertex, edges, stop, braking, interruption):
+    drive = DelayedDrive(YARD, vertex, 'rolling', Delays(), interruption, braking)
+    drive.order(7, *edges)
+    drive.run(UNDOCKING_TIME / 2.0)
+    getattr(drive, stop)()
+    drive.run(braking + 1.0)
+    assert drive.has_ended
+    assert len(drive.robot.commands) == 1, 'nothing else is given'
+
+
+@pytest.mark.parametrize('interruption', [*DIALECTS, 'nothing'])
+@pytest.mark.parametrize(('vertex', 'edges', 'end'), [
+    (*OUT_OF_DOCK, 2), (*INTO_DOCK, DOCK_VERTEX)])
+def test_a_robot_that_leaves_its_dock_or_docks_completes_its_route(
+        vertex, edges, end, interruption):
+    drive = DelayedDrive(YARD, vertex, 'rolling', Delays(), interruption, 0.3)
+    drive.order(7, *edges)
+    drive.run(LONGEST_DRIVE, lambda: drive.has_ended)
+    assert [line for line in drive.trace if 'failed' in line] == []
+    assert drive.robot.position == YARD.vertex(end).position
 
 
 def is_driven_again(drive: DelayedDrive) -> bool:

@@ -6,17 +6,26 @@ from typing import List, Tuple
 import pytest
 
 from omron_ld90.bridge.events import RobotSeen
+from omron_ld90.bridge.goal_tracker import GoalTracker
 from omron_ld90.bridge.order_intake import LATE_ORDER, OrderIntake
 from omron_ld90.bridge.robot_monitor import RobotMonitor
+from omron_ld90.bridge.robot_state import RobotLocation
+from omron_ld90.bridge.route_run import RouteRun
 from omron_ld90.bridge.route_strategies import Settings
-from trajectory_graph.route_protocol import RouteOrder
+from trajectory_graph.route_protocol import Phase, RouteOrder
 
 NANOSECONDS = 1_000_000_000
 PATIENCE = 5.0
 
 
-def order(route_id: int = 7, sent: float = 100.0, received: float = 100.0) -> RouteOrder:
-    return RouteOrder(route_id, (1, 2), int(sent * NANOSECONDS), int(received * NANOSECONDS))
+def order(route_id: int = 7, sent: float = 100.0, received: float = 100.0,
+          edges: Tuple[int, ...] = (1, 2)) -> RouteOrder:
+    return RouteOrder(route_id, edges, int(sent * NANOSECONDS), int(received * NANOSECONDS))
+
+
+def driven(given: RouteOrder, phase: Phase = Phase.RUNNING) -> RouteRun:
+    """The route that an order has become."""
+    return RouteRun(given, Settings(), GoalTracker(), RobotLocation(), None, 100.0, phase)
 
 
 class Bench:
@@ -98,6 +107,51 @@ def test_a_refused_order_is_refused_again_with_the_same_reason(bench):
     assert bench.refusals == [(7, 'off the graph')] * 2
 
 
+def test_one_without_a_stamp_may_be_a_new_one_and_is_judged_again(bench):
+    for now in (100.0, 101.0):
+        assert bench.take(order(sent=0.0), now)
+        bench.intake.refuse(bench.due(now), 'off the graph')
+
+
+def test_an_order_without_a_stamp_that_comes_after_a_take_over_is_not_passed_by_it(bench):
+    bench.intake.overrule(100.5)
+    assert bench.take(order(sent=0.0), 100.5)
+
+
+@pytest.mark.parametrize('sent, is_taken', [(99.9, False), (100.0, True), (100.1, True)])
+def test_an_order_is_late_that_was_sent_before_that_of_the_route(bench, sent, is_taken):
+    longer = order(sent=sent, edges=(1, 2, 3))
+    assert bench.intake.take(longer, driven(order()), 100.2) is is_taken
+    assert len(bench.notes) == (not is_taken)
+
+
+@pytest.mark.parametrize('phase, notes', [
+    (Phase.RUNNING, []), (Phase.COMPLETE, ['Route 7 was ordered again and is ignored: it is '
+                                           'complete. Another drive needs another id.'])])
+def test_an_order_that_comes_again_is_told_once_where_its_route_is_over(bench, phase, notes):
+    for _ in range(3):
+        assert not bench.intake.take(order(), driven(order(), phase), 101.0)
+    assert (bench.notes, bench.refusals) == (notes, [])
+
+
+def test_in_an_emergency_stop_an_order_does_not_wait_for_what_is_unknown(bench):
+    bench.unknown = 'the robot has not told where it is'
+    bench.press_emergency_stop(True, 100.0)
+    bench.take(order(), 100.0)
+    assert bench.due(100.0) is None
+    assert bench.refusals == [(7, 'emergency stop')]
+
+
+def test_after_an_emergency_stop_refusals_are_noted_again(bench):
+    bench.press_emergency_stop(True, 100.0)
+    bench.take(order(), 100.0)
+    bench.due(100.0)
+    bench.press_emergency_stop(False, 101.0)
+    bench.take(order(8), 101.0)
+    bench.intake.refuse(bench.due(101.0), 'off the graph')
+    assert bench.notes[1:] == ['Route 8 was refused: off the graph.']
+
+
 def test_in_an_emergency_stop_only_the_first_refusal_is_noted_and_the_end_of_it(bench):
     bench.press_emergency_stop(True, 100.0)
     for count in range(3):
@@ -106,6 +160,7 @@ def test_in_an_emergency_stop_only_the_first_refusal_is_noted_and_the_end_of_it(
     assert [reason for _, reason in bench.refusals] == ['emergency stop'] * 3
     assert len(bench.notes) == 1
     bench.press_emergency_stop(False, 104.0)
-    bench.take(order(10), 104.0)
-    bench.intake.accepted(bench.due(104.0))
+    for route_id in (10, 11):
+        bench.take(order(route_id), 104.0)
+        bench.intake.accepted(bench.due(104.0))
     assert bench.notes[1:] == ['Route 10 is driven: the emergency stop is over.']

@@ -57,6 +57,7 @@ def test_goals_on_the_way_are_ours_as_long_as_their_command():
     own = OwnGoals()
     own.send('14', ['12', '13'])
     assert own.is_obeyed(seen(Motion.GOING, '13'))
+    assert own.is_on_our_way(seen(Motion.GOING, '13'))
     own.send('16')
     assert '14' in own
     assert '13' not in own
@@ -70,6 +71,19 @@ def test_once_the_last_goal_is_shown_only_the_one_before_may_still_come():
     assert '10' in own
 
 
+def test_a_robot_that_failed_to_go_to_a_goal_has_not_heard_of_it_again_nor_obeys_it():
+    own = sent('8', '10', '12')
+    own.seen(seen(Motion.FAILED, '12'), is_awaited=True)
+    assert '8' in own
+    assert not own.is_earlier_obeyed(seen(Motion.FAILED, '8'))
+
+
+def test_of_very_many_goals_that_the_robot_never_shows_the_last_ones_are_remembered():
+    own = sent(*map(str, range(100)))
+    assert '80' in own
+    assert '70' not in own
+
+
 def test_a_restarted_bridge_remembers_one_goal():
     own = OwnGoals()
     own.remember('10')
@@ -77,6 +91,12 @@ def test_a_restarted_bridge_remembers_one_goal():
     assert (own.last, '10' in own) == ('12', True)
     own.remember('')
     assert '10' not in own
+
+
+def test_how_a_robot_shows_a_drive_that_is_not_awaited_tells_nothing_of_ours():
+    own, nameless = sent('12'), seen(Motion.GOING)
+    own.seen(nameless, is_awaited=False)
+    assert not own.is_on_our_way(nameless)
 
 
 def test_a_robot_that_never_names_where_it_goes_may_go_where_we_sent_it():

@@ -13,7 +13,7 @@ from omron_ld90.bridge.events import (
     Motion,
     RobotSeen,
 )
-from omron_ld90.bridge.goal_tracker import RouteFailed
+from omron_ld90.bridge.goal_tracker import RouteFailed, TakenOver
 from omron_ld90.bridge.robot_monitor import RobotMonitor
 from omron_ld90.bridge.route_strategies import Settings
 
@@ -68,6 +68,7 @@ def test_a_location_is_overdue_only_while_its_link_stands():
     for time in (1.0, 2.0, 3.0, 4.0, 5.0):
         for link in Link:
             robot.update(LinkReported(link, True), time)
+    robot.check(5.0)
     assert why_failed(robot, 5.5) == 'the robot has not told where it is for 5 s'
     robot = monitor()  # the receiver stands still
     robot.update(LinkReported(Link.COMMANDS, True), 5.0)
@@ -77,6 +78,16 @@ def test_a_location_is_overdue_only_while_its_link_stands():
     robot.check(10.0)
 
 
+def test_of_a_link_that_is_down_that_is_told_not_that_nothing_comes_over_it():
+    robot = monitor()
+    robot.update(LinkReported(Link.COMMANDS, True), 20.0)
+    robot.update(LinkReported(Link.OUTGOING, True), 20.0)
+    assert robot.why_unknown(26.0).startswith('lost link: commands: its node has reported nothing')
+    robot.update(LinkReported(Link.COMMANDS, True), 26.0)
+    robot.update(LinkReported(Link.OUTGOING, False, 'the robot hung up'), 26.0)
+    assert robot.why_unknown(26.0) == 'lost link: outgoing: the robot hung up'
+
+
 def test_docked_is_known_as_soon_as_the_command_has_ended():
     robot = monitor()
     robot.tracker.send('dock', 'dock')
@@ -84,3 +95,62 @@ def test_docked_is_known_as_soon_as_the_command_has_ended():
     robot.update(CommandEnded(give.number, Ending.SUCCEEDED), 9.0)
     assert robot.docking is Docking.DOCKED
     assert robot.docking_changed == 9.0
+
+
+def test_a_docking_state_that_is_not_told_is_the_last_one():
+    robot = monitor()
+    robot.update(RobotSeen(2, Motion.DOCKED, docking=Docking.DOCKED), 1.0)
+    robot.update(RobotSeen(3, Motion.DOCKED), 2.0)
+    robot.update(RobotSeen(4, Motion.DOCKED, docking=Docking.DOCKED), 3.0)
+    assert (robot.docking, robot.docking_changed) == (Docking.DOCKED, 1.0)
+
+
+def test_a_robot_that_somebody_drives_is_left_to_him():
+    robot = monitor()
+    robot.leave(TakenOver('The robot is going to 3.'), 0.0)
+    assert robot.due_commands(60.0) == []
+
+
+def test_one_that_somebody_stopped_is_stopped_by_us_unless_it_is_seen_to_stand_in_time():
+    robot = monitor()
+    robot.leave(TakenOver('/rviz stopped the robot.', stop_given=True), 0.0)
+    assert robot.due_commands(4.9) == []
+    assert [give.command for give in robot.due_commands(5.0)] == ['stop']
+
+
+def test_a_new_route_begins_with_nothing_of_the_last_one():
+    robot = monitor()
+    robot.stop(0.0)
+    robot.update(ForeignStop('/rviz'), 0.0)
+    robot.tracker.failure = RouteFailed('Failed going to goal')
+    robot.begin()
+    robot.check(0.1)
+    assert robot.due_commands(0.1) == []
+
+
+def test_of_several_reasons_the_emergency_stop_is_told_and_then_a_take_over():
+    robot = monitor()
+    robot.tracker.failure = RouteFailed('Failed going to goal')
+    assert why_failed(robot, 0.1) == 'Failed going to goal'
+    robot.update(ForeignStop('/rviz'), 0.1)
+    assert why_failed(robot, 0.1) == 'taken over'
+    robot.update(RobotSeen(2, Motion.STANDING, emergency_stop=True), 0.1)
+    assert why_failed(robot, 0.1) == 'emergency stop'
+
+
+def test_a_lost_command_is_given_again_only_when_the_link_has_stood_for_a_while():
+    robot = monitor()
+    robot.tracker.send('12', 'goto 12')
+    give, = robot.due_commands(0.0)
+    robot.update(LinkReported(Link.COMMANDS, False), 1.0)
+    robot.update(CommandEnded(give.number, Ending.LOST), 1.0)
+
+    def look(time: float) -> list:
+        robot.update(RobotSeen(int(10 * time), Motion.STANDING, place=(0.0, 0.0)), time)
+        return [give.command for give in robot.due_commands(time)]
+    for time in (2.0, 3.0, 4.0):
+        robot.update(LinkReported(Link.COMMANDS, False), time)
+        assert look(time) == []
+    robot.update(LinkReported(Link.COMMANDS, True), 5.0)
+    assert look(5.5) == []
+    assert look(6.5) == ['goto 12']

@@ -219,6 +219,26 @@ def test_off_the_corridor_fails_the_route_at_the_second_location():
     bench.look()
     assert_failed(bench, 'off the corridor')
 
+def test_one_location_off_the_corridor_counts_once_whatever_else_is_heard():
+    bench = under_way()
+    bench.robot.position = (bench.robot.position[0], 0.6)
+    bench.now += 0.1
+    bench.look()
+    bench.tell(p.LinkReported(Link.COMMANDS, True), p.LinkReported(Link.OUTGOING, True))
+    assert bench.follower.running
+
+def test_on_another_route_the_robot_may_brake_on_the_edges_of_the_one_before():
+    bench = Bench(yard(), 1, 'rolling')
+    bench.order(7, 1, 5, 6)
+    bench.run(lambda bench: bench.follower.report().pose.edge == 5)
+    bench.order(8, 2)
+    assert not bench.refusals
+    for x in (4.5, 4.6):
+        bench.now += 0.1
+        bench.robot.position = (x, 0.0)
+        bench.look()
+    assert bench.follower.running
+
 def test_an_arrival_elsewhere_is_not_believed():
     bench = under_way()
     end_of_drive(bench, Ending.SUCCEEDED, 'Arrived at 7')

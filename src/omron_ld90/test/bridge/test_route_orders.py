@@ -267,6 +267,17 @@ def test_an_order_from_the_future_is_refused_and_locks_nobody_out():
     assert follower.running
 
 
+def test_an_order_that_waits_does_not_pass_the_fleet_managers_own_stop():
+    bench = Bench(yard(), 1, links=list(Link))
+    bench.link_is_up[Link.OUTGOING] = False
+    bench.hear_links()
+    bench.order(8, 1)
+    bench.order(9)
+    bench.link_is_up[Link.OUTGOING] = True
+    bench.drive(6.0)
+    assert bench.commands == ['stop']
+
+
 @pytest.mark.parametrize('running', [False, True])
 def test_an_order_that_waits_does_not_pass_somebodys_stop(running):
     bench = Bench(yard(), 1, links=list(Link))

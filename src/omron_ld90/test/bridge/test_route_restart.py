@@ -1,6 +1,8 @@
 """The bridge dies and is back: the route goes on where the robot is, and nothing is sent twice."""
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from bridge_builders import Bench, dissertation_graph, graph_of, yard
 from test_route_faults import end_of_drive
@@ -151,6 +153,106 @@ def test_a_route_that_has_ended_is_not_driven_again(end):
         bench.order(7, 1, 4, 5, stamp=51.0)
     bench.drive(2.0)
     assert bench.commands == commands
+
+
+def returned(bench: Bench, is_recent: bool = True) -> Bench:
+    """The same with a bridge that has just come back, and has seen nothing yet."""
+    record = bench.follower.record
+    bench.robot.number = None
+    bench.follower = RouteFollower(bench.follower.settings, bench.follower.graph)
+    bench.follower.restore(record, is_recent, bench.now)
+    return bench
+
+
+def test_a_stop_that_comes_before_the_robot_is_seen_ends_the_route_for_good():
+    bench = returned(under_way())
+    bench.order(9)
+    bench.drive(5.0)
+    assert bench.commands[-1] == 'stop'
+    report = bench.follower.report()
+    assert (report.route_id, report.edges, report.states, report.reason) == (9, (), (), '')
+
+
+def test_a_complete_route_is_complete_however_long_the_bridge_was_away():
+    bench = Bench(dissertation_graph(), 1)
+    bench.order(7, 1)
+    bench.run()
+    returned(bench, is_recent=False).drive(3.0)
+    assert bench.states() == [EdgeState.COMPLETE]
+    assert bench.follower.report().reason == ''
+    assert 'stop' not in bench.commands
+
+
+def test_a_route_whose_edges_the_graph_has_no_more_fails_and_stops_the_robot():
+    bench = under_way()
+    record = bench.follower.record
+    bench.follower = RouteFollower(bench.follower.settings, yard())
+    bench.follower.restore(record, True, bench.now)
+    bench.drive(1.0)
+    assert not bench.follower.running
+    assert bench.follower.report().reason == (
+        'Edge 1 ends at vertex 2, but the next edge 4 starts at vertex 4')
+    assert bench.commands[-1] == 'stop'
+
+
+@pytest.mark.parametrize('motion, reason', [
+    (Motion.BY_HAND, 'taken over'),
+    (Motion.STANDING, 'the robot was not on the route any more after a restart of the bridge')])
+def test_a_robot_off_the_route_is_left_to_who_drives_it_and_else_stopped(motion, reason):
+    bench = under_way()
+    bench.robot.position = (4.0, 4.0)
+    bench.robot.halt(motion)
+    returned(bench).drive(1.0)
+    assert bench.follower.report().reason == reason
+    assert ('stop' in bench.commands) is (motion is Motion.STANDING)
+
+
+def test_a_robot_that_docked_meanwhile_is_not_sent_to_its_dock_again():
+    bench = Bench(yard(), 1)
+    bench.order(7, 9)
+    bench.drive(2.0)
+    bench.restart(15.0)
+    assert bench.robot.docked
+    bench.run()
+    assert bench.states() == [EdgeState.COMPLETE], bench.follower.report().reason
+    assert bench.commands == ['dock']
+
+
+def test_a_robot_that_still_goes_to_the_vertex_that_it_passes_is_not_sent_on_before_it_is_there():
+    bench = Bench(dissertation_graph(), 1)
+    bench.order(7, 1, 4)
+    bench.run(lambda bench: bench.follower.route.completed == 1)
+    assert bench.robot.motion is Motion.GOING
+    bench.restart()
+    assert bench.commands == ['goto 2']
+    bench.run()
+    assert bench.states() == [2, 2]
+    assert bench.commands == ['goto 2', 'goto 7']
+
+
+def test_a_robot_that_has_arrived_where_the_last_bridge_could_not_note_that_it_sent_it_goes_on():
+    bench = Bench(dissertation_graph(), 1)
+    bench.order(7, 1, 4, 5)
+    bench.run(lambda bench: bench.commands[-1] == 'goto 7')
+    record = replace(bench.follower.record, target=0, goal='2')
+    bench.robot.number = None
+    while bench.robot.motion is not Motion.ARRIVED:
+        bench.now += 0.1
+        bench.robot.step(bench.now)
+    bench.follower = RouteFollower(bench.follower.settings, bench.follower.graph)
+    bench.follower.restore(record, True, bench.now)
+    bench.run()
+    assert bench.states() == [2, 2, 2], bench.follower.report().reason
+    assert bench.commands == ['goto 2', 'goto 7', 'goto 6']
+
+
+def test_about_the_dock_the_route_goes_on_off_its_corridors():
+    bench = Bench(yard(), 1)
+    bench.order(7, 9)
+    bench.run(lambda bench: bench.robot.position[1] < -3.0)
+    bench.robot.position = (1.0, -3.0)
+    returned(bench).run()
+    assert bench.states() == [EdgeState.COMPLETE], bench.follower.report().reason
 
 
 def test_a_complete_route_keeps_its_pose_and_can_be_made_longer():

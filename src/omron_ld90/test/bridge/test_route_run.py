@@ -4,16 +4,16 @@ from __future__ import annotations
 from typing import Tuple
 
 import pytest
-from bridge_builders import DOCK_VERTEX, yard
+from bridge_builders import DOCK_VERTEX, graph_of, yard
 
-from omron_ld90.bridge.events import CommandEnded, Ending
+from omron_ld90.bridge.events import CommandEnded, Docking, Ending
 from omron_ld90.bridge.goal_tracker import GoalTracker, RouteFailed
 from omron_ld90.bridge.graph_location import GraphLocation
 from omron_ld90.bridge.own_goals import DOCK
 from omron_ld90.bridge.robot_state import Located, RobotLocation
 from omron_ld90.bridge.route_progress import RouteProgress
 from omron_ld90.bridge.route_run import RouteRun
-from omron_ld90.bridge.route_strategies import Settings, vertex_by_vertex
+from omron_ld90.bridge.route_strategies import Settings, direct, vertex_by_vertex
 from trajectory_graph.route_protocol import EdgeState, Phase, RouteOrder
 
 SETTINGS = Settings(dock_vertex=DOCK_VERTEX, strategy=vertex_by_vertex)
@@ -23,13 +23,13 @@ NEVER = float('-inf')
 class Drive:
     """A route over the yard from its first vertex on, vertex by vertex."""
 
-    def __init__(self, *edges: int) -> None:
+    def __init__(self, *edges: int, settings: Settings = SETTINGS) -> None:
         self.now, self.stamp = 0.0, 0
         self.tracker, self.location = GoalTracker(), RobotLocation()
         graph = yard()
         start = graph.start_vertex(edges[0]).position
         progress = RouteProgress(graph, edges, SETTINGS.vertex_tolerance, (DOCK_VERTEX,), start, 0)
-        self.run = RouteRun(RouteOrder(7, edges, 0), SETTINGS, self.tracker, self.location,
+        self.run = RouteRun(RouteOrder(7, edges, 0), settings, self.tracker, self.location,
                             progress, self.now)
         self.see(*start)
         self.run.drive()
@@ -124,3 +124,126 @@ def test_of_a_route_whose_graph_is_gone_the_edges_driven_are_remembered():
     assert not run.is_on_graph
     assert run.states == (EdgeState.COMPLETE, EdgeState.FAILED, EdgeState.FAILED)
     assert run.record(owes_stop=True).completed == 1
+
+
+def completed(*edges: int) -> Drive:
+    """A route that has been driven, vertex by vertex."""
+    drive = Drive(*edges)
+    for edge in edges:
+        drive.go(drive.run.progress.graph.end_vertex(edge).position)
+        drive.arrive()
+    assert drive.run.phase is Phase.COMPLETE
+    return drive
+
+
+def test_who_has_driven_a_route_has_no_more_business_with_the_robot():
+    assert completed(1, 5).tracker.goal is None
+
+
+def test_a_complete_route_that_is_ordered_shorter_stays_complete():
+    drive = completed(1, 5)
+    drive.run.replace(RouteOrder(7, (1,), 0), drive.now)
+    assert drive.run.phase is Phase.COMPLETE
+    assert drive.tracker.goal is None
+
+
+def test_a_complete_route_that_gets_longer_much_later_has_not_stalled():
+    drive = completed(1)
+    drive.now += 100.0
+    drive.run.replace(RouteOrder(7, (1, 5), 0), drive.now)
+    assert drive.go((4.0, 0.0)) == ''
+
+
+def test_a_docked_robot_has_docked_though_it_stands_in_front_of_the_vertex():
+    drive = Drive(9)
+    drive.go((0.0, -3.0), (0.0, -3.5))
+    drive.arrive()
+    assert drive.run.phase is Phase.COMPLETE
+
+
+def test_the_robot_may_brake_from_the_edge_before_to_the_one_behind_its_target():
+    drive = Drive(1, 5, 6)
+    assert drive.run.edges_under_way == (1, 5)
+    drive.go((4.0, 0.0))
+    drive.arrive()
+    assert drive.run.edges_under_way == (1, 5, 6)
+
+
+def test_a_robot_is_on_the_edge_that_it_drives_or_has_just_driven_or_failed_on():
+    drive = Drive(1, 5, 6)
+    drive.go((4.0, 0.0))
+    drive.arrive()
+    assert [edge for edge in (1, 5, 6) if drive.run.is_on(edge)] == [1, 5]
+    drive.run.phase = Phase.FAILED
+    assert [edge for edge in (1, 5, 6) if drive.run.is_on(edge)] == [5]
+    drive.run.phase = Phase.STOPPED
+    assert not any(drive.run.is_on(edge) for edge in (1, 5, 6))
+
+
+@pytest.mark.parametrize('edges, decides', [((1,), False), ((9,), True)])
+def test_a_docked_robot_is_where_the_route_ended_only_if_that_is_the_dock(edges, decides):
+    drive = completed(*edges)
+    here = GraphLocation(drive.run.progress.graph, (4.0, 0.0), Docking.DOCKED, DOCK_VERTEX,
+                         SETTINGS.vertex_tolerance, SETTINGS.corridor_width)
+    assert drive.run.decides_pose(here) is decides
+
+
+def test_edges_on_which_the_robot_may_brake_are_allowed_on_its_edge_only():
+    drive = Drive(1, 5)
+    drive.run.allow((2,))
+    drive.go((4.0, 0.6), (4.0, 0.7), (4.0, 0.0))
+    drive.arrive()
+    with pytest.raises(RouteFailed, match='off the corridor'):
+        drive.go((4.0, 0.6), (4.0, 0.7))
+
+
+def test_a_robot_that_only_trembles_makes_no_progress():
+    drive = Drive(1, 5)
+    drive.go((1.0, 0.0))
+    begun = drive.now
+    drive.now += 29.0
+    drive.go((1.04, 0.0))
+    with pytest.raises(RouteFailed, match='no progress for 30 s'):
+        drive.run.go_on(begun + 30.5, NEVER)
+
+
+@pytest.mark.parametrize('docking, told', [
+    (Docking.DOCKED, ''), (None, 'The robot missed vertex 1 and is sent back to it.')])
+def test_a_docked_robot_has_missed_no_vertex_wherever_it_stands(docking, told):
+    graph = graph_of({DOCK_VERTEX: (0, 0), 1: (1, 0), 2: (0, -1)}, {9: (DOCK_VERTEX, 1), 1: (1, 2)})
+    tracker, location, place = GoalTracker(), RobotLocation(), (0.0, -0.5)
+    location.update(Located(1, *place), 0.0)
+    progress = RouteProgress(graph, (9, 1), SETTINGS.vertex_tolerance, (DOCK_VERTEX,),
+                             (0.0, 0.0), 0)
+    run = RouteRun(RouteOrder(7, (9, 1), 0), SETTINGS, tracker, location, progress, 0.0)
+    run.target = 1
+    here = GraphLocation(graph, place, docking, DOCK_VERTEX, SETTINGS.vertex_tolerance,
+                         SETTINGS.corridor_width)
+    assert run.locate(here, 0.5) == told
+    assert tracker.give_again is bool(told)
+
+
+class TestAVertexThatWasMissed:
+    """The robot says that it has arrived beyond a vertex that it never came to."""
+
+    @pytest.fixture
+    def drive(self) -> Drive:
+        drive = Drive(1, 5, settings=Settings(dock_vertex=DOCK_VERTEX, strategy=direct))
+        assert drive.tracker.command == 'goto 5'
+        drive.go((2.0, 0.0))
+        drive.arrive()
+        return drive
+
+    def test_it_is_sent_back_and_drives_on(self, drive):
+        drive.now += 25.0
+        assert drive.go((2.0, 0.0), (2.0, 0.0)) == (
+            'The robot missed vertex 2 and is sent back to it.')
+        assert drive.tracker.command == 'goto 2'
+        drive.now += 25.0  # which it may take
+        drive.go((2.0, 0.0))
+
+    def test_but_once_only(self, drive):
+        drive.go((2.0, 0.0), (2.0, 0.0))
+        drive.arrive()
+        with pytest.raises(RouteFailed, match='says that it is at 2, but is 2.0 m away'):
+            drive.go((2.0, 0.0), (2.0, 0.0))

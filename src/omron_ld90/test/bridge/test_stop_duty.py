@@ -44,6 +44,18 @@ def test_what_came_to_nothing_is_tried_again_once_the_link_stands(ending):
     assert duty.is_due(True, 1.0)
 
 
+def test_an_attempt_that_ended_without_a_word_is_told_by_how_it_ended():
+    duty = given()
+    duty.ended(CommandEnded(1, Ending.LOST))
+    assert duty.problem == 'lost'
+
+
+def test_whoever_wants_a_stop_anew_gets_one_whatever_became_of_the_last():
+    duty = given()
+    duty.require(0.1)
+    assert duty.is_due(False, 0.1)
+
+
 def test_an_attempt_under_way_is_waited_for():
     assert not given().is_due(True, 60.0)
 
@@ -55,8 +67,8 @@ def test_the_end_of_another_command_means_nothing():
 
 
 @pytest.mark.parametrize('motion, goal', [
-    (Motion.STANDING, ''), (Motion.ARRIVED, '12'), (Motion.DOCKED, ''), (Motion.GOING, '99'),
-    (Motion.GOING, '')])
+    (Motion.STANDING, ''), (Motion.ARRIVED, '12'), (Motion.FAILED, '12'), (Motion.DOCKED, ''),
+    (Motion.GOING, '99'), (Motion.GOING, '')])
 def test_a_robot_seen_at_rest_or_on_another_way_needs_no_stop(motion, goal):
     duty = given()
     see(duty, motion, goal)
@@ -77,6 +89,14 @@ def test_one_status_alone_or_too_early_proves_nothing():
     assert duty.owed
     duty = given()
     see(duty, Motion.STANDING, times=2, begin=-1.5)
+    assert duty.owed
+
+
+def test_a_robot_that_is_seen_on_our_way_in_between_is_not_at_rest():
+    duty = given()
+    see(duty, Motion.STANDING, times=1, begin=2.0)
+    see(duty, Motion.GOING, '12', times=1, begin=3.0)
+    see(duty, Motion.STANDING, times=1, begin=4.0)
     assert duty.owed
 
 

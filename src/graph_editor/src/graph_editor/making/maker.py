@@ -21,6 +21,7 @@ from graph_editor.making.places import attach_places
 from graph_editor.making.pruning import merge_junctions, prune
 from graph_editor.making.reaching import reach_out
 from graph_editor.making.rectifying import rectify
+from graph_editor.making.regaining import regain
 from graph_editor.making.skeleton import skeleton_of
 from graph_editor.making.squaring import square
 from graph_editor.making.straightening import straighten
@@ -66,16 +67,18 @@ def make_graph(site: Site, options: MakingOptions) -> MadeGraph:
     tidy(net, attached.nodes)
     net.floor = exact
     homes = [place.position for place in places if place.kind is PlaceKind.HOME]
-    attached.notes.extend(widen(net, options, attached.nodes, homes))
+    gaps = widen(net, options, attached.nodes, homes)
     give_tips_room(net, coverage, options, attached.nodes, homes)
     if not net.lanes:
         add_bays(net, coverage, axes, options)
         give_tips_room(net, coverage, options, attached.nodes, homes)
     reach_out(net, options)
+    net = regain(net, gaps, attached.nodes, options, homes)
     tidy(net, attached.nodes, options.least_turning)
     ways = ways_of(net, attached.nodes, options)
     graph = assemble(net, ways, attached.nodes, site.frame_id, options)
-    return MadeGraph(graph, tuple(notes + attached.notes))
+    notes += attached.notes + [gap.note(attached.nodes.values()) for gap in gaps]
+    return MadeGraph(graph, tuple(notes))
 
 
 def _lanes(site: Site, mask: np.ndarray, coverage: Coverage, axes: Sequence[float],

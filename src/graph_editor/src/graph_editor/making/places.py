@@ -2,7 +2,8 @@
 from __future__ import annotations
 
 import math
-from typing import Dict, Iterable, List, NamedTuple, Optional, Set, Tuple
+from types import MappingProxyType
+from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Set, Tuple
 
 import numpy as np
 from skimage.graph import MCP_Geometric
@@ -28,9 +29,10 @@ class Attached(NamedTuple):
     notes: List[str]
 
 
-def attach_places(net: LaneNet, places: Iterable[Place], options: MakingOptions) -> Attached:
-    """Makes a node of every goal and dock; homes get none."""
-    attached = Attached({}, [])
+def attach_places(net: LaneNet, places: Iterable[Place], options: MakingOptions,
+                  there: Mapping[int, Place] = MappingProxyType({})) -> Attached:
+    """Makes a node of every goal and dock, beside those that are `there`; homes get none."""
+    attached = Attached(dict(there), [])
     for place in places:
         if place.kind is PlaceKind.HOME:
             continue

@@ -8,7 +8,7 @@ through.
 from __future__ import annotations
 
 from itertools import combinations
-from typing import Dict, Iterator, List, Sequence, Set, Tuple
+from typing import Collection, Dict, Iterator, List, NamedTuple, Sequence, Set, Tuple
 
 import numpy as np
 from scipy import ndimage
@@ -36,31 +36,51 @@ ASIDE = 0.8  # m from the lanes, where places to turn are looked for
 PLACES = 120  # that are looked at, those nearest to where robots cannot turn
 
 
+class Gap(NamedTuple):
+    """Where no lane leads through, and what went with it."""
+
+    position: Tuple[float, float]
+    clearance: float
+    """m."""
+    length: float
+    """m of lanes that were behind it."""
+    places: Tuple[Place, ...]
+    """Those that were behind it."""
+
+    def note(self, found: Collection[Place]) -> str:
+        """What people should know; `found`: places to which other lanes lead."""
+        x, y = self.position
+        behind = f', nor this way to {self.length:.0f} m of lanes behind it' if self.length else ''
+        names = ', '.join(place.name for place in self.places if place not in found)
+        return (f'At {x:.2f} {y:.2f} there are {self.clearance:.2f} m to the nearest obstacle, too '
+                f'little for a robot to turn or to pass: no lane leads through{behind}'
+                f'{", with " if names else ""}{names}.')
+
+
 def widen(net: LaneNet, options: MakingOptions, places: Dict[int, Place],
-          homes: Sequence[Tuple[float, float]]) -> List[str]:
+          homes: Sequence[Tuple[float, float]]) -> List[Gap]:
     """Draws lanes anew where they are too narrow, but for the nodes of `places`.
 
     Where no way is found, no lane stays. What can be reached only through there goes, `places`
     included: the part with the most of them stays, or the one that robots reach from most `homes`
-    (m), or the longest. Returns what people should know about that.
+    (m), or the longest.
     """
     margins = margins_of(options)
     _split_narrow_lanes(net, margins[-1])
-    notes: List[str] = []
+    gaps: List[Gap] = []
     seen = set(places)
     while True:
         node = next((node for node in _too_narrow(net, margins[-1]) if node not in seen), None)
         if node is None:
-            return notes
+            return gaps
         cluster = _cluster(net, node, margins[-1], set(places))
         seen |= cluster
         x, y = net.positions[node]
         if not any(_redraw(net, cluster, margin, options) for margin in margins):
             for each in cluster & set(_too_narrow(net, margins[-1])):
                 net.remove_node(each)
-            notes.append(f'At {x:.2f} {y:.2f} there are {net.floor.clearance_of((x, y)):.2f} m to '
-                         f'the nearest obstacle, too little for a robot to turn or to pass: no '
-                         f'lane leads through{_leave_out(net, places, homes, options)}.')
+            gaps.append(Gap((x, y), net.floor.clearance_of((x, y)),
+                            *_leave_out(net, places, homes, options)))
 
 
 def _split_narrow_lanes(net: LaneNet, least: Margin) -> None:
@@ -82,24 +102,22 @@ def _too_narrow(net: LaneNet, least: Margin) -> Iterator[int]:
             yield node
 
 
-def _leave_out(net: LaneNet, places: Dict[int, Place],
-               homes: Sequence[Tuple[float, float]], options: MakingOptions) -> str:
-    """Takes out all parts of the net but one; says what that was."""
+def _leave_out(net: LaneNet, places: Dict[int, Place], homes: Sequence[Tuple[float, float]],
+               options: MakingOptions) -> Tuple[float, Tuple[Place, ...]]:
+    """Takes out all parts of the net but one: how long (m) their lanes were, and their places."""
     parts = list(net.components())
     if len(parts) == 1:
-        return ''
+        return 0.0, ()
     worth = [(len(part & set(places)), started,
               sum(net.length(lane) for lane in net.lanes if lane.nodes[0] in part))
              for part, started in zip(parts, _started_at(net, parts, homes, options))]
     stays = worth.index(max(worth))
     del parts[stays], worth[stays]
-    length = sum(lengths for _, _, lengths in worth)
     gone = set().union(*parts)
-    names = [places.pop(node).name for node in sorted(gone & set(places))]
+    left_out = tuple(places.pop(node) for node in sorted(gone & set(places)))
     for node in gone:
         net.remove_node(node)
-    behind = f', nor this way to {length:.0f} m of lanes behind it' if length else ''
-    return f'{behind}, with {", ".join(names)}' if names else behind
+    return sum(length for _, _, length in worth), left_out
 
 
 def _started_at(net: LaneNet, parts: Sequence[Set[int]], homes: Sequence[Tuple[float, float]],

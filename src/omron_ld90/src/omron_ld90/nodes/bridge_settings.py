@@ -37,7 +37,7 @@ def read_settings(graph: Optional[Graph]) -> Settings:
 def _check_native_command(template: str) -> None:
     try:
         wrong = '1 2' not in template.format(goals='1 2', last='1 2')
-    except (LookupError, ValueError, AttributeError):
+    except (LookupError, ValueError, AttributeError, TypeError):
         wrong = True
     if wrong:
         raise ConfigurationError(

@@ -1,0 +1,116 @@
+"""A click on a robot of a fleet is one mission, of whose end people are told once."""
+from __future__ import annotations
+
+from typing import Any, Dict, List, Tuple
+
+import pytest
+import rospy
+
+from itrci_nav_msgs.msg import MissionRequest, MissionStatus
+from omron_ld90.nodes.support.fleet_missions import FleetMissions
+from omron_ld90.operator.goal_clicks import Target, TargetKind
+from omron_ld90.operator.notices import Notice, Severity
+
+
+class Topics:
+    """In place of ROS: what is published, and who hears what."""
+
+    def __init__(self) -> None:
+        self.supervisors = 1
+        self.requests: List[MissionRequest] = []
+        self.heard: Dict[str, Any] = {}
+
+    def publisher(self, topic: str, kind: type, **_: Any) -> Topics:
+        assert (topic, kind) == ('/mission_request', MissionRequest)
+        return self
+
+    def get_num_connections(self) -> int:
+        return self.supervisors
+
+    def publish(self, request: MissionRequest) -> None:
+        self.requests.append(request)
+
+    def subscribe(self, topic: str, kind: type, callback: Any, **_: Any) -> None:
+        self.heard[topic] = callback
+
+    def tell(self, request_id: int, state: int, reason: str = '') -> None:
+        self.heard['/mission_status'](
+            MissionStatus(request_id=request_id, state=state, reason=reason))
+
+
+@pytest.fixture
+def topics(monkeypatch) -> Topics:
+    made = Topics()
+    monkeypatch.setattr(rospy, 'Publisher', made.publisher)
+    monkeypatch.setattr(rospy, 'Subscriber', made.subscribe)
+    monkeypatch.setattr(rospy.Time, 'now', lambda: rospy.Time(5, 0))
+    return made
+
+
+@pytest.fixture
+def told() -> List[Tuple[Notice, Any]]:
+    return []
+
+
+@pytest.fixture
+def missions(topics, told) -> FleetMissions:
+    return FleetMissions('omron_1', lambda notice, target: told.append((notice, target)))
+
+
+TARGET = Target(TargetKind.GOAL, '12', 1.0, 2.0)
+
+
+def test_a_click_is_a_mission_of_this_robot_to_that_vertex(topics, missions):
+    notice = missions.send(TARGET)
+    request, = topics.requests
+    assert (request.robot, list(request.destination_vertices_id)) == ('omron_1', [12])
+    assert request.header.stamp == rospy.Time(5, 0)
+    assert notice == Notice(
+        Severity.INFO, f'omron_1 to vertex 12, as mission {request.request_id} ...')
+
+
+def test_each_click_is_a_mission_of_its_own(topics, missions):
+    missions.send(TARGET)
+    missions.send(TARGET)
+    first, second = topics.requests
+    assert first.request_id != second.request_id
+    assert min(first.request_id, second.request_id) > 0
+
+
+def test_where_nobody_takes_missions_none_is_sent(topics, missions):
+    topics.supervisors = 0
+    notice = missions.send(TARGET)
+    assert topics.requests == []
+    assert notice == Notice(
+        Severity.BAD, 'Not sent: nobody takes missions. Is path_supervisor running?')
+
+
+@pytest.mark.parametrize(('state', 'reason', 'severity', 'words'), [
+    (MissionStatus.SUCCEEDED, '', Severity.GOOD, 'has succeeded'),
+    (MissionStatus.FAILED, 'no way', Severity.BAD, 'has failed: no way'),
+    (MissionStatus.REFUSED, 'no such vertex', Severity.BAD, 'was refused: no such vertex'),
+    (MissionStatus.CANCELLED, '', Severity.INFO, 'was cancelled')])
+def test_the_end_of_a_mission_is_told_once(topics, missions, told, state, reason, severity, words):
+    missions.send(TARGET)
+    id = topics.requests[0].request_id
+    topics.tell(id, state, reason)
+    topics.tell(id, state, reason)
+    assert told == [(Notice(severity, f'Mission {id} {words}'), TARGET)]
+
+
+@pytest.mark.parametrize('state', [
+    value for name, value in vars(MissionStatus).items() if name.isupper() and name not in (
+        'SUCCEEDED', 'FAILED', 'REFUSED', 'CANCELLED') and isinstance(value, int)])
+def test_what_comes_before_the_end_is_not_told(topics, missions, told, state):
+    missions.send(TARGET)
+    id = topics.requests[0].request_id
+    topics.tell(id, state)
+    assert told == []
+    topics.tell(id, MissionStatus.SUCCEEDED)
+    assert len(told) == 1
+
+
+def test_missions_of_others_are_not_told(topics, missions, told):
+    missions.send(TARGET)
+    topics.tell(topics.requests[0].request_id + 1, MissionStatus.FAILED)
+    assert told == []

@@ -1,0 +1,217 @@
+"""A goal of an action is one command; its end is the goal's end, told in the robot's words."""
+from __future__ import annotations
+
+from typing import Any, Callable, Dict, Iterator, List, Optional, Tuple
+
+import pytest
+import rospy
+
+from omron_arcl import ArclError, NotConnected, Outcome, Result
+from omron_arcl.overruling import Motion, Overruled
+from omron_ld90.nodes import controller_actions
+from omron_ld90.nodes.controller_execute_command import ExecuteCommandServer
+from omron_ld90.nodes.support.old_messages import LATCHED, WAITED
+from omron_ld90_msgs.msg import (
+    ExecuteCommandActionGoal,
+    ExecuteCommandGoal,
+    ExecuteCommandResult,
+)
+
+R = ExecuteCommandResult
+
+
+class Handle:
+    """A goal as actionlib hands it over; `calls` is what is done with it, in order."""
+
+    def __init__(self, id: str, command: str, timeout: float = 0.0, caller: str = '/rviz') -> None:
+        self.goal = ExecuteCommandActionGoal(goal=ExecuteCommandGoal(command, timeout))
+        self.goal.goal_id.id = id
+        self.goal._connection_header = {'callerid': caller}
+        self.calls: List[Tuple[str, Any, str]] = []
+
+    def get_goal(self) -> ExecuteCommandGoal:
+        return self.goal.goal
+
+    def get_goal_id(self) -> Any:
+        return self.goal.goal_id
+
+    def __getattr__(self, name: str) -> Callable[..., None]:
+        return lambda result=None, text='': self.calls.append((name, result, text))
+
+    @property
+    def ended(self) -> Tuple[str, int, str, str]:
+        """How it ended, its outcome and message, and the text of its status."""
+        how, result, text = self.calls[-1]
+        return how, result.outcome, result.message, text
+
+
+class Server:
+    """In place of actionlib's."""
+
+    last: Server
+
+    def __init__(self, name: str, kind: type, on_goal: Callable, on_cancel: Callable,
+                 is_stop: Callable) -> None:
+        self.on_goal, self.on_cancel, self.is_stop = on_goal, on_cancel, is_stop
+        self.canceller = ''
+        Server.last = self
+
+    def start(self) -> None:
+        pass
+
+
+class Old:
+    """In place of OldMessages: `why` each message is too old; stops are not."""
+
+    def __init__(self) -> None:
+        self.why: Optional[str] = None
+
+    def watch(self, topic: str) -> None:
+        assert topic == 'execute_command/goal'
+
+    def reason(self, message: Any, topic: str, is_stop: bool) -> Optional[str]:
+        assert isinstance(message, ExecuteCommandActionGoal) and topic == 'execute_command/goal'
+        return None if is_stop else self.why
+
+
+class Bench:
+    """The action, and a robot's client that does what it is told to."""
+
+    def __init__(self) -> None:
+        self.old = Old()
+        self.refusal: Optional[ArclError] = None
+        self.given: List[Tuple[str, str, Dict[str, Any]]] = []
+        self.cancelled: List[Tuple[object, str]] = []
+        self.commands = ExecuteCommandServer(self._execute, self._cancel, self.old)
+        self.server = Server.last
+
+    def _execute(self, text: str, giver: str, **options: Any) -> object:
+        if self.refusal:
+            raise self.refusal
+        self.given.append((text, giver, options))
+        return text  # as if it were the execution
+
+    def _cancel(self, execution: object, canceller: str) -> None:
+        self.cancelled.append((execution, canceller))
+
+    def give(self, *words: Any, **more: Any) -> Handle:
+        """A goal comes."""
+        handle = Handle(f'goal {len(self.given)}', *words, **more)
+        self.server.on_goal(handle)
+        return handle
+
+    def end(self, handle: Handle, result: Result) -> None:
+        """The command of a goal ends; what is to be told is told."""
+        text = handle.get_goal().command
+        next(options for given, _, options in self.given if given == text)['on_end'](result)
+        self.told()
+
+    def told(self) -> None:
+        """Waits until all that was to be told is told."""
+        self.commands._calls.close(10.0)
+        self.commands._calls = controller_actions.CallQueue('again')
+
+
+@pytest.fixture
+def bench(monkeypatch) -> Iterator[Bench]:
+    monkeypatch.setattr(controller_actions, 'ActionServer', Server)
+    monkeypatch.setattr(rospy, 'has_param', lambda name: True)
+    made = Bench()
+    yield made
+    made.commands._calls.close()
+
+
+def test_a_goal_is_given_for_whom_it_comes_from_and_accepted(bench):
+    handle = bench.give('goto 12', caller='/bridge')
+    (text, giver, options), = bench.given
+    assert (text, giver) == ('goto 12', '/bridge')
+    assert options['stop_on_timeout'] is True
+    assert options['timeout'] is None, "the command's own"
+    assert [how for how, _, _ in handle.calls] == ['set_accepted']
+
+
+def test_the_time_out_of_a_goal_is_that_of_its_command(bench):
+    bench.give('goto 12', 7.5)
+    assert bench.given[0][2]['timeout'] == 7.5
+
+
+@pytest.mark.parametrize('timeout', [-0.1, float('nan'), float('inf')])
+def test_a_time_out_that_is_none_is_refused(bench, timeout):
+    handle = bench.give('goto 12', timeout)
+    assert bench.given == []
+    assert handle.ended == ('set_rejected', R.REFUSED, *2 * (
+        f'the timeout is {timeout}, but must be 0 or more seconds',))
+
+
+@pytest.mark.parametrize(('error', 'outcome', 'message'), [
+    (ArclError('not allowed'), R.REFUSED, 'not allowed'),
+    (NotConnected('no route'), R.LOST, f'never sent: {NotConnected("no route")}'),
+    (Overruled(Motion('/rviz', '"stop"')), R.INTERRUPTED, 'Not sent, "stop" of /rviz came first.')])
+def test_a_goal_that_cannot_be_given_is_rejected_with_its_reason(bench, error, outcome, message):
+    bench.refusal = error
+    handle = bench.give('goto 12')
+    assert handle.ended == ('set_rejected', outcome, message, str(error))
+    bench.server.on_cancel(handle)
+    assert bench.cancelled == bench.commands._handles() == [], 'nothing of it is left'
+
+
+@pytest.mark.parametrize('why', [LATCHED, WAITED])
+def test_a_goal_that_is_too_old_was_never_sent_and_a_stop_is(bench, why):
+    bench.old.why = why
+    handle = bench.give('goto 12')
+    assert bench.given == []
+    assert handle.ended == ('set_rejected', R.LOST, f'never sent: {why}', why)
+    bench.give('stop')
+    assert [text for text, _, _ in bench.given] == ['stop']
+
+
+@pytest.mark.parametrize(('outcome', 'ending', 'told'), [
+    (Outcome.SUCCEEDED, 'set_succeeded', R.SUCCEEDED),
+    (Outcome.INTERRUPTED, 'set_canceled', R.INTERRUPTED),
+    (Outcome.CANCELLED, 'set_canceled', R.CANCELLED),
+    (Outcome.FAILED, 'set_aborted', R.FAILED), (Outcome.NO_GOAL, 'set_aborted', R.FAILED),
+    (Outcome.REJECTED, 'set_aborted', R.FAILED),
+    (Outcome.UNKNOWN_COMMAND, 'set_aborted', R.FAILED),
+    (Outcome.EMERGENCY_STOPPED, 'set_aborted', R.EMERGENCY_STOPPED),
+    (Outcome.TIMED_OUT, 'set_aborted', R.TIMED_OUT), (Outcome.LOST, 'set_aborted', R.LOST)])
+def test_the_end_of_the_command_is_that_of_the_goal(bench, outcome, ending, told):
+    handle = bench.give('goto 12')
+    bench.end(handle, Result(outcome, 'Arrived \x1b at 12', ('Going to 12', 'Arrived at 12')))
+    assert handle.ended == (ending, told, r'Arrived \x1b at 12',
+                            rf'{outcome.value}: Arrived \x1b at 12')
+    assert handle.calls[-1][1].lines == ['Going to 12', 'Arrived at 12']
+
+
+def test_lines_that_were_left_out_are_counted(bench):
+    handle = bench.give('getGoals')
+    bench.end(handle, Result(Outcome.SUCCEEDED, 'End of goals', ('Goal: 1',), 5))
+    assert handle.ended[2] == 'End of goals (5 more lines were left out)'
+
+
+def test_lines_of_the_robot_are_feedback_of_the_goal_that_they_belong_to(bench):
+    first, second = bench.give('goto 12'), bench.give('getGoals')
+    bench.given[1][2]['on_line']('Goal: 1')
+    bench.told()
+    assert second.calls[-1][1].line == 'Goal: 1'
+    assert len(first.calls) == 1
+
+
+def test_a_cancellation_cancels_the_command_for_who_cancels(bench):
+    first, second = bench.give('goto 12'), bench.give('getGoals')
+    bench.server.canceller = '/person'
+    bench.server.on_cancel(second)
+    bench.server.on_cancel(first)
+    assert bench.cancelled == [('getGoals', '/person'), ('goto 12', '/person')]
+
+
+def test_what_has_ended_is_cancelled_no_more(bench):
+    handle = bench.give('goto 12')
+    bench.end(handle, Result(Outcome.SUCCEEDED, '', ()))
+    bench.server.on_cancel(handle)
+    assert bench.cancelled == []
+
+
+@pytest.mark.parametrize(('command', 'stops'), [('stop', True), (' STOP ', True),
+                                                ('goto stop', False), ('goto 12', False)])
+def test_only_a_stop_is_taken_whatever_was_cancelled_before(bench, command, stops):
+    assert bench.server.is_stop(ExecuteCommandGoal(command, 0.0)) is stops
