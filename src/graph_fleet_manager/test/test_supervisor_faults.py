@@ -57,6 +57,30 @@ def test_what_is_refused_in_an_emergency_stop_does_not_count_against_the_robot()
     assert fleet.state(1) is MissionState.SUCCEEDED
 
 
+@pytest.mark.parametrize('before', ['it drove', 'it never had a route'])
+def test_who_was_driven_elsewhere_while_it_had_nothing_to_do_needs_a_person(before):
+    fleet = SupervisedFleet(corridor(10), {'a': (AGV, 2), 'b': (AGV, 10)})
+    if before == 'it drove':
+        fleet.request(1, 1, robot='a')
+        fleet.run_until_done(1)
+    fleet.run(1.0)
+    carry(fleet.agvs['a'], 5, 1.0)
+    fleet.run(1.0)
+    assert fleet.supervisor.robots['a'].outage is Outage.TAKEN_OVER
+    fleet.request(2, 4, robot='b')
+    fleet.run(20.0)
+    assert fleet.agvs['b'].travelled == 0.0, 'a stands in its way'
+
+
+def test_who_stands_as_far_from_a_vertex_as_still_counts_as_on_it_may_tremble():
+    fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
+    agv = fleet.agvs['a']
+    for step in range(20):
+        agv.arc = 0.28 + 0.04 * (step % 2)
+        fleet.run(0.2)
+    assert fleet.supervisor.robots['a'].works
+
+
 def test_nobody_is_sent_to_where_a_robot_was_carried():
     """From 2 on the upper side is shorter, until `b` is put down on that."""
     graph = graph_of({1: (0, 0), 2: (4, 0), 3: (8, 0), 4: (12, 0), 5: (16, 0), 6: (4, -6),
@@ -185,6 +209,24 @@ def test_who_left_the_graph_from_its_place_comes_back_only_by_a_person():
     assert fleet.supervisor.robots['a'].outage is Outage.OFF_GRAPH
     fleet.do(fleet.supervisor.bring_in('a', fleet.now)[1])
     assert fleet.supervisor.robots['a'].works
+
+
+@pytest.mark.parametrize('is_restarted', [False, True])
+def test_who_leaves_the_graph_where_a_person_drove_it_keeps_the_place_where_it_was(is_restarted):
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    fleet.run(1.0)
+    carry(fleet.agvs['a'], 5, 1.0)
+    fleet.run(1.0)
+    fleet.agvs['a'].off_graph = True
+    fleet.run(1.0)
+    if is_restarted:
+        fleet.restart()
+        fleet.run(1.0)
+    assert fleet.supervisor.robots['a'].blocked() == ((1,), (5,))
+    carry(fleet.agvs['a'], 7, 1.0)
+    fleet.agvs['a'].off_graph = False
+    fleet.run(1.0)
+    assert fleet.supervisor.robots['a'].blocked() == ((1,), (7,))
 
 
 @pytest.mark.parametrize('how', ['it reports', 'it refuses'])

@@ -12,7 +12,18 @@ import sqlite3
 import time
 from contextlib import suppress
 from dataclasses import astuple
-from typing import Any, Callable, Dict, Iterable, List, Mapping, NamedTuple, Optional, Tuple
+from typing import (
+    Any,
+    Callable,
+    Dict,
+    Iterable,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Tuple,
+)
 from urllib.parse import quote
 
 from graph_fleet_manager.supervision.missions import (
@@ -229,13 +240,21 @@ def _request(text: str) -> Request:
     return Request(id, tuple(destinations), robot_type, robot, priority, tuple(dwells), stamp)
 
 
+def _place_values(place: Optional[Place]) -> Optional[Tuple[Any, ...]]:
+    return None if place is None else astuple(place)
+
+
+def _place(values: Optional[Sequence[Any]]) -> Optional[Place]:
+    return None if values is None else Place(*values)
+
+
 def _memory_text(memory: RobotMemory) -> str:
     client = memory.client
     return json.dumps({
         'route_id': client.route_id, 'track': client.track, 'done': client.done,
         'bases': sorted(client.bases.items()), 'over': client.over, 'ended': client.ended,
         'stopping': client.is_stopping, 'shortened': client.shortened,
-        'place': None if client.place is None else astuple(client.place),
+        'place': _place_values(client.place), 'lost_at': _place_values(client.lost_at),
         'outage': None if memory.outage is None else memory.outage.name, 'why': memory.why,
         'halted': memory.is_halted, 'resting': memory.comes_to_rest,
         'dock': memory.dock, 'charge': memory.charge})
@@ -243,11 +262,10 @@ def _memory_text(memory: RobotMemory) -> str:
 
 def _memory(text: str) -> RobotMemory:
     stored: Dict[str, Any] = json.loads(text)
-    place = stored['place']
     client = Memory(stored['route_id'], tuple(stored['track']), stored['done'],
-                    dict(map(tuple, stored['bases'])), None if place is None else Place(*place),
+                    dict(map(tuple, stored['bases'])), _place(stored['place']),
                     stored['over'], tuple(stored['ended']), stored.get('stopping', False),
-                    stored.get('shortened'))
+                    stored.get('shortened'), _place(stored.get('lost_at')))
     outage = stored['outage']
     return RobotMemory(client, None if outage is None else Outage[outage], stored['why'],
                        stored['halted'], stored.get('resting', False), stored.get('dock'),

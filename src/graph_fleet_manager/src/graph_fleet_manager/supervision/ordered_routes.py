@@ -69,7 +69,7 @@ class OrderedRoutes:
         bases = {id: base - track.first for id, base in self._bases.items()}
         return Memory(self.route_id, tuple(track.edges), track.done - track.first, bases,
                       track.place, self.over, tuple(sorted(self._ended)), self.is_stopping,
-                      self._shortened)
+                      self._shortened, track.lost_at)
 
     @property
     def _shortened(self) -> Optional[int]:
@@ -82,7 +82,7 @@ class OrderedRoutes:
         """What was known before: the robot may hold all of these edges."""
         self.route_id, self._bases = memory.route_id, dict(memory.bases)
         self.over, self._ended = memory.over, set(memory.ended)
-        self.track.restore(memory.track, memory.done, memory.place)
+        self.track.restore(memory.track, memory.done, memory.place, memory.lost_at)
         self._ordered = memory.shortened
         if memory.is_stopping:
             self._pending.give(Order(self.route_id, self.track.done, ()), True)

@@ -42,6 +42,7 @@ class Memory(NamedTuple):
     is_stopping: bool = False
     shortened: Optional[int] = None
     """So many edges of the track are left by an order to which there was no answer yet."""
+    lost_at: Optional[Place] = None
 
     def on(self, graph: Graph) -> Memory:
         """What of it is true on a graph, maybe another than when this was stored.
@@ -49,17 +50,18 @@ class Memory(NamedTuple):
         Edges that are driven may be gone: a route that began with them goes on under another id.
         Where more is gone no place is left, but a stop under way is, and which routes are over.
         """
-        place = self.place if self.place is not None and self.place.is_on(graph) else None
+        place, lost_at = (there if there is not None and there.is_on(graph) else None
+                          for there in (self.place, self.lost_at))
         ahead = self.track[self.done:]
         if is_on(graph, self.track) and place == self.place:
-            return self
+            return self._replace(lost_at=lost_at)
         if ahead and is_on(graph, ahead):
             return self._replace(
-                track=ahead, done=0, place=place, over=True,
+                track=ahead, done=0, place=place, lost_at=lost_at, over=True,
                 bases={id: base - self.done for id, base in self.bases.items()},
                 shortened=None if self.shortened is None else self.shortened - self.done)
         return self._replace(track=(), done=0, place=None, over=True, shortened=None,
-                             bases={self.route_id: 0} if self.is_stopping else {})
+                             lost_at=lost_at, bases={self.route_id: 0} if self.is_stopping else {})
 
 
 @dataclass

@@ -28,10 +28,14 @@ def distance(graph: Graph, one: Pose, other: Pose) -> float:
         return abs(one.fraction - other.fraction) * length
     if not (one.edge and other.edge):
         return math.inf
-    (x, y), (other_x, other_y) = (
-        graph.curve(pose.edge).point_at(pose.fraction * graph.curve(pose.edge).length)
-        for pose in (one, other))
+    (x, y), (other_x, other_y) = _point(graph, one), _point(graph, other)
     return math.hypot(x - other_x, y - other_y)
+
+
+def _point(graph: Graph, pose: Pose) -> Tuple[float, float]:
+    curve = graph.curve(pose.edge)
+    x, y = curve.point_at(pose.fraction * curve.length)
+    return float(x), float(y)
 
 
 @dataclass(frozen=True)
@@ -112,6 +116,16 @@ class Place:
         """Does a graph have this place?"""
         return abs(self.edge) in graph.edges if self.vertex is None else (
             self.vertex in graph.vertices)
+
+    def distance(self, graph: Graph, pose: Pose) -> float:
+        """Metres from there to a pose, along their edge or straight; infinite from off the graph.
+        """
+        if self.vertex is None:
+            return distance(graph, Pose(self.edge, self.fraction), pose)
+        if not pose.edge:
+            return math.inf
+        vertex, (x, y) = graph.vertices[self.vertex], _point(graph, pose)
+        return math.hypot(x - vertex.x, y - vertex.y)
 
     def touches(self, graph: Graph, edges: Tuple[int, ...], play: float = 0.0) -> bool:
         """Is it on one of these edges, or at an end of one?

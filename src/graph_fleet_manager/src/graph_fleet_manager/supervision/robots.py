@@ -70,9 +70,10 @@ class ManagedRobot:
         return self.track.place if self.track.is_standing else None
 
     @property
-    def progress(self) -> Tuple[int, int, bool, bool]:
+    def progress(self) -> Tuple[int, int, bool, bool, Optional[Place]]:
         """All of a report that must outlive a restart: when it changes, it is to be stored."""
-        return self.track.done, self.track.end, self.client.over, self.client.is_stopping
+        track, client = self.track, self.client
+        return track.done, track.end, client.over, client.is_stopping, track.lost_at
 
     def stands_at(self, vertices: Collection[int]) -> bool:
         """Does it stand on one of these vertices?"""
@@ -284,7 +285,7 @@ class ManagedRobot:
         """Vertices and edges on which it may be while nobody can plan for it."""
         track = self.track
         vertices, edges = set(), {abs(edge) for edge in track.held}
-        reported = place_of(track.pose, track.graph) if self.liveness.is_seen else None
+        reported = place_of(track.pose, track.graph) or track.lost_at
         for place in (track.place, reported):
             if place is not None and (not track.ahead or place is not track.place):
                 if place.vertex is not None:

@@ -166,7 +166,7 @@ class RouteClient(OrderedRoutes):
             return heard
         self._stamp = report.stamp
         self._reported = report.route_id
-        track.pose = report.pose
+        track.see(report.pose)
         awaited = self._awaits_report and not (
             0.0 < self._refused_at - report.stamp < _OVERTAKEN)
         is_known = report.route_id in self._bases
@@ -210,7 +210,7 @@ class RouteClient(OrderedRoutes):
         if report.is_failed:
             self.withdraw()
             heard.failed = report.reason or 'it gave no reason'
-        elif track.is_standing and self.order is None and report.edges:
+        elif track.is_standing and self.order is None:
             heard.left = track.has_left()
         return heard
 

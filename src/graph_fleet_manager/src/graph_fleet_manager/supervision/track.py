@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from typing import List, Optional, Sequence, Tuple
 
-from graph_fleet_manager.supervision.reports import NEAR, Place, Pose, distance, place_of
+from graph_fleet_manager.supervision.liveness import TREMBLE
+from graph_fleet_manager.supervision.reports import NEAR, Place, Pose, place_of
 from trajectory_graph import Graph
 
 _NOT_OVER = 1.0 - 1e-9  # the fraction of an edge that is nearly driven
@@ -26,6 +27,8 @@ class Track:
         """Where the robot stands, or stood before its track; None: nobody knows."""
         self.pose = Pose()
         """Where it last reported to be."""
+        self.lost_at: Optional[Place] = None
+        """Of a robot that is off the graph by that: where it was before."""
         self.edges: List[int] = []
         self.first = 0
         """Number of the first edge that is still in `edges`."""
@@ -83,16 +86,20 @@ class Track:
 
     def has_left(self) -> bool:
         """Does a robot that has nothing to drive say that it is somewhere else?"""
-        place = place_of(self.pose, self.graph)
         if self.place is None:
-            self.place = place
+            self.place = place_of(self.pose, self.graph)
             return False
-        if self.place.vertex is not None:
-            return place != self.place
-        stood = Pose(self.place.edge, self.place.fraction)
-        return distance(self.graph, stood, self.pose) > NEAR  # on whichever edge is nearest
+        return self.place.distance(self.graph, self.pose) > NEAR + TREMBLE
 
     # -- what changes it --------------------------------------------------------------------------
+
+    def see(self, pose: Pose) -> None:
+        """It reports to be there."""
+        if pose.edge:
+            self.lost_at = None
+        elif self.pose.edge:
+            self.lost_at = place_of(self.pose, self.graph)
+        self.pose = pose
 
     def append(self, edges: Sequence[int]) -> None:
         """More edges are the robot's; one that stands on an edge is on the first of them."""
@@ -145,17 +152,18 @@ class Track:
         """The robot stands here, and holds nothing else any more."""
         # One number is left out, so that no plan made before can fit what comes after.
         self._begin_at(self.end + 1, ())
-        self.place = place
+        self.place, self.lost_at = place, None
 
     def adopt(self, edges: Sequence[int]) -> None:
         """The robot drives these edges, of which nothing was known."""
         self._begin_at(self.end, edges)
 
-    def restore(self, edges: Sequence[int], done: int, place: Optional[Place]) -> None:
+    def restore(self, edges: Sequence[int], done: int, place: Optional[Place],
+                lost_at: Optional[Place]) -> None:
         """As it was before a restart, with `done` of these edges complete."""
         self._begin_at(0, edges)
         self.done, self.left = done, (done, 0.0)
-        self.place = place
+        self.place, self.lost_at = place, lost_at
 
     def _begin_at(self, number: int, edges: Sequence[int]) -> None:
         self.first = self.done = number
