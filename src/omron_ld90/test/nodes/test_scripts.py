@@ -29,7 +29,11 @@ def taken_port():
 
 @pytest.mark.parametrize('argument', ['arcl_port', 'outgoing_port'])
 def test_a_taken_port_is_named_with_the_way_out(argument, taken_port, tmp_path):
-    result = run(f'{argument}:={taken_port}', folder=tmp_path)
+    with socket.socket() as closed:  # so that a robot which runs here anyway is in no way
+        closed.bind(('127.0.0.1', 0))
+        free_port = closed.getsockname()[1]
+    ports = {'arcl_port': free_port, 'outgoing_port': free_port, argument: taken_port}
+    result = run(*(f'{name}:={port}' for name, port in ports.items()), folder=tmp_path)
     assert result.returncode == 1
     assert f'TCP port {taken_port} is in use' in result.stdout
     assert f'{argument}:=PORT' in result.stdout
