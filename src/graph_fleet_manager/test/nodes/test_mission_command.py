@@ -113,6 +113,15 @@ def test_the_first_status_that_shows_a_command_answers_it(monkeypatch, capsys, w
     assert MissionState(last.state).name in capsys.readouterr().out
 
 
+@pytest.mark.parametrize('word, state', [
+    ('pause', MissionState.PAUSED), ('resume', MissionState.ACTIVE),
+    ('resume', MissionState.PENDING)])
+def test_a_mission_that_is_so_already_is_told_at_once(monkeypatch, capsys, word, state):
+    """The fleet manager says nothing where nothing changes."""
+    change(monkeypatch, word, status(state))
+    assert capsys.readouterr().out == f'Mission 7 is {state.name} already: nothing to {word}.\n'
+
+
 @pytest.mark.parametrize('name, problem', [('a' * 257, 'more than 256 letters'),
                                            ('a\n', 'cannot be printed')])
 @pytest.mark.parametrize('field', ['robot', 'robot_type'])

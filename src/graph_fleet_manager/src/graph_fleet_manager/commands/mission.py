@@ -204,6 +204,10 @@ def _change(word: str, arguments: List[str]) -> int:
                       if s.request_id == options.id and MissionState(s.state).is_open), None)
     if known is None:
         raise CommandError(f'There is no open mission {options.id}; see mission list.', NOT_DONE)
+    if _is_so_already(known, _CHANGES[word]):
+        print(f'Mission {options.id} is {MissionState(known.state).name} already: nothing to '
+              f'{word}.')
+        return OK
     publisher.publish(message)
     deadline = time.monotonic() + PATIENCE
     while time.monotonic() < deadline:
@@ -215,6 +219,12 @@ def _change(word: str, arguments: List[str]) -> int:
                 print(f'Mission {options.id}: {MissionState(status.state).name}{reason}')
                 return OK
     raise CommandError(f'Nothing changed about mission {options.id}; see mission list.', NOT_DONE)
+
+
+def _is_so_already(status: MissionStatus, command: Command) -> bool:
+    """Would a command change nothing, so that nothing would be told of it?"""
+    return command in (Command.PAUSE, Command.RESUME) and (
+        (status.state == MissionState.PAUSED) is (command is Command.PAUSE))
 
 
 def _shows(status: MissionStatus, command: Command) -> bool:
