@@ -89,7 +89,7 @@ def test_a_link_that_the_ending_node_closes_is_no_warning(monkeypatch):
     reporter = LinkReporter(LinkState.OUTGOING)
     reporter.report(Link(LinkPhase.DISCONNECTED, ROBOT, 'connection reset'))
     reporter.report(Link(LinkPhase.CONNECTED, ROBOT))
-    monkeypatch.setattr(rospy, 'is_shutdown', lambda: True)
+    monkeypatch.setattr(rospy.core, '_in_shutdown', True)  # is_shutdown() comes later
     reporter.report(Link(LinkPhase.DISCONNECTED, ROBOT, 'closed by us'))
     assert warned == [f'Link "outgoing" to {ROBOT} is down: connection reset.']
     assert said[1:] == [f'Link "outgoing" to {ROBOT} is closed, as this node ends.']
