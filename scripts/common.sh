@@ -203,8 +203,17 @@ virtual_environment() {
 # record RESULTS passed|failed|skipped NAME [REASON]: the result of something that is no test of pytest or rostest
 record() { /usr/bin/python3 "$root/scripts/test_results.py" record "$@"; }
 
-# port_is_free PORT: nothing listens there on this machine.
-port_is_free() { ! (exec 3<>"/dev/tcp/127.0.0.1/$1") 2>/dev/null; }
+# port_is_free PORT: nothing listens there on this machine. Nobody is connected to for that: on the port of a robot's
+# outgoing connection the newest one counts, and the running robot would lose its own.
+port_is_free() {
+  /usr/bin/python3 - "$1" 2>/dev/null <<'END'
+import socket
+import sys
+with socket.socket() as probe:
+    probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    probe.bind(('', int(sys.argv[1])))
+END
+}
 
 # address_towards HOST: this machine's own address on the way to HOST; fails without a way.
 address_towards() {

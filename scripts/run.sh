@@ -24,6 +24,15 @@ if [ "${1:-}" = -h ] || [ "${1:-}" = --help ]; then
   exit 0
 fi
 
+# refuse_what_runs LAUNCH...: two launches with nodes of one name under one ROS master would end each other's for ever.
+refuse_what_runs() {
+  local node
+  for node in $(comm -12 <(timeout 10 rosnode list 2>/dev/null | sort) <(roslaunch --nodes "$@" 2>/dev/null | sort)); do
+    ! timeout 5 rosnode ping -c 1 "$node" 2>/dev/null | grep -q 'xmlrpc reply' ||
+      die "$node runs under this ROS master already, and would lose its name to this run: end what runs, or give this run a master and ports of its own (docs/troubleshooting.md)."
+  done
+}
+
 # A fleet has launch and RViz files of its own, made in a folder that is removed when the launch has ended.
 start_fleet() {
   prepare "${run_packages[@]}"
@@ -38,6 +47,7 @@ start_fleet() {
     export ROS_IP="${ROS_IP:-127.0.0.1}"
   fi
   unset OMRON_LD90_PASSWORD
+  refuse_what_runs "$launch"
   say "Starting: roslaunch $launch"
   exec roslaunch "$launch"
 }
@@ -92,9 +102,7 @@ fi
 
 prepare "${run_packages[@]}"
 
-if timeout 5 rosnode ping -c 1 "/${given[robot_name]}/omron_controller" 2>/dev/null | grep -q 'xmlrpc reply'; then
-  die "a robot named ${given[robot_name]} runs under this ROS master already, and would lose its nodes to this one: end that run, or give this one a master and ports of its own (docs/troubleshooting.md)."
-fi
+refuse_what_runs omron_ld90 full_stack.launch ${args[@]+"${args[@]}"}
 case "${given[sim],,}" in
   true | 1)
     export ROS_IP="${ROS_IP:-127.0.0.1}"

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""`scripts/run.sh` with the password in its environment: the robot gets it, and nobody else.
+"""`scripts/run.sh` beside a running fleet, and with the password in its environment.
 
 roslaunch writes its whole environment into its log, so the script hands the password on by a file.
 """
@@ -14,6 +14,8 @@ import unittest
 from pathlib import Path
 
 import rospy
+from fleet_support import free_fleet_ports
+from rosnode import rosnode_ping
 
 from omron_ld90_msgs.msg import LinkState
 from omron_ld90_sim import Simulator
@@ -21,6 +23,8 @@ from system_support import Recorder, run_cases, wait_until
 
 ROOT = Path(__file__).resolve().parents[1]
 PASSWORD = 'Cormorant-7'
+#: The fleet manager of another run, as far as the ROS master can tell.
+RUNNING = "import rospy; rospy.init_node('path_supervisor'); rospy.spin()"
 
 
 class RunScript(unittest.TestCase):
@@ -55,6 +59,28 @@ class RunScript(unittest.TestCase):
         self.assertTrue(any('roslaunch' in log.name for log in logs), logs)
         self.assertEqual([log.name for log in logs
                           if PASSWORD in log.read_text(errors='replace')], [])
+
+    def test_a_fleet_does_not_take_the_nodes_of_one_that_runs(self) -> None:
+        """Under one ROS master the two would end each other's nodes, and start them, for ever."""
+        running = subprocess.Popen(['/usr/bin/python3', '-c', RUNNING])
+        try:
+            wait_until(lambda: rosnode_ping('/path_supervisor', max_count=1), 30,
+                       'a running fleet manager')
+            first = free_fleet_ports()
+            script = self.start('fleet:=1', 'rviz:=false', f'control_port:={first}',
+                                f'arcl_port:={first + 2}', f'outgoing_port:={first + 3}')
+            try:
+                self.assertEqual(script.wait(60), 1)
+            finally:
+                script.send_signal(signal.SIGINT)
+                script.wait(30)
+            self.output.seek(0)
+            self.assertIn('/path_supervisor runs under this ROS master already',
+                          self.output.read())
+            self.assertIsNone(running.poll())
+        finally:
+            running.terminate()
+            running.wait(10)
 
     def start(self, *args: str) -> subprocess.Popen:
         return subprocess.Popen(

@@ -15,6 +15,8 @@ from fleet_bringup.robot_entries import AGV, LD90, Entry
 RESPAWN = {'respawn': 'true', 'respawn_delay': '2'}
 #: Where the bridge of a real robot keeps its last route, in ROS_HOME.
 ROUTE_FILE = 'omron_ld90/{}_route.json'
+#: How lines look on the screen that all robots share: with who says it, unless the user has a form.
+SCREEN = "$(eval optenv('ROSCONSOLE_FORMAT', '[${severity}] [${time}] ${node}: ${message}'))"
 #: Namespace of the one node that shows the LD-90s' map.
 MAP = 'fleet'
 
@@ -24,6 +26,7 @@ def launch_text(entries: Sequence[Entry], site: Site, options: Options,
     """The launch file. `files`: paths by what they are, see `command.prepare`."""
     root = ET.Element('launch')
     root.append(ET.Comment(f' Made by scripts/run.sh fleet:={options.fleet} '))
+    ET.SubElement(root, 'env', name='ROSCONSOLE_FORMAT', value=SCREEN)
     ld90s = [entry for entry in entries if entry.robot.driver == LD90]
     if any(entry.is_simulated for entry in ld90s):
         _ld90_simulator(root, site, options, files)

@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 import yaml
 from bringup_builders import fleet_file
+from roslaunch.config import ROSLaunchConfig
+from roslaunch.xmlloader import XmlLoader
 
 pytest.importorskip('rospkg')
 
@@ -58,6 +60,16 @@ def test_every_ld90_has_its_stack_and_its_place(made):
     graph = load_graph(Path(made['fleet']).with_name('graph.yaml'))
     for robot, row in zip(load_fleet(made['fleet']).robots, simulated):
         assert row['start'][:2] == pytest.approx(graph.vertices[robot.vertex].position, abs=0.001)
+
+
+def test_every_line_on_the_screen_tells_which_robot_says_it(made, monkeypatch):
+    monkeypatch.delenv('ROSCONSOLE_FORMAT', raising=False)
+    config = ROSLaunchConfig()
+    XmlLoader().load(made['launch'], config, argv=[], verbose=False)
+    forms = {node.namespace + node.name: dict(node.env_args).get('ROSCONSOLE_FORMAT')
+             for node in config.nodes}
+    assert '/ld90_1/omron_controller' in forms and '/rviz' in forms
+    assert set(forms.values()) == {'[${severity}] [${time}] ${node}: ${message}'}
 
 
 def test_no_password_stands_in_the_launch_file(made):

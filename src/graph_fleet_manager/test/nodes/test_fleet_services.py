@@ -56,6 +56,22 @@ def test_a_stop_does_not_wait_for_a_graph(services):
     assert services.past == []
 
 
+def test_the_log_tells_who_was_stopped_and_who_goes_on(services, monkeypatch):
+    """Of what a person did to the whole fleet nothing else stands in the log."""
+    logged = []
+    monkeypatch.setattr(fleet_services.rospy, 'loginfo', lambda text, *words: logged.append(
+        text % words))
+    fleet = SupervisedFleet(corridor(3), {'a': (AGV, 1), 'b': (AGV, 3)})
+    for name in ('/stop_fleet', '/resume_fleet'):
+        services.call(name, fleet.supervisor)
+    assert logged == ['/stop_fleet: Every robot was told to stop.',
+                      '/resume_fleet: The fleet goes on.']
+    del logged[:]
+    services.call('/resume_fleet')
+    assert logged == ['/resume_fleet: not done: the fleet manager has no graph yet, or its disk '
+                      'cannot be written: see /diagnostics']
+
+
 def test_an_early_stop_is_repeated_until_the_supervisor_takes_over():
     early = EarlyStop(['a'])
     assert early.due(0.0) == () and not early.hand_over()

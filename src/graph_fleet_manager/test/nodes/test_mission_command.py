@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import pytest
+import rosgraph
 import rospy
 
 from graph_fleet_manager.commands import mission
@@ -111,6 +112,40 @@ def test_the_first_status_that_shows_a_command_answers_it(monkeypatch, capsys, w
     on_the_way = [] if word == 'release' else [status(other, MINE, 'a: it does not report')]
     change(monkeypatch, word, status(other), *on_the_way, last)
     assert MissionState(last.state).name in capsys.readouterr().out
+
+
+@pytest.mark.parametrize('word, state', [
+    ('pause', MissionState.PAUSED), ('resume', MissionState.ACTIVE),
+    ('resume', MissionState.PENDING)])
+def test_a_mission_that_is_so_already_is_told_at_once(monkeypatch, capsys, word, state):
+    """The fleet manager says nothing where nothing changes."""
+    change(monkeypatch, word, status(state))
+    assert capsys.readouterr().out == f'Mission 7 is {state.name} already: nothing to {word}.\n'
+
+
+@pytest.mark.parametrize('is_online, runs, place', [
+    (True, True, 'made_fleet'), (True, False, 'ros_home'), (False, False, 'ros_home')])
+def test_history_is_that_of_the_fleet_manager_that_runs(
+        monkeypatch, capsys, tmp_path, is_online, runs, place):
+    """A simulated fleet keeps its journal in a folder that nobody knows by heart."""
+    class Master:
+        def __init__(self, *_):
+            pass
+
+        def lookupNode(self, name):
+            if name == '/path_supervisor' and runs:
+                return 'http://127.0.0.1:1'
+            raise rosgraph.MasterError('unknown node')
+
+    files = {name: tmp_path / name / 'graph_fleet_manager' / 'fleet.sqlite'
+             for name in ('made_fleet', 'ros_home')}
+    monkeypatch.setenv('ROS_HOME', str(tmp_path / 'ros_home'))
+    monkeypatch.setattr(rosgraph, 'is_master_online', lambda: is_online)
+    monkeypatch.setattr(rosgraph, 'Master', Master)
+    monkeypatch.setattr(rospy, 'get_param', lambda name, default: {
+        '/path_supervisor/journal': str(files['made_fleet'])}[name])
+    assert mission.main(['history']) == 1
+    assert f'There is no journal {files[place]}' in capsys.readouterr().err
 
 
 @pytest.mark.parametrize('name, problem', [('a' * 257, 'more than 256 letters'),

@@ -69,6 +69,18 @@ def test_a_simulated_robot_begins_anew_whatever_its_ros_master_remembers(name, i
     assert records == [''] * (robots if is_simulated == 'true' else 0)
 
 
+@pytest.mark.parametrize('given, expected', [
+    (None, '[${severity}] [${time}] ${node}: ${message}'), ('${message}', '${message}')])
+def test_of_two_robots_every_line_on_the_screen_tells_whose_it_is(monkeypatch, given, expected):
+    """As do those of a fleet, see fleet_bringup; who wants another form keeps it."""
+    monkeypatch.delenv('ROSCONSOLE_FORMAT', raising=False)
+    if given:
+        monkeypatch.setenv('ROSCONSOLE_FORMAT', given)
+    nodes, _ = expand('two_robots.launch')
+    assert {name: node.env_args for name, node in nodes.items()} == {
+        name: [('ROSCONSOLE_FORMAT', expected)] for name in nodes}
+
+
 @pytest.mark.parametrize('file', LAUNCH_FILES, ids=lambda file: file.name)
 def test_every_launch_file_expands(file):
     try:

@@ -24,19 +24,35 @@ def taken_port():
     with socket.socket() as holder:
         holder.bind(('127.0.0.1', 0))
         holder.listen()
+        yield holder
+
+
+@pytest.fixture
+def free_port():
+    with socket.socket() as holder:  # bound, but nobody listens: no other program gets it
+        holder.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        holder.bind(('127.0.0.1', 0))
         yield holder.getsockname()[1]
 
 
-@pytest.mark.parametrize('argument', ['arcl_port', 'outgoing_port'])
-def test_a_taken_port_is_named_with_the_way_out(argument, taken_port, tmp_path):
-    with socket.socket() as closed:  # so that a robot which runs here anyway is in no way
-        closed.bind(('127.0.0.1', 0))
-        free_port = closed.getsockname()[1]
-    ports = {'arcl_port': free_port, 'outgoing_port': free_port, argument: taken_port}
-    result = run(*(f'{name}:={port}' for name, port in ports.items()), folder=tmp_path)
+@pytest.mark.parametrize('argument, other', [
+    ('arcl_port', 'outgoing_port'), ('outgoing_port', 'arcl_port')])
+def test_a_taken_port_is_named_with_the_way_out(
+        argument, other, taken_port, free_port, tmp_path):
+    number = taken_port.getsockname()[1]
+    result = run(f'{argument}:={number}', f'{other}:={free_port}', folder=tmp_path)
     assert result.returncode == 1
-    assert f'TCP port {taken_port} is in use' in result.stdout
+    assert f'TCP port {number} is in use' in result.stdout
     assert f'{argument}:=PORT' in result.stdout
+
+
+def test_who_has_a_port_is_not_connected_to(taken_port, free_port, tmp_path):
+    """A connection to the port of another run takes the place of that run's robot."""
+    run(f'outgoing_port:={taken_port.getsockname()[1]}', f'arcl_port:={free_port}',
+        folder=tmp_path)
+    taken_port.setblocking(False)
+    with pytest.raises(BlockingIOError):
+        taken_port.accept()
 
 
 def test_an_argument_that_is_none_is_refused(tmp_path):

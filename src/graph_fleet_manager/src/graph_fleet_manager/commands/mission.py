@@ -18,6 +18,7 @@ import time
 from datetime import datetime
 from typing import List, Optional, Sequence
 
+import rosgraph
 import rospkg
 import rospy
 
@@ -204,6 +205,10 @@ def _change(word: str, arguments: List[str]) -> int:
                       if s.request_id == options.id and MissionState(s.state).is_open), None)
     if known is None:
         raise CommandError(f'There is no open mission {options.id}; see mission list.', NOT_DONE)
+    if _is_so_already(known, _CHANGES[word]):
+        print(f'Mission {options.id} is {MissionState(known.state).name} already: nothing to '
+              f'{word}.')
+        return OK
     publisher.publish(message)
     deadline = time.monotonic() + PATIENCE
     while time.monotonic() < deadline:
@@ -215,6 +220,12 @@ def _change(word: str, arguments: List[str]) -> int:
                 print(f'Mission {options.id}: {MissionState(status.state).name}{reason}')
                 return OK
     raise CommandError(f'Nothing changed about mission {options.id}; see mission list.', NOT_DONE)
+
+
+def _is_so_already(status: MissionStatus, command: Command) -> bool:
+    """Would a command change nothing, so that nothing would be told of it?"""
+    return command in (Command.PAUSE, Command.RESUME) and (
+        (status.state == MissionState.PAUSED) is (command is Command.PAUSE))
 
 
 def _shows(status: MissionStatus, command: Command) -> bool:
@@ -232,10 +243,10 @@ def _history(arguments: List[str]) -> int:
     parser = Parser('mission history', description='All missions, with their times.')
     parser.add_argument('--csv', action='store_true', help='as CSV with all columns')
     parser.add_argument('--journal', default='', help='file of path_supervisor; by default that of '
-                        'ROS_HOME on this computer')
+                        'the one that runs, and without one that of ROS_HOME on this computer')
     options = parser.parse_args(arguments[1:])
-    path = options.journal or os.path.join(rospkg.get_ros_home(), 'graph_fleet_manager',
-                                           'fleet.sqlite')
+    path = options.journal or os.path.join(
+        rospkg.get_ros_home(), _journal_in_use() or 'graph_fleet_manager/fleet.sqlite')
     try:
         lines = history(path)
     except (JournalError, sqlite3.Error) as error:
@@ -249,6 +260,20 @@ def _history(arguments: List[str]) -> int:
         shown = (0, 1, 4, 5, 7, 11, 12)
         print(table([[_COLUMNS[k] for k in shown], *([row[k] for k in shown] for row in rows)]))
     return OK
+
+
+def _journal_in_use() -> str:
+    """What the fleet manager of this ROS master was given; empty where none runs, or nothing was.
+
+    A relative one lies in ROS_HOME, as roslaunch starts nodes there.
+    """
+    if not rosgraph.is_master_online():
+        return ''
+    try:
+        rosgraph.Master('mission_history').lookupNode('/path_supervisor')
+    except rosgraph.MasterError:
+        return ''
+    return str(rospy.get_param('/path_supervisor/journal', ''))
 
 
 def _row(line: HistoryLine) -> List[str]:

@@ -32,7 +32,8 @@ class FleetServices:
                  past: Callable[[float], None]) -> None:
         self._put, self._stop_early, self._past = put, stop_early, past
         self._services: List[rospy.Service] = [
-            rospy.Service('/stop_fleet', Trigger, self.stop),
+            rospy.Service('/stop_fleet', Trigger, lambda request: _logged(
+                '/stop_fleet', self.stop(request))),
             self._offer('/resume_fleet', _resume, 'The fleet goes on.')]
         for robot in robots:
             self._services += [
@@ -44,9 +45,9 @@ class FleetServices:
         late = 'but it will be' if lasts else 'nor will it be'
 
         def answer(_: TriggerRequest) -> TriggerResponse:
-            return self._answer(act, done, lasts=lasts) or TriggerResponse(
+            return _logged(name, self._answer(act, done, lasts=lasts) or TriggerResponse(
                 False, f'not done within {PATIENCE:.0f} s, {late}: look at the disk of the fleet '
-                       'manager, and at its log')
+                       'manager, and at its log'))
         return rospy.Service(name, Trigger, answer)
 
     def stop(self, _: TriggerRequest) -> TriggerResponse:
@@ -94,6 +95,12 @@ class FleetServices:
                 return None
         return TriggerResponse(False, f'begun, but not done within {patience:.0f} s: look at its '
                                       'disk and its log')
+
+
+def _logged(service: str, answer: TriggerResponse) -> TriggerResponse:
+    """An answer; what a person did to the fleet is found in the log when it has been given."""
+    rospy.loginfo('%s: %s%s', service, '' if answer.success else 'not done: ', answer.message)
+    return answer
 
 
 def _warning(supervisor: Supervisor) -> str:

@@ -80,6 +80,21 @@ def test_a_link_that_stays_as_it_is_is_logged_once(logged):
     assert logged[1:] == [f'Link "commands" to {ROBOT} stands.']
 
 
+def test_a_link_that_the_ending_node_closes_is_no_warning(monkeypatch):
+    """Whoever presses Ctrl-C is not told of a link that is down."""
+    said: List[str] = []
+    warned: List[str] = []
+    monkeypatch.setattr(rospy, 'loginfo', lambda text, *arguments: said.append(text % arguments))
+    monkeypatch.setattr(link_reports, 'warn', lambda _, text: warned.append(text))
+    reporter = LinkReporter(LinkState.OUTGOING)
+    reporter.report(Link(LinkPhase.DISCONNECTED, ROBOT, 'connection reset'))
+    reporter.report(Link(LinkPhase.CONNECTED, ROBOT))
+    monkeypatch.setattr(rospy.core, '_in_shutdown', True)  # is_shutdown() comes later
+    reporter.report(Link(LinkPhase.DISCONNECTED, ROBOT, 'closed by us'))
+    assert warned == [f'Link "outgoing" to {ROBOT} is down: connection reset.']
+    assert said[1:] == [f'Link "outgoing" to {ROBOT} is closed, as this node ends.']
+
+
 def test_the_diagnosis_is_an_error_unless_it_is_connected(logged):
     reporter = LinkReporter(LinkState.COMMANDS)
     assert diagnosis(reporter).level == DiagnosticStatus.WARN

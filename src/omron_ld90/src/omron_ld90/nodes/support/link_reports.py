@@ -117,6 +117,9 @@ class LinkReporter:
             self._last_reported = link
             if link.connected:
                 rospy.loginfo('Link "%s" to %s stands.', self._name, link.peer)
+            elif rospy.core.is_shutdown_requested():  # is_shutdown() comes after our last words
+                rospy.loginfo('Link "%s" to %s is closed, as this node ends.', self._name,
+                              link.peer)
             else:
                 warn('link', f'Link "{self._name}" to {link.peer} is down: {link.reason}.')
 
