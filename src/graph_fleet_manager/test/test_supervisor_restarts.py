@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import pytest
-from fleet_builders import AGV, corridor
+from fleet_builders import AGV, corridor, ladder
 from supervised_fleet import SupervisedFleet
 
 from graph_fleet_manager.supervision.missions import Command, MissionState
@@ -163,6 +163,22 @@ def test_after_a_restart_only_what_needs_a_person_is_still_wrong_with_an_unseen_
     fleet.restart()
     assert fleet.supervisor.robots['a'].outage is after
     assert not fleet.supervisor.robots['a'].works
+
+
+def test_edges_that_the_disk_does_not_know_to_be_driven_may_be_gone_from_the_graph():
+    """What robots still have to drive is on every graph, and stays theirs before they report."""
+    fleet = SupervisedFleet(ladder(8), {'a': (AGV, 1)},
+                            settings=RobotSettings(release_ahead=8.0))
+    fleet.request(1, 8)
+    fleet.run(1.0)
+    fleet.disk_fails()
+    fleet.run(4.0)
+    assert fleet.agvs['a'].edge == 3
+    fleet.silent['a'] = 1e9
+    restart_on(fleet, Graph(fleet.graph.vertices.values(),
+                            [e for e in fleet.graph.edges.values() if e.id not in (1, 2)]))
+    held = fleet.supervisor.robots['a'].blocked()[1]
+    assert set(fleet.agvs['a'].edges[2:]) <= set(held)
 
 
 def test_a_robot_that_is_off_the_graph_keeps_its_place_though_it_has_an_unknown_route():

@@ -52,14 +52,15 @@ class Memory(NamedTuple):
         """
         place, lost_at = (there if there is not None and there.is_on(graph) else None
                           for there in (self.place, self.lost_at))
-        ahead = self.track[self.done:]
         if is_on(graph, self.track) and place == self.place:
             return self._replace(lost_at=lost_at)
-        if ahead and is_on(graph, ahead):
-            return self._replace(
-                track=ahead, done=0, place=place, lost_at=lost_at, over=True,
-                bases={id: base - self.done for id, base in self.bases.items()},
-                shortened=None if self.shortened is None else self.shortened - self.done)
+        # With a full disk more is driven than is stored. What is not driven every new graph has.
+        for done in range(self.done, len(self.track)):
+            if is_on(graph, self.track[done:]):
+                return self._replace(
+                    track=self.track[done:], done=0, place=place, lost_at=lost_at, over=True,
+                    bases={id: base - done for id, base in self.bases.items()},
+                    shortened=None if self.shortened is None else self.shortened - done)
         return self._replace(track=(), done=0, place=None, over=True, shortened=None,
                              lost_at=lost_at, bases={self.route_id: 0} if self.is_stopping else {})
 
