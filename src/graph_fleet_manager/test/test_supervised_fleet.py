@@ -110,13 +110,16 @@ def test_a_stay_of_no_time_is_none():
     assert with_stays.run_until_done(1) == without.run_until_done(1)
 
 
-def test_a_mission_for_a_robot_at_work_waits_for_it_to_be_free():
-    fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1), 'b': (AGV, 6)})
+@pytest.mark.parametrize('robot, waits_for', [('a', 'a'), ('', 'a robot')])
+def test_a_mission_says_whom_at_work_it_waits_for(robot, waits_for):
+    fleet = SupervisedFleet(corridor(8, siding_at=3), {'a': (AGV, 1), 'b': (AGV, 8)},
+                            parking=(1, 8, 100))
     fleet.request(1, 4, robot='a')
+    fleet.request(2, 7, robot='b')
     fleet.run(1.0)
-    fleet.request(2, 2, robot='a')
+    fleet.request(3, 2, robot=robot)
     fleet.run(1.0)
-    assert fleet.statuses[-1].reason == 'it waits for a robot to be free'
+    assert fleet.statuses[-1].reason == f'it waits for {waits_for} to be free'
 
 
 def test_a_cancelled_robot_stops_at_the_end_of_its_edge():

@@ -71,8 +71,8 @@ def assign(missions: Sequence[Mission], free: Mapping[str, ManagedRobot],
             assigned.append(Assigned(mission, name))
             del free[name]
         taken = {mission.serial for mission, _ in assigned}
-        waiting.update((mission.serial, 'it waits for a robot to be free') for mission in able
-                       if mission.serial not in taken)
+        waiting.update((mission.serial, _waits_for(acceptance.robots_for(mission.request)))
+                       for mission in able if mission.serial not in taken)
     return Assignment(tuple(assigned), waiting, frozenset(short))
 
 
@@ -129,7 +129,7 @@ def _why_nobody(mission: Mission, free: Mapping[str, ManagedRobot],
     if not able and not any(robots[name].is_charged for name in works):
         return _must_charge([robots[name] for name in works], now), set()
     if not able:
-        return 'it waits for a robot to be free', set()
+        return _waits_for(names), set()
     reach = [name for name in able
              if time_over(mission.request.destinations, free[name], network) < inf]
     if not reach:
@@ -138,6 +138,10 @@ def _why_nobody(mission: Mission, free: Mapping[str, ManagedRobot],
         fullest = max(reach, key=lambda name: free[name].battery.range_left())
         return 'no free robot has battery enough for it', {fullest}
     return '', set()
+
+
+def _waits_for(names: Sequence[str]) -> str:
+    return f'it waits for {names[0] if len(names) == 1 else "a robot"} to be free'
 
 
 def _must_charge(robots: Sequence[ManagedRobot], now: float) -> str:
