@@ -26,8 +26,9 @@ fi
 
 # refuse_what_runs LAUNCH...: two launches with nodes of one name under one ROS master would end each other's for ever.
 refuse_what_runs() {
-  local node
-  for node in $(comm -12 <(timeout 10 rosnode list 2>/dev/null | sort) <(roslaunch --nodes "$@" 2>/dev/null | sort)); do
+  local node running
+  running="$(timeout 10 rosnode list 2>/dev/null | sort)" || return 0
+  for node in $(comm -12 - <(roslaunch --nodes "$@" 2>/dev/null | sort) <<<"$running"); do
     ! timeout 5 rosnode ping -c 1 "$node" 2>/dev/null | grep -q 'xmlrpc reply' ||
       die "$node runs under this ROS master already, and would lose its name to this run: end what runs, or give this run a master and ports of its own (docs/troubleshooting.md)."
   done
