@@ -219,7 +219,8 @@ class Promises:
         agv = self.fleet.agvs[name]
         edges = set(agv.edges[agv.current:]) if agv.is_driving else set()
         for order in self.fleet.under_way(name):
-            edges.update(self._left_of(order))
+            if not agv.has_refused(order.route_id, order.edges):
+                edges.update(self._left_of(order))
         return edges
 
     def _possible(self, name: str, edges: Iterable[int]) -> BaseGeometry:

@@ -71,11 +71,15 @@ class Agv:
             return None
         if (route_id, edges) == (self.route_id, self.edges):
             return None
-        refused = self._refused
-        if refused is None or (route_id, edges) != (refused.route_id, refused.edges):
+        if not self.has_refused(route_id, edges):
             reason = self._take_up(route_id, edges)
             self._refused = RouteRefusal(route_id, edges, reason) if reason else None
         return self._refused
+
+    def has_refused(self, route_id: int, edges: Tuple[int, ...]) -> bool:
+        """Is that the last order that it refused, and would refuse again?"""
+        refused = self._refused
+        return refused is not None and (route_id, edges) == (refused.route_id, refused.edges)
 
     def _take_up(self, route_id: int, edges: Tuple[int, ...]) -> str:
         if self.emergency:
