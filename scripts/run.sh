@@ -90,19 +90,24 @@ if is_true "${given[multimaster]:-}"; then
     ! is_true "${given[$name]:-}" ||
       die "multimaster:=true takes missions from the fleet manager at ${given[peer]}, so $name:=true would be a second master of the robot: choose one."
   done
-  [ -n "${ROS_IP:-}" ] || ROS_IP="$(address_towards "${given[peer]}")" ||
-    die "there is no way to peer:=${given[peer]}: is it the address of the fleet manager's computer, and is the network up?"
-  export ROS_IP
 fi
 if is_true "${given[vda5050]:-}"; then
-  is_true "${given[fleet_manager]:-}" &&
+  ! is_true "${given[fleet_manager]:-}" ||
     die "vda5050:=true and fleet_manager:=true are two masters of one robot: choose one."
-  [ -n "${given[mqtt_broker]:-}" ] || port_is_free 18830 ||
-    die "TCP port 18830 is in use, so the embedded MQTT broker cannot have it: end the program that holds it, or name a broker with mqtt_broker:=HOST:PORT."
 fi
 
 prepare "${run_packages[@]}"
 
+# From here on there is a Python, whatever the machine came with.
+if is_true "${given[multimaster]:-}"; then
+  [ -n "${ROS_IP:-}" ] || ROS_IP="$(address_towards "${given[peer]}")" ||
+    die "there is no way to peer:=${given[peer]}: is it the address of the fleet manager's computer, and is the network up?"
+  export ROS_IP
+fi
+if is_true "${given[vda5050]:-}" && [ -z "${given[mqtt_broker]:-}" ]; then
+  port_is_free 18830 ||
+    die "TCP port 18830 is in use, so the embedded MQTT broker cannot have it: end the program that holds it, or name a broker with mqtt_broker:=HOST:PORT."
+fi
 refuse_what_runs omron_ld90 full_stack.launch ${args[@]+"${args[@]}"}
 case "${given[sim],,}" in
   true | 1)
