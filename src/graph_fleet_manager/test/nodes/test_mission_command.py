@@ -118,8 +118,11 @@ def test_the_first_status_that_shows_a_command_answers_it(monkeypatch, capsys, w
     ('pause', MissionState.PAUSED), ('resume', MissionState.ACTIVE),
     ('resume', MissionState.PENDING)])
 def test_a_mission_that_is_so_already_is_told_at_once(monkeypatch, capsys, word, state):
-    """The fleet manager says nothing where nothing changes."""
+    """The fleet manager says nothing where nothing changes; it is asked all the same."""
+    asked = []
+    monkeypatch.setattr(Nobody, 'publish', lambda _, message: asked.append(message))
     change(monkeypatch, word, status(state))
+    assert [message.request_id for message in asked] == [7]
     assert capsys.readouterr().out == f'Mission 7 is {state.name} already: nothing to {word}.\n'
 
 

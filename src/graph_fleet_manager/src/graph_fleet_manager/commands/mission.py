@@ -205,11 +205,11 @@ def _change(word: str, arguments: List[str]) -> int:
                       if s.request_id == options.id and MissionState(s.state).is_open), None)
     if known is None:
         raise CommandError(f'There is no open mission {options.id}; see mission list.', NOT_DONE)
-    if _is_so_already(known, _CHANGES[word]):
+    publisher.publish(message)
+    if _is_so(known, _CHANGES[word]):
         print(f'Mission {options.id} is {MissionState(known.state).name} already: nothing to '
               f'{word}.')
         return OK
-    publisher.publish(message)
     deadline = time.monotonic() + PATIENCE
     while time.monotonic() < deadline:
         listener.wait(0.2)
@@ -222,8 +222,9 @@ def _change(word: str, arguments: List[str]) -> int:
     raise CommandError(f'Nothing changed about mission {options.id}; see mission list.', NOT_DONE)
 
 
-def _is_so_already(status: MissionStatus, command: Command) -> bool:
-    """Would a command change nothing, so that nothing would be told of it?"""
+def _is_so(status: MissionStatus, command: Command) -> bool:
+    """Is a mission paused, or not, as a command wants it? Of what changes nothing nothing is told.
+    """
     return command in (Command.PAUSE, Command.RESUME) and (
         (status.state == MissionState.PAUSED) is (command is Command.PAUSE))
 
@@ -235,8 +236,7 @@ def _shows(status: MissionStatus, command: Command) -> bool:
         return True
     if command is Command.RELEASE:
         return True
-    return command is not Command.CANCEL and (state is MissionState.PAUSED) == (
-        command is Command.PAUSE)
+    return _is_so(status, command)
 
 
 def _history(arguments: List[str]) -> int:
