@@ -43,6 +43,7 @@ class Memory(NamedTuple):
     shortened: Optional[int] = None
     """So many edges of the track are left by an order to which there was no answer yet."""
     lost_at: Optional[Place] = None
+    """Where it was before it was off the graph, if it is."""
 
     def on(self, graph: Graph) -> Memory:
         """What of it is true on a graph, maybe another than when this was stored.

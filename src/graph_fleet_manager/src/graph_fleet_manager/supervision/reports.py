@@ -136,8 +136,7 @@ class Place:
         if self.vertex is None:
             if abs(self.edge) in map(abs, edges):
                 return True
-            curve = graph.curve(self.edge)
-            here = curve.point_at(self.fraction * curve.length)
+            here = _point(graph, Pose(self.edge, self.fraction))
             return any(graph.curve(e).project(*here).distance <= 2.0 * play for e in edges)
         return any(self.vertex in (graph.edge(e).origin, graph.edge(e).destination) for e in edges)
 
