@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 from plan_checker import World
 from shapely.geometry import Point
 
-from graph_fleet_manager.planning.capsules import time_within
-from graph_fleet_manager.planning.exclusions import Conflicts, OutOfTime
-from graph_fleet_manager.planning.pieces import TOLERANCE, edge_lengths, pieces_of, splines_of
+from graph_fleet_manager.geometry.capsules import time_within
+from graph_fleet_manager.geometry.exclusions import Conflicts, OutOfTime
+from graph_fleet_manager.geometry.pieces import TOLERANCE, edge_lengths, pieces_of, splines_of
 from graph_fleet_manager.planning.road_network import RoadNetwork
 from trajectory_graph import CurveType, Edge, Graph, GraphError, Vertex
 

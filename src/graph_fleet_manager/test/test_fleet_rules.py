@@ -12,7 +12,8 @@ from plan_checker import World, faults
 from plan_replay import Stuck, replay
 
 from graph_fleet_manager.fleet import RobotType
-from graph_fleet_manager.planning import exclusions, outcomes, timetable
+from graph_fleet_manager.geometry import exclusions
+from graph_fleet_manager.planning import outcomes, timetable
 from graph_fleet_manager.planning.blocking import Blocking
 from graph_fleet_manager.planning.planner import FleetPlanner
 from graph_fleet_manager.planning.precedence import Conflicting, precedence

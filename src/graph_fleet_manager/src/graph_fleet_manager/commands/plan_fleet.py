@@ -17,7 +17,7 @@ from graph_fleet_manager.files.fleet_file import load_fleet
 from graph_fleet_manager.files.missions_file import load_missions
 from graph_fleet_manager.files.plan_file import save_plan, solved_plan, unsolved_plan
 from graph_fleet_manager.fleet import Fleet
-from graph_fleet_manager.planning.exclusions import OutOfTime
+from graph_fleet_manager.geometry.exclusions import OutOfTime
 from graph_fleet_manager.planning.layers import layered
 from graph_fleet_manager.planning.planner import FleetPlanner
 from graph_fleet_manager.planning.road_network import RoadNetwork

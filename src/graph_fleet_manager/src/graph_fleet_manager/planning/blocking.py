@@ -18,7 +18,7 @@ from typing import Iterator, List, NamedTuple, Sequence, Tuple
 import numpy as np
 
 from graph_fleet_manager.fleet import RobotType
-from graph_fleet_manager.planning.exclusions import Conflicts
+from graph_fleet_manager.geometry.exclusions import Conflicts
 from graph_fleet_manager.planning.road_network import RoadNetwork
 
 Block = Tuple[int, float, float]

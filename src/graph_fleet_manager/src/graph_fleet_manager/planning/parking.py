@@ -20,7 +20,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import connected_components
 
 from graph_fleet_manager.fleet import RobotType
-from graph_fleet_manager.planning.arrays import count_up
+from graph_fleet_manager.geometry.arrays import count_up
 from graph_fleet_manager.planning.road_network import RoadNetwork
 
 _TRIALS = 20

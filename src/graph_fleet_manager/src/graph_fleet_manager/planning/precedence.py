@@ -16,7 +16,7 @@ from typing import Dict, List, Mapping, NamedTuple, Sequence, Tuple
 import numpy as np
 
 from graph_fleet_manager.fleet import RobotType
-from graph_fleet_manager.planning.arrays import count_up, order_of
+from graph_fleet_manager.geometry.arrays import count_up, order_of
 from graph_fleet_manager.planning.plans import Plans
 from graph_fleet_manager.planning.timetable import Timetable
 

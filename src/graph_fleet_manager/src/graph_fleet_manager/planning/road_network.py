@@ -9,13 +9,13 @@ from __future__ import annotations
 import math
 from array import array
 from types import MappingProxyType
-from typing import Dict, FrozenSet, Iterable, List, Mapping, Sequence, Tuple
+from typing import Dict, FrozenSet, Iterable, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
 from graph_fleet_manager.fleet import DOCK_APPROACH, RobotType
-from graph_fleet_manager.planning.exclusions import Approach, Exclusions
-from graph_fleet_manager.planning.pieces import edge_lengths, pieces_of, splines_of
+from graph_fleet_manager.geometry.exclusions import Exclusions
+from graph_fleet_manager.geometry.site_geometry import SiteGeometry
 from graph_fleet_manager.planning.shortest_ways import ShortestWays
 from trajectory_graph import Graph
 
@@ -39,32 +39,31 @@ class RoadNetwork:
     closed        -- ids of edges that nobody may use
     dock_approach -- m before a dock that belong to who docks or leaves
     learned       -- seconds by robot type's name and signed edge id, instead of length / speed
+    geometry      -- of the same graph, where it is known already
     """
 
     def __init__(self, graph: Graph, closed: Iterable[int] = (),
                  dock_approach: float = DOCK_APPROACH,
-                 learned: Mapping[Tuple[str, int], float] = MappingProxyType({})) -> None:
+                 learned: Mapping[Tuple[str, int], float] = MappingProxyType({}),
+                 geometry: Optional[SiteGeometry] = None) -> None:
         self.graph = graph
+        self.geometry = geometry or SiteGeometry(graph, dock_approach)
         self.closed: FrozenSet[int] = frozenset(closed)
         self.dock_approach = dock_approach
         self.learned = learned
-        self.vertex_ids: Tuple[int, ...] = tuple(graph.vertices)
-        self.edge_ids: Tuple[int, ...] = tuple(graph.edges)
-        self.index: Dict[int, int] = {id: k for k, id in enumerate(self.vertex_ids)}
-        self.edge_index: Dict[int, int] = {id: k for k, id in enumerate(self.edge_ids)}
+        self.vertex_ids: Tuple[int, ...] = self.geometry.vertex_ids
+        self.edge_ids: Tuple[int, ...] = self.geometry.edge_ids
+        self.index: Dict[int, int] = self.geometry.index
+        self.edge_index: Dict[int, int] = self.geometry.edge_index
         edges = graph.edges.values()
-        self.origin: List[int] = []
+        self.origin: List[int] = self.geometry.ends.ravel().tolist()
         """Vertex at which each drive begins."""
-        for edge in edges:
-            self.origin += [self.index[edge.origin], self.index[edge.destination]]
         self.signed_ids: Tuple[int, ...] = tuple(id for edge in edges for id in (edge.id, -edge.id))
         """Signed edge id of each drive."""
         self.vertices = len(self.vertex_ids)
         self.drives = len(self.origin)
         self.docks = frozenset(self.index[v.id] for v in graph.vertices.values() if v.dock)
-        self._splines = splines_of(graph)
-        self._lengths = edge_lengths(graph, self._splines)
-        self._exclusions: Dict[None, Exclusions] = {}
+        self._lengths = self.geometry.lengths
         self._times: Dict[RobotType, List[float]] = {}
         self._roads: Dict[RobotType, Roads] = {}
         self._shortest: Dict[RobotType, ShortestWays] = {}
@@ -74,9 +73,7 @@ class RoadNetwork:
     def with_closed(self, closed: Iterable[int],
                     learned: Mapping[Tuple[str, int], float] = MappingProxyType({})) -> RoadNetwork:
         """The same graph with other edges closed; what geometry says is not computed again."""
-        network = RoadNetwork(self.graph, closed, self.dock_approach, learned)
-        network._exclusions = self._exclusions
-        return network
+        return RoadNetwork(self.graph, closed, self.dock_approach, learned, self.geometry)
 
     # -- names ------------------------------------------------------------------------------------
 
@@ -193,36 +190,4 @@ class RoadNetwork:
     @property
     def exclusions(self) -> Exclusions:
         """Which places exclude each other; edges that are closed now included."""
-        if None not in self._exclusions:
-            ends = np.array(self.origin, dtype=np.int64).reshape(-1, 2)
-            self._exclusions[None] = Exclusions(pieces_of(self.graph, self._splines), ends,
-                                                self.vertices, self._approaches())
-        return self._exclusions[None]
-
-    def _approaches(self) -> Tuple[Approach, ...]:
-        """All that lies within `dock_approach` of each dock along the edges."""
-        docks = sorted(self.docks)
-        if not docks:
-            return ()
-        begins, ends, lengths = self.origin[::2], self.origin[1::2], self._lengths.tolist()
-        ways = ShortestWays(self.vertices, (*zip(begins, ends, lengths),
-                                            *zip(ends, begins, lengths)))
-        return tuple(self._approach(dock, distances.tolist())
-                     for dock, distances in zip(docks, ways.to(docks)))
-
-    def _approach(self, dock: int, distances: Sequence[float]) -> Approach:
-        """By the distance of each vertex from the dock, in metres."""
-        reach = self.dock_approach
-        near = {vertex: distance for vertex, distance in enumerate(distances) if distance < reach}
-        edges: Dict[int, Tuple[float, float]] = {}
-        for edge, length in enumerate(self._lengths.tolist()):
-            from_origin, from_destination = (
-                min(max((reach - near.get(self.origin[2 * edge + end], reach)) / length, 0.0), 1.0)
-                for end in (0, 1))
-            if from_origin + from_destination >= 1.0 or (from_origin and from_destination):
-                edges[self.vertices + edge] = (0.0, 1.0)
-            elif from_origin:
-                edges[self.vertices + edge] = (0.0, from_origin)
-            elif from_destination:
-                edges[self.vertices + edge] = (1.0 - from_destination, 1.0)
-        return Approach(edges, frozenset(near) - {dock})
+        return self.geometry.exclusions

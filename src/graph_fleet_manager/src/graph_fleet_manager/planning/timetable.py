@@ -242,8 +242,8 @@ class Timetable:
 
     def places_near(self, kind: RobotType, other: RobotType, between: Between) -> List[int]:
         """Places that robots of type `other` may not hold while one stands between vertices."""
-        return self.network.exclusions.near_point(
-            between.x, between.y, kind.reach + other.reach + self.clearance)
+        return self.network.exclusions.near(
+            ((between.x, between.y),), kind.reach + other.reach + self.clearance)
 
 
 def _rest_of(blocks: Iterable[Block], begun: float) -> List[Block]:

@@ -10,14 +10,14 @@ from __future__ import annotations
 
 import time
 from math import inf
-from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Tuple
+from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from graph_fleet_manager.planning.arrays import count_up
-from graph_fleet_manager.planning.capsules import time_within
-from graph_fleet_manager.planning.pieces import Pieces
+from graph_fleet_manager.geometry.arrays import count_up
+from graph_fleet_manager.geometry.capsules import time_within
+from graph_fleet_manager.geometry.pieces import Pieces
 
 ROUNDING = 1e-11  # m: places exactly as far apart as asked do not exclude each other
 _AT_ONCE = 100000  # pairs of pieces looked at in one step, to bound the memory
@@ -79,13 +79,17 @@ class Exclusions:
             self._by_distance[distance] = self._conflicts(distance)
         return self._by_distance[distance]
 
-    def near_point(self, x: float, y: float, distance: float) -> List[int]:
-        """Places nearer than `distance` (m) to a point, as a robot between vertices holds it."""
-        pieces = self._pieces
-        point = np.broadcast_to(np.array(((x,), (y,)), dtype=float), pieces.start.shape)
-        entry, exit = time_within(point, point, pieces.start, pieces.end,
-                                  distance - ROUNDING + pieces.margin)
-        return np.unique(pieces.place[entry <= exit]).tolist()
+    def near(self, line: Sequence[Tuple[float, float]], distance: float) -> List[int]:
+        """Places nearer than `distance` (m) to a line through these points (m), or to one point.
+        """
+        pieces, found = self._pieces, np.zeros(0, dtype=np.int64)
+        for first, last in zip(line, line[1:] or line):
+            start, end = (np.broadcast_to(np.array(point, dtype=float)[:, None],
+                                          pieces.start.shape) for point in (first, last))
+            entry, exit = time_within(pieces.start, pieces.end, start, end,
+                                      distance - ROUNDING + pieces.margin)
+            found = np.union1d(found, pieces.place[entry <= exit])
+        return [int(place) for place in found]
 
     def _conflicts(self, distance: float) -> Conflicts:
         pairs = _Pairs(self.places)
