@@ -21,7 +21,7 @@ from joined_fleet import LD90, JoinedFleet, Odometer, kept_folder
 from joined_masters import CROSSING, Computer, has_fkie, program
 
 import itrci_nav_msgs
-from graph_fleet_manager.joining.peer_master import Discovery, NoAnswer
+from graph_fleet_manager.multimaster.peer_master import Discovery, NoAnswer
 from system_support import run_cases, wait_until
 
 DESTINATIONS = [18, 39, 52, 6, 16]

@@ -36,7 +36,7 @@ from graph_fleet_manager.files.plan_file import solved_plan  # noqa: E402
 from graph_fleet_manager.planning.layers import Search, layered  # noqa: E402
 from graph_fleet_manager.planning.planner import FleetPlanner  # noqa: E402
 from graph_fleet_manager.planning.road_network import RoadNetwork  # noqa: E402
-from graph_fleet_manager.planning.safe_intervals import find_way  # noqa: E402
+from graph_fleet_manager.planning.safe_intervals import find_path  # noqa: E402
 from graph_fleet_manager.planning.tasks import Outcome  # noqa: E402
 from trajectory_graph import Graph, split_edges  # noqa: E402
 
@@ -55,7 +55,7 @@ class Planned(NamedTuple):
     ratio: float
 
 
-def plan(base: RoadNetwork, instance: Instance, limit: float, search: Search = find_way,
+def plan(base: RoadNetwork, instance: Instance, limit: float, search: Search = find_path,
          improve: bool = True) -> Planned:
     """Plans with all heuristics computed anew; the conflict sets are there already."""
     planner = FleetPlanner(base.with_closed(()), CLEARANCE, [AGV], search=search)
@@ -227,7 +227,7 @@ def layers() -> Iterator[Row]:
         times: Dict[str, List[float]] = {'intervals': [], 'layers': []}
         costs: Dict[str, List[float]] = {'intervals': [], 'layers': []}
         for seed in range(SEEDS // 2):
-            for name, search in (('intervals', find_way), ('layers', layered(seconds))):
+            for name, search in (('intervals', find_path), ('layers', layered(seconds))):
                 planned = plan(base, draw(ends, 50, seed), 30.0, search, improve=False)
                 times[name].append(planned.seconds)
                 costs[name].append(planned.ratio)

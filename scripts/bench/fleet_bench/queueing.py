@@ -43,8 +43,8 @@ def missions(robots: int, seed: int, seconds: float = 3600.0) -> int:
         return random.choice([station for station in operation.STATIONS if station != vertex])
 
     def between(begin: int, junction: int) -> float:
-        way = network.ways_to(operation.AGV, (network.index[junction],))[0]
-        return late(float(way[network.index[begin]]))
+        times = network.paths_to(operation.AGV, (network.index[junction],))[0]
+        return late(float(times[network.index[begin]]))
 
     arrivals: List[Tuple[float, int, int]] = []  # when a robot comes to the junction of a station
     for robot, start in enumerate(operation.PARKING[:robots]):

@@ -20,9 +20,9 @@ from fleet_bench.instances import AGV, CLEARANCE, Instance
 from graph_fleet_manager.planning.plans import makespan, sum_of_costs
 from graph_fleet_manager.planning.precedence import Conflicting, precedence
 from graph_fleet_manager.planning.problem import Problem
+from graph_fleet_manager.planning.reservation_table import ReservationTable
 from graph_fleet_manager.planning.road_network import RoadNetwork
 from graph_fleet_manager.planning.schedule import schedule
-from graph_fleet_manager.planning.timetable import Timetable
 from trajectory_graph import Graph
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -81,14 +81,14 @@ def driven(graph: Graph, instance: Instance, paths: Sequence[Sequence[int]]) -> 
     if order is None:
         return None
     network = RoadNetwork(graph)
-    timetable = Timetable(network, CLEARANCE, [AGV])
-    travellers = Problem(timetable, instance.tasks(), ()).travellers
-    plans = schedule(timetable, travellers, order)
+    reservations = ReservationTable(network, CLEARANCE, [AGV])
+    agents = Problem(reservations, instance.tasks(), ()).agents
+    plans = schedule(reservations, agents, order)
     try:
-        constraints = precedence(timetable, plans, dict.fromkeys(plans, AGV))
+        constraints = precedence(reservations, plans, dict.fromkeys(plans, AGV))
     except Conflicting:
         return None
-    bound = sum(traveller.errand.lower_bound for traveller in travellers.values())
+    bound = sum(agent.errand.lower_bound for agent in agents.values())
     plan = {'sum_of_costs': sum_of_costs(plans), 'makespan': makespan(plans), 'lower_bound': bound,
             'robots': {name: [{'edge': network.signed_id(d.drive), 'start': d.start, 'end': d.end}
                               for d in drives] for name, drives in plans.items()},

@@ -12,7 +12,7 @@ from graph_fleet_manager.files.plan_file import solved_plan
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.planning.planner import FleetPlanner
 from graph_fleet_manager.planning.road_network import RoadNetwork
-from graph_fleet_manager.planning.safe_intervals import find_way
+from graph_fleet_manager.planning.safe_intervals import find_path
 from graph_fleet_manager.planning.tasks import Task
 
 GIVE_UP = 0.3  # s after which an instance counts as one without a solution
@@ -56,10 +56,10 @@ class Case:
         return random.choice(free) if free else None
 
     def _reaches(self, kind, stops):
-        return all(math.isfinite(self.network.ways_to(kind, (self.network.index[b],))[0][
+        return all(math.isfinite(self.network.paths_to(kind, (self.network.index[b],))[0][
             self.network.index[a]]) for a, b in zip(stops, stops[1:]))
 
-    def plan(self, search=find_way, seed=0, rounds=10):
+    def plan(self, search=find_path, seed=0, rounds=10):
         """The plan as it stands in the file, None where none was found."""
         planner = FleetPlanner(self.network, self.clearance, self.types, search=search, seed=seed)
         tasks = [Task(t.name, t.type, t.vertex, destinations=self.missions.get(t.name, ()),

@@ -112,7 +112,7 @@ class Chaos:
             self._until(lambda: bool(fleet._to_robots), 3.0)
             self._robot = next((order.robot for order in fleet._to_robots), self._robot)
         elif event.moment == 'plan':
-            self._until(lambda: fleet.supervisor.dispatcher.is_planning, 1.5)
+            self._until(lambda: fleet.supervisor.plan_executor.is_planning, 1.5)
         ACTS[event.act](self, self._robot, event.number)
         self.run(event.pause)
 
@@ -254,7 +254,7 @@ class Chaos:
         for name, other in fleet.supervisor.robots.items():
             if name != robot and (
                     math.dist((x, y), fleet.agvs[name].position) < 1.5
-                    or any(YARD.curve(e).project(x, y).distance < 1.5 for e in other.track.held)):
+                    or any(YARD.curve(e).project(x, y).distance < 1.5 for e in other.record.held)):
                 return
         agv.forget()
         agv.edge, agv.arc = edge, share * YARD.curve(edge).length
@@ -309,7 +309,7 @@ class Chaos:
         used: Set[int] = set()
         for name, agv in fleet.agvs.items():
             used.update((agv.edge, agv.report(0.0).pose.edge, *agv.edges[agv.current:],
-                         *fleet.supervisor.robots[name].track.ahead))
+                         *fleet.supervisor.robots[name].record.ahead))
             used.update(edge for order in fleet.under_way(name) for edge in order.edges)
         return set(map(abs, used))
 

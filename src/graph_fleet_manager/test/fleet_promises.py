@@ -83,7 +83,7 @@ class Promises:
 
     def closed(self) -> None:
         """Somebody closed edges: only what robots were given by now may still lead there."""
-        self._given = {name: set(map(abs, robot.track.held))
+        self._given = {name: set(map(abs, robot.record.held))
                        for name, robot in self.fleet.supervisor.robots.items()}
 
     # -- what happens -----------------------------------------------------------------------------
@@ -172,9 +172,9 @@ class Promises:
     def _look_at(self, name: str) -> None:
         fleet, agv, robot = self.fleet, self.fleet.agvs[name], self.fleet.supervisor.robots[name]
         vertices, edges = robot.blocked()
-        believed = {abs(edge) for edge in robot.track.held} | set(edges)
+        believed = {abs(edge) for edge in robot.record.held} | set(edges)
         drives = [edge for edge in self._may_drive(name) if abs(edge) not in believed]
-        if not agv.off_graph and robot.track.pose == agv.report(0.0).pose:
+        if not agv.off_graph and robot.record.pose == agv.report(0.0).pose:
             self.carried.discard(name)
         if drives or (name not in self.carried and abs(agv.edge) not in believed
                       and robot.liveness.is_seen):

@@ -284,18 +284,18 @@ def nominal_faults(world: World, plan: dict, step: float = 0.1) -> List[str]:
     if not names:
         return []
     times = np.arange(0.0, plan['makespan'] + step, step)
-    tracks = np.array([_track(world, plan, name, times) for name in names])
+    trajectories = np.array([_trajectory(world, plan, name, times) for name in names])
     found = []
     for x, a in enumerate(names):
         for y in range(x + 1, len(names)):
-            gaps = np.hypot(*(tracks[x] - tracks[y]).T)
+            gaps = np.hypot(*(trajectories[x] - trajectories[y]).T)
             if gaps.min() < world.apart(a, names[y]) - TOLERANCE:
                 at = times[int(gaps.argmin())]
                 found.append(f'{a} and {names[y]} are {gaps.min():.4f} m apart at {at:.1f} s')
     return found
 
 
-def _track(world: World, plan: dict, name: str, times: np.ndarray) -> np.ndarray:
+def _trajectory(world: World, plan: dict, name: str, times: np.ndarray) -> np.ndarray:
     """Where a robot is at each time (T,2)."""
     point = world.at(world.robots[name]['vertex'])
     places = np.tile((point.x, point.y), (len(times), 1))

@@ -314,10 +314,10 @@ class SupervisedFleet:
                 self._answers.append((self.now + self.planning, action.number, self._plan(action)))
 
     def _plan(self, question: AskPlanner) -> Outcome:
-        roads = question.closed, frozenset(question.edge_times.items())
-        planner = self._planners.get(roads)
+        networks = question.closed, frozenset(question.edge_times.items())
+        planner = self._planners.get(networks)
         if planner is None:
-            planner = self._planners[roads] = FleetPlanner(
+            planner = self._planners[networks] = FleetPlanner(
                 self.supervisor.network.with_closed(question.closed, question.edge_times),
                 self.clearance, self.fleet.types, self._parking)
         return planner.plan(question.tasks, question.obstacles, rounds=self.rounds)
@@ -336,16 +336,17 @@ class SupervisedFleet:
         lines = [f'{self.now:.1f} s']
         for name, agv in self.agvs.items():
             robot = self.supervisor.robots[name]
-            client, track = robot.client, robot.track
+            client, record = robot.client, robot.record
             lines.append(f'{name}: edge {agv.edge} at {agv.arc:.2f}, route {agv.route_id} '
                          f'{agv.edges} {agv.current} {agv.phase.value}; known: {robot.outage} '
-                         f'{robot.why} place {track.place} ahead {track.ahead} order '
-                         f'{client.order} waits {self.supervisor.dispatcher.waits_for.get(name)!r}')
+                         f'{robot.why} place {record.place} ahead {record.ahead} order '
+                         f'{client.order} waits '
+                         f'{self.supervisor.plan_executor.waits_for.get(name)!r}')
         for mission in self.supervisor.book.open:
             lines.append(str(mission))
-        if self.supervisor.dispatcher.plan:
-            lines.append(f'unserved {self.supervisor.dispatcher.plan.unserved}')
+        if self.supervisor.plan_executor.plan:
+            lines.append(f'unserved {self.supervisor.plan_executor.plan.unserved}')
             lines += [f'{name}: {[d.edge for d in plan.drives]} from {plan.base}'
-                      for name, plan in self.supervisor.dispatcher.plan.plans.items()]
-        lines.append(f'asked {self.supervisor.dispatcher.is_planning}; {self.notes[-5:]}')
+                      for name, plan in self.supervisor.plan_executor.plan.plans.items()]
+        lines.append(f'asked {self.supervisor.plan_executor.is_planning}; {self.notes[-5:]}')
         return '\n'.join(lines)

@@ -7,16 +7,16 @@ from supervised_fleet import SupervisedFleet
 
 from graph_fleet_manager.supervision.edge_times import ENOUGH, PERIOD, Driven, EdgeTimer, EdgeTimes
 from graph_fleet_manager.supervision.reports import Place
-from graph_fleet_manager.supervision.track import Track
+from graph_fleet_manager.supervision.route_record import RouteRecord
 
 NOMINAL = 2.0  # s for every edge
 
 
 @pytest.fixture
-def track():
-    track = Track(corridor(5), speed=1.0)
-    track.place = Place(vertex=1)
-    return track
+def record():
+    record = RouteRecord(corridor(5), speed=1.0)
+    record.place = Place(vertex=1)
+    return record
 
 
 def nominal(kind, edge):
@@ -35,51 +35,51 @@ def learned(*seconds, table=None):
     return times
 
 
-def test_an_edge_is_timed_from_its_order_to_its_completion(track):
+def test_an_edge_is_timed_from_its_order_to_its_completion(record):
     timer = EdgeTimer()
-    assert timer.follow(track, 0.0) is None
-    track.append([1, 2])
-    assert timer.follow(track, 10.0) is None
-    track.complete(1)
-    assert timer.follow(track, 13.0) == Driven(1, 3.0)
-    track.complete(2)
-    assert timer.follow(track, 15.5) == Driven(2, 2.5)
+    assert timer.follow(record, 0.0) is None
+    record.append([1, 2])
+    assert timer.follow(record, 10.0) is None
+    record.complete(1)
+    assert timer.follow(record, 13.0) == Driven(1, 3.0)
+    record.complete(2)
+    assert timer.follow(record, 15.5) == Driven(2, 2.5)
 
 
-def test_waiting_at_a_vertex_is_not_driving(track):
+def test_waiting_at_a_vertex_is_not_driving(record):
     timer = EdgeTimer()
-    track.append([1])
-    timer.follow(track, 0.0)
-    track.complete(1)
-    timer.follow(track, 2.0)
-    timer.follow(track, 100.0)
-    track.append([2])
-    timer.follow(track, 101.0)
-    track.complete(2)
-    assert timer.follow(track, 103.0) == Driven(2, 2.0)
+    record.append([1])
+    timer.follow(record, 0.0)
+    record.complete(1)
+    timer.follow(record, 2.0)
+    timer.follow(record, 100.0)
+    record.append([2])
+    timer.follow(record, 101.0)
+    record.complete(2)
+    assert timer.follow(record, 103.0) == Driven(2, 2.0)
 
 
-def test_what_was_not_seen_from_end_to_end_does_not_count(track):
+def test_what_was_not_seen_from_end_to_end_does_not_count(record):
     timer = EdgeTimer()
-    track.append([1, 2, 3, 4])
-    timer.follow(track, 0.0)  # found driving, as after a restart
-    track.complete(1)
-    assert timer.follow(track, 1.0) is None
-    track.complete(3)
-    assert timer.follow(track, 5.0) is None, 'two edges at once'
+    record.append([1, 2, 3, 4])
+    timer.follow(record, 0.0)  # found driving, as after a restart
+    record.complete(1)
+    assert timer.follow(record, 1.0) is None
+    record.complete(3)
+    assert timer.follow(record, 5.0) is None, 'two edges at once'
     timer.stop()
-    track.complete(4)
-    assert timer.follow(track, 6.0) is None, 'it was stopped on the way'
+    record.complete(4)
+    assert timer.follow(record, 6.0) is None, 'it was stopped on the way'
 
 
-def test_a_drive_from_the_middle_of_an_edge_does_not_count(track):
+def test_a_drive_from_the_middle_of_an_edge_does_not_count(record):
     timer = EdgeTimer()
-    track.place = Place(edge=1, fraction=0.5)
-    timer.follow(track, 0.0)
-    track.append([1])
-    timer.follow(track, 1.0)
-    track.complete(1)
-    assert timer.follow(track, 2.0) is None
+    record.place = Place(edge=1, fraction=0.5)
+    timer.follow(record, 0.0)
+    record.append([1])
+    timer.follow(record, 1.0)
+    record.complete(1)
+    assert timer.follow(record, 2.0) is None
 
 
 def test_the_median_of_enough_drives_replaces_the_nominal_time():
@@ -111,16 +111,16 @@ def test_what_is_slow_everywhere_makes_no_unknown_edge_look_fast():
         fleet.request(id, 3 if id % 2 else 1)
         fleet.run_until_done(id)
     fleet.run(PERIOD)
-    assert fleet.supervisor.roads.edge_times.table == {}
+    assert fleet.supervisor.networks.edge_times.table == {}
 
 
 def test_the_fleet_plans_by_learned_times():
     fleet = SupervisedFleet(corridor(3), {'a': (AGV, 1)})
     for edge, seconds in ((1, 6.0), (2, 2.0), (-1, 2.0)):
         for _ in range(ENOUGH):
-            fleet.supervisor.roads.edge_times.learn(AGV.name, Driven(edge, seconds))
+            fleet.supervisor.networks.edge_times.learn(AGV.name, Driven(edge, seconds))
     fleet.step()
     fleet.request(1, 3)
     fleet.run(1.0)
-    drive = fleet.supervisor.dispatcher.plan.plan_of('a').drives[0]
+    drive = fleet.supervisor.plan_executor.plan.plan_of('a').drives[0]
     assert drive.end - drive.start == pytest.approx(6.0)

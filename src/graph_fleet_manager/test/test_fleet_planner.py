@@ -9,16 +9,16 @@ import pytest
 from fleet_builders import AGV, corridor, graph_of, ladder
 
 from graph_fleet_manager.fleet import RobotType
-from graph_fleet_manager.planning.configuration_search import search_configurations
+from graph_fleet_manager.planning.lacam import search_lacam
 from graph_fleet_manager.planning.parking import Parking
 from graph_fleet_manager.planning.planner import FleetPlanner
 from graph_fleet_manager.planning.plans import Drive
 from graph_fleet_manager.planning.precedence import Conflicting, precedence
 from graph_fleet_manager.planning.problem import Problem
+from graph_fleet_manager.planning.reservation_table import ReservationTable
 from graph_fleet_manager.planning.road_network import RoadNetwork
-from graph_fleet_manager.planning.safe_intervals import find_way
+from graph_fleet_manager.planning.safe_intervals import find_path
 from graph_fleet_manager.planning.tasks import CannotPlan, Obstacle, PlannedDrive, Task
-from graph_fleet_manager.planning.timetable import Timetable
 from trajectory_graph import load_graph
 
 
@@ -85,7 +85,7 @@ def test_whatever_was_released_plans_for_new_destinations_keep_it(seed):
 def test_a_robot_between_two_vertices_may_go_either_way():
     planner = _planner(corridor(5))
     for goal, first, seconds in ((1, -2, 2.5), (5, 2, 5.5)):
-        outcome = _plan(planner, Task('a', AGV, between=(2, 0.25), destinations=(goal,),
+        outcome = _plan(planner, Task('a', AGV, mid_edge=(2, 0.25), destinations=(goal,),
                                       stays=True))
         assert _edges(outcome, 'a')[0] == first
         assert outcome.drives['a'][-1].end == pytest.approx(seconds)
@@ -112,7 +112,7 @@ def test_who_got_a_way_when_it_made_room_for_another_is_not_planned_once_more():
 
     def search(errand, *others):
         calls.append(errand)
-        return None if len(calls) <= 4 else find_way(errand, *others)
+        return None if len(calls) <= 4 else find_path(errand, *others)
 
     graph = ladder(5)
     planner = FleetPlanner(RoadNetwork(graph), 0.1, (AGV,), tuple(graph.vertices), search)
@@ -202,7 +202,7 @@ def test_where_not_all_can_be_served_somebody_is():
 
 @pytest.mark.parametrize('task, sentence', [
     (Task('a', AGV), 'must stand on one vertex'),
-    (Task('a', AGV, 1, between=(1, 0.5)), 'must stand on one vertex'),
+    (Task('a', AGV, 1, mid_edge=(1, 0.5)), 'must stand on one vertex'),
     (Task('a', AGV, 9), 'the graph has no vertex 9'),
     (Task('a', AGV, 1, destinations=(8,)), 'the graph has no vertex 8'),
     (Task('a', AGV, released=(7,)), 'the graph has no edge 7'),
@@ -247,19 +247,19 @@ def test_robots_whose_ends_are_in_each_others_only_way_change_places_in_a_siding
 
 def test_cancelling_leaves_nothing_booked():
     network = RoadNetwork(ladder(4))
-    table = Timetable(network, 0.1, [AGV])
+    table = ReservationTable(network, 0.1, [AGV])
     planner = FleetPlanner(network, 0.1, [AGV])
     outcome = _plan(planner, Task('a', AGV, 1, destinations=(4,), stays=True))
     problem = Problem(table, [Task('a', AGV, 1)], ())
-    drives = [problem.with_rests(t, frozenset()).errand for t in problem.travellers.values()]
+    drives = [problem.with_rests(t, frozenset()).errand for t in problem.agents.values()]
     assert drives[0].vertex == network.index[1]
-    planner.timetable.cancel('a')
-    assert not any(planner.timetable.slots[AGV].bookings), outcome
+    planner.reservations.cancel('a')
+    assert not any(planner.reservations.slots[AGV].bookings), outcome
 
 
 def test_robots_that_are_put_back_are_booked_as_before():
     network = RoadNetwork(ladder(4))
-    table = Timetable(network, 0.1, [AGV])
+    table = ReservationTable(network, 0.1, [AGV])
     slots = table.slots[AGV]
     out, back = network.drive(network.edge_ids[0]), network.drive(-network.edge_ids[0])
     robots = {'a': (network.origin[out], [Drive(out, 5.0, 7.0), Drive(back, 9.0, 11.0)]),
@@ -284,11 +284,11 @@ def test_robots_that_are_put_back_are_booked_as_before():
 
 def test_the_search_over_configurations_swaps_robots_in_a_siding():
     network = RoadNetwork(corridor(5, siding_at=3))
-    table = Timetable(network, 0.1, [AGV])
-    travellers = list(Problem(table, [
+    table = ReservationTable(network, 0.1, [AGV])
+    agents = list(Problem(table, [
         Task('a', AGV, 1, destinations=(5,), stays=True),
-        Task('b', AGV, 5, destinations=(1,), stays=True)], ()).travellers.values())
-    moves = search_configurations(table, travellers, time.monotonic() + 5.0, Random(0))
+        Task('b', AGV, 5, destinations=(1,), stays=True)], ()).agents.values())
+    moves = search_lacam(table, agents, time.monotonic() + 5.0, Random(0))
     assert moves is not None
     at = {'a': network.index[1], 'b': network.index[5]}
     for name, drive in moves:
@@ -301,7 +301,7 @@ def test_the_search_over_configurations_swaps_robots_in_a_siding():
 def test_no_order_of_use_is_made_of_drives_that_go_back_in_time():
     """For all else leads on in time: only so might robots wait for each other in a ring."""
     network = RoadNetwork(corridor(4))
-    table = Timetable(network, 0.1, [AGV])
+    table = ReservationTable(network, 0.1, [AGV])
     first, second = (network.drive(edge) for edge in network.edge_ids[:2])
     with pytest.raises(Conflicting, match='a would begin its drive 1 before'):
         precedence(table, {'a': [Drive(first, 5.0, 7.0), Drive(second, 1.0, 3.0)]}, {'a': AGV})
@@ -312,7 +312,7 @@ def test_what_was_released_needs_no_precedence_any_more():
     outcome = _plan(planner, Task('a', AGV, 3, destinations=(5,), stays=True),
                     Task('b', AGV, 1, destinations=(3,), stays=True))
     assert {c.then for c in outcome.precedence} == {'b'}
-    assert precedence(planner.timetable, {}, {}) == []
+    assert precedence(planner.reservations, {}, {}) == []
 
 
 # -- parking --------------------------------------------------------------------------------------

@@ -12,13 +12,13 @@ from plan_checker import faults
 from plan_replay import replay, replay_faults
 
 from graph_fleet_manager.planning.layers import layered
-from graph_fleet_manager.planning.safe_intervals import find_way
+from graph_fleet_manager.planning.safe_intervals import find_path
 from trajectory_graph import GraphError
 
 LONG = os.environ.get('LD90_LONG_TESTS') == '1'
 
 
-@pytest.mark.parametrize('search', [find_way, layered(0.5)], ids=['safe_intervals', 'layers'])
+@pytest.mark.parametrize('search', [find_path, layered(0.5)], ids=['safe_intervals', 'layers'])
 @settings(max_examples=2000 if LONG else settings.default.max_examples * 2 // 5,
           suppress_health_check=list(HealthCheck))
 @given(seed=st.integers(0, 2 ** 32 - 1))

@@ -13,14 +13,14 @@ from plan_replay import Stuck, replay
 
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.geometry import exclusions
-from graph_fleet_manager.planning import outcomes, timetable
+from graph_fleet_manager.planning import outcomes, reservation_table
+from graph_fleet_manager.planning.agents import Errand
 from graph_fleet_manager.planning.blocking import Blocking
 from graph_fleet_manager.planning.planner import FleetPlanner
 from graph_fleet_manager.planning.precedence import Conflicting, precedence
+from graph_fleet_manager.planning.reservation_table import ReservationTable
 from graph_fleet_manager.planning.road_network import RoadNetwork
 from graph_fleet_manager.planning.tasks import Task
-from graph_fleet_manager.planning.timetable import Timetable
-from graph_fleet_manager.planning.travellers import Errand
 from trajectory_graph import GraphError
 
 SEEDS = range(300)
@@ -36,8 +36,8 @@ def _play_is_forgotten(patch):
 
 
 def _clearance_is_forgotten(patch):
-    patch.setattr(timetable, 'Blocking', lambda network, mover, observer, clearance: Blocking(
-        network, mover, observer, 0.0))
+    patch.setattr(reservation_table, 'Blocking', lambda network, moving, observer, clearance: (
+        Blocking(network, moving, observer, 0.0)))
 
 
 def _who_waits_is_in_no_way(patch):
@@ -45,11 +45,11 @@ def _who_waits_is_in_no_way(patch):
 
 
 def _who_has_arrived_is_in_no_way(patch):
-    book = Timetable.book
+    book = ReservationTable.book
 
-    def leaving(self, robot, kind, vertex, plan, between=None, until=float('inf'), held=0):
-        book(self, robot, kind, vertex, plan, between, plan[-1].end if plan else until, held)
-    patch.setattr(Timetable, 'book', leaving)
+    def leaving(self, robot, kind, vertex, plan, mid_edge=None, until=float('inf'), held=0):
+        book(self, robot, kind, vertex, plan, mid_edge, plan[-1].end if plan else until, held)
+    patch.setattr(ReservationTable, 'book', leaving)
 
 
 def _a_drive_is_given_back_when_it_begins(patch):

@@ -22,12 +22,12 @@ from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.planning.layers import layered
 from graph_fleet_manager.planning.planner import FleetPlanner
 from graph_fleet_manager.planning.road_network import RoadNetwork
-from graph_fleet_manager.planning.safe_intervals import find_way
+from graph_fleet_manager.planning.safe_intervals import find_path
 from graph_fleet_manager.planning.tasks import Task
 from trajectory_graph import Graph, GraphError
 
 UNIT = RobotType('unit', 0.5, 1.0)  # one edge of 1 m takes 1 s, and holds both its ends for it
-SEARCHES = {'safe_intervals': find_way, 'layers': layered(1.0)}
+SEARCHES = {'safe_intervals': find_path, 'layers': layered(1.0)}
 
 
 def _grid(random: Random, columns: int, rows: int) -> Graph:
@@ -52,17 +52,17 @@ def _connected(places, pairs) -> bool:
 
 
 def _neighbours(graph: Graph) -> Dict[int, List[int]]:
-    ways: Dict[int, List[int]] = {vertex: [vertex] for vertex in graph.vertices}
+    neighbours: Dict[int, List[int]] = {vertex: [vertex] for vertex in graph.vertices}
     for edge in graph.edges.values():
-        ways[edge.origin].append(edge.destination)
+        neighbours[edge.origin].append(edge.destination)
         if edge.velocity_backwards > 0.0:
-            ways[edge.destination].append(edge.origin)
-    return ways
+            neighbours[edge.destination].append(edge.origin)
+    return neighbours
 
 
 def _best_sum(graph: Graph, starts: Sequence[int], goals: Sequence[int]) -> Optional[int]:
     """The least sum of the times at which all have come to their goals for good."""
-    ways = _neighbours(graph)
+    neighbours = _neighbours(graph)
     first = tuple(starts), (False,) * len(starts)
     best = {first: 0}
     heap: List[Tuple[int, tuple]] = [(0, first)]
@@ -76,7 +76,8 @@ def _best_sum(graph: Graph, starts: Sequence[int], goals: Sequence[int]) -> Opti
         for k, vertex in enumerate(at):  # who is at its goal may stay for good
             if not done[k] and vertex == goals[k]:
                 _offer(best, heap, cost, (at, (*done[:k], True, *done[k + 1:])))
-        options = [[vertex] if finished else ways[vertex] for vertex, finished in zip(at, done)]
+        options = [[vertex] if finished else neighbours[vertex]
+                   for vertex, finished in zip(at, done)]
         for step in itertools.product(*options):
             held = [v for a, b in zip(at, step) for v in {a, b}]
             if len(held) == len(set(held)):
@@ -93,7 +94,7 @@ def _offer(best, heap, cost, state):
 def _best_alone(graph: Graph, start: int, goal: int, horizon: int,
                 others: Sequence[Sequence[int]]) -> Optional[int]:
     """When a robot can be at its goal for good, past others that are at `others[k][t]` at t."""
-    ways = _neighbours(graph)
+    neighbours = _neighbours(graph)
 
     def held(t):
         return {v for other in others for v in other[min(t, len(other) - 1):][:2]}
@@ -101,7 +102,7 @@ def _best_alone(graph: Graph, start: int, goal: int, horizon: int,
     arrived: Dict[int, bool] = {}
     for t in range(horizon):
         arrived[t] = goal in reached
-        reached = {b for a in reached for b in ways[a] if not {a, b} & held(t)}
+        reached = {b for a in reached for b in neighbours[a] if not {a, b} & held(t)}
     stays = horizon
     while stays and goal not in held(stays - 1):
         stays -= 1
@@ -125,15 +126,15 @@ def test_one_robot_past_the_plan_of_another_takes_no_longer_than_it_must(search,
     first = planner.plan(_tasks([other], [other_goal]), (), time.monotonic() + 5.0, 0)
     if first.unserved:  # behind one-way edges
         return
-    track = [other]
+    trajectory = [other]
     for drive in first.drives['r0']:
-        track += [track[-1]] * (round(drive.start) - len(track) + 1)
-        track.append(graph.end_vertex(drive.edge).id)
+        trajectory += [trajectory[-1]] * (round(drive.start) - len(trajectory) + 1)
+        trajectory.append(graph.end_vertex(drive.edge).id)
     # The first robot keeps its way, as one that has the higher priority.
     tasks = _tasks([other, start], [other_goal, goal])
     tasks[0] = Task('r0', UNIT, other, destinations=(other_goal,), stays=True, priority=1)
     both = planner.plan(tasks, (), time.monotonic() + 5.0, 0)
-    least = _best_alone(graph, start, goal, 40, [track])
+    least = _best_alone(graph, start, goal, 40, [trajectory])
     if least is None or both.unserved or both.drives['r0'] != first.drives['r0']:
         return  # the other one had to give way; `test_small_fleets...` looks at that
     ends = both.drives['r1'][-1].end if both.drives['r1'] else 0.0
@@ -206,7 +207,7 @@ def test_fine_layers_and_safe_intervals_agree(seed):
     destinations = case.missions.get(first.name, ())
     layer = 0.02
     costs = []
-    for search in (find_way, layered(layer)):
+    for search in (find_path, layered(layer)):
         planner = FleetPlanner(case.network, case.clearance, case.types, search=search)
         others = [Task(t.name, t.type, t.vertex, stays=True) for t in case.robots.values()
                   if t is not first]

@@ -6,15 +6,15 @@ from typing import Dict, Iterator
 import pytest
 from joined_side import OtherSide, unused_port
 
-from graph_fleet_manager.joining import network_checks
-from graph_fleet_manager.joining.findings import (
+from graph_fleet_manager.multimaster import network_checks
+from graph_fleet_manager.multimaster.findings import (
     Finding,
     Level,
     clock_finding,
     definitions_finding,
 )
-from graph_fleet_manager.joining.network_checks import NetworkChecks
-from graph_fleet_manager.joining.peer_master import Discovery, Master, NoAnswer
+from graph_fleet_manager.multimaster.network_checks import NetworkChecks
+from graph_fleet_manager.multimaster.peer_master import Discovery, Master, NoAnswer
 
 DEFINITIONS = {'itrci_nav_msgs/TargetRoute': 'a', 'itrci_nav_msgs/EdgeState': 'b'}
 ROBOT, FLEET = '127.0.9.2', '127.0.9.3'

@@ -29,9 +29,9 @@ def edges(outcome, robot):
 def test_a_closed_edge_is_driven_round_and_open_again_used():
     planner = service(square())
     task = Task('r', AGV, 1, destinations=(2,), stays=True)
-    ways = [edges(planner.answer(PlanRequest((task,), closed=frozenset(closed))), 'r')
-            for closed in ((), (1,), ())]
-    assert ways == [[1], [2, 3, 4], [1]]
+    paths = [edges(planner.answer(PlanRequest((task,), closed=frozenset(closed))), 'r')
+             for closed in ((), (1,), ())]
+    assert paths == [[1], [2, 3, 4], [1]]
 
 
 def test_learned_times_replace_those_of_the_graph():

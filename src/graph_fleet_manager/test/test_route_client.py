@@ -17,7 +17,7 @@ from graph_fleet_manager.supervision.reports import (
     place_of,
 )
 from graph_fleet_manager.supervision.route_client import RouteClient
-from graph_fleet_manager.supervision.track import Track
+from graph_fleet_manager.supervision.route_record import RouteRecord
 from trajectory_graph.route_protocol import EdgeState, RouteRefusal
 
 DONE, AHEAD, FAILED = EdgeState.COMPLETE, EdgeState.PROCESSING, EdgeState.FAILED
@@ -26,8 +26,8 @@ GRAPH = corridor(6)  # vertices 1 to 6, edges of 2 m from k to k + 1
 
 @pytest.fixture
 def client():
-    client = RouteClient(Track(GRAPH, speed=1.0))
-    client.track.place = Place(vertex=1)
+    client = RouteClient(RouteRecord(GRAPH, speed=1.0))
+    client.record.place = Place(vertex=1)
     return client
 
 
@@ -70,7 +70,7 @@ def test_what_is_passed_is_told_once_whatever_is_reported_twice_or_late(client, 
     assert client.take(report(1, [1, 2, 3], 2)).passed == [2, 3]
     assert client.take(report(1, [1, 2, 3], 2)).passed == []
     assert client.take(report(1, [1, 2, 3], 1)).passed == []
-    assert client.track.done == 2
+    assert client.record.done == 2
 
 
 def test_what_a_person_drives_after_a_failed_route_leaves_nothing(client, ids):
@@ -78,7 +78,7 @@ def test_what_a_person_drives_after_a_failed_route_leaves_nothing(client, ids):
     client.extend([1, 2], ids)
     client.take(report(1, [1, 2], 0, fraction=0.2))
     client.take(report(1, [1, 2], 0, fraction=0.9, state=FAILED, reason='taken over'))
-    assert client.track.left == (0, pytest.approx(0.2))
+    assert client.record.left == (0, pytest.approx(0.2))
 
 
 @pytest.mark.parametrize('late', [True, False])
@@ -93,19 +93,19 @@ def test_what_was_reported_before_a_refusal_does_not_tell_what_the_robot_has(cli
     client.refuse(RouteRefusal(1, (1, 2, 3, 4), 'no'), stamp=100.5)
     if late:
         client.take(report(1, [1], 0))
-        assert client.track.held == (1, 2, 3, 4) and not client.is_ready
+        assert client.record.held == (1, 2, 3, 4) and not client.is_ready
     client.take(replace(report(1, [1, 2, 3], 0), stamp=100.6))
-    assert client.track.held == (1, 2, 3) and client.is_ready
+    assert client.record.held == (1, 2, 3) and client.is_ready
 
 
 def test_an_edge_is_left_by_the_reported_place_less_what_its_age_allows(client, ids):
     client.extend([1, 2], ids)
     client.take(report(1, [1, 2], 0, fraction=0.5, age=0.4))
-    assert client.track.left == (0, pytest.approx(0.3))
+    assert client.record.left == (0, pytest.approx(0.3))
     client.take(report(1, [1, 2], 1, fraction=0.1, age=0.4))
-    assert client.track.left == (0, pytest.approx(0.9))
+    assert client.record.left == (0, pytest.approx(0.9))
     client.take(report(1, [1, 2], 1, fraction=0.0, age=5.0))
-    assert client.track.left == (0, pytest.approx(0.9)), 'what is left stays so'
+    assert client.record.left == (0, pytest.approx(0.9)), 'what is left stays so'
 
 
 def test_a_refused_extension_waits_for_the_truth_and_takes_a_new_id(client, ids):
@@ -115,7 +115,7 @@ def test_a_refused_extension_waits_for_the_truth_and_takes_a_new_id(client, ids)
     assert client.refuse(RouteRefusal(1, (1, 2, 3), 'no')).refused == 'no'
     assert not client.is_ready and client.due(10.0) is None
     client.take(report(1, [1], 0, fraction=0.2))
-    assert client.is_ready and client.track.ahead == (1,)
+    assert client.is_ready and client.record.ahead == (1,)
     client.extend([2], ids)
     assert client.due(10.0)[:2] == (2, (1, 2))
 
@@ -136,7 +136,7 @@ def test_a_route_that_stays_failed_after_it_was_refused_is_what_the_robot_has(cl
     again = client.take(failed)
     assert not again.refused and not again.failed and not client.is_ready, 'the same message'
     assert client.take(replace(failed, stamp=100.1)).failed == 'blocked'
-    assert client.track.held == (1, 2) and client.is_ready
+    assert client.record.held == (1, 2) and client.is_ready
 
 
 @pytest.mark.parametrize('stamp', [100.5, 0.0])
@@ -149,7 +149,7 @@ def test_a_refusal_that_comes_on_its_topic_and_as_a_report_is_one(client, ids, s
     heard = client.take(report(2, [1, 2], 0, state=FAILED, reason='no'))
     assert not heard.refused and not heard.failed and not client.is_ready
     client.take(replace(report(1, [1], 0), stamp=100.6))
-    assert client.is_ready and client.track.held == (1,)
+    assert client.is_ready and client.record.held == (1,)
 
 
 def test_a_route_that_fails_says_why_and_stays_the_robots(client, ids):
@@ -157,7 +157,7 @@ def test_a_route_that_fails_says_why_and_stays_the_robots(client, ids):
     client.take(report(1, [1, 2], 0))
     heard = client.take(report(1, [1, 2], 1, state=FAILED, reason='off the corridor'))
     assert heard.failed == 'off the corridor'
-    assert client.track.ahead == (2,)
+    assert client.record.ahead == (2,)
 
 
 def test_shortening_frees_nothing_before_a_report_shows_it(client, ids):
@@ -165,11 +165,11 @@ def test_shortening_frees_nothing_before_a_report_shows_it(client, ids):
     client.take(report(1, [1, 2, 3], 0))
     assert client.shorten(ids)
     assert client.due(0.0)[:2] == (1, (1,))
-    assert client.track.held == (1, 2, 3)
+    assert client.record.held == (1, 2, 3)
     client.take(report(1, [1, 2, 3], 0, fraction=0.1))
-    assert client.track.held == (1, 2, 3)
+    assert client.record.held == (1, 2, 3)
     client.take(report(1, [1], 0, fraction=0.2))
-    assert client.track.held == (1,) and not client.shorten(ids)
+    assert client.record.held == (1,) and not client.shorten(ids)
 
 
 def test_a_stop_holds_everything_until_the_place_is_known(client, ids):
@@ -178,9 +178,9 @@ def test_a_stop_holds_everything_until_the_place_is_known(client, ids):
     client.halt(ids)
     assert client.due(0.0)[:2] == (2, ())
     client.take(Report(2, pose=Pose(1, 0.5), stamp=101.0))
-    assert client.track.held == (1, 2) and client.order is None
+    assert client.record.held == (1, 2) and client.order is None
     client.settle(Place(edge=1, fraction=0.5))
-    assert client.track.held == () and client.track.is_standing
+    assert client.record.held == () and client.record.is_standing
 
 
 def test_a_route_of_somebody_else_is_noticed(client, ids):
@@ -196,7 +196,7 @@ def test_what_was_refused_for_a_route_of_somebody_else_stays_held(client, ids):
     client.extend([3], ids)
     client.refuse(RouteRefusal(1, (1, 2, 3), 'edge 1 does not start here'), stamp=100.5)
     assert client.take(replace(report(77, [2], 0), stamp=100.6)).foreign
-    assert client.track.held == (2, 3)
+    assert client.record.held == (2, 3)
 
 
 def test_a_robot_that_left_the_end_of_its_route_is_noticed(client, ids):
@@ -210,21 +210,21 @@ def test_after_a_restart_an_order_on_its_way_is_repeated_under_its_old_id(client
     client.extend([1], ids)
     client.take(report(1, [1], 0))
     client.extend([2], ids)
-    other = RouteClient(Track(GRAPH, speed=1.0))
+    other = RouteClient(RouteRecord(GRAPH, speed=1.0))
     other.restore(client.memory)
     seen = report(1, [1], 0, fraction=0.5)
     other.adopt(seen)
     other.take(seen)
-    assert other.track.ahead == (1, 2)
+    assert other.record.ahead == (1, 2)
     assert other.due(0.0)[:2] == (1, (1, 2))
 
 
 def test_after_a_restart_without_memory_what_is_reported_is_released_and_fixed():
-    client = RouteClient(Track(GRAPH, speed=1.0))
+    client = RouteClient(RouteRecord(GRAPH, speed=1.0))
     seen = report(9, [1, 2, 3], 1, fraction=0.5)
     client.adopt(seen)
     heard = client.take(seen)
-    assert client.track.ahead == (2, 3) and not heard.foreign
+    assert client.record.ahead == (2, 3) and not heard.foreign
     assert client.due(0.0) is None, 'no motion is ordered by itself'
 
 
@@ -259,7 +259,7 @@ def test_after_a_restart_what_was_refused_is_not_ordered_again(client, ids):
     client.extend([1], ids)
     client.refuse(RouteRefusal(1, (1,), 'no'))
     client.take(idle)
-    other = RouteClient(Track(GRAPH, speed=1.0))
+    other = RouteClient(RouteRecord(GRAPH, speed=1.0))
     other.restore(client.memory)
     other.adopt(idle)
-    assert other.due(0.0) is None and other.track.ahead == ()
+    assert other.due(0.0) is None and other.record.ahead == ()

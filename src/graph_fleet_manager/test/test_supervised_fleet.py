@@ -127,7 +127,7 @@ def test_a_cancelled_robot_stops_at_the_end_of_its_edge():
                             settings=RobotSettings(release_ahead=8.0))
     fleet.request(1, 8)
     fleet.run(3.0)
-    assert len(fleet.supervisor.robots['a'].track.ahead) > 2
+    assert len(fleet.supervisor.robots['a'].record.ahead) > 2
     fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
     fleet.run(20.0)
     assert fleet.state(1) is MissionState.CANCELLED
@@ -153,7 +153,7 @@ def test_a_lone_robot_is_released_so_far_ahead_that_it_never_brakes():
     fleet.run_until(lambda: fleet.agvs['a'].is_driving)
     begun = fleet.now
     while fleet.agvs['a'].is_driving:
-        ahead = fleet.supervisor.robots['a'].track.distance_ahead()
+        ahead = fleet.supervisor.robots['a'].record.distance_ahead()
         assert ahead <= 4.0 + 2.0, 'no more than the first edge that ends beyond release_ahead'
         fleet.step()
     assert fleet.supervisor.robots['a'].place.vertex == 12
@@ -402,7 +402,7 @@ def test_two_robots_that_report_one_place_are_not_moved():
     fleet.clearance = -1e9
     fleet.request(1, 4)
     fleet.run(10.0)
-    assert not fleet.sent and 'nearer' in fleet.supervisor.dispatcher.plan.unserved['a']
+    assert not fleet.sent and 'nearer' in fleet.supervisor.plan_executor.plan.unserved['a']
 
 
 def test_wrong_reports_are_ignored_with_one_sentence_until_there_are_right_ones():

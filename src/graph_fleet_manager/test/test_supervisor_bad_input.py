@@ -60,11 +60,11 @@ def test_reports_that_come_again_late_and_out_of_order_change_nothing(fleet):
     for _ in range(20):
         reports.append(fleet.agvs['a'].report(fleet.now))
         fleet.step()
-    done = fleet.supervisor.robots['a'].track.done
+    done = fleet.supervisor.robots['a'].record.done
     for report in reversed(reports):
         hear(fleet, report)
         hear(fleet, report)
-    assert fleet.supervisor.robots['a'].track.done == done
+    assert fleet.supervisor.robots['a'].record.done == done
     assert ends_well(fleet)
 
 
@@ -103,10 +103,10 @@ def test_a_refusal_of_what_was_never_ordered_changes_nothing(fleet):
 
 
 def test_a_plan_that_was_not_asked_for_is_not_driven(fleet):
-    before = fleet.supervisor.dispatcher.plan
+    before = fleet.supervisor.plan_executor.plan
     fleet.do(fleet.supervisor.plan_made(4711, Outcome({}, ()), fleet.now))
     fleet.do(fleet.supervisor.plan_failed(4711, 'a stranger says so', fleet.now))
-    assert fleet.supervisor.dispatcher.plan is before and ends_well(fleet)
+    assert fleet.supervisor.plan_executor.plan is before and ends_well(fleet)
 
 
 @pytest.mark.parametrize('command', list(Command))

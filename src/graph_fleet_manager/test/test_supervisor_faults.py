@@ -138,7 +138,7 @@ def test_a_planner_that_does_not_answer_is_told_of_where_robots_wait():
     assert view.waits_for == 'a plan: the planner does not answer'
     fleet.planning = 0.1
     fleet.run_until_done(1)
-    assert fleet.supervisor.dispatcher.trouble == ''
+    assert fleet.supervisor.plan_executor.trouble == ''
 
 
 def test_a_mission_for_a_stopped_fleet_says_what_it_waits_for():
@@ -239,11 +239,11 @@ def test_what_an_emergency_stop_kept_a_robot_from_driving_stays_its_own(how):
         fleet.run(2.0)
     else:
         fleet.run_until(lambda: bool(fleet._to_robots))
-    held = fleet.supervisor.robots['a'].track.held
+    held = fleet.supervisor.robots['a'].record.held
     fleet.agvs['a'].emergency = True
     fleet.run(10.0)
     robot = fleet.supervisor.robots['a']
-    assert robot.outage is Outage.STOPPED and robot.track.held == held != ()
+    assert robot.outage is Outage.STOPPED and robot.record.held == held != ()
 
 
 def test_who_cannot_work_is_given_nothing_more_by_the_plan_in_force():
@@ -252,9 +252,9 @@ def test_who_cannot_work_is_given_nothing_more_by_the_plan_in_force():
     fleet.run(5.0)
     fleet.deaf['a'] = 1e9
     fleet.run_until(lambda: fleet.supervisor.robots['a'].outage is Outage.DEAF)
-    held = fleet.supervisor.robots['a'].track.held
+    held = fleet.supervisor.robots['a'].record.held
     fleet.run(5.0)
-    assert fleet.supervisor.robots['a'].track.held == held
+    assert fleet.supervisor.robots['a'].record.held == held
 
 
 def test_a_lost_link_is_not_back_while_the_locations_are_old():
@@ -283,7 +283,7 @@ def test_a_robot_switched_off_and_on_where_it_stands_does_not_drive_its_old_rout
         fleet.run(1.0)
     fleet.deaf['a'] = fleet.now + deafness
     fleet.request(2, 1, robot='b')
-    fleet.run_until(lambda: bool(fleet.supervisor.robots['a'].track.ahead))
+    fleet.run_until(lambda: bool(fleet.supervisor.robots['a'].record.ahead))
     agv.forget()
     fleet.run(10.0)
     if deafness:  # nobody knows what it has driven of it

@@ -51,7 +51,7 @@ def test_who_does_not_know_where_it_is_now_does_not_stand_still(how):
     fleet.do(fleet.supervisor.bring_in('a', fleet.now)[1])
     fleet.request(2, 4, robot='b')
     fleet.run(4.0)
-    assert not robot(fleet).works and len(robot(fleet).track.held) >= 4
+    assert not robot(fleet).works and len(robot(fleet).record.held) >= 4
     agv.report = report
     fleet.deaf.clear()
     fleet.run(15.0)
@@ -102,12 +102,12 @@ def test_a_report_from_before_the_last_order_does_not_answer_a_cancel():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)},
                             settings=RobotSettings(release_ahead=1.0))
     fleet.request(1, 8)
-    fleet.run_until(lambda: len(robot(fleet).track.ahead) > 1)
+    fleet.run_until(lambda: len(robot(fleet).record.ahead) > 1)
     fleet._to_robots, orders = [], fleet._to_robots  # the order that makes the route longer
-    assert len(orders[-1].edges) == 2 and robot(fleet).track.done == 0
+    assert len(orders[-1].edges) == 2 and robot(fleet).record.done == 0
     fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
     fleet.do(fleet.supervisor.report('a', fleet.agvs['a'].report(fleet.now), fleet.now))
-    assert len(robot(fleet).track.held) == 2, 'it has not heard the cancel'
+    assert len(robot(fleet).record.held) == 2, 'it has not heard the cancel'
 
 
 @pytest.mark.parametrize('command', [Command.CANCEL, Command.PAUSE])
@@ -131,7 +131,7 @@ def test_a_restart_orders_nothing_again_that_was_cancelled_while_the_robot_was_s
     fleet = SupervisedFleet(corridor(9), {'a': (AGV, 1), 'b': (AGV, 9)},
                             settings=RobotSettings(release_ahead=1.0))
     fleet.request(1, 7, robot='a')
-    fleet.run_until(lambda: len(robot(fleet).track.ahead) > 1)
+    fleet.run_until(lambda: len(robot(fleet).record.ahead) > 1)
     fleet.silent['a'] = fleet.silent['b'] = 1e9
     fleet.agvs['a'].stalled = 1e9
     fleet.run(8.0)
@@ -286,13 +286,13 @@ def test_a_robot_that_drives_while_edges_behind_it_are_taken_out_of_the_graph(to
                         [e for e in graph.edges.values() if e.id > 1])
     fleet._planners.clear()
     fleet._parking = tuple(fleet.graph.vertices)
-    ahead = robot(fleet).track.ahead
+    ahead = robot(fleet).record.ahead
     fleet.agvs['a'].stalled = 10.0
     if told == 'no longer':
         fleet.silent['a'] = fleet.now + 15.0
     fleet.restart()
     fleet.run(1.0)
-    assert robot(fleet).track.ahead == ahead
+    assert robot(fleet).record.ahead == ahead
     fleet.request(2, 4, robot='b')
     fleet.run_until_done(1, 2)
     assert fleet.state(1) is MissionState.SUCCEEDED

@@ -6,32 +6,32 @@ from math import inf
 from fleet_builders import AGV, graph_of
 
 from graph_fleet_manager.planning.problem import Problem
+from graph_fleet_manager.planning.reservation_table import ReservationTable
 from graph_fleet_manager.planning.road_network import RoadNetwork
-from graph_fleet_manager.planning.safe_intervals import find_way
+from graph_fleet_manager.planning.safe_intervals import find_path
 from graph_fleet_manager.planning.tasks import Task
 from graph_fleet_manager.planning.tea_star import TeaStar
-from graph_fleet_manager.planning.timetable import Timetable
 
 
 def test_who_is_not_in_the_way_of_who_is_put_first_keeps_its_way():
     """a would end in the corridor that b has to go through; d has nothing to do with them."""
     graph = graph_of({1: (0, 0), 2: (2, 0), 3: (4, 0), 4: (6, 0), 5: (4, 2), 6: (9, 9), 7: (9, 7)},
                      {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (3, 5), 5: (6, 7), 6: (4, 7)})
-    table = Timetable(RoadNetwork(graph), 0.1, [AGV])
+    table = ReservationTable(RoadNetwork(graph), 0.1, [AGV])
     looked = []
 
     def search(errand, *others):
         looked.append(graph_id(errand.vertex))
-        return find_way(errand, *others)
+        return find_path(errand, *others)
 
     def graph_id(vertex):
         return table.network.vertex_ids[vertex]
     order = list(Problem(table, [
         Task('d', AGV, 6, destinations=(7,), stays=True),
         Task('a', AGV, 5, destinations=(2,), stays=True),
-        Task('b', AGV, 1, destinations=(4,), stays=True)], ()).travellers.values())
-    ways = TeaStar(table, search).plan(order, inf, 2)
+        Task('b', AGV, 1, destinations=(4,), stays=True)], ()).agents.values())
+    paths = TeaStar(table, search).plan(order, inf, 2)
     assert looked == [6, 5, 1, 1, 5], 'd once, b again as the first, a again behind it'
-    assert {name: graph_id(table.network.destination(way.plan[-1].drive))
-            for name, way in ways.items()} == {'a': 2, 'b': 4, 'd': 7}
-    assert ways['b'].cost == 6.0 < ways['a'].cost
+    assert {name: graph_id(table.network.destination(path.plan[-1].drive))
+            for name, path in paths.items()} == {'a': 2, 'b': 4, 'd': 7}
+    assert paths['b'].cost == 6.0 < paths['a'].cost

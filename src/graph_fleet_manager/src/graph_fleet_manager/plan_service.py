@@ -14,14 +14,14 @@ from graph_fleet_manager.planning.layers import Search
 from graph_fleet_manager.planning.parking import named_parking
 from graph_fleet_manager.planning.planner import FleetPlanner
 from graph_fleet_manager.planning.road_network import RoadNetwork
-from graph_fleet_manager.planning.safe_intervals import find_way
+from graph_fleet_manager.planning.safe_intervals import find_path
 from graph_fleet_manager.planning.tasks import CannotPlan, Obstacle, Outcome, Task
 from trajectory_graph import Graph
 
 _PLANNERS_KEPT = 4  # closures and learned times come and go
 
 
-class _Roads(NamedTuple):
+class _Roadmap(NamedTuple):
     """What a planner is made for."""
 
     closed: FrozenSet[int]
@@ -37,18 +37,18 @@ class PlanService:
     seed   -- of all that is random
     """
 
-    def __init__(self, graph: Graph, fleet: Fleet, search: Search = find_way,
+    def __init__(self, graph: Graph, fleet: Fleet, search: Search = find_path,
                  seed: int = 0) -> None:
         self.graph = graph
         self._fleet = fleet
         self._search = search
         self._seed = seed
         self._open = RoadNetwork(graph, (), fleet.dock_approach)
-        self._planners: Dict[_Roads, FleetPlanner] = {}
+        self._planners: Dict[_Roadmap, FleetPlanner] = {}
 
     def prepare(self) -> None:
         """Computes beforehand what depends on the graph only."""
-        self._planner(_Roads(frozenset(), frozenset())).prepare()
+        self._planner(_Roadmap(frozenset(), frozenset())).prepare()
 
     def parking_by_name(self) -> FrozenSet[int]:
         """Ids of all vertices at which the graph allows parking, whoever is cut off by that."""
@@ -62,7 +62,7 @@ class PlanService:
         """
         begun = time.monotonic() if received is None else received
         self._check(request)
-        planner = self._planner(_Roads(request.closed, frozenset(request.edge_times.items())))
+        planner = self._planner(_Roadmap(request.closed, frozenset(request.edge_times.items())))
         planner.parking = tuple(sorted(request.parking))
         return planner.plan(request.tasks, request.obstacles, begun + request.time_limit,
                             improve_until=begun + request.improvement)
@@ -93,14 +93,14 @@ class PlanService:
             if abs(id) not in self.graph.edges:
                 raise CannotPlan(f'{who}: the graph has no edge {id}; choose another.')
 
-    def _planner(self, roads: _Roads) -> FleetPlanner:
+    def _planner(self, roadmap: _Roadmap) -> FleetPlanner:
         """The planner for these closures and times; made where it was not used of late."""
-        planner = self._planners.pop(roads, None)
+        planner = self._planners.pop(roadmap, None)
         if planner is None:
-            network = self._open.with_closed(roads.closed, dict(roads.edge_times))
+            network = self._open.with_closed(roadmap.closed, dict(roadmap.edge_times))
             planner = FleetPlanner(network, self._fleet.clearance, self._fleet.types,
                                    search=self._search, seed=self._seed)
             while len(self._planners) >= _PLANNERS_KEPT:
                 del self._planners[next(iter(self._planners))]
-        self._planners[roads] = planner
+        self._planners[roadmap] = planner
         return planner

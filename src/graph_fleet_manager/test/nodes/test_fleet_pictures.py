@@ -15,7 +15,7 @@ from graph_fleet_manager.nodes.rviz.robot_picture import (
     GREY,
     RED,
     WORDS_SATURATION,
-    Place,
+    DrawnPose,
     label_of,
     place_on_graph,
     robot_markers,
@@ -31,7 +31,7 @@ from itrci_nav_msgs.msg import (
 )
 
 GRAPH = corridor(4)  # 2 m apart, on the x axis
-HERE = Place(1.0, 0.0, 0.0)
+HERE = DrawnPose(1.0, 0.0, 0.0)
 
 
 def named(markers, namespace):
@@ -62,7 +62,7 @@ def test_parking_and_docks_are_squares_on_their_vertices():
 
 
 def test_a_robot_is_where_its_symbolic_pose_is():
-    assert place_on_graph(robot(), GRAPH) == Place(1.0, 0.0, 0.0)
+    assert place_on_graph(robot(), GRAPH) == DrawnPose(1.0, 0.0, 0.0)
     back = place_on_graph(robot(pose=SymbolicPose(-1, 25.0)), GRAPH)
     assert (back.x, abs(back.heading)) == (pytest.approx(1.5), pytest.approx(math.pi))
 

@@ -35,7 +35,7 @@ places = st.one_of(
     st.fixed_dictionaries({'vertex': ids}),
     st.fixed_dictionaries({'released': st.lists(signed, min_size=1, max_size=3).map(tuple),
                            'begun': fractions}),
-    st.fixed_dictionaries({'between': st.tuples(signed, fractions)}))
+    st.fixed_dictionaries({'mid_edge': st.tuples(signed, fractions)}))
 
 
 @st.composite

@@ -14,10 +14,10 @@ from typing import List, Optional, Sequence
 from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandError, Parser
 from graph_fleet_manager.commands.fleet_client import run
 from graph_fleet_manager.files.robot_computers import is_address
-from graph_fleet_manager.joining.findings import Level
-from graph_fleet_manager.joining.network_checks import NetworkChecks
-from graph_fleet_manager.joining.peer_master import DISCOVERY_PORT, MASTER_PORT
 from graph_fleet_manager.messages.definitions import own_definitions
+from graph_fleet_manager.multimaster.findings import Level
+from graph_fleet_manager.multimaster.network_checks import NetworkChecks
+from graph_fleet_manager.multimaster.peer_master import DISCOVERY_PORT, MASTER_PORT
 
 _WORDS = {Level.OK: 'ok', Level.WARN: 'WARN', Level.WRONG: 'WRONG'}
 

@@ -21,7 +21,7 @@ from graph_fleet_manager.geometry.exclusions import OutOfTime
 from graph_fleet_manager.planning.layers import layered
 from graph_fleet_manager.planning.planner import FleetPlanner
 from graph_fleet_manager.planning.road_network import RoadNetwork
-from graph_fleet_manager.planning.safe_intervals import find_way
+from graph_fleet_manager.planning.safe_intervals import find_path
 from graph_fleet_manager.planning.tasks import Task
 from trajectory_graph import GraphError, load_graph
 
@@ -115,7 +115,7 @@ def _read(options: argparse.Namespace) -> Tuple[RoadNetwork, Fleet, Dict[str, Tu
 def _plan(network: RoadNetwork, fleet: Fleet, missions: Mapping[str, Tuple[int, ...]],
           begun: float, options: argparse.Namespace) -> Dict:
     deadline = begun + options.time_limit
-    search = find_way if options.search == 'safe_intervals' else layered(options.layer_length)
+    search = find_path if options.search == 'safe_intervals' else layered(options.layer_length)
     planner = FleetPlanner(network, fleet.clearance, [robot.type for robot in fleet.robots],
                            search=search, seed=options.seed)
     lower_bound = _check_reachable(network, fleet, missions)
@@ -150,8 +150,8 @@ def _check_reachable(network: RoadNetwork, fleet: Fleet,
     for robot in fleet.robots:
         at = robot.vertex
         for vertex in missions.get(robot.name, ()):
-            way = network.ways_to(robot.type, (network.index[vertex],))[0]
-            seconds = float(way[network.index[at]])
+            times = network.paths_to(robot.type, (network.index[vertex],))[0]
+            seconds = float(times[network.index[at]])
             if seconds == inf:
                 raise WrongInput(f'Robot {robot.name} cannot reach vertex {vertex} from vertex '
                                  f'{at}; let edges lead there that it may drive, or choose another '

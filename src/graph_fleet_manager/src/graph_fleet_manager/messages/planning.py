@@ -87,9 +87,9 @@ def request_message(request: PlanRequest, plan_id: int, stamp: genpy.Time,
 
 def _task(message: msg.RobotTask, types: Mapping[str, RobotType], clock: Clock) -> Task:
     name = _name(message.robot)
-    between: Optional[Tuple[int, float]] = None
+    mid_edge: Optional[Tuple[int, float]] = None
     if message.edge:
-        between = message.edge, message.fraction
+        mid_edge = message.edge, message.fraction
         if not 0.0 <= message.fraction <= 1.0:
             raise CannotPlan(f'Robot {name} stands at {message.fraction} of edge {message.edge}; '
                              'a fraction lies in 0..1.')
@@ -99,13 +99,13 @@ def _task(message: msg.RobotTask, types: Mapping[str, RobotType], clock: Clock) 
                                   clock.seconds(drive.end)) for drive in message.kept)
     return Task(
         name, _type(name, message.robot_type, types), message.vertex or None,
-        tuple(message.released), message.begun, between, message.ready * clock.rate,
+        tuple(message.released), message.begun, mid_edge, message.ready * clock.rate,
         tuple(message.destinations), tuple(dwell * clock.rate for dwell in message.dwells),
         message.stays, kept, message.priority)
 
 
 def _task_message(task: Task, clock: Clock) -> msg.RobotTask:
-    edge, fraction = task.between or (0, 0.0)
+    edge, fraction = task.mid_edge or (0, 0.0)
     return msg.RobotTask(
         task.name, task.type.name, task.vertex or 0, list(task.released), task.begun, edge,
         fraction, task.ready / clock.rate, list(task.destinations),

@@ -9,7 +9,7 @@ import rospy
 from geometry_msgs.msg import PoseStamped, Quaternion, TransformStamped, Vector3
 from sensor_msgs.msg import BatteryState
 
-from graph_fleet_manager.agv.vehicle import Vehicle
+from graph_fleet_manager.agv_simulator.vehicle import Vehicle
 from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, RouteRefused, TargetRoute
 from trajectory_graph.route_messages import fill_refusal, fill_report, order_of
 from trajectory_graph.route_protocol import RouteRefusal, RouteReport

@@ -28,7 +28,7 @@ def report_fleet(supervisor: Optional[Supervisor], trouble: str,
         return
     views = robot_views(supervisor, time.monotonic())
     out = [view for view in views if view.state >= RobotState.OFFLINE]
-    plan, no_plan = supervisor.dispatcher.plan, supervisor.dispatcher.trouble
+    plan, no_plan = supervisor.plan_executor.plan, supervisor.plan_executor.trouble
     stuck = [view.name for view in views if plan is not None and view.name in plan.unserved]
     if supervisor.trouble:
         status.summary(DiagnosticStatus.ERROR, 'no mission is accepted and no robot gets anything '

@@ -87,7 +87,7 @@ class FleetTopics:
             return max(stamp + rospy.Duration.from_sec(seconds - now), rospy.Time(0))
 
         def planned(seconds: float) -> rospy.Time:
-            plan = supervisor.dispatcher.plan
+            plan = supervisor.plan_executor.plan
             made_at = plan.made_at if plan else now
             return moment(made_at + (seconds - made_at) / self._rate)
         self._states.publish(messages.state_message(robot_views(supervisor, now), moment, stamp))

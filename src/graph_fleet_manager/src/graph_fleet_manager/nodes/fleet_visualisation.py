@@ -33,7 +33,7 @@ from graph_fleet_manager.nodes.rviz.menus import FleetMenus
 from graph_fleet_manager.nodes.rviz.picture import Picture
 from graph_fleet_manager.nodes.rviz.plan_picture import plan_markers
 from graph_fleet_manager.nodes.rviz.robot_picture import (
-    Place,
+    DrawnPose,
     label_of,
     place_on_graph,
     robot_markers,
@@ -174,10 +174,10 @@ class FleetVisualisation:
                 self._pictures['plans'].show(
                     plan_markers(graph, self._plan, state, self._numbers))
 
-    def _draw_robots(self, graph: Graph, state: FleetState) -> Dict[str, Place]:
+    def _draw_robots(self, graph: Graph, state: FleetState) -> Dict[str, DrawnPose]:
         """Draws all robots of which it is known where they are; tells these places."""
         now = rospy.Time.now().to_sec()
-        places: Dict[str, Place] = {}
+        places: Dict[str, DrawnPose] = {}
         labels: Dict[str, Label] = {}
         markers: List[Marker] = []
         for robot in state.robots:

@@ -34,7 +34,7 @@ from graph_fleet_manager.messages.planning import answer_message, no_plan_messag
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
 from graph_fleet_manager.plan_service import PlanService
 from graph_fleet_manager.planning.layers import layered
-from graph_fleet_manager.planning.safe_intervals import find_way
+from graph_fleet_manager.planning.safe_intervals import find_path
 from graph_fleet_manager.planning.tasks import CannotPlan
 from itrci_nav_msgs.msg import Graph as GraphMessage
 from itrci_nav_msgs.msg import ParkingPlaces, PlanAnswer, PlanRequest
@@ -53,7 +53,7 @@ class PathPlanner:
         self._types = {kind.name: kind for kind in self._fleet.types}
         search = choice('~search', 'safe_intervals', ('safe_intervals', 'layers'))
         layer_length = number('~layer_length', 1.0, 0.05, 60.0)
-        self._search = find_way if search == 'safe_intervals' else layered(layer_length)
+        self._search = find_path if search == 'safe_intervals' else layered(layer_length)
         self._seed: int = parameter('~seed', 0, int)
         self._time_limit = number('~time_limit', 2.0, 0.01, 600.0)
         self._longest = number('~longest_time_limit', 10.0, self._time_limit, 600.0)

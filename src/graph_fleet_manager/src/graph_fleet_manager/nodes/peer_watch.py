@@ -21,18 +21,18 @@ from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
 from graph_fleet_manager.files.robot_computers import is_address
-from graph_fleet_manager.joining.findings import (
+from graph_fleet_manager.messages.definitions import own_definitions
+from graph_fleet_manager.multimaster.findings import (
     Finding,
     Level,
     clock_finding,
     definitions_finding,
 )
-from graph_fleet_manager.joining.peer_master import (
+from graph_fleet_manager.multimaster.peer_master import (
     DISCOVERY_PORT,
     Discovery,
     NoAnswer,
 )
-from graph_fleet_manager.messages.definitions import own_definitions
 from node_lifecycle import ConfigurationError, parameter, publish_diagnostics, run
 
 PERIOD = 2.0  # s between two looks at a peer

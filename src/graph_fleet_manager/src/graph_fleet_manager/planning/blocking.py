@@ -36,12 +36,12 @@ class _Blocks(NamedTuple):
 
 
 class Blocking:
-    """What robots of type `mover` block for robots of type `observer`."""
+    """What robots of type `moving` block for robots of type `observer`."""
 
-    def __init__(self, network: RoadNetwork, mover: RobotType, observer: RobotType,
+    def __init__(self, network: RoadNetwork, moving: RobotType, observer: RobotType,
                  clearance: float) -> None:
         self._network = network
-        self._distance = mover.reach + observer.reach + clearance
+        self._distance = moving.reach + observer.reach + clearance
         times = np.array(network.times(observer))
         self._times = np.where(np.isfinite(times), times, 0.0)
 
@@ -63,7 +63,7 @@ class Blocking:
         return zip(slots[row], leads[row])
 
     def excluded(self, place: int) -> List[int]:
-        """The places (not slots) that an observer may not hold while a mover holds this one."""
+        """The places (not slots) that an observer may not hold while the other holds this one."""
         return self.conflicts.row(place)
 
     def excludes(self, place: int, other: int) -> bool:
@@ -82,8 +82,8 @@ class Blocking:
         """All slots of these places; a drive must be over before."""
         vertices = self._network.vertices
         waits = [(self._network.vertex_slot(v), 0.0) for v in places[places < vertices].tolist()]
-        drives = [2 * e + way for e in (places[places >= vertices] - vertices).tolist()
-                  for way in (0, 1)]
+        drives = [2 * e + direction for e in (places[places >= vertices] - vertices).tolist()
+                  for direction in (0, 1)]
         return waits + [(drive, float(self._times[drive])) for drive in drives]
 
     def prepare(self) -> None:
@@ -101,10 +101,10 @@ class Blocking:
         slots = (other + self._network.drives)[pair]
         leads = np.zeros(len(slots))
         drive = 2 * (other[is_edge] - self._network.vertices)
-        for way, clear in enumerate((forward, backward)):
-            at = first[:-1][is_edge] + way
-            slots[at] = drive + way
-            leads[at] = clear[mirrored[is_edge]] * self._times[drive + way]
+        for direction, clear in enumerate((forward, backward)):
+            at = first[:-1][is_edge] + direction
+            slots[at] = drive + direction
+            leads[at] = clear[mirrored[is_edge]] * self._times[drive + direction]
         bounds = first[starts].tolist()
         return _Blocks([slice(*ends) for ends in zip(bounds, bounds[1:])],
                        array('q', slots.tobytes()), array('d', leads.tobytes()),

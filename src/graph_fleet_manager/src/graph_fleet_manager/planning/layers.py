@@ -1,9 +1,9 @@
-"""The way of one robot through a timetable: A* over time layers, TEA*'s own form.
+"""The way of one robot through a reservation table: A* over time layers, TEA*'s own form.
 
 Layers k = 0, 1, 2 ... lie `seconds` apart; a robot waits from one layer to the next, or begins a
 drive in a layer and goes on from the first layer in which it is there. Waiting is a step like
 driving, so the search looks at many more states than one over safe intervals, and no robot sets out
-between two layers. What may be done when is asked of the same timetable.
+between two layers. What may be done when is asked of the same reservation table.
 """
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from heapq import heappop, heappush
 from math import ceil, inf
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
+from graph_fleet_manager.planning.agents import Errand
 from graph_fleet_manager.planning.plans import Plan
 from graph_fleet_manager.planning.safe_intervals import Arrival, plan_from
 from graph_fleet_manager.planning.slots import Busy, Slots
-from graph_fleet_manager.planning.travellers import Errand
 
 _ROUNDING = 1e-9  # of a layer
 
@@ -26,12 +26,12 @@ def layered(seconds: float) -> Search:
     """`find_way` with layers `seconds` apart; arguments and result as in `safe_intervals`."""
     def search(errand: Errand, slots: Slots, latest: float = inf,
                arrivals: Sequence[Arrival] = ()) -> Optional[Tuple[float, Plan]]:
-        return _find_way(errand, slots, seconds, latest, arrivals)
+        return _find_path(errand, slots, seconds, latest, arrivals)
     return search
 
 
-def _find_way(errand: Errand, slots: Slots, layer: float, latest: float,
-              arrivals: Sequence[Arrival]) -> Optional[Tuple[float, Plan]]:
+def _find_path(errand: Errand, slots: Slots, layer: float, latest: float,
+               arrivals: Sequence[Arrival]) -> Optional[Tuple[float, Plan]]:
     targets, dwells, rests = errand.destinations, errand.dwells, errand.rests
     legs = len(targets)
     best: Dict[Tuple[int, int, int], float] = {}

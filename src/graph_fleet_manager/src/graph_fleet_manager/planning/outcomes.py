@@ -3,30 +3,30 @@ from __future__ import annotations
 
 from typing import Iterable, Mapping
 
+from graph_fleet_manager.planning.agents import Agent
 from graph_fleet_manager.planning.plans import Plan
 from graph_fleet_manager.planning.precedence import precedence
+from graph_fleet_manager.planning.reservation_table import ReservationTable
 from graph_fleet_manager.planning.schedule import in_order, schedule
 from graph_fleet_manager.planning.tasks import Outcome, PlannedDrive
-from graph_fleet_manager.planning.timetable import Timetable
-from graph_fleet_manager.planning.travellers import Traveller
 
 
-def outcome_of(timetable: Timetable, travellers: Mapping[str, Traveller],
+def outcome_of(reservations: ReservationTable, agents: Mapping[str, Agent],
                behind: Mapping[str, Plan], served: Iterable[str], unserved: Mapping[str, str],
                rounds: int) -> Outcome:
     """The plans, with the order of use that keeps them safe.
 
-    behind   -- each traveller's plan behind what is fixed; if it was improved in rounds, its drives
+    behind   -- each agent's plan behind what is fixed; if it was improved in rounds, its drives
                 now begin as early as their order allows
     served   -- whose plans lead to all of their destinations
     unserved -- whose do not, and why
     """
-    ids = timetable.network.signed_ids
-    plans = schedule(timetable, travellers, in_order(behind)) if rounds else behind
-    whole = {name: travellers[name].whole(plan) for name, plan in plans.items()}
-    constraints = precedence(timetable, whole, {name: t.kind for name, t in travellers.items()},
-                             {name: len(t.fixed) for name, t in travellers.items()})
-    errands = {name: travellers[name].errand for name in served}
+    ids = reservations.network.signed_ids
+    plans = schedule(reservations, agents, in_order(behind)) if rounds else behind
+    whole = {name: agents[name].whole(plan) for name, plan in plans.items()}
+    constraints = precedence(reservations, whole, {name: t.kind for name, t in agents.items()},
+                             {name: len(t.fixed) for name, t in agents.items()})
+    errands = {name: agents[name].errand for name in served}
     return Outcome(
         {name: tuple([PlannedDrive(ids[drive], start, end) for drive, start, end, _ in plan])
          for name, plan in whole.items()},

@@ -8,13 +8,13 @@ from random import Random
 from typing import Dict, Iterable, Iterator, List, Optional, Sequence, Tuple
 
 from graph_fleet_manager.fleet import RobotType
-from graph_fleet_manager.planning.attempts import Attempts
 from graph_fleet_manager.planning.layers import Search
+from graph_fleet_manager.planning.planning_pipeline import PlanningPipeline
 from graph_fleet_manager.planning.problem import check
+from graph_fleet_manager.planning.reservation_table import ReservationTable
 from graph_fleet_manager.planning.road_network import RoadNetwork
-from graph_fleet_manager.planning.safe_intervals import find_way
+from graph_fleet_manager.planning.safe_intervals import find_path
 from graph_fleet_manager.planning.tasks import Obstacle, Outcome, Task
-from graph_fleet_manager.planning.timetable import Timetable
 
 Place = Tuple[str, RobotType, int]
 """Name of a robot, its type, the id of a vertex."""
@@ -32,9 +32,9 @@ class FleetPlanner:
     """
 
     def __init__(self, network: RoadNetwork, clearance: float, kinds: Iterable[RobotType],
-                 parking: Iterable[int] = (), search: Search = find_way, seed: int = 0) -> None:
+                 parking: Iterable[int] = (), search: Search = find_path, seed: int = 0) -> None:
         self.network = network
-        self.timetable = Timetable(network, clearance, kinds)
+        self.reservations = ReservationTable(network, clearance, kinds)
         self.parking = tuple(parking)
         self._search = search
         self._seed = seed
@@ -42,15 +42,15 @@ class FleetPlanner:
     def prepare(self) -> None:
         """Computes beforehand what depends on the graph only."""
         with _without_garbage_collection():
-            self.timetable.prepare()
+            self.reservations.prepare()
 
     def too_near(self, places: Sequence[Place]) -> Optional[Tuple[Place, Place]]:
         """Two of the robots (name, type, vertex id) that may not stand there at once, or None."""
         at: Dict[int, List[Place]] = {}
         for place in places:
             vertex = self.network.index[place[2]]
-            for other_kind in self.timetable.kinds:
-                for near in self.timetable.blocking[place[1], other_kind].excluded(vertex):
+            for other_kind in self.reservations.kinds:
+                for near in self.reservations.blocking[place[1], other_kind].excluded(vertex):
                     for other in at.get(near, ()):
                         if other[1] == other_kind:
                             return other, place
@@ -63,7 +63,7 @@ class FleetPlanner:
         """Are there vertices enough for `others` beside robots that stay at `ends`?"""
         for kind in {place[1] for place in others}:
             taken = {vertex for _, end_kind, id in ends
-                     for vertex in self.timetable.blocking[end_kind, kind].excluded(
+                     for vertex in self.reservations.blocking[end_kind, kind].excluded(
                          self.network.index[id])}
             free = set(range(self.network.vertices)) - taken
             free -= self.network.docks - {self.network.index[place[2]] for place in others}
@@ -82,10 +82,11 @@ class FleetPlanner:
         check(self.network, tasks)
         with _without_garbage_collection():
             try:
-                return Attempts(self.timetable, tasks, obstacles, self.parking, self._search,
-                                Random(self._seed)).run(deadline, rounds, improve_until)
+                return PlanningPipeline(
+                    self.reservations, tasks, obstacles, self.parking, self._search,
+                    Random(self._seed)).run(deadline, rounds, improve_until)
             finally:
-                self.timetable.clear()
+                self.reservations.clear()
 
 
 @contextmanager

@@ -18,7 +18,7 @@ import numpy as np
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.geometry.arrays import count_up, order_of
 from graph_fleet_manager.planning.plans import Plans
-from graph_fleet_manager.planning.timetable import Timetable
+from graph_fleet_manager.planning.reservation_table import ReservationTable
 
 _ROUNDING = 1e-9  # s
 
@@ -57,7 +57,7 @@ class _Pairs(NamedTuple):
     then: np.ndarray      # (M,) index into _Drives
 
 
-def precedence(timetable: Timetable, plans: Plans, kinds: Mapping[str, RobotType],
+def precedence(reservations: ReservationTable, plans: Plans, kinds: Mapping[str, RobotType],
                released: Mapping[str, int] = MappingProxyType({})) -> List[Constraint]:
     """The constraints that keep `plans` safe, none of which follows from another of the same pair.
 
@@ -69,13 +69,13 @@ def precedence(timetable: Timetable, plans: Plans, kinds: Mapping[str, RobotType
     if not names:
         return []
     drives = _in_order(plans, names, released)
-    kind_of = np.array([timetable.kinds.index(kinds[name]) for name in names])[drives.robot]
-    found = [meetings(timetable, drives, mover, observer, kind_of == m, kind_of == o)
-             for m, mover in enumerate(timetable.kinds)
-             for o, observer in enumerate(timetable.kinds)
+    kind_of = np.array([reservations.kinds.index(kinds[name]) for name in names])[drives.robot]
+    found = [meetings(reservations, drives, moving, observer, kind_of == m, kind_of == o)
+             for m, moving in enumerate(reservations.kinds)
+             for o, observer in enumerate(reservations.kinds)
              for meetings in (_meetings, _meetings_of_rests)]
     pairs = _Pairs(*map(np.concatenate, zip(*found)))
-    _check(timetable, names, drives, pairs)
+    _check(reservations, names, drives, pairs)
     pairs = _without_what_follows(drives, pairs)
     return [Constraint(names[a], i, fraction, names[b], j) for a, i, fraction, b, j in zip(
         drives.robot[pairs.first].tolist(), drives.number[pairs.first].tolist(),
@@ -102,12 +102,12 @@ def _in_order(plans: Plans, names: Sequence[str], released: Mapping[str, int]) -
     return _Drives(*(column[order] for column in columns))
 
 
-def _meetings(timetable: Timetable, drives: _Drives, mover: RobotType, observer: RobotType,
-              moves: np.ndarray, observes: np.ndarray) -> _Pairs:
-    """For each planned drive of an observer the last drive of each mover before it that excludes
+def _meetings(reservations: ReservationTable, drives: _Drives, moving: RobotType,
+              observer: RobotType, moves: np.ndarray, observes: np.ndarray) -> _Pairs:
+    """For each planned drive of an observer the last drive of each moving before it that excludes
     it, where both are drives of the types given."""
-    conflicts = timetable.blocking[mover, observer].conflicts
-    vertices, count = timetable.network.vertices, len(drives.drive)
+    conflicts = reservations.blocking[moving, observer].conflicts
+    vertices, count = reservations.network.vertices, len(drives.drive)
     after = np.flatnonzero(observes & drives.planned & (drives.begun == 0.0))
     edge_after = drives.drive[after] >> 1
     wanted = np.zeros(len(conflicts.starts) - 1, dtype=bool)
@@ -140,13 +140,13 @@ def _meetings(timetable: Timetable, drives: _Drives, mover: RobotType, observer:
     return _Pairs(before[at][last], fraction[at][last], then[last])
 
 
-def _meetings_of_rests(timetable: Timetable, drives: _Drives, mover: RobotType,
+def _meetings_of_rests(reservations: ReservationTable, drives: _Drives, moving: RobotType,
                        observer: RobotType, moves: np.ndarray, observes: np.ndarray) -> _Pairs:
     """The same for observers that stand between two vertices: what only concerns the part of the
-    edge that lies behind them is left out, as in the timetable."""
-    conflicts = timetable.blocking[mover, observer].conflicts
+    edge that lies behind them is left out, as in the reservation table."""
+    conflicts = reservations.blocking[moving, observer].conflicts
     clear = conflicts.forward, conflicts.backward
-    place = timetable.network.vertices + (drives.drive >> 1)
+    place = reservations.network.vertices + (drives.drive >> 1)
     found = [_Pairs(np.empty(0, dtype=np.int64), np.empty(0), np.empty(0, dtype=np.int64))]
     for then in np.flatnonzero(observes & drives.planned & (drives.begun > 0.0)).tolist():
         row = slice(conflicts.starts[place[then]], conflicts.starts[place[then] + 1])
@@ -165,7 +165,8 @@ def _meetings_of_rests(timetable: Timetable, drives: _Drives, mover: RobotType,
     return _Pairs(*map(np.concatenate, zip(*found)))
 
 
-def _check(timetable: Timetable, names: Sequence[str], drives: _Drives, pairs: _Pairs) -> None:
+def _check(reservations: ReservationTable, names: Sequence[str], drives: _Drives,
+           pairs: _Pairs) -> None:
     """Do the times of the plans keep the order, and is it one without rings?"""
     if (pairs.first >= pairs.then).any():
         raise Conflicting('a drive would wait for one that comes after it in the order of all')
@@ -178,7 +179,7 @@ def _check(timetable: Timetable, names: Sequence[str], drives: _Drives, pairs: _
         first, then = pairs.first[k], pairs.then[k]
         raise Conflicting(
             f'{names[drives.robot[then]]} would begin edge '
-            f'{timetable.network.signed_id(int(drives.drive[then]))} at {drives.start[then]} s, '
+            f'{reservations.network.signed_id(int(drives.drive[then]))} at {drives.start[then]} s, '
             f'but {names[drives.robot[first]]} is not out of its way before {until[k]} s')
 
 

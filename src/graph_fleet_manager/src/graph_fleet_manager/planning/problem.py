@@ -1,4 +1,4 @@
-"""From what the planner is asked, in ids, to travellers; and what makes no sense in it."""
+"""From what the planner is asked, in ids, to agents; and what makes no sense in it."""
 from __future__ import annotations
 
 from collections import Counter
@@ -8,34 +8,34 @@ from math import inf
 from typing import Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.planning.agents import LATER, Agent, Errand
 from graph_fleet_manager.planning.plans import Drive
+from graph_fleet_manager.planning.reservation_table import MidEdgePosition, ReservationTable
 from graph_fleet_manager.planning.road_network import RoadNetwork
 from graph_fleet_manager.planning.tasks import CannotPlan, Task
-from graph_fleet_manager.planning.timetable import Between, Timetable
-from graph_fleet_manager.planning.travellers import LATER, Errand, Traveller
 
 
 class Problem:
-    """The travellers of a list of tasks.
+    """The agents of a list of tasks.
 
     parking -- ids of the vertices at which robots may be parked; docks only for types that list
                them
     """
 
-    def __init__(self, timetable: Timetable, tasks: Sequence[Task],
+    def __init__(self, reservations: ReservationTable, tasks: Sequence[Task],
                  parking: Iterable[int]) -> None:
-        self._timetable = timetable
-        self._network: RoadNetwork = timetable.network
+        self._reservations = reservations
+        self._network: RoadNetwork = reservations.network
         self._parking = frozenset(self._network.index[id] for id in parking)
         self.tasks: Dict[str, Task] = {task.name: task for task in tasks}
         self._wanted = {name: frozenset(self._vertices(task.destinations))
                         for name, task in self.tasks.items()}
         self._robots_to = Counter(chain.from_iterable(self._wanted.values()))
-        for kind in timetable.kinds:  # all at once: one by one they take several times as long
-            self._network.ways_to(kind, [vertex for name, task in self.tasks.items()
-                                         if task.type == kind for vertex in self._wanted[name]])
-        self.travellers: Dict[str, Traveller] = {
-            name: self._traveller(task) for name, task in self.tasks.items()}
+        for kind in reservations.kinds:  # all at once: one by one they take several times as long
+            self._network.paths_to(kind, [vertex for name, task in self.tasks.items()
+                                          if task.type == kind for vertex in self._wanted[name]])
+        self.agents: Dict[str, Agent] = {
+            name: self._agent(task) for name, task in self.tasks.items()}
 
     def rests(self, kind: RobotType, unwanted: FrozenSet[int] = frozenset()) -> FrozenSet[int]:
         """Where robots of a type may be parked; without what others want if that leaves enough."""
@@ -45,24 +45,24 @@ class Problem:
         quiet = allowed - unwanted
         return quiet if len(quiet) >= len(self.tasks) else allowed
 
-    def with_rests(self, traveller: Traveller, rests: FrozenSet[int]) -> Traveller:
-        """The same traveller, allowed to end elsewhere."""
-        task = self.tasks[traveller.name]
-        return traveller._replace(errand=self._errand(task, traveller.fixed, traveller.between,
-                                                      rests))
+    def with_rests(self, agent: Agent, rests: FrozenSet[int]) -> Agent:
+        """The same agent, allowed to end elsewhere."""
+        task = self.tasks[agent.name]
+        return agent._replace(errand=self._errand(task, agent.fixed, agent.mid_edge,
+                                                  rests))
 
-    def without_destinations(self, traveller: Traveller) -> Traveller:
-        """The same traveller, that only has to be parked."""
-        task = replace(self.tasks[traveller.name], destinations=(), dwells=())
-        rests = traveller.errand.rests
+    def without_destinations(self, agent: Agent) -> Agent:
+        """The same agent, that only has to be parked."""
+        task = replace(self.tasks[agent.name], destinations=(), dwells=())
+        rests = agent.errand.rests
         if rests is None:
             rests = frozenset(range(self._network.vertices)) - self._network.docks
-        return traveller._replace(errand=self._errand(task, traveller.fixed, traveller.between,
-                                                      rests))
+        return agent._replace(errand=self._errand(task, agent.fixed, agent.mid_edge,
+                                                  rests))
 
-    def _traveller(self, task: Task) -> Traveller:
+    def _agent(self, task: Task) -> Agent:
         fixed = self._fixed(task)
-        between = self._between(task)
+        mid_edge = self._mid_edge(task)
         if task.stays:
             rests = None if task.destinations else (
                 frozenset(range(self._network.vertices)) - self._network.docks
@@ -74,22 +74,22 @@ class Problem:
             start = self._network.index[task.vertex]
         elif fixed:
             start = self._network.origin[fixed[0].drive]
-        return Traveller(task.name, task.type, start, fixed,
-                         self._errand(task, fixed, between, rests), task.priority, between)
+        return Agent(task.name, task.type, start, fixed,
+                     self._errand(task, fixed, mid_edge, rests), task.priority, mid_edge)
 
     def _wanted_by_others(self, name: str) -> FrozenSet[int]:
         """The destinations of all robots but one."""
         alone = {vertex for vertex in self._wanted[name] if self._robots_to[vertex] == 1}
         return frozenset(self._robots_to.keys() - alone)
 
-    def _errand(self, task: Task, fixed: Sequence[Drive], between: Optional[Between],
+    def _errand(self, task: Task, fixed: Sequence[Drive], mid_edge: Optional[MidEdgePosition],
                 rests: Optional[FrozenSet[int]]) -> Errand:
         network = self._network
         ready = (fixed[-1].end if fixed else 0.0) + task.ready
-        if between is not None:
+        if mid_edge is not None:
             times = network.times(task.type)
-            origins = {network.destination(drive): times[drive] * (1.0 - between.behind(drive))
-                       for drive in (between.drive, between.drive ^ 1)}
+            origins = {network.destination(drive): times[drive] * (1.0 - mid_edge.behind(drive))
+                       for drive in (mid_edge.drive, mid_edge.drive ^ 1)}
         elif fixed:
             origins = {network.destination(fixed[-1].drive): 0.0}
         else:
@@ -112,13 +112,13 @@ class Problem:
             now = drives[-1].end
         return tuple(drives)
 
-    def _between(self, task: Task) -> Optional[Between]:
-        if task.between is None:
+    def _mid_edge(self, task: Task) -> Optional[MidEdgePosition]:
+        if task.mid_edge is None:
             return None
-        edge, fraction = task.between
+        edge, fraction = task.mid_edge
         curve = self._network.graph.curve(edge)
-        return Between(self._network.drive(edge), fraction,
-                       *curve.point_at(fraction * curve.length))
+        return MidEdgePosition(self._network.drive(edge), fraction,
+                               *curve.point_at(fraction * curve.length))
 
     def _vertices(self, ids: Iterable[int]) -> Tuple[int, ...]:
         return tuple(self._network.index[id] for id in ids)
@@ -129,13 +129,13 @@ class Problem:
         """Pairs of robots that hold, as it begins, what they may not hold at once."""
         by_place: Dict[int, List[_Held]] = {}
         held: List[_Held] = []
-        for traveller in self.travellers.values():
-            for one in _held_by(traveller, self._network):
+        for agent in self.agents.values():
+            for one in _held_by(agent, self._network):
                 by_place.setdefault(one.place, []).append(one)
                 held.append(one)
         found: Set[Tuple[str, str]] = set()
         for one in held:
-            for kind in self._timetable.kinds:
+            for kind in self._reservations.kinds:
                 for place in self._excluded(one, kind):
                     for other in by_place.get(place, ()):
                         if (other.name != one.name and other.kind == kind
@@ -146,19 +146,19 @@ class Problem:
         return sorted(found)
 
     def _excluded(self, held: _Held, other: RobotType) -> List[int]:
-        if held.between is not None:
-            return self._timetable.places_near(held.kind, other, held.between)
-        return self._timetable.blocking[held.kind, other].excluded(held.place)
+        if held.mid_edge is not None:
+            return self._reservations.places_near(held.kind, other, held.mid_edge)
+        return self._reservations.blocking[held.kind, other].excluded(held.place)
 
     def _is_near(self, one: _Held, other: _Held) -> bool:
         """Is a robot too near to one between two vertices, that holds but the point where it is?"""
-        return other.between is None or one.place in self._excluded(other, one.kind)
+        return other.mid_edge is None or one.place in self._excluded(other, one.kind)
 
     def _still_meets(self, one: _Held, other: _Held) -> bool:
         """Does what lies before a robot on its drive exclude a place, not only what is behind?"""
-        if one.begun == 0.0 or one.between is not None:
+        if one.begun == 0.0 or one.mid_edge is not None:
             return True
-        blocks = self._timetable.blocking[one.kind, other.kind].drive(one.drive)
+        blocks = self._reservations.blocking[one.kind, other.kind].drive(one.drive)
         slot = (other.place + self._network.drives if other.place < self._network.vertices
                 else 2 * (other.place - self._network.vertices))
         return any(clear > one.begun for s, clear, _ in blocks if s == slot)
@@ -172,24 +172,24 @@ class _Held(NamedTuple):
     place: int
     drive: int
     begun: float
-    between: Optional[Between]
+    mid_edge: Optional[MidEdgePosition]
 
 
-def _held_by(traveller: Traveller, network: RoadNetwork) -> List[_Held]:
-    name, kind, between = traveller.name, traveller.kind, traveller.between
-    if between is not None:
-        return [_Held(name, kind, network.vertices + (between.drive >> 1), between.drive, 0.0,
-                      between)]
-    if not traveller.fixed:
-        return [_Held(name, kind, traveller.vertex, -1, 0.0, None)]
+def _held_by(agent: Agent, network: RoadNetwork) -> List[_Held]:
+    name, kind, mid_edge = agent.name, agent.kind, agent.mid_edge
+    if mid_edge is not None:
+        return [_Held(name, kind, network.vertices + (mid_edge.drive >> 1), mid_edge.drive, 0.0,
+                      mid_edge)]
+    if not agent.fixed:
+        return [_Held(name, kind, agent.vertex, -1, 0.0, None)]
     return [_Held(name, kind, network.vertices + (drive.drive >> 1), drive.drive, drive.begun, None)
-            for drive in traveller.fixed]
+            for drive in agent.fixed]
 
 
 def check(network: RoadNetwork, tasks: Sequence[Task]) -> None:
     """Raises CannotPlan for ids that the graph does not have and robots that are nowhere."""
     for task in tasks:
-        places = (task.vertex is not None, bool(task.released), task.between is not None)
+        places = (task.vertex is not None, bool(task.released), task.mid_edge is not None)
         if places not in ((True, False, False), (True, True, False), (False, True, False),
                           (False, False, True)):
             raise CannotPlan(f'Robot {task.name} must stand on one vertex, drive, or stand on one '
@@ -198,7 +198,7 @@ def check(network: RoadNetwork, tasks: Sequence[Task]) -> None:
             if id not in network.index:
                 raise CannotPlan(f'Robot {task.name}: the graph has no vertex {id}; choose '
                                  'another.')
-        for id in (*task.released, *(() if task.between is None else task.between[:1])):
+        for id in (*task.released, *(() if task.mid_edge is None else task.mid_edge[:1])):
             if abs(id) not in network.edge_index:
                 raise CannotPlan(f'Robot {task.name}: the graph has no edge {id}; choose another.')
         for first, second in zip(task.released, task.released[1:]):
@@ -207,7 +207,7 @@ def check(network: RoadNetwork, tasks: Sequence[Task]) -> None:
                 raise CannotPlan(f'Robot {task.name}: edge {second} does not begin where edge '
                                  f'{first} ends; mend its route.')
         numbers = (task.begun, task.ready, *task.dwells,
-                   *(() if task.between is None else task.between[1:]))
+                   *(() if task.mid_edge is None else task.mid_edge[1:]))
         if not all(0.0 <= number < inf for number in numbers) or task.begun >= 1.0:
             raise CannotPlan(f'Robot {task.name}: fractions and times must be numbers from 0 on, '
                              'fractions below 1.')

@@ -16,7 +16,7 @@ import numpy as np
 from graph_fleet_manager.fleet import DOCK_APPROACH, RobotType
 from graph_fleet_manager.geometry.exclusions import Exclusions
 from graph_fleet_manager.geometry.site_geometry import SiteGeometry
-from graph_fleet_manager.planning.shortest_ways import ShortestWays
+from graph_fleet_manager.planning.shortest_paths import ShortestPaths
 from trajectory_graph import Graph
 
 _GUIDED = 1.0 + 1e-9
@@ -66,8 +66,8 @@ class RoadNetwork:
         self._lengths = self.geometry.lengths
         self._times: Dict[RobotType, List[float]] = {}
         self._roads: Dict[RobotType, Roads] = {}
-        self._shortest: Dict[RobotType, ShortestWays] = {}
-        self._ways: Dict[RobotType, Dict[int, np.ndarray]] = {}
+        self._shortest: Dict[RobotType, ShortestPaths] = {}
+        self._paths: Dict[RobotType, Dict[int, np.ndarray]] = {}
         self._estimates: Dict[RobotType, Dict[int, Sequence[float]]] = {}
 
     def with_closed(self, closed: Iterable[int],
@@ -133,12 +133,12 @@ class RoadNetwork:
                 roads[begin] = [*roads[begin], (drive, self.destination(drive), seconds)]
         return roads
 
-    def ways_to(self, kind: RobotType, targets: Sequence[int]) -> List[np.ndarray]:
+    def paths_to(self, kind: RobotType, targets: Sequence[int]) -> List[np.ndarray]:
         """For each target the seconds (V,) from every vertex to it, alone; inf: unreachable.
 
         They are remembered, so targets that come again cost nothing.
         """
-        known = self._ways.setdefault(kind, {})
+        known = self._paths.setdefault(kind, {})
         missing = [t for t in dict.fromkeys(targets) if t not in known]
         if missing:
             docks = {dock: [(self.origin[drive], seconds)
@@ -152,25 +152,25 @@ class RoadNetwork:
             if plain:
                 known.update(zip(plain, self.prepared(kind).to(list(plain))))
             for dock, roads in docks.items():
-                known[dock] = self._ways_to_dock(known, dock, roads)
+                known[dock] = self._paths_to_dock(known, dock, roads)
         return [known[target] for target in targets]
 
-    def _ways_to_dock(self, known: Mapping[int, np.ndarray], dock: int,
-                      roads: Sequence[Tuple[int, float]]) -> np.ndarray:
+    def _paths_to_dock(self, known: Mapping[int, np.ndarray], dock: int,
+                       roads: Sequence[Tuple[int, float]]) -> np.ndarray:
         """Over the last edges (vertex where it begins, seconds); through no other dock."""
-        ways = np.full(self.vertices, math.inf)
+        paths = np.full(self.vertices, math.inf)
         for begin, seconds in roads:
             if begin in self.docks:
-                ways[begin] = min(ways[begin], seconds)
+                paths[begin] = min(paths[begin], seconds)
             else:
-                ways = np.minimum(ways, known[begin] + seconds)
-        ways[dock] = 0.0
-        return ways
+                paths = np.minimum(paths, known[begin] + seconds)
+        paths[dock] = 0.0
+        return paths
 
-    def prepared(self, kind: RobotType) -> ShortestWays:
+    def prepared(self, kind: RobotType) -> ShortestPaths:
         """The roads of a robot type, ready to be asked for ways; made when first asked for."""
         if kind not in self._shortest:
-            self._shortest[kind] = ShortestWays(self.vertices, (
+            self._shortest[kind] = ShortestPaths(self.vertices, (
                 (begin, end, seconds) for begin, away in enumerate(self.roads(kind))
                 for _, end, seconds in away))
         return self._shortest[kind]
@@ -179,7 +179,7 @@ class RoadNetwork:
         """`ways_to` a target as the searches use it."""
         known = self._estimates.setdefault(kind, {})
         if target not in known:
-            known[target] = estimated(self.ways_to(kind, (target,))[0])
+            known[target] = estimated(self.paths_to(kind, (target,))[0])
         return known[target]
 
     def _open(self, drive: int, seconds: float) -> bool:

@@ -1,4 +1,4 @@
-"""The way of one robot through a timetable: A* over safe intervals.
+"""The way of one robot through a reservation table: A* over safe intervals.
 
 The same search as TEA*'s layers with intervals in their place: a state is a vertex and one of the
 intervals in which a robot may wait there, and of all ways into a state only the earliest counts,
@@ -15,16 +15,16 @@ from math import inf
 from sys import float_info
 from typing import Dict, List, Optional, Sequence, Tuple
 
+from graph_fleet_manager.planning.agents import Errand
 from graph_fleet_manager.planning.plans import Drive, Plan
 from graph_fleet_manager.planning.slots import Slots
-from graph_fleet_manager.planning.travellers import Errand
 
 Arrival = Tuple[int, float, int, float]
 """A drive, when it begins, the vertex that it leads to, and when it ends there."""
 
 
-def find_way(errand: Errand, slots: Slots, latest: float = inf,
-             arrivals: Sequence[Arrival] = ()) -> Optional[Tuple[float, Plan]]:
+def find_path(errand: Errand, slots: Slots, latest: float = inf,
+              arrivals: Sequence[Arrival] = ()) -> Optional[Tuple[float, Plan]]:
     """The plan that serves the errand soonest and its cost, None where there is none.
 
     The cost is the end of the last destination; what comes after it counts as the errand says. No

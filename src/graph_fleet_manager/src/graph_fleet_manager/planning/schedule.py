@@ -10,50 +10,50 @@ from math import inf
 from typing import Dict, Iterable, List, Mapping, Tuple
 
 from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.planning.agents import Agent
 from graph_fleet_manager.planning.plans import Drive, Plan, Plans
-from graph_fleet_manager.planning.timetable import Timetable
-from graph_fleet_manager.planning.travellers import Traveller
+from graph_fleet_manager.planning.reservation_table import ReservationTable
 
 
-def schedule(timetable: Timetable, travellers: Mapping[str, Traveller],
+def schedule(reservations: ReservationTable, agents: Mapping[str, Agent],
              order: Iterable[Tuple[str, int]]) -> Plans:
     """The plans behind what is fixed, for the drives (robot, drive) in `order`.
 
     Who comes later in the order waits until all who came before are out of its way. Only geometry
-    and driving times of `timetable` are used, not its bookings.
+    and driving times of `reservations` are used, not its bookings.
     """
-    network = timetable.network
+    network = reservations.network
     count = network.drives + network.vertices
-    free_from: Dict[RobotType, List[float]] = {kind: [-inf] * count for kind in timetable.kinds}
+    free_from: Dict[RobotType, List[float]] = {kind: [-inf] * count for kind in reservations.kinds}
     plans: Plans = {}
     ready: Dict[str, float] = {}
     legs: Dict[str, int] = {}
 
     def use(kind: RobotType, drive: Drive) -> None:
         for observer, free in free_from.items():
-            for slot, clear, _ in timetable.blocking[kind, observer].drive(drive.drive):
+            for slot, clear, _ in reservations.blocking[kind, observer].drive(drive.drive):
                 if clear > drive.begun:
                     share = (clear - drive.begun) / (1.0 - drive.begun)
                     until = drive.start + share * (drive.end - drive.start)
                     if until > free[slot]:
                         free[slot] = until
 
-    for name, traveller in travellers.items():
+    for name, agent in agents.items():
         plans[name] = []
-        ready[name], legs[name] = traveller.errand.served_at(traveller.errand.vertex, 0,
-                                                             traveller.errand.ready)
-        for fixed in traveller.fixed:
-            use(traveller.kind, fixed)
+        ready[name], legs[name] = agent.errand.served_at(agent.errand.vertex, 0,
+                                                         agent.errand.ready)
+        for fixed in agent.fixed:
+            use(agent.kind, fixed)
     for name, drive in order:
-        traveller, plan = travellers[name], plans[name]
+        agent, plan = agents[name], plans[name]
         begun = 0.0
-        if traveller.between and not plan:
-            begun = traveller.between.behind(drive)
-        seconds = network.times(traveller.kind)[drive] * (1.0 - begun)
-        start = max(ready[name], free_from[traveller.kind][drive])
+        if agent.mid_edge and not plan:
+            begun = agent.mid_edge.behind(drive)
+        seconds = network.times(agent.kind)[drive] * (1.0 - begun)
+        start = max(ready[name], free_from[agent.kind][drive])
         plan.append(Drive(drive, start, start + seconds, begun))
-        use(traveller.kind, plan[-1])
-        ready[name], legs[name] = traveller.errand.served_at(
+        use(agent.kind, plan[-1])
+        ready[name], legs[name] = agent.errand.served_at(
             network.destination(drive), legs[name], start + seconds)
     return plans
 

@@ -41,7 +41,7 @@ class Task:
     vertex: Optional[int] = None
     released: Tuple[int, ...] = ()
     begun: float = 0.0
-    between: Optional[Tuple[int, float]] = None
+    mid_edge: Optional[Tuple[int, float]] = None
     ready: float = 0.0
     destinations: Tuple[int, ...] = ()
     dwells: Tuple[float, ...] = ()

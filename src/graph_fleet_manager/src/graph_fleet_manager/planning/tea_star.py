@@ -13,158 +13,158 @@ from math import inf
 from random import Random
 from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Set
 
+from graph_fleet_manager.planning.agents import Agent
 from graph_fleet_manager.planning.layers import Search
 from graph_fleet_manager.planning.plans import Plan
-from graph_fleet_manager.planning.safe_intervals import Arrival, find_way
+from graph_fleet_manager.planning.reservation_table import ReservationTable
+from graph_fleet_manager.planning.safe_intervals import Arrival, find_path
 from graph_fleet_manager.planning.slots import Booking
-from graph_fleet_manager.planning.timetable import Timetable
-from graph_fleet_manager.planning.travellers import Traveller
 
 PRESENT = 2.0
 """For so many times its shortest way out a robot without a plan is in everybody's way."""
 
 
-class Way(NamedTuple):
+class Path(NamedTuple):
     """What a search found for one robot: its cost, and the plan behind what is fixed."""
 
     cost: float
     plan: Plan
 
 
-Ways = Dict[str, Way]
+Paths = Dict[str, Path]
 
 
 class TeaStar:
-    """Plans travellers against a timetable, in which their ways are booked when it is done."""
+    """Plans agents against a reservation table, in which their ways are booked when it is done."""
 
-    def __init__(self, timetable: Timetable, search: Search = find_way) -> None:
-        self.timetable = timetable
+    def __init__(self, reservations: ReservationTable, search: Search = find_path) -> None:
+        self.reservations = reservations
         self._search = search
 
-    def way_of(self, traveller: Traveller, latest: float = inf) -> Optional[Way]:
+    def path_of(self, agent: Agent, latest: float = inf) -> Optional[Path]:
         """The best way of one robot that is not booked, past all that are; None: there is none."""
         arrivals: Sequence[Arrival] = ()
-        if traveller.between:
-            arrivals = self.timetable.arrivals(traveller.kind, traveller.between,
-                                               traveller.errand.ready)
+        if agent.mid_edge:
+            arrivals = self.reservations.arrivals(agent.kind, agent.mid_edge,
+                                                  agent.errand.ready)
             if not arrivals:
                 return None
-        found = self._search(traveller.errand, self.timetable.slots[traveller.kind], latest,
+        found = self._search(agent.errand, self.reservations.slots[agent.kind], latest,
                              arrivals)
         if found is None:
             return None
         cost, plan = found
-        if traveller.between and plan:
-            plan[0] = plan[0]._replace(begun=traveller.between.behind(plan[0].drive))
-        return Way(cost, plan)
+        if agent.mid_edge and plan:
+            plan[0] = plan[0]._replace(begun=agent.mid_edge.behind(plan[0].drive))
+        return Path(cost, plan)
 
-    def book(self, traveller: Traveller, way: Way, until: float = inf) -> None:
+    def book(self, agent: Agent, path: Path, until: float = inf) -> None:
         """Makes a way an obstacle for all others, and its end until some time."""
-        self.timetable.book(traveller.name, traveller.kind, traveller.vertex,
-                            traveller.whole(way.plan), traveller.between, until,
-                            len(traveller.fixed))
+        self.reservations.book(agent.name, agent.kind, agent.vertex,
+                               agent.whole(path.plan), agent.mid_edge, until,
+                               len(agent.fixed))
 
-    def book_fixed(self, traveller: Traveller) -> None:
+    def book_fixed(self, agent: Agent) -> None:
         """Books only what a robot without a plan holds in any case."""
-        self.timetable.book(traveller.name, traveller.kind, traveller.vertex, traveller.fixed,
-                            traveller.between, traveller.errand.ready, len(traveller.fixed))
+        self.reservations.book(agent.name, agent.kind, agent.vertex, agent.fixed,
+                               agent.mid_edge, agent.errand.ready, len(agent.fixed))
 
-    def book_present(self, traveller: Traveller) -> None:
+    def book_present(self, agent: Agent) -> None:
         """Books what a robot without a plan holds in any case, and for a moment where it is."""
-        self.timetable.book(traveller.name, traveller.kind, traveller.vertex, traveller.fixed,
-                            traveller.between, self._moment(traveller), len(traveller.fixed))
+        self.reservations.book(agent.name, agent.kind, agent.vertex, agent.fixed,
+                               agent.mid_edge, self._moment(agent), len(agent.fixed))
 
-    def plan(self, travellers: Sequence[Traveller], deadline: float,
-             orders: int) -> Optional[Ways]:
+    def plan(self, agents: Sequence[Agent], deadline: float,
+             orders: int) -> Optional[Paths]:
         """Ways for all, in at most `orders` orders; None where no order succeeded in time.
 
-        The order given is tried first. Nobody of the travellers may be booked.
+        The order given is tried first. Nobody of the agents may be booked.
         """
-        order = list(travellers)
-        ways: Ways = {}
+        order = list(agents)
+        paths: Paths = {}
         put_first: Set[str] = set()
         for _ in range(orders):
             if not put_first:
-                ways.clear()
+                paths.clear()
                 self.forget(order)
-                for traveller in order:
-                    self.book_present(traveller)
-            failed = self._plan_in(order, ways, deadline)
+                for agent in order:
+                    self.book_present(agent)
+            failed = self._plan_in(order, paths, deadline)
             if failed is None:
-                return ways
+                return paths
             if time.monotonic() > deadline:
                 break
             order.remove(failed)
             order.insert(0, failed)
             if failed.name in put_first:  # and lost its way again: all are planned anew
                 put_first.clear()
-            elif self._put_first(order, ways):
+            elif self._put_first(order, paths):
                 put_first.add(failed.name)
             else:
                 break
         self.forget(order)
         return None
 
-    def forget(self, travellers: Iterable[Traveller]) -> None:
-        """Takes travellers out of the timetable."""
-        for traveller in travellers:
-            self.timetable.cancel(traveller.name)
+    def forget(self, agents: Iterable[Agent]) -> None:
+        """Takes agents out of the reservation table."""
+        for agent in agents:
+            self.reservations.cancel(agent.name)
 
-    def _plan_in(self, order: Sequence[Traveller], ways: Ways,
-                 deadline: float) -> Optional[Traveller]:
+    def _plan_in(self, order: Sequence[Agent], paths: Paths,
+                 deadline: float) -> Optional[Agent]:
         """Plans those without a way in this order; returns who found none, or came too late."""
-        for traveller in order:
-            if traveller.name not in ways:
-                self.timetable.cancel(traveller.name)
-                way = self.way_of(traveller)
-                if way is None or time.monotonic() > deadline:
-                    return traveller
-                ways[traveller.name] = way
-                self.book(traveller, way)
+        for agent in order:
+            if agent.name not in paths:
+                self.reservations.cancel(agent.name)
+                path = self.path_of(agent)
+                if path is None or time.monotonic() > deadline:
+                    return agent
+                paths[agent.name] = path
+                self.book(agent, path)
         return None
 
-    def _put_first(self, order: Sequence[Traveller], ways: Ways) -> bool:
+    def _put_first(self, order: Sequence[Agent], paths: Paths) -> bool:
         """Plans the first of the order as if it came first; who is in its way loses his own.
 
         False where it has no way even then.
         """
-        first, planned = order[0], [t for t in order if t.name in ways]
-        taken = self.timetable.take_out([t.name for t in planned])
-        for traveller in planned:
-            self.book_present(traveller)
-        way = self.way_of(first)
-        self.timetable.put_back(taken)
-        if way is None:
+        first, planned = order[0], [t for t in order if t.name in paths]
+        taken = self.reservations.take_out([t.name for t in planned])
+        for agent in planned:
+            self.book_present(agent)
+        path = self.path_of(first)
+        self.reservations.put_back(taken)
+        if path is None:
             return False
-        ways[first.name] = way
-        self.book(first, way)
-        booked = {kind: self.timetable.bookings_of(first.name, kind)
-                  for kind in self.timetable.kinds}
-        for traveller in planned:
-            if self._meets(traveller, ways[traveller.name], booked[traveller.kind]):
-                del ways[traveller.name]
-                self.timetable.cancel(traveller.name)
-                self.book_present(traveller)
+        paths[first.name] = path
+        self.book(first, path)
+        booked = {kind: self.reservations.bookings_of(first.name, kind)
+                  for kind in self.reservations.kinds}
+        for agent in planned:
+            if self._meets(agent, paths[agent.name], booked[agent.kind]):
+                del paths[agent.name]
+                self.reservations.cancel(agent.name)
+                self.book_present(agent)
         return True
 
-    def _meets(self, traveller: Traveller, way: Way,
+    def _meets(self, agent: Agent, path: Path,
                booked: Mapping[int, Sequence[Booking]]) -> bool:
         """Does a way run into what is booked, by slot, for another robot?"""
-        if traveller.between:
+        if agent.mid_edge:
             return True  # where it stands is no vertex: it is simply planned again
-        network = self.timetable.network
-        vertex, since = traveller.errand.vertex, traveller.errand.ready
-        for drive in way.plan:
+        network = self.reservations.network
+        vertex, since = agent.errand.vertex, agent.errand.ready
+        for drive in path.plan:
             if (_overlap(booked.get(network.vertex_slot(vertex)), since, drive.start)
                     or _overlap(booked.get(drive.drive), drive.start, drive.start)):
                 return True
             vertex, since = network.destination(drive.drive), drive.end
         return _overlap(booked.get(network.vertex_slot(vertex)), since, inf)
 
-    def _moment(self, traveller: Traveller) -> float:
-        roads = traveller.errand.roads[traveller.errand.vertex]
-        way_out = min((seconds for _, _, seconds in roads), default=0.0)
-        return traveller.errand.ready + PRESENT * way_out
+    def _moment(self, agent: Agent) -> float:
+        roads = agent.errand.roads[agent.errand.vertex]
+        path_out = min((seconds for _, _, seconds in roads), default=0.0)
+        return agent.errand.ready + PRESENT * path_out
 
 
 def _overlap(bookings: Optional[Sequence[Booking]], begin: float, end: float) -> bool:
@@ -173,18 +173,18 @@ def _overlap(bookings: Optional[Sequence[Booking]], begin: float, end: float) ->
                                         for since, until, _ in bookings)
 
 
-def by_length(travellers: Iterable[Traveller]) -> List[Traveller]:
+def by_length(agents: Iterable[Agent]) -> List[Agent]:
     """The order to begin with: by priority, then who has the shortest way.
 
     A robot that waits for others that are soon out of its way waits less than these would for it;
     who has nothing to do comes last, for it is only in the way.
     """
-    return sorted(travellers, key=lambda t: (-t.priority, not t.errand.destinations,
-                                             t.errand.lower_bound))
+    return sorted(agents, key=lambda t: (-t.priority, not t.errand.destinations,
+                                         t.errand.lower_bound))
 
 
-def shuffled(travellers: Iterable[Traveller], random: Random) -> List[Traveller]:
+def shuffled(agents: Iterable[Agent], random: Random) -> List[Agent]:
     """A random order, within which priorities still count."""
-    order = list(travellers)
+    order = list(agents)
     random.shuffle(order)
     return sorted(order, key=lambda t: -t.priority)

@@ -152,10 +152,10 @@ def long_edges(network: RoadNetwork, kind: RobotType, distance: float) -> Tuple[
         return ()
     roads = _roads(network, kind)
     starts = sorted(roads)[::max(len(roads) // _SAMPLES, 1)]
-    ways = nx.edge_betweenness_centrality_subset(roads, starts, list(roads), weight='seconds')
+    paths = nx.edge_betweenness_centrality_subset(roads, starts, list(roads), weight='seconds')
     shares = dict.fromkeys(graph.edges, 0.0)
     for begin, end, edge in roads.edges(data='id'):
-        shares[edge] += ways[begin, end] / (len(starts) * (len(roads) - 1))
+        shares[edge] += paths[begin, end] / (len(starts) * (len(roads) - 1))
     found = [LongEdge(id, lengths[id], shares[id]) for id in long]
     return tuple(sorted(found, key=lambda edge: (-edge.share * edge.length, -edge.length)))
 

@@ -10,8 +10,8 @@ from scipy.sparse import csr_matrix
 
 from graph_fleet_manager.planning.road_network import RoadNetwork
 from graph_fleet_manager.supervision.missions import Acceptance, Mission
+from graph_fleet_manager.supervision.networks import Networks
 from graph_fleet_manager.supervision.reports import Place
-from graph_fleet_manager.supervision.roads import Roads
 from graph_fleet_manager.supervision.robots import ManagedRobot
 
 try:  # already loaded by the road network; scipy.optimize takes 5 MB more
@@ -45,7 +45,7 @@ class Assignment:
 
 def assign(missions: Sequence[Mission], free: Mapping[str, ManagedRobot],
            robots: Mapping[str, ManagedRobot], acceptance: Acceptance,
-           roads: Roads, now: float) -> Assignment:
+           networks: Networks, now: float) -> Assignment:
     """Assigns missions to `free` robots; those of higher priority first, then the oldest.
 
     Of all that those missions may be shared out, the sum of the times to the first destinations is
@@ -61,13 +61,13 @@ def assign(missions: Sequence[Mission], free: Mapping[str, ManagedRobot],
         order = order[len(group):]
         able: List[Mission] = []
         for mission in group:
-            reason, empty = _why_nobody(mission, free, robots, acceptance, roads.nominal, now)
+            reason, empty = _why_nobody(mission, free, robots, acceptance, networks.nominal, now)
             if reason:
                 waiting[mission.serial] = reason
                 short |= empty
             else:
                 able.append(mission)
-        for mission, name in _match(able, free, acceptance, roads):
+        for mission, name in _match(able, free, acceptance, networks):
             assigned.append(Assigned(mission, name))
             del free[name]
         taken = {mission.serial for mission, _ in assigned}
@@ -77,7 +77,7 @@ def assign(missions: Sequence[Mission], free: Mapping[str, ManagedRobot],
 
 
 def _match(missions: Sequence[Mission], free: Mapping[str, ManagedRobot], acceptance: Acceptance,
-           roads: Roads) -> List[Tuple[Mission, str]]:
+           networks: Networks) -> List[Tuple[Mission, str]]:
     names = list(free)
     found: List[Tuple[Mission, str]] = []
     pending = list(missions)
@@ -87,8 +87,8 @@ def _match(missions: Sequence[Mission], free: Mapping[str, ManagedRobot], accept
     costs = np.full((len(pending), len(names)), _NEVER)
     for row, mission in enumerate(pending):
         for name in acceptance.robots_for(mission.request):
-            if name in free and can_end(mission, free[name], roads.nominal):
-                time = time_to(mission.request.destinations[0], free[name], roads.network)
+            if name in free and can_end(mission, free[name], networks.nominal):
+                time = time_to(mission.request.destinations[0], free[name], networks.network)
                 if time < inf:
                     costs[row, names.index(name)] = time + row * _LATER
     rows, columns = least_sum(costs)
@@ -161,29 +161,29 @@ def can_end(mission: Mission, robot: ManagedRobot, network: RoadNetwork) -> bool
 
 def time_to(vertex: int, robot: ManagedRobot, network: RoadNetwork) -> float:
     """Seconds from where a robot will come to rest to a vertex, alone; infinite: no way."""
-    track = robot.track
-    ways = network.ways_to(robot.type, (network.index[vertex],))[0]
-    at = track.last_vertex
+    record = robot.record
+    times = network.paths_to(robot.type, (network.index[vertex],))[0]
+    at = record.last_vertex
     if at is not None:
-        return float(ways[network.index[at]])
-    place = track.place
+        return float(times[network.index[at]])
+    place = record.place
     if place is None:
         return inf
-    return min(seconds + float(ways[network.index[end]])
-               for end, seconds in _ways_off(place, robot, network))
+    return min(seconds + float(times[network.index[end]])
+               for end, seconds in _times_off(place, robot, network))
 
 
 def time_over(vertices: Sequence[int], robot: ManagedRobot, network: RoadNetwork) -> float:
     """Seconds over all these vertices in order, alone."""
     seconds = time_to(vertices[0], robot, network)
     for one, other in zip(vertices, vertices[1:]):
-        ways = network.ways_to(robot.type, (network.index[other],))[0]
-        seconds += float(ways[network.index[one]])
+        times = network.paths_to(robot.type, (network.index[other],))[0]
+        seconds += float(times[network.index[one]])
     return seconds
 
 
-def _ways_off(place: Place, robot: ManagedRobot,
-              network: RoadNetwork) -> List[Tuple[int, float]]:
+def _times_off(place: Place, robot: ManagedRobot,
+               network: RoadNetwork) -> List[Tuple[int, float]]:
     """The ends of the edge on which it stands, with the seconds to each."""
     times = network.times(robot.type)
     forward, backward = network.drive(place.edge), network.drive(-place.edge)

@@ -12,7 +12,7 @@ from statistics import median
 from types import MappingProxyType
 from typing import Callable, Deque, Dict, Mapping, NamedTuple, Optional, Tuple
 
-from graph_fleet_manager.supervision.track import Track
+from graph_fleet_manager.supervision.route_record import RouteRecord
 
 KEPT = 9         # drives of an edge of which the median is taken: one long wait does not count
 ENOUGH = 3       # drives after which it replaces the nominal time
@@ -43,21 +43,21 @@ class EdgeTimer:
         """The edge that is being driven does not count."""
         self._counts, self._since = False, None
 
-    def follow(self, track: Track, now: float) -> Optional[Driven]:
+    def follow(self, record: RouteRecord, now: float) -> Optional[Driven]:
         """Looks at a robot after its report; tells when it completed an edge."""
         driven = None
         if self._number is not None and self._since is not None and (
-                track.done == self._number + 1):
+                record.done == self._number + 1):
             driven = Driven(self._edge, now - self._since)
-        if track.done != self._number:
+        if record.done != self._number:
             # Nobody knows when one that is already driving set out.
-            self._counts = self._number is not None or track.is_standing
-            self._number, self._since = track.done, None
-        if self._counts and self._since is None and track.ahead:
-            if track.place is None or track.place.vertex is None:
+            self._counts = self._number is not None or record.is_standing
+            self._number, self._since = record.done, None
+        if self._counts and self._since is None and record.ahead:
+            if record.place is None or record.place.vertex is None:
                 self.stop()  # it begins in the middle of an edge
             else:
-                self._edge, self._since = track.ahead[0], now
+                self._edge, self._since = record.ahead[0], now
         return driven
 
 

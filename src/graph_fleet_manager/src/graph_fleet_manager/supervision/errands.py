@@ -62,7 +62,7 @@ class Snapshot(NamedTuple):
 
     def fits(self, robots: Mapping[str, ManagedRobot]) -> bool:
         """Is everything that was released still what it was, and nothing more?"""
-        return all(robots[name].track.end == cut.end and robots[name].track.first <= cut.base
+        return all(robots[name].record.end == cut.end and robots[name].record.first <= cut.base
                    for name, cut in self.cuts.items())
 
     def plan(self, outcome: Outcome, made_at: float) -> PlanInForce:
@@ -77,17 +77,17 @@ def snapshot(robots: Mapping[str, ManagedRobot], errands: Mapping[str, Errand],
     obstacles: List[Obstacle] = []
     cuts: Dict[str, Cut] = {}
     for name, robot in robots.items():
-        track = robot.track
+        record = robot.record
         errand = errands[name]
-        stands = errand.duty is Duty.STAND and track.is_standing
-        if not robot.works or stands or (track.place is None and not track.held):
+        stands = errand.duty is Duty.STAND and record.is_standing
+        if not robot.works or stands or (record.place is None and not record.held):
             vertices, edges = robot.blocked()
             if vertices or edges:
                 obstacles.append(Obstacle(name, robot.type, vertices, edges))
             continue
         own = plan.plan_of(name) if plan is not None else None
         tasks.append(_task(robot, errand, own, now))
-        cuts[name] = Cut(track.left[0] if track.held else track.end, track.end)
+        cuts[name] = Cut(record.left[0] if record.held else record.end, record.end)
     return Snapshot(tuple(tasks), tuple(obstacles), cuts)
 
 
@@ -101,18 +101,18 @@ def have_moved(robots: Mapping[str, ManagedRobot], obstacles: Sequence[Obstacle]
 
 
 def _task(robot: ManagedRobot, errand: Errand, own: Optional[RobotPlan], now: float) -> Task:
-    track, mission = robot.track, errand.mission
+    record, mission = robot.record, errand.mission
     vertex: Optional[int] = None
-    between: Optional[Tuple[int, float]] = None
+    mid_edge: Optional[Tuple[int, float]] = None
     begun = 0.0
-    held = track.held
+    held = record.held
     if held:
-        begun = track.left[1]
-    elif track.place is not None and track.place.vertex is None:
-        between = (track.place.edge,
-                   min(max(track.place.fraction, _BETWEEN), 1.0 - _BETWEEN))
-    elif track.place is not None:
-        vertex = track.place.vertex
+        begun = record.left[1]
+    elif record.place is not None and record.place.vertex is None:
+        mid_edge = (record.place.edge,
+                    min(max(record.place.fraction, _BETWEEN), 1.0 - _BETWEEN))
+    elif record.place is not None:
+        vertex = record.place.vertex
     destinations: Tuple[int, ...] = ()
     dwells: Tuple[float, ...] = ()
     priority = 0
@@ -121,8 +121,8 @@ def _task(robot: ManagedRobot, errand: Errand, own: Optional[RobotPlan], now: fl
         priority = mission.request.priority
     elif errand.duty is Duty.CHARGE and errand.dock is not None:
         destinations = (errand.dock,)
-    return Task(robot.name, robot.type, vertex, held, begun, between, 0.0, destinations, dwells,
-                errand.duty is Duty.CHARGE, _kept(own, track.end), priority)
+    return Task(robot.name, robot.type, vertex, held, begun, mid_edge, 0.0, destinations, dwells,
+                errand.duty is Duty.CHARGE, _kept(own, record.end), priority)
 
 
 def _kept(own: Optional[RobotPlan], end: int) -> Optional[Tuple[PlannedDrive, ...]]:
@@ -134,8 +134,8 @@ def _kept(own: Optional[RobotPlan], end: int) -> Optional[Tuple[PlannedDrive, ..
 def to_visit(robot: ManagedRobot, mission: Mission,
              now: float) -> Tuple[Tuple[int, ...], Tuple[float, ...]]:
     """Destinations, and s to stay at each, behind what the robot was given already."""
-    graph = robot.track.graph
-    ahead = [graph.end_vertex(edge).id for edge in robot.track.ahead]
+    graph = robot.record.graph
+    ahead = [graph.end_vertex(edge).id for edge in robot.record.ahead]
     first = mission.reached + mission.visits(ahead)
     count = len(mission.request.destinations)
     destinations = mission.request.destinations[first:]
@@ -150,22 +150,22 @@ def to_visit(robot: ManagedRobot, mission: Mission,
 
 
 def goes_until(robot: ManagedRobot, errand: Errand, own: RobotPlan, asked: bool) -> int:
-    """Number of the track's edge before which a robot must stop in any case.
+    """Number of the record's edge before which a robot must stop in any case.
 
     On a mission: at a destination where it stays, and at the last one. Idle, or with a plan that
     does not lead to its destination: where it is, unless somebody asks it to make room.
     """
-    track = robot.track
+    record = robot.record
     end = own.base + len(own.drives)
     if errand.duty is Duty.STAND:
-        return track.end
+        return record.end
     if errand.duty is Duty.CHARGE:
         return end
     if errand.mission is not None:
-        stop = _next_stop(track.graph, own.behind(track.done), errand.mission)
+        stop = _next_stop(record.graph, own.behind(record.done), errand.mission)
         if stop is not None:
-            return track.done + stop
-    return end if asked else track.end
+            return record.done + stop
+    return end if asked else record.end
 
 
 def _next_stop(graph: Graph, drives: Sequence[PlannedDrive], mission: Mission) -> Optional[int]:

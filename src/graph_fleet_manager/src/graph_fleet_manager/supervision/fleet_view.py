@@ -86,7 +86,7 @@ def _view(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: floa
     if mission is not None and mission.left:
         destination = mission.left[0]
     charge = math.nan if robot.battery.is_mute(robot.liveness, now) else robot.battery.charge
-    return RobotView(robot.name, robot.type.name, state, robot.track.pose, robot.liveness.seen,
+    return RobotView(robot.name, robot.type.name, state, robot.record.pose, robot.liveness.seen,
                      charge, None if mission is None else mission.request.id, destination,
                      _waits_for(robot, errand, supervisor, now))
 
@@ -98,7 +98,7 @@ def _waits_for(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now:
     if supervisor.is_stopped:
         return 'the fleet is stopped'
     mission = errand.mission
-    if supervisor.trouble and errand.duty is not Duty.IDLE and robot.track.is_standing:
+    if supervisor.trouble and errand.duty is not Duty.IDLE and robot.record.is_standing:
         return f'the disk: {supervisor.trouble}'
     if mission is not None and mission.state is MissionState.PAUSED:
         return 'its mission is paused'
@@ -110,24 +110,25 @@ def _waits_for(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now:
         if math.isinf(mission.dwell_until):
             return 'the release of its mission'
         return f'the end of its stay, {max(mission.dwell_until - now, 0.0):.0f} s'
-    plan, trouble = supervisor.dispatcher.plan, supervisor.dispatcher.trouble
-    if trouble and robot.track.is_standing:
+    plan, trouble = supervisor.plan_executor.plan, supervisor.plan_executor.trouble
+    if trouble and robot.record.is_standing:
         return f'a plan: {trouble}'
     if plan is not None and robot.name in plan.unserved:
         return plan.unserved[robot.name]
-    return supervisor.dispatcher.waits_for.get(robot.name, '') if robot.track.is_standing else ''
+    waits_for = supervisor.plan_executor.waits_for.get(robot.name, '')
+    return waits_for if robot.record.is_standing else ''
 
 
 def plan_views(supervisor: Supervisor) -> List[Tuple[str, List[DriveView]]]:
     """Every robot's plan, from the edge that it drives on."""
-    plan = supervisor.dispatcher.plan
+    plan = supervisor.plan_executor.plan
     if plan is None:
         return []
     found = []
     for name, own in plan.plans.items():
-        track = supervisor.robots[name].track
+        record = supervisor.robots[name].record
         found.append((name, [
             DriveView(drive.edge, plan.made_at + drive.start, plan.made_at + drive.end,
-                      own.base + k < track.end)
-            for k, drive in enumerate(own.drives) if own.base + k >= track.done]))
+                      own.base + k < record.end)
+            for k, drive in enumerate(own.drives) if own.base + k >= record.done]))
     return found

@@ -251,7 +251,7 @@ def _place(values: Optional[Sequence[Any]]) -> Optional[Place]:
 def _memory_text(memory: RobotMemory) -> str:
     client = memory.client
     return json.dumps({
-        'route_id': client.route_id, 'track': client.track, 'done': client.done,
+        'route_id': client.route_id, 'track': client.record, 'done': client.done,
         'bases': sorted(client.bases.items()), 'over': client.over, 'ended': client.ended,
         'stopping': client.is_stopping, 'shortened': client.shortened,
         'place': _place_values(client.place), 'lost_at': _place_values(client.lost_at),

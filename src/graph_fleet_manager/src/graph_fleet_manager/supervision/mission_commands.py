@@ -3,7 +3,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from graph_fleet_manager.supervision.dispatcher import Dispatcher
 from graph_fleet_manager.supervision.missions import (
     Command,
     Mission,
@@ -12,10 +11,11 @@ from graph_fleet_manager.supervision.missions import (
     Request,
     Status,
 )
+from graph_fleet_manager.supervision.plan_executor import PlanExecutor
 
 
 def carry_out(command: Command, mission: Mission, book: MissionBook,
-              dispatcher: Dispatcher) -> str:
+              plan_executor: PlanExecutor) -> str:
     """Cancels, pauses, resumes, or ends a dwell; returns why not, or nothing."""
     name = mission.robot
     if command is Command.CANCEL:
@@ -27,13 +27,13 @@ def carry_out(command: Command, mission: Mission, book: MissionBook,
             return f'Mission {mission.request.id} is not paused.'
         book.set(mission, MissionState.ACTIVE if name else MissionState.PENDING)
         if name:
-            dispatcher.let_go_on(name)
+            plan_executor.let_go_on(name)
     elif command is Command.RELEASE:
         if mission.dwell_until is None:
             return f'Mission {mission.request.id} is not staying anywhere: nothing to release.'
         book.reach(mission)
     if name and command in (Command.CANCEL, Command.PAUSE):
-        dispatcher.bring_to_rest(name)
+        plan_executor.bring_to_rest(name)
     return ''
 
 

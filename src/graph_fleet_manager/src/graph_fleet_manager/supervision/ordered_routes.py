@@ -1,4 +1,4 @@
-"""What one robot was ordered: its track, the ids of its routes, the order under way.
+"""What one robot was ordered: its record, the ids of its routes, the order under way.
 
 And all of it as it outlives a restart.
 """
@@ -8,14 +8,14 @@ from typing import Dict, Optional, Set
 
 from graph_fleet_manager.supervision.orders import Memory, Order
 from graph_fleet_manager.supervision.pending_order import PendingOrder
-from graph_fleet_manager.supervision.track import Track
+from graph_fleet_manager.supervision.route_record import RouteRecord
 
 
 class OrderedRoutes:
-    """The routes of one robot: each is a part of its track, from its *base* on, under an id."""
+    """The routes of one robot: each is a part of its record, from its *base* on, under an id."""
 
-    def __init__(self, track: Track) -> None:
-        self.track = track
+    def __init__(self, record: RouteRecord) -> None:
+        self.record = record
         self.route_id = 0
         self.over = True
         """The last route cannot be extended: another one needs another id."""
@@ -27,7 +27,7 @@ class OrderedRoutes:
         self._ended: Set[int] = set()
         self._reported = 0
         self._withdrawn: Optional[int] = None  # id of an order that may reach the robot yet
-        self._ordered: Optional[int] = None  # before a restart, if it was less than the track
+        self._ordered: Optional[int] = None  # before a restart, if it was less than the record
 
     @property
     def order(self) -> Optional[Order]:
@@ -47,42 +47,42 @@ class OrderedRoutes:
     def _begin(self, route_id: int) -> None:
         kept = (self.route_id, self._reported)
         self._bases = {id: base for id, base in self._bases.items() if id in kept}
-        self._bases[route_id] = self.track.done
+        self._bases[route_id] = self.record.done
         self.route_id = route_id
         self.over = False
         self._withdrawn = None
 
     def _order_until(self, end: int, takes_away: bool = False) -> None:
-        """Orders the track up to there, from where the route begins."""
+        """Orders the record up to there, from where the route begins."""
         base = self._bases[self.route_id]
-        self._pending.give(Order(self.route_id, base, self.track.between(base, end)), takes_away)
+        self._pending.give(Order(self.route_id, base, self.record.between(base, end)), takes_away)
 
     def _is_shorter(self, order: Order) -> bool:
-        return order.end < self.track.end
+        return order.end < self.record.end
 
     # -- what outlives a restart ------------------------------------------------------------------
 
     @property
     def memory(self) -> Memory:
         """What `restore` needs after a restart; it is to be stored before an order is sent."""
-        track = self.track
-        bases = {id: base - track.first for id, base in self._bases.items()}
-        return Memory(self.route_id, tuple(track.edges), track.done - track.first, bases,
-                      track.place, self.over, tuple(sorted(self._ended)), self.is_stopping,
-                      self._shortened, track.lost_at)
+        record = self.record
+        bases = {id: base - record.first for id, base in self._bases.items()}
+        return Memory(self.route_id, tuple(record.edges), record.done - record.first, bases,
+                      record.place, self.over, tuple(sorted(self._ended)), self.is_stopping,
+                      self._shortened, record.lost_at)
 
     @property
     def _shortened(self) -> Optional[int]:
         order = self.order
         if order is None or not order.edges or not self._is_shorter(order):
             return None
-        return order.end - self.track.first
+        return order.end - self.record.first
 
     def restore(self, memory: Memory) -> None:
         """What was known before: the robot may hold all of these edges."""
         self.route_id, self._bases = memory.route_id, dict(memory.bases)
         self.over, self._ended = memory.over, set(memory.ended)
-        self.track.restore(memory.track, memory.done, memory.place, memory.lost_at)
+        self.record.restore(memory.record, memory.done, memory.place, memory.lost_at)
         self._ordered = memory.shortened
         if memory.is_stopping:
-            self._pending.give(Order(self.route_id, self.track.done, ()), True)
+            self._pending.give(Order(self.route_id, self.record.done, ()), True)

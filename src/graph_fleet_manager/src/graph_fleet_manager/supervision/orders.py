@@ -9,7 +9,7 @@ from trajectory_graph import Graph, TrajectoryGraphError, check_route
 
 
 class Order(NamedTuple):
-    """A route as sent to the robot: the edges of the track from `base` on."""
+    """A route as sent to the robot: the edges of the record from `base` on."""
 
     route_id: int
     base: int
@@ -17,7 +17,7 @@ class Order(NamedTuple):
 
     @property
     def end(self) -> int:
-        """Number, in the track, behind its last edge."""
+        """Number, in the record, behind its last edge."""
         return self.base + len(self.edges)
 
 
@@ -30,10 +30,10 @@ class Sending(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """What must outlive a restart; the edges of the track are counted from 0 here."""
+    """What must outlive a restart; the edges of the record are counted from 0 here."""
 
     route_id: int
-    track: Tuple[int, ...]
+    record: Tuple[int, ...]
     done: int
     bases: Mapping[int, int]
     place: Optional[Place]
@@ -41,7 +41,7 @@ class Memory(NamedTuple):
     ended: Tuple[int, ...] = ()
     is_stopping: bool = False
     shortened: Optional[int] = None
-    """So many edges of the track are left by an order to which there was no answer yet."""
+    """So many edges of the record are left by an order to which there was no answer yet."""
     lost_at: Optional[Place] = None
     """Where it was before it was off the graph, if it is."""
 
@@ -53,16 +53,16 @@ class Memory(NamedTuple):
         """
         place, lost_at = (there if there is not None and there.is_on(graph) else None
                           for there in (self.place, self.lost_at))
-        if is_on(graph, self.track) and place == self.place:
+        if is_on(graph, self.record) and place == self.place:
             return self._replace(lost_at=lost_at)
         # With a full disk more is driven than is stored. What is not driven every new graph has.
-        for done in range(self.done, len(self.track)):
-            if is_on(graph, self.track[done:]):
+        for done in range(self.done, len(self.record)):
+            if is_on(graph, self.record[done:]):
                 return self._replace(
-                    track=self.track[done:], done=0, place=place, lost_at=lost_at, over=True,
+                    record=self.record[done:], done=0, place=place, lost_at=lost_at, over=True,
                     bases={id: base - done for id, base in self.bases.items()},
                     shortened=None if self.shortened is None else self.shortened - done)
-        return self._replace(track=(), done=0, place=None, over=True, shortened=None,
+        return self._replace(record=(), done=0, place=None, over=True, shortened=None,
                              lost_at=lost_at, bases={self.route_id: 0} if self.is_stopping else {})
 
 

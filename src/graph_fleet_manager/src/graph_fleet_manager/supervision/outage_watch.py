@@ -4,10 +4,10 @@ from __future__ import annotations
 from typing import Dict, Mapping, Optional
 
 from graph_fleet_manager.supervision import mission_progress
-from graph_fleet_manager.supervision.dispatcher import Dispatcher
 from graph_fleet_manager.supervision.missions import MissionBook
 from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.outbox import Outbox
+from graph_fleet_manager.supervision.plan_executor import PlanExecutor
 from graph_fleet_manager.supervision.robots import ManagedRobot
 
 
@@ -15,9 +15,9 @@ class OutageWatch:
     """Compares what keeps each robot from working with what did before."""
 
     def __init__(self, book: MissionBook, robots: Mapping[str, ManagedRobot], outbox: Outbox,
-                 dispatcher: Dispatcher) -> None:
+                 plan_executor: PlanExecutor) -> None:
         self._book, self._robots = book, robots
-        self._outbox, self._dispatcher = outbox, dispatcher
+        self._outbox, self._plan_executor = outbox, plan_executor
         self._before: Dict[str, Optional[Outage]] = {}
 
     def look(self) -> None:
@@ -28,7 +28,7 @@ class OutageWatch:
             before = self._before.get(name)
             self._before[name] = robot.outage
             self._outbox.robot_changed(name)
-            self._dispatcher.replan()
+            self._plan_executor.replan()
             if robot.outage is not None:
                 self._drop_out(robot)
             else:

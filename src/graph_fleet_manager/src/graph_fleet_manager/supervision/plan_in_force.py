@@ -4,17 +4,17 @@ from __future__ import annotations
 from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Set, Tuple
 
 from graph_fleet_manager.planning.tasks import Outcome, PlannedDrive
-from graph_fleet_manager.supervision.track import Track
+from graph_fleet_manager.supervision.route_record import RouteRecord
 
 
 class RobotPlan(NamedTuple):
-    """One robot's drives; drive k is edge number `base` + k of its track."""
+    """One robot's drives; drive k is edge number `base` + k of its record."""
 
     drives: Tuple[PlannedDrive, ...]
     base: int
 
     def behind(self, number: int) -> Tuple[PlannedDrive, ...]:
-        """What is planned from an edge of the track on."""
+        """What is planned from an edge of the record on."""
         return self.drives[max(number - self.base, 0):]
 
 
@@ -29,7 +29,7 @@ class _Turn(NamedTuple):
 class PlanInForce:
     """The plans of all robots, and the order in which they use what they share.
 
-    bases   -- number, in the robot's track, of the first drive of its plan
+    bases   -- number, in the robot's record, of the first drive of its plan
     made_at -- the supervisor's time that is 0 in the plan's times
     """
 
@@ -48,23 +48,23 @@ class PlanInForce:
         """A robot does not follow its plan any more; who waits for it goes on waiting."""
         self.plans.pop(name, None)
 
-    def in_the_way(self, name: str, drive: int, tracks: Mapping[str, Track]) -> str:
+    def in_the_way(self, name: str, drive: int, records: Mapping[str, RouteRecord]) -> str:
         """Who must go on before a robot may begin its drive; empty: nobody."""
         for turn in self._turns.get((name, drive), ()):
             plan = self.plans.get(turn.first)
             if plan is None:
                 return turn.first
-            number, fraction = tracks[turn.first].left
+            number, fraction = records[turn.first].left
             if (number - plan.base, fraction) < (turn.before, turn.fraction):
                 return turn.first
         return ''
 
-    def asked_to_move(self, movers: Iterable[str], ends: Mapping[str, int]) -> Set[str]:
-        """Robots for whom one of `movers` waits, or one who is asked to move himself.
+    def asked_to_move(self, working: Iterable[str], ends: Mapping[str, int]) -> Set[str]:
+        """Robots for whom one of `working` waits, or one who is asked to move himself.
 
-        ends -- number behind the track of each robot: what is released already needs no asking
+        ends -- number behind the record of each robot: what is released already needs no asking
         """
-        moving = set(movers)
+        moving = set(working)
         asked: Set[str] = set()
         grew = True
         while grew:

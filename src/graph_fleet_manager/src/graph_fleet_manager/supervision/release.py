@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import AbstractSet, List, Mapping, NamedTuple
 
 from graph_fleet_manager.supervision.plan_in_force import PlanInForce
-from graph_fleet_manager.supervision.track import Track
+from graph_fleet_manager.supervision.route_record import RouteRecord
 
 
 class Release(NamedTuple):
@@ -19,28 +19,28 @@ class Release(NamedTuple):
     waits_for: str = ''
 
 
-def released(name: str, plan: PlanInForce, tracks: Mapping[str, Track], until: int,
+def released(name: str, plan: PlanInForce, records: Mapping[str, RouteRecord], until: int,
              ahead: float, closed: AbstractSet[int]) -> Release:
     """What one robot may be given.
 
-    until  -- number of the track's edge before which it must stop in any case
+    until  -- number of the record's edge before which it must stop in any case
     ahead  -- m: no more than the first edge that ends farther ahead than this is given
     closed -- ids of edges that nobody may be given
     """
-    own, track = plan.plans[name], tracks[name]
+    own, record = plan.plans[name], records[name]
     edges: List[int] = []
-    distance = track.distance_ahead()
-    number = track.end
+    distance = record.distance_ahead()
+    number = record.end
     while number < min(until, own.base + len(own.drives)):
-        if distance > ahead and not (number == track.end and track.is_standing):
+        if distance > ahead and not (number == record.end and record.is_standing):
             break
         edge = own.drives[number - own.base].edge
         if abs(edge) in closed:
             return Release(edges, f'edge {abs(edge)}, which is closed')
-        other = plan.in_the_way(name, number - own.base, tracks)
+        other = plan.in_the_way(name, number - own.base, records)
         if other:
             return Release(edges, other)
         edges.append(edge)
-        distance += track.graph.curve(edge).length
+        distance += record.graph.curve(edge).length
         number += 1
     return Release(edges)

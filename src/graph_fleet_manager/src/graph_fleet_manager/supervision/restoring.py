@@ -7,8 +7,8 @@ from graph_fleet_manager.fleet import Fleet
 from graph_fleet_manager.supervision.journal import RobotMemory
 from graph_fleet_manager.supervision.robots import ManagedRobot
 from graph_fleet_manager.supervision.route_client import RouteClient
+from graph_fleet_manager.supervision.route_record import RouteRecord
 from graph_fleet_manager.supervision.settings import RobotSettings
-from graph_fleet_manager.supervision.track import Track
 from trajectory_graph import Graph
 
 
@@ -22,7 +22,7 @@ def robots_of(fleet: Fleet, settings: Mapping[str, RobotSettings], graph: Graph,
     for robot in fleet.robots:
         own = settings.get(robot.name, RobotSettings())
         managed = ManagedRobot(robot.name, robot.type, own,
-                               RouteClient(Track(graph, robot.type.speed, own.slack)))
+                               RouteClient(RouteRecord(graph, robot.type.speed, own.slack)))
         if robot.name in memories:
             _restore(managed, memories[robot.name], graph)
         robots[robot.name] = managed

@@ -13,8 +13,8 @@ from graph_fleet_manager.supervision.orders import Heard
 from graph_fleet_manager.supervision.outages import Outage, outage_of
 from graph_fleet_manager.supervision.reports import NEAR, Place, Pose, Report, place_of
 from graph_fleet_manager.supervision.route_client import NewId, RouteClient
+from graph_fleet_manager.supervision.route_record import RouteRecord
 from graph_fleet_manager.supervision.settings import RobotSettings
-from graph_fleet_manager.supervision.track import Track
 from trajectory_graph import Graph
 from trajectory_graph.route_protocol import RouteRefusal
 
@@ -67,13 +67,13 @@ class ManagedRobot:
     @property
     def place(self) -> Optional[Place]:
         """Where it stands; None while it drives or nobody knows."""
-        return self.track.place if self.track.is_standing else None
+        return self.record.place if self.record.is_standing else None
 
     @property
     def progress(self) -> Tuple[int, int, bool, bool, Optional[Place]]:
         """All of a report that must outlive a restart: when it changes, it is to be stored."""
-        track, client = self.track, self.client
-        return track.done, track.end, client.over, client.is_stopping, track.lost_at
+        record, client = self.record, self.client
+        return record.done, record.end, client.over, client.is_stopping, record.lost_at
 
     def stands_at(self, vertices: Collection[int]) -> bool:
         """Does it stand on one of these vertices?"""
@@ -84,14 +84,14 @@ class ManagedRobot:
 
         Near a dock it is not docked: it is still to drive there.
         """
-        graph = self.track.graph
+        graph = self.record.graph
         place = place_of(pose, graph, min(self.type.play + AT_VERTEX, NEAR))
         return place_of(pose, graph, AT_VERTEX) if _is_dock(place, graph) else place
 
     @property
-    def track(self) -> Track:
+    def record(self) -> RouteRecord:
         """What it was given to drive, and how far it is."""
-        return self.client.track
+        return self.client.record
 
     # -- what comes in ----------------------------------------------------------------------------
 
@@ -100,7 +100,7 @@ class ManagedRobot:
         if not report.pose.edge and not report.stamp:
             return
         first = not self.liveness.is_seen
-        self.liveness.hear(report, self.track.graph, now)
+        self.liveness.hear(report, self.record.graph, now)
         if first:
             self.client.adopt(report)
             if self.outage is Outage.UNSEEN:
@@ -124,7 +124,7 @@ class ManagedRobot:
             self.come_back(self.place_at(report.pose))
         if not self.works:
             self._timer.stop()
-        driven = self._timer.follow(self.track, now)
+        driven = self._timer.follow(self.record, now)
         if driven is not None:
             self.driven.append(driven)
 
@@ -163,10 +163,10 @@ class ManagedRobot:
             self.fail(outage_of(heard.failed), heard.failed)
             self.liveness.lose_link(report.stamp if report else 0.0)
         elif report is not None and self.outage is None and not report.pose.edge and (
-                self.track.is_standing):
+                self.record.is_standing):
             self.fail(Outage.OFF_GRAPH, 'it reports to be off the graph')
         elif heard.left and self.outage is None:
-            self.fail(Outage.TAKEN_OVER, f'it left {self.track.place} without a route')
+            self.fail(Outage.TAKEN_OVER, f'it left {self.record.place} without a route')
 
     def fail(self, outage: Outage, why: str) -> None:
         """Something keeps it from working; what needs a person outlasts what does not."""
@@ -178,7 +178,7 @@ class ManagedRobot:
     @property
     def _was_nowhere(self) -> bool:
         """Was it never on the graph, so that nothing is blocked for it?"""
-        return self.track.place is None and not self.track.held
+        return self.record.place is None and not self.record.held
 
     # -- the clock --------------------------------------------------------------------------------
 
@@ -204,11 +204,11 @@ class ManagedRobot:
         if self.client.order is not None or not self.client.is_ready:
             return False
         self._tried = now
-        ahead = self.track.ahead
+        ahead = self.record.ahead
         if not ahead:
             self.outage, self.why = None, ''
             return False
-        place = self.place_at(self.track.pose)
+        place = self.place_at(self.record.pose)
         if place is None or not place.touches(graph, ahead[:1], self.type.play):
             self.fail(Outage.TAKEN_OVER, 'it was moved during an emergency stop')
             return False
@@ -220,18 +220,18 @@ class ManagedRobot:
 
         How near is near, every robot decides by itself.
         """
-        track, client = self.track, self.client
+        record, client = self.record, self.client
         if not self._has_refused or not client.is_ready or client.order is not None:
             return
         self._has_refused = False
-        if not self.works or not track.is_standing or track.place is None:
+        if not self.works or not record.is_standing or record.place is None:
             return
-        vertex = place_of(track.pose, track.graph)
-        if vertex is None or vertex.vertex is None or track.pose.fraction in (0.0, 1.0) or (
-                _is_dock(vertex, track.graph)):
+        vertex = place_of(record.pose, record.graph)
+        if vertex is None or vertex.vertex is None or record.pose.fraction in (0.0, 1.0) or (
+                _is_dock(vertex, record.graph)):
             return
-        client.settle(vertex if track.place.vertex is None else Place(
-            edge=track.pose.edge, fraction=track.pose.fraction))
+        client.settle(vertex if record.place.vertex is None else Place(
+            edge=record.pose.edge, fraction=record.pose.fraction))
 
     def go_on_after_stop(self, now: float) -> bool:
         """After stop all, once it has obeyed: it stands where it is; tells whether that is so."""
@@ -239,11 +239,11 @@ class ManagedRobot:
             return False
         if not self.liveness.is_still(now) or self.outage not in (None, Outage.STOPPED):
             return False
-        place = self.place_at(self.track.pose)
-        held = self.track.held
+        place = self.place_at(self.record.pose)
+        held = self.record.held
         self.is_halted = False
         if place is None or (
-                held and not place.touches(self.track.graph, held, self.type.play)):
+                held and not place.touches(self.record.graph, held, self.type.play)):
             edges = ', '.join(map(str, held))
             self.fail(Outage.TAKEN_OVER, f'it was stopped on its way over the edges {edges}, but '
                                          f'is {f"at {place}" if place else "off the graph"}')
@@ -270,9 +270,9 @@ class ManagedRobot:
         """
         if place is None:
             return f'{self.name} is off the graph: bring it onto an edge'
-        expected = self.track.held
+        expected = self.record.held
         if self.outage is Outage.LOST_LINK and expected and not place.touches(
-                self.track.graph, expected, self.type.play):
+                self.record.graph, expected, self.type.play):
             self.fail(Outage.TAKEN_OVER, f'it was expected elsewhere, but is at {place}')
             return self.why
         self.client.settle(place)
@@ -283,11 +283,11 @@ class ManagedRobot:
 
     def blocked(self) -> Tuple[Tuple[int, ...], Tuple[int, ...]]:
         """Vertices and edges on which it may be while nobody can plan for it."""
-        track = self.track
-        vertices, edges = set(), {abs(edge) for edge in track.held}
-        reported = place_of(track.pose, track.graph) or track.lost_at
-        for place in (track.place, reported):
-            if place is not None and (not track.ahead or place is not track.place):
+        record = self.record
+        vertices, edges = set(), {abs(edge) for edge in record.held}
+        reported = place_of(record.pose, record.graph) or record.lost_at
+        for place in (record.place, reported):
+            if place is not None and (not record.ahead or place is not record.place):
                 if place.vertex is not None:
                     vertices.add(place.vertex)
                 else:

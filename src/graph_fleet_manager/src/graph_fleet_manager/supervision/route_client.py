@@ -1,6 +1,6 @@
 """The fleet manager's side of the route protocol, for one robot: orders out, reports in.
 
-What the robot holds by them is its track; a route is a part of that, under an id.
+What the robot holds by them is its record; a route is a part of that, under an id.
 """
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Callable, Optional, Sequence
 from graph_fleet_manager.supervision.ordered_routes import OrderedRoutes
 from graph_fleet_manager.supervision.orders import Heard, Order, Sending, is_on
 from graph_fleet_manager.supervision.reports import Place, Report, place_of
-from graph_fleet_manager.supervision.track import Track
+from graph_fleet_manager.supervision.route_record import RouteRecord
 from trajectory_graph.route_protocol import RouteRefusal
 
 NEW_ID_AFTER = 50  # edges
@@ -20,10 +20,10 @@ NewId = Callable[[], int]
 
 
 class RouteClient(OrderedRoutes):
-    """Orders routes, repeats what is not acknowledged, and follows the reports on a track."""
+    """Orders routes, repeats what is not acknowledged, and follows the reports on a record."""
 
-    def __init__(self, track: Track) -> None:
-        super().__init__(track)
+    def __init__(self, record: RouteRecord) -> None:
+        super().__init__(record)
         self._awaits_report = False
         self._refused_at = 0.0  # by the robot's clock: reports of before do not tell what it has
         self._cut_refused = 0  # number behind the last edge of a shorter route that it refused
@@ -38,26 +38,26 @@ class RouteClient(OrderedRoutes):
 
     def extend(self, edges: Sequence[int], new_id: NewId, renew: bool = False) -> None:
         """Lets the robot drive more edges; `renew`: under a new id, as for another mission."""
-        if renew or self.over or self.track.end - self._bases[self.route_id] >= NEW_ID_AFTER:
+        if renew or self.over or self.record.end - self._bases[self.route_id] >= NEW_ID_AFTER:
             self._begin(new_id())
-        self.track.append(edges)
-        self._order_until(self.track.end)
+        self.record.append(edges)
+        self._order_until(self.record.end)
 
     def shorten(self, new_id: NewId) -> bool:
         """Asks the robot to stop at the end of its edge; tells whether it may drive farther.
 
         Where it refuses, as it cannot brake in time, at the end of the next one.
         """
-        if self.is_new_motion and self.track.told <= self.track.done:
-            self.track.cut(self.track.done)  # it was never told of all this
+        if self.is_new_motion and self.record.told <= self.record.done:
+            self.record.cut(self.record.done)  # it was never told of all this
             self._pending.drop()
             self.over = True
-        if len(self.track.ahead) <= 1:
+        if len(self.record.ahead) <= 1:
             return False
         if self._awaits_report or (self.order is not None and self._is_shorter(self.order)):
             return True
-        end = max(self.track.done, self._cut_refused) + 1
-        if end >= self.track.end:
+        end = max(self.record.done, self._cut_refused) + 1
+        if end >= self.record.end:
             return True
         if self.over or self.order is not None:  # a report of before that order is no answer
             self._begin(new_id())
@@ -69,13 +69,13 @@ class RouteClient(OrderedRoutes):
         self._begin(new_id())
         self.over = True
         self._awaits_report = False
-        self._pending.give(Order(self.route_id, self.track.done, ()), True)
+        self._pending.give(Order(self.route_id, self.record.done, ()), True)
 
     def try_again(self, new_id: NewId, count: int) -> None:
         """Orders once more, under a new id, so many of the edges ahead: an emergency stop kept the
         robot from driving them, or a restart from hearing of them."""
         self._begin(new_id())
-        self._pending.give(Order(self.route_id, self.track.done, self.track.ahead[:count]))
+        self._pending.give(Order(self.route_id, self.record.done, self.record.ahead[:count]))
         self.to_order_anew = 0
 
     def withdraw(self) -> None:
@@ -94,7 +94,7 @@ class RouteClient(OrderedRoutes):
         """The robot stands here, and holds nothing else any more."""
         self._ended = {*self._bases, self.route_id}
         self._bases = {}
-        self.track.settle(place)
+        self.record.settle(place)
         self.over = True
         self._pending.drop()
         self._awaits_report = False
@@ -103,14 +103,14 @@ class RouteClient(OrderedRoutes):
         """The order to send now, if there is one."""
         sending = None if self._awaits_report else self._pending.due(now)
         if sending is not None and self.order is not None:
-            self.track.told = max(self.track.told, self.order.end)
+            self.record.told = max(self.record.told, self.order.end)
         return sending
 
     def _order_again(self) -> None:
         """Repeats the order before a restart."""
-        end = self.track.end if self._ordered is None else self._ordered
-        if self._bases[self.route_id] < self.track.first:
-            self.to_order_anew = end - self.track.first
+        end = self.record.end if self._ordered is None else self._ordered
+        if self._bases[self.route_id] < self.record.first:
+            self.to_order_anew = end - self.record.first
         else:
             self._order_until(end)
 
@@ -125,9 +125,9 @@ class RouteClient(OrderedRoutes):
         base = self._bases.get(report.route_id)
         if base is None:
             if report.route_id in self._ended:
-                if self.track.ahead and self.route_id in self._bases and not self.is_stopping:
+                if self.record.ahead and self.route_id in self._bases and not self.is_stopping:
                     self._order_again()  # it did not reach the robot
-            elif not self.track.ahead and is_on(self.track.graph, report.left):
+            elif not self.record.ahead and is_on(self.record.graph, report.left):
                 self._adopt_other(report)
             # In any other case `take` finds that the robot was taken over, or lost its route.
         else:
@@ -137,7 +137,7 @@ class RouteClient(OrderedRoutes):
                     self.route_id not in self._bases):  # it was refused, so nothing is under way
                 return
             end = base + len(report.edges)
-            if self._ordered is not None or self.track.end > end or (
+            if self._ordered is not None or self.record.end > end or (
                     report.route_id != self.route_id):
                 self._order_again()
 
@@ -146,27 +146,27 @@ class RouteClient(OrderedRoutes):
 
         Of what is driven the graph may have lost edges: it does not count.
         """
-        self.track.adopt(report.left)
-        self._bases = {self.route_id: self.track.done} if self.order is not None else {}
-        self._bases[report.route_id] = self.track.first - report.completed
+        self.record.adopt(report.left)
+        self._bases = {self.route_id: self.record.done} if self.order is not None else {}
+        self._bases[report.route_id] = self.record.first - report.completed
         self._acknowledged.add(report.route_id)
         if self.order is None:
             self.route_id = report.route_id
             self.over = not report.is_running or report.completed > 0
         if not report.is_running:
             # One that is off the graph now is still nearest to where it was.
-            self.track.place = place_of(report.pose, self.track.graph) or self.track.place
+            self.record.place = place_of(report.pose, self.record.graph) or self.record.place
 
     # -- what the robot says ----------------------------------------------------------------------
 
     def take(self, report: Report) -> Heard:
         """Follows a report."""
-        heard, track = Heard(), self.track
+        heard, record = Heard(), self.record
         if 0.0 < self._stamp - report.stamp < _OVERTAKEN:
             return heard
         self._stamp = report.stamp
         self._reported = report.route_id
-        track.see(report.pose)
+        record.see(report.pose)
         awaited = self._awaits_report and not (
             0.0 < self._refused_at - report.stamp < _OVERTAKEN)
         is_known = report.route_id in self._bases
@@ -181,11 +181,11 @@ class RouteClient(OrderedRoutes):
                     self.order is None or self.route_id in self._acknowledged):
                 self._forgotten(heard)
             if self.order is None:
-                heard.left = track.is_standing and track.has_left()
+                heard.left = record.is_standing and record.has_left()
             return heard
         base = self._bases[report.route_id]
-        skipped = max(track.first - base, 0)
-        mine = track.between(base + skipped, base + len(report.edges))
+        skipped = max(record.first - base, 0)
+        mine = record.between(base + skipped, base + len(report.edges))
         if mine != report.edges[skipped:]:
             heard.foreign = report.is_running
             return heard
@@ -202,23 +202,23 @@ class RouteClient(OrderedRoutes):
         if awaited:
             self._take_truth(report)
         self._acknowledge(report)
-        heard.passed = track.complete(base + report.completed)
-        if report.is_running or track.is_standing:  # else a person may drive it back again
-            track.leave(report.age)
+        heard.passed = record.complete(base + report.completed)
+        if report.is_running or record.is_standing:  # else a person may drive it back again
+            record.leave(report.age)
         # What belongs to a route that may still be reported is kept.
-        track.forget(min([*self._bases.values(), *([self.order.base] if self.order else [])]))
+        record.forget(min([*self._bases.values(), *([self.order.base] if self.order else [])]))
         if report.is_failed:
             self.withdraw()
             heard.failed = report.reason or 'it gave no reason'
-        elif track.is_standing and self.order is None:
-            heard.left = track.has_left()
+        elif record.is_standing and self.order is None:
+            heard.left = record.has_left()
         return heard
 
     def _forgotten(self, heard: Heard) -> None:
         """It was switched off and on: it would drive an extended route from its beginning."""
         self._pending.drop()
         self.over = True
-        if self.track.ahead:
+        if self.record.ahead:
             heard.failed = 'it has forgotten its route'
 
     def refuse(self, refusal: RouteRefusal, stamp: float = 0.0) -> Heard:
@@ -251,8 +251,8 @@ class RouteClient(OrderedRoutes):
         self._awaits_report = False
         self.over = True
         base = self._bases.get(report.route_id)
-        end = self.track.done if base is None else base + len(report.edges)
-        self.track.cut(min(max(end, self.track.done), self.track.end))
+        end = self.record.done if base is None else base + len(report.edges)
+        self.record.cut(min(max(end, self.record.done), self.record.end))
         if base is not None:
             self._bases = {report.route_id: base}
 
@@ -261,4 +261,4 @@ class RouteClient(OrderedRoutes):
         if order and report.route_id == order.route_id and len(report.edges) == len(order.edges):
             self._pending.drop()
             if order.edges and self._is_shorter(order):
-                self.track.cut(order.end)
+                self.record.cut(order.end)

@@ -14,7 +14,6 @@ from graph_fleet_manager.planning.tasks import Outcome
 from graph_fleet_manager.supervision import mission_commands, mission_progress
 from graph_fleet_manager.supervision.actions import Action, TellStatus
 from graph_fleet_manager.supervision.charging import ChargeQueue
-from graph_fleet_manager.supervision.dispatcher import Dispatcher
 from graph_fleet_manager.supervision.errands import Errand, errand_of
 from graph_fleet_manager.supervision.fleet_stop import FleetStop
 from graph_fleet_manager.supervision.journal import Journal, JournalUnavailable
@@ -27,9 +26,11 @@ from graph_fleet_manager.supervision.missions import (
     Request,
     RequestRefused,
 )
+from graph_fleet_manager.supervision.networks import Networks
 from graph_fleet_manager.supervision.outage_watch import OutageWatch
 from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.outbox import Outbox
+from graph_fleet_manager.supervision.plan_executor import PlanExecutor
 from graph_fleet_manager.supervision.reports import (
     Report,
     WrongReport,
@@ -37,7 +38,6 @@ from graph_fleet_manager.supervision.reports import (
     old_location,
 )
 from graph_fleet_manager.supervision.restoring import robots_of
-from graph_fleet_manager.supervision.roads import Roads
 from graph_fleet_manager.supervision.settings import RobotSettings
 from graph_fleet_manager.supervision.waiting_missions import WaitingMissions
 from trajectory_graph import Graph
@@ -54,7 +54,7 @@ class Supervisor:
     def __init__(self, graph: Graph, fleet: Fleet, settings: Mapping[str, RobotSettings],
                  journal: Journal, now: float, rate: float = 1.0) -> None:
         self.robots = robots_of(fleet, settings, graph, journal.robots())
-        self.roads = Roads(graph, fleet, rate)
+        self.networks = Networks(graph, fleet, rate)
         self.charging = ChargeQueue(self.robots)
         self.book = MissionBook(journal.missions(), journal.last_serial() + 1)
         self._journal = journal
@@ -62,16 +62,16 @@ class Supervisor:
         self._is_starting = True
         self._waiting = WaitingMissions(self.book, self.robots)
         self._out = Outbox(journal, self.book, self.robots)
-        self.dispatcher = Dispatcher(self.robots, self._out)
+        self.plan_executor = PlanExecutor(self.robots, self._out)
         self._stop = FleetStop(journal, self.robots, self._out)
-        self._outages = OutageWatch(self.book, self.robots, self._out, self.dispatcher)
+        self._outages = OutageWatch(self.book, self.robots, self._out, self.plan_executor)
         for mission, why in mission_progress.no_longer_possible(self.book, self.acceptance):
             self.book.set(mission, MissionState.FAILED, why)
 
     @property
     def network(self) -> RoadNetwork:
         """The graph without what is closed, by learned times."""
-        return self.roads.network
+        return self.networks.network
 
     @property
     def trouble(self) -> str:
@@ -130,10 +130,10 @@ class Supervisor:
         if self.trouble and command in (Command.RESUME, Command.RELEASE):
             self._out.put(TellStatus(mission_commands.not_done(before, command, self.trouble)))
             return self._out.take(now)
-        problem = mission_commands.carry_out(command, mission, self.book, self.dispatcher)
+        problem = mission_commands.carry_out(command, mission, self.book, self.plan_executor)
         if problem:
             self._out.note(problem)
-        self.dispatcher.replan()
+        self.plan_executor.replan()
         self._go_on(now)
         actions = self._out.take(now)
         if self.trouble:
@@ -154,20 +154,20 @@ class Supervisor:
         self._out.note_state(name, '', f'The reports of {name} make sense again.')
         self._out.note_state(f'{name}/age', old_location(name, report),
                              f'The locations of {name} are new again.')
-        before, begun = robot.progress, robot.track.begun
+        before, begun = robot.progress, robot.record.begun
         was_seen = robot.liveness.is_seen
         if self._is_starting and not was_seen:
             self._stop.look_for(robot, report)
         robot.hear(report, now)
         robot.begin_elsewhere()
-        if robot.track.begun != begun or was_seen != robot.liveness.is_seen:
-            self.dispatcher.forget_plan_of(name)
+        if robot.record.begun != begun or was_seen != robot.liveness.is_seen:
+            self.plan_executor.forget_plan_of(name)
         if robot.client.to_order_anew:
             robot.client.try_again(self._out.new_id, robot.client.to_order_anew)
         if robot.drives_on(report):
             robot.client.halt(self._out.new_id)
             self._out.send()
-        self.roads.learn(robot, now)
+        self.networks.learn(robot, now)
         if before != robot.progress:
             self._out.robot_changed(name)
             if mission_progress.follow(self.book, robot, now):
@@ -211,8 +211,8 @@ class Supervisor:
         problem = robot.not_back_yet(now)
         if problem or (robot.outage is None and not robot.is_halted):
             return problem, self._out.take(now)
-        problem = robot.come_back(robot.place_at(robot.track.pose))
-        self.dispatcher.forget_plan_of(name)
+        problem = robot.come_back(robot.place_at(robot.record.pose))
+        self.plan_executor.forget_plan_of(name)
         self._outages.look()
         self._go_on(now)
         return problem, self._out.take(now)
@@ -240,20 +240,20 @@ class Supervisor:
 
     def close_edges(self, edges: Iterable[int], now: float) -> List[Action]:
         """Edges not to be used from now on; what is released already is driven to its end."""
-        if self.roads.close(edges):
-            self.dispatcher.replan()
+        if self.networks.close(edges):
+            self.plan_executor.replan()
             self._go_on(now)
         return self._out.take(now)
 
     def plan_made(self, number: int, outcome: Outcome, now: float) -> List[Action]:
         """The planner's answer; one that does not fit what is released by now is left out."""
-        if self.dispatcher.plan_made(number, outcome):
+        if self.plan_executor.plan_made(number, outcome):
             self._go_on(now)
         return self._out.take(now)
 
     def plan_failed(self, number: int, reason: str, now: float) -> List[Action]:
         """The planner could not answer; the plan in force stays."""
-        self.dispatcher.plan_failed(number, reason)
+        self.plan_executor.plan_failed(number, reason)
         return self._out.take(now)
 
     # -- what goes on -----------------------------------------------------------------------------
@@ -277,7 +277,7 @@ class Supervisor:
                                                          self.network.graph):
                 self._out.robot_changed(robot.name)
             if not self.is_stopped and robot.go_on_after_stop(now):
-                self.dispatcher.forget_plan_of(robot.name)
+                self.plan_executor.forget_plan_of(robot.name)
         self._outages.look()
         self._out.send()
         if self._is_starting:
@@ -286,15 +286,15 @@ class Supervisor:
         if self.is_stopped:
             self._waiting.hold('the fleet is stopped')
         elif self._is_starting or self.trouble:
-            self.dispatcher.shorten()
+            self.plan_executor.shorten()
         if self._is_starting or self.is_stopped or self.trouble:
             return
-        self.dispatcher.give_up_waiting(now)
+        self.plan_executor.give_up_waiting(now)
         busy = {m.robot for m in self.book.open if m.robot}
         for name in self.charging.update(busy, self._waiting.short, self.network, now):
             self._out.robot_changed(name)
-            self.dispatcher.replan()
-        for name in self._waiting.assign(self.acceptance, self.roads, now):
-            self.dispatcher.begin_mission(name)
+            self.plan_executor.replan()
+        for name in self._waiting.assign(self.acceptance, self.networks, now):
+            self.plan_executor.begin_mission(name)
             mission_progress.follow(self.book, self.robots[name], now)
-        self.dispatcher.go_on(self.errands(), self.network, now)
+        self.plan_executor.go_on(self.errands(), self.network, now)

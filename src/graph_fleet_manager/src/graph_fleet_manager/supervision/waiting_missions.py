@@ -6,7 +6,7 @@ from typing import FrozenSet, List, Mapping, Tuple
 
 from graph_fleet_manager.supervision.assignment import assign
 from graph_fleet_manager.supervision.missions import Acceptance, MissionBook, MissionState
-from graph_fleet_manager.supervision.roads import Roads
+from graph_fleet_manager.supervision.networks import Networks
 from graph_fleet_manager.supervision.robots import ManagedRobot
 
 AGAIN = 1.0  # s after which waiting missions are looked at although nobody came free
@@ -29,7 +29,7 @@ class WaitingMissions:
             if mission.state is MissionState.PENDING:
                 self._book.set(mission, MissionState.PENDING, reason)
 
-    def assign(self, acceptance: Acceptance, roads: Roads, now: float) -> List[str]:
+    def assign(self, acceptance: Acceptance, networks: Networks, now: float) -> List[str]:
         """The robots that got a mission now."""
         pending = [m for m in self._book.open if m.state is MissionState.PENDING]
         if not pending:
@@ -38,12 +38,12 @@ class WaitingMissions:
         busy = {m.robot for m in self._book.open if m.robot}
         free = {name: robot for name, robot in self._robots.items()
                 if robot.works and name not in busy and robot.is_charged
-                and (robot.track.held or robot.track.place is not None)}
+                and (robot.record.held or robot.record.place is not None)}
         question = (tuple(m.serial for m in pending), tuple(free))
         if question == self._looked[0] and now - self._looked[1] < AGAIN:
             return []
         self._looked = question, now
-        found = assign(pending, free, self._robots, acceptance, roads, now)
+        found = assign(pending, free, self._robots, acceptance, networks, now)
         self.short = found.short
         for mission, name in found.assigned:
             self._book.set(mission, MissionState.ACTIVE, '', name)

@@ -15,7 +15,7 @@ from visualization_msgs.msg import (
 
 from graph_fleet_manager.nodes.rviz import drawing
 from graph_fleet_manager.nodes.rviz.graph_picture import is_place
-from graph_fleet_manager.nodes.rviz.robot_picture import Place
+from graph_fleet_manager.nodes.rviz.robot_picture import DrawnPose
 from node_lifecycle.marker_server import OrderedMarkerServer
 from trajectory_graph import Graph
 
@@ -69,7 +69,7 @@ class FleetMenus:
         self._act = act
         self._server = OrderedMarkerServer('/fleet_menus', q_size=10)
         self._menus: Dict[str, MenuHandler] = {}
-        self._robots: Dict[str, Place] = {}
+        self._robots: Dict[str, DrawnPose] = {}
 
     def show_graph(self, graph: Graph) -> None:
         """Handles on places and edges, in place of those of the graph before; and the buttons."""
@@ -91,7 +91,7 @@ class FleetMenus:
                          _button(words, paint), (act,), Subject(), act)
         self._server.applyChanges()
 
-    def show_robots(self, places: Mapping[str, Place]) -> None:
+    def show_robots(self, places: Mapping[str, DrawnPose]) -> None:
         """Handles on robots, where they are now; those that are gone disappear."""
         changed = False
         for name in [name for name in self._robots if name not in places]:

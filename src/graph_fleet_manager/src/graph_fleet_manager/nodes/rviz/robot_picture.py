@@ -32,7 +32,7 @@ WAIT_WIDTH, WAIT_LINES = 24, 2  # characters and lines for what a robot waits fo
 
 
 @dataclass(frozen=True)
-class Place:
+class DrawnPose:
     """Where a robot is: x, y (m) and heading (rad)."""
 
     x: float
@@ -40,22 +40,22 @@ class Place:
     heading: float
 
 
-def place_on_graph(robot: FleetRobot, graph: Graph) -> Optional[Place]:
+def place_on_graph(robot: FleetRobot, graph: Graph) -> Optional[DrawnPose]:
     """Where its symbolic pose is; None off the graph."""
     edge = robot.pose.edge_id
     if abs(edge) not in graph.edges or not math.isfinite(robot.pose.percentage):
         return None
     curve = graph.curve(edge)
     s = curve.length * min(max(robot.pose.percentage, 0.0), 100.0) / 100.0
-    return Place(*curve.point_at(s), curve.heading_at(s))
+    return DrawnPose(*curve.point_at(s), curve.heading_at(s))
 
 
-def label_of(robot: FleetRobot, place: Place, radius: float, now: float) -> Label:
+def label_of(robot: FleetRobot, place: DrawnPose, radius: float, now: float) -> Label:
     """What is written on a robot with a body of this radius (m); `now` in s of the ROS clock."""
     return Label(place.x, place.y, radius, words_of(robot, now), TEXT_HEIGHT)
 
 
-def robot_markers(robot: FleetRobot, number: int, place: Place, label: Label, side: int,
+def robot_markers(robot: FleetRobot, number: int, place: DrawnPose, label: Label, side: int,
                   chosen: bool) -> List[Marker]:
     """The markers of one robot, its label on that side of it; see LabelPlaces."""
     radius = label.radius
@@ -100,6 +100,6 @@ def _duration(seconds: float) -> str:
     return f'{seconds:.0f} s' if seconds < 120.0 else f'{seconds / 60.0:.0f} min'
 
 
-def _along(place: Place, distance: float) -> Tuple[float, float]:
+def _along(place: DrawnPose, distance: float) -> Tuple[float, float]:
     return (place.x + distance * math.cos(place.heading),
             place.y + distance * math.sin(place.heading))

@@ -7,7 +7,7 @@ from typing import Dict, Iterable, Optional, Tuple
 import rospy
 from geometry_msgs.msg import PoseStamped
 
-from graph_fleet_manager.nodes.rviz.robot_picture import Place
+from graph_fleet_manager.nodes.rviz.robot_picture import DrawnPose
 
 FRESH = 1.5  # s that a pose is taken for the place where a robot is
 
@@ -17,7 +17,7 @@ class TruePlaces:
 
     def __init__(self) -> None:
         self._subscribers: Dict[str, rospy.Subscriber] = {}
-        self._heard: Dict[str, Tuple[float, Place]] = {}
+        self._heard: Dict[str, Tuple[float, DrawnPose]] = {}
 
     def follow(self, names: Iterable[str]) -> None:
         """These robots and no others."""
@@ -29,17 +29,17 @@ class TruePlaces:
             self._subscribers[name] = rospy.Subscriber(
                 f'/{name}/pose', PoseStamped, self._on_pose, name, queue_size=1)
 
-    def of(self, name: str, now: float) -> Optional[Place]:
+    def of(self, name: str, now: float) -> Optional[DrawnPose]:
         """Where it is, None where nothing fresh was heard; `now` in s of the ROS clock."""
         at, place = self._heard.get(name, (-math.inf, None))
         return place if now - at <= FRESH else None
 
-    def last(self, name: str) -> Optional[Place]:
+    def last(self, name: str) -> Optional[DrawnPose]:
         """Where it was last, however long ago."""
         return self._heard[name][1] if name in self._heard else None
 
     def _on_pose(self, message: PoseStamped, name: str) -> None:
         position, turn = message.pose.position, message.pose.orientation
         if math.isfinite(position.x) and math.isfinite(position.y):
-            self._heard[name] = rospy.Time.now().to_sec(), Place(
+            self._heard[name] = rospy.Time.now().to_sec(), DrawnPose(
                 position.x, position.y, 2.0 * math.atan2(turn.z, turn.w))

@@ -4,7 +4,7 @@ from __future__ import annotations
 import math
 from typing import Callable, Dict, List, NamedTuple, Sequence
 
-from graph_fleet_manager.agv.vehicle import Vehicle
+from graph_fleet_manager.agv_simulator.vehicle import Vehicle
 from trajectory_graph import UnknownVertex
 
 

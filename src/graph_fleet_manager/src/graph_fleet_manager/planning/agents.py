@@ -8,8 +8,8 @@ import numpy as np
 
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.planning.plans import Drive, Plan
+from graph_fleet_manager.planning.reservation_table import MidEdgePosition
 from graph_fleet_manager.planning.road_network import RoadNetwork, Roads, estimated
-from graph_fleet_manager.planning.timetable import Between
 
 LATER = 1e-4
 """What a second on the way to parking weighs against one on the way to the destinations."""
@@ -43,19 +43,19 @@ class Errand:
         """For each leg, the seconds from every vertex over all destinations left to the last;
         behind them one more where there are rests: to the nearest of these."""
         beyond = 0.0
-        ways = network.ways_to(kind, self.destinations)
-        for leg in range(len(ways) - 1, -1, -1):
+        paths = network.paths_to(kind, self.destinations)
+        for leg in range(len(paths) - 1, -1, -1):
             beyond += self.dwells[leg]
-            self.to_go.insert(0, estimated(ways[leg] + beyond) if beyond
+            self.to_go.insert(0, estimated(paths[leg] + beyond) if beyond
                               else network.estimates(kind, self.destinations[leg]))
             if leg:
-                beyond += float(ways[leg][self.destinations[leg - 1]])
-        if ways:
-            beyond += min(seconds + float(ways[0][vertex]) for vertex, seconds in origins.items())
+                beyond += float(paths[leg][self.destinations[leg - 1]])
+        if paths:
+            beyond += min(seconds + float(paths[0][vertex]) for vertex, seconds in origins.items())
         self.lower_bound = ready + beyond
         """The least that it can cost, were it alone; infinite where something is out of reach."""
         if rests is not None:
-            nearest = (np.minimum.reduce(network.ways_to(kind, sorted(rests))) if rests
+            nearest = (np.minimum.reduce(network.paths_to(kind, sorted(rests))) if rests
                        else np.full(network.vertices, inf))
             self.to_go.append(estimated(nearest))
             lasts = self.destinations[-1:] or origins
@@ -88,7 +88,7 @@ class Errand:
         return served + self.later * (now - served)
 
 
-class Traveller(NamedTuple):
+class Agent(NamedTuple):
     """One robot of a planning problem."""
 
     name: str
@@ -99,7 +99,7 @@ class Traveller(NamedTuple):
     """What it will drive whatever is planned, timed."""
     errand: Errand
     priority: int = 0
-    between: Optional[Between] = None
+    mid_edge: Optional[MidEdgePosition] = None
     """Where it stands if it is between two vertices; then nothing is fixed."""
 
     def whole(self, plan: Plan) -> Plan:

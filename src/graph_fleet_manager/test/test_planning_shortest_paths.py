@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from graph_fleet_manager.planning.shortest_ways import ShortestWays
+from graph_fleet_manager.planning.shortest_paths import ShortestPaths
 
 
 def _expected(vertices, roads, target):
@@ -29,11 +29,11 @@ def test_all_ways_to_all_vertices_are_the_shortest(seed):
             if random.random() < 0.95]
     ends += [(random.randrange(vertices), random.randrange(vertices))
              for _ in range(random.randint(0, 8))]
-    roads = [(*way, random.uniform(0.1, 5.0)) for end in ends
-             for way in (end, end[::-1]) if random.random() < 0.9]
-    ways = ShortestWays(vertices, roads)
+    roads = [(*ends_of_road, random.uniform(0.1, 5.0)) for end in ends
+             for ends_of_road in (end, end[::-1]) if random.random() < 0.9]
+    paths = ShortestPaths(vertices, roads)
     targets = random.sample(range(vertices), random.randint(1, vertices))
-    for target, row in zip(targets, ways.to(targets)):
+    for target, row in zip(targets, paths.to(targets)):
         assert row.tolist() == pytest.approx(_expected(vertices, roads, target)), target
 
 
@@ -44,6 +44,6 @@ def test_a_lane_of_many_sections_is_one_link():
               for a, b in ((hub, first), (hub, first + 1), (hub, first + 2),
                            (first, first + 1), (first + 1, first + 2), (first + 2, first))]
     both = [road for a, b, s in lane + around for road in ((a, b, s), (b, a, s))]
-    ways = ShortestWays(107, both)
-    assert ways.left <= 8, 'only vertices of the crossings may be left'
-    assert ways.to([50])[0][:101].tolist() == [2.0 * abs(50 - k) for k in range(101)]
+    paths = ShortestPaths(107, both)
+    assert paths.left <= 8, 'only vertices of the crossings may be left'
+    assert paths.to([50])[0][:101].tolist() == [2.0 * abs(50 - k) for k in range(101)]

@@ -24,8 +24,8 @@ class _Round(NamedTuple):
     seconds: np.ndarray     # (2, N) from the vertex to the neighbour
 
 
-class ShortestWays:
-    """The roads between counted vertices, prepared to be asked for ways to any of them.
+class ShortestPaths:
+    """The roads between counted vertices, prepared to be asked for paths to any of them.
 
     vertices -- how many there are
     roads    -- (begin, end, seconds)
@@ -105,15 +105,15 @@ class ShortestWays:
                             np.concatenate((self._ends, ends)),
                             np.concatenate((self._starts, starts))),
                            shape=(core + count, core + count))
-        ways = np.full((count, len(self._away)), inf)
-        ways[:, self._core] = dijkstra(links, indices=np.arange(core, core + count))[:, :core]
-        for row, descent in zip(ways, descents):
+        paths = np.full((count, len(self._away)), inf)
+        paths[:, self._core] = dijkstra(links, indices=np.arange(core, core + count))[:, :core]
+        for row, descent in zip(paths, descents):
             below = [v for v in descent if self._round[v] >= 0]
             row[below] = [descent[v] for v in below]
         for vertices, neighbours, to_them in reversed(self._rounds):
-            further = (ways[:, neighbours] + to_them).min(axis=1)
-            ways[:, vertices] = np.minimum(ways[:, vertices], further)
-        return ways
+            further = (paths[:, neighbours] + to_them).min(axis=1)
+            paths[:, vertices] = np.minimum(paths[:, vertices], further)
+        return paths
 
     def _descents(self, target: int) -> Dict[int, float]:
         """Seconds to the target from all that lie above it, through ever earlier rounds only."""

@@ -8,9 +8,9 @@ import pytest
 from agv_builders import GRAPH, Conversation
 from fleet_builders import AGV
 
-from graph_fleet_manager.agv.control_socket import LONGEST_LINE, ControlServer
-from graph_fleet_manager.agv.faults import FAULTS, UnknownFault, help_text, inject
-from graph_fleet_manager.agv.simulation import Simulation
+from graph_fleet_manager.agv_simulator.control_socket import LONGEST_LINE, ControlServer
+from graph_fleet_manager.agv_simulator.faults import FAULTS, UnknownFault, help_text, inject
+from graph_fleet_manager.agv_simulator.simulation import Simulation
 from graph_fleet_manager.fleet import Robot
 
 

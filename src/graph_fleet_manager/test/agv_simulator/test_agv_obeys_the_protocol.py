@@ -11,7 +11,7 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
-from graph_fleet_manager.agv.vehicle import Vehicle
+from graph_fleet_manager.agv_simulator.vehicle import Vehicle
 from trajectory_graph import split_edges
 from trajectory_graph.route_protocol import EdgeState, RouteOrder, RouteReport
 
@@ -195,9 +195,9 @@ class ObedientAgv(RuleBasedStateMachine):
             at = self.graph.end_vertex(edges[-1]).id
         walk = list(edges)
         for _ in range(length):
-            ways = self.graph.edges_from(at)
-            onwards = [way for way in ways if walk and way != -walk[-1]]
-            walk.append(self.random.choice(onwards * 4 + list(ways)))
+            open_edges = self.graph.edges_from(at)
+            onwards = [edge for edge in open_edges if walk and edge != -walk[-1]]
+            walk.append(self.random.choice(onwards * 4 + list(open_edges)))
             at = self.graph.end_vertex(walk[-1]).id
         return tuple(walk)
 

@@ -9,7 +9,7 @@ CHARGING = 60.0 / 3600.0
 
 
 @dataclass
-class Battery:
+class SimulatedBattery:
     """State of charge in per cent."""
 
     charge: float = 100.0

@@ -15,9 +15,9 @@ from math import inf, log
 from random import Random
 from typing import Dict, List, Mapping, Optional, Sequence, Set
 
+from graph_fleet_manager.planning.agents import Agent
 from graph_fleet_manager.planning.plans import end_of
-from graph_fleet_manager.planning.tea_star import TeaStar, Way, Ways, shuffled
-from graph_fleet_manager.planning.travellers import Traveller
+from graph_fleet_manager.planning.tea_star import Path, Paths, TeaStar, shuffled
 
 _SMALLEST, _LARGEST = 2, 8
 _GUESTS = 0.2  # of the rounds are with one who is planned twice
@@ -27,23 +27,23 @@ _CLOSE = 1e-9  # of the cost: nearer to the lower bound than this is at it
 _MEMORY = 0.9  # how slowly the choice among the kinds of neighbourhoods forgets
 
 
-class Improvement:
-    """Improves the ways of travellers that are all booked in `tea_star`'s timetable.
+class LargeNeighbourhoodSearch:
+    """Improves the ways of agents that are all booked in `tea_star`'s reservation table.
 
     movable -- names of those that may be planned again; others keep their ways
     """
 
-    def __init__(self, tea_star: TeaStar, travellers: Sequence[Traveller], ways: Mapping[str, Way],
+    def __init__(self, tea_star: TeaStar, agents: Sequence[Agent], paths: Mapping[str, Path],
                  random: Random, movable: Optional[Set[str]] = None) -> None:
         self._tea_star = tea_star
         self._random = random
-        self._all: Dict[str, Traveller] = {t.name: t for t in travellers}
-        self._movable: List[str] = [t.name for t in travellers
+        self._all: Dict[str, Agent] = {t.name: t for t in agents}
+        self._movable: List[str] = [t.name for t in agents
                                     if movable is None or t.name in movable]
         self._movable_set = set(self._movable)
-        self._now: Ways = dict(ways)
+        self._now: Paths = dict(paths)
         """The ways that are booked."""
-        self.ways: Ways = dict(ways)
+        self.paths: Paths = dict(paths)
         """The best ways so far."""
         self.rounds = 0
         """How many neighbourhoods were tried."""
@@ -55,7 +55,7 @@ class Improvement:
 
     def run(self, deadline: float, rounds: Optional[int] = None) -> None:
         """Improves until the deadline (monotonic s), `rounds`, or nothing is left to improve."""
-        cost = best = sum(way.cost for way in self._now.values())
+        cost = best = sum(path.cost for path in self._now.values())
         while len(self._movable) > 0 and (rounds is None or self.rounds < rounds):
             if time.monotonic() >= deadline:
                 break
@@ -70,45 +70,45 @@ class Improvement:
             self._weights[kind] = max(_MEMORY * self._weights[kind] + (1 - _MEMORY) * gained, 1e-3)
             cost -= gain
             if cost < best * (1.0 - _CLOSE):
-                best, self.ways = cost, dict(self._now)
+                best, self.paths = cost, dict(self._now)
 
     def _try(self, names: Sequence[str], more: float, deadline: float) -> float:
         """Plans these again together, for at most so much more than now; returns what it gained."""
         group = shuffled((self._all[name] for name in names), self._random)
         before = sum(self._now[name].cost for name in names)
         enough = before * (1.0 - _CLOSE) + more
-        taken = self._tea_star.timetable.take_out(names)
-        for traveller in group:
-            if traveller.fixed or traveller.between or traveller.errand.ready > 0.0:
-                self._tea_star.book_fixed(traveller)
+        taken = self._tea_star.reservations.take_out(names)
+        for agent in group:
+            if agent.fixed or agent.mid_edge or agent.errand.ready > 0.0:
+                self._tea_star.book_fixed(agent)
         if group[0].priority == group[-1].priority and self._random.random() < _GUESTS:
             guest = group.pop(0)
             self._book_guest(guest)
             group.append(guest)
         least = sum(t.errand.lower_bound for t in group)
         spent, found = 0.0, {}
-        for traveller in group:
-            least -= traveller.errand.lower_bound
-            self._tea_star.forget((traveller,))
-            way = self._tea_star.way_of(traveller, enough - spent - least)
-            if way is None or time.monotonic() >= deadline:
-                self._tea_star.timetable.put_back(taken)
+        for agent in group:
+            least -= agent.errand.lower_bound
+            self._tea_star.forget((agent,))
+            path = self._tea_star.path_of(agent, enough - spent - least)
+            if path is None or time.monotonic() >= deadline:
+                self._tea_star.reservations.put_back(taken)
                 return 0.0
-            found[traveller.name] = way
-            spent += way.cost
-            self._tea_star.book(traveller, way)
+            found[agent.name] = path
+            spent += path.cost
+            self._tea_star.book(agent, path)
         self._now.update(found)
         return before - spent
 
-    def _book_guest(self, traveller: Traveller) -> None:
+    def _book_guest(self, agent: Agent) -> None:
         """Books the best way of a robot, but no longer than for a moment at its end."""
-        self._tea_star.forget((traveller,))
-        way = self._tea_star.way_of(traveller)
-        if way is None:
-            self._tea_star.book_fixed(traveller)
+        self._tea_star.forget((agent,))
+        path = self._tea_star.path_of(agent)
+        if path is None:
+            self._tea_star.book_fixed(agent)
         else:
-            leaves = end_of(traveller.whole(way.plan)) + self._random.uniform(0.0, _GUEST_STAYS)
-            self._tea_star.book(traveller, way, leaves)
+            leaves = end_of(agent.whole(path.plan)) + self._random.uniform(0.0, _GUEST_STAYS)
+            self._tea_star.book(agent, path, leaves)
 
     # -- neighbourhoods ---------------------------------------------------------------------------
 
@@ -133,23 +133,23 @@ class Improvement:
         if not plan:
             return self._any()
         drive = self._random.choice(plan).drive
-        slots = self._tea_star.timetable.slots[self._all[name].kind]
+        slots = self._tea_star.reservations.slots[self._all[name].kind]
         users = {robot for _, _, robot in slots.bookings[drive]} - {name}
         return self._filled([name, *sorted(users)])
 
-    def _met_by(self, traveller: Traveller) -> List[str]:
+    def _met_by(self, agent: Agent) -> List[str]:
         """Who is in the way of a robot that drives straight on from some point of its way."""
-        errand = traveller.errand
+        errand = agent.errand
         if not errand.destinations:
             return []
-        slots = self._tea_star.timetable.slots[traveller.kind]
+        slots = self._tea_star.reservations.slots[agent.kind]
         to_go = errand.to_go[len(errand.destinations) - 1]
-        plan = self.ways[traveller.name].plan
+        plan = self.paths[agent.name].plan
         start = self._random.randint(0, len(plan)) if plan else 0
         vertex, now = errand.vertex, errand.ready
         if start:
             last = plan[start - 1]
-            vertex = self._tea_star.timetable.network.destination(last.drive)
+            vertex = self._tea_star.reservations.network.destination(last.drive)
             now = last.end
         met: Dict[str, None] = {}
         while to_go[vertex] > 0.0 and len(met) < _LARGEST:
@@ -161,7 +161,7 @@ class Improvement:
             if cost == inf:
                 break
             for begin, over, robot in slots.bookings[drive]:
-                if begin < now < over and robot != traveller.name:
+                if begin < now < over and robot != agent.name:
                     met[robot] = None
             vertex, now = end, now + seconds
         return list(met)
@@ -177,4 +177,5 @@ class Improvement:
         return chosen
 
 
-_KINDS = (Improvement._around_delayed, Improvement._around_place, Improvement._any)
+_KINDS = (LargeNeighbourhoodSearch._around_delayed, LargeNeighbourhoodSearch._around_place,
+          LargeNeighbourhoodSearch._any)

@@ -4,7 +4,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Optional, Tuple
 
-from graph_fleet_manager.agv.drive import Drive
+from graph_fleet_manager.agv_simulator.drive import Drive
 from trajectory_graph import TrajectoryGraphError, check_route
 from trajectory_graph.route_protocol import EdgeState, Phase, RouteOrder
 

@@ -5,7 +5,7 @@ import pytest
 from agv_builders import GRAPH, Conversation
 from fleet_builders import graph_of
 
-from graph_fleet_manager.agv.vehicle import Vehicle
+from graph_fleet_manager.agv_simulator.vehicle import Vehicle
 from trajectory_graph.route_protocol import RouteOrder, SymbolicPose
 
 

@@ -25,7 +25,7 @@ AGAIN = 2.0              # s between two plans while somebody has none that serv
 _PLANNING = '/planning'  # what is told of it; no robot has such a name
 
 
-class Dispatcher:
+class PlanExecutor:
     """The plan in force, the question to the planner that is open, and what robots may drive."""
 
     def __init__(self, robots: Mapping[str, ManagedRobot], outbox: Outbox) -> None:
@@ -149,10 +149,10 @@ class Dispatcher:
         plan = self.plan
         if plan is None:
             return
-        tracks = {name: robot.track for name, robot in self._robots.items()}
-        movers = [name for name, errand in errands.items()
-                  if errand.duty in (Duty.MISSION, Duty.CHARGE) and name not in plan.unserved]
-        asked = plan.asked_to_move(movers, {name: track.end for name, track in tracks.items()})
+        records = {name: robot.record for name, robot in self._robots.items()}
+        working = [name for name, errand in errands.items()
+                   if errand.duty in (Duty.MISSION, Duty.CHARGE) and name not in plan.unserved]
+        asked = plan.asked_to_move(working, {name: record.end for name, record in records.items()})
         for name, own in plan.plans.items():
             if self._replan and name in self._renew:
                 continue  # the plan leads to what was to be done before
@@ -161,7 +161,7 @@ class Dispatcher:
             if not robot.works or robot.comes_to_rest or not robot.client.is_ready:
                 continue
             until = goes_until(robot, errands[name], own, name in asked)
-            given = released(name, plan, tracks, until, robot.settings.release_ahead,
+            given = released(name, plan, records, until, robot.settings.release_ahead,
                              network.closed)
             self.waits_for[name] = given.waits_for
             if given.edges:

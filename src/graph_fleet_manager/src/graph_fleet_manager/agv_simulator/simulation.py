@@ -4,9 +4,9 @@ from __future__ import annotations
 import math
 from typing import Dict, Iterable
 
-from graph_fleet_manager.agv.faults import UnknownFault, inject
-from graph_fleet_manager.agv.speed_limits import DriveLimits
-from graph_fleet_manager.agv.vehicle import Vehicle
+from graph_fleet_manager.agv_simulator.faults import UnknownFault, inject
+from graph_fleet_manager.agv_simulator.speed_limits import DriveLimits
+from graph_fleet_manager.agv_simulator.vehicle import Vehicle
 from graph_fleet_manager.fleet import Robot
 from trajectory_graph import Graph
 

@@ -12,13 +12,13 @@ from typing import Any, Callable, Dict, Iterator, List, Mapping, Optional
 from urllib.parse import urlsplit
 from xmlrpc.server import SimpleXMLRPCServer
 
-from graph_fleet_manager.joining.findings import (
+from graph_fleet_manager.multimaster.findings import (
     Finding,
     Level,
     clock_finding,
     definitions_finding,
 )
-from graph_fleet_manager.joining.peer_master import (
+from graph_fleet_manager.multimaster.peer_master import (
     DISCOVERY_PORT,
     MASTER_PORT,
     TIMEOUT,

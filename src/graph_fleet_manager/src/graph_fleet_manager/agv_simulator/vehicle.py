@@ -4,9 +4,9 @@ from __future__ import annotations
 import math
 from typing import Collection, List, Optional, Tuple, Union
 
-from graph_fleet_manager.agv.battery import Battery
-from graph_fleet_manager.agv.drive import ON_PLACE, Drive
-from graph_fleet_manager.agv.route_rules import (
+from graph_fleet_manager.agv_simulator.battery import SimulatedBattery
+from graph_fleet_manager.agv_simulator.drive import ON_PLACE, Drive
+from graph_fleet_manager.agv_simulator.route_rules import (
     NotYet,
     Route,
     RouteRefused,
@@ -14,7 +14,7 @@ from graph_fleet_manager.agv.route_rules import (
     check_order,
     find_start,
 )
-from graph_fleet_manager.agv.speed_limits import DriveLimits, SpeedLimits
+from graph_fleet_manager.agv_simulator.speed_limits import DriveLimits, SpeedLimits
 from trajectory_graph import Graph
 from trajectory_graph.route_protocol import (
     EdgeState,
@@ -40,7 +40,7 @@ class Vehicle:
                  limits: Optional[DriveLimits] = None, obeys_edge_speed: bool = True,
                  chargers: Collection[int] = (), charge: float = 100.0) -> None:
         self.name = name
-        self.battery = Battery(charge)
+        self.battery = SimulatedBattery(charge)
         self.route: Optional[Route] = None
         self.stamp = 0
         self.emergency = False

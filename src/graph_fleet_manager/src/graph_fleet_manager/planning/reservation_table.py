@@ -12,7 +12,7 @@ from graph_fleet_manager.planning.road_network import RoadNetwork
 from graph_fleet_manager.planning.slots import Booking, Busy, Slots, merge
 
 
-class Between(NamedTuple):
+class MidEdgePosition(NamedTuple):
     """A robot that stands at a fraction of a drive, at x, y (m), free to go either way."""
 
     drive: int
@@ -31,13 +31,13 @@ class Booked(NamedTuple):
     kind: RobotType
     vertex: int
     plan: Sequence[Drive]
-    between: Optional[Between]
+    mid_edge: Optional[MidEdgePosition]
     until: float
     held: int
 
 
 class TakenOut(NamedTuple):
-    """What the timetable was before robots were taken out of it."""
+    """What the reservation table was before robots were taken out of it."""
 
     booked: Dict[str, Booked]
     touched: Dict[str, List[Tuple[Slots, Iterable[int]]]]
@@ -45,7 +45,7 @@ class TakenOut(NamedTuple):
     """For all slots in which one of them is booked the bookings, and these merged."""
 
 
-class Timetable:
+class ReservationTable:
     """Bookings of many robots; each robot is booked by name and can be taken out again."""
 
     def __init__(self, network: RoadNetwork, clearance: float, kinds: Iterable[RobotType]) -> None:
@@ -53,8 +53,8 @@ class Timetable:
         self.clearance = clearance
         self.kinds: Tuple[RobotType, ...] = tuple(dict.fromkeys(kinds))
         self.blocking: Dict[Tuple[RobotType, RobotType], Blocking] = {
-            (mover, observer): Blocking(network, mover, observer, clearance)
-            for mover in self.kinds for observer in self.kinds}
+            (moving, observer): Blocking(network, moving, observer, clearance)
+            for moving in self.kinds for observer in self.kinds}
         self.slots: Dict[RobotType, Slots] = {}
         self.booked: Dict[str, Booked] = {}
         self._touched: Dict[str, List[Tuple[Slots, Iterable[int]]]] = {}
@@ -75,27 +75,27 @@ class Timetable:
             blocking.prepare()
 
     def book(self, robot: str, kind: RobotType, vertex: int, plan: Sequence[Drive],
-             between: Optional[Between] = None, until: float = inf, held: int = 0) -> None:
+             mid_edge: Optional[MidEdgePosition] = None, until: float = inf, held: int = 0) -> None:
         """Books a robot that stands at `vertex`, or `between` two, and then follows its plan.
 
         After the plan it stands where it is till `until`. So many drives as `held` says it holds
         from now on: whoever wants to pass there comes after it, however much earlier he could be
         through. Nothing may be booked for it yet.
         """
-        self.booked[robot] = Booked(kind, vertex, plan, between, until, held)
+        self.booked[robot] = Booked(kind, vertex, plan, mid_edge, until, held)
         self._touched[robot] = []
         for observer in self.kinds:
             slots, blocking = self.slots[observer], self.blocking[kind, observer]
             touched: List[int] = []
-            waits = None if between is None else self._at_point(kind, observer, between)
+            waits = None if mid_edge is None else self._at_point(kind, observer, mid_edge)
             since, at = -inf, vertex
             for number, (drive, start, end, begun) in enumerate(plan):
-                if start > since and (not begun or between):
+                if start > since and (not begun or mid_edge):
                     for slot, lead in blocking.wait(at) if waits is None else waits:
                         slots.add(slot, since - lead, start, robot, touched)
                 blocks: Iterable[Block] = blocking.drive(drive)
                 if begun:
-                    blocks = _rest_of(blocks, begun)
+                    blocks = _remainder_of(blocks, begun)
                 if number < held:
                     for slot, clear, _ in blocks:
                         slots.add(slot, -inf, start + clear * (end - start), robot, touched)
@@ -168,7 +168,7 @@ class Timetable:
         self.booked.update(taken.booked)
         self._touched.update(taken.touched)
 
-    def arrivals(self, kind: RobotType, between: Between,
+    def arrivals(self, kind: RobotType, mid_edge: MidEdgePosition,
                  ready: float) -> List[Tuple[int, float, int, float]]:
         """What a robot that is not booked and stands between two vertices may begin with.
 
@@ -176,12 +176,12 @@ class Timetable:
         there), for every time in which it is free. Until then nobody may come past its point.
         """
         found = []
-        leave = self._undisturbed(kind, between)
-        for drive in (between.drive, between.drive ^ 1):
-            begun, end = between.behind(drive), self.network.destination(drive)
+        leave = self._undisturbed(kind, mid_edge)
+        for drive in (mid_edge.drive, mid_edge.drive ^ 1):
+            begun, end = mid_edge.behind(drive), self.network.destination(drive)
             for _, vertex, seconds in (road for road in self.network.roads(kind, (end,))
                                        [self.network.origin[drive]] if road[0] == drive):
-                starts, ends = merge(self._against_rest(kind, drive, begun, seconds))
+                starts, ends = merge(self._against_remainder(kind, drive, begun, seconds))
                 gap, begin = bisect_right(ends, ready), ready
                 while begin <= leave:
                     if gap == len(ends) or begin <= starts[gap]:
@@ -192,8 +192,8 @@ class Timetable:
                     gap += 1
         return found
 
-    def _against_rest(self, kind: RobotType, drive: int, begun: float,
-                      seconds: float) -> List[Booking]:
+    def _against_remainder(self, kind: RobotType, drive: int, begun: float,
+                           seconds: float) -> List[Booking]:
         """When others keep a robot from driving the rest of a drive of which some lies behind it.
 
         Bookings are made for whole drives; those that only concern what lies behind are left out.
@@ -206,13 +206,13 @@ class Timetable:
                     found.append((begin - (lead - behind), end, robot))
         return found
 
-    def _undisturbed(self, kind: RobotType, between: Between) -> float:
+    def _undisturbed(self, kind: RobotType, mid_edge: MidEdgePosition) -> float:
         """When the first of the others comes past a robot's point."""
         first = inf
-        for mover in self.kinds:
-            places = set(self.places_near(kind, mover, between))
+        for moving in self.kinds:
+            places = set(self.places_near(kind, moving, mid_edge))
             for booked in self.booked.values():
-                if booked.kind is mover or booked.kind == mover:
+                if booked.kind is moving or booked.kind == moving:
                     for drive in booked.plan:
                         if self.network.vertices + (drive.drive >> 1) in places:
                             first = min(first, drive.start)
@@ -221,32 +221,33 @@ class Timetable:
     def _activities(self, observer: RobotType) -> Iterator[
             Tuple[str, float, float, Iterable[Tuple[int, float]]]]:
         """Every wait and drive of everybody: robot, begin, end, (slot, lead) that it blocks."""
-        for robot, (kind, vertex, plan, between, until, held) in self.booked.items():
+        for robot, (kind, vertex, plan, mid_edge, until, held) in self.booked.items():
             blocking = self.blocking[kind, observer]
-            waits = (blocking.wait(vertex) if between is None
-                     else self._at_point(kind, observer, between))
+            waits = (blocking.wait(vertex) if mid_edge is None
+                     else self._at_point(kind, observer, mid_edge))
             since = -inf
             for number, (drive, start, end, begun) in enumerate(plan):
-                if start > since and (not begun or between):
+                if start > since and (not begun or mid_edge):
                     yield robot, since, start, waits
                 begin = -inf if number < held else start
-                for slot, clear, lead in _rest_of(blocking.drive(drive), begun):
+                for slot, clear, lead in _remainder_of(blocking.drive(drive), begun):
                     yield robot, begin, start + clear * (end - start), [(slot, lead)]
                 waits, since = blocking.wait(self.network.origin[drive ^ 1]), end
             yield robot, since, until, waits
 
     def _at_point(self, kind: RobotType, observer: RobotType,
-                  between: Between) -> List[Tuple[int, float]]:
+                  mid_edge: MidEdgePosition) -> List[Tuple[int, float]]:
         return self.blocking[kind, observer].around_point(
-            self.places_near(kind, observer, between))
+            self.places_near(kind, observer, mid_edge))
 
-    def places_near(self, kind: RobotType, other: RobotType, between: Between) -> List[int]:
+    def places_near(self, kind: RobotType, other: RobotType,
+                    mid_edge: MidEdgePosition) -> List[int]:
         """Places that robots of type `other` may not hold while one stands between vertices."""
         return self.network.exclusions.near(
-            ((between.x, between.y),), kind.reach + other.reach + self.clearance)
+            ((mid_edge.x, mid_edge.y),), kind.reach + other.reach + self.clearance)
 
 
-def _rest_of(blocks: Iterable[Block], begun: float) -> List[Block]:
+def _remainder_of(blocks: Iterable[Block], begun: float) -> List[Block]:
     """What the rest of a drive blocks when a fraction of it lies behind."""
     return [(slot, (clear - begun) / (1.0 - begun), lead)
             for slot, clear, lead in blocks if clear > begun]

@@ -25,7 +25,7 @@ class NoAnswer(Exception):
     """Nobody answers, or not as one should; the text, a clause, says how that showed."""
 
 
-class Clock(NamedTuple):
+class ClockOffset(NamedTuple):
     """How far (s) another clock is ahead of this one, and how well that is known."""
 
     offset: float
@@ -92,14 +92,14 @@ class Discovery:
     def __init__(self, address: str, port: int = DISCOVERY_PORT) -> None:
         self._api = proxy(f'http://{address}:{port}')
 
-    def clock(self) -> Clock:
+    def clock(self) -> ClockOffset:
         """Compares the other computer's clock with this one; raises NoAnswer."""
         before = time.time()
         moment = _ask(lambda: float(self._api.getCurrentTime()[1]))
         after = time.time()
         if not math.isfinite(moment):
             raise NoAnswer('its time is no number')
-        return Clock(moment - (before + after) / 2.0, (after - before) / 2.0)
+        return ClockOffset(moment - (before + after) / 2.0, (after - before) / 2.0)
 
     def definitions(self, types: Sequence[str]) -> Dict[str, str]:
         """The MD5 sums of those of these message types that it has; raises NoAnswer."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import Iterator, Optional, Sequence, Tuple
 
-from graph_fleet_manager.agv.speed_limits import DriveLimits, SpeedLimits, angle_between
+from graph_fleet_manager.agv_simulator.speed_limits import DriveLimits, SpeedLimits, angle_between
 from trajectory_graph import Graph
 
 STEP = 0.05        # s, of simulated time between two looks at what lies ahead

@@ -1,7 +1,7 @@
 """All edges that a robot was ever given, counted through, and how far it is on them.
 
-Whatever the ids of its routes, the edges go on counting: the *track*. What is on it and not yet
-left is the robot's alone; a track only gets shorter when a report says so.
+Whatever the ids of its routes, the edges go on counting: the *route record*. What is on it
+and not yet left is the robot's alone; a record only gets shorter when a report says so.
 """
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from trajectory_graph import Graph
 _NOT_OVER = 1.0 - 1e-9  # the fraction of an edge that is nearly driven
 
 
-class Track:
-    """One robot's track.
+class RouteRecord:
+    """One robot's route record.
 
     speed -- m/s, the most that the robot may drive back in the time that a report is old
     slack -- m that it may be short of where it reports to be
@@ -24,7 +24,7 @@ class Track:
     def __init__(self, graph: Graph, speed: float, slack: float = 0.0) -> None:
         self.graph = graph
         self.place: Optional[Place] = None
-        """Where the robot stands, or stood before its track; None: nobody knows."""
+        """Where the robot stands, or stood before its record; None: nobody knows."""
         self.pose = Pose()
         """Where it last reported to be."""
         self.lost_at: Optional[Place] = None

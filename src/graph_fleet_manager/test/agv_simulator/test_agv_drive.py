@@ -6,8 +6,8 @@ import math
 import pytest
 from fleet_builders import graph_of
 
-from graph_fleet_manager.agv.drive import STEP, Drive
-from graph_fleet_manager.agv.speed_limits import DriveLimits, SpeedLimits
+from graph_fleet_manager.agv_simulator.drive import STEP, Drive
+from graph_fleet_manager.agv_simulator.speed_limits import DriveLimits, SpeedLimits
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 
 LIMITS = DriveLimits(speed=1.0, acceleration=0.5, braking=0.5, turn_rate=1.0)

@@ -11,7 +11,7 @@ from graph_fleet_manager.supervision.robots import ManagedRobot
 from trajectory_graph import Graph
 
 
-class Roads:
+class Networks:
     """One network by nominal times, and one by those that were learned.
 
     rate -- simulated robots are so many times faster than the clock

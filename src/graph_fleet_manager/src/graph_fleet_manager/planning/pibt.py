@@ -7,27 +7,27 @@ from random import Random
 from typing import AbstractSet, Dict, List, Mapping, Optional, Sequence, Set, Tuple
 
 from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.planning.agents import Agent
+from graph_fleet_manager.planning.reservation_table import ReservationTable
 from graph_fleet_manager.planning.road_network import Roads
-from graph_fleet_manager.planning.timetable import Timetable
-from graph_fleet_manager.planning.travellers import Traveller
 
 STAY = -1
 _FAR = 12  # so many drives ahead of a robot are kept free by those who make way for it
 
 
-class Mover:
+class PibtAgent:
     """One robot in the search over configurations.
 
     name, kind -- of the robot
-    begin      -- its first place; a *place* here is leg * vertices + vertex
+    begin      -- its first state: leg * vertices + vertex
     targets    -- the vertex that ends each leg; it stays at the last
     roads      -- that are open to it
     """
 
-    def __init__(self, traveller: Traveller, rest: Optional[int], vertices: int,
+    def __init__(self, agent: Agent, rest: Optional[int], vertices: int,
                  estimates: Sequence[Sequence[float]], roads: Roads) -> None:
-        errand = traveller.errand
-        self.name, self.kind = traveller.name, traveller.kind
+        errand = agent.errand
+        self.name, self.kind = agent.name, agent.kind
         self.targets = (*errand.destinations, *(() if rest is None else (rest,)))
         self._vertices = vertices
         self._estimates = estimates
@@ -35,29 +35,29 @@ class Mover:
         self.begin = self.arrive(0, errand.vertex)
 
     def arrive(self, leg: int, vertex: int) -> int:
-        """The place of who comes to a vertex on a leg."""
+        """The state of a robot that comes to a vertex on a leg."""
         last = len(self.targets) - 1
         while leg < last and self.targets[leg] == vertex:
             leg += 1
         return leg * self._vertices + vertex
 
-    def vertex(self, place: int) -> int:
-        """The vertex of a place."""
-        return place % self._vertices
+    def vertex(self, state: int) -> int:
+        """The vertex of a state."""
+        return state % self._vertices
 
-    def leg(self, place: int) -> int:
-        """The leg of a place."""
-        return place // self._vertices
+    def leg(self, state: int) -> int:
+        """The leg of a state."""
+        return state // self._vertices
 
-    def estimate(self, place: int) -> Sequence[float]:
+    def estimate(self, state: int) -> Sequence[float]:
         """Seconds from every vertex to the end of the leg."""
-        return self._estimates[place // self._vertices]
+        return self._estimates[state // self._vertices]
 
-    def to_go(self, place: int) -> float:
+    def to_go(self, state: int) -> float:
         """Seconds to the end of the leg."""
-        return self.estimate(place)[place % self._vertices]
+        return self.estimate(state)[state % self._vertices]
 
-    def has_way(self) -> bool:
+    def has_path(self) -> bool:
         """Could it come to its targets in their order, were it alone?"""
         vertex = self.vertex(self.begin)
         for target in self.targets[self.leg(self.begin):]:
@@ -72,49 +72,49 @@ class Mover:
             vertex = target
         return True
 
-    def is_end(self, place: int) -> bool:
+    def is_end(self, state: int) -> bool:
         """Is it where it is to stay?"""
-        leg, vertex = divmod(place, self._vertices)
+        leg, vertex = divmod(state, self._vertices)
         return leg == len(self.targets) - 1 and vertex == self.targets[-1]
 
 
-class StepMaker:
+class Pibt:
     """Makes steps for robots on a graph; `rests` tells where each of them is to end.
 
-    Who is booked in the timetable stands there for ever; the travellers must not be.
+    Who is booked in the reservation table stands there for ever; the agents must not be.
     """
 
-    def __init__(self, timetable: Timetable, travellers: Sequence[Traveller],
+    def __init__(self, reservations: ReservationTable, agents: Sequence[Agent],
                  rests: Sequence[Optional[int]], random: Random) -> None:
-        network = timetable.network
+        network = reservations.network
         self._random = random
-        self._timetable = timetable
+        self._reservations = reservations
         self._first_edge = network.vertices
         self._open: Dict[Tuple[RobotType, int], Roads] = {}
-        self.movers: List[Mover] = [Mover(t, rest, network.vertices, [
+        self.agents: List[PibtAgent] = [PibtAgent(t, rest, network.vertices, [
             network.estimates(t.kind, target) for target in (
                 *t.errand.destinations, *(() if rest is None else (rest,)))],
-            self._free_roads(t)) for t, rest in zip(travellers, rests)]
-        self._kinds = [t.kind for t in travellers]
+            self._free_roads(t)) for t, rest in zip(agents, rests)]
+        self._kinds = [t.kind for t in agents]
         self._near: Dict[Tuple[RobotType, int], List[Tuple[RobotType, List[int], List[int]]]] = {}
 
-    def _free_roads(self, traveller: Traveller) -> Roads:
-        """The roads of a traveller that lead past nobody who stands for ever."""
-        roads = traveller.errand.roads
-        key = traveller.kind, id(roads)
+    def _free_roads(self, agent: Agent) -> Roads:
+        """The roads of an agent that lead past nobody who stands for ever."""
+        roads = agent.errand.roads
+        key = agent.kind, id(roads)
         if key not in self._open:
-            bookings = self._timetable.slots[traveller.kind].bookings
+            bookings = self._reservations.slots[agent.kind].bookings
             self._open[key] = [[road for road in away if not bookings[road[0]]] for away in roads]
         return self._open[key]
 
     def is_end(self, configuration: Sequence[int]) -> bool:
         """Is everybody where it is to stay?"""
-        return all(mover.is_end(place) for mover, place in zip(self.movers, configuration))
+        return all(agent.is_end(state) for agent, state in zip(self.agents, configuration))
 
-    def choices(self, robot: int, place: int) -> List[int]:
+    def choices(self, robot: int, state: int) -> List[int]:
         """All that one robot could do in a step, in random order."""
-        mover = self.movers[robot]
-        moves = [STAY, *(road[0] for road in mover.roads[mover.vertex(place)])]
+        agent = self.agents[robot]
+        moves = [STAY, *(road[0] for road in agent.roads[agent.vertex(state)])]
         self._random.shuffle(moves)
         return moves
 
@@ -124,13 +124,13 @@ class StepMaker:
 
         None where the forced moves exclude each other.
         """
-        movers = self.movers
-        self._vertex = [mover.vertex(place) for mover, place in zip(movers, configuration)]
-        self._place = configuration
+        agents = self.agents
+        self._vertex = [agent.vertex(state) for agent, state in zip(agents, configuration)]
+        self._states = configuration
         self._at = {vertex: robot for robot, vertex in enumerate(self._vertex)}
         self._moves: Dict[int, Tuple[int, int]] = {}
         self._decided: Set[int] = set()
-        self._taken: Dict[RobotType, Set[int]] = {kind: set() for kind in self._timetable.kinds}
+        self._taken: Dict[RobotType, Set[int]] = {kind: set() for kind in self._reservations.kinds}
         self._promoted: List[Tuple[int, int]] = []
         for robot, move in forced.items():
             self._decided.add(robot)
@@ -143,29 +143,29 @@ class StepMaker:
                 self._decide(robot)
         reached = list(configuration)
         for robot, (_, end) in self._moves.items():
-            reached[robot] = movers[robot].arrive(movers[robot].leg(configuration[robot]), end)
+            reached[robot] = agents[robot].arrive(agents[robot].leg(configuration[robot]), end)
         return tuple(reached), {robot: move[0] for robot, move in self._moves.items()}, \
             self._promoted
 
     def _decide(self, robot: int) -> None:
         """A robot's own choice: nearer to its end, or to stay where nothing leads there."""
         self._decided.add(robot)
-        mover, vertex = self.movers[robot], self._vertex[robot]
-        estimate = mover.estimate(self._place[robot])
-        options = sorted((estimate[end], drive, end) for drive, end, _ in mover.roads[vertex]
+        agent, vertex = self.agents[robot], self._vertex[robot]
+        estimate = agent.estimate(self._states[robot])
+        options = sorted((estimate[end], drive, end) for drive, end, _ in agent.roads[vertex]
                          if estimate[end] < estimate[vertex])
         for _, drive, _ in options:
-            if drive >> 1 in self._taken[mover.kind]:
+            if drive >> 1 in self._taken[agent.kind]:
                 continue
             others = self._in_the_way(robot, drive)
             if not others:
                 self._go(robot, drive)
                 return
-            way = self._way(robot)
-            if all(self._leaves(other, way) for other in others):
+            path = self._path(robot)
+            if all(self._leaves(other, path) for other in others):
                 return
             stuck = next(other for other in others if other not in self._moves)
-            if vertex in self._way(stuck) and self._leave(robot, self._way(stuck)):
+            if vertex in self._path(stuck) and self._leave(robot, self._path(stuck)):
                 self._promoted.append((stuck, robot))
                 return
 
@@ -178,12 +178,12 @@ class StepMaker:
     def _leave(self, robot: int, avoid: AbstractSet[int]) -> bool:
         """Moves a robot anywhere, rather not onto `avoid`; or asks others to let it go."""
         self._decided.add(robot)
-        mover, vertex = self.movers[robot], self._vertex[robot]
-        estimate = mover.estimate(self._place[robot])
+        agent, vertex = self.agents[robot], self._vertex[robot]
+        estimate = agent.estimate(self._states[robot])
         options = sorted((end in avoid, estimate[end], self._random.random(), drive)
-                         for drive, end, _ in mover.roads[vertex])
+                         for drive, end, _ in agent.roads[vertex])
         for _, _, _, drive in options:
-            if drive >> 1 in self._taken[mover.kind]:
+            if drive >> 1 in self._taken[agent.kind]:
                 continue
             others = self._in_the_way(robot, drive)
             if not others:
@@ -194,7 +194,7 @@ class StepMaker:
         return False
 
     def _go(self, robot: int, drive: int) -> None:
-        self._moves[robot] = (drive, self._timetable.network.destination(drive))
+        self._moves[robot] = (drive, self._reservations.network.destination(drive))
         for kind, _, edges in self._neighbours(self._kinds[robot], drive >> 1):
             self._taken[kind].update(edges)
 
@@ -215,51 +215,51 @@ class StepMaker:
         found = self._near.get((kind, edge))
         if found is None:
             found = self._near[kind, edge] = []
-            for other in self._timetable.kinds:
-                places = self._timetable.blocking[kind, other].excluded(self._first_edge + edge)
+            for other in self._reservations.kinds:
+                places = self._reservations.blocking[kind, other].excluded(self._first_edge + edge)
                 found.append((other, [p for p in places if p < self._first_edge],
                               [p - self._first_edge for p in places if p >= self._first_edge]))
         return found
 
-    def _way(self, robot: int) -> AbstractSet[int]:
-        """The next vertices of a robot's shortest way."""
-        mover, vertex = self.movers[robot], self._vertex[robot]
-        estimate = mover.estimate(self._place[robot])
-        way = {vertex}
+    def _path(self, robot: int) -> AbstractSet[int]:
+        """The next vertices of a robot's shortest path."""
+        agent, vertex = self.agents[robot], self._vertex[robot]
+        estimate = agent.estimate(self._states[robot])
+        path = {vertex}
         for _ in range(_FAR):
-            ahead = min(((estimate[end], end) for _, end, _ in mover.roads[vertex]),
+            ahead = min(((estimate[end], end) for _, end, _ in agent.roads[vertex]),
                         default=(inf, vertex))
             if ahead[0] >= estimate[vertex]:
                 break
             vertex = ahead[1]
-            way.add(vertex)
-        return way
+            path.add(vertex)
+        return path
 
 
-def choose_rests(timetable: Timetable,
-                 travellers: Sequence[Traveller]) -> Optional[List[Optional[int]]]:
+def choose_rests(reservations: ReservationTable,
+                 agents: Sequence[Agent]) -> Optional[List[Optional[int]]]:
     """For who may rest in several places one of them, free of all others; for others None.
 
     Who has nothing to do stays where it is if it may. None where not all of them find a rest.
     """
     taken: List[Tuple[RobotType, int]] = [
-        (t.kind, t.errand.destinations[-1]) for t in travellers if t.errand.rests is None]
+        (t.kind, t.errand.destinations[-1]) for t in agents if t.errand.rests is None]
     found: Dict[str, Optional[int]] = {}
-    for traveller in sorted(travellers, key=lambda t: len(t.errand.destinations)):
-        errand = traveller.errand
+    for agent in sorted(agents, key=lambda t: len(t.errand.destinations)):
+        errand = agent.errand
         if errand.rests is None:
-            found[traveller.name] = None
+            found[agent.name] = None
             continue
         last = errand.destinations[-1] if errand.destinations else errand.vertex
-        ways = timetable.network.ways_to(traveller.kind, sorted(errand.rests))
-        for _, rest in sorted(zip((float(way[last]) for way in ways), sorted(errand.rests))):
-            slots = timetable.slots[traveller.kind]
+        paths = reservations.network.paths_to(agent.kind, sorted(errand.rests))
+        for _, rest in sorted(zip((float(path[last]) for path in paths), sorted(errand.rests))):
+            slots = reservations.slots[agent.kind]
             if not slots.bookings[slots.drives + rest] and not any(
-                    timetable.blocking[traveller.kind, kind].excludes(rest, vertex)
+                    reservations.blocking[agent.kind, kind].excludes(rest, vertex)
                     for kind, vertex in taken):
-                found[traveller.name] = rest
-                taken.append((traveller.kind, rest))
+                found[agent.name] = rest
+                taken.append((agent.kind, rest))
                 break
         else:
             return None
-    return [found[traveller.name] for traveller in travellers]
+    return [found[agent.name] for agent in agents]

@@ -1,0 +1,291 @@
+"""The planning pipeline: from what every robot owns by now to plans that serve all of them.
+
+A valid plan is never dropped before a better one stands. First the robots that lack a way look for
+one past the kept plans of all others, asking those who merely stand in the way to make room; if
+that fails, everybody is planned anew by TEA*, and then by the search over configurations. Who still
+has no way keeps its old plan, and it is said who is in its way. What time is left improves the
+plan.
+"""
+from __future__ import annotations
+
+import time
+from math import inf
+from random import Random
+from typing import Dict, Iterable, List, Optional, Sequence, Set
+
+from graph_fleet_manager.planning.agents import Agent
+from graph_fleet_manager.planning.explanation import in_the_way, out_of_reach, why_not
+from graph_fleet_manager.planning.kept_plans import kept_plans
+from graph_fleet_manager.planning.lacam import search_lacam
+from graph_fleet_manager.planning.large_neighbourhood_search import LargeNeighbourhoodSearch
+from graph_fleet_manager.planning.layers import Search
+from graph_fleet_manager.planning.outcomes import outcome_of
+from graph_fleet_manager.planning.plans import Plan
+from graph_fleet_manager.planning.problem import Problem
+from graph_fleet_manager.planning.reservation_table import ReservationTable
+from graph_fleet_manager.planning.schedule import schedule
+from graph_fleet_manager.planning.tasks import Obstacle, Outcome, Task
+from graph_fleet_manager.planning.tea_star import Path, Paths, TeaStar, by_length
+
+_ORDERS = 10      # in which all are planned anew before the search over configurations begins
+_ROOM_ORDERS = 4  # in which a robot and those in its way are planned
+_TO_FINISH = 0.002  # s that are left at the end, and so many times what an outcome took before:
+_SLOWER = 1.5
+
+
+class PlanningPipeline:
+    """One run of the planner.
+
+    reservation table  -- in which nothing is booked yet
+    tasks, obstacles, parking -- as the planner was asked
+    search     -- for one robot's way
+    random     -- what chance decides
+    """
+
+    def __init__(self, reservations: ReservationTable, tasks: Sequence[Task],
+                 obstacles: Sequence[Obstacle], parking: Iterable[int], search: Search,
+                 random: Random) -> None:
+        self._network = reservations.network
+        self._reservations = reservations
+        self._tea_star = TeaStar(reservations, search)
+        self._random = random
+        for obstacle in obstacles:
+            self._reservations.book_places(obstacle.name, obstacle.type, [
+                *(self._network.index[id] for id in obstacle.vertices),
+                *(self._network.vertices + self._network.edge_index[abs(id)]
+                  for id in obstacle.edges)])
+        self._problem = Problem(reservations, tasks, parking)
+        self._agents = self._problem.agents
+        self._paths: Paths = {}
+        """The ways that serve, all of them booked."""
+        self._unserved: Dict[str, str] = {}
+        self._old: Dict[str, Plan] = {}
+        """Plans owned by now, with new times."""
+        self._grounded: Set[str] = set()
+        """Robots that stay where they are."""
+
+    def run(self, deadline: float, rounds: Optional[int], improve_until: float) -> Outcome:
+        """Everything in its order."""
+        self._ground_who_is_too_near()
+        self._give_up_what_is_out_of_reach()
+        self._keep()
+        missing = [t for t in by_length(self._mobile()) if t.name not in self._paths]
+        if missing:
+            self._serve(missing, deadline)
+        before = time.monotonic()
+        outcome = self._outcome(0)
+        to_finish = _TO_FINISH + _SLOWER * (time.monotonic() - before)
+        mobile = [t for t in self._mobile() if t.name in self._paths]
+        neighbourhood_search = LargeNeighbourhoodSearch(self._tea_star, mobile, self._paths,
+                                                        self._random)
+        neighbourhood_search.run(min(deadline, improve_until) - to_finish, rounds)
+        if neighbourhood_search.rounds == 0:
+            return outcome
+        self._paths = neighbourhood_search.paths
+        return self._outcome(neighbourhood_search.rounds)
+
+    def _mobile(self) -> List[Agent]:
+        return [t for name, t in self._agents.items() if name not in self._grounded]
+
+    # -- what is there already --------------------------------------------------------------------
+
+    def _ground_who_is_too_near(self) -> None:
+        """Robots that stand too near each other stay where they are, in everybody's way."""
+        for one, other in self._problem.too_near():
+            for name, near in ((one, other), (other, one)):
+                self._unserved[name] = (f'it stands nearer to {near} than is allowed; move one of '
+                                        'them by hand')
+                self._grounded.add(name)
+        for name in self._grounded:
+            self._book_standing(self._agents[name])
+
+    def _give_up_what_is_out_of_reach(self) -> None:
+        """Who cannot get where it is to go, even alone, is only parked."""
+        for agent in self._mobile():
+            if agent.errand.lower_bound == inf:
+                self._unserved[agent.name] = out_of_reach(self._network, agent)
+                self._agents[agent.name] = self._problem.without_destinations(agent)
+
+    def _keep(self) -> None:
+        """Books the plans that robots own, in the order in which they were to be driven."""
+        mobile = {t.name: t for t in self._mobile()}
+        self._old = kept_plans(self._reservations, self._problem.tasks, mobile)
+        for name, plan in self._old.items():
+            self._tea_star.book(mobile[name], Path(0.0, plan))
+            cost = mobile[name].errand.cost(plan)
+            if cost < inf:
+                self._paths[name] = Path(cost, plan)
+
+    # -- ways for those who have none -------------------------------------------------------------
+
+    def _serve(self, missing: Sequence[Agent], deadline: float) -> None:
+        """Finds ways for these; who gets none is unserved, and keeps its old plan if it has one."""
+        failed = list(missing)
+        if self._old:
+            for agent in missing:
+                if agent.name not in self._old:
+                    self._tea_star.book_present(agent)
+            failed = [t for t in missing
+                      if t.name not in self._paths and not self._serve_one(t, deadline)]
+            failed = [t for t in failed if t.name not in self._paths]  # nor got one with another
+        if not failed or self._plan_all(failed, self._part_of(deadline, failed)):
+            return
+        failed = self._serve_somebody(failed, deadline)
+        standing = [t for t in failed if t.name not in self._old]
+        self._tea_star.forget(standing)
+        for agent in standing:
+            self._book_standing(agent)
+        for agent in failed:
+            if agent.name not in self._unserved:
+                self._tea_star.forget((agent,))
+                self._unserved[agent.name] = why_not(self._reservations, agent)
+                if agent.name in self._old:
+                    self._book_again(agent)
+                else:
+                    self._book_standing(agent)
+        self._stand(standing)
+
+    def _serve_one(self, agent: Agent, deadline: float) -> bool:
+        """A way past everybody's plans, or past those that make room."""
+        self._tea_star.forget((agent,))
+        path = self._tea_star.path_of(agent)
+        if path is not None:
+            self._paths[agent.name] = path
+            self._tea_star.book(agent, path)
+            return True
+        group = [self._making_room(self._agents[name], agent)
+                 for name in in_the_way(self._reservations, agent)
+                 if name in self._agents and name not in self._grounded]
+        self._tea_star.forget(group)
+        paths = self._tea_star.plan([*group, agent], deadline, _ROOM_ORDERS) if group else None
+        if paths is None:
+            for other in (*group, agent):
+                self._book_again(other)
+            return False
+        self._paths.update(paths)
+        self._agents.update((other.name, other) for other in group)
+        return True
+
+    def _making_room(self, other: Agent, agent: Agent) -> Agent:
+        """One who is in the way, that must end where it leaves the other's destinations free."""
+        if other.errand.rests is None:
+            return other
+        near = {vertex for destination in agent.errand.destinations
+                for vertex in self._reservations.blocking[agent.kind, other.kind].excluded(
+                    destination)}
+        rests = self._problem.rests(other.kind) - near
+        return self._problem.with_rests(other, rests) if rests else other
+
+    def _plan_all(self, first: Sequence[Agent], deadline: float) -> bool:
+        """Everybody anew; those who lacked a way come first. Nothing changes where that fails."""
+        mobile = self._mobile()
+        names = {t.name for t in first}
+        order = [*first, *(t for t in by_length(mobile) if t.name not in names)]
+        self._tea_star.forget(order)
+        paths = self._tea_star.plan(order, deadline, _ORDERS)
+        if paths is None:
+            paths = self._through_configurations(order, deadline)
+        if paths is None:
+            for agent in order:
+                self._book_again(agent)
+            return False
+        self._paths = paths
+        return True
+
+    def _serve_somebody(self, failed: Sequence[Agent], deadline: float) -> List[Agent]:
+        """One of these, for whom all others without a way only make room; returns who is left."""
+        for chosen in failed:
+            if not _can_rest_elsewhere(chosen):
+                continue
+            aside = {t.name: self._problem.without_destinations(t) for t in failed
+                     if t is not chosen}
+            order = [chosen, *aside.values(),
+                     *(t for t in self._mobile() if t.name in self._paths)]
+            self._tea_star.forget(order)
+            paths = self._tea_star.plan(order, deadline, _ROOM_ORDERS)
+            if paths is None:
+                paths = self._through_configurations(order, self._part_of(deadline, failed))
+            if paths is not None:
+                self._old.update((name, paths.pop(name).plan) for name in aside)
+                self._agents.update(aside)
+                self._paths = paths
+                return list(aside.values())
+            for agent in order:
+                self._book_again(agent)
+            if time.monotonic() > deadline:
+                break
+        return list(failed)
+
+    @staticmethod
+    def _part_of(deadline: float, failed: Sequence[Agent]) -> float:
+        """Half of the time that is left, where something else can be tried in the other half."""
+        if deadline == inf or not any(map(_can_rest_elsewhere, failed)):
+            return deadline
+        return deadline - (deadline - time.monotonic()) / 2.0
+
+    def _through_configurations(self, order: Sequence[Agent],
+                                deadline: float) -> Optional[Paths]:
+        if any(t.mid_edge for t in order):
+            return None
+        moves = search_lacam(self._reservations, order, deadline, self._random)
+        if moves is None:
+            return None
+        agents = {t.name: t for t in order}
+        plans = schedule(self._reservations, agents, moves)
+        paths = {name: Path(agents[name].errand.cost(plan), plan)
+                 for name, plan in plans.items()}
+        for name, path in paths.items():
+            self._tea_star.book(agents[name], path)
+        return paths
+
+    def _stand(self, standing: Sequence[Agent]) -> None:
+        """These stay where they are, and with them all whose plans lead past them."""
+        while standing:
+            for agent in standing:
+                self._grounded.add(agent.name)
+                self._paths.pop(agent.name, None)
+                self._old.pop(agent.name, None)
+                self._tea_star.forget((agent,))
+            blocked = {name for agent in standing
+                       for name in self._who_passes(agent)} - self._grounded
+            for agent in standing:
+                self._book_standing(agent)
+            standing = [self._agents[name] for name in sorted(blocked)
+                        if name in self._agents]
+            for agent in standing:
+                self._unserved.setdefault(agent.name, 'somebody without a plan is in its way')
+
+    def _who_passes(self, agent: Agent) -> Set[str]:
+        """Whose plans lead past the place at which a robot stands, which is not booked."""
+        slots = self._reservations.slots[agent.kind]
+        if agent.mid_edge is None:
+            places = [slots.drives + agent.errand.vertex]
+        else:
+            places = [agent.mid_edge.drive, agent.mid_edge.drive ^ 1]
+        return {robot for slot in places for _, _, robot in slots.bookings[slot]}
+
+    # -- bookings ---------------------------------------------------------------------------------
+
+    def _book_standing(self, agent: Agent) -> None:
+        self._tea_star.book(agent, Path(0.0, []))
+
+    def _book_again(self, agent: Agent) -> None:
+        """The way that a robot has, or else its old plan, or else only where it is."""
+        self._tea_star.forget((agent,))
+        if agent.name in self._paths:
+            self._tea_star.book(agent, self._paths[agent.name])
+        elif agent.name in self._old:
+            self._tea_star.book(agent, Path(0.0, self._old[agent.name]))
+        else:
+            self._tea_star.book_present(agent)
+
+    def _outcome(self, rounds: int) -> Outcome:
+        behind = {name: self._paths[name].plan if name in self._paths else self._old.get(name, [])
+                  for name in self._agents}
+        served = [t.name for t in self._agents.values() if t.name in self._paths]
+        return outcome_of(self._reservations, self._agents, behind, served, self._unserved, rounds)
+
+
+def _can_rest_elsewhere(agent: Agent) -> bool:
+    """Has it something to do, and need not stay there?"""
+    return bool(agent.errand.destinations) and agent.errand.rests is not None
