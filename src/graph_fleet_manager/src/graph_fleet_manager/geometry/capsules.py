@@ -53,8 +53,8 @@ def _within_rectangle(offset: np.ndarray, path: np.ndarray, axis: np.ndarray,
     unit = axis / np.where(length > 0.0, length, 1.0)
     along, along_path = _along(offset, unit), _along(path, unit)
     across, across_path = _across(offset, unit), _across(path, unit)
-    low, high = _between(along, along_path, np.zeros_like(length), length)
-    low2, high2 = _between(across, across_path, -width, width)
+    low, high = _within(along, along_path, np.zeros_like(length), length)
+    low2, high2 = _within(across, across_path, -width, width)
     return np.maximum(low, low2), np.minimum(high, high2)
 
 
@@ -66,8 +66,8 @@ def _across(vectors: np.ndarray, unit: np.ndarray) -> np.ndarray:
     return vectors[1] * unit[0] - vectors[0] * unit[1]
 
 
-def _between(at: np.ndarray, step: np.ndarray, least: np.ndarray,
-             most: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
+def _within(at: np.ndarray, step: np.ndarray, least: np.ndarray,
+            most: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
     """When at + t step lies strictly between `least` and `most`; (inf, -inf) for never."""
     still = step == 0.0
     safe = np.where(still, 1.0, step)

@@ -230,7 +230,7 @@ def _candidates(stretches: _Stretches, distance: float) -> Tuple[np.ndarray, np.
     place, middle, radius = stretches.place, stretches.middle, stretches.radius
     one, other = cKDTree(middle.T).query_pairs(2.0 * radius.max() + distance,
                                                output_type='ndarray').T
-    near = ((_between(middle, one, middle, other) <= radius[one] + radius[other] + distance)
+    near = ((_distance(middle, one, middle, other) <= radius[one] + radius[other] + distance)
             & (place[one] != place[other]))
     return one[near], other[near]
 
@@ -239,8 +239,8 @@ def _lengths(pieces: Pieces) -> np.ndarray:
     return np.hypot(*(pieces.end - pieces.start))
 
 
-def _between(points: np.ndarray, one: np.ndarray, others: np.ndarray,
-             other: np.ndarray) -> np.ndarray:
+def _distance(points: np.ndarray, one: np.ndarray, others: np.ndarray,
+              other: np.ndarray) -> np.ndarray:
     """Distances (m) of some `points` (2,N) from some of the `others`."""
     x, y = points.take(one, axis=1) - others.take(other, axis=1)
     return np.sqrt(x * x + y * y)
@@ -253,13 +253,13 @@ def _pairs_of_pieces(stretches: _Stretches, one: np.ndarray, other: np.ndarray,
     pair = np.repeat(np.arange(len(one)), stretches.pieces[one])
     ours = stretches.first[one][pair] + count_up(stretches.pieces[one])
     whole = other[pair]
-    near = (_between(stretches.piece_middle, ours, stretches.middle, whole)
+    near = (_distance(stretches.piece_middle, ours, stretches.middle, whole)
             < distance + stretches.piece_radius[ours] + stretches.radius[whole])
     pair, ours, whole = pair[near], ours[near], whole[near]
     counts = stretches.pieces[whole]
     theirs = np.repeat(stretches.first[whole], counts) + count_up(counts)
     pair, ours = np.repeat(pair, counts), np.repeat(ours, counts)
-    near = (_between(stretches.piece_middle, ours, stretches.piece_middle, theirs)
+    near = (_distance(stretches.piece_middle, ours, stretches.piece_middle, theirs)
             < distance + stretches.piece_radius[ours] + stretches.piece_radius[theirs])
     return pair[near], ours[near], theirs[near]
 
@@ -271,7 +271,7 @@ def _near(pieces: Pieces, stretches: _Stretches, one: np.ndarray, other: np.ndar
     pair, ours, theirs = _pairs_of_pieces(stretches, one, other, distance)
     keep = distance - ROUNDING + pieces.margin[ours] + pieces.margin[theirs]
     half = stretches.piece_half
-    apart = _between(stretches.piece_middle, ours, stretches.piece_middle, theirs)
+    apart = _distance(stretches.piece_middle, ours, stretches.piece_middle, theirs)
     for mine, yours in ((ours, theirs), (theirs, ours)):
         entry, exit = np.zeros(len(pair)), np.ones(len(pair))
         partly = np.flatnonzero(apart + half[mine] >= keep)  # the others lie within it altogether

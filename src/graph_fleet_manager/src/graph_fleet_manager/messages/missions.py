@@ -45,8 +45,8 @@ def refusal_status(message: msg.MissionRequest, reason: str) -> Status:
 
 def is_about(status: msg.MissionStatus, request: msg.MissionRequest) -> bool:
     """Does a status tell of this very request? Ids may come again."""
-    between = status.request_stamp.to_sec() - request.header.stamp.to_sec()
-    return bool(status.request_id == request.request_id and abs(between) < _SAME)
+    apart = status.request_stamp.to_sec() - request.header.stamp.to_sec()
+    return bool(status.request_id == request.request_id and abs(apart) < _SAME)
 
 
 def status_message(status: Status, now: genpy.Time) -> msg.MissionStatus:

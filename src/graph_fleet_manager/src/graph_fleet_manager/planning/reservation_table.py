@@ -76,7 +76,7 @@ class ReservationTable:
 
     def book(self, robot: str, kind: RobotType, vertex: int, plan: Sequence[Drive],
              mid_edge: Optional[MidEdgePosition] = None, until: float = inf, held: int = 0) -> None:
-        """Books a robot that stands at `vertex`, or `between` two, and then follows its plan.
+        """Books a robot that stands at `vertex`, or `mid_edge`, and then follows its plan.
 
         After the plan it stands where it is till `until`. So many drives as `held` says it holds
         from now on: whoever wants to pass there comes after it, however much earlier he could be

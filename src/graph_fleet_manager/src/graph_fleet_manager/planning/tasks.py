@@ -25,7 +25,7 @@ class Task:
     vertex        -- the vertex on which it stands; None where it is on an edge
     released      -- signed ids of the edges that it will drive whatever is planned, in order
     begun         -- the fraction of the first of them that lies behind it
-    between       -- signed id and fraction of the edge on which it stands, free to go either way;
+    mid_edge      -- signed id and fraction of the edge on which it stands, free to go either way;
                      None where it stands on a vertex or is driving
     ready         -- s before it can go on behind what is released, in a dwell or held up
     destinations  -- ids of the vertices that it is to visit after what is released, in order

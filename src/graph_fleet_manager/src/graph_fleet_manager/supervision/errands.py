@@ -13,7 +13,7 @@ from graph_fleet_manager.supervision.robots import ManagedRobot
 from trajectory_graph import Graph
 
 UNTIL_RELEASED = 3600.0  # s that a dwell without an end is planned for
-_BETWEEN = 1e-6          # the least fraction of an edge at which a robot is between its ends
+_MID_EDGE = 1e-6         # the least fraction of an edge at which a robot is between its ends
 
 
 class Duty(Enum):
@@ -110,7 +110,7 @@ def _task(robot: ManagedRobot, errand: Errand, own: Optional[RobotPlan], now: fl
         begun = record.left[1]
     elif record.place is not None and record.place.vertex is None:
         mid_edge = (record.place.edge,
-                    min(max(record.place.fraction, _BETWEEN), 1.0 - _BETWEEN))
+                    min(max(record.place.fraction, _MID_EDGE), 1.0 - _MID_EDGE))
     elif record.place is not None:
         vertex = record.place.vertex
     destinations: Tuple[int, ...] = ()

@@ -55,7 +55,7 @@ class OrderedRoutes:
     def _order_until(self, end: int, takes_away: bool = False) -> None:
         """Orders the record up to there, from where the route begins."""
         base = self._bases[self.route_id]
-        self._pending.give(Order(self.route_id, base, self.record.between(base, end)), takes_away)
+        self._pending.give(Order(self.route_id, base, self.record.part(base, end)), takes_away)
 
     def _is_shorter(self, order: Order) -> bool:
         return order.end < self.record.end

@@ -185,7 +185,7 @@ class RouteClient(OrderedRoutes):
             return heard
         base = self._bases[report.route_id]
         skipped = max(record.first - base, 0)
-        mine = record.between(base + skipped, base + len(report.edges))
+        mine = record.part(base + skipped, base + len(report.edges))
         if mine != report.edges[skipped:]:
             heard.foreign = report.is_running
             return heard

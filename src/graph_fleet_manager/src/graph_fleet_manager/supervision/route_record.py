@@ -52,12 +52,12 @@ class RouteRecord:
     @property
     def ahead(self) -> Tuple[int, ...]:
         """The edges not yet complete, the one being driven first."""
-        return self.between(self.done, self.end)
+        return self.part(self.done, self.end)
 
     @property
     def held(self) -> Tuple[int, ...]:
         """The edges that nobody else may be given."""
-        return self.between(max(self.left[0], self.first), self.end)
+        return self.part(max(self.left[0], self.first), self.end)
 
     @property
     def is_standing(self) -> bool:
@@ -71,7 +71,7 @@ class RouteRecord:
             return self.graph.end_vertex(self.ahead[-1]).id
         return self.place.vertex if self.place else None
 
-    def between(self, begin: int, end: int) -> Tuple[int, ...]:
+    def part(self, begin: int, end: int) -> Tuple[int, ...]:
         """The edges from number `begin`, which must not be forgotten yet, to before `end`."""
         return tuple(self.edges[begin - self.first:max(begin, end) - self.first])
 
