@@ -33,7 +33,7 @@ class PlanService:
 
     graph  -- the trajectory graph
     fleet  -- robot types, clearance and the approach to docks; its robots do not matter
-    search -- the search for one robot's way: `safe_intervals.find_way` or `layers.layered`
+    search -- the search for one robot's path: `safe_intervals.find_path` or `layers.layered`
     seed   -- of all that is random
     """
 

@@ -1,4 +1,4 @@
-"""One robot in a planning problem: what is fixed of its way, and what it still has to do."""
+"""One robot in a planning problem: what is fixed of its path, and what it still has to do."""
 from __future__ import annotations
 
 from math import inf
@@ -16,7 +16,7 @@ LATER = 1e-4
 
 
 class Errand:
-    """What one robot has to do, with all that a search needs to know of the way.
+    """What one robot has to do, with all that a search needs to know of the path.
 
     origins      -- {vertex: seconds}: where it can go on from, and how long it takes to come there;
                     several only for a robot between two vertices

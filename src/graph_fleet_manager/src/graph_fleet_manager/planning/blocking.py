@@ -1,11 +1,11 @@
-"""What a robot's drive or wait takes away from the others, slot by slot, ready for the searches.
+"""The slots that a robot's drive or wait blocks for others, ready for the searches.
 
-Booked are not places but *beginnings of drives*: a robot may begin a drive only while nobody else
-holds a conflicting place, and early enough to be out of the way of who comes next. For every drive
+Not places are booked but *beginnings of drives*: a robot may begin a drive only while no other one
+holds a conflicting place, and early enough to be out of the way of the next one. For every drive
 of one robot type this module gives the slots of another type that it blocks:
 
     (slot, clear, lead): from `lead` seconds before the drive begins, until the fraction `clear` of
-                         it is driven, nobody may begin the drive `slot`, or (lead 0) wait there
+                         it is driven, no robot may begin the drive `slot`, or (lead 0) wait there
 
 `lead` is the time after which the other one would be clear of this drive in turn.
 """
@@ -57,7 +57,7 @@ class Blocking:
         return zip(slots[row], clears[drive & 1][row], leads[row])
 
     def wait(self, vertex: int) -> Iterator[Tuple[int, float]]:
-        """(slot, lead) blocked by who waits at a vertex."""
+        """(slot, lead) blocked by a robot that waits at a vertex."""
         rows, slots, leads, _ = self._blocks
         row = rows[vertex]
         return zip(slots[row], leads[row])
@@ -71,11 +71,11 @@ class Blocking:
         return other in self.excluded(place)
 
     def around_point(self, places: Sequence[int]) -> List[Tuple[int, float]]:
-        """(slot, lead) blocked by who stands so near to these places that he excludes them."""
+        """(slot, lead) blocked by a robot that stands too near to these places."""
         return self._seen_by_other(np.array(places, dtype=np.int64))
 
     def of_place(self, place: int) -> List[Tuple[int, float]]:
-        """(slot, lead) blocked by who may be anywhere on a place."""
+        """(slot, lead) blocked by a robot that may be anywhere on a place."""
         return self._seen_by_other(np.array(self.conflicts.row(place), dtype=np.int64))
 
     def _seen_by_other(self, places: np.ndarray) -> List[Tuple[int, float]]:

@@ -1,4 +1,4 @@
-"""Who blocks whom, in words."""
+"""Which robots block which, in words."""
 from __future__ import annotations
 
 from heapq import heappop, heappush
@@ -27,7 +27,7 @@ def out_of_reach(network: RoadNetwork, agent: Agent) -> str:
 
 
 def in_the_way(reservations: ReservationTable, agent: Agent) -> List[str]:
-    """Robots that would have to give way: those that stand for ever where its way leads with the
+    """Robots that would have to give way: those that stand for ever where its path leads with the
     fewest of them, and those whose plans lead over the place where it is. It must not be booked.
     """
     slots = reservations.slots[agent.kind]
@@ -43,7 +43,7 @@ def in_the_way(reservations: ReservationTable, agent: Agent) -> List[str]:
 
 
 def why_not(reservations: ReservationTable, agent: Agent) -> str:
-    """Why a robot that is not booked finds no way past the others."""
+    """Why a robot that is not booked finds no path past the others."""
     network = reservations.network
     others = in_the_way(reservations, agent)
     destinations = agent.errand.destinations
@@ -67,7 +67,7 @@ def why_not(reservations: ReservationTable, agent: Agent) -> str:
 
 
 def _fewest_blocked(reservations: ReservationTable, agent: Agent) -> List[int]:
-    """The drives of the way over all destinations to a rest, past as few standing robots as
+    """The drives of the path over all destinations to a rest, past as few standing robots as
     possible; as far as there is one."""
     errand = agent.errand
     at = errand.vertex

@@ -13,9 +13,9 @@ from graph_fleet_manager.planning.tasks import PlannedDrive, Task
 
 def kept_plans(reservations: ReservationTable, tasks: Mapping[str, Task],
                agents: Mapping[str, Agent]) -> Plans:
-    """The plans of those who own one that can be driven, with new times in the old order.
+    """The plans of robots that own one that can be driven, with new times in the old order.
 
-    What stands about for ever must be booked, and nobody else. Nothing is booked here.
+    Robots that stand for ever must be booked, and no others. Nothing is booked here.
     """
     kept: Dict[str, Sequence[PlannedDrive]] = {
         name: plan for name, agent in agents.items()

@@ -37,13 +37,13 @@ class _Node(NamedTuple):
 
 def search_lacam(reservations: ReservationTable, given: Sequence[Agent], deadline: float,
                  random: Random) -> Optional[List[Tuple[str, int]]]:
-    """The drives of all robots (robot, drive) in an order that leads everybody to its end.
+    """The drives of all robots (robot, drive) in an order that leads each robot to its end.
 
     given -- robots that are not booked; more urgent ones come first
 
-    It begins where everybody's fixed drives end. Robots that may rest in several places rest in the
+    It begins where the fixed drives end. Robots that may rest in several places rest in the
     one that each has been given by the order of the agents: the nearest that is still free.
-    None where there is no way, or the deadline (monotonic s) came first.
+    None where there is no path, or the deadline (monotonic s) came first.
     """
     rests = choose_rests(reservations, given)
     if rests is None:
@@ -51,7 +51,7 @@ def search_lacam(reservations: ReservationTable, given: Sequence[Agent], deadlin
     pibt = Pibt(reservations, given, rests, random)
     if (any(any(slots.bookings) for slots in reservations.slots.values())
             and not all(agent.has_path() for agent in pibt.agents)):
-        return None  # somebody stands in the way for ever
+        return None  # a robot stands in the way for ever
     agents = pibt.agents
     first = tuple(agent.begin for agent in agents)
     root = _Node(first, None, {}, _first_waiting(agents, first), [], deque([()]))
@@ -94,7 +94,7 @@ def _first_waiting(agents: Sequence[PibtAgent], configuration: Configuration) ->
 
 def _next_waiting(waiting: Sequence[float], configuration: Configuration,
                   agents: Sequence[PibtAgent], promoted: Sequence[Tuple[int, int]]) -> List[float]:
-    """Who has not arrived gets more urgent; who let somebody out lets him go first from now on."""
+    """Robots that have not arrived get more urgent; one that let another out lets it go first."""
     following = [value - int(value) if agent.is_end(state) else value + 1.0
                  for value, agent, state in zip(waiting, agents, configuration)]
     for before, behind in promoted:

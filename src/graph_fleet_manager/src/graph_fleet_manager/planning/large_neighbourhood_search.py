@@ -1,12 +1,12 @@
-"""Better plans in the time that is left: large-neighbourhood search.
+"""Better plans in the time that is left: large neighbourhood search.
 
 A few robots that are in each other's way are taken out and planned again in another order; the new
-ways stay if they cost less together, or little more, so that the search gets on where nothing near
-is better. (Li et al., Anytime multi-agent path finding via large neighborhood search, IJCAI 2021.)
+paths stay if they cost less together, or little more, so that the search leaves a local optimum.
+(Li et al., Anytime multi-agent path finding via large neighborhood search, IJCAI 2021.)
 
 Sometimes the first of them is planned twice: at first as a guest, in the others' way only until it
 has arrived and for a moment more, and again behind all others. So two robots can change places
-where each would end on the other's only way.
+where each would end on the other's only path.
 """
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ from graph_fleet_manager.planning.plans import end_of
 from graph_fleet_manager.planning.tea_star import Path, Paths, TeaStar, shuffled
 
 _SMALLEST, _LARGEST = 2, 8
-_GUESTS = 0.2  # of the rounds are with one who is planned twice
+_GUESTS = 0.2  # of the rounds plan one robot twice
 _GUEST_STAYS = 10.0  # s, at most
-_WORSE = 0.01  # of all delays: so much more may new ways cost on average
+_WORSE = 0.01  # of all delays: so much more may new paths cost on average
 _CLOSE = 1e-9  # of the cost: nearer to the lower bound than this is at it
 _MEMORY = 0.9  # how slowly the choice among the kinds of neighbourhoods forgets
 
 
 class LargeNeighbourhoodSearch:
-    """Improves the ways of agents that are all booked in `tea_star`'s reservation table.
+    """Improves the paths of agents that are all booked in `tea_star`'s reservation table.
 
-    movable -- names of those that may be planned again; others keep their ways
+    movable -- names of those that may be planned again; others keep their paths
     """
 
     def __init__(self, tea_star: TeaStar, agents: Sequence[Agent], paths: Mapping[str, Path],
@@ -42,15 +42,15 @@ class LargeNeighbourhoodSearch:
                                     if movable is None or t.name in movable]
         self._movable_set = set(self._movable)
         self._now: Paths = dict(paths)
-        """The ways that are booked."""
+        """The paths that are booked."""
         self.paths: Paths = dict(paths)
-        """The best ways so far."""
+        """The best paths so far."""
         self.rounds = 0
         """How many neighbourhoods were tried."""
         self._weights = [1.0] * len(_KINDS)
 
     def delay(self, name: str) -> float:
-        """How much more the way booked costs than it would were the robot alone."""
+        """How much more the booked path costs than that of the robot alone."""
         return self._now[name].cost - self._all[name].errand.lower_bound
 
     def run(self, deadline: float, rounds: Optional[int] = None) -> None:
@@ -101,7 +101,7 @@ class LargeNeighbourhoodSearch:
         return before - spent
 
     def _book_guest(self, agent: Agent) -> None:
-        """Books the best way of a robot, but no longer than for a moment at its end."""
+        """Books the best path of a robot, but no longer than for a moment at its end."""
         self._tea_star.forget((agent,))
         path = self._tea_star.path_of(agent)
         if path is None:
@@ -119,7 +119,7 @@ class LargeNeighbourhoodSearch:
         return self._random.sample(self._movable, self._size())
 
     def _around_delayed(self) -> List[str]:
-        """A robot that is late, and those that it meets on its straight way."""
+        """A robot that is late, and those that it meets on its shortest path."""
         delays = [max(self.delay(name), 0.0) for name in self._movable]
         if sum(delays) <= 0.0:
             return self._any()
@@ -138,7 +138,7 @@ class LargeNeighbourhoodSearch:
         return self._filled([name, *sorted(users)])
 
     def _met_by(self, agent: Agent) -> List[str]:
-        """Who is in the way of a robot that drives straight on from some point of its way."""
+        """Robots in the way of one that takes the shortest path on from some point of its plan."""
         errand = agent.errand
         if not errand.destinations:
             return []

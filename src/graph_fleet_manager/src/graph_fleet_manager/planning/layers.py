@@ -1,4 +1,4 @@
-"""The way of one robot through a reservation table: A* over time layers, TEA*'s own form.
+"""The path of one robot through a reservation table: A* over time layers, TEA*'s own form.
 
 Layers k = 0, 1, 2 ... lie `seconds` apart; a robot waits from one layer to the next, or begins a
 drive in a layer and goes on from the first layer in which it is there. Waiting is a step like
@@ -23,7 +23,7 @@ Search = Callable[..., Optional[Tuple[float, Plan]]]
 
 
 def layered(seconds: float) -> Search:
-    """`find_way` with layers `seconds` apart; arguments and result as in `safe_intervals`."""
+    """`find_path` with layers `seconds` apart; arguments and result as in `safe_intervals`."""
     def search(errand: Errand, slots: Slots, latest: float = inf,
                arrivals: Sequence[Arrival] = ()) -> Optional[Tuple[float, Plan]]:
         return _find_path(errand, slots, seconds, latest, arrivals)

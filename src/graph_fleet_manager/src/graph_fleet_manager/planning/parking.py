@@ -2,9 +2,9 @@
 
 A set of parking vertices is *well-formed* if, with a robot standing on every one of them, the rest
 of the graph still hangs together and each of these robots can leave and come back (Cap et al.,
-arXiv 1501.07704). Then somebody can always move, whatever missions come. Vertices that the graph
+arXiv 1501.07704). Then a robot can always move, whatever missions come. Vertices that the graph
 forbids as parking, like those that cut an edge into sections, may be cut off. Where closed edges
-leave parts of a graph without a way between them, all this holds for each of them. How many
+leave parts of a graph without a path between them, all this holds for each of them. How many
 vertices such a set can have is the capacity of the graph. The largest set is hard to find; here it
 is searched for from many beginnings, so what is found is certain to be well-formed, and small
 graphs are rarely undersold.
@@ -53,7 +53,7 @@ class Parking:
         """Of each vertex: which may be several, while edges are closed."""
 
     def is_well_formed(self, parked: Iterable[int]) -> bool:
-        """Does nobody cut anybody off while robots stand on all these vertices?"""
+        """Is no robot cut off while robots stand on all these vertices?"""
         vertices = np.array(sorted(parked), dtype=np.int64)
         starts = self._conflicts.starts
         lengths = starts[vertices + 1] - starts[vertices]
@@ -125,7 +125,7 @@ class Parking:
         return frozenset(best)
 
     def _by_promise(self) -> List[int]:
-        """Dead ends first, then what lies on few ways."""
+        """Dead ends first, then vertices that few paths lead over."""
         import networkx as nx  # here: 8 MB that no node needs which only uses the parking places
         roads = nx.Graph(zip(self._begin.tolist(), self._end.tolist()))
         roads.add_nodes_from(range(self._vertices))

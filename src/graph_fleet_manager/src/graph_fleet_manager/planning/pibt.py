@@ -1,5 +1,5 @@
-"""One step of all robots at once, each choosing in the order of priorities; who is in the way of a
-more urgent robot is asked to move, and asks others in turn (PIBT, Okumura et al., AIJ 2022)."""
+"""One step of all robots at once, each choosing in the order of priorities. A robot in the way of a
+more urgent one is asked to move, and asks others in turn (PIBT, Okumura et al., AIJ 2022)."""
 from __future__ import annotations
 
 from math import inf
@@ -12,7 +12,7 @@ from graph_fleet_manager.planning.reservation_table import ReservationTable
 from graph_fleet_manager.planning.road_network import Roads
 
 STAY = -1
-_FAR = 12  # so many drives ahead of a robot are kept free by those who make way for it
+_FAR = 12  # drives ahead of a robot that others keep free when they make room for it
 
 
 class PibtAgent:
@@ -81,7 +81,7 @@ class PibtAgent:
 class Pibt:
     """Makes steps for robots on a graph; `rests` tells where each of them is to end.
 
-    Who is booked in the reservation table stands there for ever; the agents must not be.
+    Robots booked in the reservation table stand there for ever; the agents are not booked.
     """
 
     def __init__(self, reservations: ReservationTable, agents: Sequence[Agent],
@@ -99,7 +99,7 @@ class Pibt:
         self._near: Dict[Tuple[RobotType, int], List[Tuple[RobotType, List[int], List[int]]]] = {}
 
     def _free_roads(self, agent: Agent) -> Roads:
-        """The roads of an agent that lead past nobody who stands for ever."""
+        """The roads of an agent that lead past no robot that stands for ever."""
         roads = agent.errand.roads
         key = agent.kind, id(roads)
         if key not in self._open:
@@ -108,7 +108,7 @@ class Pibt:
         return self._open[key]
 
     def is_end(self, configuration: Sequence[int]) -> bool:
-        """Is everybody where it is to stay?"""
+        """Is each robot where it is to stay?"""
         return all(agent.is_end(state) for agent, state in zip(self.agents, configuration))
 
     def choices(self, robot: int, state: int) -> List[int]:
@@ -120,7 +120,7 @@ class Pibt:
 
     def step(self, configuration: Sequence[int], order: Sequence[int], forced: Mapping[int, int]
              ) -> Optional[Tuple[Tuple[int, ...], Dict[int, int], List[Tuple[int, int]]]]:
-        """The next configuration, the drives that lead there, and who is to go before whom.
+        """The next configuration, the drives that lead there, and which robot goes before which.
 
         None where the forced moves exclude each other.
         """
@@ -170,7 +170,7 @@ class Pibt:
                 return
 
     def _leaves(self, robot: int, avoid: AbstractSet[int]) -> bool:
-        """Does a robot that is in the way leave in this step, or make somebody leave for it?"""
+        """Does a robot that is in the way leave in this step, or make another one leave?"""
         if robot in self._decided:
             return robot in self._moves
         return self._leave(robot, avoid)
@@ -238,9 +238,9 @@ class Pibt:
 
 def choose_rests(reservations: ReservationTable,
                  agents: Sequence[Agent]) -> Optional[List[Optional[int]]]:
-    """For who may rest in several places one of them, free of all others; for others None.
+    """For each robot that may rest in several places a free one of them; for others None.
 
-    Who has nothing to do stays where it is if it may. None where not all of them find a rest.
+    A robot with nothing to do stays where it is if it may. None where not all of them find a rest.
     """
     taken: List[Tuple[RobotType, int]] = [
         (t.kind, t.errand.destinations[-1]) for t in agents if t.errand.rests is None]

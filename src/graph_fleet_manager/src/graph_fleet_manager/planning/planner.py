@@ -27,7 +27,7 @@ class FleetPlanner:
     clearance -- m between any two robots
     kinds     -- all robot types that will occur
     parking   -- ids of the vertices at which robots may be parked
-    search    -- the search for one robot's way: `safe_intervals.find_way` or `layers.layered`
+    search    -- the search for one robot's path: `safe_intervals.find_path` or `layers.layered`
     seed      -- of all that is random
     """
 

@@ -1,4 +1,4 @@
-"""Who blocks what and when: the bookings of all robots that have a plan, as each type sees them."""
+"""The bookings of all robots that have a plan: what each one blocks and when, for each type."""
 from __future__ import annotations
 
 from bisect import bisect_right
@@ -13,7 +13,7 @@ from graph_fleet_manager.planning.slots import Booking, Busy, Slots, merge
 
 
 class MidEdgePosition(NamedTuple):
-    """A robot that stands at a fraction of a drive, at x, y (m), free to go either way."""
+    """A robot that stands at a fraction of a drive, at x, y (m), free to go on both ways."""
 
     drive: int
     fraction: float
@@ -21,7 +21,7 @@ class MidEdgePosition(NamedTuple):
     y: float
 
     def behind(self, drive: int) -> float:
-        """The fraction of `drive`, one of the two ways on, that lies behind it."""
+        """The fraction of `drive`, one of its two drives on, that lies behind it."""
         return self.fraction if drive == self.drive else 1.0 - self.fraction
 
 
@@ -61,7 +61,7 @@ class ReservationTable:
         self.clear()
 
     def clear(self) -> None:
-        """Takes everybody out."""
+        """Takes all robots out."""
         self.slots = {kind: Slots(self.network.drives, self.network.vertices)
                       for kind in self.kinds}
         self.booked = {}
@@ -78,9 +78,9 @@ class ReservationTable:
              mid_edge: Optional[MidEdgePosition] = None, until: float = inf, held: int = 0) -> None:
         """Books a robot that stands at `vertex`, or `mid_edge`, and then follows its plan.
 
-        After the plan it stands where it is till `until`. So many drives as `held` says it holds
-        from now on: whoever wants to pass there comes after it, however much earlier he could be
-        through. Nothing may be booked for it yet.
+        After the plan it stands where it is till `until`. It holds the first `held` drives
+        from now on: a robot that wants to pass there comes after it, even if it could be through
+        earlier. Nothing may be booked for it yet.
         """
         self.booked[robot] = Booked(kind, vertex, plan, mid_edge, until, held)
         self._touched[robot] = []
@@ -152,7 +152,7 @@ class ReservationTable:
     def put_back(self, taken: TakenOut) -> None:
         """Puts robots back as they were; what was booked for them since then is dropped.
 
-        Nobody else may have been booked or taken out since.
+        No other robot may have been booked or taken out since.
         """
         gone = set(taken.booked)
         since = [entry for robot in gone for entry in self._touched.pop(robot, ())]
@@ -172,8 +172,8 @@ class ReservationTable:
                  ready: float) -> List[Tuple[int, float, int, float]]:
         """What a robot that is not booked and stands between two vertices may begin with.
 
-        For each way that is open: (drive, when it may go on, vertex that it leads to, when it is
-        there), for every time in which it is free. Until then nobody may come past its point.
+        For each drive that is open: (drive, when it may go on, vertex that it leads to, when it is
+        there), for every time in which it is free. Until then no robot may come past its point.
         """
         found = []
         leave = self._undisturbed(kind, mid_edge)
@@ -196,7 +196,7 @@ class ReservationTable:
                            seconds: float) -> List[Booking]:
         """When others keep a robot from driving the rest of a drive of which some lies behind it.
 
-        Bookings are made for whole drives; those that only concern what lies behind are left out.
+        Bookings are made for whole drives; those that only concern the part behind are ignored.
         """
         found: List[Booking] = []
         behind = begun * seconds
@@ -220,7 +220,7 @@ class ReservationTable:
 
     def _activities(self, observer: RobotType) -> Iterator[
             Tuple[str, float, float, Iterable[Tuple[int, float]]]]:
-        """Every wait and drive of everybody: robot, begin, end, (slot, lead) that it blocks."""
+        """Each wait and drive of each robot: robot, begin, end, (slot, lead) that it blocks."""
         for robot, (kind, vertex, plan, mid_edge, until, held) in self.booked.items():
             blocking = self.blocking[kind, observer]
             waits = (blocking.wait(vertex) if mid_edge is None

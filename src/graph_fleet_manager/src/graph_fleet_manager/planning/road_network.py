@@ -1,4 +1,4 @@
-"""The graph as the searches see it: counted vertices and drives, driving times, ways to a target.
+"""The graph as the searches see it: counted vertices and drives, driving times, paths to a target.
 
 A *drive* is an edge in one direction: drive 2 e is edge e forward, 2 e + 1 the same backward, edges
 counted in the graph's order. A *slot* is what is booked: slots are first the drives, then the
@@ -27,7 +27,7 @@ Roads = List[List[Tuple[int, int, float]]]
 def estimated(seconds: np.ndarray) -> Sequence[float]:
     """Seconds (V,) as the searches use them: Python's numbers, and larger by a hair.
 
-    So of equally good ways the one that is nearer to its end is followed first.
+    So of equally good paths the one that is nearer to its end is followed first.
     """
     return array('d', (seconds * _GUIDED).tobytes())
 
@@ -36,8 +36,8 @@ class RoadNetwork:
     """A graph and the edges of it that are closed now.
 
     graph         -- the trajectory graph
-    closed        -- ids of edges that nobody may use
-    dock_approach -- m before a dock that belong to who docks or leaves
+    closed        -- ids of edges that no robot may use
+    dock_approach -- m before a dock that belong to a robot that docks or leaves
     learned       -- seconds by robot type's name and signed edge id, instead of length / speed
     geometry      -- of the same graph, where it is known already
     """
@@ -168,7 +168,7 @@ class RoadNetwork:
         return paths
 
     def prepared(self, kind: RobotType) -> ShortestPaths:
-        """The roads of a robot type, ready to be asked for ways; made when first asked for."""
+        """The roads of a robot type, ready to be asked for paths; made when first asked for."""
         if kind not in self._shortest:
             self._shortest[kind] = ShortestPaths(self.vertices, (
                 (begin, end, seconds) for begin, away in enumerate(self.roads(kind))

@@ -1,11 +1,11 @@
-"""The way of one robot through a reservation table: A* over safe intervals.
+"""The path of one robot through a reservation table: A* over safe intervals.
 
 The same search as TEA*'s layers with intervals in their place: a state is a vertex and one of the
-intervals in which a robot may wait there, and of all ways into a state only the earliest counts,
-for who is early can wait (safe interval path planning, Phillips and Likhachev, ICRA 2011). Added
-here: bookings are of beginnings of drives (see `blocking`), several destinations in one search,
-and a rest for ever at the end. A state's successors are made only when they may be the best there
-are (partial expansion, Yoshizumi et al., AAAI 2000).
+intervals in which a robot may wait there, and of all paths into a state only the earliest counts,
+for a robot that is early can wait (safe interval path planning, Phillips and Likhachev, ICRA 2011).
+Added here: bookings are of beginnings of drives (see `blocking`), several destinations in one
+search, and a rest for ever at the end. A state's successors are made only when they may be the best
+there are (partial expansion, Yoshizumi et al., AAAI 2000).
 """
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def find_path(errand: Errand, slots: Slots, latest: float = inf,
     best: Dict[int, float] = {}
     nodes: List[Tuple] = []
     heap: List[Tuple[float, int, float]] = []
-    latest = min(latest, float_info.max)  # what costs infinitely much is no way
+    latest = min(latest, float_info.max)  # what costs infinitely much is no path
     node, leg, served = -1, 0, errand.ready
     moves = list(arrivals) or [(-1, 0.0, errand.vertex, errand.ready)]
     while True:
@@ -121,7 +121,7 @@ def _beginnings(starts: Sequence[float], ends: Sequence[float], now: float,
 
 
 def plan_from(nodes: Sequence[Tuple], node: int) -> Plan:
-    """The drives on the way to a node; a node ends with parent, drive, begin and arrival."""
+    """The drives on the path to a node; a node ends with parent, drive, begin and arrival."""
     plan: Plan = []
     while True:
         parent, drive, begin, arrival = nodes[node][-4:]

@@ -19,7 +19,7 @@ def schedule(reservations: ReservationTable, agents: Mapping[str, Agent],
              order: Iterable[Tuple[str, int]]) -> Plans:
     """The plans behind what is fixed, for the drives (robot, drive) in `order`.
 
-    Who comes later in the order waits until all who came before are out of its way. Only geometry
+    A robot later in the order waits until all earlier ones are out of its way. Only geometry
     and driving times of `reservations` are used, not its bookings.
     """
     network = reservations.network

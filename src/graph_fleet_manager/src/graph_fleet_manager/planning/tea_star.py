@@ -1,9 +1,9 @@
 """TEA*: robots planned one after the other, each plan an obstacle in time for those that follow.
 
 The loop is that of the dissertation's path planner: what robots will drive in any case is booked
-first; then every robot looks for its way through time, past all who have theirs; where one finds
-none, it comes first in a new order. Who is not in its way there keeps what he has, and only the
-others look again; if that does not help, all is planned again. While a robot has no plan yet, its
+first; then each robot looks for its path through time, past all paths found before. A robot that
+finds none comes first in a new order. Robots that are not in its way keep their paths, and only the
+others look again; if that does not help, all are planned again. While a robot has no plan yet, its
 place is an obstacle only for a moment, as in the two first layers of TEA*.
 """
 from __future__ import annotations
@@ -21,7 +21,7 @@ from graph_fleet_manager.planning.safe_intervals import Arrival, find_path
 from graph_fleet_manager.planning.slots import Booking
 
 PRESENT = 2.0
-"""For so many times its shortest way out a robot without a plan is in everybody's way."""
+"""A robot without a plan is an obstacle for so many times the seconds of its shortest drive."""
 
 
 class Path(NamedTuple):
@@ -35,14 +35,14 @@ Paths = Dict[str, Path]
 
 
 class TeaStar:
-    """Plans agents against a reservation table, in which their ways are booked when it is done."""
+    """Plans agents against a reservation table, in which their paths are booked in the end."""
 
     def __init__(self, reservations: ReservationTable, search: Search = find_path) -> None:
         self.reservations = reservations
         self._search = search
 
     def path_of(self, agent: Agent, latest: float = inf) -> Optional[Path]:
-        """The best way of one robot that is not booked, past all that are; None: there is none."""
+        """The best path of one robot that is not booked, past all that are; None: there is none."""
         arrivals: Sequence[Arrival] = ()
         if agent.mid_edge:
             arrivals = self.reservations.arrivals(agent.kind, agent.mid_edge,
@@ -59,7 +59,7 @@ class TeaStar:
         return Path(cost, plan)
 
     def book(self, agent: Agent, path: Path, until: float = inf) -> None:
-        """Makes a way an obstacle for all others, and its end until some time."""
+        """Makes a path an obstacle for all others, and its end until some time."""
         self.reservations.book(agent.name, agent.kind, agent.vertex,
                                agent.whole(path.plan), agent.mid_edge, until,
                                len(agent.fixed))
@@ -78,7 +78,7 @@ class TeaStar:
              orders: int) -> Optional[Paths]:
         """Ways for all, in at most `orders` orders; None where no order succeeded in time.
 
-        The order given is tried first. Nobody of the agents may be booked.
+        The order given is tried first. None of the agents may be booked.
         """
         order = list(agents)
         paths: Paths = {}
@@ -96,7 +96,7 @@ class TeaStar:
                 break
             order.remove(failed)
             order.insert(0, failed)
-            if failed.name in put_first:  # and lost its way again: all are planned anew
+            if failed.name in put_first:  # and lost its path again: all are planned anew
                 put_first.clear()
             elif self._put_first(order, paths):
                 put_first.add(failed.name)
@@ -112,7 +112,7 @@ class TeaStar:
 
     def _plan_in(self, order: Sequence[Agent], paths: Paths,
                  deadline: float) -> Optional[Agent]:
-        """Plans those without a way in this order; returns who found none, or came too late."""
+        """Plans those without a path in this order; returns the first that finds none in time."""
         for agent in order:
             if agent.name not in paths:
                 self.reservations.cancel(agent.name)
@@ -124,9 +124,9 @@ class TeaStar:
         return None
 
     def _put_first(self, order: Sequence[Agent], paths: Paths) -> bool:
-        """Plans the first of the order as if it came first; who is in its way loses his own.
+        """Plans the first of the order as if it came first; robots in its way lose their paths.
 
-        False where it has no way even then.
+        False where it has no path even then.
         """
         first, planned = order[0], [t for t in order if t.name in paths]
         taken = self.reservations.take_out([t.name for t in planned])
@@ -149,7 +149,7 @@ class TeaStar:
 
     def _meets(self, agent: Agent, path: Path,
                booked: Mapping[int, Sequence[Booking]]) -> bool:
-        """Does a way run into what is booked, by slot, for another robot?"""
+        """Does a path run into what is booked, by slot, for another robot?"""
         if agent.mid_edge:
             return True  # where it stands is no vertex: it is simply planned again
         network = self.reservations.network
@@ -163,8 +163,8 @@ class TeaStar:
 
     def _moment(self, agent: Agent) -> float:
         roads = agent.errand.roads[agent.errand.vertex]
-        path_out = min((seconds for _, _, seconds in roads), default=0.0)
-        return agent.errand.ready + PRESENT * path_out
+        leaving = min((seconds for _, _, seconds in roads), default=0.0)
+        return agent.errand.ready + PRESENT * leaving
 
 
 def _overlap(bookings: Optional[Sequence[Booking]], begin: float, end: float) -> bool:
@@ -174,10 +174,10 @@ def _overlap(bookings: Optional[Sequence[Booking]], begin: float, end: float) ->
 
 
 def by_length(agents: Iterable[Agent]) -> List[Agent]:
-    """The order to begin with: by priority, then who has the shortest way.
+    """The order to begin with: by priority, then the shortest path.
 
     A robot that waits for others that are soon out of its way waits less than these would for it;
-    who has nothing to do comes last, for it is only in the way.
+    a robot with nothing to do comes last, for it is only in the way.
     """
     return sorted(agents, key=lambda t: (-t.priority, not t.errand.destinations,
                                          t.errand.lower_bound))
