@@ -1,4 +1,4 @@
-"""The loop of TEA*: robots one after the other, and another order where one finds no way."""
+"""The loop of TEA*: robots one after the other, and another order where one finds no path."""
 from __future__ import annotations
 
 from math import inf

@@ -75,7 +75,7 @@ class Listener:
 
 
 def connected_publisher(topic: str, kind: Type[Any]) -> rospy.Publisher:
-    """A publisher to which somebody listens; raises CommandError where nobody does."""
+    """A publisher that has a subscriber; raises CommandError where it has none."""
     publisher = rospy.Publisher(topic, kind, queue_size=10)
     deadline = time.monotonic() + PATIENCE
     while publisher.get_num_connections() == 0:

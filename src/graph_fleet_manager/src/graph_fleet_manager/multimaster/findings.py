@@ -41,7 +41,7 @@ def clock_finding(offset: float, uncertainty: float) -> Finding:
 
 
 def definitions_finding(own: Mapping[str, str], theirs: Mapping[str, str]) -> Finding:
-    """Message definitions by type, as MD5 sums; a type that they lack is told, too."""
+    """Message definitions by type, as MD5 sums; a type without a definition is told, too."""
     different = sorted(kind for kind in own if kind in theirs and theirs[kind] != own[kind])
     missing = sorted(set(own) - set(theirs))
     problems: List[str] = []

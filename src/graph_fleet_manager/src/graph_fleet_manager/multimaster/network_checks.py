@@ -140,7 +140,7 @@ class NetworkChecks:
         return Finding('way back', Level.OK, f'the master there reaches this computer at {address}')
 
     def _check_node_addresses(self) -> Optional[Finding]:
-        """Nodes are reached where they say they are, at ports that nobody knows beforehand."""
+        """Nodes are reached where they say they are, at ports that are not known beforehand."""
         local = self._local_nodes()
         for name, uri in list(local.items())[:_ASKED]:
             where = urlsplit(uri)
@@ -231,7 +231,7 @@ def is_own_address(address: str) -> bool:
 def calls_back(master: Master, address: str) -> bool:
     """Does a master reach a server of ours at `address`, as it must to tell of new publishers?
 
-    For a moment it has a publisher and a subscriber of a topic that nobody else has. Raises
+    For a moment it has a publisher and a subscriber of a topic of its own. Raises
     NoAnswer and, where nothing can listen at the address, OSError.
     """
     called = threading.Event()

@@ -22,7 +22,7 @@ _FAILURES = (OSError, http.client.HTTPException, xmlrpc.client.Error,
 
 
 class NoAnswer(Exception):
-    """Nobody answers, or not as one should; the text, a clause, says how that showed."""
+    """No answer came, or a wrong one; the text, a clause, says how that showed."""
 
 
 class ClockOffset(NamedTuple):

@@ -76,7 +76,7 @@ class AgvTopics:
                                                     rospy.Time.now().to_nsec()))
 
     def _log_refusal(self, refusal: RouteRefusal) -> None:
-        """In an emergency stop the first one only: who waits for its end tries again and again."""
+        """In an emergency stop the first one only: the supervisor tries again and again."""
         if not (self._vehicle.emergency and self._emergency_told):
             rospy.logwarn('%s refused route %d: %s.', self._vehicle.name, refusal.route_id,
                           refusal.reason)

@@ -54,7 +54,7 @@ from trajectory_graph.messages import graph_from_message
 
 PERIOD = 0.1         # s between two pictures of the robots
 SLOW = 3             # so many of these between two pictures of the plans, and moves of the handles
-RADIUS = 0.4         # m, of a robot whose type nobody describes
+RADIUS = 0.4         # m, of a robot whose type is not described
 FEEDBACK_TIME = 8.0  # s that a sentence stays
 _BAD = {MissionStatus.FAILED: 'failed', MissionStatus.REFUSED: 'was refused',
         MissionStatus.CANCELLED: 'was cancelled'}

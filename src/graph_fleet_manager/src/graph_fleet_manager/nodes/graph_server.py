@@ -1,4 +1,4 @@
-"""graph_server: keeps the fleet's graph, tells it to everybody, and says what it allows.
+"""graph_server: keeps the fleet's graph, publishes it, and says what it allows.
 
 Publishes (all latched)
     /graph (itrci_nav_msgs/Graph): the graph in force; header.stamp is its version
@@ -58,7 +58,7 @@ from trajectory_graph import Graph
 
 _REPORTED_WITHIN = 3.0  # s in which every robot that is there has reported, at 1 Hz or more
 _WAITING = 'The file has changed since it was last in force: waiting for what robots report.'
-_SURVEY_NICENESS = 10  # a survey takes seconds of work for which nobody waits
+_SURVEY_NICENESS = 10  # a survey takes seconds of work for which no program waits
 
 
 class GraphServer:
@@ -141,7 +141,7 @@ class GraphServer:
         return self._in_force.graph
 
     def _tell(self) -> None:
-        """Tells everybody of a new graph in force."""
+        """Publishes a new graph in force."""
         graph = self._graph
         assert graph is not None
         self._remarks, self._surveyed, self._parked_with = [], None, frozenset()
@@ -206,7 +206,7 @@ class GraphServer:
                 unknown = self._closures.take(message.edges, message.header.stamp.to_nsec(),
                                               rospy.Time.now().to_nsec(), known)
             except OutOfDate:
-                return  # a latched message of somebody who joined anew
+                return  # a latched message of a publisher that joined anew
             except OSError as error:
                 rospy.logerr('Closed edges cannot be kept, so nothing is changed: %s', error)
                 return

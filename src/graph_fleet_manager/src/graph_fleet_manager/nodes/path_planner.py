@@ -1,7 +1,7 @@
-"""path_planner: plans the ways of all robots, free of conflict whatever runs late.
+"""path_planner: plans the paths of all robots, free of conflict whatever runs late.
 
 It answers requests one at a time and remembers nothing between them but the graph: it can be ended
-at any time, and who asks goes on. See docs/interface/path_planner.md for requests and answers.
+at any time, and its client goes on. See docs/interface/path_planner.md for requests and answers.
 
 Subscribes
     /graph (itrci_nav_msgs/Graph, latched), /parking (itrci_nav_msgs/ParkingPlaces, latched)
@@ -102,7 +102,7 @@ class PathPlanner:
     def _work(self) -> None:
         try:
             self._plan_until_the_end()
-        except Exception:  # a planner that answers nobody must not look alive: it is started anew
+        except Exception:  # a planner that does not answer must not look alive: it is started anew
             rospy.logfatal('The planning thread has failed; please report this:\n%s',
                            traceback.format_exc())
             rospy.signal_shutdown('the planning thread has failed')
@@ -152,7 +152,7 @@ class PathPlanner:
             outcome = service.answer(asked, received)
         except CannotPlan as refusal:
             return self._told(request, PlanAnswer.REFUSED, str(refusal))
-        except Exception:  # a defect: who asked must not wait for ever, and the next request may do
+        except Exception:  # a defect: the client must not wait for ever, the next request may do
             rospy.logerr('A request could not be planned because of a defect of the planner; '
                          'please report it with this text:\n%s', traceback.format_exc())
             return self._told(request, PlanAnswer.REFUSED, 'The planner failed on it, its log says '

@@ -41,7 +41,7 @@ LEVELS = {Level.OK: DiagnosticStatus.OK, Level.WARN: DiagnosticStatus.WARN,
 
 
 class Peer:
-    """One peer, looked at by a thread of its own, as who is away answers late."""
+    """One peer, looked at by a thread of its own, as an absent one answers late."""
 
     def __init__(self, address: str, port: int) -> None:
         self.address = address

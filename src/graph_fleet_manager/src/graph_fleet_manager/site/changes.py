@@ -52,7 +52,7 @@ def _change_of(old: Graph, new: Graph, signed_id: int) -> Optional[str]:
     """How an edge that `old` has is another one in `new`."""
     id = abs(signed_id)
     if id not in old.edges:
-        return None  # not known before: nobody can say what changes
+        return None  # not known before: what changes is unknown
     if id not in new.edges:
         return 'is missing'
     before, after = old.edges[id], new.edges[id]

@@ -1,4 +1,4 @@
-"""Which edges are closed: kept in a file, for a closure outlives who said it, and power cuts."""
+"""Which edges are closed: kept in a file, for a closure outlives its sender and power cuts."""
 from __future__ import annotations
 
 import json
@@ -8,14 +8,14 @@ from typing import Container, FrozenSet, Iterable, Union
 from graph_fleet_manager.files.errors import FileError
 from trajectory_graph.yaml_file import write_file
 
-_AHEAD = 1_000_000_000  # ns that the clock of who closes an edge may be ahead of ours
+_AHEAD = 1_000_000_000  # ns that the clock of a computer that closes an edge may be ahead of ours
 
 
 class Closures:
     """The closed edges in force and when they were said, in a file that need not be there yet.
 
     edges -- ids of the edges
-    stamp -- ns of the ROS clock; 0: nobody has ever said anything
+    stamp -- ns of the ROS clock; 0: no edge was ever closed or opened
 
     Raises FileError for a file that is none of ours.
     """

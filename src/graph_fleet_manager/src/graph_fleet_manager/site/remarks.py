@@ -1,4 +1,4 @@
-"""A survey in sentences, for who draws the graph or runs the fleet."""
+"""A survey in sentences, for people who draw the graph or run the fleet."""
 from __future__ import annotations
 
 from collections import Counter

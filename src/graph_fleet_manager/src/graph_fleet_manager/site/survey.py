@@ -13,8 +13,8 @@ from graph_fleet_manager.planning.road_network import RoadNetwork
 
 LONG = 3.0
 """An edge so many following distances long lets through less than half of the robots that sections
-of one following distance would: who follows waits until all of it is left."""
-_SAMPLES = 100  # vertices from which ways are counted, to bound the time on large graphs
+of one following distance would: a robot that follows waits until all of it is left."""
+_SAMPLES = 100  # vertices from which paths are counted, to bound the time on large graphs
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class DeadEnd:
 
 @dataclass(frozen=True)
 class LongEdge:
-    """An edge that costs throughput; `share` of all shortest ways leads over it (0..1)."""
+    """An edge that costs throughput; `share` of all shortest paths leads over it (0..1)."""
 
     id: int
     length: float  # m
@@ -57,7 +57,7 @@ class Stranded:
 class Survey:
     """See the parts. `following_distance` (m) is that of two robots of the largest type.
 
-    parking    -- ids of vertices: robots of any types on all of them at once cut nobody off
+    parking    -- ids of vertices: robots of any types on all of them at once cut no robot off
     near_edges -- pairs of edges that exclude each other though they share no vertex
     """
 
@@ -85,7 +85,7 @@ def _parking(network: RoadNetwork, fleet: Fleet,
              largest: RobotType) -> Tuple[FrozenSet[int], Tuple[Capacity, ...]]:
     """Where robots of all types may be parked at once, and how many of each type alone.
 
-    Places for all are those of the largest: who is smaller is in less of a way there.
+    Places for all are those of the largest: a smaller robot blocks less there.
     """
     anywhere = _anywhere(network, fleet)
     for_all = Parking(network, largest, fleet.clearance, anywhere).largest()

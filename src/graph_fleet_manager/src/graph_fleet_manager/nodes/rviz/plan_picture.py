@@ -14,7 +14,7 @@ BLOCKED = drawing.colour(1.0, 0.55, 0.1, 0.8)
 LANE = 0.07     # m between the plans of two robots on one edge
 LANES = 4
 _Z = 0.05
-#: States in which a robot obeys nobody: what it holds is blocked for the others.
+#: States in which a robot obeys no order: what it holds is blocked for the others.
 BLOCKING = frozenset((FleetRobot.OFFLINE, FleetRobot.STOPPED, FleetRobot.TAKEN_OVER,
                       FleetRobot.FAILED, FleetRobot.OFF_GRAPH, FleetRobot.OUT_OF_SERVICE))
 
