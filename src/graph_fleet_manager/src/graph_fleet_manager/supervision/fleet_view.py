@@ -26,6 +26,8 @@ class RobotState(IntEnum):
     FAILED = 6
     OFF_GRAPH = 7
     OUT_OF_SERVICE = 8
+    ABSENT = 9
+    UNKNOWN = 10
 
 
 _OF_OUTAGE = {
@@ -49,6 +51,7 @@ class RobotView:
     name: str
     type: str
     state: RobotState
+    outage: Optional[Outage]
     pose: Pose
     seen: float
     battery: float
@@ -86,8 +89,9 @@ def _view(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: floa
     if mission is not None and mission.left:
         destination = mission.left[0]
     charge = math.nan if robot.battery.is_mute(robot.liveness, now) else robot.battery.charge
-    return RobotView(robot.name, robot.type.name, state, robot.record.pose, robot.liveness.seen,
-                     charge, None if mission is None else mission.request.id, destination,
+    return RobotView(robot.name, robot.type.name, state, robot.outage, robot.record.pose,
+                     robot.liveness.seen, charge,
+                     None if mission is None else mission.request.id, destination,
                      _waits_for(robot, errand, supervisor, now))
 
 

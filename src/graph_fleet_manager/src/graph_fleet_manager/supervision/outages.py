@@ -2,6 +2,9 @@
 from __future__ import annotations
 
 from enum import Enum
+from typing import Dict
+
+from trajectory_graph.route_protocol import Reason, ReasonCode
 
 
 class Outage(Enum):
@@ -23,13 +26,11 @@ class Outage(Enum):
         return self in (Outage.TAKEN_OVER, Outage.FAILED, Outage.OFF_GRAPH, Outage.OUT_OF_SERVICE)
 
 
-def outage_of(reason: str) -> Outage:
-    """The outage that the reason of a failed or refused route means, as the protocol words it."""
-    words = reason.lower()
-    if words.startswith('emergency stop'):
-        return Outage.STOPPED
-    if words.startswith('lost link'):
-        return Outage.LOST_LINK
-    if words.startswith('taken over'):
-        return Outage.TAKEN_OVER
-    return Outage.FAILED
+_OF_REASON: Dict[ReasonCode, Outage] = {
+    ReasonCode.EMERGENCY_STOP: Outage.STOPPED, ReasonCode.LOST_LINK: Outage.LOST_LINK,
+    ReasonCode.TAKEN_OVER: Outage.TAKEN_OVER}
+
+
+def outage_of(reason: Reason) -> Outage:
+    """The outage that the reason of a failed or refused route means."""
+    return _OF_REASON.get(reason.code, Outage.FAILED)

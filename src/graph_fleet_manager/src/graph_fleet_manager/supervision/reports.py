@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Optional, Tuple
 
 from trajectory_graph import Graph
-from trajectory_graph.route_protocol import EdgeState
+from trajectory_graph.route_protocol import NO_REASON, EdgeState, Location, Reason
 
 LONGEST = 1000  # edges in a route; more is a mistake or an attack
 NEAR = 0.3      # m from a vertex at which a robot counts as standing on it
@@ -44,15 +44,17 @@ class Report:
 
     stamp -- s, when the location that it uses was taken, by the robot's clock; 0: it had none
     age   -- s since then as it arrived
+    location -- that location in the map frame; None: the robot does not tell it
     """
 
     route_id: int
     edges: Tuple[int, ...] = ()
     states: Tuple[EdgeState, ...] = ()
     pose: Pose = Pose()
-    reason: str = ''
+    reason: Reason = NO_REASON
     stamp: float = 0.0
     age: float = 0.0
+    location: Optional[Location] = None
 
     @property
     def completed(self) -> int:

@@ -148,7 +148,7 @@ class ManagedRobot:
             stopped = outage_of(heard.refused) is Outage.STOPPED
             self._refusals += not (stopped or heard.was_shorter)
             if stopped:
-                self.fail(Outage.STOPPED, heard.refused)
+                self.fail(Outage.STOPPED, heard.refused.text)
                 self.client.keep_after_refusal()
             elif self._refusals >= REFUSALS:
                 self.fail(Outage.FAILED, f'it refused its route {REFUSALS} times: {heard.refused}')
@@ -160,7 +160,7 @@ class ManagedRobot:
         if heard.foreign:
             self.fail(Outage.TAKEN_OVER, 'it drives a route that was not given to it here')
         elif heard.failed and self.outage is None:
-            self.fail(outage_of(heard.failed), heard.failed)
+            self.fail(outage_of(heard.failed), heard.failed.text)
             self.liveness.lose_link(report.stamp if report else 0.0)
         elif report is not None and self.outage is None and not report.pose.edge and (
                 self.record.is_standing):

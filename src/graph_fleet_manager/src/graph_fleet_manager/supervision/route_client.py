@@ -10,10 +10,11 @@ from graph_fleet_manager.supervision.ordered_routes import OrderedRoutes
 from graph_fleet_manager.supervision.orders import Heard, Order, Sending, is_on
 from graph_fleet_manager.supervision.reports import Place, Report, place_of
 from graph_fleet_manager.supervision.route_record import RouteRecord
-from trajectory_graph.route_protocol import RouteRefusal
+from trajectory_graph.route_protocol import Reason, ReasonCode, RouteRefusal
 
 NEW_ID_AFTER = 50  # edges
 _OVERTAKEN = 10.0  # s: a report that is older than the last by more tells of a clock set back
+_SAID_NONE = Reason(ReasonCode.OTHER, 'it gave no reason')
 
 NewId = Callable[[], int]
 """Gives a route id that was never used."""
@@ -209,7 +210,7 @@ class RouteClient(OrderedRoutes):
         record.forget(min([*self._bases.values(), *([self.order.base] if self.order else [])]))
         if report.is_failed:
             self.withdraw()
-            heard.failed = report.reason or 'it gave no reason'
+            heard.failed = report.reason or _SAID_NONE
         elif record.is_standing and self.order is None:
             heard.left = record.has_left()
         return heard
@@ -219,7 +220,7 @@ class RouteClient(OrderedRoutes):
         self._pending.drop()
         self.over = True
         if self.record.ahead:
-            heard.failed = 'it has forgotten its route'
+            heard.failed = Reason(ReasonCode.OTHER, 'it has forgotten its route')
 
     def refuse(self, refusal: RouteRefusal, stamp: float = 0.0) -> Heard:
         """The robot did not take up an order: the next report tells what it really drives.
@@ -235,7 +236,7 @@ class RouteClient(OrderedRoutes):
                 self._cut_refused = self.order.end
             self._pending.drop()
             self._awaits_report, self._refused_at = True, stamp or self._stamp
-            heard.refused = refusal.reason or 'it gave no reason'
+            heard.refused = refusal.reason or _SAID_NONE
         return heard
 
     def keep_after_refusal(self) -> None:
