@@ -15,11 +15,11 @@ from typing import Dict, Iterable, List, Optional, Sequence, Set, Tuple
 from shapely.geometry import LineString, Point
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
-from supervised_fleet import STEP, SupervisedFleet
+from supervised_fleet import STEP, SupervisedFleet, blocked
 
+from graph_fleet_manager.interlocking.reports import NEAR
 from graph_fleet_manager.supervision.actions import SendRoute
 from graph_fleet_manager.supervision.missions import MissionState, Request, Status
-from graph_fleet_manager.supervision.reports import NEAR
 from trajectory_graph import Graph
 
 STOPS_WITHIN = 3.5  # s after which a robot to which nothing is wrong has heard that it is to stop
@@ -171,7 +171,7 @@ class Promises:
 
     def _look_at(self, name: str) -> None:
         fleet, agv, robot = self.fleet, self.fleet.agvs[name], self.fleet.supervisor.robots[name]
-        vertices, edges = robot.blocked()
+        vertices, edges = blocked(fleet, name)
         believed = {abs(edge) for edge in robot.record.held} | set(edges)
         drives = [edge for edge in self._may_drive(name) if abs(edge) not in believed]
         if not agv.off_graph and robot.record.pose == agv.report(0.0).pose:

@@ -284,11 +284,11 @@ def nominal_faults(world: World, plan: dict, step: float = 0.1) -> List[str]:
     if not names:
         return []
     times = np.arange(0.0, plan['makespan'] + step, step)
-    trajectories = np.array([_trajectory(world, plan, name, times) for name in names])
+    records = np.array([_trajectory(world, plan, name, times) for name in names])
     found = []
     for x, a in enumerate(names):
         for y in range(x + 1, len(names)):
-            gaps = np.hypot(*(trajectories[x] - trajectories[y]).T)
+            gaps = np.hypot(*(records[x] - records[y]).T)
             if gaps.min() < world.apart(a, names[y]) - TOLERANCE:
                 at = times[int(gaps.argmin())]
                 found.append(f'{a} and {names[y]} are {gaps.min():.4f} m apart at {at:.1f} s')

@@ -77,10 +77,10 @@ def replay_faults(world: World, plan: dict, driven: Dict[str, List[Driven]],
     names = list(plan['robots'])
     last = max((d[-1].at[-1] for d in driven.values() if d), default=0.0)
     times = np.arange(0.0, last + step, step)
-    trajectories = np.array([_trajectory(world, plan, name, driven[name], times) for name in names])
+    records = np.array([_trajectory(world, plan, name, driven[name], times) for name in names])
     found = []
     for x, a in enumerate(names):
-        gaps = np.hypot(*np.moveaxis(trajectories[x + 1:] - trajectories[x], 2, 0))
+        gaps = np.hypot(*np.moveaxis(records[x + 1:] - records[x], 2, 0))
         for y, gap in enumerate(gaps, x + 1):
             k = int(gap.argmin())
             if gap[k] < world.apart(a, names[y]) - TOLERANCE:

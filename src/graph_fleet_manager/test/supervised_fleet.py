@@ -14,6 +14,7 @@ from typing import Callable, Dict, Iterable, List, Mapping, Optional, Protocol, 
 from supervised_agv import Agv, LostLink
 
 from graph_fleet_manager.fleet import Fleet, Robot, RobotType
+from graph_fleet_manager.interlocking.reports import Report
 from graph_fleet_manager.planning.planner import FleetPlanner
 from graph_fleet_manager.planning.tasks import Outcome
 from graph_fleet_manager.supervision.actions import (
@@ -25,7 +26,6 @@ from graph_fleet_manager.supervision.actions import (
 )
 from graph_fleet_manager.supervision.journal import Journal, RobotMemory
 from graph_fleet_manager.supervision.missions import Mission, MissionState, Request, Status
-from graph_fleet_manager.supervision.reports import Report
 from graph_fleet_manager.supervision.settings import RobotSettings
 from graph_fleet_manager.supervision.supervisor import Supervisor
 from trajectory_graph import Graph
@@ -40,9 +40,9 @@ class _CountingJournal(Journal):
     commits = 0
 
     def store(self, missions: Iterable[Mission] = (),
-              robots: Optional[Mapping[str, RobotMemory]] = None,
-              values: Optional[Mapping[str, int]] = None) -> None:
-        super().store(missions, robots, values)
+              robots: Optional[Mapping[str, Optional[RobotMemory]]] = None,
+              values: Optional[Mapping[str, int]] = None, graph: Optional[Graph] = None) -> None:
+        super().store(missions, robots, values, graph)
         self.commits += 1
 
 
@@ -339,7 +339,7 @@ class SupervisedFleet:
             client, record = robot.client, robot.record
             lines.append(f'{name}: edge {agv.edge} at {agv.arc:.2f}, route {agv.route_id} '
                          f'{agv.edges} {agv.current} {agv.phase.value}; known: {robot.outage} '
-                         f'{robot.why} place {record.place} ahead {record.ahead} order '
+                         f'{robot.why} place {record.position} ahead {record.ahead} order '
                          f'{client.order} waits '
                          f'{self.supervisor.plan_executor.waits_for.get(name)!r}')
         for mission in self.supervisor.book.open:
@@ -350,3 +350,19 @@ class SupervisedFleet:
                       for name, plan in self.supervisor.plan_executor.plan.plans.items()]
         lines.append(f'asked {self.supervisor.plan_executor.is_planning}; {self.notes[-5:]}')
         return '\n'.join(lines)
+
+
+def blocked(fleet: SupervisedFleet, name: str) -> Tuple[Tuple[int, ...], Tuple[int, ...]]:
+    """Ids of the vertices and edges on which a robot may be, by its allocation."""
+    allocation = fleet.supervisor.robots[name].client.allocation
+    vertices = {vertex for vertex in (allocation.vertex,) if vertex is not None}
+    edges = {abs(hold.edge) for hold in allocation.holds}
+    for area in allocation.areas:
+        for x, y in area.line:
+            near = [vertex.id for vertex in fleet.graph.vertices.values()
+                    if math.hypot(vertex.x - x, vertex.y - y) < 1e-6]
+            nearest = fleet.graph.nearest_edge(x, y)
+            assert nearest is not None
+            vertices.update(near)
+            edges.update(() if near else nearest[:1])
+    return tuple(sorted(vertices)), tuple(sorted(edges))

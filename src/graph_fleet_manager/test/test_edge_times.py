@@ -5,17 +5,17 @@ import pytest
 from fleet_builders import AGV, corridor
 from supervised_fleet import SupervisedFleet
 
+from graph_fleet_manager.interlocking.reports import GraphPosition
+from graph_fleet_manager.interlocking.route_record import RouteRecord
 from graph_fleet_manager.supervision.edge_times import ENOUGH, PERIOD, Driven, EdgeTimer, EdgeTimes
-from graph_fleet_manager.supervision.reports import Place
-from graph_fleet_manager.supervision.route_record import RouteRecord
 
 NOMINAL = 2.0  # s for every edge
 
 
 @pytest.fixture
 def record():
-    record = RouteRecord(corridor(5), speed=1.0)
-    record.place = Place(vertex=1)
+    record = RouteRecord(corridor(5), AGV)
+    record.position = GraphPosition(vertex=1)
     return record
 
 
@@ -74,7 +74,7 @@ def test_what_was_not_seen_from_end_to_end_does_not_count(record):
 
 def test_a_drive_from_the_middle_of_an_edge_does_not_count(record):
     timer = EdgeTimer()
-    record.place = Place(edge=1, fraction=0.5)
+    record.position = GraphPosition(edge=1, fraction=0.5)
     timer.follow(record, 0.0)
     record.append([1])
     timer.follow(record, 1.0)

@@ -28,10 +28,10 @@ def test_a_point_is_in_a_capsule_exactly_between_entry_and_exit(start, end, firs
     columns = [np.array(p, dtype=float).reshape(2, 1) for p in (start, end, first, last)]
     entry, exit = (float(t[0]) for t in time_within(*columns, np.array([distance])))
     t = np.linspace(0.0, 1.0, 101)
-    trajectory = np.array(start) + t[:, None] * (np.array(end) - start)
+    record = np.array(start) + t[:, None] * (np.array(end) - start)
     axis = np.array(last) - first
-    share = np.clip((trajectory - first) @ axis / max(float(axis @ axis), 1e-300), 0.0, 1.0)
-    gap = np.hypot(*(trajectory - first - share[:, None] * axis).T)
+    share = np.clip((record - first) @ axis / max(float(axis @ axis), 1e-300), 0.0, 1.0)
+    gap = np.hypot(*(record - first - share[:, None] * axis).T)
     inside = (t >= entry) & (t <= exit)
     assert not (~inside & (gap < distance - 1e-7)).any()
     assert not (inside & (gap > distance + 1e-7)).any()
@@ -76,8 +76,8 @@ def test_pieces_follow_their_curves_as_nearly_as_they_say(seed):
                 pieces.start.T[own], pieces.end.T[own], pieces.begins[own], pieces.ends[own],
                 pieces.margin[own]):
             share = np.linspace(0.0, 1.0, 9)
-            trajectory = world.along(edge, begins + share * (ends - begins))
-            off = np.hypot(*(trajectory - start - share[:, None] * (end - start)).T)
+            record = world.along(edge, begins + share * (ends - begins))
+            off = np.hypot(*(record - start - share[:, None] * (end - start)).T)
             assert off.max() <= margin + 1e-3 * (1.0 + lengths[k]) * (ends - begins) + 1e-4
 
 

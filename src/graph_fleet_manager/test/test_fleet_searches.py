@@ -126,15 +126,15 @@ def test_one_robot_past_the_plan_of_another_takes_no_longer_than_it_must(search,
     first = planner.plan(_tasks([other], [other_goal]), (), time.monotonic() + 5.0, 0)
     if first.unserved:  # behind one-way edges
         return
-    trajectory = [other]
+    record = [other]
     for drive in first.drives['r0']:
-        trajectory += [trajectory[-1]] * (round(drive.start) - len(trajectory) + 1)
-        trajectory.append(graph.end_vertex(drive.edge).id)
+        record += [record[-1]] * (round(drive.start) - len(record) + 1)
+        record.append(graph.end_vertex(drive.edge).id)
     # The first robot keeps its way, as one that has the higher priority.
     tasks = _tasks([other, start], [other_goal, goal])
     tasks[0] = Task('r0', UNIT, other, destinations=(other_goal,), stays=True, priority=1)
     both = planner.plan(tasks, (), time.monotonic() + 5.0, 0)
-    least = _best_alone(graph, start, goal, 40, [trajectory])
+    least = _best_alone(graph, start, goal, 40, [record])
     if least is None or both.unserved or both.drives['r0'] != first.drives['r0']:
         return  # the other one had to give way; `test_small_fleets...` looks at that
     ends = both.drives['r1'][-1].end if both.drives['r1'] else 0.0

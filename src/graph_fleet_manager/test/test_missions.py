@@ -9,6 +9,8 @@ from contextlib import contextmanager
 import pytest
 from fleet_builders import AGV, corridor
 
+from graph_fleet_manager.interlocking.orders import Memory
+from graph_fleet_manager.interlocking.reports import GraphPosition
 from graph_fleet_manager.supervision import missions
 from graph_fleet_manager.supervision.journal import (
     Journal,
@@ -25,11 +27,8 @@ from graph_fleet_manager.supervision.missions import (
     Request,
     RequestRefused,
 )
-from graph_fleet_manager.supervision.orders import Memory
-from graph_fleet_manager.supervision.outages import Outage, outage_of
-from graph_fleet_manager.supervision.reports import Place
+from graph_fleet_manager.supervision.outages import TRANSITIONS, Outage, sign_of_failure
 from graph_fleet_manager.supervision.route_ids import RESERVED, RouteIds
-from trajectory_graph.route_protocol import Reason, ReasonCode
 
 ACCEPTANCE = Acceptance(corridor(5), {'a': AGV, 'b': AGV})
 
@@ -110,7 +109,8 @@ def test_the_journal_gives_back_what_was_committed(tmp_path):
     book = MissionBook()
     mission = book.add(Request(7, (2, 3), 'agv', 'a', 4, (1.0, -1.0), 9.5), ACCEPTANCE)
     book.set(mission, MissionState.ACTIVE, robot='a')
-    memory = RobotMemory(Memory(5, (1, -2), 1, {5: 0}, Place(edge=1, fraction=0.25), False, (4,)),
+    position = GraphPosition(edge=1, fraction=0.25)
+    memory = RobotMemory(Memory(5, (1, -2), 1, {5: 0}, position, False, (4,)),
                          Outage.TAKEN_OVER, 'why', True)
     journal.store([mission], {'a': memory}, {'number': 7})
     journal.close()
@@ -195,12 +195,11 @@ def test_route_ids_are_those_of_a_message_for_ever(tmp_path):
     assert ids.reserved > 2 ** 30 - 3 + RESERVED, 'more is to be reserved before it is given'
 
 
-@pytest.mark.parametrize('code, outage', [
-    (ReasonCode.EMERGENCY_STOP, Outage.STOPPED), (ReasonCode.TAKEN_OVER, Outage.TAKEN_OVER),
-    (ReasonCode.LOST_LINK, Outage.LOST_LINK), (ReasonCode.OFF_GRAPH, Outage.FAILED),
-    (ReasonCode.OTHER, Outage.FAILED)])
-def test_the_code_of_a_failed_route_and_no_word_says_how_the_robot_comes_back(code, outage):
-    assert outage_of(Reason(code, 'emergency stop, taken over, lost link')) is outage
+@pytest.mark.parametrize('reason, outage', [
+    ('emergency stop', Outage.STOPPED), ('taken over', Outage.TAKEN_OVER),
+    ('lost link: commands: closed', Outage.LOST_LINK), ('off the corridor', Outage.FAILED)])
+def test_the_reason_of_a_failed_route_says_how_the_robot_comes_back(reason, outage):
+    assert TRANSITIONS[sign_of_failure(reason)].target is outage
     assert outage.needs_person == (outage in (Outage.TAKEN_OVER, Outage.FAILED))
 
 

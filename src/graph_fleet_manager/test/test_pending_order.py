@@ -3,8 +3,8 @@ from __future__ import annotations
 
 import pytest
 
-from graph_fleet_manager.supervision.orders import Order, Sending
-from graph_fleet_manager.supervision.pending_order import REPEAT, PendingOrder
+from graph_fleet_manager.interlocking.orders import Order, Sending
+from graph_fleet_manager.interlocking.pending_order import REPEAT, PendingOrder
 
 DRIVE, STOP = Order(7, 3, (1, 2)), Order(8, 4, ())
 

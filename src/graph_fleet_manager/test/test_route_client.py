@@ -5,34 +5,30 @@ from dataclasses import replace
 from itertools import count
 
 import pytest
-from fleet_builders import corridor, graph_of
+from fleet_builders import AGV, corridor, graph_of
 
-from graph_fleet_manager.supervision.pending_order import REPEAT
-from graph_fleet_manager.supervision.reports import (
-    Place,
+from graph_fleet_manager.interlocking.pending_order import REPEAT
+from graph_fleet_manager.interlocking.reports import (
+    NEAR,
+    GraphPosition,
     Pose,
     Report,
     WrongReport,
     check_report,
-    place_of,
+    position_of,
 )
-from graph_fleet_manager.supervision.route_client import RouteClient
-from graph_fleet_manager.supervision.route_record import RouteRecord
-from trajectory_graph.route_protocol import EdgeState, Reason, RouteRefusal, reason_of
+from graph_fleet_manager.interlocking.route_client import RouteClient
+from graph_fleet_manager.interlocking.route_record import RouteRecord
+from trajectory_graph.route_protocol import EdgeState, RouteRefusal
 
 DONE, AHEAD, FAILED = EdgeState.COMPLETE, EdgeState.PROCESSING, EdgeState.FAILED
 GRAPH = corridor(6)  # vertices 1 to 6, edges of 2 m from k to k + 1
 
 
-def no(text: str) -> Reason:
-    """Why an order was refused, in words only."""
-    return reason_of(0, text)
-
-
 @pytest.fixture
 def client():
-    client = RouteClient(RouteRecord(GRAPH, speed=1.0))
-    client.record.place = Place(vertex=1)
+    client = RouteClient(RouteRecord(GRAPH, AGV))
+    client.record.position = GraphPosition(vertex=1)
     return client
 
 
@@ -45,7 +41,7 @@ def ids():
 def report(id, edges, completed, fraction=0.0, state=AHEAD, reason='', age=0.0):
     states = (DONE,) * completed + (state,) * (len(edges) - completed)
     pose = Pose(edges[completed], fraction) if completed < len(edges) else Pose(edges[-1], 1.0)
-    return Report(id, tuple(edges), states, pose, reason_of(0, reason), 100.0, age)
+    return Report(id, tuple(edges), states, pose, reason, 100.0, age)
 
 
 def test_an_order_is_repeated_unchanged_until_the_report_has_its_length(client, ids):
@@ -83,7 +79,7 @@ def test_what_a_person_drives_after_a_failed_route_leaves_nothing(client, ids):
     client.extend([1, 2], ids)
     client.take(report(1, [1, 2], 0, fraction=0.2))
     client.take(report(1, [1, 2], 0, fraction=0.9, state=FAILED, reason='taken over'))
-    assert client.record.left == (0, pytest.approx(0.2))
+    assert client.record.cleared == (0, pytest.approx(0.1))
 
 
 @pytest.mark.parametrize('late', [True, False])
@@ -95,7 +91,7 @@ def test_what_was_reported_before_a_refusal_does_not_tell_what_the_robot_has(cli
     client.due(0.0)
     client.extend([4], ids)
     client.due(0.0)
-    client.refuse(RouteRefusal(1, (1, 2, 3, 4), no('no')), stamp=100.5)
+    client.refuse(RouteRefusal(1, (1, 2, 3, 4), 'no'), stamp=100.5)
     if late:
         client.take(report(1, [1], 0))
         assert client.record.held == (1, 2, 3, 4) and not client.is_ready
@@ -106,18 +102,18 @@ def test_what_was_reported_before_a_refusal_does_not_tell_what_the_robot_has(cli
 def test_an_edge_is_left_by_the_reported_place_less_what_its_age_allows(client, ids):
     client.extend([1, 2], ids)
     client.take(report(1, [1, 2], 0, fraction=0.5, age=0.4))
-    assert client.record.left == (0, pytest.approx(0.3))
+    assert client.record.cleared == (0, pytest.approx(0.2))
     client.take(report(1, [1, 2], 1, fraction=0.1, age=0.4))
-    assert client.record.left == (0, pytest.approx(0.9))
+    assert client.record.cleared == (0, pytest.approx(0.8))
     client.take(report(1, [1, 2], 1, fraction=0.0, age=5.0))
-    assert client.record.left == (0, pytest.approx(0.9)), 'what is left stays so'
+    assert client.record.cleared == (0, pytest.approx(0.8)), 'what is left stays so'
 
 
 def test_a_refused_extension_waits_for_the_truth_and_takes_a_new_id(client, ids):
     client.extend([1], ids)
     client.take(report(1, [1], 0))
     client.extend([2, 3], ids)
-    assert client.refuse(RouteRefusal(1, (1, 2, 3), no('no'))).refused.text == 'no'
+    assert client.refuse(RouteRefusal(1, (1, 2, 3), 'no')).refused == 'no'
     assert not client.is_ready and client.due(10.0) is None
     client.take(report(1, [1], 0, fraction=0.2))
     assert client.is_ready and client.record.ahead == (1,)
@@ -130,17 +126,17 @@ def test_all_failed_as_the_first_word_about_an_id_is_a_refusal_and_no_failure(cl
     client.take(report(1, [1], 0))
     client.extend([2], ids, renew=True)
     heard = client.take(report(2, [1, 2], 0, state=FAILED, reason='not where the robot is'))
-    assert heard.refused.text == 'not where the robot is' and not heard.failed
+    assert heard.refused == 'not where the robot is' and not heard.failed
 
 
 def test_a_route_that_stays_failed_after_it_was_refused_is_what_the_robot_has(client, ids):
     """It failed before any report of it running was heard."""
     client.extend([1, 2], ids)
     failed = report(1, [1, 2], 0, fraction=0.2, state=FAILED, reason='blocked')
-    assert client.take(failed).refused.text == 'blocked'
+    assert client.take(failed).refused == 'blocked'
     again = client.take(failed)
     assert not again.refused and not again.failed and not client.is_ready, 'the same message'
-    assert client.take(replace(failed, stamp=100.1)).failed.text == 'blocked'
+    assert client.take(replace(failed, stamp=100.1)).failed == 'blocked'
     assert client.record.held == (1, 2) and client.is_ready
 
 
@@ -149,8 +145,8 @@ def test_a_refusal_that_comes_on_its_topic_and_as_a_report_is_one(client, ids, s
     client.extend([1], ids)
     client.take(report(1, [1], 0))
     client.extend([2], ids, renew=True)
-    refusal = RouteRefusal(2, (1, 2), no('no'))
-    assert client.refuse(refusal, stamp).refused.text == 'no'
+    refusal = RouteRefusal(2, (1, 2), 'no')
+    assert client.refuse(refusal, stamp).refused == 'no'
     heard = client.take(report(2, [1, 2], 0, state=FAILED, reason='no'))
     assert not heard.refused and not heard.failed and not client.is_ready
     client.take(replace(report(1, [1], 0), stamp=100.6))
@@ -161,7 +157,7 @@ def test_a_route_that_fails_says_why_and_stays_the_robots(client, ids):
     client.extend([1, 2], ids)
     client.take(report(1, [1, 2], 0))
     heard = client.take(report(1, [1, 2], 1, state=FAILED, reason='off the corridor'))
-    assert heard.failed.text == 'off the corridor'
+    assert heard.failed == 'off the corridor'
     assert client.record.ahead == (2,)
 
 
@@ -184,7 +180,7 @@ def test_a_stop_holds_everything_until_the_place_is_known(client, ids):
     assert client.due(0.0)[:2] == (2, ())
     client.take(Report(2, pose=Pose(1, 0.5), stamp=101.0))
     assert client.record.held == (1, 2) and client.order is None
-    client.settle(Place(edge=1, fraction=0.5))
+    client.settle(GraphPosition(edge=1, fraction=0.5))
     assert client.record.held == () and client.record.is_standing
 
 
@@ -199,23 +195,24 @@ def test_what_was_refused_for_a_route_of_somebody_else_stays_held(client, ids):
     client.extend([1, 2], ids)
     client.take(report(1, [1, 2], 1))
     client.extend([3], ids)
-    client.refuse(RouteRefusal(1, (1, 2, 3), no('edge 1 does not start here')), stamp=100.5)
+    client.refuse(RouteRefusal(1, (1, 2, 3), 'edge 1 does not start here'), stamp=100.5)
     assert client.take(replace(report(77, [2], 0), stamp=100.6)).foreign
-    assert client.record.held == (2, 3)
+    assert client.record.ahead == (2, 3)
 
 
 def test_a_robot_that_left_the_end_of_its_route_is_noticed(client, ids):
     client.extend([1], ids)
     assert not client.take(report(1, [1], 1)).left
     away = Report(1, (1,), (DONE,), Pose(2, 0.5), stamp=101.0)
-    assert client.take(away).left
+    assert not client.take(away).left, 'it may be an outlier'
+    assert client.take(replace(away, stamp=102.0)).left
 
 
 def test_after_a_restart_an_order_on_its_way_is_repeated_under_its_old_id(client, ids):
     client.extend([1], ids)
     client.take(report(1, [1], 0))
     client.extend([2], ids)
-    other = RouteClient(RouteRecord(GRAPH, speed=1.0))
+    other = RouteClient(RouteRecord(GRAPH, AGV))
     other.restore(client.memory)
     seen = report(1, [1], 0, fraction=0.5)
     other.adopt(seen)
@@ -225,7 +222,7 @@ def test_after_a_restart_an_order_on_its_way_is_repeated_under_its_old_id(client
 
 
 def test_after_a_restart_without_memory_what_is_reported_is_released_and_fixed():
-    client = RouteClient(RouteRecord(GRAPH, speed=1.0))
+    client = RouteClient(RouteRecord(GRAPH, AGV))
     seen = report(9, [1, 2, 3], 1, fraction=0.5)
     client.adopt(seen)
     heard = client.take(seen)
@@ -234,11 +231,11 @@ def test_after_a_restart_without_memory_what_is_reported_is_released_and_fixed()
 
 
 @pytest.mark.parametrize('pose, place', [
-    (Pose(1, 0.0), Place(vertex=1)), (Pose(1, 0.9), Place(vertex=2)),
-    (Pose(-1, 0.1), Place(vertex=2)), (Pose(1, 0.5), Place(edge=1, fraction=0.5)),
+    (Pose(1, 0.0), GraphPosition(vertex=1)), (Pose(1, 0.9), GraphPosition(vertex=2)),
+    (Pose(-1, 0.1), GraphPosition(vertex=2)), (Pose(1, 0.5), GraphPosition(edge=1, fraction=0.5)),
     (Pose(), None)])
 def test_the_place_that_a_pose_means(pose, place):
-    assert place_of(pose, GRAPH) == place
+    assert position_of(pose, GRAPH, NEAR) == place
 
 
 @pytest.mark.parametrize('fraction, play, touches', [
@@ -246,7 +243,7 @@ def test_the_place_that_a_pose_means(pose, place):
     (0.1, 0.0, False), (0.5, 0.25, False)])
 def test_where_edges_part_a_robot_that_strays_may_be_told_on_either(fraction, play, touches):
     fork = graph_of({1: (0.0, 0.0), 2: (5.0, 0.0), 3: (5.0, 1.4)}, {1: (1, 2), 2: (1, 3)})
-    assert Place(edge=2, fraction=fraction).touches(fork, (1,), play) is touches
+    assert GraphPosition(edge=2, fraction=fraction).touches(fork, (1,), play) is touches
 
 
 @pytest.mark.parametrize('wrong', [
@@ -262,9 +259,9 @@ def test_after_a_restart_what_was_refused_is_not_ordered_again(client, ids):
     idle = Report(0, pose=Pose(1, 0.0), stamp=100.0)
     client.adopt(idle)
     client.extend([1], ids)
-    client.refuse(RouteRefusal(1, (1,), no('no')))
+    client.refuse(RouteRefusal(1, (1,), 'no'))
     client.take(idle)
-    other = RouteClient(RouteRecord(GRAPH, speed=1.0))
+    other = RouteClient(RouteRecord(GRAPH, AGV))
     other.restore(client.memory)
     other.adopt(idle)
     assert other.due(0.0) is None and other.record.ahead == ()

@@ -7,13 +7,12 @@ import pytest
 from fleet_builders import AGV, corridor, graph_of, ladder
 from supervised_fleet import SupervisedFleet
 
+from graph_fleet_manager.interlocking.reports import Pose, Report
 from graph_fleet_manager.supervision.fleet_view import RobotState, plan_views, robot_views
 from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.outages import Outage
-from graph_fleet_manager.supervision.reports import Pose, Report
 from graph_fleet_manager.supervision.settings import RobotSettings
 from trajectory_graph import Graph
-from trajectory_graph.route_protocol import EMERGENCY_STOP, TAKEN_OVER
 
 
 def with_dock(graph, dock):
@@ -27,7 +26,7 @@ def test_one_robot_serves_a_mission_in_order():
     fleet.request(1, 3, 2, 5)
     fleet.run_until_done(1)
     assert fleet.told(1) == [MissionState.PENDING, MissionState.ACTIVE, MissionState.SUCCEEDED]
-    assert fleet.supervisor.robots['a'].place.vertex == 5
+    assert fleet.supervisor.robots['a'].position.vertex == 5
     assert fleet.agvs['a'].travelled == pytest.approx(2.0 * (2 + 1 + 3))
 
 
@@ -157,7 +156,7 @@ def test_a_lone_robot_is_released_so_far_ahead_that_it_never_brakes():
         ahead = fleet.supervisor.robots['a'].record.distance_ahead()
         assert ahead <= 4.0 + 2.0, 'no more than the first edge that ends beyond release_ahead'
         fleet.step()
-    assert fleet.supervisor.robots['a'].place.vertex == 12
+    assert fleet.supervisor.robots['a'].position.vertex == 12
     assert fleet.now - begun == pytest.approx(22.0, abs=0.3)
 
 
@@ -190,7 +189,7 @@ def test_a_robot_that_has_just_stopped_is_given_time_before_it_is_ordered_on():
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
     fleet.request(1, 6)
     fleet.run(3.0)
-    fleet.agvs['a'].fail(EMERGENCY_STOP)  # said before it refuses orders for it
+    fleet.agvs['a'].fail('emergency stop')  # said before it refuses orders for it
     fleet.run(1.0)
     assert fleet.supervisor.robots['a'].outage is Outage.STOPPED
     fleet.run_until_done(1)
@@ -202,7 +201,7 @@ def test_a_robot_taken_over_needs_a_person_and_its_mission_goes_to_another():
     fleet.request(1, 4)
     fleet.run(2.0)
     assert fleet.robot_of(1) == 'a'
-    fleet.agvs['a'].fail(TAKEN_OVER)
+    fleet.agvs['a'].fail('taken over')
     fleet.run(10.0)
     assert fleet.supervisor.robots['a'].outage is Outage.TAKEN_OVER
     fleet.run_until_done(1)
@@ -217,7 +216,7 @@ def test_a_mission_of_which_something_is_done_fails_with_its_robot():
     fleet.request(1, 2, 5, robot='a')
     fleet.run_until(lambda: fleet.reached(1) == 1)
     fleet.run(1.0)
-    fleet.agvs['a'].fail(TAKEN_OVER)
+    fleet.agvs['a'].fail('taken over')
     fleet.run_until_done(1)
     assert fleet.state(1) is MissionState.FAILED
     assert fleet.statuses[-1].reason == 'a: taken over'
@@ -379,7 +378,7 @@ def test_a_robot_charges_below_one_threshold_and_works_above_another():
     fleet.do(fleet.supervisor.battery('a', 0.9, 0.0))
     fleet.do(fleet.supervisor.battery('b', 0.2, 0.0))
     fleet.run(30.0)
-    assert fleet.supervisor.robots['b'].place.vertex == 6
+    assert fleet.supervisor.robots['b'].position.vertex == 6
     fleet.request(1, 4, robot='b')
     fleet.run(30.0)
     assert fleet.state(1) is MissionState.PENDING

@@ -5,13 +5,13 @@ from dataclasses import replace
 
 import pytest
 from fleet_builders import AGV, corridor
-from supervised_fleet import SupervisedFleet
+from supervised_fleet import SupervisedFleet, blocked
 
+from graph_fleet_manager.interlocking.reports import Pose, Report
 from graph_fleet_manager.planning.tasks import Outcome
 from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.outages import Outage
-from graph_fleet_manager.supervision.reports import Pose, Report
-from trajectory_graph.route_protocol import EdgeState, Reason, ReasonCode, RouteRefusal
+from trajectory_graph.route_protocol import EdgeState, RouteRefusal
 
 
 @pytest.fixture
@@ -68,19 +68,35 @@ def test_reports_that_come_again_late_and_out_of_order_change_nothing(fleet):
     assert ends_well(fleet)
 
 
-def test_a_robot_that_reports_from_two_places_at_once_is_left_to_a_person(fleet):
+def test_one_location_elsewhere_ends_no_mission_but_blocks_that_place_until_two_disprove_it(fleet):
     fleet.run_until_done(1)
     other = Report(fleet.agvs['a'].route_id, fleet.agvs['a'].edges,
                    (EdgeState.COMPLETE,) * len(fleet.agvs['a'].edges), Pose(2, 0.5), '',
                    fleet.now)
+    robot = fleet.supervisor.robots['a']
     hear(fleet, other)
+    assert robot.outage is None and 2 in blocked(fleet, 'a')[1]
+    fleet.step()
+    assert 2 in blocked(fleet, 'a')[1], 'one later location is no proof'
+    fleet.step()
+    assert blocked(fleet, 'a') == ((robot.position.vertex,), ())
+
+
+def test_two_locations_elsewhere_in_a_row_leave_a_robot_to_a_person(fleet):
+    fleet.run_until_done(1)
+    agv = fleet.agvs['a']
+    fleet.silent['a'] = fleet.now + 2.0
+    for later in (0.1, 0.2):
+        hear(fleet, Report(agv.route_id, agv.edges, (EdgeState.COMPLETE,) * len(agv.edges),
+                           Pose(2, 0.5), '', fleet.now + later))
     assert fleet.supervisor.robots['a'].outage is Outage.TAKEN_OVER
 
 
 def test_a_robot_off_the_graph_gets_nothing_to_drive_and_its_missions_wait():
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
     fleet.step()
-    hear(fleet, Report(0, stamp=fleet.now))
+    for later in (0.0, 0.1):
+        hear(fleet, Report(0, stamp=fleet.now + later))
     fleet.silent['a'] = fleet.now + 4.0
     fleet.request(1, 6)
     fleet.run(3.0)
@@ -97,8 +113,7 @@ def test_a_route_of_a_stranger_takes_the_robot_over_and_nobody_else_is_sent_ther
 
 def test_a_refusal_of_what_was_never_ordered_changes_nothing(fleet):
     told, commits = len(fleet.notes), fleet.journal.commits
-    refusal = RouteRefusal(4711, (3,), Reason(ReasonCode.OTHER, 'no'))
-    fleet.do(fleet.supervisor.refusal('a', refusal, fleet.now))
+    fleet.do(fleet.supervisor.refusal('a', RouteRefusal(4711, (3,), 'no'), fleet.now))
     assert (len(fleet.notes), fleet.journal.commits) == (told, commits)
     assert fleet.supervisor.robots['a'].works and ends_well(fleet)
 

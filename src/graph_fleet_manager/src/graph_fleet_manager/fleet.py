@@ -52,12 +52,14 @@ class Robot:
     """One robot and the vertex that it stands on at first.
 
     driver -- what drives it; `agv`: it is one that `agv_sim` simulates
+    absent -- it is not on the site: in repair, or not delivered yet
     """
 
     name: str
     type: RobotType
     vertex: int
     driver: str = ''
+    absent: bool = False
 
 
 @dataclass(frozen=True)

@@ -8,11 +8,12 @@ from fleet_builders import AGV, corridor
 from std_srvs.srv import TriggerRequest
 from supervised_fleet import SupervisedFleet
 
+from graph_fleet_manager.interlocking.pending_order import REPEAT
+from graph_fleet_manager.interlocking.stop_gate import StopGate
 from graph_fleet_manager.nodes import fleet_services
 from graph_fleet_manager.nodes.early_stop import EarlyStop
 from graph_fleet_manager.nodes.event_loop import EventLoop
 from graph_fleet_manager.supervision.outages import Outage
-from graph_fleet_manager.supervision.pending_order import REPEAT
 
 
 class Services:
@@ -24,7 +25,8 @@ class Services:
         monkeypatch.setattr(fleet_services.rospy, 'Service',
                             lambda name, _, handler: self.handlers.setdefault(name, handler))
         monkeypatch.setattr(fleet_services, 'STOP_PATIENCE', 60.0)
-        fleet_services.FleetServices(robots, self.loop.put_urgent,
+        self.gate = StopGate()
+        fleet_services.FleetServices(robots, self.gate, self.loop.put_urgent,
                                      lambda now: (' Early.', self.early.stop(now)),
                                      self.past.append)
 

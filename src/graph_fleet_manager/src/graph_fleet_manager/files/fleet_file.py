@@ -7,6 +7,7 @@
     - {name: truck, radius: 0.6, speed: 1.35, play: 0.25, obeys_edge_speed: false, docks: [16]}
     robots:
     - {name: agv_1, type: agv, vertex: 8, driver: agv}  # a driver may be left out
+    - {name: agv_2, type: agv, vertex: 9, absent: true}  # in repair, or not delivered yet
 
 Other keys belong to other readers of the file and are left alone.
 """
@@ -44,7 +45,8 @@ def load_fleet(path: Union[str, os.PathLike]) -> Fleet:
                                 f'there are: {", ".join(types)}', fields['type'])
             return Robot(name, types[kind],
                          strict_yaml.whole(strict_yaml.field(fields, 'vertex', node)),
-                         strict_yaml.optional(fields, 'driver', strict_yaml.text, ''))
+                         strict_yaml.optional(fields, 'driver', strict_yaml.text, ''),
+                         strict_yaml.optional(fields, 'absent', strict_yaml.truth, False))
         robots = _named(strict_yaml.field(fields, 'robots', root), 'robot', robot)
         return Fleet(tuple(types.values()), tuple(robots.values()), clearance, approach)
     except WrongYaml as wrong:

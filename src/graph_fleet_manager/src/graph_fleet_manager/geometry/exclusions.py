@@ -79,17 +79,27 @@ class Exclusions:
             self._by_distance[distance] = self._conflicts(distance)
         return self._by_distance[distance]
 
-    def near(self, line: Sequence[Tuple[float, float]], distance: float) -> List[int]:
+    def near(self, line: Sequence[Tuple[float, float]],
+             distance: float) -> Dict[int, Tuple[float, float]]:
         """Places nearer than `distance` (m) to a line through these points (m), or to one point.
+
+        With each edge goes the part of it that is too near: fractions in the edge's own direction.
         """
-        pieces, found = self._pieces, np.zeros(0, dtype=np.int64)
+        pieces = self._pieces
+        found: Dict[int, Tuple[float, float]] = {}
         for first, last in zip(line, line[1:] or line):
             start, end = (np.broadcast_to(np.array(point, dtype=float)[:, None],
                                           pieces.start.shape) for point in (first, last))
             entry, exit = time_within(pieces.start, pieces.end, start, end,
                                       distance - ROUNDING + pieces.margin)
-            found = np.union1d(found, pieces.place[entry <= exit])
-        return [int(place) for place in found]
+            met = np.flatnonzero(entry <= exit)
+            share = pieces.ends[met] - pieces.begins[met]
+            for place, low, high in zip(pieces.place[met].tolist(),
+                                        (pieces.begins[met] + entry[met] * share).tolist(),
+                                        (pieces.begins[met] + exit[met] * share).tolist()):
+                before = found.get(place, (low, high))
+                found[place] = min(before[0], low), max(before[1], high)
+        return found
 
     def _conflicts(self, distance: float) -> Conflicts:
         pairs = _Pairs(self.places)

@@ -10,8 +10,8 @@ import random
 from math import inf
 from typing import Iterable, List, Optional, Sequence
 
+from graph_fleet_manager.interlocking.pending_order import REPEAT
 from graph_fleet_manager.supervision.actions import SendRoute
-from graph_fleet_manager.supervision.pending_order import REPEAT
 
 _IDS = (2 ** 30, 2 ** 31 - 1)  # see route_ids.is_past
 

@@ -9,6 +9,7 @@ from typing import Callable, Iterable, List, Optional, Sequence, Tuple
 import rospy
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
+from graph_fleet_manager.interlocking.stop_gate import StopGate
 from graph_fleet_manager.nodes.event_loop import Event
 from graph_fleet_manager.supervision.actions import Action
 from graph_fleet_manager.supervision.supervisor import Supervisor
@@ -23,35 +24,41 @@ Act = Callable[[Supervisor, float], Tuple[str, Sequence[Action]]]
 class FleetServices:
     """Offers the services; each leaves an event to `put`, and answers with what became of it.
 
+    gate       -- in front of every route: a stop closes it before anything else
     stop_early -- stops all robots where there is no supervisor to do it, with what is to be said
     past       -- sends a stop past a supervisor that hangs, from any thread
     """
 
-    def __init__(self, robots: Iterable[str], put: Callable[[Event], None],
+    def __init__(self, robots: Iterable[str], gate: StopGate, put: Callable[[Event], None],
                  stop_early: Callable[[float], Tuple[str, Sequence[Action]]],
                  past: Callable[[float], None]) -> None:
-        self._put, self._stop_early, self._past = put, stop_early, past
+        self._gate, self._put, self._stop_early, self._past = gate, put, stop_early, past
+        self._robots = frozenset(robots)
         self._services: List[rospy.Service] = [
             rospy.Service('/stop_fleet', Trigger, lambda request: _logged(
                 '/stop_fleet', self.stop(request))),
-            self._offer('/resume_fleet', _resume, 'The fleet goes on.')]
+            rospy.Service('/resume_fleet', Trigger, self._resume)]
         for robot in robots:
             self._services += [
+                self._offer(f'/{robot}/declare_absent', _absent(robot),
+                            f'{robot} is absent until it reports again.'),
                 self._offer(f'/{robot}/leave_fleet', _out(robot),
                             f'{robot} was told to stop and is out of service.', lasts=True),
                 self._offer(f'/{robot}/join_fleet', _back(robot), f'{robot} is in service.')]
 
     def _offer(self, name: str, act: Act, done: str, lasts: bool = False) -> rospy.Service:
-        late = 'but it will be' if lasts else 'nor will it be'
+        return rospy.Service(name, Trigger, lambda _: self._called(name, act, done, lasts))
 
-        def answer(_: TriggerRequest) -> TriggerResponse:
-            return _logged(name, self._answer(act, done, lasts=lasts) or TriggerResponse(
-                False, f'not done within {PATIENCE:.0f} s, {late}: look at the disk of the fleet '
-                       'manager, and at its log'))
-        return rospy.Service(name, Trigger, answer)
+    def _called(self, name: str, act: Act, done: str, lasts: bool = False) -> TriggerResponse:
+        late = 'but it will be' if lasts else 'nor will it be'
+        return _logged(name, self._answer(act, done, lasts=lasts) or TriggerResponse(
+            False, f'not done within {PATIENCE:.0f} s, {late}: look at the disk of the fleet '
+                   'manager, and at its log'))
 
     def stop(self, _: TriggerRequest) -> TriggerResponse:
         """Stops all robots, whatever the supervisor is about."""
+        self._gate.close()
+
         def early(now: float) -> Tuple[TriggerResponse, Sequence[Action]]:
             warning, actions = self._stop_early(now)
             return TriggerResponse(True, f'Every robot was told to stop.{warning}'), actions
@@ -63,6 +70,23 @@ class FleetServices:
         self._past(time.monotonic())
         return TriggerResponse(True, 'Every robot was told to stop, past the fleet manager, which '
                                      'hangs: look at its disk and its log.')
+
+    def _resume(self, request: TriggerRequest) -> TriggerResponse:
+        """Lets all robots go on, unless the fleet is stopped again by then."""
+        ticket = self._gate.ticket
+
+        def resume(supervisor: Supervisor, now: float) -> Tuple[str, Sequence[Action]]:
+            problems, actions = supervisor.resume_fleet(now, ticket)
+            return '; '.join(problems), actions
+        return self._called('/resume_fleet', resume, 'The fleet goes on.')
+
+    def offer_removed(self, robots: Iterable[str]) -> None:
+        """Robots that are not in the fleet file, but may be on the site: they can be absent only.
+        """
+        for robot in sorted(set(robots) - self._robots):
+            self._robots |= {robot}
+            self._services.append(self._offer(f'/{robot}/declare_absent', _absent(robot),
+                                              f'{robot} is forgotten.'))
 
     def _answer(self, act: Act, done: str, patience: Optional[float] = None,
                 early: Optional[Callable[[float], Tuple[TriggerResponse, Sequence[Action]]]] = None,
@@ -113,14 +137,13 @@ def not_stored(trouble: str) -> str:
             f'{trouble}.')
 
 
-def _resume(supervisor: Supervisor, now: float) -> Tuple[str, Sequence[Action]]:
-    problems, actions = supervisor.resume_fleet(now)
-    return '; '.join(problems), actions
-
-
 def _out(robot: str) -> Act:
     return lambda supervisor, now: ('', supervisor.take_out(robot, now))
 
 
 def _back(robot: str) -> Act:
     return lambda supervisor, now: supervisor.bring_in(robot, now)
+
+
+def _absent(robot: str) -> Act:
+    return lambda supervisor, now: supervisor.declare_absent(robot, now)

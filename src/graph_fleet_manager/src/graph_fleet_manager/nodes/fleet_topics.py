@@ -5,6 +5,7 @@ from typing import Any, Callable, Dict, Iterable, Sequence
 
 import rospy
 
+from graph_fleet_manager.interlocking.stop_gate import StopGate
 from graph_fleet_manager.messages import missions as messages
 from graph_fleet_manager.messages.planning import request_message
 from graph_fleet_manager.plan_requests import PlanRequest
@@ -31,11 +32,12 @@ class FleetTopics:
     rate        -- simulated robots are so many times faster
     improvement -- s in which the planner makes a plan better
     newcomer    -- is called for every new subscriber of /mission_status
+    gate        -- in front of every route
     """
 
     def __init__(self, robots: Iterable[str], rate: float, improvement: float,
-                 newcomer: Callable[[TellStatuses], None]) -> None:
-        self._rate = rate
+                 newcomer: Callable[[TellStatuses], None], gate: StopGate) -> None:
+        self._rate, self._gate = rate, gate
         self._improvement = improvement
         self.graph_stamp = rospy.Time(0)
         self._asked: Dict[int, rospy.Time] = {}
@@ -61,11 +63,14 @@ class FleetTopics:
                 (rospy.logwarn if action.is_warning else rospy.loginfo)('%s', action.text)
 
     def _send(self, action: SendRoute) -> None:
-        """A repeat carries the stamp that it had before."""
+        """Unless a stop came in between. A repeat carries the stamp that it had before."""
         if not action.repeated or action.robot not in self._route_stamps:
             self._route_stamps[action.robot] = rospy.Time.now()
-        self._routes[action.robot].publish(messages.route_message(
-            action.route_id, action.edges, self._route_stamps[action.robot]))
+        message = messages.route_message(action.route_id, action.edges,
+                                         self._route_stamps[action.robot])
+        with self._gate.passage(action.edges) as passes:
+            if passes:
+                self._routes[action.robot].publish(message)
 
     def _ask(self, question: AskPlanner) -> None:
         stamp = rospy.Time.now()

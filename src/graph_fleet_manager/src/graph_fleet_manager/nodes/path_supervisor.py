@@ -15,7 +15,8 @@ Publishes
     /plan_request (itrci_nav_msgs/PlanRequest), /<robot>/target_route (TargetRoute)
     /diagnostics
 Services (std_srvs/Trigger)
-    /stop_fleet, /resume_fleet; /<robot>/leave_fleet, /<robot>/join_fleet
+    /stop_fleet, /resume_fleet; /<robot>/leave_fleet, /<robot>/join_fleet; /<robot>/declare_absent,
+    also of robots that the fleet file does not have any more
 Parameters
     ~fleet_file   string  (required)  fleet file (YAML)
     ~journal      string  graph_fleet_manager/fleet.sqlite in ROS_HOME
@@ -36,6 +37,8 @@ from sensor_msgs.msg import BatteryState
 
 from graph_fleet_manager.files.errors import FileError
 from graph_fleet_manager.files.robot_settings import load_settings
+from graph_fleet_manager.interlocking.reports import WrongReport
+from graph_fleet_manager.interlocking.stop_gate import StopGate
 from graph_fleet_manager.messages import missions as messages
 from graph_fleet_manager.messages.planning import outcome_of
 from graph_fleet_manager.nodes.early_stop import EarlyStop
@@ -46,11 +49,9 @@ from graph_fleet_manager.nodes.fleet_services import FleetServices, not_stored
 from graph_fleet_manager.nodes.fleet_topics import FleetTopics, TellStatuses, status_message
 from graph_fleet_manager.nodes.journal_file import JournalFile
 from graph_fleet_manager.supervision.actions import Action, TellStatus
-from graph_fleet_manager.supervision.fleet_stop import STOPPED
-from graph_fleet_manager.supervision.journal import JournalUnavailable
+from graph_fleet_manager.supervision.journal import STOPPED, JournalUnavailable
 from graph_fleet_manager.supervision.missions import Command, RequestRefused
 from graph_fleet_manager.supervision.outbox import AGAIN
-from graph_fleet_manager.supervision.reports import WrongReport
 from graph_fleet_manager.supervision.supervisor import Supervisor
 from itrci_nav_msgs.msg import (
     ClosedEdges,
@@ -87,17 +88,18 @@ class PathSupervisor:
         self._closed: Optional[Tuple[int, ...]] = None
         robots = [robot.name for robot in self._fleet.robots]
         self._early = EarlyStop(robots)
+        self._gate = StopGate()
         self._topics = FleetTopics(robots, self._rate, number('~improvement', 0.0, 0.0, 10.0),
-                                   self._tell_open)
+                                   self._tell_open, self._gate)
+        self._services = FleetServices(
+            robots, self._gate, self._events.put_urgent, self._stop_early,
+            lambda now: self._topics.do(EarlyStop(robots).stop(now)))
         self._thread = threading.Thread(target=self._work, name='supervisor', daemon=True)
         self._thread.start()
         publish_diagnostics('none', {
             'fleet': lambda status: report_fleet(self._supervisor, self._file.trouble, status),
             'missions': lambda status: report_missions(self._supervisor, status)})
         self._subscribers = self._subscribe(robots)
-        self._services = FleetServices(
-            robots, self._events.put_urgent, self._stop_early,
-            lambda now: self._topics.do(EarlyStop(robots).stop(now)))
 
     def _subscribe(self, robots: Iterable[str]) -> List[rospy.Subscriber]:
         def listen(topic: str, kind: Any, handler: Callable[[Any], None],
@@ -203,14 +205,16 @@ class PathSupervisor:
         self._begin_at = now + AGAIN
         try:
             supervisor = Supervisor(self._graph, self._fleet, self._settings, journal, now,
-                                    self._rate)
+                                    self._rate, self._gate)
         except JournalUnavailable as unavailable:
             self._file.fail(unavailable)
             return waiting
         self._file.mended()
         self._begin_at = math.inf
         self._supervisor = supervisor
-        stopping = supervisor.stop_fleet(now) if self._early.hand_over() else ()
+        self._services.offer_removed(supervisor.removed)
+        is_stopped = self._early.hand_over() or (self._gate.is_closed and not supervisor.is_stopped)
+        stopping = supervisor.stop_fleet(now) if is_stopped else ()
         return [*stopping, *supervisor.close_edges(self._closed, now),
                 *self._events.begin(supervisor, now)]
 

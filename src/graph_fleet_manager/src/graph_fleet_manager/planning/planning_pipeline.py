@@ -53,7 +53,7 @@ class PlanningPipeline:
             self._reservations.book_places(obstacle.name, obstacle.type, [
                 *(self._network.index[id] for id in obstacle.vertices),
                 *(self._network.vertices + self._network.edge_index[abs(id)]
-                  for id in obstacle.edges)])
+                  for id in obstacle.edges)], obstacle.areas)
         self._problem = Problem(reservations, tasks, parking)
         self._agents = self._problem.agents
         self._paths: Paths = {}

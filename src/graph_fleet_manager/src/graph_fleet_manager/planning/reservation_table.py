@@ -6,6 +6,7 @@ from math import inf
 from typing import Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.geometry.areas import Area
 from graph_fleet_manager.planning.blocking import Block, Blocking
 from graph_fleet_manager.planning.plans import Drive
 from graph_fleet_manager.planning.road_network import RoadNetwork
@@ -107,15 +108,21 @@ class ReservationTable:
             self._touched[robot].append((slots, touched))
             slots.horizon = max(slots.horizon, since, until if until < inf else since)
 
-    def book_places(self, robot: str, kind: RobotType, places: Iterable[int]) -> None:
-        """Books for ever a robot that may be anywhere on these places; nothing else may be."""
+    def book_places(self, robot: str, kind: RobotType, places: Iterable[int],
+                    areas: Iterable[Area] = ()) -> None:
+        """Books for ever a robot that may be anywhere on these places and areas, and nowhere else.
+        """
         self._touched[robot] = []
         for observer in self.kinds:
-            slots = self.slots[observer]
+            blocking, slots = self.blocking[kind, observer], self.slots[observer]
             touched: List[int] = []
-            for place in places:
-                for slot, _ in self.blocking[kind, observer].of_place(place):
-                    slots.add(slot, -inf, inf, robot, touched)
+            blocked = [slot for place in places for slot, _ in blocking.of_place(place)]
+            for area in areas:
+                distance = kind.reach + observer.reach + self.clearance + area.radius
+                near = self.network.exclusions.near(area.line, distance)
+                blocked += [slot for slot, _ in blocking.around_point(list(near))]
+            for slot in blocked:
+                slots.add(slot, -inf, inf, robot, touched)
             self._touched[robot].append((slots, touched))
 
     def bookings_of(self, robot: str, observer: RobotType) -> Dict[int, List[Booking]]:
@@ -243,8 +250,8 @@ class ReservationTable:
     def places_near(self, kind: RobotType, other: RobotType,
                     mid_edge: MidEdgePosition) -> List[int]:
         """Places that robots of type `other` may not hold while one stands between vertices."""
-        return self.network.exclusions.near(
-            ((mid_edge.x, mid_edge.y),), kind.reach + other.reach + self.clearance)
+        return list(self.network.exclusions.near(
+            ((mid_edge.x, mid_edge.y),), kind.reach + other.reach + self.clearance))
 
 
 def _remainder_of(blocks: Iterable[Block], begun: float) -> List[Block]:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Mapping, NamedTuple, Optional, Tuple
 
 from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.geometry.areas import Area
 from graph_fleet_manager.planning.precedence import Constraint
 
 
@@ -52,12 +53,14 @@ class Task:
 
 @dataclass(frozen=True)
 class Obstacle:
-    """A robot that nobody can plan for: it may be anywhere on these vertices and edges."""
+    """A robot that goes nowhere by a plan: it may be anywhere on these vertices, edges and areas.
+    """
 
     name: str
     type: RobotType
     vertices: Tuple[int, ...] = ()
     edges: Tuple[int, ...] = ()
+    areas: Tuple[Area, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -31,6 +31,7 @@ class AskPlanner:
     """Ask the planner; its answer comes back with this number.
 
     edge_times -- learned ones, instead of length / speed
+    seed       -- of the planner's chance; another one where the last answer served not all
     """
 
     number: int
@@ -38,6 +39,7 @@ class AskPlanner:
     obstacles: Tuple[Obstacle, ...]
     closed: FrozenSet[int]
     edge_times: Times
+    seed: int = 0
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,10 @@ from typing import Dict, FrozenSet, List, Mapping, NamedTuple, Sequence, Set, Tu
 import numpy as np
 from scipy.sparse import csr_matrix
 
+from graph_fleet_manager.interlocking.reports import GraphPosition
 from graph_fleet_manager.planning.road_network import RoadNetwork
 from graph_fleet_manager.supervision.missions import Acceptance, Mission
 from graph_fleet_manager.supervision.networks import Networks
-from graph_fleet_manager.supervision.reports import Place
 from graph_fleet_manager.supervision.robots import ManagedRobot
 
 try:  # already loaded by the road network; scipy.optimize takes 5 MB more
@@ -166,7 +166,7 @@ def time_to(vertex: int, robot: ManagedRobot, network: RoadNetwork) -> float:
     at = record.last_vertex
     if at is not None:
         return float(times[network.index[at]])
-    place = record.place
+    place = record.position
     if place is None:
         return inf
     return min(seconds + float(times[network.index[end]])
@@ -182,7 +182,7 @@ def time_over(vertices: Sequence[int], robot: ManagedRobot, network: RoadNetwork
     return seconds
 
 
-def _times_off(place: Place, robot: ManagedRobot,
+def _times_off(place: GraphPosition, robot: ManagedRobot,
                network: RoadNetwork) -> List[Tuple[int, float]]:
     """The ends of the edge on which it stands, with the seconds to each."""
     times = network.times(robot.type)

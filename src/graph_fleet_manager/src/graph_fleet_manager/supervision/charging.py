@@ -62,8 +62,8 @@ class ChargeQueue:
     def _is_free(self, dock: int) -> bool:
         """Nobody has it, and nobody stands there who cannot leave."""
         return not any(robot.dock == dock
-                       or (not robot.works and robot.record.place is not None
-                           and robot.record.place.vertex == dock)
+                       or (not robot.works and robot.record.position is not None
+                           and robot.record.position.vertex == dock)
                        for robot in self._robots.values())
 
 

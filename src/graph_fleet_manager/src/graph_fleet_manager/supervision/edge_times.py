@@ -12,7 +12,7 @@ from statistics import median
 from types import MappingProxyType
 from typing import Callable, Deque, Dict, Mapping, NamedTuple, Optional, Tuple
 
-from graph_fleet_manager.supervision.route_record import RouteRecord
+from graph_fleet_manager.interlocking.route_record import RouteRecord
 
 KEPT = 9         # drives of an edge of which the median is taken: one long wait does not count
 ENOUGH = 3       # drives after which it replaces the nominal time
@@ -54,7 +54,7 @@ class EdgeTimer:
             self._counts = self._number is not None or record.is_standing
             self._number, self._since = record.done, None
         if self._counts and self._since is None and record.ahead:
-            if record.place is None or record.place.vertex is None:
+            if record.position is None or record.position.vertex is None:
                 self.stop()  # it begins in the middle of an edge
             else:
                 self._edge, self._since = record.ahead[0], now

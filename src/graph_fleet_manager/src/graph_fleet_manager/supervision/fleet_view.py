@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import List, Optional, Tuple
 
-from graph_fleet_manager.supervision.errands import Duty, Errand
+from graph_fleet_manager.interlocking.reports import Pose
+from graph_fleet_manager.supervision.duties import Duty, Errand
 from graph_fleet_manager.supervision.missions import MissionState
 from graph_fleet_manager.supervision.outages import Outage
-from graph_fleet_manager.supervision.reports import Pose
 from graph_fleet_manager.supervision.robots import ManagedRobot
 from graph_fleet_manager.supervision.supervisor import Supervisor
 
@@ -26,14 +26,13 @@ class RobotState(IntEnum):
     FAILED = 6
     OFF_GRAPH = 7
     OUT_OF_SERVICE = 8
-    ABSENT = 9
-    UNKNOWN = 10
 
 
 _OF_OUTAGE = {
     Outage.UNSEEN: RobotState.OFFLINE, Outage.SILENT: RobotState.OFFLINE,
     Outage.LOST_LINK: RobotState.OFFLINE, Outage.DEAF: RobotState.OFFLINE,
-    Outage.STOPPED: RobotState.STOPPED,
+    Outage.CLOCK: RobotState.OFFLINE, Outage.ABSENT: RobotState.OUT_OF_SERVICE,
+    Outage.STOPPED: RobotState.STOPPED, Outage.TOO_NEAR: RobotState.TAKEN_OVER,
     Outage.TAKEN_OVER: RobotState.TAKEN_OVER, Outage.FAILED: RobotState.FAILED,
     Outage.OFF_GRAPH: RobotState.OFF_GRAPH, Outage.OUT_OF_SERVICE: RobotState.OUT_OF_SERVICE}
 
@@ -51,7 +50,6 @@ class RobotView:
     name: str
     type: str
     state: RobotState
-    outage: Optional[Outage]
     pose: Pose
     seen: float
     battery: float
@@ -89,9 +87,8 @@ def _view(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: floa
     if mission is not None and mission.left:
         destination = mission.left[0]
     charge = math.nan if robot.battery.is_mute(robot.liveness, now) else robot.battery.charge
-    return RobotView(robot.name, robot.type.name, state, robot.outage, robot.record.pose,
-                     robot.liveness.seen, charge,
-                     None if mission is None else mission.request.id, destination,
+    return RobotView(robot.name, robot.type.name, state, robot.record.pose, robot.liveness.seen,
+                     charge, None if mission is None else mission.request.id, destination,
                      _waits_for(robot, errand, supervisor, now))
 
 

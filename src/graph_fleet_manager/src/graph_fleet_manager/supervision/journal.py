@@ -26,15 +26,19 @@ from typing import (
 )
 from urllib.parse import quote
 
+from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.geometry.areas import Area
+from graph_fleet_manager.interlocking.evidence import EvidenceMemory, Outlier
+from graph_fleet_manager.interlocking.orders import Memory
+from graph_fleet_manager.interlocking.reports import GraphPosition
 from graph_fleet_manager.supervision.missions import (
     REMEMBERED,
     Mission,
     MissionState,
     Request,
 )
-from graph_fleet_manager.supervision.orders import Memory
 from graph_fleet_manager.supervision.outages import Outage
-from graph_fleet_manager.supervision.reports import Place
+from trajectory_graph import CurveType, Edge, Graph, Vertex
 
 _TABLES = '''
 CREATE TABLE IF NOT EXISTS mission (
@@ -48,7 +52,9 @@ CREATE TABLE IF NOT EXISTS change (
 CREATE INDEX IF NOT EXISTS change_by_serial ON change (serial);
 CREATE TABLE IF NOT EXISTS robot (name TEXT PRIMARY KEY, memory TEXT NOT NULL);
 CREATE TABLE IF NOT EXISTS value (name TEXT PRIMARY KEY, number INTEGER NOT NULL);
+CREATE TABLE IF NOT EXISTS graph (one INTEGER PRIMARY KEY CHECK (one = 1), elements TEXT NOT NULL);
 '''
+STOPPED = 'fleet_is_stopped'  # the name of the number that tells whether it is
 _BUSY = 0.5  # s to wait where another program holds the file
 _OPEN = tuple(state for state in MissionState if state.is_open)
 
@@ -79,6 +85,7 @@ class RobotMemory(NamedTuple):
     comes_to_rest: bool = False
     dock: Optional[int] = None
     charge: Optional[float] = None
+    kind: Optional[RobotType] = None
 
 
 class HistoryLine(NamedTuple):
@@ -122,9 +129,10 @@ class Journal:
     # -- writing ----------------------------------------------------------------------------------
 
     def store(self, missions: Iterable[Mission] = (),
-              robots: Optional[Mapping[str, RobotMemory]] = None,
-              values: Optional[Mapping[str, int]] = None) -> None:
-        """Puts all of it on the disk: missions, what robots may hold, numbers by name.
+              robots: Optional[Mapping[str, Optional[RobotMemory]]] = None,
+              values: Optional[Mapping[str, int]] = None, graph: Optional[Graph] = None) -> None:
+        """Puts all of it on the disk: missions, what robots may hold (None: nothing any more),
+        numbers by name, and the graph on which all that is.
 
         Raises JournalUnavailable, and has put nothing there.
         """
@@ -133,8 +141,13 @@ class Journal:
             for mission in missions:
                 self._write_mission(mission)
             for name, memory in (robots or {}).items():
-                self._run('INSERT OR REPLACE INTO robot VALUES (?, ?)',
-                          (name, _memory_text(memory)))
+                if memory is None:
+                    self._run('DELETE FROM robot WHERE name = ?', (name,))
+                else:
+                    self._run('INSERT OR REPLACE INTO robot VALUES (?, ?)',
+                              (name, _memory_text(memory)))
+            if graph is not None:
+                self._run('INSERT OR REPLACE INTO graph VALUES (1, ?)', (_graph_text(graph),))
             for name, number in (values or {}).items():
                 self._run('INSERT OR REPLACE INTO value VALUES (?, ?)', (name, number))
             self._run('COMMIT')
@@ -163,6 +176,11 @@ class Journal:
         """A stored number, 0 where there is none."""
         row = self._run('SELECT number FROM value WHERE name = ?', (name,)).fetchone()
         return int(row[0]) if row else 0
+
+    def graph(self) -> Optional[Graph]:
+        """The graph on which all that is stored of robots is; None: there is none."""
+        row = self._run('SELECT elements FROM graph').fetchone()
+        return _graph(row[0]) if row else None
 
     def missions(self) -> List[Mission]:
         """The open missions and the last ended ones, in the order of their acceptance."""
@@ -240,33 +258,67 @@ def _request(text: str) -> Request:
     return Request(id, tuple(destinations), robot_type, robot, priority, tuple(dwells), stamp)
 
 
-def _place_values(place: Optional[Place]) -> Optional[Tuple[Any, ...]]:
-    return None if place is None else astuple(place)
+def _graph_text(graph: Graph) -> str:
+    return json.dumps([[astuple(vertex) for vertex in graph.vertices.values()],
+                       [[*astuple(edge)[:3], edge.curve_type.value, *astuple(edge)[4:]]
+                        for edge in graph.edges.values()]])
 
 
-def _place(values: Optional[Sequence[Any]]) -> Optional[Place]:
-    return None if values is None else Place(*values)
+def _graph(text: str) -> Graph:
+    vertices, edges = json.loads(text)
+    return Graph((Vertex(*values) for values in vertices),
+                 (Edge(id, origin, destination, CurveType(curve), *numbers)
+                  for id, origin, destination, curve, *numbers in edges))
+
+
+def _position_values(position: Optional[GraphPosition]) -> Optional[Tuple[Any, ...]]:
+    return None if position is None else astuple(position)
+
+
+def _position(values: Optional[Sequence[Any]]) -> Optional[GraphPosition]:
+    return None if values is None else GraphPosition(*values)
 
 
 def _memory_text(memory: RobotMemory) -> str:
-    client = memory.client
+    client, kind = memory.client, memory.kind
     return json.dumps({
-        'route_id': client.route_id, 'track': client.record, 'done': client.done,
+        'route_id': client.route_id, 'track': client.edges, 'done': client.done,
         'bases': sorted(client.bases.items()), 'over': client.over, 'ended': client.ended,
         'stopping': client.is_stopping, 'shortened': client.shortened,
-        'place': _place_values(client.place), 'lost_at': _place_values(client.lost_at),
+        'place': _position_values(client.position), 'cleared': client.cleared, 'tail': client.tail,
+        'evidence': _evidence_values(client.evidence),
         'outage': None if memory.outage is None else memory.outage.name, 'why': memory.why,
         'halted': memory.is_halted, 'resting': memory.comes_to_rest,
-        'dock': memory.dock, 'charge': memory.charge})
+        'dock': memory.dock, 'charge': memory.charge,
+        'type': None if kind is None else [kind.name, kind.radius, kind.speed, kind.play]})
 
 
 def _memory(text: str) -> RobotMemory:
     stored: Dict[str, Any] = json.loads(text)
-    client = Memory(stored['route_id'], tuple(stored['track']), stored['done'],
-                    dict(map(tuple, stored['bases'])), _place(stored['place']),
+    done = stored['done']
+    client = Memory(stored['route_id'], tuple(stored['track']), done,
+                    dict(map(tuple, stored['bases'])), _position(stored['place']),
                     stored['over'], tuple(stored['ended']), stored.get('stopping', False),
-                    stored.get('shortened'), _place(stored.get('lost_at')))
-    outage = stored['outage']
+                    stored.get('shortened'),
+                    tuple(stored.get('cleared', (0, 0.0))), tuple(stored.get('tail', ())),
+                    _evidence(stored.get('evidence')))
+    outage, kind = stored['outage'], stored.get('type')
     return RobotMemory(client, None if outage is None else Outage[outage], stored['why'],
                        stored['halted'], stored.get('resting', False), stored.get('dock'),
-                       stored.get('charge'))
+                       stored.get('charge'), None if kind is None else RobotType(*kind))
+
+
+def _evidence_values(evidence: EvidenceMemory) -> Optional[List[Any]]:
+    return None if evidence == EvidenceMemory() else [
+        [[outlier.point, outlier.age] for outlier in evidence.outliers],
+        [[area.line, area.radius] for area in evidence.lost], *evidence[2:]]
+
+
+def _evidence(values: Optional[Sequence[Any]]) -> EvidenceMemory:
+    if values is None:
+        return EvidenceMemory()
+    outliers, lost, foreign, reach, location, is_absent = values
+    return EvidenceMemory(
+        tuple(Outlier((point[0], point[1]), age) for point, age in outliers),
+        tuple(Area(tuple((x, y) for x, y in line), radius) for line, radius in lost),
+        tuple(foreign), reach, None if location is None else (location[0], location[1]), is_absent)

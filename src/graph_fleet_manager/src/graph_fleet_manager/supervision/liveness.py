@@ -4,13 +4,12 @@ from __future__ import annotations
 import math
 from typing import Tuple
 
-from graph_fleet_manager.supervision.reports import Pose, Report, distance
+from graph_fleet_manager.interlocking.reports import TREMBLE, Pose, Report, distance
 from trajectory_graph import Graph
 
 SILENCE = 5.0      # s without a report after which a robot counts as silent
 ANSWER = 5.0       # s without an answer to an order after which a robot that reports counts as deaf
 STANDING = 2.0     # s without motion after which a robot that lost its link is believed to stand
-TREMBLE = 0.05     # m by which the location of a robot that stands may change
 
 
 class Liveness:

@@ -2,21 +2,21 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Mapping
 
 from graph_fleet_manager.supervision.missions import (
     Command,
-    CommandCode,
     Mission,
     MissionBook,
     MissionState,
     Request,
     Status,
 )
-from graph_fleet_manager.supervision.plan_executor import PlanExecutor
+from graph_fleet_manager.supervision.robots import ManagedRobot
 
 
 def carry_out(command: Command, mission: Mission, book: MissionBook,
-              plan_executor: PlanExecutor) -> str:
+              robots: Mapping[str, ManagedRobot]) -> str:
     """Cancels, pauses, resumes, or ends a dwell; returns why not, or nothing."""
     name = mission.robot
     if command is Command.CANCEL:
@@ -28,13 +28,13 @@ def carry_out(command: Command, mission: Mission, book: MissionBook,
             return f'Mission {mission.request.id} is not paused.'
         book.set(mission, MissionState.ACTIVE if name else MissionState.PENDING)
         if name:
-            plan_executor.let_go_on(name)
+            robots[name].comes_to_rest = False
     elif command is Command.RELEASE:
         if mission.dwell_until is None:
             return f'Mission {mission.request.id} is not staying anywhere: nothing to release.'
         book.reach(mission)
     if name and command in (Command.CANCEL, Command.PAUSE):
-        plan_executor.bring_to_rest(name)
+        robots[name].comes_to_rest = True
     return ''
 
 
@@ -45,12 +45,10 @@ def refused(request: Request, reason: str) -> Status:
 
 def not_done(before: Status, command: Command, trouble: str) -> Status:
     """What is told of a command that waits for the disk: the mission is as it was."""
-    return replace(before, command=command, command_code=CommandCode.NOT_DONE,
-                   reason=f'{command.name} is not done: {trouble}')
+    return replace(before, reason=f'{command.name} is not done: {trouble}')
 
 
 def not_stored(before: Status, command: Command, trouble: str) -> Status:
     """What is told of a command that was carried out, but is on no disk: the state that is."""
-    return replace(before, command=command, command_code=CommandCode.NOT_STORED,
-                   reason=f'{command.name} is carried out, but forgotten if the fleet manager '
-                          f'ends before it can be stored: {trouble}')
+    return replace(before, reason=f'{command.name} is carried out, but forgotten if the fleet '
+                                  f'manager ends before it can be stored: {trouble}')

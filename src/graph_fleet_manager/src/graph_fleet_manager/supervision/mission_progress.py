@@ -27,7 +27,7 @@ def follow(book: MissionBook, robot: ManagedRobot, now: float) -> bool:
     for vertex in passed:
         if mission.left and mission.left[0] == vertex:
             _visit(book, mission, vertex)
-    place = robot.place
+    place = robot.position
     if place is not None and place.vertex is not None:
         _visit(book, mission, place.vertex)
         if mission.state is MissionState.ACTIVE:

@@ -1,4 +1,4 @@
-"""What follows where a robot dropped out or came back, for its mission, the plan and the people."""
+"""What follows where a robot dropped out or came back, for its mission and the people."""
 from __future__ import annotations
 
 from typing import Dict, Mapping, Optional
@@ -7,17 +7,15 @@ from graph_fleet_manager.supervision import mission_progress
 from graph_fleet_manager.supervision.missions import MissionBook
 from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.outbox import Outbox
-from graph_fleet_manager.supervision.plan_executor import PlanExecutor
 from graph_fleet_manager.supervision.robots import ManagedRobot
 
 
 class OutageWatch:
     """Compares what keeps each robot from working with what did before."""
 
-    def __init__(self, book: MissionBook, robots: Mapping[str, ManagedRobot], outbox: Outbox,
-                 plan_executor: PlanExecutor) -> None:
-        self._book, self._robots = book, robots
-        self._outbox, self._plan_executor = outbox, plan_executor
+    def __init__(self, book: MissionBook, robots: Mapping[str, ManagedRobot],
+                 outbox: Outbox) -> None:
+        self._book, self._robots, self._outbox = book, robots, outbox
         self._before: Dict[str, Optional[Outage]] = {}
 
     def look(self) -> None:
@@ -28,7 +26,6 @@ class OutageWatch:
             before = self._before.get(name)
             self._before[name] = robot.outage
             self._outbox.robot_changed(name)
-            self._plan_executor.replan()
             if robot.outage is not None:
                 self._drop_out(robot)
             else:

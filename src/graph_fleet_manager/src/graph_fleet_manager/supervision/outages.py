@@ -2,20 +2,21 @@
 from __future__ import annotations
 
 from enum import Enum
-from typing import Dict
-
-from trajectory_graph.route_protocol import Reason, ReasonCode
+from typing import AbstractSet, FrozenSet, Mapping, NamedTuple, Optional
 
 
 class Outage(Enum):
     """What keeps a robot from working; the values are words for people."""
 
     UNSEEN = 'it has not reported yet'
+    ABSENT = 'it was declared absent'
     SILENT = 'it does not report'
     DEAF = 'it reports, but does not answer its orders'
+    CLOCK = 'its clock differs too much'
     LOST_LINK = 'the link to it was lost'
     STOPPED = 'emergency stop'
-    TAKEN_OVER = 'somebody else drove it'
+    TOO_NEAR = 'it is too near to another robot'
+    TAKEN_OVER = 'another giver drives it'
     FAILED = 'its route failed'
     OFF_GRAPH = 'it is off the graph'
     OUT_OF_SERVICE = 'it was taken out of service'
@@ -23,14 +24,79 @@ class Outage(Enum):
     @property
     def needs_person(self) -> bool:
         """Does it come back only by `fleet in`?"""
-        return self in (Outage.TAKEN_OVER, Outage.FAILED, Outage.OFF_GRAPH, Outage.OUT_OF_SERVICE)
+        return self in _NEED_PERSON
 
 
-_OF_REASON: Dict[ReasonCode, Outage] = {
-    ReasonCode.EMERGENCY_STOP: Outage.STOPPED, ReasonCode.LOST_LINK: Outage.LOST_LINK,
-    ReasonCode.TAKEN_OVER: Outage.TAKEN_OVER}
+class Sign(Enum):
+    """What tells of an outage, or of its end."""
+
+    REPORT = 'a report came'
+    SILENCE = 'no report came for a while'
+    NO_ANSWER = 'an order was not answered for a while'
+    ANSWER = 'the robot takes up orders'
+    CLOCK_OFF = 'its locations are from the future'
+    CLOCK_RIGHT = 'they are not any more'
+    LINK_LOST = 'its computer cannot reach it'
+    LINK_BACK = 'its computer reaches it, and it stands where it was expected'
+    EMERGENCY = 'it tells of an emergency stop'
+    DRIVES = 'it drives on, or has nothing to drive'
+    STANDS = 'it stands where it was stopped'
+    EXCLUDED = 'by evidence it is too near to another robot'
+    TAKEN = 'it goes where it was not sent'
+    FAILURE = 'its route failed, or it refuses all orders'
+    LEFT_GRAPH = 'it is nowhere on the graph'
+    FOUND = 'it is on the graph, where it never was before'
+    TAKEN_OUT = 'a person takes it out of service'
+    BROUGHT_IN = 'a person brings it into service'
+    DECLARED_ABSENT = 'a person says that it is not on the site'
+    LOCATED = 'a location came that was taken after that'
 
 
-def outage_of(reason: Reason) -> Outage:
-    """The outage that the reason of a failed or refused route means."""
-    return _OF_REASON.get(reason.code, Outage.FAILED)
+_NEED_PERSON: FrozenSet[Outage] = frozenset((
+    Outage.TOO_NEAR, Outage.TAKEN_OVER, Outage.FAILED, Outage.OFF_GRAPH, Outage.OUT_OF_SERVICE))
+_BY_ITSELF: FrozenSet[Optional[Outage]] = frozenset((
+    None, *(one for one in Outage if one not in _NEED_PERSON and one is not Outage.ABSENT)))
+_ON_SITE: FrozenSet[Optional[Outage]] = _BY_ITSELF | _NEED_PERSON
+_ALL: FrozenSet[Optional[Outage]] = _ON_SITE | {Outage.ABSENT}
+
+
+class Change(NamedTuple):
+    """A sign leads from any of these outages (None: it works) to another."""
+
+    sources: AbstractSet[Optional[Outage]]
+    target: Optional[Outage]
+
+
+TRANSITIONS: Mapping[Sign, Change] = {
+    Sign.REPORT: Change({Outage.UNSEEN, Outage.SILENT}, None),
+    Sign.SILENCE: Change({None, Outage.STOPPED, Outage.DEAF, Outage.CLOCK}, Outage.SILENT),
+    Sign.NO_ANSWER: Change({None}, Outage.DEAF),
+    Sign.ANSWER: Change({Outage.DEAF}, None),
+    Sign.CLOCK_OFF: Change({None, Outage.DEAF}, Outage.CLOCK),
+    Sign.CLOCK_RIGHT: Change({Outage.CLOCK}, None),
+    Sign.LINK_LOST: Change(_BY_ITSELF, Outage.LOST_LINK),
+    Sign.LINK_BACK: Change({Outage.LOST_LINK}, None),
+    Sign.EMERGENCY: Change(_BY_ITSELF, Outage.STOPPED),
+    Sign.DRIVES: Change({Outage.STOPPED}, None),
+    Sign.STANDS: Change({Outage.STOPPED}, None),
+    Sign.EXCLUDED: Change(_BY_ITSELF, Outage.TOO_NEAR),
+    Sign.TAKEN: Change(_ON_SITE, Outage.TAKEN_OVER),
+    Sign.FAILURE: Change(_ON_SITE, Outage.FAILED),
+    Sign.LEFT_GRAPH: Change({None}, Outage.OFF_GRAPH),
+    Sign.FOUND: Change({Outage.OFF_GRAPH}, None),
+    Sign.TAKEN_OUT: Change(_ON_SITE, Outage.OUT_OF_SERVICE),
+    Sign.BROUGHT_IN: Change(_ON_SITE, None),
+    Sign.DECLARED_ABSENT: Change(_ALL, Outage.ABSENT),
+    Sign.LOCATED: Change({Outage.ABSENT}, None),
+}
+"""All ways from one outage to another. A sign that does not apply changes nothing."""
+
+
+def sign_of_failure(reason: str) -> Sign:
+    """What the reason of a failed or refused route tells, as the protocol words it."""
+    words = reason.lower()
+    for beginning, sign in (('emergency stop', Sign.EMERGENCY), ('lost link', Sign.LINK_LOST),
+                            ('taken over', Sign.TAKEN)):
+        if words.startswith(beginning):
+            return sign
+    return Sign.FAILURE

@@ -7,14 +7,15 @@ from __future__ import annotations
 
 import math
 from math import inf
-from typing import Dict, List, Mapping, Set
+from typing import Dict, List, Mapping, Optional, Set
 
+from graph_fleet_manager.interlocking.interlocking import InterlockedRobot, Interlocking
 from graph_fleet_manager.supervision.actions import Action, Note, SendRoute, TellStatus
 from graph_fleet_manager.supervision.journal import Journal, JournalUnavailable, RobotMemory
 from graph_fleet_manager.supervision.missions import MissionBook
-from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.robots import ManagedRobot
 from graph_fleet_manager.supervision.route_ids import RouteIds
+from trajectory_graph import Graph
 
 AGAIN = 2.0             # s between two tries to write where that fails
 _JOURNAL = '/journal'   # what is told of it; no robot has such a name
@@ -26,15 +27,18 @@ class Outbox:
     trouble -- why nothing can be stored, a clause; empty: it can
     """
 
-    def __init__(self, journal: Journal, book: MissionBook,
-                 robots: Mapping[str, ManagedRobot]) -> None:
-        self.new_id = RouteIds(journal)
+    def __init__(self, journal: Journal, book: MissionBook, robots: Mapping[str, ManagedRobot],
+                 everywhere: Mapping[str, InterlockedRobot], interlocking: Interlocking,
+                 new_id: RouteIds) -> None:
+        self.new_id = new_id
         self.trouble = ''
         self._journal = journal
         self._book = book
-        self._robots = robots
+        self._robots, self._everywhere = robots, everywhere
+        self._interlocking = interlocking
         self._stale: Set[str] = set()
         self._values: Dict[str, int] = {}
+        self._graph: Optional[Graph] = None
         self._reserved = self.new_id.reserved
         self._try_at = -inf
         self._is_sending = False
@@ -67,6 +71,10 @@ class Outbox:
         """A number is to be stored."""
         self._values[name] = number
 
+    def graph_changed(self, graph: Graph) -> None:
+        """What is stored of robots is on this graph from now on."""
+        self._graph = graph
+
     def send(self) -> None:
         """All orders that are due are to be sent."""
         self._is_sending = True
@@ -87,41 +95,41 @@ class Outbox:
         values = dict(self._values)
         if self.trouble or self._reserved != self.new_id.reserved:
             values.update(self.new_id.values)
-        if now < self._try_at or not (missions or self._stale or values):
+        if now < self._try_at or not (missions or self._stale or values or self._graph):
             return
         try:
-            self._journal.store(missions, {name: _memory(self._robots[name])
-                                           for name in sorted(self._stale)}, values)
+            self._journal.store(missions, {name: self._memory(name)
+                                           for name in sorted(self._stale)}, values, self._graph)
         except JournalUnavailable as unavailable:
             self.trouble, self._try_at = unavailable.reason, now + AGAIN
+            self._interlocking.trouble = self.trouble
             self.note_state(_JOURNAL, f'{unavailable} Until then no mission is accepted and no '
                             'robot gets anything new to drive; stops are sent.', '')
             return
-        self.trouble, self._try_at = '', -inf
+        self.trouble = self._interlocking.trouble = ''
+        self._try_at = -inf
         self.note_state(_JOURNAL, '', 'The journal can be written again.')
         self._stale.clear()
         self._values.clear()
+        self._graph = None
         self._reserved = self.new_id.reserved
         self._book.stored()
         for mission in missions:
             self.put(TellStatus(mission.status))
 
     def _orders(self, now: float) -> List[Action]:
-        """All orders that are due; who is silent may have forgotten its route, so it must wait."""
-        orders: List[Action] = []
-        for name, robot in self._robots.items():
-            client = robot.client
-            if robot.outage is Outage.SILENT and not client.is_stopping:
-                continue
-            if self.trouble and client.is_new_motion:
-                continue
-            sending = client.due(now)
-            if sending is not None:
-                orders.append(SendRoute(name, *sending))
-        return orders
+        """All orders that are due, as the interlocking lets them out."""
+        return [SendRoute(name, *sending) for name, sending in self._interlocking.orders(now)]
 
-
-def _memory(robot: ManagedRobot) -> RobotMemory:
-    return RobotMemory(robot.client.memory, robot.outage, robot.why, robot.is_halted,
-                       robot.comes_to_rest, robot.dock,
-                       None if math.isnan(robot.battery.charge) else robot.battery.charge)
+    def _memory(self, name: str) -> Optional[RobotMemory]:
+        """What is to be stored of a robot; None: it left the fleet for good."""
+        known = self._everywhere.get(name)
+        if known is None:
+            return None
+        robot = self._robots.get(name)
+        if robot is None:
+            return RobotMemory(known.client.memory, None, '', False, kind=known.type)
+        return RobotMemory(robot.client.memory, robot.outage, robot.why, robot.is_halted,
+                           robot.comes_to_rest, robot.dock,
+                           None if math.isnan(robot.battery.charge) else robot.battery.charge,
+                           robot.type)

@@ -1,187 +1,187 @@
-"""Drives by plan: asks the planner when the plan does not serve any more, and releases routes."""
+"""Carries out the plan: asks the planner while none serves, and has the edges granted that are due.
+"""
 from __future__ import annotations
 
 from math import inf
-from typing import Dict, Mapping, Optional, Set, Tuple
+from typing import Dict, Mapping, NamedTuple, Optional
 
-from graph_fleet_manager.planning.road_network import RoadNetwork
-from graph_fleet_manager.planning.tasks import Obstacle, Outcome
+from graph_fleet_manager.interlocking.interlocking import Gate, Interlocking, Refusal
+from graph_fleet_manager.planning.tasks import Outcome
 from graph_fleet_manager.supervision.actions import AskPlanner
-from graph_fleet_manager.supervision.errands import (
-    Duty,
-    Errand,
-    Snapshot,
-    goes_until,
-    have_moved,
-    snapshot,
-)
+from graph_fleet_manager.supervision.duties import Duty, goes_until
 from graph_fleet_manager.supervision.outbox import Outbox
 from graph_fleet_manager.supervision.plan_in_force import PlanInForce
-from graph_fleet_manager.supervision.release import released
+from graph_fleet_manager.supervision.questions import Question, World, question_of
+from graph_fleet_manager.supervision.release import due_edges
 from graph_fleet_manager.supervision.robots import ManagedRobot
 
-PLANNER_PATIENCE = 10.0  # s after which an answer of the planner is no longer waited for
-AGAIN = 2.0              # s between two plans while somebody has none that serves it
+PLANNER_PATIENCE = 10.0  # s after which the planner is asked again
+AGAIN = 2.0              # s between two plans while a robot has none that serves it
+HOLD = 2.0               # s for which no edge is granted while an answer is due
+HELD_UP = 5.0            # s for which a due edge may be refused before the plan is useless
+USELESS = 3              # such plans in a row after which a person is called
+_OPEN = 3                # questions of which an answer is still taken
 _PLANNING = '/planning'  # what is told of it; no robot has such a name
+_HELD_UP = '/held_up'
+
+
+class _Delay(NamedTuple):
+    """Since when a robot is refused an edge that is due, and why."""
+
+    since: float
+    refusal: Refusal
 
 
 class PlanExecutor:
-    """The plan in force, the question to the planner that is open, and what robots may drive."""
+    """The plan in force, the questions to the planner that are open, and what each robot waits for.
+    """
 
-    def __init__(self, robots: Mapping[str, ManagedRobot], outbox: Outbox) -> None:
+    def __init__(self, robots: Mapping[str, ManagedRobot], interlocking: Interlocking,
+                 outbox: Outbox) -> None:
         self.plan: Optional[PlanInForce] = None
         self.waits_for: Dict[str, str] = {}
         """What holds up each robot, in words; empty: nothing."""
         self.trouble = ''
         """Why there is no new plan though one was asked for, in words; empty: there is."""
-        self._robots = robots
-        self._outbox = outbox
-        self._new_id = outbox.new_id
-        self._asked: Optional[Tuple[int, float, Snapshot]] = None
+        self._robots, self._interlocking, self._outbox = robots, interlocking, outbox
+        self._open: Dict[int, Question] = {}
         self._number = 0
-        self._replan = True
-        self._displaced = False         # somebody stands where no plan in force has it
-        self._displaced_since = False   # nor the one that was asked for
-        self._obstacles: Tuple[Obstacle, ...] = ()  # of the last question
-        self._failed = False
-        self._planned = -inf
-        self._renew: Set[str] = set()   # robots whose next edges are another mission's
+        self._asked_at = -inf
+        self._failures = 0                     # in a row; each asks with another seed
+        self._delays: Dict[str, _Delay] = {}
+        self._useless = 0                      # plans in a row by which a robot was held up
+        self._missions: Dict[str, int] = {}    # serial of the mission of each robot's route
 
     @property
     def is_planning(self) -> bool:
-        """Is an answer of the planner due? Until it is there nothing is released."""
-        return self._asked is not None
+        """Is an answer of the planner due?"""
+        return bool(self._open)
 
-    # -- what changes the plan --------------------------------------------------------------------
+    # -- answers of the planner -------------------------------------------------------------------
 
-    def replan(self) -> None:
-        """The plan may not serve any more what is to be done."""
-        self._replan = True
-
-    def forget_plan_of(self, name: str) -> None:
-        """A robot does not stand any more where its plan has it."""
-        if self.plan is not None:
-            self.plan.drop(name)
-        self._outbox.robot_changed(name)
-        self._replan = self._displaced = self._displaced_since = True
-
-    def plan_made(self, number: int, outcome: Outcome) -> bool:
-        """Takes the planner's answer; tells whether it was waited for.
-
-        One that does not fit what is released by now is left out.
-        """
-        if self._asked is None or self._asked[0] != number:
+    def plan_made(self, number: int, outcome: Outcome, world: World) -> bool:
+        """Takes the planner's answer, be it late, if it serves; tells whether it was waited for."""
+        question = self._open.pop(number, None)
+        if question is None:
             return False
-        _, asked_at, question = self._asked
-        self._asked = None
         self._tell('')
-        if question.fits(self._robots):
-            self.plan = question.plan(outcome, asked_at)
-            self._displaced = self._displaced_since
-        else:
-            self._replan = True
+        plan = question.plan(outcome, world)
+        if plan is not None:
+            self.plan = plan
+            self._open.clear()
+            self._failures = self._failures + 1 if plan.unserved else 0
+            self._delays.clear()
         return True
 
     def plan_failed(self, number: int, reason: str) -> None:
         """The planner could not answer; the plan in force stays."""
-        if self._asked is not None and self._asked[0] == number:
-            self._asked = None
-            self._failed = True
+        if self._open.pop(number, None) is not None:
+            self._failures += 1
             self._tell(f'the planner gave none: {reason}')
-
-    # -- robots whose mission changed -------------------------------------------------------------
-
-    def begin_mission(self, name: str) -> None:
-        """A robot has another mission: its next edges go out under a new route id.
-
-        One whose last mission was cancelled comes to rest first.
-        """
-        self._renew.add(name)
-        self._replan = True
-
-    def bring_to_rest(self, name: str) -> None:
-        """A robot's mission is cancelled or paused: it stops as soon as it can."""
-        self._robots[name].comes_to_rest = True
-        self._outbox.robot_changed(name)
-
-    def let_go_on(self, name: str) -> None:
-        """Its mission goes on, before it has come to rest."""
-        self._robots[name].comes_to_rest = False
-        self._outbox.robot_changed(name)
-
-    # -- what goes on -----------------------------------------------------------------------------
-
-    def give_up_waiting(self, now: float) -> None:
-        """A planner that does not answer is asked again."""
-        if self._asked is not None and now - self._asked[1] > PLANNER_PATIENCE:
-            self._asked = None
-            self._replan = True
-            self._tell('the planner does not answer')
 
     def _tell(self, trouble: str) -> None:
         self.trouble = trouble
         self._outbox.note_state(_PLANNING, trouble and f'There is no plan: {trouble}. It is asked '
                                 'again and again.', 'The planner answers again.')
 
-    def go_on(self, errands: Mapping[str, Errand], network: RoadNetwork, now: float) -> None:
-        """Shortens and releases routes, and asks for another plan where one is wanted."""
-        self.shorten()
-        if self._asked is None:
-            moved = have_moved(self._robots, self._obstacles)
-            if moved and now - self._planned >= AGAIN:
-                self._replan = self._displaced = True
-            if not (moved or self._displaced):
-                self._release(errands, network)
-            self._ask(errands, network, now)
+    # -- what goes on -----------------------------------------------------------------------------
 
-    def shorten(self) -> None:
-        """Who is to come to rest gets no farther than the end of its edge."""
-        for name, robot in self._robots.items():
-            if not robot.comes_to_rest or not (robot.works or robot.client.order):
-                continue  # an order that was not heard yet must not be heard as it was
-            if not robot.client.shorten(self._new_id):
-                robot.comes_to_rest = False
-                self._replan = True
-            self._outbox.robot_changed(name)
+    def go_on(self, world: World, now: float) -> None:
+        """Has granted what is due, and asks for another plan where this one does not serve."""
+        is_useful = self._is_useful(world, now)
+        is_held = bool(self._open) and now - self._asked_at < HOLD
+        if self.plan is not None and not is_held and (is_useful or self.trouble):
+            self._release(self.plan, world, now)
+        if self._open and now - self._asked_at > PLANNER_PATIENCE:
+            self._tell('the planner does not answer')
+        self._ask(world, is_useful, now)
 
-    def _release(self, errands: Mapping[str, Errand], network: RoadNetwork) -> None:
-        """Gives every robot the edges that it may have now."""
-        plan = self.plan
-        if plan is None:
-            return
+    def _is_useful(self, world: World, now: float) -> bool:
+        """Does the plan in force still serve?"""
+        if self.plan is None or not self.plan.assumptions.still_useful(world):
+            return False
+        late = [name for name, delay in self._delays.items() if now - delay.since > HELD_UP]
+        if not late:
+            return True
+        self._useless += 1
+        if self._useless >= USELESS:
+            told = ', '.join(f'{name} waits for {_words(self._delays[name].refusal)}'
+                             for name in late)
+            self._outbox.note_state(_HELD_UP, f'{self._useless} plans in a row could not be '
+                                    f'carried out: {told}. Look at these robots.', '')
+        return False
+
+    def _release(self, plan: PlanInForce, world: World, now: float) -> None:
+        """Has every robot granted the edges that are due."""
         records = {name: robot.record for name, robot in self._robots.items()}
-        working = [name for name, errand in errands.items()
-                   if errand.duty in (Duty.MISSION, Duty.CHARGE) and name not in plan.unserved]
-        asked = plan.asked_to_move(working, {name: record.end for name, record in records.items()})
+        agents = [name for name, errand in world.errands.items()
+                  if errand.duty in (Duty.MISSION, Duty.CHARGE) and name not in plan.unserved]
+        asked = plan.asked_to_move(agents, {name: record.end for name, record in records.items()})
         for name, own in plan.plans.items():
-            if self._replan and name in self._renew:
-                continue  # the plan leads to what was to be done before
-            robot = self._robots[name]
-            self.waits_for[name] = '' if robot.client.is_ready else 'a new location of its own'
-            if not robot.works or robot.comes_to_rest or not robot.client.is_ready:
+            robot, errand = self._robots[name], world.errands[name]
+            if not robot.works or robot.comes_to_rest or not plan.assumptions.holds(name, world):
+                self._delays.pop(name, None)
                 continue
-            until = goes_until(robot, errands[name], own, name in asked)
-            given = released(name, plan, records, until, robot.settings.release_ahead,
-                             network.closed)
-            self.waits_for[name] = given.waits_for
+            until = goes_until(robot, errand, own, name in asked)
+            due = due_edges(name, plan, records, until, robot.settings.release_ahead)
+            self.waits_for[name] = due.waits_for
+            if not due.edges:
+                self._delays.pop(name, None)
+                continue
+            serial = errand.mission.serial if errand.mission is not None else 0
+            renews = bool(serial) and self._missions.get(name, serial) != serial
+            given = self._interlocking.grant(robot, due.edges, renews)
             if given.edges:
-                robot.client.extend(given.edges, self._new_id, name in self._renew)
-                self._renew.discard(name)
+                self._missions[name] = serial or self._missions.get(name, 0)
                 self._outbox.robot_changed(name)
+            self._note_refusal(name, given.refusal, now)
 
-    def _ask(self, errands: Mapping[str, Errand], network: RoadNetwork, now: float) -> None:
+    def _note_refusal(self, name: str, refusal: Optional[Refusal], now: float) -> None:
+        if refusal is not None:
+            self.waits_for[name] = _words(refusal)
+        if refusal is None or refusal.gate not in _DELAYS:
+            if self._delays.pop(name, None) is not None or refusal is None:
+                self._useless = 0 if not self._delays else self._useless
+                if not self._delays:
+                    self._outbox.note_state(_HELD_UP, '', 'The plan is carried out again.')
+        elif name not in self._delays:
+            self._delays[name] = _Delay(now, refusal)
+
+    def _ask(self, world: World, is_useful: bool, now: float) -> None:
         """Asks for another plan where this one does not serve what is to be done now."""
-        again = self._failed or bool(self.plan and self.plan.unserved)
-        if not self._replan and not (again and now - self._planned >= AGAIN):
+        again = bool(self._failures or (self.plan and self.plan.unserved))
+        if is_useful and not (again and now - self._asked_at >= AGAIN):
             return
-        question = snapshot(self._robots, errands, self.plan, now)
-        self._obstacles = question.obstacles
-        self._replan = self._failed = self._displaced_since = False
-        self._planned = now
-        if not question.tasks:
-            self.trouble = ''
+        if self._open and now - self._asked_at <= PLANNER_PATIENCE:
             return
+        if self._failures and now - self._asked_at < AGAIN:
+            return
+        question = question_of(world, self.plan, self._failures, now)
+        self._asked_at = now
         self._number += 1
-        self._asked = (self._number, now, question)
+        if not question.tasks:
+            self._open.clear()
+            self.plan = question.plan(Outcome({}, ()), world)
+            self._tell('')
+            return
+        self._open = {number: one for number, one in self._open.items()
+                      if number > self._number - _OPEN}
+        self._open[self._number] = question
         self._outbox.put(AskPlanner(self._number, question.tasks, question.obstacles,
-                                    network.closed, network.learned))
+                                    world.network.closed, world.network.learned,
+                                    question.assumptions.seed))
+
+
+_DELAYS = (Gate.OCCUPIED, Gate.TOO_NEAR)
+
+
+def _words(refusal: Refusal) -> str:
+    """What a robot waits for whose edge is not granted."""
+    if refusal.gate is Gate.CLOSED_EDGE:
+        return f'edge {abs(refusal.edge)}, which is closed'
+    if refusal.gate is Gate.NOT_READY:
+        return 'a new location of its own'
+    if refusal.gate is Gate.UNKNOWN_ROBOT:
+        return (f'{refusal.other}, which was never heard of: switch it on, or '
+                f'`fleet absent {refusal.other}`')
+    return refusal.other or refusal.gate.value

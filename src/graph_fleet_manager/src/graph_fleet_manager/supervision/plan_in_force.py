@@ -1,10 +1,13 @@
 """The plan by which robots are released: whose turn it is, whatever runs late."""
 from __future__ import annotations
 
-from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Set, Tuple
+from typing import TYPE_CHECKING, Dict, Iterable, List, Mapping, NamedTuple, Optional, Set, Tuple
 
+from graph_fleet_manager.interlocking.route_record import RouteRecord
 from graph_fleet_manager.planning.tasks import Outcome, PlannedDrive
-from graph_fleet_manager.supervision.route_record import RouteRecord
+
+if TYPE_CHECKING:  # a question makes a plan
+    from graph_fleet_manager.supervision.questions import Assumptions
 
 
 class RobotPlan(NamedTuple):
@@ -31,22 +34,21 @@ class PlanInForce:
 
     bases   -- number, in the robot's record, of the first drive of its plan
     made_at -- the supervisor's time that is 0 in the plan's times
+    assumptions -- what must hold for it to serve
     """
 
-    def __init__(self, outcome: Outcome, bases: Mapping[str, int], made_at: float) -> None:
+    def __init__(self, outcome: Outcome, bases: Mapping[str, int], made_at: float,
+                 assumptions: Assumptions) -> None:
         self.plans: Dict[str, RobotPlan] = {
             name: RobotPlan(drives, bases[name]) for name, drives in outcome.drives.items()}
         self.unserved: Dict[str, str] = dict(outcome.unserved)
         self.made_at = made_at
+        self.assumptions = assumptions
         self._turns: Dict[Tuple[str, int], List[_Turn]] = {}
         self._waited_for: Dict[str, List[Tuple[int, str]]] = {}
         for first, before, fraction, then, drive in outcome.precedence:
             self._turns.setdefault((then, drive), []).append(_Turn(first, before, fraction))
             self._waited_for.setdefault(first, []).append((before, then))
-
-    def drop(self, name: str) -> None:
-        """A robot does not follow its plan any more; who waits for it goes on waiting."""
-        self.plans.pop(name, None)
 
     def in_the_way(self, name: str, drive: int, records: Mapping[str, RouteRecord]) -> str:
         """Who must go on before a robot may begin its drive; empty: nobody."""
@@ -54,7 +56,7 @@ class PlanInForce:
             plan = self.plans.get(turn.first)
             if plan is None:
                 return turn.first
-            number, fraction = records[turn.first].left
+            number, fraction = records[turn.first].cleared
             if (number - plan.base, fraction) < (turn.before, turn.fraction):
                 return turn.first
         return ''

@@ -1,39 +1,125 @@
-"""The robots of a fleet as they were before a restart, as far as fleet and graph still have it."""
+"""The robots of a fleet as they were before a restart, on a graph that may be another by now."""
 from __future__ import annotations
 
-from typing import Dict, Mapping
+from dataclasses import dataclass
+from typing import Dict, List, Mapping, Optional, Tuple
 
-from graph_fleet_manager.fleet import Fleet
+from graph_fleet_manager.fleet import Fleet, RobotType
+from graph_fleet_manager.geometry.areas import Area, Point
+from graph_fleet_manager.interlocking.orders import Memory
+from graph_fleet_manager.interlocking.reports import GraphPosition
+from graph_fleet_manager.interlocking.route_client import RouteClient
+from graph_fleet_manager.interlocking.route_record import RouteRecord
 from graph_fleet_manager.supervision.journal import RobotMemory
+from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.robots import ManagedRobot
-from graph_fleet_manager.supervision.route_client import RouteClient
-from graph_fleet_manager.supervision.route_record import RouteRecord
 from graph_fleet_manager.supervision.settings import RobotSettings
 from trajectory_graph import Graph
 
+_STEP = 0.1  # m between two points of a curve that is kept as a line
+
+
+@dataclass(frozen=True)
+class RemovedRobot:
+    """A robot that the fleet file does not have any more; it keeps what it held."""
+
+    name: str
+    type: RobotType
+    client: RouteClient
+
+    @property
+    def needs_person(self) -> bool:
+        """It is never driven."""
+        return True
+
+    @property
+    def is_silent(self) -> bool:
+        """Its reports are not listened to."""
+        return True
+
 
 def robots_of(fleet: Fleet, settings: Mapping[str, RobotSettings], graph: Graph,
-              memories: Mapping[str, RobotMemory]) -> Dict[str, ManagedRobot]:
+              memories: Mapping[str, RobotMemory], before: Optional[Graph],
+              now: float) -> Dict[str, ManagedRobot]:
     """Every robot by its name, with what is stored of it.
 
     settings -- those that are missing are as RobotSettings has them
+    before   -- the graph on which that was stored; None: nothing was
     """
     robots: Dict[str, ManagedRobot] = {}
     for robot in fleet.robots:
         own = settings.get(robot.name, RobotSettings())
-        managed = ManagedRobot(robot.name, robot.type, own,
-                               RouteClient(RouteRecord(graph, robot.type.speed, own.slack)))
-        if robot.name in memories:
-            _restore(managed, memories[robot.name], graph)
+        managed = ManagedRobot(robot.name, robot.type, own, RouteClient(
+            RouteRecord(graph, robot.type, own.slack, own.stopping)))
+        memory = memories.get(robot.name)
+        if memory is not None:
+            _restore(managed, memory, graph, before, now)
+        if robot.absent and managed.outage is not Outage.ABSENT:
+            managed.declare_absent(now)
         robots[robot.name] = managed
     return robots
 
 
-def _restore(robot: ManagedRobot, memory: RobotMemory, graph: Graph) -> None:
-    robot.client.restore(memory.client.on(graph))
-    if memory.outage is not None and memory.outage.needs_person:
-        robot.outage, robot.why = memory.outage, memory.why
+def removed_of(fleet: Fleet, graph: Graph, memories: Mapping[str, RobotMemory],
+               before: Optional[Graph], now: float) -> Dict[str, RemovedRobot]:
+    """Robots of which something is stored, but that the fleet file does not have any more."""
+    names = {robot.name for robot in fleet.robots}
+    removed: Dict[str, RemovedRobot] = {}
+    for name, memory in memories.items():
+        if name not in names and memory.kind is not None and not memory.client.evidence.is_absent:
+            client = RouteClient(RouteRecord(graph, memory.kind))
+            client.restore(memory.client.on(graph), now)
+            client.lose(_lost(memory.client, graph, before))
+            removed[name] = RemovedRobot(name, memory.kind, client)
+    return removed
+
+
+def _restore(robot: ManagedRobot, memory: RobotMemory, graph: Graph, before: Optional[Graph],
+             now: float) -> None:
+    robot.client.restore(memory.client.on(graph), now)
+    robot.client.lose(_lost(memory.client, graph, before))
+    outage = memory.outage
+    if outage is not None and (outage.needs_person or outage is Outage.ABSENT):
+        robot.outage, robot.why = outage, memory.why
     robot.is_halted, robot.comes_to_rest = memory.is_halted, memory.comes_to_rest
     robot.dock = memory.dock
     if memory.charge is not None:
         robot.battery.charge = memory.charge
+
+
+def is_same(one: Graph, other: Graph) -> bool:
+    """Do two graphs have the same vertices and edges?"""
+    return (one.vertices, one.edges) == (other.vertices, other.edges)
+
+
+def _lost(memory: Memory, graph: Graph, before: Optional[Graph]) -> List[Area]:
+    """Where a robot may be that a new graph has elsewhere, or not at all."""
+    if before is None or is_same(graph, before):
+        return []
+    areas = [Area(_line(before, edge)) for edge in dict.fromkeys(map(abs, memory.held))
+             if edge in before.edges and not _is_kept(edge, graph, before)]
+    position = memory.position
+    if position is not None and position.is_on(before) and not _is_there(position, graph, before):
+        areas.append(Area((position.point(before),)))
+    return areas
+
+
+def _is_kept(edge: int, graph: Graph, before: Graph) -> bool:
+    """Does the curve of an edge lie where it lay?"""
+    if edge not in graph.edges:
+        return False
+    ends = [(one.edge(edge).curve_type, one.edge(edge).param_f, one.edge(edge).param_b, *(
+        (vertex.position, vertex.theta)
+        for vertex in (one.start_vertex(edge), one.end_vertex(edge)))) for one in (graph, before)]
+    return ends[0] == ends[1]
+
+
+def _is_there(position: GraphPosition, graph: Graph, before: Graph) -> bool:
+    return position.is_on(graph) and position.point(graph) == position.point(before)
+
+
+def _line(graph: Graph, edge: int) -> Tuple[Point, ...]:
+    curve = graph.curve(edge)
+    steps = max(int(curve.length / _STEP), 1)
+    points = (curve.point_at(curve.length * k / steps) for k in range(steps + 1))
+    return tuple((float(x), float(y)) for x, y in points)

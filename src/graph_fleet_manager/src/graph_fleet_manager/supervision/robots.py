@@ -6,19 +6,26 @@ from dataclasses import dataclass, field
 from typing import Collection, List, Optional, Tuple
 
 from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.interlocking.allocation import Knowledge
+from graph_fleet_manager.interlocking.orders import Heard
+from graph_fleet_manager.interlocking.reports import (
+    AT_VERTEX,
+    NEAR,
+    GraphPosition,
+    Pose,
+    Report,
+    position_of,
+)
+from graph_fleet_manager.interlocking.route_client import RouteClient
+from graph_fleet_manager.interlocking.route_record import RouteRecord
 from graph_fleet_manager.supervision.battery import Battery
 from graph_fleet_manager.supervision.edge_times import Driven, EdgeTimer
-from graph_fleet_manager.supervision.liveness import ANSWER, SILENCE, Liveness
-from graph_fleet_manager.supervision.orders import Heard
-from graph_fleet_manager.supervision.outages import Outage, outage_of
-from graph_fleet_manager.supervision.reports import NEAR, Place, Pose, Report, place_of
-from graph_fleet_manager.supervision.route_client import NewId, RouteClient
-from graph_fleet_manager.supervision.route_record import RouteRecord
+from graph_fleet_manager.supervision.liveness import ANSWER, SILENCE, STANDING, Liveness
+from graph_fleet_manager.supervision.outages import TRANSITIONS, Outage, Sign, sign_of_failure
 from graph_fleet_manager.supervision.settings import RobotSettings
 from trajectory_graph import Graph
 from trajectory_graph.route_protocol import RouteRefusal
 
-AT_VERTEX = 0.02   # m from a vertex at which a robot that follows its edges exactly stands on it
 TRIAL = 2.0        # s between two tries to go on after an emergency stop
 REFUSALS = 3       # in a row, after which a person must look
 
@@ -65,28 +72,32 @@ class ManagedRobot:
         return self.dock is None and not self.battery.is_low
 
     @property
-    def place(self) -> Optional[Place]:
-        """Where it stands; None while it drives or nobody knows."""
-        return self.record.place if self.record.is_standing else None
+    def needs_person(self) -> bool:
+        """Does it drive only once a person has brought it back?"""
+        return self.outage is not None and self.outage.needs_person
 
     @property
-    def progress(self) -> Tuple[int, int, bool, bool, Optional[Place]]:
-        """All of a report that must outlive a restart: when it changes, it is to be stored."""
-        record, client = self.record, self.client
-        return record.done, record.end, client.over, client.is_stopping, record.lost_at
+    def is_silent(self) -> bool:
+        """Does it not report, so that it may have forgotten its route?"""
+        return self.outage is Outage.SILENT
+
+    @property
+    def position(self) -> Optional[GraphPosition]:
+        """Where it stands; None while it drives or nobody knows."""
+        return self.record.position if self.record.is_standing else None
 
     def stands_at(self, vertices: Collection[int]) -> bool:
         """Does it stand on one of these vertices?"""
-        return self.place is not None and self.place.vertex in vertices
+        return self.position is not None and self.position.vertex in vertices
 
-    def place_at(self, pose: Pose) -> Optional[Place]:
+    def position_at(self, pose: Pose) -> Optional[GraphPosition]:
         """Where it can begin a route: on a vertex only if it is as near as it can tell.
 
         Near a dock it is not docked: it is still to drive there.
         """
         graph = self.record.graph
-        place = place_of(pose, graph, min(self.type.play + AT_VERTEX, NEAR))
-        return place_of(pose, graph, AT_VERTEX) if _is_dock(place, graph) else place
+        position = position_of(pose, graph, self.record.near)
+        return position_of(pose, graph, AT_VERTEX) if _is_dock(position, graph) else position
 
     @property
     def record(self) -> RouteRecord:
@@ -95,33 +106,46 @@ class ManagedRobot:
 
     # -- what comes in ----------------------------------------------------------------------------
 
+    def notice(self, sign: Sign, why: str = '') -> bool:
+        """Follows a sign of an outage or of its end; tells whether that changes anything."""
+        sources, target = TRANSITIONS[sign]
+        if self.outage not in sources:
+            return False
+        changes = target is not self.outage
+        self.outage, self.why = target, why if target is not None else ''
+        if self.needs_person:
+            self.client.withdraw()
+        return changes
+
     def hear(self, report: Report, now: float) -> None:
-        """Follows a report that makes sense; who does not know yet where it is, tells nothing."""
+        """Follows a report that makes sense; one that tells neither place nor time is ignored.
+
+        now -- when the report arrived
+        """
         if not report.pose.edge and not report.stamp:
             return
+        if self.client.evidence.is_absent and not self.client.is_back(report, now):
+            return
+        self.notice(Sign.LOCATED)
         first = not self.liveness.is_seen
         self.liveness.hear(report, self.record.graph, now)
         if first:
             self.client.adopt(report)
-            if self.outage is Outage.UNSEEN:
-                self.outage, self.why = None, ''
         if self.outage is Outage.SILENT:
-            self.outage, self.why = None, ''
             self.liveness.nothing_to_answer(now)
-        if self.outage is Outage.OFF_GRAPH and report.pose.edge and self._was_nowhere:
-            self.outage, self.why = None, ''
-            self.client.settle(self.place_at(report.pose))
+        self.notice(Sign.REPORT)
+        if report.pose.edge and self._was_nowhere and self.notice(Sign.FOUND):
+            self.client.settle(self.position_at(report.pose))
         was_stopped = self.outage is Outage.STOPPED
         heard = self.client.take(report)
-        if self.liveness.takes_up(report, self.client.order is not None, now) and (
-                self.outage is Outage.DEAF):
-            self.outage, self.why = None, ''
+        if self.liveness.takes_up(report, self.client.order is not None, now):
+            self.notice(Sign.ANSWER)
         self.passed += heard.passed
         self._judge(heard, report)
         if self.outage is Outage.STOPPED and not was_stopped:
             self._tried = now  # it might take an order yet, for what it knows of its stop
         if self.outage is Outage.LOST_LINK and self.liveness.is_linked_again(report, now):
-            self.come_back(self.place_at(report.pose))
+            self._link_is_back()
         if not self.works:
             self._timer.stop()
         driven = self._timer.follow(self.record, now)
@@ -130,8 +154,7 @@ class ManagedRobot:
 
     def drives_on(self, report: Report) -> bool:
         """Does a robot that was left to a person drive what was under way to it by then?"""
-        return (self.outage is not None and self.outage.needs_person
-                and self.client.drives_withdrawn(report))
+        return self.needs_person and self.client.drives_withdrawn(report)
 
     def hear_refusal(self, refusal: RouteRefusal, stamp: float = 0.0) -> bool:
         """An order was not taken up, at `stamp` (s) of the robot's clock; tells whether it is one
@@ -144,76 +167,75 @@ class ManagedRobot:
         if heard.passed:
             self._refusals = 0
         if heard.refused:
-            self._has_refused = True
-            stopped = outage_of(heard.refused) is Outage.STOPPED
-            self._refusals += not (stopped or heard.was_shorter)
-            if stopped:
-                self.fail(Outage.STOPPED, heard.refused.text)
-                self.client.keep_after_refusal()
-            elif self._refusals >= REFUSALS:
-                self.fail(Outage.FAILED, f'it refused its route {REFUSALS} times: {heard.refused}')
-        elif self.outage is Outage.STOPPED and self.client.order is None and not heard.failed and (
+            self._follow_refusal(heard)
+        elif self.client.order is None and not heard.failed and (
                 report is not None and report.is_running):
-            self.outage, self.why = None, ''
+            self.notice(Sign.DRIVES)
         if self.is_halted:
             return
         if heard.foreign:
-            self.fail(Outage.TAKEN_OVER, 'it drives a route that was not given to it here')
+            self.notice(Sign.TAKEN, 'it drives a route that was not given to it here')
         elif heard.failed and self.outage is None:
-            self.fail(outage_of(heard.failed), heard.failed.text)
+            self.notice(sign_of_failure(heard.failed), heard.failed)
             self.liveness.lose_link(report.stamp if report else 0.0)
-        elif report is not None and self.outage is None and not report.pose.edge and (
-                self.record.is_standing):
-            self.fail(Outage.OFF_GRAPH, 'it reports to be off the graph')
+        elif report is not None and not report.pose.edge and self.record.is_standing and (
+                self.client.evidence.is_confirmed):
+            self.notice(Sign.LEFT_GRAPH, 'it reports to be off the graph')
         elif heard.left and self.outage is None:
-            self.fail(Outage.TAKEN_OVER, f'it left {self.record.place} without a route')
+            self.notice(Sign.TAKEN, f'it left {self.record.position} without a route')
+        self.notice(Sign.CLOCK_OFF if self.client.clock_is_off else Sign.CLOCK_RIGHT,
+                    'its clock is ahead of the fleet computer\'s: mend the time of both (NTP)')
 
-    def fail(self, outage: Outage, why: str) -> None:
-        """Something keeps it from working; what needs a person outlasts what does not."""
-        if self.outage is None or not self.outage.needs_person or outage.needs_person:
-            self.outage, self.why = outage, why
-        if outage.needs_person:
-            self.client.withdraw()
+    def _follow_refusal(self, heard: Heard) -> None:
+        self._has_refused = True
+        is_stopped = sign_of_failure(heard.refused) is Sign.EMERGENCY
+        self._refusals += not (is_stopped or heard.was_shorter)
+        if is_stopped:
+            self.notice(Sign.EMERGENCY, heard.refused)
+            self.client.keep_after_refusal()
+        elif self._refusals >= REFUSALS:
+            self.notice(Sign.FAILURE,
+                        f'it refused its route {REFUSALS} times: {heard.refused}')
 
     @property
     def _was_nowhere(self) -> bool:
-        """Was it never on the graph, so that nothing is blocked for it?"""
-        return self.record.place is None and not self.record.held
+        """Was it never on the graph?"""
+        return self.record.position is None and not self.record.held
 
     # -- the clock --------------------------------------------------------------------------------
 
-    def look(self, now: float) -> None:
-        """Finds out that it is silent, or deaf."""
+    def look(self, now: float) -> bool:
+        """Finds out that it is silent, or deaf; tells whether its allocation has grown by that."""
         if self.client.order is None:
             self.liveness.nothing_to_answer(now)
-        if self.liveness.is_silent(now) and (
-                self.outage in (None, Outage.STOPPED, Outage.DEAF)):
-            self.fail(Outage.SILENT, f'it has not reported for {SILENCE:.0f} s')
+        if self.liveness.is_silent(now):
+            self.notice(Sign.SILENCE, f'it has not reported for {SILENCE:.0f} s')
         elif self.outage is None and self.liveness.is_deaf(now):
-            self.fail(Outage.DEAF, f'it reports, but has not answered an order for {ANSWER:.0f} s: '
-                                   'do its message definitions differ, or was the clock of the '
-                                   'fleet computer set back?')
+            self.notice(Sign.NO_ANSWER, f'it reports, but has not answered an order for '
+                        f'{ANSWER:.0f} s: do its message definitions differ, or was the clock of '
+                        'the fleet computer set back?')
+        silence = now - self.liveness.seen
+        return self.liveness.is_seen and silence > STANDING and self.client.grow(silence)
 
-    def try_after_stop(self, now: float, new_id: NewId, graph: Graph) -> bool:
-        """After an emergency stop: what it was driving is ordered anew, until it goes on.
+    def wants_to_go_on(self, now: float) -> int:
+        """After an emergency stop, how many edges are to be ordered anew; 0: none now.
 
-        Tells whether an order is to be sent. A robot that was moved needs a person.
+        A robot that was moved needs a person.
         """
         if self.outage is not Outage.STOPPED or self.is_halted or now - self._tried < TRIAL:
-            return False
+            return 0
         if self.client.order is not None or not self.client.is_ready:
-            return False
+            return 0
         self._tried = now
         ahead = self.record.ahead
         if not ahead:
-            self.outage, self.why = None, ''
-            return False
-        place = self.place_at(self.record.pose)
-        if place is None or not place.touches(graph, ahead[:1], self.type.play):
-            self.fail(Outage.TAKEN_OVER, 'it was moved during an emergency stop')
-            return False
-        self.client.try_again(new_id, 1 if self.comes_to_rest else len(ahead))
-        return True
+            self.notice(Sign.DRIVES)
+            return 0
+        position = self.position_at(self.record.pose)
+        if position is None or not position.touches(self.record.graph, ahead[:1], self.type.play):
+            self.notice(Sign.TAKEN, 'it was moved during an emergency stop')
+            return 0
+        return 1 if self.comes_to_rest else len(ahead)
 
     def begin_elsewhere(self) -> None:
         """After a refusal: what stands near a vertex begins there, or else on the edge it is on.
@@ -224,13 +246,13 @@ class ManagedRobot:
         if not self._has_refused or not client.is_ready or client.order is not None:
             return
         self._has_refused = False
-        if not self.works or not record.is_standing or record.place is None:
+        if not self.works or not record.is_standing or record.position is None:
             return
-        vertex = place_of(record.pose, record.graph)
+        vertex = position_of(record.pose, record.graph, NEAR)
         if vertex is None or vertex.vertex is None or record.pose.fraction in (0.0, 1.0) or (
                 _is_dock(vertex, record.graph)):
             return
-        client.settle(vertex if record.place.vertex is None else Place(
+        client.settle(vertex if record.position.vertex is None else GraphPosition(
             edge=record.pose.edge, fraction=record.pose.fraction))
 
     def go_on_after_stop(self, now: float) -> bool:
@@ -239,23 +261,46 @@ class ManagedRobot:
             return False
         if not self.liveness.is_still(now) or self.outage not in (None, Outage.STOPPED):
             return False
-        place = self.place_at(self.record.pose)
-        held = self.record.held
+        position, held = self._where_expected()
         self.is_halted = False
-        if place is None or (
-                held and not place.touches(self.record.graph, held, self.type.play)):
-            edges = ', '.join(map(str, held))
-            self.fail(Outage.TAKEN_OVER, f'it was stopped on its way over the edges {edges}, but '
-                                         f'is {f"at {place}" if place else "off the graph"}')
+        if position is None:
+            self.notice(Sign.TAKEN, f'it was stopped on its way over the edges {held}, but is '
+                                    f'{self._whereabouts()}')
         else:
-            self.client.settle(place)
-            self.outage, self.why = None, ''
+            self.client.settle(position)
+            self.notice(Sign.STANDS)
         return True
+
+    def _link_is_back(self) -> None:
+        position, held = self._where_expected()
+        if position is None:
+            self.notice(Sign.TAKEN, f'it was expected on the edges {held}, but is '
+                                    f'{self._whereabouts()}')
+        else:
+            self.client.settle(position)
+            self.notice(Sign.LINK_BACK)
+            self._refusals = 0
+
+    def _where_expected(self) -> Tuple[Optional[GraphPosition], str]:
+        """Where it stands, if that is on what it holds; and the edges that it holds, in words."""
+        position, held = self.position_at(self.record.pose), self.record.held
+        if position is not None and held and not position.touches(self.record.graph, held,
+                                                                  self.type.play):
+            position = None
+        return position, ', '.join(map(str, held))
+
+    def _whereabouts(self) -> str:
+        position = self.position_at(self.record.pose)
+        return f'at {position}' if position else 'off the graph'
+
+    # -- people -----------------------------------------------------------------------------------
 
     def not_back_yet(self, now: float) -> str:
         """Why a person cannot put it back into service now; empty: they can, or it works."""
         if self.works:
             return ''
+        if self.outage is Outage.ABSENT:
+            return f'{self.name} was declared absent: switch it on, and it is back'
         if now - self.liveness.seen > SILENCE or self.outage is Outage.DEAF:
             return f'{self.name} does not report or answer: mend its link first'
         if self.client.order is not None or not self.liveness.is_still(now):
@@ -263,37 +308,34 @@ class ManagedRobot:
                     'locations are old: try again in a moment')
         return ''
 
-    def come_back(self, place: Optional[Place]) -> str:
-        """It works again, from where it is; returns why not, or nothing.
-
-        Without `needs_person` it must stand where it was expected to be.
-        """
-        if place is None:
+    def come_back(self) -> str:
+        """A person says that it works again, from where it is; returns why not, or nothing."""
+        position = self.position_at(self.record.pose)
+        if position is None:
             return f'{self.name} is off the graph: bring it onto an edge'
-        expected = self.record.held
-        if self.outage is Outage.LOST_LINK and expected and not place.touches(
-                self.record.graph, expected, self.type.play):
-            self.fail(Outage.TAKEN_OVER, f'it was expected elsewhere, but is at {place}')
-            return self.why
-        self.client.settle(place)
-        self.outage, self.why = None, ''
+        self.client.settle(position)
+        self.notice(Sign.BROUGHT_IN)
         self.is_halted = False
         self._refusals = 0
         return ''
 
-    def blocked(self) -> Tuple[Tuple[int, ...], Tuple[int, ...]]:
-        """Vertices and edges on which it may be while nobody can plan for it."""
-        record = self.record
-        vertices, edges = set(), {abs(edge) for edge in record.held}
-        reported = place_of(record.pose, record.graph) or record.lost_at
-        for place in (record.place, reported):
-            if place is not None and (not record.ahead or place is not record.place):
-                if place.vertex is not None:
-                    vertices.add(place.vertex)
-                else:
-                    edges.add(abs(place.edge))
-        return tuple(sorted(vertices)), tuple(sorted(edges))
+    def declare_absent(self, now: float) -> str:
+        """A person says that it is not on the site; returns why that cannot be, or nothing."""
+        if self.liveness.is_seen and now - self.liveness.seen <= SILENCE:
+            return f'{self.name} reports: switch it off first'
+        self.client.declare_absent(now)
+        self.notice(Sign.DECLARED_ABSENT, 'it was declared absent')
+        self.is_halted = self.comes_to_rest = False
+        self.dock = None
+        self.liveness = Liveness()
+        return ''
+
+    @property
+    def knowledge(self) -> Knowledge:
+        """What is known of where it is."""
+        return self.client.allocation.knowledge
 
 
-def _is_dock(place: Optional[Place], graph: Graph) -> bool:
-    return place is not None and place.vertex is not None and graph.vertices[place.vertex].dock
+def _is_dock(position: Optional[GraphPosition], graph: Graph) -> bool:
+    return (position is not None and position.vertex is not None
+            and graph.vertices[position.vertex].dock)

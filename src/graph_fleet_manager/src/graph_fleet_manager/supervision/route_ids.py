@@ -26,6 +26,18 @@ class RouteIds:
         self.reserved = self._given + RESERVED
         journal.store(values=self.values)
 
+    def is_unknown(self, route_id: int) -> bool:
+        """Was this id given by a supervisor with a later journal?
+
+        An id far beyond all that were given is one of another program.
+        """
+        return self._given < route_id <= self._given + 2 * RESERVED and not is_past(route_id)
+
+    def skip(self, route_id: int) -> None:
+        """Ids up to this one were given, though the journal does not have that."""
+        self._given = max(self._given, route_id) + RESERVED
+        self.reserved = self._given + RESERVED
+
     @property
     def values(self) -> Dict[str, int]:
         """What the journal is to store."""

@@ -6,17 +6,24 @@ the answer is given; where the disk cannot be written, only stops and cuts are.
 """
 from __future__ import annotations
 
-from typing import Dict, Iterable, List, Mapping, Tuple
+from typing import Dict, Iterable, List, Mapping, Optional, Tuple
 
 from graph_fleet_manager.fleet import Fleet
+from graph_fleet_manager.interlocking.interlocking import InterlockedRobot, Interlocking
+from graph_fleet_manager.interlocking.reports import (
+    Report,
+    WrongReport,
+    check_report,
+    old_location,
+)
+from graph_fleet_manager.interlocking.stop_gate import StopGate
 from graph_fleet_manager.planning.road_network import RoadNetwork
 from graph_fleet_manager.planning.tasks import Outcome
 from graph_fleet_manager.supervision import mission_commands, mission_progress
 from graph_fleet_manager.supervision.actions import Action, TellStatus
 from graph_fleet_manager.supervision.charging import ChargeQueue
-from graph_fleet_manager.supervision.errands import Errand, errand_of
-from graph_fleet_manager.supervision.fleet_stop import FleetStop
-from graph_fleet_manager.supervision.journal import Journal, JournalUnavailable
+from graph_fleet_manager.supervision.duties import Errand, errand_of
+from graph_fleet_manager.supervision.journal import STOPPED, Journal, JournalUnavailable
 from graph_fleet_manager.supervision.liveness import SILENCE
 from graph_fleet_manager.supervision.missions import (
     Acceptance,
@@ -28,16 +35,18 @@ from graph_fleet_manager.supervision.missions import (
 )
 from graph_fleet_manager.supervision.networks import Networks
 from graph_fleet_manager.supervision.outage_watch import OutageWatch
-from graph_fleet_manager.supervision.outages import Outage
+from graph_fleet_manager.supervision.outages import Outage, Sign
 from graph_fleet_manager.supervision.outbox import Outbox
 from graph_fleet_manager.supervision.plan_executor import PlanExecutor
-from graph_fleet_manager.supervision.reports import (
-    Report,
-    WrongReport,
-    check_report,
-    old_location,
+from graph_fleet_manager.supervision.questions import World
+from graph_fleet_manager.supervision.restoring import (
+    RemovedRobot,
+    is_same,
+    removed_of,
+    robots_of,
 )
-from graph_fleet_manager.supervision.restoring import robots_of
+from graph_fleet_manager.supervision.robots import ManagedRobot
+from graph_fleet_manager.supervision.route_ids import RouteIds, is_past
 from graph_fleet_manager.supervision.settings import RobotSettings
 from graph_fleet_manager.supervision.waiting_missions import WaitingMissions
 from trajectory_graph import Graph
@@ -52,19 +61,34 @@ class Supervisor:
     """
 
     def __init__(self, graph: Graph, fleet: Fleet, settings: Mapping[str, RobotSettings],
-                 journal: Journal, now: float, rate: float = 1.0) -> None:
-        self.robots = robots_of(fleet, settings, graph, journal.robots())
+                 journal: Journal, now: float, rate: float = 1.0,
+                 gate: Optional[StopGate] = None) -> None:
+        self.gate = gate or StopGate()
         self.networks = Networks(graph, fleet, rate)
+        memories, before = journal.robots(), journal.graph()
+        self.robots = robots_of(fleet, settings, graph, memories, before, now)
+        self.removed: Dict[str, RemovedRobot] = removed_of(fleet, graph, memories, before, now)
+        """Robots that are not in the fleet file any more, but may be on the site."""
         self.charging = ChargeQueue(self.robots)
         self.book = MissionBook(journal.missions(), journal.last_serial() + 1)
         self._journal = journal
         self._began = now
         self._is_starting = True
+        self._is_recovering = False  # from a lost journal: nothing is granted until all stand
         self._waiting = WaitingMissions(self.book, self.robots)
-        self._out = Outbox(journal, self.book, self.robots)
-        self.plan_executor = PlanExecutor(self.robots, self._out)
-        self._stop = FleetStop(journal, self.robots, self._out)
-        self._outages = OutageWatch(self.book, self.robots, self._out, self.plan_executor)
+        self._ids = RouteIds(journal)
+        self._everywhere: Dict[str, InterlockedRobot] = {**self.robots, **self.removed}
+        self.interlocking = Interlocking(self.network.geometry, fleet.clearance, self._everywhere,
+                                         self._ids)
+        self._out = Outbox(journal, self.book, self.robots, self._everywhere, self.interlocking,
+                           self._ids)
+        self.plan_executor = PlanExecutor(self.robots, self.interlocking, self._out)
+        self._outages = OutageWatch(self.book, self.robots, self._out)
+        if journal.value(STOPPED):
+            self._close_gate()
+            self._halt(robot for robot in self.robots.values() if not robot.is_halted)
+        if before is None or not is_same(graph, before):
+            self._keep_graph(graph)
         for mission, why in mission_progress.no_longer_possible(self.book, self.acceptance):
             self.book.set(mission, MissionState.FAILED, why)
 
@@ -84,7 +108,7 @@ class Supervisor:
     @property
     def is_stopped(self) -> bool:
         """Is every robot to stand until the fleet is resumed?"""
-        return self._stop.is_in_force
+        return self.interlocking.is_stopped
 
     @property
     def acceptance(self) -> Acceptance:
@@ -113,7 +137,6 @@ class Supervisor:
             return [*actions, *self._refuse(request, self.trouble, now)]
         if mission is None and known is not None and known.serial not in self.book.changed:
             self._out.put(TellStatus(known.status))
-        self._go_on(now)
         return [*actions, *self._out.take(now)]
 
     def _refuse(self, request: Request, reason: str, now: float) -> List[Action]:
@@ -130,10 +153,11 @@ class Supervisor:
         if self.trouble and command in (Command.RESUME, Command.RELEASE):
             self._out.put(TellStatus(mission_commands.not_done(before, command, self.trouble)))
             return self._out.take(now)
-        problem = mission_commands.carry_out(command, mission, self.book, self.plan_executor)
+        problem = mission_commands.carry_out(command, mission, self.book, self.robots)
         if problem:
             self._out.note(problem)
-        self.plan_executor.replan()
+        if mission.robot:
+            self._out.robot_changed(mission.robot)
         self._go_on(now)
         actions = self._out.take(now)
         if self.trouble:
@@ -143,8 +167,9 @@ class Supervisor:
 
     # -- robots -----------------------------------------------------------------------------------
 
-    def report(self, name: str, report: Report, now: float) -> List[Action]:
-        """A robot tells where it is and how far its route is."""
+    def report(self, name: str, report: Report, now: float,
+               arrived: Optional[float] = None) -> List[Action]:
+        """A robot tells where it is and how far its route is; `arrived`: when the report came."""
         robot = self.robots[name]
         try:
             check_report(report, self.network.graph)
@@ -154,26 +179,55 @@ class Supervisor:
         self._out.note_state(name, '', f'The reports of {name} make sense again.')
         self._out.note_state(f'{name}/age', old_location(name, report),
                              f'The locations of {name} are new again.')
-        before, begun = robot.progress, robot.record.begun
-        was_seen = robot.liveness.is_seen
+        before, was_seen = robot.client.progress, robot.liveness.is_seen
         if self._is_starting and not was_seen:
-            self._stop.look_for(robot, report)
-        robot.hear(report, now)
+            self._look_at_first(robot, report)
+        robot.hear(report, now if arrived is None else arrived)
         robot.begin_elsewhere()
-        if robot.record.begun != begun or was_seen != robot.liveness.is_seen:
-            self.plan_executor.forget_plan_of(name)
         if robot.client.to_order_anew:
-            robot.client.try_again(self._out.new_id, robot.client.to_order_anew)
+            self.interlocking.grant_again(robot, robot.client.to_order_anew)
         if robot.drives_on(report):
             robot.client.halt(self._out.new_id)
             self._out.send()
         self.networks.learn(robot, now)
-        if before != robot.progress:
+        if before != robot.client.progress:
             self._out.robot_changed(name)
             if mission_progress.follow(self.book, robot, now):
                 self._go_on(now)
+        self._separate(robot)
         self._outages.look()
         return self._out.take(now)
+
+    def _look_at_first(self, robot: ManagedRobot, report: Report) -> None:
+        """Looks for a stop past a supervisor that hung, and for a journal that is not the last."""
+        if self.is_stopped or robot.client.is_stopping:
+            return
+        if is_past(report.route_id):
+            self._out.note(f'{robot.name} was stopped past a fleet manager that hung and was '
+                           'ended: the fleet is stopped until it is resumed.', True)
+            self._stop()
+        elif self._ids.is_unknown(report.route_id):
+            self._ids.skip(report.route_id)
+            if report.is_running:
+                self._out.note(f'{robot.name} drives route {report.route_id}, which the journal '
+                               'does not know: it was lost, or an older one was brought back. All '
+                               'robots are stopped, and go on once all stand.', True)
+                self._is_recovering = True
+                self._halt(self.robots.values())
+                self._out.send()
+
+    def _separate(self, robot: ManagedRobot) -> None:
+        """Stops two robots that evidence shows to be where they exclude each other."""
+        if not robot.client.is_by_evidence:
+            return
+        other = self.interlocking.excluding(robot.name)
+        for one, near in ((robot.name, other), (other, robot.name)):
+            mine = self.robots.get(one)
+            if other and mine is not None and mine.notice(
+                    Sign.EXCLUDED, f'it is too near to {near}: move one of them by hand'):
+                mine.client.halt(self._out.new_id)
+                self._out.robot_changed(one)
+                self._out.send()
 
     def refusal(self, name: str, refusal: RouteRefusal, now: float,
                 stamp: float = 0.0) -> List[Action]:
@@ -193,11 +247,13 @@ class Supervisor:
         self.robots[name].battery.tell(charge, now)
         return self._out.take(now)
 
+    # -- people -----------------------------------------------------------------------------------
+
     def take_out(self, name: str, now: float) -> List[Action]:
         """Takes a robot out of service: it stops where it is."""
         robot = self.robots[name]
         robot.client.halt(self._out.new_id)
-        robot.fail(Outage.OUT_OF_SERVICE, 'it was taken out of service')
+        robot.notice(Sign.TAKEN_OUT, 'it was taken out of service')
         self._out.robot_changed(name)
         self._outages.look()
         self._go_on(now)
@@ -209,28 +265,75 @@ class Supervisor:
         if self.is_stopped:
             return 'the fleet is stopped: resume it first', self._out.take(now)
         problem = robot.not_back_yet(now)
-        if problem or (robot.outage is None and not robot.is_halted):
-            return problem, self._out.take(now)
-        problem = robot.come_back(robot.place_at(robot.record.pose))
-        self.plan_executor.forget_plan_of(name)
-        self._outages.look()
-        self._go_on(now)
+        if not problem and not robot.works:
+            problem = robot.come_back() or self._still_too_near(robot)
+            self._out.robot_changed(name)
+            self._outages.look()
+            self._go_on(now)
         return problem, self._out.take(now)
+
+    def _still_too_near(self, robot: ManagedRobot) -> str:
+        other = self.interlocking.excluding(robot.name)
+        if other:
+            robot.notice(Sign.EXCLUDED, f'it is too near to {other}: move one of them by hand')
+        return f'{robot.name} is too near to {other}: move one of them by hand' if other else ''
+
+    def declare_absent(self, name: str, now: float) -> Tuple[str, List[Action]]:
+        """A person says that a robot is not on the site; also tells why not, or nothing."""
+        problem = ''
+        if name in self.robots:
+            problem = self.robots[name].declare_absent(now)
+        elif self.removed.pop(name, None) is not None:
+            del self._everywhere[name]
+            self.interlocking.forget(name)
+        if not problem:
+            self._out.robot_changed(name)
+            self._outages.look()
+            self._go_on(now)
+        return problem, self._out.take(now)
+
+    @property
+    def unknown(self) -> List[str]:
+        """Robots of which it is not known where they are: nothing is granted because of them."""
+        return self.interlocking.unknown_robots
 
     def stop_fleet(self, now: float) -> List[Action]:
         """Every robot gets an empty route at once, planner or not."""
-        self._stop.stop()
+        self._stop()
         return self._out.take(now)
 
-    def resume_fleet(self, now: float) -> Tuple[List[str], List[Action]]:
+    def _stop(self) -> None:
+        self._close_gate()
+        self._out.value_changed(STOPPED, 1)
+        self._halt(self.robots.values())
+        self._out.send()
+
+    def _close_gate(self) -> None:
+        self.interlocking.is_stopped = True
+        if not self.gate.is_closed:
+            self.gate.close()
+
+    def _halt(self, robots: Iterable[ManagedRobot]) -> None:
+        for robot in robots:
+            robot.client.halt(self._out.new_id)
+            robot.is_halted = True
+            self._out.robot_changed(robot.name)
+
+    def resume_fleet(self, now: float,
+                     ticket: Optional[int] = None) -> Tuple[List[str], List[Action]]:
         """Every robot goes on from where it is; also names those for which a person must look.
 
         One that has not obeyed the stop yet goes on once it has.
+
+        ticket -- the gate's, when the person said so: a later stop wins
         """
-        self._stop.end()
+        if not self.gate.open(self.gate.ticket if ticket is None else ticket):
+            return ['the fleet was stopped again meanwhile'], self._out.take(now)
+        self.interlocking.is_stopped = False
+        self._out.value_changed(STOPPED, 0)
         self._go_on(now)
         problems = [f'{robot.name}: {robot.why}' for robot in self.robots.values()
-                    if robot.outage is not None and robot.outage.needs_person]
+                    if robot.needs_person]
         actions = self._out.take(now)
         if self.trouble:
             problems.insert(0, f'robots go on only once that is stored: {self.trouble}')
@@ -239,15 +342,15 @@ class Supervisor:
     # -- the graph and the plan -------------------------------------------------------------------
 
     def close_edges(self, edges: Iterable[int], now: float) -> List[Action]:
-        """Edges not to be used from now on; what is released already is driven to its end."""
+        """Edges not to be used from now on; what is granted already is driven to its end."""
         if self.networks.close(edges):
-            self.plan_executor.replan()
+            self.interlocking.closed = self.network.closed
             self._go_on(now)
         return self._out.take(now)
 
     def plan_made(self, number: int, outcome: Outcome, now: float) -> List[Action]:
-        """The planner's answer; one that does not fit what is released by now is left out."""
-        if self.plan_executor.plan_made(number, outcome):
+        """The planner's answer; one that does not serve by now is ignored."""
+        if self.plan_executor.plan_made(number, outcome, self._world()):
             self._go_on(now)
         return self._out.take(now)
 
@@ -255,6 +358,12 @@ class Supervisor:
         """The planner could not answer; the plan in force stays."""
         self.plan_executor.plan_failed(number, reason)
         return self._out.take(now)
+
+    def _keep_graph(self, graph: Graph) -> None:
+        """What robots hold from now on is described by this graph; what they held is as areas."""
+        self._out.graph_changed(graph)
+        for name in self._everywhere:
+            self._out.robot_changed(name)
 
     # -- what goes on -----------------------------------------------------------------------------
 
@@ -269,32 +378,47 @@ class Supervisor:
         return {name: errand_of(missions.get(name), robot.dock)
                 for name, robot in self.robots.items()}
 
+    def _world(self) -> World:
+        return World(self.robots, self.errands(), self.network)
+
     def _go_on(self, now: float) -> None:
         for robot in self.robots.values():
-            robot.look(now)
+            if robot.look(now):
+                self._out.robot_changed(robot.name)
+                self._separate(robot)
             mission_progress.follow(self.book, robot, now)
-            if not self.trouble and robot.try_after_stop(now, self._out.new_id,
-                                                         self.network.graph):
+            again = robot.wants_to_go_on(now)
+            if again and self.interlocking.grant_again(robot, again) is None:
                 self._out.robot_changed(robot.name)
             if not self.is_stopped and robot.go_on_after_stop(now):
-                self.plan_executor.forget_plan_of(robot.name)
+                self._out.robot_changed(robot.name)
+        self._shorten()
         self._outages.look()
         self._out.send()
         if self._is_starting:
-            self._is_starting = (not all(r.liveness.is_seen for r in self.robots.values())
-                                 and now - self._began < SILENCE)
+            self._is_starting = (now - self._began < SILENCE and not all(
+                robot.liveness.is_seen or robot.outage is Outage.ABSENT
+                for robot in self.robots.values()))
         if self.is_stopped:
             self._waiting.hold('the fleet is stopped')
-        elif self._is_starting or self.trouble:
-            self.plan_executor.shorten()
-        if self._is_starting or self.is_stopped or self.trouble:
+        self._is_recovering &= any(robot.is_halted and robot.outage is None
+                                   for robot in self.robots.values())
+        if self._is_starting or self._is_recovering or self.is_stopped or self.trouble:
             return
-        self.plan_executor.give_up_waiting(now)
         busy = {m.robot for m in self.book.open if m.robot}
         for name in self.charging.update(busy, self._waiting.short, self.network, now):
             self._out.robot_changed(name)
-            self.plan_executor.replan()
         for name in self._waiting.assign(self.acceptance, self.networks, now):
-            self.plan_executor.begin_mission(name)
             mission_progress.follow(self.book, self.robots[name], now)
-        self.plan_executor.go_on(self.errands(), self.network, now)
+        self.plan_executor.go_on(self._world(), now)
+
+    def _shorten(self) -> None:
+        """A robot that is to come to rest gets no farther than the end of its edge."""
+        if self.is_stopped:
+            return
+        for name, robot in self.robots.items():
+            if not robot.comes_to_rest or not (robot.works or robot.client.order):
+                continue  # an order that was not heard yet must not be heard as it was
+            if not robot.client.shorten(self._out.new_id):
+                robot.comes_to_rest = False
+            self._out.robot_changed(name)

@@ -38,7 +38,7 @@ class WaitingMissions:
         busy = {m.robot for m in self._book.open if m.robot}
         free = {name: robot for name, robot in self._robots.items()
                 if robot.works and name not in busy and robot.is_charged
-                and (robot.record.held or robot.record.place is not None)}
+                and (robot.record.held or robot.record.position is not None)}
         question = (tuple(m.serial for m in pending), tuple(free))
         if question == self._looked[0] and now - self._looked[1] < AGAIN:
             return []

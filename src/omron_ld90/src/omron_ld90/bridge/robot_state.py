@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import Dict, Iterable, Optional, Tuple
 
 from omron_ld90.bridge.events import Link, LinkReported
-from trajectory_graph.route_protocol import NO_REASON, Reason, ReasonCode
 
 NANOSECONDS = 1e-9
 CLOCK_SET_BACK = 5_000_000_000  # ns: an older stamp than the last by more than this is no late one
@@ -19,12 +18,11 @@ NODE_SILENCE = 2.0              # s without a report, which comes every second: 
 
 @dataclass(frozen=True)
 class Located:
-    """A place (m, map frame) that the robot reported; `heading` is NaN where it told none."""
+    """A place (m, map frame) that the robot reported."""
 
     stamp: int
     x: float
     y: float
-    heading: float = math.nan
 
     @property
     def position(self) -> Tuple[float, float]:
@@ -82,7 +80,7 @@ class _LinkState:
 
 
 class RobotLinks:
-    """The links to the robot.
+    """The links to the robot; an empty text is no reason.
 
     A link that its node reports as down is lost after `link_timeout` (s). A node that no longer
     reports is being restarted or stands still: it, and its link after it, get `restart_timeout`.
@@ -109,19 +107,18 @@ class RobotLinks:
         state = self._links.get(link)
         return -math.inf if state is None else state.changed
 
-    def why_unusable(self, now: float) -> Reason:
+    def why_unusable(self, now: float) -> str:
         """Why the robot cannot be driven at this moment."""
         for link, state in self._links.items():
             if state.heard is None:
-                return Reason(ReasonCode.NOT_READY,
-                              f'nothing is known of the link {link.value}')
+                return f'nothing is known of the link {link.value}'
             if state.node_is_away(now) and state.up:
                 return _node_is_away(link, now - state.heard)
             if not state.up:
-                return _lost(link, state.reason)
-        return NO_REASON
+                return f'lost link: {link.value}: {state.reason}'
+        return ''
 
-    def why_lost(self, now: float) -> Reason:
+    def why_lost(self, now: float) -> str:
         """Why a link must be given up."""
         for link, state in self._links.items():
             if state.heard is None:
@@ -132,13 +129,9 @@ class RobotLinks:
                     return _node_is_away(link, away)
             elif not state.up and now > max(state.changed + self._link_timeout,
                                             state.spared_until):
-                return _lost(link, state.reason)
-        return NO_REASON
+                return f'lost link: {link.value}: {state.reason}'
+        return ''
 
 
-def _node_is_away(link: Link, seconds: float) -> Reason:
-    return _lost(link, f'its node has reported nothing for {seconds:.0f} s')
-
-
-def _lost(link: Link, why: str) -> Reason:
-    return Reason(ReasonCode.LOST_LINK, f'lost link: {link.value}: {why}')
+def _node_is_away(link: Link, seconds: float) -> str:
+    return f'lost link: {link.value}: its node has reported nothing for {seconds:.0f} s'

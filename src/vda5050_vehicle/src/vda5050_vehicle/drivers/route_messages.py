@@ -4,8 +4,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Tuple
 
-from trajectory_graph.route_protocol import NO_REASON, Reason
-
 
 @dataclass(frozen=True)
 class RouteCommand:
@@ -27,7 +25,7 @@ class RouteReport:
     states: Tuple[int, ...]
     edge: int
     percentage: float
-    reason: Reason = NO_REASON
+    reason: str = ''
 
 
 @dataclass(frozen=True)

@@ -5,17 +5,23 @@ import math
 from dataclasses import dataclass
 from typing import Optional, Tuple
 
+from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.geometry.areas import Point
 from trajectory_graph import Graph
-from trajectory_graph.route_protocol import NO_REASON, EdgeState, Location, Reason
+from trajectory_graph.route_protocol import EdgeState
 
-LONGEST = 1000  # edges in a route; more is a mistake or an attack
-NEAR = 0.3      # m from a vertex at which a robot counts as standing on it
-_OLD = 10.0     # s that a location may be old as it arrives
+LONGEST = 1000     # edges in a route; more is a mistake or an attack
+NEAR = 0.3         # m from a vertex at which a robot stands on it at most, whatever its play
+AT_VERTEX = 0.02   # m from a vertex at which a robot that follows its edges exactly stands on it
+TREMBLE = 0.05     # m by which the location of a robot that stands may change
+CLOCK_ERROR = 0.2  # s by which a robot's clock may differ; `peer_watch` warns from there on
+_OLD = 10.0        # s that a location may be old as it arrives
+_OVERTAKEN = 10.0  # s: a report that is older than the last by more tells of a clock set back
 
 
 @dataclass(frozen=True)
 class Pose:
-    """Place on the graph: fraction (0..1) along the driving direction of a signed edge."""
+    """Where a robot reports to be: fraction (0..1) along the driving direction of a signed edge."""
 
     edge: int = 0  # 0 = off the graph
     fraction: float = 0.0
@@ -28,11 +34,11 @@ def distance(graph: Graph, one: Pose, other: Pose) -> float:
         return abs(one.fraction - other.fraction) * length
     if not (one.edge and other.edge):
         return math.inf
-    (x, y), (other_x, other_y) = _point(graph, one), _point(graph, other)
-    return math.hypot(x - other_x, y - other_y)
+    return math.dist(point_of(graph, one), point_of(graph, other))
 
 
-def _point(graph: Graph, pose: Pose) -> Tuple[float, float]:
+def point_of(graph: Graph, pose: Pose) -> Point:
+    """x, y in m of a pose on the graph."""
     curve = graph.curve(pose.edge)
     x, y = curve.point_at(pose.fraction * curve.length)
     return float(x), float(y)
@@ -43,18 +49,18 @@ class Report:
     """One report of a robot.
 
     stamp -- s, when the location that it uses was taken, by the robot's clock; 0: it had none
-    age   -- s since then as it arrived
-    location -- that location in the map frame; None: the robot does not tell it
+    age   -- s since then as it arrived; negative where the robot's clock is ahead
+    point -- the location, x, y in m; None where the robot did not tell it
     """
 
     route_id: int
     edges: Tuple[int, ...] = ()
     states: Tuple[EdgeState, ...] = ()
     pose: Pose = Pose()
-    reason: Reason = NO_REASON
+    reason: str = ''
     stamp: float = 0.0
     age: float = 0.0
-    location: Optional[Location] = None
+    point: Optional[Point] = None
 
     @property
     def completed(self) -> int:
@@ -79,6 +85,17 @@ class Report:
         """Is anything of the route still to be driven?"""
         return EdgeState.PROCESSING in self.states
 
+    @property
+    def is_ahead(self) -> bool:
+        """Is the robot's clock ahead of ours by more than clocks may differ?"""
+        return self.age < -CLOCK_ERROR
+
+    def located(self, graph: Graph) -> Optional[Point]:
+        """Where the robot is, x, y in m; None where the report does not tell it."""
+        if self.point is not None:
+            return self.point
+        return point_of(graph, self.pose) if self.pose.edge else None
+
 
 class WrongReport(Exception):
     """A report that cannot be true; the text, a clause, says why."""
@@ -98,6 +115,11 @@ def check_report(report: Report, graph: Graph) -> None:
         raise WrongReport(f'it is on edge {report.pose.edge}, which the graph does not have')
 
 
+def is_overtaken(stamp: float, last: float) -> bool:
+    """Was what has this stamp overtaken by what has the stamp `last`? Both by the robot's clock."""
+    return 0.0 < last - stamp < _OVERTAKEN
+
+
 def old_location(name: str, report: Report) -> str:
     """What is to be said of a robot whose location was old as it arrived; empty: it was not."""
     if report.age <= _OLD:
@@ -107,7 +129,7 @@ def old_location(name: str, report: Report) -> str:
 
 
 @dataclass(frozen=True)
-class Place:
+class GraphPosition:
     """Where a robot stands: on a vertex, or at a fraction of a signed edge."""
 
     vertex: Optional[int] = None
@@ -115,9 +137,16 @@ class Place:
     fraction: float = 0.0
 
     def is_on(self, graph: Graph) -> bool:
-        """Does a graph have this place?"""
+        """Does a graph have this position?"""
         return abs(self.edge) in graph.edges if self.vertex is None else (
             self.vertex in graph.vertices)
+
+    def point(self, graph: Graph) -> Point:
+        """x, y in m."""
+        if self.vertex is None:
+            return point_of(graph, Pose(self.edge, self.fraction))
+        vertex = graph.vertices[self.vertex]
+        return vertex.x, vertex.y
 
     def distance(self, graph: Graph, pose: Pose) -> float:
         """Metres from there to a pose, along their edge or straight; infinite from off the graph.
@@ -126,8 +155,7 @@ class Place:
             return distance(graph, Pose(self.edge, self.fraction), pose)
         if not pose.edge:
             return math.inf
-        vertex, (x, y) = graph.vertices[self.vertex], _point(graph, pose)
-        return math.hypot(x - vertex.x, y - vertex.y)
+        return math.dist(self.point(graph), point_of(graph, pose))
 
     def touches(self, graph: Graph, edges: Tuple[int, ...], play: float = 0.0) -> bool:
         """Is it on one of these edges, or at an end of one?
@@ -138,7 +166,7 @@ class Place:
         if self.vertex is None:
             if abs(self.edge) in map(abs, edges):
                 return True
-            here = _point(graph, Pose(self.edge, self.fraction))
+            here = self.point(graph)
             return any(graph.curve(e).project(*here).distance <= 2.0 * play for e in edges)
         return any(self.vertex in (graph.edge(e).origin, graph.edge(e).destination) for e in edges)
 
@@ -148,15 +176,20 @@ class Place:
         return f'{100.0 * self.fraction:.0f} % of edge {self.edge}'
 
 
-def place_of(pose: Pose, graph: Graph, near: float = NEAR) -> Optional[Place]:
-    """The place that a pose means: a vertex within `near` m of it; None off the graph."""
+def nearness(kind: RobotType) -> float:
+    """m from a vertex at which a robot of this type stands on it."""
+    return min(kind.play + AT_VERTEX, NEAR)
+
+
+def position_of(pose: Pose, graph: Graph, near: float) -> Optional[GraphPosition]:
+    """The position that a pose means: a vertex within `near` m of it; None off the graph."""
     if not pose.edge:
         return None
     length = graph.curve(pose.edge).length
     from_end = (1.0 - pose.fraction) * length
     near_end, near_start = from_end <= near, length - from_end <= near
     if near_end and (not near_start or pose.fraction > 0.5):
-        return Place(vertex=graph.end_vertex(pose.edge).id)
+        return GraphPosition(vertex=graph.end_vertex(pose.edge).id)
     if near_start:
-        return Place(vertex=graph.start_vertex(pose.edge).id)
-    return Place(edge=pose.edge, fraction=pose.fraction)
+        return GraphPosition(vertex=graph.start_vertex(pose.edge).id)
+    return GraphPosition(edge=pose.edge, fraction=pose.fraction)

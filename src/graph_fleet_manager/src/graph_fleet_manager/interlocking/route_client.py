@@ -1,44 +1,148 @@
 """The fleet manager's side of the route protocol, for one robot: orders out, reports in.
 
-What the robot holds by them is its record; a route is a part of that, under an id.
+What the robot holds by them is its route record; a route is a part of that, from its *base* on,
+under an id. With what else reports tell they make the robot's allocation.
 """
 from __future__ import annotations
 
-from typing import Callable, Optional, Sequence
+from typing import Callable, Dict, Optional, Sequence, Set, Tuple
 
-from graph_fleet_manager.supervision.ordered_routes import OrderedRoutes
-from graph_fleet_manager.supervision.orders import Heard, Order, Sending, is_on
-from graph_fleet_manager.supervision.reports import Place, Report, place_of
-from graph_fleet_manager.supervision.route_record import RouteRecord
-from trajectory_graph.route_protocol import Reason, ReasonCode, RouteRefusal
+from graph_fleet_manager.geometry.areas import Area
+from graph_fleet_manager.interlocking.allocation import Allocation, Hold, Knowledge
+from graph_fleet_manager.interlocking.evidence import Evidence
+from graph_fleet_manager.interlocking.orders import Heard, Memory, Order, Sending, is_on
+from graph_fleet_manager.interlocking.pending_order import PendingOrder
+from graph_fleet_manager.interlocking.reports import (
+    TREMBLE,
+    GraphPosition,
+    Report,
+    is_overtaken,
+    position_of,
+)
+from graph_fleet_manager.interlocking.route_record import RouteRecord
+from trajectory_graph.route_protocol import RouteRefusal
 
 NEW_ID_AFTER = 50  # edges
-_OVERTAKEN = 10.0  # s: a report that is older than the last by more tells of a clock set back
-_SAID_NONE = Reason(ReasonCode.OTHER, 'it gave no reason')
 
 NewId = Callable[[], int]
 """Gives a route id that was never used."""
 
 
-class RouteClient(OrderedRoutes):
+class RouteClient:
     """Orders routes, repeats what is not acknowledged, and follows the reports on a record."""
 
     def __init__(self, record: RouteRecord) -> None:
-        super().__init__(record)
+        self.record = record
+        self.evidence = Evidence(record.kind)
+        self.route_id = 0
+        self.over = True
+        """The last route cannot be extended: another one needs another id."""
+        self.to_order_anew = 0
+        """So many edges were under way before a restart, on a route that cannot be repeated."""
+        self._pending = PendingOrder()
+        self._bases: Dict[int, int] = {}
+        self._acknowledged: Set[int] = set()
+        self._ended: Set[int] = set()
+        self._reported = 0
+        self._withdrawn: Optional[int] = None  # id of an order that may reach the robot yet
+        self._ordered: Optional[int] = None  # before a restart, if it was less than the record
         self._awaits_report = False
         self._refused_at = 0.0  # by the robot's clock: reports of before do not tell what it has
         self._cut_refused = 0  # number behind the last edge of a shorter route that it refused
         self._stamp = 0.0
+        self._allocation: Optional[Allocation] = None
+
+    # -- what is known ----------------------------------------------------------------------------
+
+    @property
+    def order(self) -> Optional[Order]:
+        """What is not acknowledged yet."""
+        return self._pending.order
+
+    @property
+    def is_stopping(self) -> bool:
+        """Was it told to stop, without an answer yet?"""
+        return self._pending.is_stop
+
+    @property
+    def is_new_motion(self) -> bool:
+        """Is the order one that was never sent, and lets the robot drive?"""
+        return self._pending.is_new_motion
+
+    @property
+    def takes_away(self) -> bool:
+        """Does the order stop the robot, or cut its route short?"""
+        return self._pending.takes_away
 
     @property
     def is_ready(self) -> bool:
         """May it be given more? Not while it is being shortened, or after a refusal."""
         return not self._awaits_report and (self.order is None or not self._is_shorter(self.order))
 
+    @property
+    def clock_is_off(self) -> bool:
+        """Is the robot's clock so far ahead that the age of its locations is not known?"""
+        return self.evidence.clock_is_off
+
+    @property
+    def allocation(self) -> Allocation:
+        """All that the robot may occupy or still reach; the same object until that changes."""
+        if self._allocation is None:
+            self._allocation = self._allocated()
+        return self._allocation
+
+    @property
+    def is_by_evidence(self) -> bool:
+        """Does anything but grants tell where the robot is?"""
+        return bool(self.evidence.areas or self.evidence.foreign) or (
+            self.record.position is not None and self.record.position.vertex is None)
+
+    @property
+    def progress(self) -> Tuple[object, ...]:
+        """What of a report must outlive a restart: when it changes, all is to be stored."""
+        record = self.record
+        return (record.done, record.end, record.generation, record.tail, self.over,
+                self.is_stopping, self.evidence.memory._replace(location=None))
+
+    def _allocated(self) -> Allocation:
+        record, evidence = self.record, self.evidence
+        if evidence.is_absent:
+            return Allocation(record.kind, Knowledge.ABSENT)
+        areas, holds = list(evidence.areas), record.holds
+        standing = None if record.ahead else record.position
+        if standing is not None and standing.vertex is None:
+            areas.append(Area((standing.point(record.graph),)))
+        holds += tuple(Hold(edge) for edge in evidence.foreign if abs(edge) in record.graph.edges)
+        is_known = bool(holds or areas or standing is not None)
+        return Allocation(record.kind, Knowledge.KNOWN if is_known else Knowledge.UNKNOWN, holds,
+                          standing.vertex if standing is not None else None, tuple(areas))
+
+    def _changed(self) -> None:
+        self._allocation = None
+
+    # -- routes and their ids ---------------------------------------------------------------------
+
+    def _begin(self, route_id: int) -> None:
+        kept = (self.route_id, self._reported)
+        self._bases = {id: base for id, base in self._bases.items() if id in kept}
+        self._bases[route_id] = self.record.done
+        self.route_id = route_id
+        self.over = False
+        self._withdrawn = None
+
+    def _order_until(self, end: int, takes_away: bool = False) -> None:
+        """Orders the track up to there, from where the route begins."""
+        base = self._bases[self.route_id]
+        self._pending.give(Order(self.route_id, base, self.record.part(base, end)), takes_away)
+
+    def _is_shorter(self, order: Order) -> bool:
+        return order.end < self.record.end
+
     # -- orders -----------------------------------------------------------------------------------
 
     def extend(self, edges: Sequence[int], new_id: NewId, renew: bool = False) -> None:
         """Lets the robot drive more edges; `renew`: under a new id, as for another mission."""
+        self._changed()
         if renew or self.over or self.record.end - self._bases[self.route_id] >= NEW_ID_AFTER:
             self._begin(new_id())
         self.record.append(edges)
@@ -49,6 +153,7 @@ class RouteClient(OrderedRoutes):
 
         Where it refuses, as it cannot brake in time, at the end of the next one.
         """
+        self._changed()
         if self.is_new_motion and self.record.told <= self.record.done:
             self.record.cut(self.record.done)  # it was never told of all this
             self._pending.drop()
@@ -91,11 +196,13 @@ class RouteClient(OrderedRoutes):
         return (report.is_running and report.route_id == self._withdrawn
                 and not self.is_stopping)
 
-    def settle(self, place: Optional[Place]) -> None:
+    def settle(self, position: Optional[GraphPosition]) -> None:
         """The robot stands here, and holds nothing else any more."""
+        self._changed()
+        self.evidence.settle()
         self._ended = {*self._bases, self.route_id}
         self._bases = {}
-        self.record.settle(place)
+        self.record.settle(position)
         self.over = True
         self._pending.drop()
         self._awaits_report = False
@@ -123,6 +230,7 @@ class RouteClient(OrderedRoutes):
         An order that may still be under way to the robot is repeated until it is acknowledged; to
         one that has obeyed a stop nothing is under way.
         """
+        self._changed()
         base = self._bases.get(report.route_id)
         if base is None:
             if report.route_id in self._ended:
@@ -156,20 +264,32 @@ class RouteClient(OrderedRoutes):
             self.over = not report.is_running or report.completed > 0
         if not report.is_running:
             # One that is off the graph now is still nearest to where it was.
-            self.record.place = place_of(report.pose, self.record.graph) or self.record.place
+            record = self.record
+            record.position = position_of(report.pose, record.graph, record.near) or record.position
 
     # -- what the robot says ----------------------------------------------------------------------
 
     def take(self, report: Report) -> Heard:
         """Follows a report."""
+        if is_overtaken(report.stamp, self._stamp):
+            return Heard()
+        self._changed()
+        self._stamp, self._reported = report.stamp, report.route_id
+        record = self.record
+        record.pose = report.pose
+        if record.position is None and record.is_standing:
+            record.position = position_of(report.pose, record.graph, record.near)
+        heard = self._follow(report)
+        self.evidence.see(report, record.graph, self._covers(report), not heard.foreign)
+        heard.left = (record.is_standing and self.order is None and record.has_left()
+                      and self.evidence.is_confirmed
+                      and not (heard.failed or heard.foreign or heard.refused))
+        return heard
+
+    def _follow(self, report: Report) -> Heard:
+        """What a report tells of the routes."""
         heard, record = Heard(), self.record
-        if 0.0 < self._stamp - report.stamp < _OVERTAKEN:
-            return heard
-        self._stamp = report.stamp
-        self._reported = report.route_id
-        record.see(report.pose)
-        awaited = self._awaits_report and not (
-            0.0 < self._refused_at - report.stamp < _OVERTAKEN)
+        awaited = self._awaits_report and not is_overtaken(report.stamp, self._refused_at)
         is_known = report.route_id in self._bases
         if awaited and report.route_id != self.route_id and (is_known or not report.is_running):
             self._take_truth(report)
@@ -177,12 +297,9 @@ class RouteClient(OrderedRoutes):
         if not is_known:
             if report.is_running:
                 heard.foreign = report.route_id not in self._ended
-                return heard
-            if report.route_id not in self._ended and (
+            elif report.route_id not in self._ended and (
                     self.order is None or self.route_id in self._acknowledged):
                 self._forgotten(heard)
-            if self.order is None:
-                heard.left = record.is_standing and record.has_left()
             return heard
         base = self._bases[report.route_id]
         skipped = max(record.first - base, 0)
@@ -197,30 +314,41 @@ class RouteClient(OrderedRoutes):
         self._acknowledged = {id for id in self._acknowledged if id in self._bases}
         self._acknowledged.add(report.route_id)
         if report.route_id:
-            # It has taken up a route: who now tells of none, or of one before, has forgotten it.
+            # It has taken up a route: one that tells of none, or of one before, has forgotten it.
             self._bases.pop(0, None)
             self._ended.clear()
         if awaited:
             self._take_truth(report)
-        self._acknowledge(report)
         heard.passed = record.complete(base + report.completed)
+        self._acknowledge(report)
         if report.is_running or record.is_standing:  # else a person may drive it back again
             record.leave(report.age)
         # What belongs to a route that may still be reported is kept.
         record.forget(min([*self._bases.values(), *([self.order.base] if self.order else [])]))
         if report.is_failed:
             self.withdraw()
-            heard.failed = report.reason or _SAID_NONE
-        elif record.is_standing and self.order is None:
-            heard.left = record.has_left()
+            heard.failed = report.reason or 'it gave no reason'
         return heard
+
+    def _covers(self, report: Report) -> bool:
+        """Is the robot where its record has it, as near as it follows its edges?"""
+        record, pose = self.record, report.pose
+        if not pose.edge:
+            return False
+        held = tuple(hold.edge for hold in record.holds)
+        here = GraphPosition(edge=pose.edge, fraction=pose.fraction)
+        if held and here.touches(record.graph, held, record.kind.play):
+            return True
+        position = record.position
+        return position is None or (
+            position.distance(record.graph, pose) <= record.near + TREMBLE)
 
     def _forgotten(self, heard: Heard) -> None:
         """It was switched off and on: it would drive an extended route from its beginning."""
         self._pending.drop()
         self.over = True
         if self.record.ahead:
-            heard.failed = Reason(ReasonCode.OTHER, 'it has forgotten its route')
+            heard.failed = 'it has forgotten its route'
 
     def refuse(self, refusal: RouteRefusal, stamp: float = 0.0) -> Heard:
         """The robot did not take up an order: the next report tells what it really drives.
@@ -229,6 +357,7 @@ class RouteClient(OrderedRoutes):
                  the last report
         """
         heard = Heard()
+        self._changed()
         if self.order is not None and (refusal.route_id, refusal.edges) == (
                 self.order.route_id, self.order.edges):
             heard.was_shorter = self._pending.takes_away
@@ -236,7 +365,7 @@ class RouteClient(OrderedRoutes):
                 self._cut_refused = self.order.end
             self._pending.drop()
             self._awaits_report, self._refused_at = True, stamp or self._stamp
-            heard.refused = refusal.reason or _SAID_NONE
+            heard.refused = refusal.reason or 'it gave no reason'
         return heard
 
     def keep_after_refusal(self) -> None:
@@ -262,4 +391,63 @@ class RouteClient(OrderedRoutes):
         if order and report.route_id == order.route_id and len(report.edges) == len(order.edges):
             self._pending.drop()
             if order.edges and self._is_shorter(order):
-                self.record.cut(order.end)
+                self.record.shorten(order.end, report.age)
+
+    # -- what outlives a restart ------------------------------------------------------------------
+
+    @property
+    def memory(self) -> Memory:
+        """What `restore` needs after a restart; it is to be stored before an order is sent."""
+        record = self.record
+        bases = {id: base - record.first for id, base in self._bases.items()}
+        number, fraction = record.cleared
+        return Memory(self.route_id, tuple(record.edges), record.done - record.first, bases,
+                      record.position, self.over, tuple(sorted(self._ended)), self.is_stopping,
+                      self._shortened, (number - record.first, fraction),
+                      record.tail, self.evidence.memory)
+
+    @property
+    def _shortened(self) -> Optional[int]:
+        order = self.order
+        if order is None or not order.edges or not self._is_shorter(order):
+            return None
+        return order.end - self.record.first
+
+    def restore(self, memory: Memory, now: float = 0.0) -> None:
+        """What was known before: the robot may hold all of these edges."""
+        self._changed()
+        self.route_id, self._bases = memory.route_id, dict(memory.bases)
+        self.over, self._ended = memory.over, set(memory.ended)
+        self.record.restore(memory.edges, memory.done, memory.position, memory.cleared,
+                            memory.tail)
+        self.evidence.restore(memory.evidence, now)
+        self._ordered = memory.shortened
+        if memory.is_stopping:
+            self._pending.give(Order(self.route_id, self.record.done, ()), True)
+
+    # -- what else is known of where it is --------------------------------------------------------
+
+    def grow(self, silence: float) -> bool:
+        """Nothing was heard for so many seconds; tells whether its allocation has grown by that."""
+        grows = self.evidence.grow(silence)
+        if grows:
+            self._changed()
+        return grows
+
+    def lose(self, areas: Sequence[Area]) -> None:
+        """The graph in force lacks what the robot held, which lies there."""
+        self.evidence.lose(tuple(areas))
+        self._changed()
+
+    def declare_absent(self, now: float) -> None:
+        """A person says that the robot is not on the site."""
+        self.settle(None)
+        self.evidence.declare_absent(now)
+
+    def is_back(self, report: Report, now: float) -> bool:
+        """Ends the absence of a robot by a location that was taken since; tells whether it does."""
+        if not (self.evidence.is_absent and self.evidence.is_back(report, now)):
+            return False
+        self.evidence.is_absent = False
+        self._changed()
+        return True

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from typing import Optional
 
-from graph_fleet_manager.supervision.orders import Order, Sending
+from graph_fleet_manager.interlocking.orders import Order, Sending
 
 REPEAT = 1.0  # s after which an order that was not acknowledged is repeated
 

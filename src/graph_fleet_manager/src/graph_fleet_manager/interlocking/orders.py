@@ -4,9 +4,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
-from graph_fleet_manager.supervision.reports import Place
+from graph_fleet_manager.interlocking.evidence import EvidenceMemory
+from graph_fleet_manager.interlocking.reports import GraphPosition
 from trajectory_graph import Graph, TrajectoryGraphError, check_route
-from trajectory_graph.route_protocol import NO_REASON, Reason
 
 
 class Order(NamedTuple):
@@ -34,37 +34,49 @@ class Memory(NamedTuple):
     """What must outlive a restart; the edges of the record are counted from 0 here."""
 
     route_id: int
-    record: Tuple[int, ...]
+    edges: Tuple[int, ...]
     done: int
     bases: Mapping[int, int]
-    place: Optional[Place]
+    position: Optional[GraphPosition]
     over: bool
     ended: Tuple[int, ...] = ()
     is_stopping: bool = False
     shortened: Optional[int] = None
     """So many edges of the record are left by an order to which there was no answer yet."""
-    lost_at: Optional[Place] = None
-    """Where it was before it was off the graph, if it is."""
+    cleared: Tuple[int, float] = (0, 0.0)
+    """Edge and fraction that certainly lie behind the robot."""
+    tail: Tuple[int, ...] = ()
+    """Edges that were taken back, but may be reached before it stands."""
+    evidence: EvidenceMemory = EvidenceMemory()
+
+    @property
+    def held(self) -> Tuple[int, ...]:
+        """All edges that the robot may be on, signed."""
+        return (*self.edges[self.cleared[0]:], *self.tail, *self.evidence.foreign)
 
     def on(self, graph: Graph) -> Memory:
         """What of it is true on a graph, maybe another than when this was stored.
 
         Edges that are driven may be gone: a route that began with them goes on under another id.
-        Where more is gone no place is left, but a stop under way is, and which routes are over.
+        Where more is gone no position is left, but a stop under way is, and which routes are over.
         """
-        place, lost_at = (there if there is not None and there.is_on(graph) else None
-                          for there in (self.place, self.lost_at))
-        if is_on(graph, self.record) and place == self.place:
-            return self._replace(lost_at=lost_at)
+        position = self.position
+        if position is not None and not position.is_on(graph):
+            position = None
+        kept = self._replace(position=position, tail=tuple(
+            edge for edge in self.tail if abs(edge) in graph.edges))
+        if is_on(graph, self.edges) and position == self.position:
+            return kept
         # With a full disk more is driven than is stored. What is not driven every new graph has.
-        for done in range(self.done, len(self.record)):
-            if is_on(graph, self.record[done:]):
-                return self._replace(
-                    record=self.record[done:], done=0, place=place, lost_at=lost_at, over=True,
+        for done in range(min(self.cleared[0], self.done), len(self.edges)):
+            if is_on(graph, self.edges[done:]):
+                return kept._replace(
+                    edges=self.edges[done:], done=max(self.done - done, 0), over=True,
                     bases={id: base - done for id, base in self.bases.items()},
-                    shortened=None if self.shortened is None else self.shortened - done)
-        return self._replace(record=(), done=0, place=None, over=True, shortened=None,
-                             lost_at=lost_at, bases={self.route_id: 0} if self.is_stopping else {})
+                    shortened=None if self.shortened is None else self.shortened - done,
+                    cleared=max((self.cleared[0] - done, self.cleared[1]), (0, 0.0)))
+        return kept._replace(edges=(), done=0, position=None, over=True, shortened=None,
+                             cleared=(0, 0.0), bases={self.route_id: 0} if self.is_stopping else {})
 
 
 @dataclass
@@ -72,16 +84,16 @@ class Heard:
     """What a report told.
 
     passed  -- vertices passed since the last report, in order
-    failed  -- why the route failed; no reason: it did not
-    refused -- why an order was not taken up; no reason: it was
+    failed  -- why the route failed; empty: it did not
+    refused -- why an order was not taken up; empty: it was
     was_shorter -- that order was to end the route sooner
     foreign -- the robot drives a route that it was not given here
     left    -- nothing is to be driven, but the robot is not where its route ended
     """
 
     passed: List[int] = field(default_factory=list)
-    failed: Reason = NO_REASON
-    refused: Reason = NO_REASON
+    failed: str = ''
+    refused: str = ''
     was_shorter: bool = False
     foreign: bool = False
     left: bool = False

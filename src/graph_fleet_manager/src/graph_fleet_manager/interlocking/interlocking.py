@@ -1,0 +1,415 @@
+"""The interlocking: nothing that moves a managed robot leaves the process except by its `grant`.
+
+The idea is that of a railway: the signal box does not trust the schedule. A plan says which robot
+goes first; whether a robot may have an edge now is decided here, from allocations and gates alone.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import (
+    AbstractSet,
+    Callable,
+    Dict,
+    Iterator,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Protocol,
+    Sequence,
+    Set,
+    Tuple,
+)
+
+from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.geometry.areas import Area, are_nearer
+from graph_fleet_manager.geometry.site_geometry import SiteGeometry
+from graph_fleet_manager.interlocking.allocation import Allocation, Knowledge
+from graph_fleet_manager.interlocking.orders import Sending
+from graph_fleet_manager.interlocking.route_client import NewId, RouteClient
+
+_REMEMBERED = 1000  # areas whose places are known
+
+
+class Gate(Enum):
+    """Why something is not granted; the values are words for people."""
+
+    FLEET_STOP = 'the fleet is stopped'
+    JOURNAL = 'the journal cannot be written'
+    PERSON = 'a person must look after it'
+    CLOCK = 'its clock differs too much'
+    UNKNOWN = 'it is not known where it is'
+    UNKNOWN_ROBOT = 'it is not known where another robot is'
+    NOT_READY = 'its last order is not settled yet'
+    NOT_CONNECTED = 'its route does not lead there'
+    CLOSED_EDGE = 'an edge is closed'
+    TOO_NEAR = 'it is too near to another robot'
+    OCCUPIED = 'another robot may be there'
+
+
+class Refusal(NamedTuple):
+    """Why an edge is not granted.
+
+    edge  -- signed id of the edge that is refused
+    other -- name of the robot that is in the way, if one is
+    """
+
+    gate: Gate
+    edge: int
+    other: str = ''
+
+class InterlockedRobot(Protocol):
+    """What the interlocking must know of a robot."""
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+
+    @property
+    def type(self) -> RobotType:
+        """What it measures."""
+
+    @property
+    def client(self) -> RouteClient:
+        """Its orders, its reports, and by them its allocation."""
+
+    @property
+    def needs_person(self) -> bool:
+        """May it drive only once a person has brought it back?"""
+
+    @property
+    def is_silent(self) -> bool:
+        """Does it not report, so that it may have forgotten its route?"""
+
+
+class Claim(NamedTuple):
+    """A place of the site's geometry that a robot may be on.
+
+    forward -- an edge: is it driven in its own direction?
+    cleared -- an edge: the fraction of it, in driving direction, that lies behind the robot
+    """
+
+    place: int
+    forward: bool = True
+    cleared: float = 0.0
+
+
+@dataclass(frozen=True)
+class Grant:
+    """How many of the edges are granted, and why the next one is not (None: all are)."""
+
+    edges: Tuple[int, ...]
+    refusal: Optional[Refusal] = None
+
+
+@dataclass(frozen=True)
+class Asked:
+    """An edge that a robot wants, as the conditions see it.
+
+    edge      -- signed id; 0: all that it holds, again
+    before    -- the edge before that one, 0: it begins where the record ends
+    is_inside -- does the robot stand on it, between its ends?
+    claim     -- the part of it that the robot would hold
+    """
+
+    robot: InterlockedRobot
+    edge: int = 0
+    before: int = 0
+    is_inside: bool = False
+    claim: Claim = Claim(-1)
+
+
+class Interlocking:
+    """Grants edges to the robots of one site.
+
+    clearance -- m that stays free between any two robots
+    robots    -- all robots of which something is known, those that left the fleet file included
+    """
+
+    def __init__(self, geometry: SiteGeometry, clearance: float,
+                 robots: Mapping[str, InterlockedRobot], new_id: NewId) -> None:
+        self.is_stopped = False
+        """Is the fleet stopped?"""
+        self.trouble = ''
+        """Why the journal cannot be written, a clause; empty: it can."""
+        self.closed: AbstractSet[int] = frozenset()
+        """Ids of the edges that robots may not be sent into."""
+        self._geometry, self._clearance = geometry, clearance
+        self._robots = robots
+        self._new_id = new_id
+        self._known: Dict[str, Allocation] = {}
+        self._claims: Dict[RobotType, Dict[int, List[Tuple[str, Claim]]]] = {}
+        self._with_areas: Set[str] = set()
+        self._unknown: Set[str] = set()
+        self._near: Dict[Tuple[Area, float], Mapping[int, Tuple[float, float]]] = {}
+
+    # -- grants -----------------------------------------------------------------------------------
+
+    def grant(self, robot: InterlockedRobot, edges: Sequence[int], renew: bool = False) -> Grant:
+        """Grants as many of these edges as the robot may have now, from the first on.
+
+        What is granted is in the robot's allocation and ordered at once. It is sent only when it is
+        on the disk.
+
+        edges -- signed ids, in driving order, behind all that the robot was granted before
+        renew -- under a new route id, as for another mission
+        """
+        self._refresh()
+        refusal = first_refusal(GATES, self, Asked(robot))
+        granted: List[int] = []
+        for asked in () if refusal else self._asked(robot, edges):
+            refusal = first_refusal(CONDITIONS, self, asked)
+            if refusal is not None:
+                break
+            granted.append(asked.edge)
+        if granted:
+            robot.client.extend(granted, self._new_id, renew)
+        return Grant(tuple(granted), refusal)
+
+    def _asked(self, robot: InterlockedRobot, edges: Sequence[int]) -> Iterator[Asked]:
+        record, before = robot.client.record, 0
+        for edge in edges:
+            begun, is_inside = 0.0, False
+            if not before and record.is_standing and record.position is not None:
+                begun = record.begun(edge)
+                is_inside = record.position.vertex is None
+            yield Asked(robot, edge, before, is_inside,
+                        Claim(self._geometry.edge_place(edge), edge > 0, begun))
+            before = edge
+
+    def grant_again(self, robot: InterlockedRobot, count: int) -> Optional[Refusal]:
+        """Orders once more, under a new id, so many edges that the robot holds.
+
+        An emergency stop, or a restart, kept it from driving them.
+        """
+        self._refresh()
+        refusal = first_refusal(GATES, self, Asked(robot))
+        if refusal is None:
+            robot.client.try_again(self._new_id, count)
+        return refusal
+
+    # -- what goes out ----------------------------------------------------------------------------
+
+    def orders(self, now: float) -> List[Tuple[str, Sending]]:
+        """All orders that are due now. Stops and cuts pass no gate."""
+        found: List[Tuple[str, Sending]] = []
+        for name, robot in self._robots.items():
+            client = robot.client
+            if client.order is None or (not client.takes_away and self._is_held_back(robot)):
+                continue
+            if robot.is_silent and not client.is_stopping:
+                continue  # it may have forgotten its route, and would drive a part of it
+            sending = client.due(now)
+            if sending is not None:
+                found.append((name, sending))
+        return found
+
+    def _is_held_back(self, robot: InterlockedRobot) -> bool:
+        """Must an order that lets a robot drive wait? A repeat relies on no new word on the disk.
+        """
+        return self.is_stopped or robot.needs_person or (
+            bool(self.trouble) and robot.client.is_new_motion)
+
+    def forget(self, name: str) -> None:
+        """A robot is not among those of the site any more."""
+        before = self._known.pop(name, None)
+        if before is not None:
+            self._drop(name, before)
+        self._with_areas.discard(name)
+        self._unknown.discard(name)
+
+    # -- who is in whose way ----------------------------------------------------------------------
+
+    @property
+    def unknown_robots(self) -> List[str]:
+        """Robots that may be anywhere, so that nothing is granted."""
+        self._refresh()
+        return sorted(self._unknown)
+
+    def excluding(self, name: str) -> str:
+        """A robot whose allocation and that of this one exclude each other; empty: none."""
+        self._refresh()
+        robot, own = self._robots[name], self._known[name]
+        if own.knowledge is not Knowledge.KNOWN:
+            return ''
+        for claim in self._claims_of(own):
+            other = self.holder(robot, claim)
+            if other:
+                return other
+        for area in own.areas:
+            other = self._in_area(name, own.kind, area)
+            if other:
+                return other
+        return ''
+
+    def _in_area(self, name: str, kind: RobotType, area: Area) -> str:
+        for other, allocation in self._known.items():
+            if other == name or allocation.knowledge is Knowledge.ABSENT:
+                continue
+            distance = kind.reach + allocation.kind.reach + self._clearance
+            near = self._places_near(area, distance)
+            if any(_meets(near.get(claim.place), claim) for claim in self._claims_of(allocation)):
+                return other
+            if any(are_nearer(area.line, its.line, distance + area.radius + its.radius)
+                   for its in allocation.areas):
+                return other
+        return ''
+
+    def holder(self, robot: InterlockedRobot, claim: Claim) -> str:
+        """A robot that holds what excludes this claim of `robot`; empty: none."""
+        exclusions = self._geometry.exclusions
+        kind = robot.type
+        for other_kind, claims in self._claims.items():
+            conflicts = exclusions.at(kind.reach + other_kind.reach + self._clearance)
+            first, last = conflicts.starts[claim.place:claim.place + 2]
+            for row in range(first, last):
+                held = claims.get(int(conflicts.other[row]))
+                if held is None:
+                    continue
+                clears = conflicts.forward if claim.forward else conflicts.backward
+                if claim.cleared and clears[row] <= claim.cleared:
+                    continue
+                mirrored = conflicts.transpose[row]
+                for name, other in held:
+                    clears = conflicts.forward if other.forward else conflicts.backward
+                    if name != robot.name and not (
+                            other.cleared and clears[mirrored] <= other.cleared):
+                        return name
+        for name in self._with_areas:
+            if name == robot.name:
+                continue
+            allocation = self._known[name]
+            distance = kind.reach + allocation.kind.reach + self._clearance
+            for area in allocation.areas:
+                if _meets(self._places_near(area, distance).get(claim.place), claim):
+                    return name
+        return ''
+
+    def _places_near(self, area: Area, distance: float) -> Mapping[int, Tuple[float, float]]:
+        key = area, distance
+        if key not in self._near:
+            if len(self._near) > _REMEMBERED:
+                self._near.clear()
+            self._near[key] = self._geometry.exclusions.near(area.line, distance + area.radius)
+        return self._near[key]
+
+    def _claims_of(self, allocation: Allocation) -> List[Claim]:
+        claims = [Claim(self._geometry.edge_place(hold.edge), hold.edge > 0, hold.cleared)
+                  for hold in allocation.holds]
+        if allocation.vertex is not None:
+            claims.append(Claim(self._geometry.index[allocation.vertex]))
+        return claims
+
+    def _refresh(self) -> None:
+        """Takes up every allocation that has changed."""
+        for name, robot in self._robots.items():
+            allocation, before = robot.client.allocation, self._known.get(name)
+            if allocation is before:
+                continue
+            if before is not None:
+                self._drop(name, before)
+            self._known[name] = allocation
+            claims = self._claims.setdefault(allocation.kind, {})
+            for claim in self._claims_of(allocation):
+                claims.setdefault(claim.place, []).append((name, claim))
+            for names, is_one in ((self._with_areas, bool(allocation.areas)),
+                                  (self._unknown, allocation.knowledge is Knowledge.UNKNOWN)):
+                (names.add if is_one else names.discard)(name)
+
+    def _drop(self, name: str, allocation: Allocation) -> None:
+        claims = self._claims[allocation.kind]
+        for place in {claim.place for claim in self._claims_of(allocation)}:
+            claims[place] = [held for held in claims[place] if held[0] != name]
+
+
+def _meets(part: Optional[Tuple[float, float]], claim: Claim) -> bool:
+    """Does the part of a place that is too near to something lie ahead on a claim of that place?"""
+    if part is None:
+        return False
+    end = part[1] if claim.forward else 1.0 - part[0]
+    return not claim.cleared or end > claim.cleared
+
+
+# -- what must hold for a grant -------------------------------------------------------------------
+
+Condition = Callable[[Interlocking, Asked], Optional[Refusal]]
+"""Why an edge is not granted; None: this condition holds."""
+
+
+def first_refusal(conditions: Sequence[Condition], site: Interlocking,
+                  asked: Asked) -> Optional[Refusal]:
+    """Why the first of these conditions that does not hold refuses; None: all hold."""
+    for condition in conditions:
+        refusal = condition(site, asked)
+        if refusal is not None:
+            return refusal
+    return None
+
+
+def _fleet_is_not_stopped(site: Interlocking, asked: Asked) -> Optional[Refusal]:
+    return Refusal(Gate.FLEET_STOP, asked.edge) if site.is_stopped else None
+
+
+def _journal_can_be_written(site: Interlocking, asked: Asked) -> Optional[Refusal]:
+    return Refusal(Gate.JOURNAL, asked.edge) if site.trouble else None
+
+
+def _no_person_is_needed(_: Interlocking, asked: Asked) -> Optional[Refusal]:
+    return Refusal(Gate.PERSON, asked.edge) if asked.robot.needs_person else None
+
+
+def _clock_is_right(_: Interlocking, asked: Asked) -> Optional[Refusal]:
+    return Refusal(Gate.CLOCK, asked.edge) if asked.robot.client.clock_is_off else None
+
+
+def _robot_is_known(_: Interlocking, asked: Asked) -> Optional[Refusal]:
+    known = asked.robot.client.allocation.knowledge is Knowledge.KNOWN
+    return None if known else Refusal(Gate.UNKNOWN, asked.edge)
+
+
+def _others_are_known(site: Interlocking, asked: Asked) -> Optional[Refusal]:
+    others = site.unknown_robots
+    return Refusal(Gate.UNKNOWN_ROBOT, asked.edge, others[0]) if others else None
+
+
+def _last_order_is_settled(_: Interlocking, asked: Asked) -> Optional[Refusal]:
+    return None if asked.robot.client.is_ready else Refusal(Gate.NOT_READY, asked.edge)
+
+
+def _edge_follows(_: Interlocking, asked: Asked) -> Optional[Refusal]:
+    """On the edge before, on all that was granted, or on where the robot stands."""
+    record = asked.robot.client.record
+    graph = record.graph
+    if asked.before:
+        follows = graph.end_vertex(asked.before).id == graph.start_vertex(asked.edge).id
+    elif asked.is_inside and record.position is not None:
+        follows = abs(asked.edge) == abs(record.position.edge)
+    else:
+        follows = graph.start_vertex(asked.edge).id == record.last_vertex
+    return None if follows else Refusal(Gate.NOT_CONNECTED, asked.edge)
+
+
+def _edge_is_open(site: Interlocking, asked: Asked) -> Optional[Refusal]:
+    """A robot inside a closed edge may leave it, in either direction."""
+    closed = abs(asked.edge) in site.closed and not asked.is_inside
+    return Refusal(Gate.CLOSED_EDGE, asked.edge) if closed else None
+
+
+def _robot_is_clear_of_others(site: Interlocking, asked: Asked) -> Optional[Refusal]:
+    other = site.excluding(asked.robot.name)
+    return Refusal(Gate.TOO_NEAR, asked.edge, other) if other else None
+
+
+def _place_is_free(site: Interlocking, asked: Asked) -> Optional[Refusal]:
+    other = site.holder(asked.robot, asked.claim)
+    return Refusal(Gate.OCCUPIED, asked.edge, other) if other else None
+
+
+GATES: Tuple[Condition, ...] = (
+    _fleet_is_not_stopped, _journal_can_be_written, _no_person_is_needed, _clock_is_right,
+    _robot_is_known, _others_are_known, _last_order_is_settled, _robot_is_clear_of_others)
+"""Hold before a robot is granted anything, be it an edge that it holds already."""
+
+CONDITIONS: Tuple[Condition, ...] = (_edge_follows, _edge_is_open, _place_is_free)
+"""Hold before a robot is granted an edge."""

@@ -1,0 +1,214 @@
+"""All edges that a robot was ever granted, counted through, and how far it is on them.
+
+Whatever the ids of its routes, the edges go on counting: the *route record*. What is on it and not
+yet left is the robot's alone; a record only gets shorter when a report says so.
+"""
+from __future__ import annotations
+
+from typing import List, Optional, Sequence, Tuple
+
+from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.interlocking.allocation import Hold
+from graph_fleet_manager.interlocking.reports import (
+    CLOCK_ERROR,
+    NEAR,
+    TREMBLE,
+    GraphPosition,
+    Pose,
+    nearness,
+)
+from trajectory_graph import Graph
+
+_NOT_OVER = 1.0 - 1e-9  # the fraction of an edge that is nearly driven
+
+
+class RouteRecord:
+    """One robot's route record.
+
+    kind     -- by its speed it may drive back in the time that a report is old
+    slack    -- m that it may be short of where it reports to be
+    stopping -- m that it may need to stop, from where it is as it acknowledges a shorter route
+    """
+
+    def __init__(self, graph: Graph, kind: RobotType, slack: float = 0.0,
+                 stopping: float = 1.0) -> None:
+        self.graph = graph
+        self.kind = kind
+        self.position: Optional[GraphPosition] = None
+        """Where the robot stands, or stood before its record; None: it is not known."""
+        self.pose = Pose()
+        """Where it last reported to be."""
+        self.edges: List[int] = []
+        self.first = 0
+        """Number of the first edge that is still in `edges`."""
+        self.done = 0
+        """Number of the edge that is being driven: so many are complete."""
+        self.generation = 0
+        """How often it began anew: no plan of before is true any more when that changes."""
+        self.cleared: Tuple[int, float] = (0, 0.0)
+        """Edge and fraction that certainly lie behind the robot."""
+        self.told = 0
+        """Number behind the last edge of which the robot may have been told."""
+        self.tail: Tuple[int, ...] = ()
+        """Edges that were taken back, but may be reached before the robot stands."""
+        self._tail_at = 0  # number of the edge in place of which the tail begins
+        self._slack, self._stopping = slack, stopping
+
+    # -- what is known ----------------------------------------------------------------------------
+
+    @property
+    def end(self) -> int:
+        """Number behind the last edge."""
+        return self.first + len(self.edges)
+
+    @property
+    def ahead(self) -> Tuple[int, ...]:
+        """The edges not yet complete, the one being driven first."""
+        return self.part(self.done, self.end)
+
+    @property
+    def held(self) -> Tuple[int, ...]:
+        """The edges of the record that other robots may not be granted."""
+        return self.part(max(self.cleared[0], self.first), self.end)
+
+    @property
+    def holds(self) -> Tuple[Hold, ...]:
+        """All edges that other robots may not be granted, with what of them is left."""
+        held = [Hold(edge) for edge in (*self.held, *self.tail)]
+        if held and self.held and self.cleared[0] >= self.first:
+            held[0] = Hold(held[0].edge, self.cleared[1])
+        return tuple(held)
+
+    @property
+    def is_standing(self) -> bool:
+        """Is everything driven that was ordered?"""
+        return self.done == self.end
+
+    @property
+    def last_vertex(self) -> Optional[int]:
+        """Where it ends; None between vertices and nowhere."""
+        if self.ahead:
+            return self.graph.end_vertex(self.ahead[-1]).id
+        return self.position.vertex if self.position else None
+
+    @property
+    def near(self) -> float:
+        """m from a vertex at which the robot stands on it."""
+        return nearness(self.kind)
+
+    def part(self, begin: int, end: int) -> Tuple[int, ...]:
+        """The edges from number `begin`, which must not be forgotten yet, to before `end`."""
+        return tuple(self.edges[begin - self.first:max(begin, end) - self.first])
+
+    def distance_ahead(self) -> float:
+        """Length (m) of what is still to be driven."""
+        edges = self.ahead
+        if not edges:
+            return 0.0
+        whole = sum(self.graph.curve(edge).length for edge in edges)
+        fraction = self.pose.fraction if self.pose.edge == edges[0] else 0.0
+        return whole - fraction * self.graph.curve(edges[0]).length
+
+    def begun(self, edge: int) -> float:
+        """The fraction of an edge that lies behind a robot which stands on it, driven that way."""
+        position = self.position
+        if position is None or position.vertex is not None or abs(edge) != abs(position.edge):
+            return 0.0
+        fraction = position.fraction if edge == position.edge else 1.0 - position.fraction
+        return min(max(fraction - self._slack / self.graph.curve(edge).length, 0.0), _NOT_OVER)
+
+    def has_left(self) -> bool:
+        """Does a robot that has nothing to drive say that it is somewhere else?"""
+        return (self.position is not None
+                and self.position.distance(self.graph, self.pose) > NEAR + TREMBLE)
+
+    # -- what changes it --------------------------------------------------------------------------
+
+    def append(self, edges: Sequence[int]) -> None:
+        """More edges are the robot's; one that stands on an edge is on the first of them."""
+        if self.is_standing and self.position is not None and self.position.vertex is None:
+            self.cleared = (self.done, self.begun(edges[0]))
+        self.edges += edges
+
+    def cut(self, end: int) -> None:
+        """Edges from a number on were never the robot's, or are not any more."""
+        del self.edges[end - self.first:]
+        self.told = min(self.told, self.end)
+
+    def shorten(self, end: int, age: float) -> None:
+        """The robot has acknowledged, at a location `age` s old, that it stops before a number.
+
+        Where it is by then it may still need its stopping distance.
+        """
+        reach = self._stopping + (max(age, 0.0) + CLOCK_ERROR) * self.kind.speed
+        removed = self.part(end, self.end)
+        self.cut(end)
+        reach -= self.distance_ahead()
+        tail: List[int] = []
+        for edge in () if self.is_standing else removed:
+            if reach <= 0.0:
+                break
+            tail.append(edge)
+            reach -= self.graph.curve(edge).length
+        self.tail, self._tail_at = tuple(tail), end
+
+    def complete(self, done: int) -> List[int]:
+        """So many edges are complete; returns the vertices passed by that, in order."""
+        passed = []
+        while self.done < min(done, self.end):
+            vertex = self.graph.end_vertex(self.edges[self.done - self.first]).id
+            self.done += 1
+            self.position = GraphPosition(vertex=vertex)
+            passed.append(vertex)
+        if self.is_standing or self.done > self._tail_at:
+            self.tail = ()
+        return passed
+
+    def leave(self, age: float) -> None:
+        """Finds what certainly lies behind the robot by its pose, which is `age` s old."""
+        if self.is_standing:
+            self.cleared = (self.done, 0.0)
+            return
+        edge = self.edges[self.done - self.first]
+        if self.pose.edge != edge:
+            return
+        number, arc = self.done, self.pose.fraction * self.graph.curve(edge).length
+        arc -= self._slack + (max(age, 0.0) + CLOCK_ERROR) * self.kind.speed
+        while arc < 0.0 and number > max(self.cleared[0], self.first):
+            number -= 1
+            arc += self.graph.curve(self.edges[number - self.first]).length
+        length = self.graph.curve(self.edges[number - self.first]).length
+        self.cleared = max(self.cleared, (number, min(max(arc / length, 0.0), _NOT_OVER)))
+
+    def forget(self, number: int) -> None:
+        """Drops the edges before a number, as far as they are left."""
+        keep = min(self.cleared[0], self.done, number)
+        if keep > self.first:
+            del self.edges[:keep - self.first]
+            self.first = keep
+
+    def settle(self, position: Optional[GraphPosition]) -> None:
+        """The robot stands here, and holds nothing else any more."""
+        # One number is left out, so that no plan made before can fit what comes after.
+        self._begin_at(self.end + 1, ())
+        self.position = position
+
+    def adopt(self, edges: Sequence[int]) -> None:
+        """The robot drives these edges, of which nothing was known."""
+        self._begin_at(self.end, edges)
+
+    def restore(self, edges: Sequence[int], done: int, position: Optional[GraphPosition],
+                cleared: Tuple[int, float], tail: Sequence[int]) -> None:
+        """As it was before a restart, with `done` of these edges complete."""
+        self._begin_at(0, edges)
+        self.done, self.cleared = done, cleared
+        self.tail, self._tail_at = tuple(tail), self.end
+        self.position = position
+
+    def _begin_at(self, number: int, edges: Sequence[int]) -> None:
+        self.first = self.done = number
+        self.generation += 1
+        self.edges = list(edges)
+        self.cleared = (number, 0.0)
+        self.tail = ()
+        self.told = self.end
