@@ -14,6 +14,7 @@ from graph_fleet_manager.nodes.early_stop import EarlyStop
 from graph_fleet_manager.supervision.missions import Command, Mission, MissionState, Request
 from graph_fleet_manager.supervision.outbox import AGAIN
 from trajectory_graph import Graph
+from trajectory_graph.route_protocol import TAKEN_OVER, Reason, ReasonCode
 
 ROBOTS = ('a', 'b', 'c')
 PARKING = (21, 22, 23, 24, 25)
@@ -220,19 +221,19 @@ class Chaos:
         """It cannot tell for a while where it is."""
         self.promises.blamed.add(robot)
         agv = self.fleet.agvs[robot]
-        agv.fail('off the graph')
+        agv.fail(Reason(ReasonCode.OFF_GRAPH, 'off the graph'))
         agv.off_graph = True
         self._later(number, lambda: setattr(agv, 'off_graph', False))
 
     def take_over(self, robot: str, _: int) -> None:
         """Somebody stops it; no more than that, for what they drive into is not ours."""
         self.promises.blamed.add(robot)
-        self.fleet.agvs[robot].fail('taken over')
+        self.fleet.agvs[robot].fail(TAKEN_OVER)
 
     def fail(self, robot: str, _: int) -> None:
         """It cannot drive on."""
         self.promises.blamed.add(robot)
-        self.fleet.agvs[robot].fail('something lies in its way')
+        self.fleet.agvs[robot].fail(Reason(ReasonCode.OTHER, 'something lies in its way'))
 
     def drive_by_hand(self, robot: str, _: int) -> None:
         """Somebody else gives it a route to the end of its edge."""

@@ -10,7 +10,18 @@ from typing import List, Optional, Tuple
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.interlocking.reports import Pose, Report
 from trajectory_graph import Graph, TrajectoryGraphError, check_route
-from trajectory_graph.route_protocol import EdgeState, Phase, RouteRefusal
+from trajectory_graph.route_protocol import (
+    EMERGENCY_STOP,
+    NO_REASON,
+    EdgeState,
+    Phase,
+    Reason,
+    ReasonCode,
+    RouteRefusal,
+)
+
+LOST_LINK = Reason(ReasonCode.LOST_LINK, 'lost link: commands')
+CANNOT_BRAKE = Reason(ReasonCode.CANNOT_BRAKE, 'it cannot brake in time')
 
 _AT_END = 1e-6  # m
 _NEAR = 0.3     # m from a vertex at which a route may begin there
@@ -36,7 +47,7 @@ class Agv:
         self.edges: Tuple[int, ...] = ()
         self.current = 0
         self.phase = Phase.STOPPED
-        self.reason = ''
+        self.reason = NO_REASON
         self._refused: Optional[RouteRefusal] = None
         self._to_begin = 0.0  # m to drive back on its edge, to the vertex at which the route begins
         self.stalled = 0.0
@@ -81,43 +92,45 @@ class Agv:
         refused = self._refused
         return refused is not None and (route_id, edges) == (refused.route_id, refused.edges)
 
-    def _take_up(self, route_id: int, edges: Tuple[int, ...]) -> str:
+    def _take_up(self, route_id: int, edges: Tuple[int, ...]) -> Reason:
         if self.emergency:
-            return 'emergency stop'
+            return EMERGENCY_STOP
         if self.off_graph:
-            return 'the robot is off the graph'
+            return Reason(ReasonCode.OFF_GRAPH, 'the robot is off the graph')
         if self.refusing:
             self.refusing -= 1
-            return 'it does not want to'
+            return Reason(ReasonCode.OTHER, 'it does not want to')
         try:
             check_route(self.graph, edges)
         except TrajectoryGraphError as error:
-            return str(error)
+            return Reason(ReasonCode.WRONG_ROUTE, str(error))
         if route_id == self.route_id and self.phase is not Phase.STOPPED:
             if self.phase is Phase.FAILED:
-                return f'route {route_id} has failed'
+                return Reason(ReasonCode.WRONG_CHANGE, f'route {route_id} has failed')
             kept = self.edges[:self.current + 1]
             if edges[:len(kept)] != kept:
-                return f'route {route_id} must go on with the edges done and the current one'
+                return Reason(ReasonCode.WRONG_CHANGE, f'route {route_id} must go on with the '
+                                                       'edges done and the current one')
             if edges == kept and self._cannot_brake():
-                return 'it cannot brake in time'
+                return CANNOT_BRAKE
             if self.phase is Phase.COMPLETE and self.current < len(edges):
                 self.edge, self.arc = edges[self.current], 0.0
         else:
             begun = self._beginning(edges)
             if begun is None:
-                return f'edge {edges[0]} does not start where the robot is'
+                return Reason(ReasonCode.STARTS_ELSEWHERE,
+                              f'edge {edges[0]} does not start where the robot is')
             if edges[begun[0]:] == (self.edge,) and self._cannot_brake():
-                return 'it cannot brake in time'
+                return CANNOT_BRAKE
             self.current, edge, arc = begun
             self._to_begin = 0.0 if abs(edge) == abs(self.edge) else self._from_vertex(edge)
             if not self._to_begin:
                 self.edge, self.arc = edge, arc
         self.route_id, self.edges = route_id, edges
         self.phase = Phase.RUNNING if self.current < len(edges) else Phase.COMPLETE
-        self.reason = ''
+        self.reason = NO_REASON
         self.drive(0.0)
-        return ''
+        return NO_REASON
 
     def _beginning(self, edges: Tuple[int, ...]) -> Optional[Tuple[int, int, float]]:
         """Index of the edge, the edge, and the arc at which a new route begins here."""
@@ -168,7 +181,7 @@ class Agv:
         self.stalled -= stalled
         seconds -= stalled
         if self.emergency and self.is_driving:
-            self.fail('emergency stop')
+            self.fail(EMERGENCY_STOP)
         if self.is_driving and self._to_begin:
             back = min(seconds * self._speed(), self._to_begin)
             seconds -= back / self._speed()
@@ -201,9 +214,9 @@ class Agv:
     def forget(self) -> None:
         """It is switched off and on again: it stands where it is and knows of no route."""
         self.route_id, self.edges, self.current, self._to_begin = 0, (), 0, 0.0
-        self.phase, self.reason = Phase.STOPPED, ''
+        self.phase, self.reason = Phase.STOPPED, NO_REASON
 
-    def fail(self, reason: str) -> None:
+    def fail(self, reason: Reason) -> None:
         """Ends its route."""
         if self.phase is Phase.RUNNING:
             self.phase, self.reason = Phase.FAILED, reason
@@ -238,21 +251,23 @@ class LostLink:
         last = agv.report(now)
         failed = (EdgeState.FAILED,) * len(last.left) if last.is_running else ()
         self.told = replace(last, states=last.states[:len(last.states) - len(failed)] + failed,
-                            reason='lost link: commands' if failed else last.reason)
+                            reason=LOST_LINK if failed else last.reason)
         self._stop: Optional[int] = None
 
     def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[RouteRefusal]:
         """A stop is owed to the robot; nothing else can be taken up."""
         if edges:
             same = (route_id, edges) == (self.told.route_id, self.told.edges)
-            return None if same else RouteRefusal(route_id, edges, 'the link is down')
+            return None if same else RouteRefusal(
+                route_id, edges, Reason(ReasonCode.LOST_LINK, 'the link is down'))
         self._stop = route_id
         self.told = replace(self.told, route_id=route_id, edges=(), states=(),
-                            reason='the robot has not obeyed the stop yet: the link is down')
+                            reason=Reason(ReasonCode.STOP_OWED, 'the robot has not obeyed the '
+                                                                'stop yet: the link is down'))
         return None
 
     def end(self) -> None:
         """The robot is told to stop."""
-        self._agv.fail('lost link: commands')
+        self._agv.fail(LOST_LINK)
         if self._stop is not None:
             self._agv.order(self._stop, ())

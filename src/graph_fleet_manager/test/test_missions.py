@@ -27,8 +27,9 @@ from graph_fleet_manager.supervision.missions import (
     Request,
     RequestRefused,
 )
-from graph_fleet_manager.supervision.outages import TRANSITIONS, Outage, sign_of_failure
+from graph_fleet_manager.supervision.outages import TRANSITIONS, Outage, sign_of
 from graph_fleet_manager.supervision.route_ids import RESERVED, RouteIds
+from trajectory_graph.route_protocol import Reason, ReasonCode
 
 ACCEPTANCE = Acceptance(corridor(5), {'a': AGV, 'b': AGV})
 
@@ -195,11 +196,13 @@ def test_route_ids_are_those_of_a_message_for_ever(tmp_path):
     assert ids.reserved > 2 ** 30 - 3 + RESERVED, 'more is to be reserved before it is given'
 
 
-@pytest.mark.parametrize('reason, outage', [
-    ('emergency stop', Outage.STOPPED), ('taken over', Outage.TAKEN_OVER),
-    ('lost link: commands: closed', Outage.LOST_LINK), ('off the corridor', Outage.FAILED)])
-def test_the_reason_of_a_failed_route_says_how_the_robot_comes_back(reason, outage):
-    assert TRANSITIONS[sign_of_failure(reason)].target is outage
+@pytest.mark.parametrize('code, outage', [
+    (ReasonCode.EMERGENCY_STOP, Outage.STOPPED), (ReasonCode.TAKEN_OVER, Outage.TAKEN_OVER),
+    (ReasonCode.LOST_LINK, Outage.LOST_LINK), (ReasonCode.OFF_GRAPH, Outage.FAILED),
+    (ReasonCode.CLOCK, Outage.CLOCK), (ReasonCode.OTHER, Outage.FAILED)])
+def test_the_code_of_a_failed_route_and_no_word_says_how_the_robot_comes_back(code, outage):
+    reason = Reason(code, 'emergency stop, taken over, lost link')
+    assert TRANSITIONS[sign_of(reason)].target is outage
     assert outage.needs_person == (outage in (Outage.TAKEN_OVER, Outage.FAILED))
 
 

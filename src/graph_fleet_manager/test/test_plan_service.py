@@ -1,12 +1,15 @@
 """The planner as a service: what it is asked it answers from nothing but the request."""
 from __future__ import annotations
 
+from random import Random
+
 import pytest
 from fleet_builders import AGV, corridor, graph_of
 
 from graph_fleet_manager.fleet import Fleet, RobotType
 from graph_fleet_manager.plan_requests import PlanRequest
 from graph_fleet_manager.plan_service import PlanService
+from graph_fleet_manager.planning import planner as planner_module
 from graph_fleet_manager.planning.tasks import CannotPlan, Obstacle, Task
 
 TRUCK = RobotType('truck', 0.6, 1.0)
@@ -71,6 +74,16 @@ def test_the_answer_does_not_depend_on_what_was_asked_before():
         used.answer(PlanRequest(request.tasks[:1], closed=frozenset((closed,))))
     assert used.answer(request) == fresh
     assert not fresh.unserved, 'they swap places by way of the siding'
+
+
+@pytest.mark.parametrize('seed, used', [(0, 5), (7, 7)])
+def test_the_seed_is_that_of_the_request_and_without_one_the_services_own(
+        monkeypatch, seed, used):
+    seeds = []
+    monkeypatch.setattr(planner_module, 'Random', lambda seed: seeds.append(seed) or Random(seed))
+    planner = PlanService(square(), Fleet((AGV,), (), 0.1), seed=5)
+    planner.answer(PlanRequest((Task('r', AGV, 1, destinations=(3,), stays=True),), seed=seed))
+    assert seeds == [used]
 
 
 def test_time_is_only_spent_on_improvement_that_is_asked_for():

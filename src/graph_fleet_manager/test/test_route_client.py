@@ -19,10 +19,15 @@ from graph_fleet_manager.interlocking.reports import (
 )
 from graph_fleet_manager.interlocking.route_client import RouteClient
 from graph_fleet_manager.interlocking.route_record import RouteRecord
-from trajectory_graph.route_protocol import EdgeState, RouteRefusal
+from trajectory_graph.route_protocol import EdgeState, Reason, RouteRefusal, reason_of
 
 DONE, AHEAD, FAILED = EdgeState.COMPLETE, EdgeState.PROCESSING, EdgeState.FAILED
 GRAPH = corridor(6)  # vertices 1 to 6, edges of 2 m from k to k + 1
+
+
+def no(text: str) -> Reason:
+    """Why an order was refused, in words only."""
+    return reason_of(0, text)
 
 
 @pytest.fixture
@@ -41,7 +46,7 @@ def ids():
 def report(id, edges, completed, fraction=0.0, state=AHEAD, reason='', age=0.0):
     states = (DONE,) * completed + (state,) * (len(edges) - completed)
     pose = Pose(edges[completed], fraction) if completed < len(edges) else Pose(edges[-1], 1.0)
-    return Report(id, tuple(edges), states, pose, reason, 100.0, age)
+    return Report(id, tuple(edges), states, pose, reason_of(0, reason), 100.0, age)
 
 
 def test_an_order_is_repeated_unchanged_until_the_report_has_its_length(client, ids):
@@ -91,7 +96,7 @@ def test_what_was_reported_before_a_refusal_does_not_tell_what_the_robot_has(cli
     client.due(0.0)
     client.extend([4], ids)
     client.due(0.0)
-    client.refuse(RouteRefusal(1, (1, 2, 3, 4), 'no'), stamp=100.5)
+    client.refuse(RouteRefusal(1, (1, 2, 3, 4), no('no')), stamp=100.5)
     if late:
         client.take(report(1, [1], 0))
         assert client.record.held == (1, 2, 3, 4) and not client.is_ready
@@ -113,7 +118,7 @@ def test_a_refused_extension_waits_for_the_truth_and_takes_a_new_id(client, ids)
     client.extend([1], ids)
     client.take(report(1, [1], 0))
     client.extend([2, 3], ids)
-    assert client.refuse(RouteRefusal(1, (1, 2, 3), 'no')).refused == 'no'
+    assert client.refuse(RouteRefusal(1, (1, 2, 3), no('no'))).refused.text == 'no'
     assert not client.is_ready and client.due(10.0) is None
     client.take(report(1, [1], 0, fraction=0.2))
     assert client.is_ready and client.record.ahead == (1,)
@@ -126,17 +131,17 @@ def test_all_failed_as_the_first_word_about_an_id_is_a_refusal_and_no_failure(cl
     client.take(report(1, [1], 0))
     client.extend([2], ids, renew=True)
     heard = client.take(report(2, [1, 2], 0, state=FAILED, reason='not where the robot is'))
-    assert heard.refused == 'not where the robot is' and not heard.failed
+    assert heard.refused.text == 'not where the robot is' and not heard.failed
 
 
 def test_a_route_that_stays_failed_after_it_was_refused_is_what_the_robot_has(client, ids):
     """It failed before any report of it running was heard."""
     client.extend([1, 2], ids)
     failed = report(1, [1, 2], 0, fraction=0.2, state=FAILED, reason='blocked')
-    assert client.take(failed).refused == 'blocked'
+    assert client.take(failed).refused.text == 'blocked'
     again = client.take(failed)
     assert not again.refused and not again.failed and not client.is_ready, 'the same message'
-    assert client.take(replace(failed, stamp=100.1)).failed == 'blocked'
+    assert client.take(replace(failed, stamp=100.1)).failed.text == 'blocked'
     assert client.record.held == (1, 2) and client.is_ready
 
 
@@ -145,8 +150,8 @@ def test_a_refusal_that_comes_on_its_topic_and_as_a_report_is_one(client, ids, s
     client.extend([1], ids)
     client.take(report(1, [1], 0))
     client.extend([2], ids, renew=True)
-    refusal = RouteRefusal(2, (1, 2), 'no')
-    assert client.refuse(refusal, stamp).refused == 'no'
+    refusal = RouteRefusal(2, (1, 2), no('no'))
+    assert client.refuse(refusal, stamp).refused.text == 'no'
     heard = client.take(report(2, [1, 2], 0, state=FAILED, reason='no'))
     assert not heard.refused and not heard.failed and not client.is_ready
     client.take(replace(report(1, [1], 0), stamp=100.6))
@@ -157,7 +162,7 @@ def test_a_route_that_fails_says_why_and_stays_the_robots(client, ids):
     client.extend([1, 2], ids)
     client.take(report(1, [1, 2], 0))
     heard = client.take(report(1, [1, 2], 1, state=FAILED, reason='off the corridor'))
-    assert heard.failed == 'off the corridor'
+    assert heard.failed.text == 'off the corridor'
     assert client.record.ahead == (2,)
 
 
@@ -195,7 +200,7 @@ def test_what_was_refused_for_a_route_of_somebody_else_stays_held(client, ids):
     client.extend([1, 2], ids)
     client.take(report(1, [1, 2], 1))
     client.extend([3], ids)
-    client.refuse(RouteRefusal(1, (1, 2, 3), 'edge 1 does not start here'), stamp=100.5)
+    client.refuse(RouteRefusal(1, (1, 2, 3), no('edge 1 does not start here')), stamp=100.5)
     assert client.take(replace(report(77, [2], 0), stamp=100.6)).foreign
     assert client.record.ahead == (2, 3)
 
@@ -259,7 +264,7 @@ def test_after_a_restart_what_was_refused_is_not_ordered_again(client, ids):
     idle = Report(0, pose=Pose(1, 0.0), stamp=100.0)
     client.adopt(idle)
     client.extend([1], ids)
-    client.refuse(RouteRefusal(1, (1,), 'no'))
+    client.refuse(RouteRefusal(1, (1,), no('no')))
     client.take(idle)
     other = RouteClient(RouteRecord(GRAPH, AGV))
     other.restore(client.memory)

@@ -13,6 +13,7 @@ from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.settings import RobotSettings
 from trajectory_graph import Graph
+from trajectory_graph.route_protocol import EMERGENCY_STOP, TAKEN_OVER
 
 
 def with_dock(graph, dock):
@@ -189,7 +190,7 @@ def test_a_robot_that_has_just_stopped_is_given_time_before_it_is_ordered_on():
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
     fleet.request(1, 6)
     fleet.run(3.0)
-    fleet.agvs['a'].fail('emergency stop')  # said before it refuses orders for it
+    fleet.agvs['a'].fail(EMERGENCY_STOP)  # said before it refuses orders for it
     fleet.run(1.0)
     assert fleet.supervisor.robots['a'].outage is Outage.STOPPED
     fleet.run_until_done(1)
@@ -201,7 +202,7 @@ def test_a_robot_taken_over_needs_a_person_and_its_mission_goes_to_another():
     fleet.request(1, 4)
     fleet.run(2.0)
     assert fleet.robot_of(1) == 'a'
-    fleet.agvs['a'].fail('taken over')
+    fleet.agvs['a'].fail(TAKEN_OVER)
     fleet.run(10.0)
     assert fleet.supervisor.robots['a'].outage is Outage.TAKEN_OVER
     fleet.run_until_done(1)
@@ -216,7 +217,7 @@ def test_a_mission_of_which_something_is_done_fails_with_its_robot():
     fleet.request(1, 2, 5, robot='a')
     fleet.run_until(lambda: fleet.reached(1) == 1)
     fleet.run(1.0)
-    fleet.agvs['a'].fail('taken over')
+    fleet.agvs['a'].fail(TAKEN_OVER)
     fleet.run_until_done(1)
     assert fleet.state(1) is MissionState.FAILED
     assert fleet.statuses[-1].reason == 'a: taken over'

@@ -11,7 +11,7 @@ from graph_fleet_manager.interlocking.reports import Pose, Report
 from graph_fleet_manager.planning.tasks import Outcome
 from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.outages import Outage
-from trajectory_graph.route_protocol import EdgeState, RouteRefusal
+from trajectory_graph.route_protocol import EdgeState, Reason, ReasonCode, RouteRefusal
 
 
 @pytest.fixture
@@ -113,7 +113,8 @@ def test_a_route_of_a_stranger_takes_the_robot_over_and_nobody_else_is_sent_ther
 
 def test_a_refusal_of_what_was_never_ordered_changes_nothing(fleet):
     told, commits = len(fleet.notes), fleet.journal.commits
-    fleet.do(fleet.supervisor.refusal('a', RouteRefusal(4711, (3,), 'no'), fleet.now))
+    refusal = RouteRefusal(4711, (3,), Reason(ReasonCode.OTHER, 'no'))
+    fleet.do(fleet.supervisor.refusal('a', refusal, fleet.now))
     assert (len(fleet.notes), fleet.journal.commits) == (told, commits)
     assert fleet.supervisor.robots['a'].works and ends_well(fleet)
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import pytest
 from fleet_builders import AGV, corridor, graph_of
+from supervised_agv import CANNOT_BRAKE, LOST_LINK
 from supervised_fleet import SupervisedFleet, blocked
 
 from graph_fleet_manager.interlocking.reports import CLOCK_ERROR, Pose
@@ -124,7 +125,7 @@ def test_a_lost_link_gives_nothing_to_others_when_it_is_back_before_a_new_plan()
     fleet.request(2, 6, robot='b')
     fleet.run(2.5)
     fleet.planning = 1e9
-    fleet.agvs['a'].fail('lost link: commands')
+    fleet.agvs['a'].fail(LOST_LINK)
     fleet.run(20.0)
     fleet.planning = 0.1
     fleet.run_until_done(1)
@@ -175,7 +176,7 @@ def test_a_lost_link_comes_back_whatever_the_robots_clock_says(before, after):
     agv.report = lambda stamp: report(stamp + wrong[0])
     fleet.request(1, 8)
     fleet.run(2.5)
-    agv.fail('lost link: commands')
+    agv.fail(LOST_LINK)
     fleet.run(1.0)
     wrong[0] = after
     fleet.run(15.0)
@@ -267,7 +268,7 @@ def test_a_lost_link_is_not_back_while_the_locations_are_old():
     agv, report = fleet.agvs['a'], fleet.agvs['a'].report
     fleet.request(1, 8)
     fleet.run(2.5)
-    agv.fail('lost link: commands')
+    agv.fail(LOST_LINK)
     frozen = fleet.now + 1.0
     agv.report = lambda stamp: report(min(stamp, frozen))
     fleet.run(20.0)
@@ -335,7 +336,7 @@ def test_a_robot_whose_location_trembles_stands_still_all_the_same(how):
     fleet.request(1, 8)
     fleet.run(2.5)
     if how == 'lost link':
-        fleet.agvs['a'].fail('lost link: commands')
+        fleet.agvs['a'].fail(LOST_LINK)
     elif how == 'stop all':
         fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     else:
@@ -374,7 +375,7 @@ def test_who_cannot_brake_in_time_for_a_cancel_stops_later_and_has_not_failed(co
     def brakes_within_a_metre(route_id, edges):
         length = fleet.graph.curve(agv.edge).length
         if agv.is_driving and edges[-1] == agv.edge and length - agv.arc < 1.0:
-            return 'the vehicle cannot stop where the route demands it'
+            return CANNOT_BRAKE
         return take_up(route_id, edges)
     agv._take_up = brakes_within_a_metre
     fleet.request(1, 9)

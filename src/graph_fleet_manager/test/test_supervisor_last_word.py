@@ -5,13 +5,21 @@ from dataclasses import replace
 
 import pytest
 from fleet_builders import AGV, corridor
+from supervised_agv import LOST_LINK
 from supervised_fleet import SupervisedFleet, blocked
 
 from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.settings import RobotSettings
 from trajectory_graph import Graph
-from trajectory_graph.route_protocol import EdgeState, Phase, RouteRefusal
+from trajectory_graph.route_protocol import (
+    TAKEN_OVER,
+    EdgeState,
+    Phase,
+    Reason,
+    ReasonCode,
+    RouteRefusal,
+)
 
 FAR = RobotSettings(release_ahead=8.0)
 
@@ -39,12 +47,12 @@ def test_who_does_not_know_where_it_is_now_does_not_stand_still(how):
     fleet.deaf['a'] = 1e9
     if how == 'lost link':
         told = replace(last, states=(EdgeState.FAILED,) * len(last.edges),
-                       reason='lost link: commands')
+                       reason=LOST_LINK)
     else:
         fleet.do(fleet.supervisor.stop_fleet(fleet.now) if how == 'stop all' else
                  fleet.supervisor.take_out('a', fleet.now))
         told = replace(last, route_id=robot(fleet).client.route_id, edges=(), states=(),
-                       reason='the robot has not obeyed the stop yet: the link is down')
+                       reason=Reason(ReasonCode.STOP_OWED, 'the link is down'))
     agv.report, report = lambda stamp: told, agv.report
     fleet.run(4.0)
     fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
@@ -176,7 +184,7 @@ def test_an_order_that_was_under_way_as_the_robot_was_taken_over_does_not_drive_
     fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
     fleet.run_until(lambda: any(o.route_id != agv.route_id for o in fleet._to_robots))
     order = fleet._to_robots.pop()
-    agv.fail('taken over')
+    agv.fail(TAKEN_OVER)
     fleet.run(0.1)
     assert robot(fleet).outage is Outage.TAKEN_OVER
     agv.order(order.route_id, order.edges)  # it came late
@@ -195,7 +203,8 @@ def test_nothing_is_tried_again_after_an_emergency_stop_before_it_is_known_what_
     fleet.silent['a'] = fleet.now + 4.6
     client = robot(fleet).client
     fleet.run_until(lambda: client.order is not None)
-    refusal = RouteRefusal(client.order.route_id, client.order.edges, 'it does not want to')
+    refusal = RouteRefusal(client.order.route_id, client.order.edges,
+                           Reason(ReasonCode.OTHER, 'it does not want to'))
     fleet.do(fleet.supervisor.refusal('a', refusal, fleet.now, fleet.now))
     while fleet.now < fleet.silent['a'] - 0.2:
         assert client.order is None, 'what the next report tells that it has not may be given away'
@@ -207,7 +216,7 @@ def test_a_stop_is_repeated_until_it_is_heard_though_the_route_has_failed():
     fleet.request(1, 8)
     fleet.run(2.0)
     fleet.deaf['a'] = fleet.now + 3.0
-    fleet.agvs['a'].fail('lost link: commands')
+    fleet.agvs['a'].fail(LOST_LINK)
     fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     fleet.run(5.0)
     assert fleet.agvs['a'].edges == (), 'it was told to stop'
@@ -222,7 +231,7 @@ def taken_over_as_it_was_let_go_on():
                             settings=RobotSettings(release_ahead=1.0))
     fleet.request(1, 6, robot='a')
     fleet.run_until(lambda: bool(fleet._to_robots) and fleet.agvs['a'].arc > 0.5)
-    fleet.agvs['a'].fail('taken over')
+    fleet.agvs['a'].fail(TAKEN_OVER)
     fleet.run(2.0)
     assert robot(fleet).outage is Outage.TAKEN_OVER
     return fleet

@@ -4,11 +4,17 @@ from __future__ import annotations
 import pytest
 from vda_builders import DRIVING, STANDING, Lab, say, way
 
+from trajectory_graph.route_protocol import Reason, reason_of
 from vda5050_vehicle.drivers.driver import Pose
 from vda5050_vehicle.drivers.route_driver import PATIENCE
 from vda5050_vehicle.protocol.values import EStop
 
 HALL = way(8, 10, 12, 14, 32)
+
+
+def no(text: str) -> Reason:
+    """Why an order was refused, in words only."""
+    return reason_of(0, text)
 
 
 def failed(reason: str = 'no progress for 30 s') -> Lab:
@@ -117,7 +123,7 @@ def test_a_refused_route_holds_the_vehicle():
     lab = Lab()
     lab.robot.answers = False
     lab.order(HALL.order('o'))
-    lab.driver.on_refused(lab.robot.routes[-1].route_id, (1, 2, 3, 4), 'off the graph', lab.now)
+    lab.driver.on_refused(lab.robot.routes[-1].route_id, (1, 2, 3, 4), no('off the graph'), lab.now)
     lab.wait(0.1)
     assert lab.state['errors'][0]['errorDescription'] == 'off the graph'
     assert lab.nodes == ['10', '12', '14', '32']
@@ -130,7 +136,7 @@ def test_a_refused_extension_is_tried_once_as_a_route_of_its_own():
     route_id = lab.robot.route_id
     lab.robot.answers = False
     lab.order(HALL.part(1).order('o', 1, first_sequence=2))
-    lab.driver.on_refused(route_id, (1, 2, 3, 4), 'not at its end', lab.now)
+    lab.driver.on_refused(route_id, (1, 2, 3, 4), no('not at its end'), lab.now)
     lab.robot.answers = True
     lab.wait(0.1)
     assert lab.robot.route == (2, 3, 4)
@@ -146,11 +152,11 @@ def test_an_extension_that_is_refused_twice_stops_the_vehicle():
     route_id = lab.robot.route_id
     lab.robot.answers = False
     lab.order(HALL.part(1).order('o', 1, first_sequence=2))
-    lab.driver.on_refused(route_id, (1, 2, 3, 4), 'no', lab.now)
+    lab.driver.on_refused(route_id, (1, 2, 3, 4), no('no'), lab.now)
     lab.driver.on_report(lab.robot.report(), lab.now)
     anew = lab.driver.take_commands()[-1]
     assert anew.edges == (2, 3, 4)
-    lab.driver.on_refused(anew.route_id, anew.edges, 'no, I say', lab.now)
+    lab.driver.on_refused(anew.route_id, anew.edges, no('no, I say'), lab.now)
     lab.wait(0.1)
     assert lab.errors == ['driveError']
 

@@ -10,7 +10,7 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 import yaml
 
 from trajectory_graph import Graph, load_graph
-from trajectory_graph.route_protocol import EdgeState
+from trajectory_graph.route_protocol import EdgeState, reason_of
 from vda5050_vehicle.conformance.checker import VehicleChecker
 from vda5050_vehicle.conformance.layout import track_on
 from vda5050_vehicle.conformance.track import Track, action
@@ -102,7 +102,8 @@ class RobotSide:
         current = min(self.done, len(self.route) - 1)
         edge = self.route[current] if self.route else 0
         percentage = 100.0 if self.done == len(self.route) else self.percentage
-        return RouteReport(self.route_id, states, edge, percentage, self.reason)
+        return RouteReport(self.route_id, states, edge, percentage,
+                           reason_of(0, self.reason))
 
     @property
     def drives(self) -> bool:

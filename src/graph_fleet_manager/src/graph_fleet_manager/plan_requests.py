@@ -18,6 +18,7 @@ class PlanRequest:
     parking     -- ids of the vertices at which robots may be parked
     time_limit  -- s in which ways are searched for
     improvement -- s until which the plan is made better; both count from when planning begins
+    seed        -- of all that is random; 0: the planner's own
     """
 
     tasks: Tuple[Task, ...]
@@ -27,3 +28,4 @@ class PlanRequest:
     parking: FrozenSet[int] = frozenset()
     time_limit: float = 2.0
     improvement: float = 0.0
+    seed: int = 0

@@ -34,7 +34,7 @@ class PlanService:
     graph  -- the trajectory graph
     fleet  -- robot types, clearance and the approach to docks; its robots do not matter
     search -- the search for one robot's path: `safe_intervals.find_path` or `layers.layered`
-    seed   -- of all that is random
+    seed   -- of all that is random where a request has none
     """
 
     def __init__(self, graph: Graph, fleet: Fleet, search: Search = find_path,
@@ -65,7 +65,7 @@ class PlanService:
         planner = self._planner(_Roadmap(request.closed, frozenset(request.edge_times.items())))
         planner.parking = tuple(sorted(request.parking))
         return planner.plan(request.tasks, request.obstacles, begun + request.time_limit,
-                            improve_until=begun + request.improvement)
+                            improve_until=begun + request.improvement, seed=request.seed)
 
     def _check(self, request: PlanRequest) -> None:
         robots: List[Union[Task, Obstacle]] = [*request.tasks, *request.obstacles]

@@ -49,7 +49,7 @@ class Conversation:
     @property
     def reason(self) -> Optional[str]:
         """Why the last order was refused."""
-        return self.refusals[-1].reason if self.refusals else None
+        return self.refusals[-1].reason.text if self.refusals else None
 
     def _listen(self) -> None:
         for message in self.vehicle.take_messages():

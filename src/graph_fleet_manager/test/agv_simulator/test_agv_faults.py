@@ -12,6 +12,7 @@ from graph_fleet_manager.agv_simulator.control_socket import LONGEST_LINE, Contr
 from graph_fleet_manager.agv_simulator.faults import FAULTS, UnknownFault, help_text, inject
 from graph_fleet_manager.agv_simulator.simulation import Simulation
 from graph_fleet_manager.fleet import Robot
+from trajectory_graph.route_protocol import Location
 
 
 def on_its_way() -> Conversation:
@@ -71,7 +72,8 @@ def test_off_the_graph_no_route_is_taken_up_until_it_is_put_back() -> None:
     agv = on_its_way()
     inject(agv.vehicle, 'offgraph 1.5')
     assert agv.vehicle.pose[1] == pytest.approx(1.5)
-    assert (agv.last.pose.edge, agv.last.reason) == (0, 'off the corridor')
+    assert agv.last.location == Location(*agv.vehicle.pose), 'only metres tell where it is now'
+    assert (agv.last.pose.edge, agv.last.reason.text) == (0, 'off the corridor')
     agv.order(8, 1)
     assert agv.reason == 'the vehicle is off the graph'
     inject(agv.vehicle, 'place 3')
@@ -85,14 +87,14 @@ def test_off_the_graph_no_route_is_taken_up_until_it_is_put_back() -> None:
 def test_what_ends_a_route(line: str, reason: str) -> None:
     agv = on_its_way()
     inject(agv.vehicle, line)
-    assert (agv.states(), agv.last.reason) == ([3, 3], reason)
+    assert (agv.states(), agv.last.reason.text) == ([3, 3], reason)
 
 
 def test_an_empty_battery_ends_the_route() -> None:
     agv = on_its_way()
     inject(agv.vehicle, 'battery 0')
     agv.wait(0.1)
-    assert agv.last.reason == 'the battery is empty'
+    assert agv.last.reason.text == 'the battery is empty'
 
 
 def test_a_battery_is_charged_at_a_charger_only() -> None:

@@ -13,7 +13,7 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, pr
 
 from graph_fleet_manager.agv_simulator.vehicle import Vehicle
 from trajectory_graph import split_edges
-from trajectory_graph.route_protocol import EdgeState, RouteOrder, RouteReport
+from trajectory_graph.route_protocol import EdgeState, Reason, ReasonCode, RouteOrder, RouteReport
 
 COMPLETE, FAILED = EdgeState.COMPLETE, EdgeState.FAILED
 SPEED = 1.0
@@ -100,7 +100,7 @@ class ObedientAgv(RuleBasedStateMachine):
 
     @rule()
     def fail(self) -> None:
-        self.vehicle.fail('a broken belt')
+        self.vehicle.fail(Reason(ReasonCode.OTHER, 'a broken belt'))
         self._listen()
 
     # --- what must hold ---------------------------------------------------------------------------

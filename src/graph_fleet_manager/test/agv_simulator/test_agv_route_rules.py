@@ -6,7 +6,7 @@ from agv_builders import GRAPH, Conversation
 from fleet_builders import graph_of
 
 from graph_fleet_manager.agv_simulator.vehicle import Vehicle
-from trajectory_graph.route_protocol import RouteOrder, SymbolicPose
+from trajectory_graph.route_protocol import Reason, ReasonCode, RouteOrder, SymbolicPose
 
 
 def test_a_route_is_acknowledged_driven_and_complete() -> None:
@@ -79,7 +79,7 @@ def test_what_cannot_be_driven_is_refused_with_the_reason(edges: tuple, reason: 
     agv.order(7, *edges)
     assert agv.reason == reason
     failed = agv.reports[-1]
-    assert (failed.route_id, failed.edges, failed.reason) == (7, edges, reason)
+    assert (failed.route_id, failed.edges, failed.reason.text) == (7, edges, reason)
     assert {int(state) for state in failed.states} == {3}
     assert agv.last.route_id == 0
 
@@ -161,15 +161,15 @@ def test_an_order_that_came_late_is_left_out() -> None:
 def test_an_order_from_a_clock_that_is_ahead_is_refused() -> None:
     agv = Vehicle('agv_1', GRAPH, 1)
     agv.handle(RouteOrder(1, (1,), stamp=5_000_000_000, received=1_000_000_000))
-    assert 'synchronise the clocks' in agv.take_messages()[0].reason
+    assert 'synchronise the clocks' in agv.take_messages()[0].reason.text
 
 
 def test_a_failed_route_cannot_be_changed_but_another_one_goes_on_from_there() -> None:
     agv = Conversation()
     agv.order(7, 1, 2)
     agv.drive_to(1.0)
-    agv.vehicle.fail('a broken belt')
-    assert (agv.states(), agv.last.reason) == ([3, 3], 'a broken belt')
+    agv.vehicle.fail(Reason(ReasonCode.OTHER, 'a broken belt'))
+    assert (agv.states(), agv.last.reason.text) == ([3, 3], 'a broken belt')
     agv.order(7, 1)
     assert agv.reason == 'route 7 has failed: another one needs another id'
     agv.wait(5.0)
@@ -183,7 +183,7 @@ def test_during_an_emergency_stop_nothing_is_taken_up() -> None:
     agv.order(7, 1)
     agv.wait(2.0)
     agv.vehicle.press_emergency_stop()
-    assert agv.last.reason == 'emergency stop'
+    assert agv.last.reason.text == 'emergency stop'
     agv.order(8, 1)
     assert agv.reason == 'emergency stop'
     agv.vehicle.release_emergency_stop()

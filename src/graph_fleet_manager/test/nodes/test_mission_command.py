@@ -8,7 +8,8 @@ import rospy
 from graph_fleet_manager.commands import mission
 from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandError
 from graph_fleet_manager.messages.missions import request_of, status_message
-from graph_fleet_manager.supervision.missions import MissionState, RequestRefused, Status
+from graph_fleet_manager.supervision.mission_commands import not_stored
+from graph_fleet_manager.supervision.missions import Command, MissionState, RequestRefused, Status
 from itrci_nav_msgs.msg import MissionRequest, MissionStatus
 
 MINE, OTHER = 1.7e9 + 0.123456789, 1.7e9 - 60.0
@@ -104,7 +105,8 @@ def test_what_is_told_of_other_missions_with_its_id_is_no_answer_to_a_command(mo
 
 
 @pytest.mark.parametrize('word, last', [
-    ('cancel', status(MissionState.ACTIVE, MINE, 'CANCEL is carried out, but forgotten if')),
+    ('cancel', status_message(not_stored(
+        Status(7, MissionState.ACTIVE, stamp=MINE), Command.CANCEL, 'a full disk'), rospy.Time(5))),
     ('cancel', status(MissionState.SUCCEEDED)), ('pause', status(MissionState.PAUSED)),
     ('resume', status(MissionState.PENDING)), ('release', status(MissionState.ACTIVE))])
 def test_the_first_status_that_shows_a_command_answers_it(monkeypatch, capsys, word, last):

@@ -50,7 +50,8 @@ requests = st.builds(
     PlanRequest, st.tuples(tasks('r1'), tasks('r2')),
     st.tuples(st.builds(Obstacle, st.just('r3'), st.just(AGV), st.tuples(ids), st.tuples(ids))),
     st.frozensets(ids, max_size=3), st.dictionaries(st.tuples(st.just('agv'), signed), seconds),
-    st.frozensets(ids, max_size=3), st.floats(0.001, 10.0), st.floats(0.0, 10.0))
+    st.frozensets(ids, max_size=3), st.floats(0.001, 10.0), st.floats(0.0, 10.0),
+    st.integers(0, 2 ** 32 - 1))
 
 
 def through_ros(message):

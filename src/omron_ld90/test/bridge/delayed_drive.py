@@ -224,7 +224,7 @@ class DelayedDrive:
             if isinstance(action, p.Give):
                 self._give(action)
             elif isinstance(action, RouteReport) and action.reason:
-                self.trace.append(f'{self.now:.3f} route failed: {action.reason}')
+                self.trace.append(f'{self.now:.3f} route failed: {action.reason.text}')
 
     def _give(self, give: p.Give) -> None:
         generation, drives = self._generation, give.command != 'stop'

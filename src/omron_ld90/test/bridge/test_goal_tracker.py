@@ -57,7 +57,7 @@ class TestOutcomes:
     def test_a_failure_in_its_own_words(self):
         tracker = sent()
         tracker.ended(CommandEnded(1, Ending.FAILED, 'Failed going to goal'), 5.0)
-        assert tracker.failure.reason == 'Failed going to goal'
+        assert tracker.failure.reason.text == 'Failed going to goal'
 
     @pytest.mark.parametrize('ending', [Ending.INTERRUPTED, Ending.CANCELLED])
     def test_an_interruption_is_somebody_elses_unless_an_emergency_stop_follows(self, ending):
@@ -328,7 +328,7 @@ class TestLostOutcome:
     def test_a_failed_drive_fails(self):
         tracker = doubtful()
         show(tracker, Motion.FAILED, '12')
-        assert tracker.failure.reason == 'Failed going to 12'
+        assert tracker.failure.reason.text == 'Failed going to 12'
 
     def test_a_watched_robot_that_shows_something_else_for_an_instant_is_still_ours(self):
         tracker = doubtful()

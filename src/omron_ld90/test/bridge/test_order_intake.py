@@ -12,10 +12,21 @@ from omron_ld90.bridge.robot_monitor import RobotMonitor
 from omron_ld90.bridge.robot_state import RobotLocation
 from omron_ld90.bridge.route_run import RouteRun
 from omron_ld90.bridge.route_strategies import Settings
-from trajectory_graph.route_protocol import Phase, RouteOrder
+from trajectory_graph.route_protocol import (
+    EMERGENCY_STOP,
+    NO_REASON,
+    TAKEN_OVER,
+    Phase,
+    Reason,
+    ReasonCode,
+    RouteOrder,
+)
 
 NANOSECONDS = 1_000_000_000
 PATIENCE = 5.0
+OFF_GRAPH = Reason(ReasonCode.OFF_GRAPH, 'off the graph')
+NO_LOCATION = Reason(ReasonCode.NO_LOCATION, 'the robot has not told where it is')
+NO_GRAPH = Reason(ReasonCode.NOT_READY, 'there is no graph')
 
 
 def order(route_id: int = 7, sent: float = 100.0, received: float = 100.0,
@@ -32,8 +43,8 @@ class Bench:
     """An intake, and what it tells."""
 
     def __init__(self) -> None:
-        self.unknown = ''
-        self.refusals: List[Tuple[int, str]] = []
+        self.unknown = NO_REASON
+        self.refusals: List[Tuple[int, Reason]] = []
         self.notes: List[str] = []
         self.robot = RobotMonitor(Settings())
         self.intake = OrderIntake(
@@ -63,19 +74,19 @@ def test_an_order_is_due_once(bench):
 
 
 def test_one_waits_until_the_robot_is_known(bench):
-    bench.unknown = 'the robot has not told where it is'
+    bench.unknown = NO_LOCATION
     bench.take(order(), 100.0)
     assert bench.due(100.0 + PATIENCE) is None
-    bench.unknown = ''
+    bench.unknown = NO_REASON
     assert bench.due(100.0 + PATIENCE) == order()
 
 
 def test_but_not_for_ever(bench):
-    bench.unknown = 'there is no graph'
+    bench.unknown = NO_GRAPH
     bench.take(order(), 100.0)
     assert bench.due(100.1 + PATIENCE) is None
-    assert bench.refusals == [(7, 'there is no graph')]
-    bench.unknown = ''
+    assert bench.refusals == [(7, NO_GRAPH)]
+    bench.unknown = NO_REASON
     assert bench.due(106.0) is None
 
 
@@ -90,7 +101,7 @@ def test_who_takes_the_robot_over_is_passed_by_no_order_that_waits(bench):
     bench.take(order(), 100.0)
     bench.intake.overrule(100.5)
     assert bench.due(100.5) is None
-    assert bench.refusals == [(7, 'taken over')]
+    assert bench.refusals == [(7, TAKEN_OVER)]
 
 
 @pytest.mark.parametrize('sent, taken, is_taken', [
@@ -102,15 +113,15 @@ def test_nor_by_one_that_was_on_its_way(bench, sent, taken, is_taken):
 
 def test_a_refused_order_is_refused_again_with_the_same_reason(bench):
     bench.take(order(), 100.0)
-    bench.intake.refuse(bench.due(100.0), 'off the graph')
+    bench.intake.refuse(bench.due(100.0), OFF_GRAPH)
     assert not bench.take(order(), 101.0)
-    assert bench.refusals == [(7, 'off the graph')] * 2
+    assert bench.refusals == [(7, OFF_GRAPH)] * 2
 
 
 def test_one_without_a_stamp_may_be_a_new_one_and_is_judged_again(bench):
     for now in (100.0, 101.0):
         assert bench.take(order(sent=0.0), now)
-        bench.intake.refuse(bench.due(now), 'off the graph')
+        bench.intake.refuse(bench.due(now), OFF_GRAPH)
 
 
 def test_an_order_without_a_stamp_that_comes_after_a_take_over_is_not_passed_by_it(bench):
@@ -135,11 +146,11 @@ def test_an_order_that_comes_again_is_told_once_where_its_route_is_over(bench, p
 
 
 def test_in_an_emergency_stop_an_order_does_not_wait_for_what_is_unknown(bench):
-    bench.unknown = 'the robot has not told where it is'
+    bench.unknown = NO_LOCATION
     bench.press_emergency_stop(True, 100.0)
     bench.take(order(), 100.0)
     assert bench.due(100.0) is None
-    assert bench.refusals == [(7, 'emergency stop')]
+    assert bench.refusals == [(7, EMERGENCY_STOP)]
 
 
 def test_after_an_emergency_stop_refusals_are_noted_again(bench):
@@ -148,7 +159,7 @@ def test_after_an_emergency_stop_refusals_are_noted_again(bench):
     bench.due(100.0)
     bench.press_emergency_stop(False, 101.0)
     bench.take(order(8), 101.0)
-    bench.intake.refuse(bench.due(101.0), 'off the graph')
+    bench.intake.refuse(bench.due(101.0), OFF_GRAPH)
     assert bench.notes[1:] == ['Route 8 was refused: off the graph.']
 
 
@@ -157,7 +168,7 @@ def test_in_an_emergency_stop_only_the_first_refusal_is_noted_and_the_end_of_it(
     for count in range(3):
         bench.take(order(7 + count), 100.0 + count)
         assert bench.due(100.0 + count) is None
-    assert [reason for _, reason in bench.refusals] == ['emergency stop'] * 3
+    assert [reason for _, reason in bench.refusals] == [EMERGENCY_STOP] * 3
     assert len(bench.notes) == 1
     bench.press_emergency_stop(False, 104.0)
     for route_id in (10, 11):

@@ -16,6 +16,7 @@ from omron_ld90.bridge.events import (
 from omron_ld90.bridge.goal_tracker import RouteFailed, TakenOver
 from omron_ld90.bridge.robot_monitor import RobotMonitor
 from omron_ld90.bridge.route_strategies import Settings
+from trajectory_graph.route_protocol import Reason, ReasonCode
 
 
 def monitor() -> RobotMonitor:
@@ -30,7 +31,7 @@ def monitor() -> RobotMonitor:
 def why_failed(robot: RobotMonitor, now: float) -> str:
     with pytest.raises(RouteFailed) as failure:
         robot.check(now)
-    return failure.value.reason
+    return failure.value.reason.text
 
 
 def test_a_command_is_due_once():
@@ -82,10 +83,11 @@ def test_of_a_link_that_is_down_that_is_told_not_that_nothing_comes_over_it():
     robot = monitor()
     robot.update(LinkReported(Link.COMMANDS, True), 20.0)
     robot.update(LinkReported(Link.OUTGOING, True), 20.0)
-    assert robot.why_unknown(26.0).startswith('lost link: commands: its node has reported nothing')
+    assert robot.why_unknown(26.0).text.startswith(
+        'lost link: commands: its node has reported nothing')
     robot.update(LinkReported(Link.COMMANDS, True), 26.0)
     robot.update(LinkReported(Link.OUTGOING, False, 'the robot hung up'), 26.0)
-    assert robot.why_unknown(26.0) == 'lost link: outgoing: the robot hung up'
+    assert robot.why_unknown(26.0).text == 'lost link: outgoing: the robot hung up'
 
 
 def test_docked_is_known_as_soon_as_the_command_has_ended():
@@ -122,7 +124,7 @@ def test_a_new_route_begins_with_nothing_of_the_last_one():
     robot = monitor()
     robot.stop(0.0)
     robot.update(ForeignStop('/rviz'), 0.0)
-    robot.tracker.failure = RouteFailed('Failed going to goal')
+    robot.tracker.failure = RouteFailed(Reason(ReasonCode.DRIVE_FAILED, 'Failed going to goal'))
     robot.begin()
     robot.check(0.1)
     assert robot.due_commands(0.1) == []
@@ -130,7 +132,7 @@ def test_a_new_route_begins_with_nothing_of_the_last_one():
 
 def test_of_several_reasons_the_emergency_stop_is_told_and_then_a_take_over():
     robot = monitor()
-    robot.tracker.failure = RouteFailed('Failed going to goal')
+    robot.tracker.failure = RouteFailed(Reason(ReasonCode.DRIVE_FAILED, 'Failed going to goal'))
     assert why_failed(robot, 0.1) == 'Failed going to goal'
     robot.update(ForeignStop('/rviz'), 0.1)
     assert why_failed(robot, 0.1) == 'taken over'

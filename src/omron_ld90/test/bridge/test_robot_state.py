@@ -44,36 +44,36 @@ class TestRobotLinks:
 
     def test_a_link_of_which_nothing_is_known_cannot_be_used_and_is_not_lost(self):
         links = RobotLinks([Link.COMMANDS], 2.0, 20.0)
-        assert links.why_unusable(9.0) == 'nothing is known of the link commands'
-        assert links.why_lost(9.0) == ''
+        assert links.why_unusable(9.0).text == 'nothing is known of the link commands'
+        assert links.why_lost(9.0).text == ''
 
     def test_a_link_that_is_down_is_lost_after_the_timeout(self):
         links = self.links()
         for time in (1.0, 2.0, 3.0, 4.0):
             links.update(LinkReported(Link.OUTGOING, True), time)
             links.update(LinkReported(Link.COMMANDS, False, 'refused'), time)
-        assert links.why_unusable(1.1) == 'lost link: commands: refused'
+        assert links.why_unusable(1.1).text == 'lost link: commands: refused'
         assert not links.stands(Link.COMMANDS, 1.1)
-        assert links.why_lost(2.9) == ''
-        assert links.why_lost(3.1) == 'lost link: commands: refused'
+        assert links.why_lost(2.9).text == ''
+        assert links.why_lost(3.1).text == 'lost link: commands: refused'
 
     def test_a_node_that_reports_nothing_is_away_and_gets_the_time_of_a_restart(self):
         links = self.links()
-        assert links.why_unusable(1.9) == ''
-        assert 'commands: its node has reported nothing for 3 s' in links.why_unusable(3.0)
-        assert links.why_lost(19.0) == ''
-        assert 'its node has reported nothing for 21 s' in links.why_lost(21.0)
+        assert links.why_unusable(1.9).text == ''
+        assert 'commands: its node has reported nothing for 3 s' in links.why_unusable(3.0).text
+        assert links.why_lost(19.0).text == ''
+        assert 'its node has reported nothing for 21 s' in links.why_lost(21.0).text
 
     def test_a_node_that_is_back_gets_the_rest_of_that_time_for_its_link(self):
         links = self.links()
         for time in (6.0, 7.0, 8.0, 9.0, 10.0):
             links.update(LinkReported(Link.OUTGOING, True), time)
             links.update(LinkReported(Link.COMMANDS, False, 'connecting'), time)
-        assert links.why_lost(10.0) == ''
+        assert links.why_lost(10.0).text == ''
         for time in range(11, 22):
             for link, up in ((Link.OUTGOING, True), (Link.COMMANDS, False)):
                 links.update(LinkReported(link, up, 'refused'), float(time))
-        assert links.why_lost(21.0) == 'lost link: commands: refused'
+        assert links.why_lost(21.0).text == 'lost link: commands: refused'
 
     def test_up_since_tells_of_the_return_of_link_and_node(self):
         links = self.links()

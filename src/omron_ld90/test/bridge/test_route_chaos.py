@@ -151,5 +151,5 @@ def test_no_restart_and_no_short_outage_costs_the_route_or_gives_a_goal_twice(st
         else:
             getattr(bench, what)(*how)
     bench.run()
-    assert bench.states() == [2, 2, 2], bench.follower.report().reason
+    assert bench.states() == [2, 2, 2], bench.follower.report().reason.text
     assert len(set(bench.commands)) == len(bench.commands), bench.commands

@@ -20,10 +20,10 @@ def under_way(strategy: str = 'vertex_by_vertex', links=(), **settings) -> Bench
 
 def assert_failed(bench: Bench, reason: str, stopped: bool = True) -> None:
     report = bench.follower.report()
-    assert report.reason == reason
+    assert report.reason.text == reason
     assert report.states == (EdgeState.COMPLETE, EdgeState.FAILED, EdgeState.FAILED)
     assert (bench.commands[-1] == 'stop') is stopped
-    assert bench.reports[-1].reason == reason  # told at once
+    assert bench.reports[-1].reason.text == reason  # told at once
 
 def end_of_drive(bench: Bench, ending: Ending, text: str = '') -> None:
     """The controller tells that the drive under way has ended."""
@@ -57,7 +57,7 @@ class TestAStopOfSomebodyElse:
         bench.robot.obey(None, 'stop')
         bench.tell(p.ForeignStop('/rviz'))
         bench.drive(6.0)
-        assert bench.follower.report().reason == 'taken over'
+        assert bench.follower.report().reason.text == 'taken over'
         assert bench.commands.count('stop') == 1
 
     def test_a_robot_that_drives_on_along_the_route_is_stopped(self):
@@ -81,7 +81,7 @@ class TestAStopOfSomebodyElse:
         bench.drive(1.0)
         bench.tell(p.ForeignStop('/rviz'))
         bench.drive(1.0)
-        assert bench.follower.report().reason == 'taken over'
+        assert bench.follower.report().reason.text == 'taken over'
         del bench.give
         bench.link_is_up[Link.COMMANDS] = True
         bench.drive(3.0)
@@ -146,7 +146,7 @@ def test_a_robot_that_obeys_somebody_without_a_word_is_sent_nowhere(motion, goal
     bench.run(lambda bench: bench.robot.position[0] > 19.0 or not bench.follower.running)
     assert len(bench.commands) == given
     if end_is_lost and motion is not Motion.STOPPING:
-        assert bench.follower.report().reason == 'taken over'
+        assert bench.follower.report().reason.text == 'taken over'
         return
     bench.robot.motion, bench.robot._shown = Motion.GOING, ours  # nobody had
     bench.run()
@@ -177,7 +177,7 @@ def test_nothing_is_sent_to_a_robot_that_somebody_else_may_drive():
     bench.drive(twin.now - bench.now - 0.3)  # shortly before the next goal is due
     end_of_drive(bench, Ending.INTERRUPTED, 'replaced by something')
     bench.drive(1.0)
-    assert bench.follower.report().reason == 'taken over'
+    assert bench.follower.report().reason.text == 'taken over'
     assert 'goto 6' not in bench.commands
 
 
@@ -324,7 +324,7 @@ def test_a_failed_route_says_nothing_more_to_the_robot():
     bench.drive(1.0)
     bench.wait(60.0)
     assert len(bench.commands) == commands
-    assert bench.follower.report().reason == 'Cannot find path'
+    assert bench.follower.report().reason.text == 'Cannot find path'
 
 class TestLinks:
     """A short outage costs nothing; a long one the route, and the stop follows."""
@@ -336,7 +336,7 @@ class TestLinks:
         bench.drive(1.0)
         assert bench.follower.running
         bench.drive(2.5)
-        assert bench.follower.report().reason == 'lost link: commands: connection refused'
+        assert bench.follower.report().reason.text == 'lost link: commands: connection refused'
         assert 'stop' not in bench.commands
         del bench.give
         bench.link_is_up[Link.COMMANDS] = True
@@ -385,7 +385,7 @@ class TestLinks:
         end_of_drive(bench, Ending.LOST, 'the connection broke')
         bench.robot.obey(None, 'goto 3')
         bench.run()
-        assert bench.follower.report().reason == 'taken over'
+        assert bench.follower.report().reason.text == 'taken over'
         assert bench.commands[-1] == 'goto 3'
 
     def test_a_node_that_is_restarted_costs_no_route(self):
@@ -399,7 +399,7 @@ class TestLinks:
             bench.drive(3.0)
             bench.link_is_up[link] = True
             bench.run()
-            assert bench.states() == [2, 2, 2], f'{link}: {bench.follower.report().reason}'
+            assert bench.states() == [2, 2, 2], f'{link}: {bench.follower.report().reason.text}'
             assert bench.commands == ['goto 2', 'goto 7', 'goto 6']
 
     def test_a_receiver_that_stands_still_costs_no_route(self):
@@ -414,7 +414,8 @@ class TestLinks:
         bench.link_is_up[Link.COMMANDS] = None
         bench.give = Unreachable(bench)
         bench.run(seconds=40.0)
-        assert 'commands: its node has reported nothing for 2' in bench.follower.report().reason
+        reason = bench.follower.report().reason
+        assert 'commands: its node has reported nothing for 2' in reason.text
 
 class Unreachable:
     """In place of the bench's way to the controller: nobody hears the commands."""

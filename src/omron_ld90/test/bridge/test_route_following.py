@@ -8,7 +8,10 @@ from bridge_builders import Bench, dissertation_graph, yard
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from trajectory_graph.route_protocol import SymbolicPose
+from omron_ld90.bridge.events import RobotSeen
+from omron_ld90.bridge.route_follower import RouteFollower
+from omron_ld90.bridge.route_strategies import Settings
+from trajectory_graph.route_protocol import Location, SymbolicPose
 
 ALL = ('vertex_by_vertex', 'direct', 'rolling')
 
@@ -21,7 +24,7 @@ def test_the_dissertations_example_is_driven(strategy):
     report = bench.follower.report()
     assert (report.route_id, report.edges, bench.states()) == (7, (1, 4, 5), [2, 2, 2])
     assert report.pose == SymbolicPose(5, 100.0)
-    assert report.reason == ''
+    assert not report.reason
 
 
 def test_vertex_by_vertex_stops_at_each():
@@ -183,7 +186,7 @@ def test_every_route_is_driven_in_order_and_told_truly(journey, strategy, period
     bench = Bench(graph, start, strategy, period)
     bench.order(7, *route)
     bench.run()
-    assert bench.states() == [2] * len(route), bench.follower.report().reason
+    assert bench.states() == [2] * len(route), bench.follower.report().reason.text
     assert bench.last.pose == SymbolicPose(route[-1], 100.0)
     # Every vertex was visited within the tolerance, in the order of the route.
     trail = iter(bench.robot.trail)
@@ -203,3 +206,10 @@ def test_every_route_is_driven_in_order_and_told_truly(journey, strategy, period
             assert report.pose.percentage < 100.0
         assert report.pose.percentage >= percentage
         percentage = report.pose.percentage if complete < len(route) else 0.0
+
+
+@pytest.mark.parametrize('place, location', [((1.0, 0.0), Location(1.0, 0.0, 0.5)), (None, None)])
+def test_reports_tell_where_the_robot_is_in_metres(place, location):
+    follower = RouteFollower(Settings(), dissertation_graph())
+    follower.handle(RobotSeen(1, place=place, heading=0.5), 1.0)
+    assert follower.report().location == location

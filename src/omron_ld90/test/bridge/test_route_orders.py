@@ -83,7 +83,7 @@ def test_a_complete_route_cannot_be_extended_from_elsewhere():
     bench.look()
     commands = len(bench.commands)
     bench.order(7, 1, 4, 5)
-    assert refusals(bench, 7)[-1].reason == (
+    assert refusals(bench, 7)[-1].reason.text == (
         'route 7 ended at vertex 7, where the robot no longer is')
     assert len(bench.commands) == commands
 
@@ -101,7 +101,7 @@ def test_a_shorter_list_ends_the_route_earlier():
 def test_a_list_that_drops_the_current_edge_is_refused_and_the_route_goes_on():
     bench = under_way()
     bench.order(7, 1, 2)
-    assert 'must go on with' in refusals(bench, 7)[0].reason
+    assert 'must go on with' in refusals(bench, 7)[0].reason.text
     assert not any(EdgeState.FAILED in report.states for report in bench.reports)
     assert bench.follower.report().states == (2, 1, 1)
     bench.run()
@@ -143,7 +143,7 @@ def test_an_edge_that_was_driven_before_is_not_complete_again():
     bench.order(7, 1)
     bench.run()
     bench.order(8, 1)
-    assert 'ends there, at vertex 2' in refusals(bench, 8)[0].reason
+    assert 'ends there, at vertex 2' in refusals(bench, 8)[0].reason.text
 
 
 def test_an_empty_list_stops_the_robot():
@@ -151,7 +151,7 @@ def test_an_empty_list_stops_the_robot():
     bench.order(8)
     assert bench.commands[-1] == 'stop'
     report = bench.follower.report()
-    assert (report.route_id, report.edges, report.reason) == (8, (), '')
+    assert (report.route_id, report.edges, report.reason.text) == (8, (), '')
     assert not bench.follower.running
     bench.order(9, 4, 5)  # and on from where it stands
     bench.run()
@@ -179,7 +179,7 @@ def test_a_route_that_cannot_be_driven_is_refused(edges, reason):
     report, = bench.reports
     assert (report.route_id, report.edges) == (refusal.route_id, refusal.edges) == (7, edges)
     assert set(report.states) == {EdgeState.FAILED}
-    assert reason in report.reason == refusal.reason
+    assert reason in report.reason.text == refusal.reason.text
     assert bench.commands == []
 
 
@@ -212,7 +212,7 @@ def test_a_failed_route_needs_another_id():
     bench.robot.emergency = False
     bench.look()
     bench.order(7, 1, 4)
-    assert 'has failed' in refusals(bench, 7)[-1].reason
+    assert 'has failed' in refusals(bench, 7)[-1].reason.text
     bench.order(8, 4, 5)
     bench.run()
     assert bench.states() == [2, 2]
@@ -223,7 +223,7 @@ def test_a_robot_in_emergency_stop_takes_no_route():
     bench.robot.emergency = True
     bench.look()
     bench.order(7, 1)
-    assert refusals(bench, 7)[0].reason == 'emergency stop'
+    assert refusals(bench, 7)[0].reason.text == 'emergency stop'
     assert bench.commands == []
 
 
@@ -248,7 +248,7 @@ def test_an_order_waits_for_a_link_that_is_down_but_not_for_long():
     bench.order(7, 1)
     assert bench.refusals == []
     bench.drive(5.2)
-    assert refusals(bench, 7)[0].reason == 'lost link: commands: connection refused'
+    assert refusals(bench, 7)[0].reason.text == 'lost link: commands: connection refused'
     assert bench.commands == []
     bench.order(8, 1)
     bench.link_is_up[Link.COMMANDS] = True
@@ -262,7 +262,7 @@ def test_an_order_from_the_future_is_refused_and_locks_nobody_out():
     second = 1_000_000_000
     actions = follower.handle(RouteOrder(7, (1,), stamp=8 * second, received=second), 0.0)
     refusal, = [action for action in actions if isinstance(action, RouteRefusal)]
-    assert 'is 7.0 s ahead of the clock' in refusal.reason
+    assert 'is 7.0 s ahead of the clock' in refusal.reason.text
     follower.handle(RouteOrder(8, (1,), stamp=2 * second, received=second), 0.0)
     assert follower.running
 
@@ -291,7 +291,7 @@ def test_an_order_that_waits_does_not_pass_somebodys_stop(running):
     assert not bench.refusals
     bench.tell(ForeignStop('/rviz'))
     bench.robot.obey(None, 'stop')
-    assert [refusal.reason for refusal in bench.refusals] == ['taken over']
+    assert [refusal.reason.text for refusal in bench.refusals] == ['taken over']
     bench.link_is_up[Link.OUTGOING] = True
     bench.drive(6.0)
     assert bench.commands == [*given, 'stop']
@@ -304,7 +304,7 @@ def test_an_order_that_was_on_its_way_when_somebody_took_over_is_refused(sent, r
     bench.now += 0.3
     second = 1_000_000_000
     bench.tell(RouteOrder(8, (1,), int(sent * second), int(bench.now * second)))
-    assert [refusal.reason for refusal in bench.refusals] == ['taken over'] * refused
+    assert [refusal.reason.text for refusal in bench.refusals] == ['taken over'] * refused
     assert bench.commands == ['goto 2'] * (not refused)
 
 
@@ -314,7 +314,7 @@ def test_a_sender_whose_clock_is_slow_is_heard_again_soon_after_a_take_over():
     bench.tell(CommandEnded(bench.robot.number, Ending.INTERRUPTED, 'replaced by "goto 3"'))
     bench.robot.number = None
     bench.drive(1.0)
-    assert bench.follower.report().reason == 'taken over'
+    assert bench.follower.report().reason.text == 'taken over'
     second, hour = 1_000_000_000, 3600.0
     for route_id in (8, 9):
         bench.tell(RouteOrder(route_id, (1,), int((bench.now + 3.0 - hour) * second),
@@ -336,7 +336,7 @@ def test_an_order_waits_no_longer_than_the_location_may_take():
     assert follower.tick(4.9) == []
     refusal, report, _ = follower.tick(5.1)
     assert isinstance(report, RouteReport)
-    assert refusal.reason == report.reason == 'the robot has not told where it is'
+    assert refusal.reason.text == report.reason.text == 'the robot has not told where it is'
 
 
 def test_an_old_location_starts_no_route():
@@ -347,14 +347,14 @@ def test_an_old_location_starts_no_route():
     bench.robot.position = (0.0, 30.0)  # meanwhile it was driven off the graph
     bench.look()
     assert bench.commands == []
-    assert 'does not start where the robot is' in refusals(bench, 7)[0].reason
+    assert 'does not start where the robot is' in refusals(bench, 7)[0].reason.text
 
 
 def test_without_a_graph_every_route_is_refused():
     follower = RouteFollower(Settings())
     follower.handle(RobotSeen(1, place=(0.0, 0.0)), 0.0)
     follower.handle(RouteOrder(7, (1,)), 0.0)
-    assert follower.tick(6.0)[0].reason == 'there is no graph'
+    assert follower.tick(6.0)[0].reason.text == 'there is no graph'
 
 
 def test_an_order_waits_until_every_link_is_heard_of():
@@ -376,7 +376,7 @@ def test_a_graph_that_comes_later_takes_up_the_order_that_waits():
 def test_a_docked_robot_starts_from_the_dock_only():
     bench = Bench(yard(), 90)
     bench.order(7, 1)
-    assert refusals(bench, 7)[0].reason == (
+    assert refusals(bench, 7)[0].reason.text == (
         'edge 1 starts at vertex 1, but the robot is docked at vertex 90')
 
 
@@ -405,7 +405,7 @@ def test_a_complete_route_whose_edges_are_others_now_gets_no_longer():
     bench.run()
     bench.follower.use_graph(dissertation_graph(), bench.now)
     bench.order(7, 1, 4)
-    assert 'the graph was replaced' in refusals(bench, 7)[-1].reason
+    assert 'the graph was replaced' in refusals(bench, 7)[-1].reason.text
 
 
 def test_a_new_graph_with_other_edges_ends_the_route():
@@ -414,4 +414,4 @@ def test_a_new_graph_with_other_edges_ends_the_route():
                      {1: (1, 2), 4: (2, 7), 5: (7, 6)})
     actions = bench.follower.use_graph(moved, bench.now)
     assert actions[0].command == 'stop'
-    assert 'the graph was replaced' in bench.follower.report().reason
+    assert 'the graph was replaced' in bench.follower.report().reason.text

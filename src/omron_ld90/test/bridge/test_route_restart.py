@@ -27,7 +27,7 @@ def test_the_route_goes_on_by_itself_and_no_goal_is_given_twice(strategy, away):
     bench = under_way(strategy)
     bench.restart(away)
     bench.run()
-    assert bench.states() == [2, 2, 2], bench.follower.report().reason
+    assert bench.states() == [2, 2, 2], bench.follower.report().reason.text
     assert bench.follower.report().pose == SymbolicPose(5, 100.0)
     assert len(set(bench.commands)) == len(bench.commands)
 
@@ -40,7 +40,7 @@ def test_whenever_it_happens_no_goal_is_given_twice(step):
         bench.step()
     bench.restart(2.0)
     bench.run()
-    assert bench.states() == [2, 2, 2], bench.follower.report().reason
+    assert bench.states() == [2, 2, 2], bench.follower.report().reason.text
     assert len(set(bench.commands)) == len(bench.commands)
 
 
@@ -104,7 +104,7 @@ def test_a_robot_that_was_carried_away_fails_the_route():
     bench.restart()
     report = bench.follower.report()
     assert report.states == (2, 3, 3)
-    assert 'not on the route any more' in report.reason
+    assert 'not on the route any more' in report.reason.text
 
 
 def test_a_robot_that_somebody_drove_off_meanwhile_is_left_to_them():
@@ -112,7 +112,7 @@ def test_a_robot_that_somebody_drove_off_meanwhile_is_left_to_them():
     bench.robot.obey(None, 'goto 3')
     bench.restart(4.0)
     bench.run()
-    assert bench.follower.report().reason == 'taken over'
+    assert bench.follower.report().reason.text == 'taken over'
     assert bench.commands[-1] == 'goto 3'
 
 
@@ -125,7 +125,7 @@ def test_nor_does_the_route_pass_them_where_the_robot_had_passed_its_goal_but_no
     bench.robot.obey(None, word)
     bench.restart(0.1)
     bench.drive(3.0)
-    assert bench.follower.report().reason == 'taken over'
+    assert bench.follower.report().reason.text == 'taken over'
     assert bench.commands == ['goto 2', word]
 
 
@@ -170,7 +170,7 @@ def test_a_stop_that_comes_before_the_robot_is_seen_ends_the_route_for_good():
     bench.drive(5.0)
     assert bench.commands[-1] == 'stop'
     report = bench.follower.report()
-    assert (report.route_id, report.edges, report.states, report.reason) == (9, (), (), '')
+    assert (report.route_id, report.edges, report.states, report.reason.text) == (9, (), (), '')
 
 
 def test_a_complete_route_is_complete_however_long_the_bridge_was_away():
@@ -179,7 +179,7 @@ def test_a_complete_route_is_complete_however_long_the_bridge_was_away():
     bench.run()
     returned(bench, is_recent=False).drive(3.0)
     assert bench.states() == [EdgeState.COMPLETE]
-    assert bench.follower.report().reason == ''
+    assert bench.follower.report().reason.text == ''
     assert 'stop' not in bench.commands
 
 
@@ -190,7 +190,7 @@ def test_a_route_whose_edges_the_graph_has_no_more_fails_and_stops_the_robot():
     bench.follower.restore(record, True, bench.now)
     bench.drive(1.0)
     assert not bench.follower.running
-    assert bench.follower.report().reason == (
+    assert bench.follower.report().reason.text == (
         'Edge 1 ends at vertex 2, but the next edge 4 starts at vertex 4')
     assert bench.commands[-1] == 'stop'
 
@@ -203,7 +203,7 @@ def test_a_robot_off_the_route_is_left_to_who_drives_it_and_else_stopped(motion,
     bench.robot.position = (4.0, 4.0)
     bench.robot.halt(motion)
     returned(bench).drive(1.0)
-    assert bench.follower.report().reason == reason
+    assert bench.follower.report().reason.text == reason
     assert ('stop' in bench.commands) is (motion is Motion.STANDING)
 
 
@@ -214,7 +214,7 @@ def test_a_robot_that_docked_meanwhile_is_not_sent_to_its_dock_again():
     bench.restart(15.0)
     assert bench.robot.docked
     bench.run()
-    assert bench.states() == [EdgeState.COMPLETE], bench.follower.report().reason
+    assert bench.states() == [EdgeState.COMPLETE], bench.follower.report().reason.text
     assert bench.commands == ['dock']
 
 
@@ -242,7 +242,7 @@ def test_a_robot_that_has_arrived_where_the_last_bridge_could_not_note_that_it_s
     bench.follower = RouteFollower(bench.follower.settings, bench.follower.graph)
     bench.follower.restore(record, True, bench.now)
     bench.run()
-    assert bench.states() == [2, 2, 2], bench.follower.report().reason
+    assert bench.states() == [2, 2, 2], bench.follower.report().reason.text
     assert bench.commands == ['goto 2', 'goto 7', 'goto 6']
 
 
@@ -252,7 +252,7 @@ def test_about_the_dock_the_route_goes_on_off_its_corridors():
     bench.run(lambda bench: bench.robot.position[1] < -3.0)
     bench.robot.position = (1.0, -3.0)
     returned(bench).run()
-    assert bench.states() == [EdgeState.COMPLETE], bench.follower.report().reason
+    assert bench.states() == [EdgeState.COMPLETE], bench.follower.report().reason.text
 
 
 def test_a_complete_route_keeps_its_pose_and_can_be_made_longer():
@@ -274,7 +274,7 @@ def test_a_bridge_that_was_away_for_long_fails_the_route_and_stops_a_robot_on_ou
         if foreign:
             bench.robot.obey(None, 'goto 3')
         bench.restart(25.0)
-        assert bench.follower.report().reason == 'the bridge was away for too long'
+        assert bench.follower.report().reason.text == 'the bridge was away for too long'
         bench.drive(3.0)
         assert bench.commands.count('stop') == stops
 
@@ -299,4 +299,4 @@ def test_a_robot_that_stays_silent_fails_the_route():
     bench.wait(19.0)
     assert bench.follower.running
     bench.wait(2.0)
-    assert bench.follower.report().reason == 'the robot has not told where it is'
+    assert bench.follower.report().reason.text == 'the robot has not told where it is'

@@ -30,7 +30,7 @@ strategies = pytest.mark.parametrize('strategy', ['vertex_by_vertex', 'direct', 
 def test_the_mission_is_completed(strategy):
     drive, route, _ = driven(strategy)
     report = drive.follower.report()
-    assert report.reason == ''
+    assert report.reason.text == ''
     assert set(report.states) == {2}
     assert (report.pose.edge, report.pose.percentage) == (route[-1], 100.0)
 
@@ -100,7 +100,7 @@ def test_a_fault_of_the_robot_ends_the_route(fault, reason):
     drive.inject(fault)
     drive.run(lambda: not drive.follower.running, 60.0)
     report = drive.follower.report()
-    assert report.reason == reason
+    assert report.reason.text == reason
     assert tuple(report.states) == (2, 2, 2, 3, 3)
     assert (drive.commands[-1] == 'stop') is (reason != 'taken over')
 
@@ -119,7 +119,7 @@ def test_a_goal_that_cannot_be_reached_ends_the_route_with_the_robots_words():
     drive.inject('fail 12')
     drive.drive(1, *ALONG_THE_HALL)
     report = drive.follower.report()
-    assert report.reason == 'Failed going to goal'
+    assert report.reason.text == 'Failed going to goal'
     assert tuple(report.states) == (2, 2, 2, 3, 3)
 
 
@@ -138,7 +138,7 @@ def test_a_blocked_way_ends_the_route_when_the_robot_or_the_bridge_gives_up(stal
     drive = SimulatedDrive(vertex=8, stall_timeout=stall_timeout)
     drive.inject('block -10880 6600')  # on edge 17, which leads into a dead end
     drive.drive(1, 14, 17)
-    assert drive.follower.report().reason == reason
+    assert drive.follower.report().reason.text == reason
     assert tuple(drive.follower.report().states) == (2, 3)
     assert drive.commands[-1] == 'stop'
 

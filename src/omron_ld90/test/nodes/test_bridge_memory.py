@@ -11,12 +11,12 @@ import rospy
 from omron_ld90.bridge.events import RouteRecord
 from omron_ld90.nodes import bridge_memory
 from omron_ld90.nodes.bridge_memory import PARAMETER, RouteMemory
-from trajectory_graph.route_protocol import Phase
+from trajectory_graph.route_protocol import EMERGENCY_STOP, NO_REASON, Phase
 
 RECORD = RouteRecord(route_id=7, edges=(1, -4, 5), stamp=1_700_000_000_123_456_789,
-                     phase=Phase.RUNNING, reason='', completed=1, target=2, goal='12',
+                     phase=Phase.RUNNING, reason=NO_REASON, completed=1, target=2, goal='12',
                      owes_stop=False)
-ENDED = RouteRecord(8, (3,), 0, Phase.FAILED, 'emergency stop', 0, None, '', True)
+ENDED = RouteRecord(8, (3,), 0, Phase.FAILED, EMERGENCY_STOP, 0, None, '', True)
 
 
 class Parameters:

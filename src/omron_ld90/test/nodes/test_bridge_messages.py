@@ -1,6 +1,8 @@
 """What the robot's nodes say becomes events of the bridge."""
 from __future__ import annotations
 
+import math
+
 import genpy
 import pytest
 
@@ -22,8 +24,9 @@ def test_a_status_tells_where_the_robot_is_and_what_it_does():
                          docking_state='Undocked')
     status.header.stamp = genpy.Time(12, 5)
     status.pose.position.x, status.pose.position.y = 1.5, -2.0
+    status.pose.orientation.z = status.pose.orientation.w = math.sqrt(0.5)
     assert robot_seen(status) == RobotSeen(12_000_000_005, Motion.GOING, '12', Docking.UNDOCKED,
-                                           False, (1.5, -2.0))
+                                           False, (1.5, -2.0), pytest.approx(math.pi / 2.0))
 
 
 def test_a_status_without_a_pose_has_no_place():
@@ -55,7 +58,9 @@ def test_every_activity_is_some_motion():
     ('REFUSED', 'not allowed', Ending.FAILED),
     ('EMERGENCY_STOPPED', 'EStop pressed', Ending.EMERGENCY_STOPPED),
     ('LOST', 'the connection broke', Ending.LOST),
-    ('LOST', 'never sent: no link', Ending.NEVER_SENT),
+    ('LOST', 'never sent: so it says', Ending.LOST),
+    ('NEVER_SENT', 'no link', Ending.NEVER_SENT),
+    ('OVERRULED', 'Not sent, "stop" of /rviz came first.', Ending.INTERRUPTED),
 ])
 def test_an_outcome_is_an_ending(outcome, message, ending):
     result = ExecuteCommandResult(outcome=getattr(ExecuteCommandResult, outcome), message=message)

@@ -24,7 +24,8 @@ class Handle:
     """A goal as actionlib hands it over; `calls` is what is done with it, in order."""
 
     def __init__(self, id: str, command: str, timeout: float = 0.0, caller: str = '/rviz') -> None:
-        self.goal = ExecuteCommandActionGoal(goal=ExecuteCommandGoal(command, timeout))
+        self.goal = ExecuteCommandActionGoal(goal=ExecuteCommandGoal(
+            command=command, timeout=timeout))
         self.goal.goal_id.id = id
         self.goal._connection_header = {'callerid': caller}
         self.calls: List[Tuple[str, Any, str]] = []
@@ -145,8 +146,8 @@ def test_a_time_out_that_is_none_is_refused(bench, timeout):
 
 @pytest.mark.parametrize(('error', 'outcome', 'message'), [
     (ArclError('not allowed'), R.REFUSED, 'not allowed'),
-    (NotConnected('no route'), R.LOST, f'never sent: {NotConnected("no route")}'),
-    (Overruled(Motion('/rviz', '"stop"')), R.INTERRUPTED, 'Not sent, "stop" of /rviz came first.')])
+    (NotConnected('no route'), R.NEVER_SENT, str(NotConnected('no route'))),
+    (Overruled(Motion('/rviz', '"stop"')), R.OVERRULED, 'Not sent, "stop" of /rviz came first.')])
 def test_a_goal_that_cannot_be_given_is_rejected_with_its_reason(bench, error, outcome, message):
     bench.refusal = error
     handle = bench.give('goto 12')
@@ -160,7 +161,7 @@ def test_a_goal_that_is_too_old_was_never_sent_and_a_stop_is(bench, why):
     bench.old.why = why
     handle = bench.give('goto 12')
     assert bench.given == []
-    assert handle.ended == ('set_rejected', R.LOST, f'never sent: {why}', why)
+    assert handle.ended == ('set_rejected', R.NEVER_SENT, why, why)
     bench.give('stop')
     assert [text for text, _, _ in bench.given] == ['stop']
 
@@ -214,4 +215,4 @@ def test_what_has_ended_is_cancelled_no_more(bench):
 @pytest.mark.parametrize(('command', 'stops'), [('stop', True), (' STOP ', True),
                                                 ('goto stop', False), ('goto 12', False)])
 def test_only_a_stop_is_taken_whatever_was_cancelled_before(bench, command, stops):
-    assert bench.server.is_stop(ExecuteCommandGoal(command, 0.0)) is stops
+    assert bench.server.is_stop(ExecuteCommandGoal(command=command)) is stops

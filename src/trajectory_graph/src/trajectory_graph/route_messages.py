@@ -5,9 +5,18 @@ this file, and `trajectory_graph.messages` for the graph.
 """
 from __future__ import annotations
 
-from typing import Any
+import math
+from typing import Any, Optional
 
-from trajectory_graph.route_protocol import RouteOrder, RouteRefusal, RouteReport
+from trajectory_graph.route_protocol import (
+    Location,
+    Reason,
+    RouteOrder,
+    RouteRefusal,
+    RouteReport,
+)
+
+_UNKNOWN = Location(math.nan, math.nan, math.nan)
 
 
 def order_of(message: Any, received: int) -> RouteOrder:
@@ -20,7 +29,7 @@ def fill_refusal(message: Any, refusal: RouteRefusal, now: int) -> Any:
     """Fills an empty `itrci_nav_msgs/RouteRefused`, sent at `now` (ns). Returns it."""
     _set_stamp(message, now)
     message.route_id, message.edges = refusal.route_id, list(refusal.edges)
-    message.reason = refusal.reason
+    _set_reason(message, refusal.reason)
     return message
 
 
@@ -36,8 +45,22 @@ def fill_report(message: Any, report: RouteReport, state_type: Any) -> Any:
                            for edge, state in zip(report.edges, report.states)]
     message.symbolic_pose.edge_id = report.pose.edge
     message.symbolic_pose.percentage = report.pose.percentage
-    message.reason = report.reason
+    _set_reason(message, report.reason)
+    location = report.location or _UNKNOWN
+    message.x, message.y, message.theta = location.x, location.y, location.theta
     return message
+
+
+def location_of(message: Any) -> Optional[Location]:
+    """Where an `itrci_nav_msgs/ExecutionRouteStates` says that the robot is; None: nowhere."""
+    if not (math.isfinite(message.x) and math.isfinite(message.y)):
+        return None
+    return Location(message.x, message.y,
+                    message.theta if math.isfinite(message.theta) else math.nan)
+
+
+def _set_reason(message: Any, reason: Reason) -> None:
+    message.reason, message.reason_code = reason.text, int(reason.code)
 
 
 def _set_stamp(message: Any, nanoseconds: int) -> None:

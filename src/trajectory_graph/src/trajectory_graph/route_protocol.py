@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from enum import Enum, IntEnum
-from typing import Tuple
+from typing import Optional, Tuple
 
 
 @dataclass(frozen=True)
@@ -35,16 +35,85 @@ class SymbolicPose:
     percentage: float = 0.0
 
 
+class ReasonCode(IntEnum):
+    """What kind of reason it is; as in itrci_nav_msgs/ReasonCode, which says more of each."""
+
+    NONE = 0
+    OTHER = 1
+    TAKEN_OVER = 2
+    EMERGENCY_STOP = 3
+    LOST_LINK = 4
+    NO_LOCATION = 5
+    NO_PROGRESS = 6
+    OFF_GRAPH = 7
+    NOT_ARRIVED = 8
+    DRIVE_FAILED = 9
+    GRAPH_CHANGED = 10
+    RESTARTED = 11
+    BATTERY_EMPTY = 12
+    STOP_OWED = 13
+    WRONG_ROUTE = 14
+    STARTS_ELSEWHERE = 15
+    WRONG_CHANGE = 16
+    CANNOT_BRAKE = 17
+    CLOCK = 18
+    NOT_READY = 19
+    OVERRULED = 20
+
+
+@dataclass(frozen=True)
+class Reason:
+    """Why a route failed, a stop is not obeyed, or an order was refused: programs decide by the
+    code, the text, a clause, is for people. False where there is nothing to give a reason for."""
+
+    code: ReasonCode = ReasonCode.NONE
+    text: str = ''
+
+    def __bool__(self) -> bool:
+        return self.code is not ReasonCode.NONE
+
+    def __str__(self) -> str:
+        return self.text
+
+
+NO_REASON = Reason()
+TAKEN_OVER = Reason(ReasonCode.TAKEN_OVER, 'taken over')
+EMERGENCY_STOP = Reason(ReasonCode.EMERGENCY_STOP, 'emergency stop')
+
+
+def reason_of(code: int, text: str) -> Reason:
+    """The reason of a message: a code that is not known here, or a text without a code, is OTHER.
+    """
+    try:
+        known = ReasonCode(code)
+    except ValueError:
+        known = ReasonCode.OTHER
+    return Reason(ReasonCode.OTHER if text and known is ReasonCode.NONE else known, text)
+
+
+@dataclass(frozen=True)
+class Location:
+    """Where the robot is in the map frame: m, m, rad; `theta` is NaN where it is not known."""
+
+    x: float
+    y: float
+    theta: float
+
+
 @dataclass(frozen=True)
 class RouteReport:
-    """What the fleet manager is told; `stamp` is that of the place reported."""
+    """What the fleet manager is told; `stamp` is that of the place reported.
+
+    location -- that place in the map frame; None: it is not known
+    """
 
     stamp: int
     route_id: int
     edges: Tuple[int, ...]
     states: Tuple[EdgeState, ...]
     pose: SymbolicPose
-    reason: str = ''
+    reason: Reason = NO_REASON
+    location: Optional[Location] = None
 
 
 @dataclass(frozen=True)
@@ -53,7 +122,7 @@ class RouteRefusal:
 
     route_id: int
     edges: Tuple[int, ...]
-    reason: str
+    reason: Reason
 
 
 class Phase(Enum):

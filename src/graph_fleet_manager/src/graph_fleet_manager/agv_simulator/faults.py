@@ -6,6 +6,9 @@ from typing import Callable, Dict, List, NamedTuple, Sequence
 
 from graph_fleet_manager.agv_simulator.vehicle import Vehicle
 from trajectory_graph import UnknownVertex
+from trajectory_graph.route_protocol import TAKEN_OVER, Reason, ReasonCode
+
+ON_DEMAND = Reason(ReasonCode.OTHER, 'fault on demand')
 
 
 class UnknownFault(ValueError):
@@ -40,9 +43,9 @@ FAULTS: Dict[str, Fault] = {
                      [_SECONDS], Vehicle.fall_silent),
     'leave': Fault('is switched off', [], Vehicle.leave),
     'join': Fault('is switched on, and knows nothing of its route', [], Vehicle.join),
-    'fail': Fault('its route fails', [], lambda vehicle: vehicle.fail('fault on demand')),
+    'fail': Fault('its route fails', [], lambda vehicle: vehicle.fail(ON_DEMAND)),
     'takeover': Fault('somebody else drives it: its route fails with "taken over"', [],
-                      lambda vehicle: vehicle.fail('taken over')),
+                      lambda vehicle: vehicle.fail(TAKEN_OVER)),
     'estop': Fault('emergency stop: brakes hard, the route fails', [],
                    Vehicle.press_emergency_stop),
     'release': Fault('ends the emergency stop', [], Vehicle.release_emergency_stop),

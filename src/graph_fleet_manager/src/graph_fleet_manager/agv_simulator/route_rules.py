@@ -6,14 +6,25 @@ from typing import Optional, Tuple
 
 from graph_fleet_manager.agv_simulator.drive import Drive
 from trajectory_graph import TrajectoryGraphError, check_route
-from trajectory_graph.route_protocol import EdgeState, Phase, RouteOrder
+from trajectory_graph.route_protocol import (
+    NO_REASON,
+    EdgeState,
+    Phase,
+    Reason,
+    ReasonCode,
+    RouteOrder,
+)
 
 MAXIMUM_EDGES = 1000
 CLOCK_TOLERANCE = 1_000_000_000  # ns that the sender's clock may be ahead of ours
 
 
 class RouteRefused(Exception):
-    """The order is not taken up; the text, a clause, is the reason for the fleet manager."""
+    """The order is not taken up; `reason` is for the fleet manager."""
+
+    def __init__(self, reason: Reason) -> None:
+        super().__init__(reason.text)
+        self.reason = reason
 
 
 class NotYet(Exception):
@@ -27,7 +38,7 @@ class Route:
     order: RouteOrder
     phase: Phase = Phase.RUNNING
     completed: int = 0
-    reason: str = ''
+    reason: Reason = NO_REASON
 
     @property
     def running(self) -> bool:
@@ -54,28 +65,32 @@ class Route:
 def check_order(order: RouteOrder, drive: Drive) -> None:
     """Raises RouteRefused for an order that is wrong wherever the vehicle is."""
     if len(order.edges) > MAXIMUM_EDGES:
-        raise RouteRefused(f'the route has more than {MAXIMUM_EDGES} edges')
+        raise _wrong(f'the route has more than {MAXIMUM_EDGES} edges')
     ahead = order.stamp - order.received
     if order.received and ahead > CLOCK_TOLERANCE:
-        raise RouteRefused(f'its stamp is {ahead / 1e9:.1f} s ahead of the clock of the vehicle\'s '
-                           'computer: synchronise the clocks (NTP)')
+        raise RouteRefused(Reason(
+            ReasonCode.CLOCK, f'its stamp is {ahead / 1e9:.1f} s ahead of the clock of the '
+                              'vehicle\'s computer: synchronise the clocks (NTP)'))
     try:
         check_route(drive.graph, order.edges)
     except TrajectoryGraphError as error:
-        raise RouteRefused(str(error).rstrip('.')) from None
+        raise _wrong(str(error).rstrip('.')) from None
     for edge in order.edges:
         if not drive.speeds.may_drive(edge):
-            raise RouteRefused(f'edge {edge} is not for driving this way: its speed is 0')
+            raise _wrong(f'edge {edge} is not for driving this way: its speed is 0')
 
 
 def check_change(route: Route, order: RouteOrder, drive: Drive) -> None:
     """Raises RouteRefused where the route cannot become what the order of the same id says."""
     if route.phase is Phase.FAILED:
-        raise RouteRefused(f'route {order.route_id} has failed: another one needs another id')
+        raise RouteRefused(Reason(
+            ReasonCode.WRONG_CHANGE,
+            f'route {order.route_id} has failed: another one needs another id'))
     kept = route.edges[:route.completed + 1]
     if order.edges[:len(kept)] != kept:
-        raise RouteRefused(f'route {order.route_id} must go on with the edges done and the '
-                           f'current one, {list(kept)}')
+        raise RouteRefused(Reason(
+            ReasonCode.WRONG_CHANGE, f'route {order.route_id} must go on with the edges done and '
+                                     f'the current one, {list(kept)}'))
     _check_braking(order, drive, drive.index, drive.arc)
 
 
@@ -93,19 +108,19 @@ def find_start(order: RouteOrder, before: Optional[Route], drive: Drive) -> Tupl
         return going
     if not drive.at_rest:
         if before is not None and before.running:
-            raise RouteRefused(f'the vehicle drives on edge {drive.edge}, with which the route '
-                               'does not begin: stop it first, or let it end its route')
+            raise _elsewhere(f'the vehicle drives on edge {drive.edge}, with which the route '
+                             'does not begin: stop it first, or let it end its route')
         raise NotYet
     first = order.edges[0]
     if drive.vertex is not None:
         if drive.graph.start_vertex(first).id == drive.vertex:
             return 0, 0.0
         ends = drive.graph.end_vertex(first).id == drive.vertex
-        raise RouteRefused(f'edge {first} does not start where the vehicle is'
-                           + (', but ends there' if ends else '') + f', at vertex {drive.vertex}')
+        raise _elsewhere(f'edge {first} does not start where the vehicle is'
+                         + (', but ends there' if ends else '') + f', at vertex {drive.vertex}')
     if drive.edge is not None and first == -drive.edge:
         return 0, drive.graph.curve(first).length - drive.arc
-    raise RouteRefused(f'edge {first} does not start where the vehicle is: on edge {drive.edge}')
+    raise _elsewhere(f'edge {first} does not start where the vehicle is: on edge {drive.edge}')
 
 
 def _going_on(order: RouteOrder, before: Optional[Route],
@@ -123,5 +138,14 @@ def _going_on(order: RouteOrder, before: Optional[Route],
 
 def _check_braking(order: RouteOrder, drive: Drive, index: int, arc: float) -> None:
     if not drive.can_follow(order.edges, index, arc):
-        raise RouteRefused(f'at {drive.speed:.2f} m/s the vehicle cannot stop where the route '
-                           'demands it')
+        raise RouteRefused(Reason(
+            ReasonCode.CANNOT_BRAKE, f'at {drive.speed:.2f} m/s the vehicle cannot stop where the '
+                                     'route demands it'))
+
+
+def _wrong(text: str) -> RouteRefused:
+    return RouteRefused(Reason(ReasonCode.WRONG_ROUTE, text))
+
+
+def _elsewhere(text: str) -> RouteRefused:
+    return RouteRefused(Reason(ReasonCode.STARTS_ELSEWHERE, text))

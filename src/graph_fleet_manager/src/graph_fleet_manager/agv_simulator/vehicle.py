@@ -17,8 +17,13 @@ from graph_fleet_manager.agv_simulator.route_rules import (
 from graph_fleet_manager.agv_simulator.speed_limits import DriveLimits, SpeedLimits
 from trajectory_graph import Graph
 from trajectory_graph.route_protocol import (
+    EMERGENCY_STOP,
+    TAKEN_OVER,
     EdgeState,
+    Location,
     Phase,
+    Reason,
+    ReasonCode,
     RouteOrder,
     RouteRefusal,
     RouteReport,
@@ -51,7 +56,7 @@ class Vehicle:
         self._time = 0.0
         self._stalled_until = self._slow_until = self._silent_until = 0.0
         self._waiting: Optional[Tuple[RouteOrder, float]] = None
-        self._refused: Optional[Tuple[RouteOrder, str]] = None
+        self._refused: Optional[Tuple[RouteOrder, Reason]] = None
         self._reported: object = None
         self._messages: List[Union[RouteReport, RouteRefusal]] = []
         self.drive = self._placed(graph, vertex)
@@ -90,9 +95,10 @@ class Vehicle:
         """What the fleet manager is to know now."""
         route = self.route
         if route is None:
-            return RouteReport(self.stamp, 0, (), (), self._symbolic_pose())
+            return RouteReport(self.stamp, 0, (), (), self._symbolic_pose(),
+                               location=Location(*self.pose))
         return RouteReport(self.stamp, route.order.route_id, route.edges, route.states,
-                           self._symbolic_pose(), route.reason)
+                           self._symbolic_pose(), route.reason, Location(*self.pose))
 
     def take_messages(self) -> List[Union[RouteReport, RouteRefusal]]:
         """What there is to be told since the last call: refusals, and reports of changes."""
@@ -110,7 +116,7 @@ class Vehicle:
         self.stamp = stamp
         route = self.route
         if route and route.running and self.battery.charge <= 0.0:
-            self._fail('the battery is empty')
+            self._fail(Reason(ReasonCode.BATTERY_EMPTY, 'the battery is empty'))
         if self._time >= self._slow_until:
             self.drive.pace = 1.0
         hold = not self.running or self._time < self._stalled_until
@@ -147,7 +153,7 @@ class Vehicle:
         self._silent_until = self._stalled_until = 0.0
         self._report_change()
 
-    def fail(self, reason: str) -> None:
+    def fail(self, reason: Reason) -> None:
         """Its route fails."""
         self._fail(reason)
         self._report_change()
@@ -155,7 +161,7 @@ class Vehicle:
     def press_emergency_stop(self) -> None:
         """It brakes hard, its route fails, and no order is taken up until the release."""
         self.emergency = True
-        self.fail('emergency stop')
+        self.fail(EMERGENCY_STOP)
         self._consider()
 
     def release_emergency_stop(self) -> None:
@@ -167,12 +173,12 @@ class Vehicle:
         x, y, heading = self.pose
         self.drive.speed = 0.0
         self._off_graph = (x - metres * math.sin(heading), y + metres * math.cos(heading), heading)
-        self.fail('off the corridor')
+        self.fail(Reason(ReasonCode.OFF_GRAPH, 'off the corridor'))
 
     def put_on(self, vertex: int) -> None:
         """Somebody puts it onto a vertex; a running route fails. Raises UnknownVertex."""
         drive = self._placed(self.drive.graph, vertex)
-        self._fail('taken over')
+        self._fail(TAKEN_OVER)
         self.drive, self._off_graph = drive, None
         self._report_change()
 
@@ -185,7 +191,9 @@ class Vehicle:
         if path and edges_kept:
             self.drive.graph, self.drive.speeds = graph, self._speeds(graph)
         else:
-            self._fail('the graph was replaced, and edges of the route are not what they were')
+            self._fail(Reason(
+                ReasonCode.GRAPH_CHANGED,
+                'the graph was replaced, and edges of the route are not what they were'))
             self._place_again(graph)
         self._report_change()
 
@@ -216,17 +224,18 @@ class Vehicle:
         except NotYet:
             if self._time < give_up:
                 return
-            self._refuse(order, 'the vehicle did not come to a stop')
+            self._refuse(order, Reason(
+                ReasonCode.NOT_READY, 'the vehicle did not come to a stop'))
         except RouteRefused as refusal:
-            self._refuse(order, str(refusal))
+            self._refuse(order, refusal.reason)
         self._waiting = None
 
     def _take_up(self, order: RouteOrder) -> None:
         if self.emergency:
-            raise RouteRefused('emergency stop')
+            raise RouteRefused(EMERGENCY_STOP)
         check_order(order, self.drive)
         if self._off_graph is not None:
-            raise RouteRefused('the vehicle is off the graph')
+            raise RouteRefused(Reason(ReasonCode.OFF_GRAPH, 'the vehicle is off the graph'))
         route = self.route
         if route is not None and route.is_changed_by(order):
             check_change(route, order, self.drive)
@@ -238,16 +247,16 @@ class Vehicle:
             self.drive.follow(order.edges, index, arc)
             self.route = Route(order, completed=index)
 
-    def _refuse(self, order: RouteOrder, reason: str) -> None:
+    def _refuse(self, order: RouteOrder, reason: Reason) -> None:
         """Says so; where the id is not that of the route in the reports, by a report, too."""
         self._refused = order, reason
         self._messages.append(RouteRefusal(order.route_id, order.edges, reason))
         if self.route is None or self.route.order.route_id != order.route_id:
             self._messages.append(RouteReport(
                 self.stamp, order.route_id, order.edges, (EdgeState.FAILED,) * len(order.edges),
-                self._symbolic_pose(), reason))
+                self._symbolic_pose(), reason, Location(*self.pose)))
 
-    def _fail(self, reason: str) -> None:
+    def _fail(self, reason: Reason) -> None:
         if self.route is not None and self.route.running:
             self.route.phase, self.route.reason = Phase.FAILED, reason
 

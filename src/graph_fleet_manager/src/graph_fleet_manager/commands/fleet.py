@@ -11,10 +11,10 @@ import rospy
 
 from graph_fleet_manager.commands.command_line import OK, CommandError, Parser
 from graph_fleet_manager.commands.fleet_client import Listener, call, connect, run, table
+from graph_fleet_manager.supervision.fleet_view import RobotState
 from itrci_nav_msgs.msg import FleetRobot, FleetState
 
-_STATES = {value: name.lower().replace('_', ' ') for name, value in vars(FleetRobot).items()
-           if name.isupper() and isinstance(value, int)}
+_STATES = {int(state): state.name.lower().replace('_', ' ') for state in RobotState}
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:

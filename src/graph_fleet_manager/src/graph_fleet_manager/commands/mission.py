@@ -232,7 +232,8 @@ def _is_so(status: MissionStatus, command: Command) -> bool:
 def _shows(status: MissionStatus, command: Command) -> bool:
     """Does the status of a mission tell what became of a command?"""
     state = MissionState(status.state)
-    if not state.is_open or status.reason.startswith(f'{command.name} is '):
+    is_answer = status.command_code != MissionStatus.COMMAND_NONE and status.command == command
+    if not state.is_open or is_answer:
         return True
     if command is Command.RELEASE:
         return True

@@ -7,6 +7,7 @@ from typing import List, Mapping, NamedTuple, Optional, Sequence, Tuple
 from graph_fleet_manager.interlocking.evidence import EvidenceMemory
 from graph_fleet_manager.interlocking.reports import GraphPosition
 from trajectory_graph import Graph, TrajectoryGraphError, check_route
+from trajectory_graph.route_protocol import NO_REASON, Reason
 
 
 class Order(NamedTuple):
@@ -84,16 +85,16 @@ class Heard:
     """What a report told.
 
     passed  -- vertices passed since the last report, in order
-    failed  -- why the route failed; empty: it did not
-    refused -- why an order was not taken up; empty: it was
+    failed  -- why the route failed; no reason: it did not
+    refused -- why an order was not taken up; no reason: it was
     was_shorter -- that order was to end the route sooner
     foreign -- the robot drives a route that it was not given here
     left    -- nothing is to be driven, but the robot is not where its route ended
     """
 
     passed: List[int] = field(default_factory=list)
-    failed: str = ''
-    refused: str = ''
+    failed: Reason = NO_REASON
+    refused: Reason = NO_REASON
     was_shorter: bool = False
     foreign: bool = False
     left: bool = False

@@ -8,7 +8,7 @@ from typing import Optional, Tuple
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.geometry.areas import Point
 from trajectory_graph import Graph
-from trajectory_graph.route_protocol import EdgeState
+from trajectory_graph.route_protocol import NO_REASON, EdgeState, Location, Reason
 
 LONGEST = 1000     # edges in a route; more is a mistake or an attack
 NEAR = 0.3         # m from a vertex at which a robot stands on it at most, whatever its play
@@ -50,17 +50,17 @@ class Report:
 
     stamp -- s, when the location that it uses was taken, by the robot's clock; 0: it had none
     age   -- s since then as it arrived; negative where the robot's clock is ahead
-    point -- the location, x, y in m; None where the robot did not tell it
+    location -- in metres; None where the robot did not tell it
     """
 
     route_id: int
     edges: Tuple[int, ...] = ()
     states: Tuple[EdgeState, ...] = ()
     pose: Pose = Pose()
-    reason: str = ''
+    reason: Reason = NO_REASON
     stamp: float = 0.0
     age: float = 0.0
-    point: Optional[Point] = None
+    location: Optional[Location] = None
 
     @property
     def completed(self) -> int:
@@ -92,8 +92,8 @@ class Report:
 
     def located(self, graph: Graph) -> Optional[Point]:
         """Where the robot is, x, y in m; None where the report does not tell it."""
-        if self.point is not None:
-            return self.point
+        if self.location is not None:
+            return self.location.x, self.location.y
         return point_of(graph, self.pose) if self.pose.edge else None
 
 

@@ -20,9 +20,10 @@ from graph_fleet_manager.interlocking.reports import (
     position_of,
 )
 from graph_fleet_manager.interlocking.route_record import RouteRecord
-from trajectory_graph.route_protocol import RouteRefusal
+from trajectory_graph.route_protocol import Reason, ReasonCode, RouteRefusal
 
 NEW_ID_AFTER = 50  # edges
+_SAID_NONE = Reason(ReasonCode.OTHER, 'it gave no reason')
 
 NewId = Callable[[], int]
 """Gives a route id that was never used."""
@@ -327,7 +328,7 @@ class RouteClient:
         record.forget(min([*self._bases.values(), *([self.order.base] if self.order else [])]))
         if report.is_failed:
             self.withdraw()
-            heard.failed = report.reason or 'it gave no reason'
+            heard.failed = report.reason or _SAID_NONE
         return heard
 
     def _covers(self, report: Report) -> bool:
@@ -348,7 +349,7 @@ class RouteClient:
         self._pending.drop()
         self.over = True
         if self.record.ahead:
-            heard.failed = 'it has forgotten its route'
+            heard.failed = Reason(ReasonCode.OTHER, 'it has forgotten its route')
 
     def refuse(self, refusal: RouteRefusal, stamp: float = 0.0) -> Heard:
         """The robot did not take up an order: the next report tells what it really drives.
@@ -365,7 +366,7 @@ class RouteClient:
                 self._cut_refused = self.order.end
             self._pending.drop()
             self._awaits_report, self._refused_at = True, stamp or self._stamp
-            heard.refused = refusal.reason or 'it gave no reason'
+            heard.refused = refusal.reason or _SAID_NONE
         return heard
 
     def keep_after_refusal(self) -> None:

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import math
-from typing import Callable, Iterable, List, Sequence, Tuple
+from typing import Callable, Dict, Iterable, List, Optional, Sequence, Tuple
 
 import genpy
 
@@ -14,12 +14,17 @@ from graph_fleet_manager.supervision.missions import (
     RequestRefused,
     Status,
 )
+from graph_fleet_manager.supervision.outages import Outage
 from itrci_nav_msgs import msg
-from trajectory_graph.route_protocol import EdgeState, RouteRefusal
+from trajectory_graph.route_messages import location_of
+from trajectory_graph.route_protocol import EdgeState, RouteRefusal, reason_of
 
 Moment = Callable[[float], genpy.Time]
 """The ROS time of a moment of the supervisor's clock."""
 
+_OUTAGES: Dict[Optional[Outage], int] = {
+    None: msg.FleetRobot.OUTAGE_NONE,
+    **{outage: getattr(msg.FleetRobot, f'OUTAGE_{outage.name}') for outage in Outage}}
 _SAME = 1e-6           # s by which stamps of one request may differ, being floats in between
 _LONGEST_NAME = 256
 _LONGEST_REASON = 500  # letters of a robot's words that are kept
@@ -54,6 +59,7 @@ def status_message(status: Status, now: genpy.Time) -> msg.MissionStatus:
     message = msg.MissionStatus(
         request_id=status.request_id, state=int(status.state), robot=status.robot,
         destinations_reached=status.reached, reason=status.reason,
+        command=int(status.command or 0), command_code=int(status.command_code),
         request_stamp=genpy.Time.from_sec(status.stamp))
     message.header.stamp = now
     return message
@@ -69,13 +75,15 @@ def report_of(message: msg.ExecutionRouteStates, now: genpy.Time) -> Report:
     age = (now - stamp).to_sec() if stamp else 0.0
     pose = message.symbolic_pose
     return Report(message.route_id, tuple(edge.edge_id for edge in message.edge_states), states,
-                  Pose(pose.edge_id, pose.percentage / 100.0), _words(message.reason),
-                  stamp.to_sec(), age)
+                  Pose(pose.edge_id, pose.percentage / 100.0),
+                  reason_of(message.reason_code, _words(message.reason)),
+                  stamp.to_sec(), age, location_of(message))
 
 
 def refusal_of(message: msg.RouteRefused) -> RouteRefusal:
     """An order that a robot did not take up."""
-    return RouteRefusal(message.route_id, tuple(message.edges), _words(message.reason))
+    return RouteRefusal(message.route_id, tuple(message.edges),
+                        reason_of(message.reason_code, _words(message.reason)))
 
 
 def _words(text: str) -> str:
@@ -95,6 +103,7 @@ def state_message(robots: Iterable[RobotView], moment: Moment,
     message = msg.FleetState(robots=[
         msg.FleetRobot(
             name=robot.name, type=robot.type, state=int(robot.state),
+            outage_code=_OUTAGES[robot.outage],
             pose=msg.SymbolicPose(robot.pose.edge, 100.0 * robot.pose.fraction),
             seen=moment(robot.seen) if math.isfinite(robot.seen) else genpy.Time(0),
             battery=robot.battery, has_mission=robot.mission is not None,

@@ -65,7 +65,8 @@ def request_of(message: msg.PlanRequest, types: Mapping[str, RobotType], time_li
         frozenset(abs(edge) for edge in message.closed_edges),
         {(one.robot_type, one.edge_id): one.seconds * rate for one in message.edge_times},
         frozenset(message.parking),
-        min(message.time_limit or time_limit, longest), min(message.improvement, longest))
+        min(message.time_limit or time_limit, longest), min(message.improvement, longest),
+        message.seed)
 
 
 def request_message(request: PlanRequest, plan_id: int, stamp: genpy.Time,
@@ -74,7 +75,7 @@ def request_message(request: PlanRequest, plan_id: int, stamp: genpy.Time,
     clock = Clock(stamp, rate)
     message = msg.PlanRequest(
         plan_id=plan_id, graph_stamp=graph_stamp, time_limit=request.time_limit,
-        improvement=request.improvement, parking=sorted(request.parking),
+        improvement=request.improvement, seed=request.seed, parking=sorted(request.parking),
         closed_edges=sorted(request.closed),
         edge_times=[msg.EdgeTime(kind, edge, seconds / rate)
                     for (kind, edge), seconds in request.edge_times.items()],

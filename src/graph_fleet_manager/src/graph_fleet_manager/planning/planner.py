@@ -73,9 +73,9 @@ class FleetPlanner:
 
     def plan(self, tasks: Sequence[Task], obstacles: Sequence[Obstacle] = (),
              deadline: float = inf, rounds: Optional[int] = None,
-             improve_until: float = inf) -> Outcome:
+             improve_until: float = inf, seed: int = 0) -> Outcome:
         """Plans for all tasks, improved until the deadline (monotonic s) or for so many rounds,
-        or until `improve_until` (monotonic s) where that is sooner.
+        or until `improve_until` (monotonic s) where that is sooner. `seed` 0: the planner's own.
 
         Raises CannotPlan where a task makes no sense.
         """
@@ -84,7 +84,7 @@ class FleetPlanner:
             try:
                 return PlanningPipeline(
                     self.reservations, tasks, obstacles, self.parking, self._search,
-                    Random(self._seed)).run(deadline, rounds, improve_until)
+                    Random(seed or self._seed)).run(deadline, rounds, improve_until)
             finally:
                 self.reservations.clear()
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import List, Optional, Tuple
 
+from graph_fleet_manager.interlocking.allocation import Knowledge
 from graph_fleet_manager.interlocking.reports import Pose
 from graph_fleet_manager.supervision.duties import Duty, Errand
 from graph_fleet_manager.supervision.missions import MissionState
@@ -26,12 +27,14 @@ class RobotState(IntEnum):
     FAILED = 6
     OFF_GRAPH = 7
     OUT_OF_SERVICE = 8
+    ABSENT = 9
+    UNKNOWN = 10
 
 
 _OF_OUTAGE = {
     Outage.UNSEEN: RobotState.OFFLINE, Outage.SILENT: RobotState.OFFLINE,
     Outage.LOST_LINK: RobotState.OFFLINE, Outage.DEAF: RobotState.OFFLINE,
-    Outage.CLOCK: RobotState.OFFLINE, Outage.ABSENT: RobotState.OUT_OF_SERVICE,
+    Outage.CLOCK: RobotState.OFFLINE, Outage.ABSENT: RobotState.ABSENT,
     Outage.STOPPED: RobotState.STOPPED, Outage.TOO_NEAR: RobotState.TAKEN_OVER,
     Outage.TAKEN_OVER: RobotState.TAKEN_OVER, Outage.FAILED: RobotState.FAILED,
     Outage.OFF_GRAPH: RobotState.OFF_GRAPH, Outage.OUT_OF_SERVICE: RobotState.OUT_OF_SERVICE}
@@ -50,6 +53,7 @@ class RobotView:
     name: str
     type: str
     state: RobotState
+    outage: Optional[Outage]
     pose: Pose
     seen: float
     battery: float
@@ -77,7 +81,9 @@ def robot_views(supervisor: Supervisor, now: float) -> List[RobotView]:
 
 def _view(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: float) -> RobotView:
     mission = errand.mission
-    if robot.outage is not None:
+    if robot.knowledge is Knowledge.UNKNOWN:
+        state = RobotState.UNKNOWN
+    elif robot.outage is not None:
         state = _OF_OUTAGE[robot.outage]
     elif errand.duty is Duty.CHARGE:
         state = RobotState.CHARGING
@@ -87,13 +93,17 @@ def _view(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: floa
     if mission is not None and mission.left:
         destination = mission.left[0]
     charge = math.nan if robot.battery.is_mute(robot.liveness, now) else robot.battery.charge
-    return RobotView(robot.name, robot.type.name, state, robot.record.pose, robot.liveness.seen,
-                     charge, None if mission is None else mission.request.id, destination,
+    return RobotView(robot.name, robot.type.name, state, robot.outage, robot.record.pose,
+                     robot.liveness.seen, charge,
+                     None if mission is None else mission.request.id, destination,
                      _waits_for(robot, errand, supervisor, now))
 
 
 def _waits_for(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: float) -> str:
     """What holds a robot up, in words; nothing where it drives, or has nothing to do."""
+    if robot.knowledge is Knowledge.UNKNOWN:
+        return (f'it was never heard of, so no robot is let go: switch it on, or '
+                f'`fleet absent {robot.name}`')
     if robot.outage is not None:
         return robot.why or robot.outage.value
     if supervisor.is_stopped:

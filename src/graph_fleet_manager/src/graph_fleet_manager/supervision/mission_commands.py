@@ -6,6 +6,7 @@ from typing import Mapping
 
 from graph_fleet_manager.supervision.missions import (
     Command,
+    CommandCode,
     Mission,
     MissionBook,
     MissionState,
@@ -45,10 +46,12 @@ def refused(request: Request, reason: str) -> Status:
 
 def not_done(before: Status, command: Command, trouble: str) -> Status:
     """What is told of a command that waits for the disk: the mission is as it was."""
-    return replace(before, reason=f'{command.name} is not done: {trouble}')
+    return replace(before, command=command, command_code=CommandCode.NOT_DONE,
+                   reason=f'{command.name} is not done: {trouble}')
 
 
 def not_stored(before: Status, command: Command, trouble: str) -> Status:
     """What is told of a command that was carried out, but is on no disk: the state that is."""
-    return replace(before, reason=f'{command.name} is carried out, but forgotten if the fleet '
-                                  f'manager ends before it can be stored: {trouble}')
+    return replace(before, command=command, command_code=CommandCode.NOT_STORED,
+                   reason=f'{command.name} is carried out, but forgotten if the fleet manager '
+                          f'ends before it can be stored: {trouble}')

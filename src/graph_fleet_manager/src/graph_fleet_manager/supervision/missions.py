@@ -42,6 +42,14 @@ class Command(IntEnum):
     RELEASE = 3
 
 
+class CommandCode(IntEnum):
+    """What a status says of a command; as in itrci_nav_msgs/MissionStatus."""
+
+    NONE = 0
+    NOT_DONE = 1
+    NOT_STORED = 2
+
+
 @dataclass(frozen=True)
 class Request:
     """What somebody wants done: visit these vertices in order.
@@ -79,7 +87,8 @@ class Request:
 class Status:
     """What is told of a request.
 
-    stamp -- s, when the request was sent: of several with its id it is about this one
+    stamp        -- s, when the request was sent: of several with its id it is about this one
+    command      -- of which the reason tells, with what `command_code` says; None: of none
     """
 
     request_id: int
@@ -88,6 +97,8 @@ class Status:
     reached: int = 0
     reason: str = ''
     stamp: float = 0.0
+    command: Optional[Command] = None
+    command_code: CommandCode = CommandCode.NONE
 
 
 @dataclass

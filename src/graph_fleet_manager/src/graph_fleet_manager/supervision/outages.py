@@ -4,6 +4,8 @@ from __future__ import annotations
 from enum import Enum
 from typing import AbstractSet, FrozenSet, Mapping, NamedTuple, Optional
 
+from trajectory_graph.route_protocol import Reason, ReasonCode
+
 
 class Outage(Enum):
     """What keeps a robot from working; the values are words for people."""
@@ -92,11 +94,11 @@ TRANSITIONS: Mapping[Sign, Change] = {
 """All ways from one outage to another. A sign that does not apply changes nothing."""
 
 
-def sign_of_failure(reason: str) -> Sign:
-    """What the reason of a failed or refused route tells, as the protocol words it."""
-    words = reason.lower()
-    for beginning, sign in (('emergency stop', Sign.EMERGENCY), ('lost link', Sign.LINK_LOST),
-                            ('taken over', Sign.TAKEN)):
-        if words.startswith(beginning):
-            return sign
-    return Sign.FAILURE
+_OF_REASON: Mapping[ReasonCode, Sign] = {
+    ReasonCode.EMERGENCY_STOP: Sign.EMERGENCY, ReasonCode.LOST_LINK: Sign.LINK_LOST,
+    ReasonCode.TAKEN_OVER: Sign.TAKEN, ReasonCode.CLOCK: Sign.CLOCK_OFF}
+
+
+def sign_of(reason: Reason) -> Sign:
+    """What the reason of a failed or refused route tells."""
+    return _OF_REASON.get(reason.code, Sign.FAILURE)

@@ -21,12 +21,13 @@ from graph_fleet_manager.interlocking.route_record import RouteRecord
 from graph_fleet_manager.supervision.battery import Battery
 from graph_fleet_manager.supervision.edge_times import Driven, EdgeTimer
 from graph_fleet_manager.supervision.liveness import ANSWER, SILENCE, STANDING, Liveness
-from graph_fleet_manager.supervision.outages import TRANSITIONS, Outage, Sign, sign_of_failure
+from graph_fleet_manager.supervision.outages import TRANSITIONS, Outage, Sign, sign_of
 from graph_fleet_manager.supervision.settings import RobotSettings
 from trajectory_graph import Graph
 from trajectory_graph.route_protocol import RouteRefusal
 
 TRIAL = 2.0        # s between two tries to go on after an emergency stop
+CLOCK_TRIAL = 10.0  # s between two orders to a robot that refuses them for its clock
 REFUSALS = 3       # in a row, after which a person must look
 
 
@@ -57,6 +58,7 @@ class ManagedRobot:
     _has_refused: bool = False
     """It refused its last order, and where it begins was not considered again yet."""
     _tried: float = -math.inf
+    _clock_refused: float = -math.inf
 
     def __post_init__(self) -> None:
         self.battery = Battery(self.settings)
@@ -176,22 +178,29 @@ class ManagedRobot:
         if heard.foreign:
             self.notice(Sign.TAKEN, 'it drives a route that was not given to it here')
         elif heard.failed and self.outage is None:
-            self.notice(sign_of_failure(heard.failed), heard.failed)
+            self.notice(sign_of(heard.failed), heard.failed.text)
             self.liveness.lose_link(report.stamp if report else 0.0)
         elif report is not None and not report.pose.edge and self.record.is_standing and (
                 self.client.evidence.is_confirmed):
             self.notice(Sign.LEFT_GRAPH, 'it reports to be off the graph')
         elif heard.left and self.outage is None:
             self.notice(Sign.TAKEN, f'it left {self.record.position} without a route')
-        self.notice(Sign.CLOCK_OFF if self.client.clock_is_off else Sign.CLOCK_RIGHT,
-                    'its clock is ahead of the fleet computer\'s: mend the time of both (NTP)')
+        if self.client.clock_is_off:
+            self.notice(Sign.CLOCK_OFF, 'its clock is ahead of the fleet computer\'s: mend the '
+                                        'time of both (NTP)')
+        elif self.liveness.seen - self._clock_refused > CLOCK_TRIAL:
+            self.notice(Sign.CLOCK_RIGHT)
 
     def _follow_refusal(self, heard: Heard) -> None:
         self._has_refused = True
-        is_stopped = sign_of_failure(heard.refused) is Sign.EMERGENCY
-        self._refusals += not (is_stopped or heard.was_shorter)
-        if is_stopped:
-            self.notice(Sign.EMERGENCY, heard.refused)
+        sign = sign_of(heard.refused)
+        if sign is Sign.CLOCK_OFF:
+            self._clock_refused = self.liveness.seen
+            self.notice(sign, heard.refused.text)
+            return
+        self._refusals += not (sign is Sign.EMERGENCY or heard.was_shorter)
+        if sign is Sign.EMERGENCY:
+            self.notice(sign, heard.refused.text)
             self.client.keep_after_refusal()
         elif self._refusals >= REFUSALS:
             self.notice(Sign.FAILURE,

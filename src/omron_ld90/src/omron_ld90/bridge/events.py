@@ -5,11 +5,18 @@ Metres; stamps in nanoseconds of the ROS clock. Orders and reports are those of
 """
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from enum import Enum
 from typing import Optional, Tuple, Union
 
-from trajectory_graph.route_protocol import Phase, RouteOrder, RouteRefusal, RouteReport
+from trajectory_graph.route_protocol import (
+    Phase,
+    Reason,
+    RouteOrder,
+    RouteRefusal,
+    RouteReport,
+)
 
 
 @dataclass(frozen=True)
@@ -20,7 +27,7 @@ class RouteRecord:
     edges: Tuple[int, ...]
     stamp: int
     phase: Phase
-    reason: str
+    reason: Reason
     completed: int           # edges driven
     target: Optional[int]    # index of the edge to whose end the robot was sent
     goal: str                # name of the goal that the robot was sent to last; empty: none
@@ -63,6 +70,7 @@ class RobotSeen:
     docking: Optional[Docking] = None
     emergency_stop: bool = False
     place: Optional[Tuple[float, float]] = None  # m, map frame
+    heading: float = math.nan  # rad, of that place
 
 
 @dataclass(frozen=True)

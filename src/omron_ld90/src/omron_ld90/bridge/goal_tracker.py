@@ -12,6 +12,7 @@ from typing import Iterable, Optional, Tuple
 
 from omron_ld90.bridge.events import CommandEnded, Ending, Motion, RobotSeen
 from omron_ld90.bridge.own_goals import DOCK, OwnGoals
+from trajectory_graph.route_protocol import EMERGENCY_STOP, TAKEN_OVER, Reason, ReasonCode
 
 STOP = 'stop'
 REASON_DELAY = 0.5  # s for an emergency stop to be told after the motion that it interrupted
@@ -33,15 +34,15 @@ class Knowledge(Enum):
 
 
 class RouteFailed(Exception):
-    """The route cannot go on; `reason` is for the fleet manager, the text for people."""
+    """The route cannot go on; `reason` is for the fleet manager, `detail` for people here."""
 
-    def __init__(self, reason: str, detail: str = '') -> None:
+    def __init__(self, reason: Reason, detail: str = '') -> None:
         super().__init__(reason, detail)
         self.reason = reason
         self.detail = detail
 
     def __str__(self) -> str:
-        return f'{self.reason.rstrip(".")}. {self.detail}'.rstrip()
+        return f'{self.reason.text.rstrip(".")}. {self.detail}'.rstrip()
 
 
 class TakenOver(RouteFailed):
@@ -51,7 +52,7 @@ class TakenOver(RouteFailed):
     """
 
     def __init__(self, how: str, stop_given: bool = False) -> None:
-        super().__init__('taken over', how)
+        super().__init__(TAKEN_OVER, how)
         self.stop_given = stop_given
 
 
@@ -160,9 +161,9 @@ class GoalTracker:
         elif event.ending in (Ending.INTERRUPTED, Ending.CANCELLED):
             self._interruption = (now, event.text)
         elif event.ending is Ending.EMERGENCY_STOPPED:
-            self.failure = RouteFailed('emergency stop')
+            self.failure = RouteFailed(EMERGENCY_STOP)
         elif event.ending is Ending.FAILED:
-            self.failure = RouteFailed(event.text)
+            self.failure = RouteFailed(Reason(ReasonCode.DRIVE_FAILED, event.text))
         else:
             self._never_sent = event.ending is Ending.NEVER_SENT
             self._doubt(now)
@@ -239,7 +240,8 @@ class GoalTracker:
                 self.goal == DOCK and status.motion is Motion.DOCKED):
             self._arrive()
         elif status.motion is Motion.FAILED and status.goal == self.goal:
-            self.failure = RouteFailed(f'Failed going to {status.goal}')
+            self.failure = RouteFailed(Reason(
+                ReasonCode.DRIVE_FAILED, f'Failed going to {status.goal}'))
         elif self.goals.is_obeyed(status):
             self._strange_since = None
         else:

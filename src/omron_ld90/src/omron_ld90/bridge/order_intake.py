@@ -12,7 +12,7 @@ from typing import Callable, Optional, Tuple
 from omron_ld90.bridge.robot_monitor import RobotMonitor
 from omron_ld90.bridge.route_orders import RouteRefused, check_order
 from omron_ld90.bridge.route_run import RouteRun
-from trajectory_graph.route_protocol import RouteOrder
+from trajectory_graph.route_protocol import EMERGENCY_STOP, TAKEN_OVER, Reason, RouteOrder
 
 LATE_ORDER = 2.0  # s that an order may be on its way
 
@@ -26,14 +26,14 @@ class OrderIntake:
     """
 
     def __init__(self, robot: RobotMonitor, patience: float,
-                 tell_refusal: Callable[[RouteOrder, str], None],
+                 tell_refusal: Callable[[RouteOrder, Reason], None],
                  note: Callable[[str], None]) -> None:
         self._robot = robot
         self._patience = patience
         self._tell_refusal = tell_refusal
         self._note = note
         self._waiting: Optional[Tuple[RouteOrder, float]] = None  # to be judged; give up
-        self._refused: Optional[Tuple[RouteOrder, str]] = None    # the last one, and why
+        self._refused: Optional[Tuple[RouteOrder, Reason]] = None    # the last one, and why
         self._overruled_at = -math.inf  # somebody else stopped or drove the robot
         self._explained: Optional[int] = None  # route of which a duplicate was explained
         self._emergency_told = False  # a refusal in the emergency stop was noted
@@ -50,7 +50,7 @@ class OrderIntake:
         elif order.stamp and self._refused and order == self._refused[0]:
             self.refuse(*self._refused)
         elif self._is_overruled(order, now):
-            self.refuse(order, 'taken over')
+            self.refuse(order, TAKEN_OVER)
         else:
             self._waiting = (order, now + self._patience)
             return True
@@ -66,7 +66,7 @@ class OrderIntake:
         if self._waiting:
             order, _ = self._waiting
             self._waiting = None
-            self.refuse(order, 'taken over')
+            self.refuse(order, TAKEN_OVER)
 
     def _is_overruled(self, order: RouteOrder, now: float) -> bool:
         """Whether the order came after a take-over of which its sender could not know yet."""
@@ -82,7 +82,7 @@ class OrderIntake:
 
     # --- what becomes of it ----------------------------------------------------------------------
 
-    def due(self, why_unknown: Callable[[float], str], now: float) -> Optional[RouteOrder]:
+    def due(self, why_unknown: Callable[[float], Reason], now: float) -> Optional[RouteOrder]:
         """The order that waited and can be judged now; it is refused here when it is too old.
 
         `why_unknown` tells why nobody knows yet whether the robot could drive it, or nothing.
@@ -97,15 +97,15 @@ class OrderIntake:
             if unknown and now <= give_up and not emergency:
                 return None
             if emergency or unknown:
-                raise RouteRefused('emergency stop' if emergency else unknown)
+                raise RouteRefused(EMERGENCY_STOP if emergency else unknown)
         except RouteRefused as refusal:
             self._waiting = None
-            self.refuse(order, str(refusal))
+            self.refuse(order, refusal.reason)
             return None
         self._waiting = None
         return order
 
-    def refuse(self, order: RouteOrder, reason: str) -> None:
+    def refuse(self, order: RouteOrder, reason: Reason) -> None:
         """Says so. In an emergency stop once: whoever waits for its end tries on."""
         self._refused = (order, reason)
         self._tell_refusal(order, reason)

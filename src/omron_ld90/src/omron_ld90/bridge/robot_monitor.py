@@ -9,6 +9,7 @@ from omron_ld90.bridge.goal_tracker import STOP, GoalTracker, RouteFailed, Taken
 from omron_ld90.bridge.robot_state import Located, RobotLinks, RobotLocation
 from omron_ld90.bridge.route_strategies import Settings
 from omron_ld90.bridge.stop_duty import StopDuty
+from trajectory_graph.route_protocol import EMERGENCY_STOP, Reason, ReasonCode
 
 
 class RobotMonitor:
@@ -74,14 +75,13 @@ class RobotMonitor:
 
     # --- what is to be known ----------------------------------------------------------------------
 
-    def why_unknown(self, now: float) -> str:
+    def why_unknown(self, now: float) -> Reason:
         """What must be known before anybody can say whether the robot can drive, and is not."""
         if self.location.last is None:
-            return 'the robot has not told where it is'
+            return Reason(ReasonCode.NO_LOCATION, 'the robot has not told where it is')
         unusable = self.links.why_unusable(now)
         if not unusable and self.is_location_overdue(now):
-            return ('the robot has not told where it is for '
-                    f'{now - self.location.heard:.0f} s')
+            return _no_location(now - self.location.heard)
         return unusable
 
     def is_location_overdue(self, now: float) -> bool:
@@ -93,7 +93,7 @@ class RobotMonitor:
         """Raises RouteFailed, or TakenOver, where something has ended the running route."""
         self.tracker.check_clock(now)
         if self.emergency:
-            raise RouteFailed('emergency stop')
+            raise RouteFailed(EMERGENCY_STOP)
         for failure in (self._taken_over, self.tracker.failure):
             if failure is not None:
                 raise failure
@@ -101,8 +101,7 @@ class RobotMonitor:
         if lost:
             raise RouteFailed(lost)
         if self.links.stands(p.Link.OUTGOING, now) and self.is_location_overdue(now):
-            raise RouteFailed('the robot has not told where it is for '
-                              f'{self._settings.location_timeout:.0f} s')
+            raise RouteFailed(_no_location(self._settings.location_timeout))
 
     # --- what happens ----------------------------------------------------------------------------
 
@@ -118,7 +117,7 @@ class RobotMonitor:
         if status.docking is not None and status.docking is not self.docking:
             self.docking, self.docking_changed = status.docking, now
         if status.place is not None and self.location.update(
-                Located(status.stamp, *status.place), now):
+                Located(status.stamp, *status.place, status.heading), now):
             self.tracker.located(status.place, status.motion)
         since = (self.links.up_since(p.Link.COMMANDS)
                  if self.links.stands(p.Link.COMMANDS, now) else math.inf)
@@ -136,3 +135,8 @@ class RobotMonitor:
 
     def _on_link(self, event: p.LinkReported, now: float) -> None:
         self.links.update(event, now)
+
+
+def _no_location(seconds: float) -> Reason:
+    return Reason(ReasonCode.NO_LOCATION,
+                  f'the robot has not told where it is for {seconds:.0f} s')

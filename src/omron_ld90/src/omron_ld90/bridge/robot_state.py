@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Dict, Iterable, Optional, Tuple
 
 from omron_ld90.bridge.events import Link, LinkReported
+from trajectory_graph.route_protocol import NO_REASON, Reason, ReasonCode
 
 NANOSECONDS = 1e-9
 CLOCK_SET_BACK = 5_000_000_000  # ns: an older stamp than the last by more than this is no late one
@@ -18,11 +19,12 @@ NODE_SILENCE = 2.0              # s without a report, which comes every second: 
 
 @dataclass(frozen=True)
 class Located:
-    """A place (m, map frame) that the robot reported."""
+    """A place (m, map frame) that the robot reported; `heading` is NaN where it told none."""
 
     stamp: int
     x: float
     y: float
+    heading: float = math.nan
 
     @property
     def position(self) -> Tuple[float, float]:
@@ -80,7 +82,7 @@ class _LinkState:
 
 
 class RobotLinks:
-    """The links to the robot; an empty text is no reason.
+    """The links to the robot.
 
     A link that its node reports as down is lost after `link_timeout` (s). A node that no longer
     reports is being restarted or stands still: it, and its link after it, get `restart_timeout`.
@@ -107,18 +109,19 @@ class RobotLinks:
         state = self._links.get(link)
         return -math.inf if state is None else state.changed
 
-    def why_unusable(self, now: float) -> str:
+    def why_unusable(self, now: float) -> Reason:
         """Why the robot cannot be driven at this moment."""
         for link, state in self._links.items():
             if state.heard is None:
-                return f'nothing is known of the link {link.value}'
+                return Reason(ReasonCode.NOT_READY,
+                              f'nothing is known of the link {link.value}')
             if state.node_is_away(now) and state.up:
                 return _node_is_away(link, now - state.heard)
             if not state.up:
-                return f'lost link: {link.value}: {state.reason}'
-        return ''
+                return _lost(link, state.reason)
+        return NO_REASON
 
-    def why_lost(self, now: float) -> str:
+    def why_lost(self, now: float) -> Reason:
         """Why a link must be given up."""
         for link, state in self._links.items():
             if state.heard is None:
@@ -129,9 +132,13 @@ class RobotLinks:
                     return _node_is_away(link, away)
             elif not state.up and now > max(state.changed + self._link_timeout,
                                             state.spared_until):
-                return f'lost link: {link.value}: {state.reason}'
-        return ''
+                return _lost(link, state.reason)
+        return NO_REASON
 
 
-def _node_is_away(link: Link, seconds: float) -> str:
-    return f'lost link: {link.value}: its node has reported nothing for {seconds:.0f} s'
+def _node_is_away(link: Link, seconds: float) -> Reason:
+    return _lost(link, f'its node has reported nothing for {seconds:.0f} s')
+
+
+def _lost(link: Link, why: str) -> Reason:
+    return Reason(ReasonCode.LOST_LINK, f'lost link: {link.value}: {why}')

@@ -31,13 +31,19 @@ from omron_ld90.bridge.route_run import RouteRun
 from omron_ld90.bridge.route_strategies import Settings
 from trajectory_graph import Graph
 from trajectory_graph.route_protocol import (
+    NO_REASON,
     EdgeState,
+    Location,
     Phase,
+    Reason,
+    ReasonCode,
     RouteOrder,
     RouteRefusal,
     RouteReport,
     SymbolicPose,
 )
+
+_SILENT = Reason(ReasonCode.NO_LOCATION, 'the robot is silent')
 
 
 class RouteFollower:
@@ -85,7 +91,8 @@ class RouteFollower:
         self.robot.tracker.goals.remember(record.goal)
         owes_stop = record.owes_stop
         if record.phase is Phase.RUNNING and not is_recent:
-            self.route.phase, self.route.reason = Phase.FAILED, 'the bridge was away for too long'
+            self.route.phase = Phase.FAILED
+            self.route.reason = Reason(ReasonCode.RESTARTED, 'the bridge was away for too long')
             owes_stop = True
         if owes_stop:
             self.robot.stop_duty.require(now, look_first=self.settings.location_timeout)
@@ -108,9 +115,9 @@ class RouteFollower:
         """What the fleet manager is to know now."""
         route = self.route
         if route is None:
-            return RouteReport(self._stamp, 0, (), (), self._pose())
+            return RouteReport(self._stamp, 0, (), (), self._pose(), location=self._location)
         return RouteReport(self._stamp, route.order.route_id, route.edges, route.states,
-                           self._pose(), self._reason)
+                           self._pose(), self._reason, self._location)
 
     def _answer(self, handle: Callable[[], None], now: float) -> List[p.Action]:
         """What a handler makes of an event: commands, notes, a report where more than a
@@ -130,17 +137,23 @@ class RouteFollower:
         return actions
 
     @property
-    def _reason(self) -> str:
+    def _reason(self) -> Reason:
         """Why the route has failed, or why a stop has not been obeyed yet."""
         duty = self.robot.stop_duty
         if self.route and not self.route.reason and duty.owed and duty.problem:
-            return f'the robot has not obeyed the stop yet: {duty.problem}'
-        return self.route.reason if self.route else ''
+            return Reason(ReasonCode.STOP_OWED,
+                          f'the robot has not obeyed the stop yet: {duty.problem}')
+        return self.route.reason if self.route else NO_REASON
 
     @property
     def _stamp(self) -> int:
         last = self.robot.location.last
         return last.stamp if last else 0
+
+    @property
+    def _location(self) -> Optional[Location]:
+        last = self.robot.location.last
+        return Location(last.x, last.y, last.heading) if last else None
 
     @property
     def _here(self) -> GraphLocation:
@@ -185,10 +198,12 @@ class RouteFollower:
         try:
             self._take_up(order, now)
         except RouteRefused as refusal:
-            self._orders.refuse(order, str(refusal))
+            self._orders.refuse(order, refusal.reason)
 
-    def _why_unknown(self, now: float) -> str:
-        return 'there is no graph' if self.graph is None else self.robot.why_unknown(now)
+    def _why_unknown(self, now: float) -> Reason:
+        if self.graph is None:
+            return Reason(ReasonCode.NOT_READY, 'there is no graph')
+        return self.robot.why_unknown(now)
 
     def _take_up(self, order: RouteOrder, now: float) -> None:
         """Changes the route, or begins another one; raises RouteRefused."""
@@ -223,13 +238,14 @@ class RouteFollower:
         return RouteRun(order, self.settings, self.robot.tracker, self.robot.location, progress,
                         now, phase)
 
-    def _tell_refusal(self, order: RouteOrder, reason: str) -> None:
+    def _tell_refusal(self, order: RouteOrder, reason: Reason) -> None:
         """Where the id is not that of the route in the reports, a report tells of it, too."""
         self._out.append(RouteRefusal(order.route_id, order.edges, reason))
         if self.route is None or self.route.order.route_id != order.route_id:
             self._out.append(RouteReport(
                 self._stamp, order.route_id, order.edges,
-                (EdgeState.FAILED,) * len(order.edges), self._pose(), reason))
+                (EdgeState.FAILED,) * len(order.edges), self._pose(), reason,
+                self._location))
 
     # --- what happens to the route ----------------------------------------------------------------
 
@@ -262,7 +278,7 @@ class RouteFollower:
         if self._restored is None or route is None:
             return
         record, give_up = self._restored
-        unknown = self._why_unknown(now) or ('' if seen else 'the robot is silent')
+        unknown = self._why_unknown(now) or (NO_REASON if seen else _SILENT)
         if unknown and now <= give_up:
             return
         self._restored = None
@@ -280,8 +296,9 @@ class RouteFollower:
             if is_same_in(graph, route.progress.graph, route.edges):
                 route.use_graph(graph)
             elif route.running:
-                raise RouteFailed(
-                    'the graph was replaced, and edges of the route are not what they were')
+                raise RouteFailed(Reason(
+                    ReasonCode.GRAPH_CHANGED,
+                    'the graph was replaced, and edges of the route are not what they were'))
         self._go_on(now)
 
     def _fail(self, failure: RouteFailed, now: float) -> None:

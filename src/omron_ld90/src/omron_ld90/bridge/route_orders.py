@@ -6,24 +6,29 @@ from typing import Optional, Tuple
 from omron_ld90.bridge.graph_location import GraphLocation
 from omron_ld90.bridge.route_run import RouteRun
 from trajectory_graph import Graph, TrajectoryGraphError, check_route
-from trajectory_graph.route_protocol import Phase, RouteOrder
+from trajectory_graph.route_protocol import Phase, Reason, ReasonCode, RouteOrder
 
 MAXIMUM_EDGES = 1000
 CLOCK_TOLERANCE = 1_000_000_000  # ns that the sender's clock may be ahead of ours
 
 
 class RouteRefused(Exception):
-    """The order is not taken up; the text, a clause, is the reason for the fleet manager."""
+    """The order is not taken up; `reason` is for the fleet manager."""
+
+    def __init__(self, reason: Reason) -> None:
+        super().__init__(reason.text)
+        self.reason = reason
 
 
 def check_order(order: RouteOrder) -> None:
     """Raises RouteRefused for an order that is wrong whatever the graph and the robot."""
     if len(order.edges) > MAXIMUM_EDGES:
-        raise RouteRefused(f'the route has more than {MAXIMUM_EDGES} edges')
+        raise _refused(ReasonCode.WRONG_ROUTE, f'the route has more than {MAXIMUM_EDGES} edges')
     ahead = order.stamp - order.received
     if order.received and ahead > CLOCK_TOLERANCE:
-        raise RouteRefused(f'its stamp is {ahead / 1e9:.1f} s ahead of the clock of the robot\'s '
-                           'computer: synchronise the clocks (NTP)')
+        raise _refused(ReasonCode.CLOCK,
+                       f'its stamp is {ahead / 1e9:.1f} s ahead of the clock of the robot\'s '
+                       'computer: synchronise the clocks (NTP)')
 
 
 def check_edges(graph: Graph, edges: Tuple[int, ...]) -> None:
@@ -31,7 +36,7 @@ def check_edges(graph: Graph, edges: Tuple[int, ...]) -> None:
     try:
         check_route(graph, edges)
     except TrajectoryGraphError as error:
-        raise RouteRefused(str(error).rstrip('.')) from None
+        raise _refused(ReasonCode.WRONG_ROUTE, str(error).rstrip('.')) from None
 
 
 def is_change(route: RouteRun, order: RouteOrder) -> bool:
@@ -42,25 +47,33 @@ def is_change(route: RouteRun, order: RouteOrder) -> bool:
 def check_change(route: RouteRun, order: RouteOrder, here: GraphLocation) -> None:
     """Raises RouteRefused where the route cannot become what the order of the same id says."""
     if route.phase is Phase.FAILED:
-        raise RouteRefused(f'route {order.route_id} has failed: another one needs another id')
+        raise _refused(ReasonCode.WRONG_CHANGE,
+                       f'route {order.route_id} has failed: another one needs another id')
     if not route.is_on_graph or route.progress.graph is not here.graph:
-        raise RouteRefused(f'the graph was replaced, and edges of route {order.route_id} are not '
-                           'what they were: another one needs another id')
+        raise _refused(ReasonCode.GRAPH_CHANGED,
+                       f'the graph was replaced, and edges of route {order.route_id} are not '
+                       'what they were: another one needs another id')
     if not route.decides_pose(here):
-        raise RouteRefused(f'route {order.route_id} ended at vertex {route.progress.end(-1).id}, '
-                           'where the robot no longer is')
+        raise _refused(ReasonCode.STARTS_ELSEWHERE,
+                       f'route {order.route_id} ended at vertex {route.progress.end(-1).id}, '
+                       'where the robot no longer is')
     kept = route.edges[:route.progress.current + 1]
     if order.edges[:len(kept)] != kept:
-        raise RouteRefused(f'route {order.route_id} must go on with the edges done and the '
-                           f'current one, {list(kept)}')
+        raise _refused(ReasonCode.WRONG_CHANGE,
+                       f'route {order.route_id} must go on with the edges done and the '
+                       f'current one, {list(kept)}')
 
 
 def check_start(order: RouteOrder, route: Optional[RouteRun], here: GraphLocation) -> None:
     """Raises RouteRefused where a new route does not start `here`; `route` is the one before."""
     first = order.edges[0]
-    reason = here.why_not_from(first, being_driven=route is not None and route.is_on(first))
-    if reason:
-        raise RouteRefused(reason)
+    why_not = here.why_not_from(first, being_driven=route is not None and route.is_on(first))
+    if why_not:
+        raise _refused(ReasonCode.STARTS_ELSEWHERE, why_not)
+
+
+def _refused(code: ReasonCode, text: str) -> RouteRefused:
+    return RouteRefused(Reason(code, text))
 
 
 def is_equal(graph: Graph, other: Graph) -> bool:

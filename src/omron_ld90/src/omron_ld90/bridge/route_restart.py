@@ -12,6 +12,7 @@ from omron_ld90.bridge.route_progress import RouteProgress
 from omron_ld90.bridge.route_run import RouteRun
 from omron_ld90.goal_names import goal_name
 from trajectory_graph import Graph
+from trajectory_graph.route_protocol import Reason, ReasonCode
 
 
 def go_on(route: RouteRun, record: RouteRecord, here: GraphLocation,
@@ -26,7 +27,7 @@ def go_on(route: RouteRun, record: RouteRecord, here: GraphLocation,
         check_edges(here.graph, record.edges)
     except RouteRefused as refusal:
         if route.running:
-            raise RouteFailed(str(refusal)) from None
+            raise RouteFailed(refusal.reason) from None
         return ''
     if not route.running:
         route.progress = progress(record.edges, record.completed)
@@ -52,7 +53,9 @@ def _current_edge(record: RouteRecord, here: GraphLocation, seen: RobotSeen) -> 
     if seen.motion is Motion.BY_HAND or (
             seen.motion is Motion.GOING and seen.goal != record.goal):
         raise TakenOver('While the bridge was restarted, somebody drove the robot elsewhere.')
-    raise RouteFailed('the robot was not on the route any more after a restart of the bridge')
+    raise RouteFailed(Reason(
+        ReasonCode.RESTARTED,
+        'the robot was not on the route any more after a restart of the bridge'))
 
 
 def _resume(route: RouteRun, record: RouteRecord, graph: Graph, seen: RobotSeen,

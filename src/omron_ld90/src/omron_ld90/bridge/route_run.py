@@ -13,7 +13,14 @@ from omron_ld90.bridge.route_progress import RouteProgress
 from omron_ld90.bridge.route_strategies import Settings, StrategyContext
 from omron_ld90.goal_names import goal_name
 from trajectory_graph import Graph
-from trajectory_graph.route_protocol import EdgeState, Phase, RouteOrder
+from trajectory_graph.route_protocol import (
+    NO_REASON,
+    EdgeState,
+    Phase,
+    Reason,
+    ReasonCode,
+    RouteOrder,
+)
 
 PROGRESS = 0.05  # m along the route that count as progress
 LEAD = 2.0       # s from our command to the robot's driving on a new way, and some to spare
@@ -36,7 +43,7 @@ class RouteRun:
         self.order = order
         self._progress = progress
         self.phase = phase
-        self.reason = ''
+        self.reason = NO_REASON
         self.target: Optional[int] = None
         """Index of the edge to whose end the robot was sent."""
         self._completed = completed
@@ -190,8 +197,9 @@ class RouteRun:
         if tracker.reached and tracker.rested_at_goal >= RESTS_TO_JUDGE:
             if self.target is not None and self.progress.current < self.target:
                 return self._send_back(now)
-            raise RouteFailed(f'the robot says that it is at {tracker.goal}, but is '
-                              f'{self._distance_to_target():.1f} m away from it')
+            raise RouteFailed(Reason(
+                ReasonCode.NOT_ARRIVED, f'the robot says that it is at {tracker.goal}, but is '
+                                        f'{self._distance_to_target():.1f} m away from it'))
         return ''
 
     def _check_progress(self, now: float) -> None:
@@ -199,7 +207,8 @@ class RouteRun:
             self._best = self.progress.travelled
             self._best_at = now
         if now - self._best_at > self._settings.stall_timeout:
-            raise RouteFailed(f'no progress for {self._settings.stall_timeout:.0f} s')
+            raise RouteFailed(Reason(ReasonCode.NO_PROGRESS,
+                                     f'no progress for {self._settings.stall_timeout:.0f} s'))
 
     def _goal_of(self, index: int) -> str:
         vertex = self.progress.end(index)
@@ -226,7 +235,9 @@ class RouteRun:
         current = self.progress.current
         vertex = self.progress.end(current).id
         if current in self._sent_back:
-            raise RouteFailed(f'the robot went by vertex {vertex} without coming near it')
+            raise RouteFailed(Reason(
+                ReasonCode.NOT_ARRIVED,
+                f'the robot went by vertex {vertex} without coming near it'))
         self._sent_back.append(current)
         self.allow(self.edges_under_way)
         self._best_at = now
@@ -242,7 +253,7 @@ class RouteRun:
             edges += allowed
         strays = not here.is_about_the_dock and here.nearest_of(edges) is None
         if strays and self._strayed:
-            raise RouteFailed('off the corridor')
+            raise RouteFailed(Reason(ReasonCode.OFF_GRAPH, 'off the corridor'))
         self._strayed = strays
 
     def _horizon(self) -> float:

@@ -20,7 +20,7 @@ import rospy
 
 from omron_ld90.bridge.events import RouteRecord
 from omron_ld90.nodes.support.worker import start_worker
-from trajectory_graph.route_protocol import Phase
+from trajectory_graph.route_protocol import Phase, reason_of
 
 PARAMETER = '~route_record'
 REFRESHED = 5.0     # s between two writings of the same record
@@ -124,7 +124,8 @@ def _replace(path: str, text: str) -> None:
 def _content_of(record: RouteRecord) -> Dict[str, Any]:
     return {'time': time.time(), 'route_id': record.route_id, 'edges': list(record.edges),
             'stamp': str(record.stamp),  # more than the 32 bits of a parameter
-            'phase': record.phase.value, 'reason': record.reason, 'completed': record.completed,
+            'phase': record.phase.value, 'reason': record.reason.text,
+            'reason_code': int(record.reason.code), 'completed': record.completed,
             'target': -1 if record.target is None else record.target, 'goal': record.goal,
             'owes_stop': record.owes_stop}
 
@@ -133,6 +134,7 @@ def _record_of(content: Dict[str, Any]) -> RouteRecord:
     """The record in a parameter; raises KeyError, TypeError or ValueError where it holds none."""
     target = int(content['target'])
     return RouteRecord(int(content['route_id']), tuple(int(id) for id in content['edges']),
-                       int(content['stamp']), Phase(content['phase']), str(content['reason']),
+                       int(content['stamp']), Phase(content['phase']),
+                       reason_of(content.get('reason_code', 0), str(content['reason'])),
                        int(content['completed']), None if target < 0 else target,
                        str(content['goal']), bool(content['owes_stop']))

@@ -1,13 +1,14 @@
 """What the robot's nodes say, as the events of the bridge."""
 from __future__ import annotations
 
+import math
 from typing import Dict, Optional
 
 from omron_arcl import ActivityKind
 from omron_ld90.bridge.events import CommandEnded, Docking, Ending, Link, LinkReported, RobotSeen
 from omron_ld90.bridge.motions import motion_of
-from omron_ld90.nodes.support.command_client import NEVER_SENT
 from omron_ld90.nodes.support.link_reports import words_of
+from omron_ld90.nodes.support.poses import yaw_from_quaternion
 from omron_ld90_msgs.msg import ExecuteCommandResult, LinkState, RobotStatus
 
 _KINDS: Dict[int, ActivityKind] = {getattr(RobotStatus, kind.name): kind for kind in ActivityKind}
@@ -20,6 +21,8 @@ _ENDINGS: Dict[int, Ending] = {
     ExecuteCommandResult.REFUSED: Ending.FAILED,
     ExecuteCommandResult.CANCELLED: Ending.CANCELLED,
     ExecuteCommandResult.EMERGENCY_STOPPED: Ending.EMERGENCY_STOPPED,
+    ExecuteCommandResult.NEVER_SENT: Ending.NEVER_SENT,
+    ExecuteCommandResult.OVERRULED: Ending.INTERRUPTED,
 }
 _DOCKING: Dict[str, Docking] = {state.value: state for state in Docking}
 _LINKS: Dict[str, Link] = {link.value: link for link in Link}
@@ -32,15 +35,13 @@ def robot_seen(status: RobotStatus) -> RobotSeen:
     return RobotSeen(
         status.header.stamp.to_nsec(), *motion_of(kind, status.goal),
         _DOCKING.get(status.docking_state), status.emergency_stop,
-        (position.x, position.y) if status.has_pose else None)
+        (position.x, position.y) if status.has_pose else None,
+        yaw_from_quaternion(status.pose.orientation) if status.has_pose else math.nan)
 
 
 def command_ended(number: int, result: ExecuteCommandResult) -> CommandEnded:
     """How a command ended."""
-    ending = _ENDINGS.get(result.outcome, Ending.FAILED)
-    if ending is Ending.LOST and result.message.startswith(NEVER_SENT):
-        ending = Ending.NEVER_SENT
-    return CommandEnded(number, ending, result.message)
+    return CommandEnded(number, _ENDINGS.get(result.outcome, Ending.FAILED), result.message)
 
 
 def link_reported(message: LinkState) -> Optional[LinkReported]:

@@ -56,14 +56,12 @@ class ExecuteCommandServer(CommandActions):
                                     lines=list(result.lines))
 
     def _refusal(self, reason: Exception) -> ExecuteCommandResult:
-        """LOST, and never sent, where the command as such was well: it may be given again.
-
-        INTERRUPTED where somebody else's word came first.
-        """
+        """NEVER_SENT where the command as such is right, so that it may be given again; OVERRULED
+        where the command of another giver came first."""
         if isinstance(reason, Overruled):
-            return ExecuteCommandResult(outcome=ExecuteCommandResult.INTERRUPTED,
-                                        message=str(reason))
-        if isinstance(reason, (NotConnected, NeverSent)):
-            return ExecuteCommandResult(outcome=ExecuteCommandResult.LOST,
-                                        message=f'never sent: {reason}')
-        return ExecuteCommandResult(outcome=ExecuteCommandResult.REFUSED, message=str(reason))
+            outcome = ExecuteCommandResult.OVERRULED
+        elif isinstance(reason, (NotConnected, NeverSent)):
+            outcome = ExecuteCommandResult.NEVER_SENT
+        else:
+            outcome = ExecuteCommandResult.REFUSED
+        return ExecuteCommandResult(outcome=outcome, message=str(reason))

@@ -88,6 +88,10 @@ ENDINGS: Dict[int, Callable[[str, str], Notice]] = {
         Severity.INFO, f'{command} was cancelled'),
     ExecuteCommandResult.EMERGENCY_STOPPED: lambda command, words: Notice(
         Severity.BAD, f'{command}: emergency stop'),
+    ExecuteCommandResult.NEVER_SENT: lambda command, words: Notice(
+        Severity.BAD, f'{command} was not sent: {words}'),
+    ExecuteCommandResult.OVERRULED: lambda command, words: Notice(
+        Severity.INFO, f'{command} was not sent: {words}'),
 }
 
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import Any, Dict, Optional, Sequence, Tuple
 
 from trajectory_graph import Graph
-from trajectory_graph.route_protocol import EdgeState
+from trajectory_graph.route_protocol import EdgeState, Reason
 from vda5050_vehicle.drivers.driver import Driver, Leg, Pose, Progress
 from vda5050_vehicle.drivers.order_fields import Abilities, check_headings, heading_of, is_within
 from vda5050_vehicle.drivers.order_graph import Matching, OrderGraph
@@ -174,7 +174,7 @@ class RouteDriver(Driver):
         along = leg.length * report.percentage / 100.0 if leg and report.edge == leg.edge else 0.0
         self._set_passed(passed, along)
         if EdgeState.FAILED in report.states:
-            self._fail(report.reason or 'the route failed')
+            self._fail(report.reason.text or 'the route failed')
         elif len(report.states) == len(route.edges):
             self._waiting_since = math.inf
             self.progress = replace(self.progress, complete=done == len(route.edges))
@@ -184,7 +184,8 @@ class RouteDriver(Driver):
         self._set_passed(route.first + done, 0.0)
         self._begin(route.first + done, route.edges[done:], now)
 
-    def on_refused(self, refused_id: int, edges: Tuple[int, ...], reason: str, now: float) -> None:
+    def on_refused(self, refused_id: int, edges: Tuple[int, ...], reason: Reason,
+                   now: float) -> None:
         """What route_refused tells. An extension is tried once more, as a route of its own."""
         route = self._route
         if route is None or refused_id != route.id or edges != route.edges:
@@ -194,7 +195,7 @@ class RouteDriver(Driver):
             return
         if route.seen:
             self.halt(now)
-        self._fail(reason)
+        self._fail(reason.text or 'the route was refused')
 
     def _set_passed(self, passed: int, along: float) -> None:
         before = self.progress

@@ -4,6 +4,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Tuple
 
+from trajectory_graph.route_protocol import NO_REASON, Reason
+
 
 @dataclass(frozen=True)
 class RouteCommand:
@@ -25,7 +27,7 @@ class RouteReport:
     states: Tuple[int, ...]
     edge: int
     percentage: float
-    reason: str = ''
+    reason: Reason = NO_REASON
 
 
 @dataclass(frozen=True)

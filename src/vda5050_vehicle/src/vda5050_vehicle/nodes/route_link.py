@@ -14,6 +14,7 @@ from itrci_nav_msgs.msg import ExecutionRouteStates, RouteRefused, TargetRoute
 from itrci_nav_msgs.msg import Graph as GraphMessage
 from trajectory_graph import GraphError
 from trajectory_graph.messages import graph_from_message
+from trajectory_graph.route_protocol import reason_of
 from vda5050_vehicle.drivers.route_driver import RouteDriver
 from vda5050_vehicle.drivers.route_messages import RouteCommand, RouteReport
 
@@ -46,12 +47,14 @@ class RouteLink:
     def _on_states(self, message: ExecutionRouteStates) -> None:
         report = RouteReport(
             message.route_id, tuple(edge.state for edge in message.edge_states),
-            message.symbolic_pose.edge_id, message.symbolic_pose.percentage, message.reason)
+            message.symbolic_pose.edge_id, message.symbolic_pose.percentage,
+            reason_of(message.reason_code, message.reason))
         self._tell(lambda now: self._driver.on_report(report, now))
 
     def _on_refused(self, message: RouteRefused) -> None:
         self._tell(lambda now: self._driver.on_refused(
-            message.route_id, tuple(message.edges), message.reason, now))
+            message.route_id, tuple(message.edges),
+            reason_of(message.reason_code, message.reason), now))
 
     def _on_graph(self, message: GraphMessage) -> None:
         try:

@@ -23,7 +23,8 @@ _WORDS: Dict[int, str] = {
     FleetRobot.IDLE: 'idle', FleetRobot.CHARGING: 'charging', FleetRobot.OFFLINE: 'offline',
     FleetRobot.STOPPED: 'emergency stop', FleetRobot.TAKEN_OVER: 'taken over',
     FleetRobot.FAILED: 'failed', FleetRobot.OFF_GRAPH: 'off the graph',
-    FleetRobot.OUT_OF_SERVICE: 'out of service'}
+    FleetRobot.OUT_OF_SERVICE: 'out of service', FleetRobot.ABSENT: 'absent',
+    FleetRobot.UNKNOWN: 'place unknown'}
 _TROUBLE = frozenset((FleetRobot.STOPPED, FleetRobot.TAKEN_OVER, FleetRobot.FAILED,
                       FleetRobot.OFF_GRAPH))
 #: States whose word says all.

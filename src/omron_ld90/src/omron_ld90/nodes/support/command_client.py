@@ -20,8 +20,6 @@ from omron_ld90_msgs.msg import (
     ExecuteCommandResult,
 )
 
-NEVER_SENT = 'never sent'  # how the message of a LOST outcome begins when the robot never heard it
-
 STATUSES_WAITED = 5  # of the server, five a second, in which what is on its way must come
 _ON_ITS_WAY = {
     CommState.WAITING_FOR_GOAL_ACK: 'omron_controller did not hear the command',
@@ -58,7 +56,9 @@ class CommandClient:
         with self._lock:
             self._open[number] = given
         if not self.controller_is_there:
-            self._end_later(number, _lost(f'{NEVER_SENT}: omron_controller is not running'))
+            self._end_later(number, ExecuteCommandResult(
+                outcome=ExecuteCommandResult.NEVER_SENT,
+                message='omron_controller is not running'))
             return
         given.handle = self._client.send_goal(
             ExecuteCommandGoal(command=command),
