@@ -13,17 +13,27 @@ from typing import Any, Callable, Iterator
 
 import rospkg
 import rospy
+from rospy.impl.paramserver import get_param_server_cache
+
+_TOPICS_LEFT_OUT = '/rosout_disable_topics_generation'
 
 
 def init_node(name: str, **options: Any) -> None:
     """rospy.init_node; without a log file where there can be none."""
     with _possible_log_file():
         rospy.init_node(name, **options)
+    _ask_once()
     for handler in logging.getLogger('rosout').handlers:
         handler.emit = _harmless(handler.emit)  # type: ignore[assignment,method-assign]
     for handler in logging.getLogger().handlers:  # they print a traceback for each message
         handler.handleError = _but_for_disks(  # type: ignore[assignment,method-assign]
             handler.handleError)
+
+
+def _ask_once() -> None:
+    """rospy asks the master at every line of the log; without a master, or with one that hangs, a
+    node must be able to log."""
+    get_param_server_cache().set(_TOPICS_LEFT_OUT, bool(rospy.get_param(_TOPICS_LEFT_OUT, False)))
 
 
 class _NoFile(logging.NullHandler):

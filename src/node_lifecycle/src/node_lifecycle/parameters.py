@@ -6,7 +6,10 @@ from typing import Any, Tuple, Type
 
 import rospy
 
+from node_lifecycle.kept_parameters import KEPT
+
 REQUIRED = object()
+NOT_THERE = object()
 
 
 class ConfigurationError(Exception):
@@ -20,7 +23,11 @@ def parameter(name: str, default: Any = REQUIRED, kind: Type = str) -> Any:
     of `password:=1234`. A required text must not be empty, and a float must be finite.
     """
     where = f'Parameter {rospy.resolve_name(name)}'
-    value = rospy.get_param(name, default)
+    value = rospy.get_param(name, NOT_THERE)
+    if value is NOT_THERE:
+        value = default
+    else:
+        KEPT.keep(rospy.resolve_name(name), value)
     if value is REQUIRED or (default is REQUIRED and value == ''):
         raise ConfigurationError(f'{where} is missing: set it in the launch file.')
     is_number = isinstance(value, (int, float)) and not isinstance(value, bool)

@@ -3,7 +3,7 @@
 Under `respawn` a node that exits on a wrong configuration would come back for ever. So it stays: it
 logs once what is wrong, shows it as ERROR in /diagnostics, and waits for its restart. Every node
 waits for its ROS master, is watched for threads that stand still, and registers anew with a master
-that was restarted.
+that was restarted, its parameters included.
 """
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ from diagnostic_msgs.msg import DiagnosticStatus
 
 from node_lifecycle import log_file
 from node_lifecycle.diagnostics import Task, publish_diagnostics
+from node_lifecycle.kept_parameters import KEPT
 from node_lifecycle.master_watch import watch_master
 from node_lifecycle.parameters import ConfigurationError
 from node_lifecycle.watchdog import Watchdog
@@ -31,15 +32,18 @@ END_WITHIN = 3.0  # s from SIGINT or SIGTERM to the end of the process, whatever
 
 def run(name: str, start: Callable[[], Any],
         misconfigured: Callable[[str], Any] = lambda reason: None,
-        libraries: Tuple[str, ...] = ()) -> None:
+        libraries: Tuple[str, ...] = (), written: Tuple[str, ...] = ()) -> None:
     """Run a node: `start` reads parameters, builds objects and connects callbacks; then wait.
 
     What `start` returns is kept alive, and its `close()`, if it has one, is called at shutdown.
     `misconfigured` is called with the reason when `start` raises ConfigurationError: there a node
     tells of it on topics of its own; what it returns is kept alive. The threads of the package that
-    `start` belongs to are watched, and those of its `libraries`.
+    `start` belongs to are watched, and those of its `libraries`. A new ROS master gets
+    what `parameter` reads and all private parameters, but those `written` by the node itself.
     """
     init_node(name)
+    KEPT.keep(rospy.get_name(), rospy.get_param(rospy.get_name(), {}),
+              but=tuple(map(rospy.resolve_name, written)))
     ending = threading.Event()
     rospy.on_shutdown(ending.set)
     _end_quietly(ending)

@@ -4,8 +4,10 @@ from __future__ import annotations
 import errno
 import logging
 import logging.handlers
+from types import SimpleNamespace
 
 import pytest
+from rospy.impl.paramserver import ParamServerCache
 
 from node_lifecycle import log_file
 
@@ -17,6 +19,17 @@ class FullDisk(logging.Handler):
         raise OSError(errno.ENOSPC, 'No space left on device')
 
 
+@pytest.fixture(autouse=True)
+def master(monkeypatch):
+    """A ROS master, and rospy without its cache of parameters."""
+    asked, cache = [], ParamServerCache()
+    monkeypatch.setattr(log_file.rospy, 'init_node', lambda name, **options: None)
+    monkeypatch.setattr(log_file.rospy, 'get_param',
+                        lambda name, default: asked.append(name) or default)
+    monkeypatch.setattr(log_file, 'get_param_server_cache', lambda: cache)
+    return SimpleNamespace(asked=asked, cache=cache)
+
+
 @pytest.fixture
 def logger():
     logger = logging.getLogger('rosout')
@@ -25,14 +38,13 @@ def logger():
     logger.handlers = before
 
 
-def test_what_cannot_be_logged_is_left_out_and_the_next_handler_has_it(logger, monkeypatch):
+def test_what_cannot_be_logged_is_left_out_and_the_next_handler_has_it(logger):
     with pytest.raises(OSError, match='No space'):
         logger.error('before')
     said = []
     other = logging.Handler()
     other.emit = lambda record: said.append(record.getMessage())
     logger.addHandler(other)
-    monkeypatch.setattr(log_file.rospy, 'init_node', lambda name, **options: None)
     log_file.init_node('node')
     logger.error('after')
     assert said == ['after']
@@ -53,7 +65,6 @@ def test_a_log_file_that_is_full_says_nothing_but_a_wrong_message_does(monkeypat
     root = logging.getLogger()
     monkeypatch.setattr(root, 'handlers', [Fails(OSError(errno.ENOSPC, 'NO SPACE')),
                                            Fails(TypeError('not all arguments converted'))])
-    monkeypatch.setattr(log_file.rospy, 'init_node', lambda name, **options: None)
     log_file.init_node('node')
     root.error('after')
     said = capsys.readouterr().err
@@ -86,3 +97,8 @@ def test_where_a_log_file_can_be_opened_it_is(tmp_path, monkeypatch, capsys):
     monkeypatch.setenv('ROS_LOG_DIR', str(tmp_path))
     log_file.init_node('node')
     assert file.exists() and capsys.readouterr().err == ''
+
+
+def test_the_master_is_asked_once_what_a_line_of_the_log_holds(master):
+    log_file.init_node('node')
+    assert [master.cache.get(name) for name in master.asked] == [False]

@@ -11,6 +11,7 @@ import rospy
 
 from graph_fleet_manager.commands.command_line import OK, CommandError, Parser
 from graph_fleet_manager.commands.fleet_client import Listener, call, connect, run, table
+from graph_fleet_manager.commands.stop import stop
 from graph_fleet_manager.supervision.fleet_view import RobotState
 from itrci_nav_msgs.msg import FleetRobot, FleetState
 
@@ -34,11 +35,14 @@ def _fleet(arguments: List[str]) -> int:
                        ('in', 'puts a robot back into service, from where it is')):
         commands.add_parser(name, help=what).add_argument('robot', metavar='ROBOT')
     options = parser.parse_args(arguments)
+    if options.command == 'stop':
+        print(stop())
+        return OK
     connect('fleet_command')
     if options.command == 'list':
         print(_listed(Listener('/fleet_state', FleetState).last()))
-    elif options.command in ('stop', 'resume'):
-        print(call(f'/{options.command}_fleet'))
+    elif options.command == 'resume':
+        print(call('/resume_fleet'))
     else:
         _check(options.robot)
         print(call(f'/{options.robot}/{"leave" if options.command == "out" else "join"}_fleet'))

@@ -73,6 +73,10 @@ class Master:
         """The URI of a node's API; raises NoAnswer."""
         return str(self.value(lambda: self.api.lookupNode(_CALLER, name)))
 
+    def service_uri(self, name: str) -> str:
+        """Where a service is; raises NoAnswer."""
+        return str(self.value(lambda: self.api.lookupService(_CALLER, name)))
+
     def pid(self) -> int:
         """The process that it is: another one after a restart. Raises NoAnswer."""
         return int(self.value(lambda: self.api.getPid(_CALLER)))

@@ -8,14 +8,16 @@ from typing import Callable, Dict, FrozenSet
 import rospy
 from std_srvs.srv import Trigger
 
+from graph_fleet_manager.commands.command_line import CommandError
+from graph_fleet_manager.commands.stop import stop
 from graph_fleet_manager.nodes.rviz.menus import Act, Subject
 from itrci_nav_msgs.msg import ClosedEdges, FleetRobot, MissionCommand, MissionRequest
 
 WAIT = 1.0  # s for a service that may not be there
 _COMMANDS = {Act.CANCEL: MissionCommand.CANCEL, Act.PAUSE: MissionCommand.PAUSE,
              Act.RESUME: MissionCommand.RESUME, Act.RELEASE: MissionCommand.RELEASE}
-_SERVICES = {Act.STOP_ALL: '/stop_fleet', Act.RESUME_ALL: '/resume_fleet',
-             Act.OUT: '/{}/leave_fleet', Act.IN: '/{}/join_fleet'}
+_SERVICES = {Act.RESUME_ALL: '/resume_fleet', Act.OUT: '/{}/leave_fleet',
+             Act.IN: '/{}/join_fleet'}
 
 
 class FleetActs:
@@ -33,7 +35,9 @@ class FleetActs:
 
     def act(self, act: Act, subject: Subject) -> None:
         """One choice in a menu. Never waits: a service is called by a thread of its own."""
-        if act in _SERVICES:
+        if act is Act.STOP_ALL:
+            threading.Thread(target=self._stop, daemon=True).start()
+        elif act in _SERVICES:
             threading.Thread(target=self._call, args=(_SERVICES[act].format(subject.robot), act),
                              daemon=True).start()
         elif act in _COMMANDS:
@@ -80,6 +84,12 @@ class FleetActs:
         message.header.stamp = rospy.Time.now()
         self._closures.publish(message)
         self._say(f'Closed edges: {", ".join(map(str, message.edges)) or "none"}')
+
+    def _stop(self) -> None:
+        try:
+            self._say(stop())
+        except CommandError as error:
+            self._say(f'{Act.STOP_ALL.value}: NOT DONE: {error}')
 
     def _call(self, service: str, act: Act) -> None:
         try:

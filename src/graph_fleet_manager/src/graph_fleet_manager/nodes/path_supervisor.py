@@ -32,9 +32,12 @@ import time
 import traceback
 from typing import Any, Callable, Iterable, List, Optional, Sequence, Tuple
 
+import rosgraph
 import rospy
+from rospy.impl.registration import get_service_manager
 from sensor_msgs.msg import BatteryState
 
+from graph_fleet_manager.files import stop_address
 from graph_fleet_manager.files.errors import FileError
 from graph_fleet_manager.files.robot_settings import load_settings
 from graph_fleet_manager.interlocking.reports import WrongReport
@@ -94,6 +97,7 @@ class PathSupervisor:
         self._services = FleetServices(
             robots, self._gate, self._events.put_urgent, self._stop_early,
             lambda now: self._topics.do(EarlyStop(robots).stop(now)))
+        _note_stop_address()
         self._thread = threading.Thread(target=self._work, name='supervisor', daemon=True)
         self._thread.start()
         publish_diagnostics('none', {
@@ -270,6 +274,16 @@ class PathSupervisor:
                 return supervisor.plan_made(message.plan_id, outcome_of(message, self._rate), now)
             return supervisor.plan_failed(message.plan_id, message.reason.rstrip('.'), now)
         self._events.put_report(take)
+
+
+def _note_stop_address() -> None:
+    """So that `fleet stop` works here while there is no ROS master."""
+    try:
+        stop_address.note(rosgraph.get_master_uri(),
+                          get_service_manager().get_service('/stop_fleet').uri)
+    except OSError as error:
+        rospy.logwarn('While there is no ROS master `fleet stop` will not work: its address cannot '
+                      'be written down (%s).', error)
 
 
 def main() -> None:

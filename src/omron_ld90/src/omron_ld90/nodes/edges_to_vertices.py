@@ -59,7 +59,7 @@ from omron_arcl.replies import Stopping
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.route_follower import RouteFollower
 from omron_ld90.bridge.running_clock import RunningClock
-from omron_ld90.nodes.bridge_memory import RouteMemory
+from omron_ld90.nodes.bridge_memory import PARAMETER, RouteMemory
 from omron_ld90.nodes.bridge_messages import command_ended, link_reported, robot_seen
 from omron_ld90.nodes.bridge_settings import read_settings
 from omron_ld90.nodes.support import shared_parameters
@@ -258,4 +258,4 @@ def _diagnosis(follower: RouteFollower, now: float) -> Diagnosis:
 
 def main() -> None:
     """Runs the node."""
-    run('omron_edges_to_vertices', EdgesToVertices)
+    run('omron_edges_to_vertices', EdgesToVertices, written=(PARAMETER,))

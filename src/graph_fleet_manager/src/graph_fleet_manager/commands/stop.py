@@ -1,0 +1,103 @@
+"""`fleet stop`: it never waits for a ROS master, and does without one on the computer of the fleet
+manager.
+
+The command becomes no node: rospy would wait without end for a master that has gone.
+"""
+from __future__ import annotations
+
+import io
+import socket
+import struct
+from typing import Callable, List, Tuple
+
+import genpy
+import rosgraph
+import rosgraph.network
+from rospy.core import ParameterInvalid, parse_rosrpc_uri
+from std_srvs.srv import Trigger, TriggerResponse
+
+from graph_fleet_manager.commands.command_line import NOT_DONE, CommandError
+from graph_fleet_manager.files import stop_address
+from graph_fleet_manager.multimaster.peer_master import Master, NoAnswer
+
+SERVICE = '/stop_fleet'
+PATIENCE = 5.0    # s for the answer of the fleet manager
+_LONGEST = 10000  # bytes of an answer
+
+
+class NoStop(Exception):
+    """The fleet manager did not take the stop; the text says why, without a full stop."""
+
+
+def stop() -> str:
+    """Stops every robot; returns what is to be said, raises CommandError where it did not work."""
+    master_uri = rosgraph.get_master_uri()
+    sources: Tuple[Tuple[str, Callable[[str], str]], ...] = (
+        ('', _told_by_master), ('The fleet manager was asked directly. ', _noted_here))
+    troubles: List[str] = []
+    for said, address_by in sources:
+        try:
+            answer = call(address_by(master_uri))
+        except NoStop as trouble:
+            troubles.append(str(trouble))
+            continue
+        told = ''.join(f'{trouble}. ' for trouble in troubles) + said + str(answer.message)
+        if not answer.success:
+            raise CommandError(told, NOT_DONE)
+        return told
+    raise CommandError(f'NO ROBOT WAS TOLD TO STOP: {". ".join(troubles)}. Is the fleet manager '
+                       'running? Set ROS_MASTER_URI, or press the emergency stops.')
+
+
+def _told_by_master(master_uri: str) -> str:
+    try:
+        return Master(master_uri).service_uri(SERVICE)
+    except NoAnswer as failure:
+        raise NoStop(f'The ROS master at {master_uri} does not tell where the fleet manager is '
+                     f'({failure})') from None
+
+
+def _noted_here(master_uri: str) -> str:
+    address = stop_address.noted(master_uri)
+    if address is None:
+        raise NoStop('No fleet manager of this ROS master has run on this computer')
+    return address
+
+
+def call(address: str) -> TriggerResponse:
+    """Calls the service at an address (rosrpc://host:port), with an end in any case.
+
+    Raises NoStop where no answer comes.
+    """
+    try:
+        host, port = parse_rosrpc_uri(address)
+        with socket.create_connection((host, port), PATIENCE) as connection:
+            rosgraph.network.write_ros_handshake_header(connection, {
+                'service': SERVICE, 'md5sum': Trigger._md5sum, 'callerid': '/fleet_stop'})
+            header = rosgraph.network.read_ros_handshake_header(connection, io.BytesIO(), 4096)
+            if 'error' in header:
+                raise ValueError(header['error'])
+            connection.sendall(struct.pack('<I', 0))  # an empty request
+            done, length = struct.unpack('<BI', _received(connection, 5))
+            if length > _LONGEST:
+                raise ValueError(f'its answer has {length} bytes')
+            content = _received(connection, length)
+    except (OSError, ValueError, ParameterInvalid, rosgraph.network.ROSHandshakeException) as error:
+        raise NoStop(f'The fleet manager at {address} does not answer ({error})') from None
+    if not done:
+        raise NoStop(f'The fleet manager failed: {content.decode(errors="replace")}')
+    try:
+        return TriggerResponse().deserialize(content)
+    except genpy.DeserializationError as error:
+        raise NoStop(f'The answer of the fleet manager makes no sense ({error})') from None
+
+
+def _received(connection: socket.socket, count: int) -> bytes:
+    """So many bytes; raises OSError where they do not come."""
+    found = b''
+    while len(found) < count:
+        more = connection.recv(count - len(found))
+        if not more:
+            raise ConnectionError('the connection ended')
+        found += more
+    return found
