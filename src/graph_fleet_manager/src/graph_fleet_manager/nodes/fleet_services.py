@@ -13,6 +13,7 @@ from graph_fleet_manager.interlocking.stop_gate import StopGate
 from graph_fleet_manager.nodes.event_loop import Event
 from graph_fleet_manager.supervision.actions import Action
 from graph_fleet_manager.supervision.supervisor import Supervisor
+from itrci_nav_msgs.srv import DeclareAbsent, DeclareAbsentRequest, DeclareAbsentResponse
 
 PATIENCE = 5.0       # s that a call waits for its turn
 STOP_PATIENCE = 1.0  # s that a stop does, before it goes past a supervisor that hangs
@@ -40,14 +41,21 @@ class FleetServices:
             rospy.Service('/resume_fleet', Trigger, self._resume)]
         for robot in robots:
             self._services += [
-                self._offer(f'/{robot}/declare_absent', _absent(robot),
-                            f'{robot} is absent until it reports again.'),
+                self._offer_absence(robot, f'{robot} is absent until it reports again.'),
                 self._offer(f'/{robot}/leave_fleet', _out(robot),
                             f'{robot} was told to stop and is out of service.', lasts=True),
                 self._offer(f'/{robot}/join_fleet', _back(robot), f'{robot} is in service.')]
 
     def _offer(self, name: str, act: Act, done: str, lasts: bool = False) -> rospy.Service:
         return rospy.Service(name, Trigger, lambda _: self._called(name, act, done, lasts))
+
+    def _offer_absence(self, robot: str, done: str) -> rospy.Service:
+        name = f'/{robot}/declare_absent'
+
+        def answer(_: DeclareAbsentRequest) -> DeclareAbsentResponse:
+            told = self._called(name, _absent(robot), done)
+            return DeclareAbsentResponse(told.success, told.message)
+        return rospy.Service(name, DeclareAbsent, answer)
 
     def _called(self, name: str, act: Act, done: str, lasts: bool = False) -> TriggerResponse:
         late = 'but it will be' if lasts else 'nor will it be'
@@ -85,8 +93,7 @@ class FleetServices:
         """
         for robot in sorted(set(robots) - self._robots):
             self._robots |= {robot}
-            self._services.append(self._offer(f'/{robot}/declare_absent', _absent(robot),
-                                              f'{robot} is forgotten.'))
+            self._services.append(self._offer_absence(robot, f'{robot} is forgotten.'))
 
     def _answer(self, act: Act, done: str, patience: Optional[float] = None,
                 early: Optional[Callable[[float], Tuple[TriggerResponse, Sequence[Action]]]] = None,
