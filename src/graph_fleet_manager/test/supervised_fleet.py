@@ -320,7 +320,8 @@ class SupervisedFleet:
             planner = self._planners[networks] = FleetPlanner(
                 self.supervisor.network.with_closed(question.closed, question.edge_times),
                 self.clearance, self.fleet.types, self._parking)
-        return planner.plan(question.tasks, question.obstacles, rounds=self.rounds)
+        return planner.plan(question.tasks, question.obstacles, rounds=self.rounds,
+                            seed=question.seed)
 
     def _check_room(self) -> None:
         places = [(name, agv.kind.radius, *agv.position) for name, agv in self.agvs.items()]

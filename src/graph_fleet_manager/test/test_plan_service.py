@@ -11,6 +11,7 @@ from graph_fleet_manager.plan_requests import PlanRequest
 from graph_fleet_manager.plan_service import PlanService
 from graph_fleet_manager.planning import planner as planner_module
 from graph_fleet_manager.planning.tasks import CannotPlan, Obstacle, Task
+from graph_fleet_manager.planning.tea_star import TeaStar
 
 TRUCK = RobotType('truck', 0.6, 1.0)
 
@@ -84,6 +85,19 @@ def test_the_seed_is_that_of_the_request_and_without_one_the_services_own(
     planner = PlanService(square(), Fleet((AGV,), (), 0.1), seed=5)
     planner.answer(PlanRequest((Task('r', AGV, 1, destinations=(3,), stays=True),), seed=seed))
     assert seeds == [used]
+
+
+def test_robots_are_planned_in_another_order_with_another_seed(monkeypatch):
+    orders = []
+    plan = TeaStar.plan
+    monkeypatch.setattr(TeaStar, 'plan', lambda self, agents, *limits: (
+        orders.append([agent.name for agent in agents]) or plan(self, agents, *limits)))
+    planner = service(square())
+    for seed in (0, 0, *range(1, 9)):
+        planner.answer(PlanRequest(tuple(Task(f'r{k}', AGV, k, destinations=(k % 4 + 1,))
+                                         for k in range(1, 4)), seed=seed))
+    assert orders[0] == orders[1]
+    assert len(set(map(tuple, orders))) > 3
 
 
 def test_time_is_only_spent_on_improvement_that_is_asked_for():

@@ -77,7 +77,8 @@ class FleetTopics:
         self._asked = {question.number: stamp}
         self._requests.publish(request_message(
             PlanRequest(question.tasks, question.obstacles, question.closed,
-                        question.edge_times, time_limit=0.0, improvement=self._improvement),
+                        question.edge_times, time_limit=0.0, improvement=self._improvement,
+                        seed=question.seed),
             question.number, stamp, self.graph_stamp, self._rate))
 
     def has_asked(self, number: int, stamp: rospy.Time) -> bool:

@@ -75,7 +75,8 @@ class FleetPlanner:
              deadline: float = inf, rounds: Optional[int] = None,
              improve_until: float = inf, seed: int = 0) -> Outcome:
         """Plans for all tasks, improved until the deadline (monotonic s) or for so many rounds,
-        or until `improve_until` (monotonic s) where that is sooner. `seed` 0: the planner's own.
+        or until `improve_until` (monotonic s) where that is sooner. `seed` 0: the planner's own;
+        with another one the robots are planned in another order, too.
 
         Raises CannotPlan where a task makes no sense.
         """
@@ -84,7 +85,7 @@ class FleetPlanner:
             try:
                 return PlanningPipeline(
                     self.reservations, tasks, obstacles, self.parking, self._search,
-                    Random(seed or self._seed)).run(deadline, rounds, improve_until)
+                    Random(seed or self._seed), seed != 0).run(deadline, rounds, improve_until)
             finally:
                 self.reservations.clear()
 

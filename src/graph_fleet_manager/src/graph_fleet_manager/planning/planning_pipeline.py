@@ -40,15 +40,17 @@ class PlanningPipeline:
     tasks, obstacles, parking -- as the planner was asked
     search     -- for one robot's way
     random     -- what chance decides
+    shuffles   -- chance decides also in which order robots are planned at first
     """
 
     def __init__(self, reservations: ReservationTable, tasks: Sequence[Task],
                  obstacles: Sequence[Obstacle], parking: Iterable[int], search: Search,
-                 random: Random) -> None:
+                 random: Random, shuffles: bool = False) -> None:
         self._network = reservations.network
         self._reservations = reservations
         self._tea_star = TeaStar(reservations, search)
         self._random = random
+        self._shuffles = shuffles
         for obstacle in obstacles:
             self._reservations.book_places(obstacle.name, obstacle.type, [
                 *(self._network.index[id] for id in obstacle.vertices),
@@ -69,7 +71,7 @@ class PlanningPipeline:
         self._ground_who_is_too_near()
         self._give_up_what_is_out_of_reach()
         self._keep()
-        missing = [t for t in by_length(self._mobile()) if t.name not in self._paths]
+        missing = [t for t in self._in_order(self._mobile()) if t.name not in self._paths]
         if missing:
             self._serve(missing, deadline)
         before = time.monotonic()
@@ -86,6 +88,14 @@ class PlanningPipeline:
 
     def _mobile(self) -> List[Agent]:
         return [t for name, t in self._agents.items() if name not in self._grounded]
+
+    def _in_order(self, agents: Iterable[Agent]) -> List[Agent]:
+        """The order in which robots are planned at first."""
+        order = by_length(agents)
+        if self._shuffles:
+            self._random.shuffle(order)
+            order.sort(key=lambda t: (-t.priority, not t.errand.destinations))
+        return order
 
     # -- what is there already --------------------------------------------------------------------
 
@@ -180,7 +190,7 @@ class PlanningPipeline:
         """Everybody anew; those who lacked a way come first. Nothing changes where that fails."""
         mobile = self._mobile()
         names = {t.name for t in first}
-        order = [*first, *(t for t in by_length(mobile) if t.name not in names)]
+        order = [*first, *(t for t in self._in_order(mobile) if t.name not in names)]
         self._tea_star.forget(order)
         paths = self._tea_star.plan(order, deadline, _ORDERS)
         if paths is None:
