@@ -7,6 +7,7 @@ import pytest
 from fleet_builders import AGV, corridor, graph_of
 
 from graph_fleet_manager.fleet import Fleet, RobotType
+from graph_fleet_manager.geometry.areas import Area
 from graph_fleet_manager.plan_requests import PlanRequest
 from graph_fleet_manager.plan_service import PlanService
 from graph_fleet_manager.planning import planner as planner_module
@@ -64,6 +65,17 @@ def test_an_obstacle_is_passed_by_and_named_where_it_cannot_be():
     assert edges(planner.answer(PlanRequest((task,), (out,))), 'r') == [2, 3]
     both = PlanRequest((task,), (Obstacle('dead', TRUCK, vertices=(2,), edges=(3,)),))
     assert 'dead, which cannot move' in planner.answer(both).unserved['r']
+
+
+def test_an_obstacle_blocks_what_is_near_its_areas():
+    planner = service(square())
+    task = Task('r', AGV, 1, destinations=(3,), stays=True)
+    beside = Obstacle('dead', TRUCK, areas=(Area(((4.0, -0.5), (4.5, -0.5)), 0.1),))
+    far = Obstacle('dead', TRUCK, areas=(Area(((9.0, -5.0),), 0.1),))
+    assert edges(planner.answer(PlanRequest((task,), (beside,))), 'r') == [2, 3]
+    near_by = Task('r', AGV, 1, destinations=(2,), stays=True)
+    assert edges(planner.answer(PlanRequest((near_by,), (far,))), 'r') == [1]
+    assert 'dead' in planner.answer(PlanRequest((near_by,), (beside,))).unserved['r']
 
 
 def test_the_answer_does_not_depend_on_what_was_asked_before():

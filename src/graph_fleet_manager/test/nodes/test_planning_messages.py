@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.geometry.areas import Area
 from graph_fleet_manager.messages.planning import (
     answer_message,
     no_plan_message,
@@ -31,6 +32,9 @@ signed = ids | ids.map(lambda id: -id)
 seconds = st.integers(0, 10**7).map(lambda ms: ms / 1000.0)
 fractions = st.floats(0.0, 0.999)
 drives = st.lists(st.builds(PlannedDrive, signed, seconds, seconds), max_size=3).map(tuple)
+metres = st.floats(-1e6, 1e6)
+areas = st.builds(Area, st.lists(st.tuples(metres, metres), min_size=1, max_size=3).map(tuple),
+                  st.floats(0.0, 1e3))
 places = st.one_of(
     st.fixed_dictionaries({'vertex': ids}),
     st.fixed_dictionaries({'released': st.lists(signed, min_size=1, max_size=3).map(tuple),
@@ -48,10 +52,17 @@ def tasks(draw, name):
 
 requests = st.builds(
     PlanRequest, st.tuples(tasks('r1'), tasks('r2')),
-    st.tuples(st.builds(Obstacle, st.just('r3'), st.just(AGV), st.tuples(ids), st.tuples(ids))),
+    st.tuples(st.builds(Obstacle, st.just('r3'), st.just(AGV), st.tuples(ids), st.tuples(ids),
+                        st.lists(areas, max_size=2).map(tuple))),
     st.frozensets(ids, max_size=3), st.dictionaries(st.tuples(st.just('agv'), signed), seconds),
     st.frozensets(ids, max_size=3), st.floats(0.001, 10.0), st.floats(0.0, 10.0),
     st.integers(0, 2 ** 32 - 1))
+
+
+def outlined(x, y, radius=0.0):
+    """A request with one obstacle, of one outline."""
+    return msg.PlanRequest(obstacles=[msg.FleetObstacle(
+        robot='r1', robot_type='agv', outlines=[msg.Outline(x, y, radius)])])
 
 
 def through_ros(message):
@@ -100,6 +111,12 @@ class TestRequests:
         (msg.PlanRequest(tasks=[msg.RobotTask(robot='r1', robot_type='agv', edge=1, fraction=1.5)]),
          'r1 stands at 1.5 of edge 1'),
         (msg.PlanRequest(obstacles=[msg.FleetObstacle(robot='r1', robot_type='truck')]), 'truck'),
+        (outlined([1.0, 2.0], [1.0]), 'An outline of robot r1 has 2 x and 1 y'),
+        (outlined([], []), 'An outline of robot r1 has 0 x and 0 y'),
+        (outlined([float('nan')], [0.0]), 'An outline of robot r1 has numbers that are not finite'),
+        (outlined([0.0], [float('inf')]), 'An outline of robot r1 has numbers that are not finite'),
+        (outlined([0.0], [0.0], float('nan')), 'An outline of robot r1 has the radius nan'),
+        (outlined([0.0], [0.0], -0.1), 'An outline of robot r1 has the radius -0.1'),
     ])
     def test_that_make_no_sense_are_refused_in_a_sentence(self, message, words):
         with pytest.raises(CannotPlan, match='.') as refused:

@@ -11,6 +11,7 @@ from typing import List, Mapping, Optional, Sequence, Tuple
 import genpy
 
 from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.geometry.areas import Area
 from graph_fleet_manager.plan_requests import PlanRequest
 from graph_fleet_manager.planning.precedence import Constraint
 from graph_fleet_manager.planning.tasks import CannotPlan, Obstacle, Outcome, PlannedDrive, Task
@@ -61,7 +62,9 @@ def request_of(message: msg.PlanRequest, types: Mapping[str, RobotType], time_li
     return PlanRequest(
         tuple(_task(task, types, clock) for task in message.tasks),
         tuple(Obstacle(_name(robot.robot), _type(robot.robot, robot.robot_type, types),
-                       tuple(robot.vertices), tuple(robot.edges)) for robot in message.obstacles),
+                       tuple(robot.vertices), tuple(robot.edges),
+                       tuple(_area(robot.robot, outline) for outline in robot.outlines))
+              for robot in message.obstacles),
         frozenset(abs(edge) for edge in message.closed_edges),
         {(one.robot_type, one.edge_id): one.seconds * rate for one in message.edge_times},
         frozenset(message.parking),
@@ -81,7 +84,8 @@ def request_message(request: PlanRequest, plan_id: int, stamp: genpy.Time,
                     for (kind, edge), seconds in request.edge_times.items()],
         tasks=[_task_message(task, clock) for task in request.tasks],
         obstacles=[msg.FleetObstacle(robot.name, robot.type.name, list(robot.vertices),
-                                     list(robot.edges)) for robot in request.obstacles])
+                                     list(robot.edges), [_outline(area) for area in robot.areas])
+                   for robot in request.obstacles])
     message.header.stamp = stamp
     return message
 
@@ -112,6 +116,23 @@ def _task_message(task: Task, clock: Clock) -> msg.RobotTask:
         fraction, task.ready / clock.rate, list(task.destinations),
         [dwell / clock.rate for dwell in task.dwells], task.stays, task.kept is not None,
         _drives(task.kept or (), 0, clock), task.priority)
+
+
+def _area(robot: str, outline: msg.Outline) -> Area:
+    problem = ''
+    if len(outline.x) != len(outline.y) or not outline.x:
+        problem = f'{len(outline.x)} x and {len(outline.y)} y; give as many, and at least one'
+    elif not all(map(isfinite, (*outline.x, *outline.y))):
+        problem = 'numbers that are not finite; give x and y in m'
+    elif not (isfinite(outline.radius) and outline.radius >= 0.0):
+        problem = f'the radius {outline.radius}; give m from 0 on'
+    if problem:
+        raise CannotPlan(f'An outline of robot {_name(robot)} has {problem}.')
+    return Area(tuple(zip(outline.x, outline.y)), outline.radius)
+
+
+def _outline(area: Area) -> msg.Outline:
+    return msg.Outline([x for x, _ in area.line], [y for _, y in area.line], area.radius)
 
 
 def _name(name: str) -> str:
