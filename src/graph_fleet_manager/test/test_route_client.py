@@ -34,6 +34,7 @@ def no(text: str) -> Reason:
 def client():
     client = RouteClient(RouteRecord(GRAPH, AGV))
     client.record.position = GraphPosition(vertex=1)
+    client.is_heard = True
     return client
 
 
@@ -220,7 +221,6 @@ def test_after_a_restart_an_order_on_its_way_is_repeated_under_its_old_id(client
     other = RouteClient(RouteRecord(GRAPH, AGV))
     other.restore(client.memory)
     seen = report(1, [1], 0, fraction=0.5)
-    other.adopt(seen)
     other.take(seen)
     assert other.record.ahead == (1, 2)
     assert other.due(0.0)[:2] == (1, (1, 2))
@@ -229,7 +229,6 @@ def test_after_a_restart_an_order_on_its_way_is_repeated_under_its_old_id(client
 def test_after_a_restart_without_memory_what_is_reported_is_released_and_fixed():
     client = RouteClient(RouteRecord(GRAPH, AGV))
     seen = report(9, [1, 2, 3], 1, fraction=0.5)
-    client.adopt(seen)
     heard = client.take(seen)
     assert client.record.ahead == (2, 3) and not heard.foreign
     assert client.due(0.0) is None, 'no motion is ordered by itself'
@@ -262,11 +261,9 @@ def test_reports_that_make_no_sense_are_refused(wrong):
 
 def test_after_a_restart_what_was_refused_is_not_ordered_again(client, ids):
     idle = Report(0, pose=Pose(1, 0.0), stamp=100.0)
-    client.adopt(idle)
     client.extend([1], ids)
     client.refuse(RouteRefusal(1, (1,), no('no')))
     client.take(idle)
     other = RouteClient(RouteRecord(GRAPH, AGV))
     other.restore(client.memory)
-    other.adopt(idle)
     assert other.due(0.0) is None and other.record.ahead == ()

@@ -39,7 +39,7 @@ class Gate(Enum):
     JOURNAL = 'the journal cannot be written'
     PERSON = 'a person must look after it'
     CLOCK = 'its clock differs too much'
-    UNKNOWN = 'it is not known where it is'
+    UNKNOWN = 'it has not reported where it is'
     UNKNOWN_ROBOT = 'it is not known where another robot is'
     NOT_READY = 'its last order is not settled yet'
     NOT_CONNECTED = 'its route does not lead there'
@@ -364,7 +364,8 @@ def _clock_is_right(_: Interlocking, asked: Asked) -> Optional[Refusal]:
 
 
 def _robot_is_known(_: Interlocking, asked: Asked) -> Optional[Refusal]:
-    known = asked.robot.client.allocation.knowledge is Knowledge.KNOWN
+    client = asked.robot.client
+    known = client.is_heard and client.allocation.knowledge is Knowledge.KNOWN
     return None if known else Refusal(Gate.UNKNOWN, asked.edge)
 
 

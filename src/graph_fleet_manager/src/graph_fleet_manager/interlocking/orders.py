@@ -49,6 +49,8 @@ class Memory(NamedTuple):
     tail: Tuple[int, ...] = ()
     """Edges that were taken back, but may be reached before it stands."""
     evidence: EvidenceMemory = EvidenceMemory()
+    stamp: float = 0.0
+    """Of the last report, s by the robot's clock: reports from before it tell nothing."""
 
     @property
     def held(self) -> Tuple[int, ...]:

@@ -51,6 +51,8 @@ class RouteClient:
         self._refused_at = 0.0  # by the robot's clock: reports of before do not tell what it has
         self._cut_refused = 0  # number behind the last edge of a shorter route that it refused
         self._stamp = 0.0
+        self.is_heard = False
+        """Has the robot reported since the start?"""
         self._allocation: Optional[Allocation] = None
 
     # -- what is known ----------------------------------------------------------------------------
@@ -161,7 +163,8 @@ class RouteClient:
             self.over = True
         if len(self.record.ahead) <= 1:
             return False
-        if self._awaits_report or (self.order is not None and self._is_shorter(self.order)):
+        if not self.is_heard or self._awaits_report or (
+                self.order is not None and self._is_shorter(self.order)):
             return True
         end = max(self.record.done, self._cut_refused) + 1
         if end >= self.record.end:
@@ -225,13 +228,12 @@ class RouteClient:
 
     # -- after a restart --------------------------------------------------------------------------
 
-    def adopt(self, report: Report) -> None:
-        """The first report after a restart, to be taken next: what it has not driven is fixed.
+    def _adopt(self, report: Report) -> None:
+        """The first report after a restart: what it has not driven is fixed.
 
         An order that may still be under way to the robot is repeated until it is acknowledged; to
         one that has obeyed a stop nothing is under way.
         """
-        self._changed()
         base = self._bases.get(report.route_id)
         if base is None:
             if report.route_id in self._ended:
@@ -275,6 +277,9 @@ class RouteClient:
         if is_overtaken(report.stamp, self._stamp):
             return Heard()
         self._changed()
+        if not self.is_heard:
+            self.is_heard = True
+            self._adopt(report)
         self._stamp, self._reported = report.stamp, report.route_id
         record = self.record
         record.pose = report.pose
@@ -312,6 +317,7 @@ class RouteClient:
                 report.route_id not in self._acknowledged
                 and not (awaited and report.stamp != self._refused_at)):
             return self.refuse(RouteRefusal(report.route_id, report.edges, report.reason))
+        is_taken_up = report.route_id in self._acknowledged or not report.is_failed
         self._acknowledged = {id for id in self._acknowledged if id in self._bases}
         self._acknowledged.add(report.route_id)
         if report.route_id:
@@ -319,7 +325,7 @@ class RouteClient:
             self._bases.pop(0, None)
             self._ended.clear()
         if awaited:
-            self._take_truth(report)
+            self._take_truth(report, is_taken_up)
         heard.passed = record.complete(base + report.completed)
         self._acknowledge(report)
         if report.is_running or record.is_standing:  # else a person may drive it back again
@@ -374,16 +380,18 @@ class RouteClient:
         self._awaits_report = False
         self.over = True
 
-    def _take_truth(self, report: Report) -> None:
+    def _take_truth(self, report: Report, is_taken_up: bool = True) -> None:
         """After a refusal: the robot holds what it reports, and nothing else of what was ordered.
 
-        It stands somewhere on what has failed. Another order needs another id.
+        It stands somewhere on what has failed. Another order needs another id. A route that was
+        never taken up may have been refused once more, so that the robot drives the one before.
         """
         self._awaits_report = False
         self.over = True
         base = self._bases.get(report.route_id)
         end = self.record.done if base is None else base + len(report.edges)
-        self.record.cut(min(max(end, self.record.done), self.record.end))
+        if is_taken_up:
+            self.record.cut(min(max(end, self.record.done), self.record.end))
         if base is not None:
             self._bases = {report.route_id: base}
 
@@ -405,7 +413,7 @@ class RouteClient:
         return Memory(self.route_id, tuple(record.edges), record.done - record.first, bases,
                       record.position, self.over, tuple(sorted(self._ended)), self.is_stopping,
                       self._shortened, (number - record.first, fraction),
-                      record.tail, self.evidence.memory)
+                      record.tail, self.evidence.memory, self._stamp)
 
     @property
     def _shortened(self) -> Optional[int]:
@@ -422,7 +430,7 @@ class RouteClient:
         self.record.restore(memory.edges, memory.done, memory.position, memory.cleared,
                             memory.tail)
         self.evidence.restore(memory.evidence, now)
-        self._ordered = memory.shortened
+        self._ordered, self._stamp = memory.shortened, memory.stamp
         if memory.is_stopping:
             self._pending.give(Order(self.route_id, self.record.done, ()), True)
 

@@ -129,10 +129,7 @@ class ManagedRobot:
         if self.client.evidence.is_absent and not self.client.is_back(report, now):
             return
         self.notice(Sign.LOCATED)
-        first = not self.liveness.is_seen
         self.liveness.hear(report, self.record.graph, now)
-        if first:
-            self.client.adopt(report)
         if self.outage is Outage.SILENT:
             self.liveness.nothing_to_answer(now)
         self.notice(Sign.REPORT)

@@ -1,0 +1,499 @@
+"""A small yard in which everything that can happen does: the interlocking against all interleavings.
+
+Robots move in steps of half an edge. Orders reach them in order, late, or never; reports come late,
+twice, in any order, or never. The supervisor's side is the real one: route clients and the
+interlocking. What is true is worked out here, from straight lines alone.
+"""
+from __future__ import annotations
+
+import copy
+import math
+from collections import deque
+from dataclasses import dataclass, field, replace
+from itertools import count
+from typing import Deque, Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Set, Tuple
+
+from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.geometry.site_geometry import SiteGeometry
+from graph_fleet_manager.interlocking import interlocking as rules
+from graph_fleet_manager.interlocking.interlocking import Interlocking
+from graph_fleet_manager.interlocking.reports import Pose, Report, position_of
+from graph_fleet_manager.interlocking.route_client import RouteClient
+from graph_fleet_manager.interlocking.route_record import RouteRecord
+from trajectory_graph import Graph
+from trajectory_graph.route_protocol import NO_REASON, EdgeState, Phase, Reason, ReasonCode
+from trajectory_graph.route_protocol import RouteRefusal as Refused
+
+CLEARANCE = 0.1
+NO = Reason(ReasonCode.OTHER, 'no')
+
+
+class Told(NamedTuple):
+    """A report on its way; `moves`: steps of the robot until then."""
+
+    report: Report
+    moves: int
+
+
+class Unheard(NamedTuple):
+    """A refusal on its way."""
+
+    refusal: Refused
+    stamp: float
+
+
+@dataclass
+class Machine:
+    """A robot as it truly is, `half` halves of a signed edge from its beginning."""
+
+    edge: int
+    half: int = 0
+    route_id: int = 0
+    edges: Tuple[int, ...] = ()
+    current: int = 0
+    phase: Phase = Phase.STOPPED
+    moves: int = 0
+    told: int = 0
+    refuses: bool = False
+    refused: Tuple[int, Tuple[int, ...]] = (0, ())
+    """The order that it refused last, and refuses as often as it comes."""
+    is_moved: bool = False
+    """A person has moved it: what follows from that is not ours until it is known."""
+    orders: Tuple[Tuple[int, Tuple[int, ...]], ...] = ()
+    """On their way to it."""
+    words: Tuple[object, ...] = ()
+    """On their way from it."""
+
+    def order(self, graph: Graph, route_id: int, edges: Tuple[int, ...]) -> bool:
+        """Takes up an order, or refuses it, as the route protocol says."""
+        if not edges:
+            self.route_id, self.edges, self.current, self.phase = route_id, (), 0, Phase.STOPPED
+            return True
+        if (route_id, edges) == (self.route_id, self.edges):
+            return True
+        if self.refuses or (route_id, edges) == self.refused:
+            self.refuses = False
+            return False
+        if route_id == self.route_id and self.phase is not Phase.STOPPED:
+            kept = self.edges[:self.current + 1]
+            if self.phase is Phase.FAILED or edges[:len(kept)] != kept:
+                return False
+        else:
+            begins = self._begins(graph, edges)
+            if begins is None:
+                return False
+            self.current, self.edge, self.half = begins
+        self.route_id, self.edges = route_id, edges
+        self.phase = Phase.RUNNING if self.current < len(edges) else Phase.COMPLETE
+        self._arrive()
+        return True
+
+    def _begins(self, graph: Graph, edges: Tuple[int, ...]) -> Optional[Tuple[int, int, int]]:
+        first = edges[0]
+        if first == self.edge and self.half < 2:
+            return 0, first, self.half
+        if first == -self.edge and self.half > 0:
+            return 0, first, 2 - self.half
+        at = {0: graph.start_vertex(self.edge).id, 2: graph.end_vertex(self.edge).id}.get(self.half)
+        if at == graph.start_vertex(first).id:
+            return 0, first, 0
+        driven = self.edges[self.current - 1] if 0 < self.current < len(self.edges) else 0
+        if first == driven and edges[1:2] == (self.edge,) and self.half == 0:
+            return 1, self.edge, 0
+        return None
+
+    def _arrive(self) -> None:
+        while self.phase is Phase.RUNNING and (
+                self.edge == self.edges[self.current] and self.half == 2):
+            self.current += 1
+            if self.current == len(self.edges):
+                self.phase = Phase.COMPLETE
+            else:
+                self.edge, self.half = self.edges[self.current], 0
+
+    def move(self) -> None:
+        """Half an edge along its route."""
+        if self.edge != self.edges[self.current]:
+            self.edge, self.half = self.edges[self.current], 0
+        self.half += 1
+        self.moves += 1
+        self._arrive()
+
+    def report(self) -> Told:
+        """What it tells now."""
+        self.told += 1
+        rest = EdgeState.FAILED if self.phase is Phase.FAILED else EdgeState.PROCESSING
+        states = ((EdgeState.COMPLETE,) * self.current
+                  + (rest,) * (len(self.edges) - self.current))
+        return Told(Report(self.route_id, self.edges, states, Pose(self.edge, self.half / 2),
+                           NO if self.phase is Phase.FAILED else NO_REASON,
+                           100.0 + self.told * 1e-3), self.moves)
+
+
+@dataclass
+class Believed:
+    """A robot as the fleet manager knows it."""
+
+    name: str
+    type: RobotType
+    client: RouteClient
+    needs_person: bool = False
+    is_silent: bool = False
+    is_halted: bool = False
+
+
+@dataclass
+class World:
+    """Everything, true and believed."""
+
+    machines: Dict[str, Machine]
+    robots: Dict[str, Believed]
+    given: int = 0
+    faults: int = 0
+    ids: int = 0
+    is_stopped: bool = False
+    history: Tuple[str, ...] = ()
+
+    def clone(self) -> World:
+        """The same, to go on with differently."""
+        return World({name: replace(machine) for name, machine in self.machines.items()},
+                     {name: replace(robot, client=_clone(robot.client))
+                      for name, robot in self.robots.items()},
+                     self.given, self.faults, self.ids, self.is_stopped, self.history)
+
+
+def _clone(client: RouteClient) -> RouteClient:
+    other = copy.copy(client)
+    other.record = copy.copy(client.record)
+    other.record.edges = list(client.record.edges)
+    other.evidence = copy.copy(client.evidence)
+    other._pending = copy.copy(client._pending)
+    other._bases = dict(client._bases)
+    other._acknowledged, other._ended = set(client._acknowledged), set(client._ended)
+    return other
+
+
+class Limits(NamedTuple):
+    """How much may happen: grants, faults, and messages on their way at once."""
+
+    grants: int
+    faults: int
+    flights: int = 2
+
+
+class Found(NamedTuple):
+    """What is wrong, and how it came to that."""
+
+    what: str
+    history: Tuple[str, ...]
+
+
+class Yard:
+    """All that may happen on a graph of straight edges.
+
+    conditions -- whether the interlocking is asked, and which of its conditions are left out
+    """
+
+    def __init__(self, graph: Graph, kind: RobotType, begins: Dict[str, int],
+                 limits: Limits, sends_before_commit: bool = False) -> None:
+        self.graph, self.kind, self.limits = graph, kind, limits
+        self._sends_before_commit = sends_before_commit
+        self._geometry = SiteGeometry(graph)
+        self._begins = begins
+        self.states = 0
+        self._points: Dict[Tuple[int, int], Tuple[float, float]] = {}
+
+    # -- the search -------------------------------------------------------------------------------
+
+    def search(self, most: int) -> Optional[Found]:
+        """Looks at all states, or at the first `most` of them; returns the first fault."""
+        world = self.begin()
+        waiting: Deque[World] = deque([world])
+        seen: Set[object] = {self._key(world)}
+        while waiting and self.states < most:
+            world = waiting.popleft()
+            self.states += 1
+            for event in self.events(world):
+                after = world.clone()
+                after.history = (*world.history, ' '.join(map(str, event)))
+                if not self.happen(after, event):
+                    continue
+                fault = self.fault(after)
+                if fault:
+                    return Found(fault, after.history)
+                key = self._key(after)
+                if key not in seen:
+                    seen.add(key)
+                    waiting.append(after)
+        return None
+
+    def begin(self) -> World:
+        """Every robot stands at the beginning of its edge, and has said so."""
+        machines = {name: Machine(edge) for name, edge in self._begins.items()}
+        robots = {name: Believed(name, self.kind, self._client()) for name in machines}
+        world = World(machines, robots)
+        for name, machine in machines.items():
+            self._hear(world, name, machine.report())
+        return world
+
+    def _client(self) -> RouteClient:
+        return RouteClient(RouteRecord(self.graph, self.kind, stopping=0.5))
+
+    def interlocking(self, world: World) -> Interlocking:
+        """The interlocking of a world."""
+        ids = count(world.ids + 1)
+
+        def new_id() -> int:
+            world.ids = next(ids)
+            return world.ids
+        site = Interlocking(self._geometry, CLEARANCE, world.robots, new_id)
+        site.is_stopped = world.is_stopped
+        return site
+
+    # -- what may happen --------------------------------------------------------------------------
+
+    def events(self, world: World) -> Iterator[Tuple[object, ...]]:
+        """All that may happen next."""
+        flights = sum(len(m.orders) + len(m.words) for m in world.machines.values())
+        is_free, may_fail = flights < self.limits.flights, world.faults < self.limits.faults
+        for name, machine in world.machines.items():
+            robot = world.robots[name]
+            client = robot.client
+            if world.given < self.limits.grants:
+                for edge in self._next_edges(client):
+                    yield 'grant', name, edge
+            if client.order is not None and is_free:
+                yield 'send', name
+            if machine.orders:
+                yield 'deliver', name
+            if machine.phase is Phase.RUNNING:
+                yield 'move', name
+            if is_free:
+                yield 'report', name
+            for number in range(len(machine.words)):
+                yield 'hear', name, number
+            if len(client.record.ahead) > 1:
+                yield 'cut', name
+            if robot.is_halted and client.order is None and machine.phase is Phase.STOPPED and (
+                    client.record.pose == Pose(machine.edge, machine.half / 2)):
+                yield 'settle', name
+            if may_fail:
+                if machine.orders:
+                    yield 'lose order', name
+                for number in range(len(machine.words)):
+                    yield 'lose', name, number
+                    yield 'repeat', name, number
+                if not machine.refuses:
+                    yield 'refuse', name
+                if machine.phase is Phase.RUNNING:
+                    yield 'fail', name
+                if not machine.is_moved and machine.phase is not Phase.RUNNING:
+                    yield 'carry', name
+                yield 'halt', name
+        if may_fail:
+            yield ('restart',)
+
+    def _next_edges(self, client: RouteClient) -> Tuple[int, ...]:
+        record = client.record
+        if record.is_standing and record.position is not None and record.position.vertex is None:
+            return record.position.edge, -record.position.edge
+        vertex = record.last_vertex
+        return () if vertex is None else tuple(self.graph.edges_from(vertex))
+
+    def happen(self, world: World, event: Tuple[object, ...]) -> bool:
+        """Lets an event happen; False where it changes nothing."""
+        what, rest = str(event[0]), event[1:]
+        world.faults += what in ('lose order', 'lose', 'repeat', 'refuse', 'fail', 'carry', 'halt',
+                                 'restart')
+        if what == 'restart':
+            self._restart(world)
+            return True
+        name = str(rest[0])
+        machine, robot = world.machines[name], world.robots[name]
+        if what == 'grant':
+            if not self.interlocking(world).grant(robot, (int(str(rest[1])),)).edges:
+                return False
+            world.given += 1
+        elif what == 'send':
+            return self._send(world, name)
+        elif what == 'deliver':
+            self._deliver(machine)
+        elif what == 'move':
+            machine.move()
+        elif what == 'report':
+            machine.words += (machine.report(),)
+        elif what in ('hear', 'repeat', 'lose'):
+            number = int(str(rest[1]))
+            word = machine.words[number]
+            if what != 'repeat':
+                machine.words = machine.words[:number] + machine.words[number + 1:]
+            if what != 'lose':
+                self._hear(world, name, word)
+        elif what == 'cut':
+            ids = self.interlocking(world)._new_id
+            before = robot.client.order
+            robot.client.shorten(ids)
+            return robot.client.order is not before
+        elif what == 'settle':
+            record = robot.client.record
+            robot.client.settle(position_of(record.pose, self.graph, record.near))
+            robot.is_halted = False
+        elif what == 'lose order':
+            machine.orders = machine.orders[1:]
+        elif what == 'refuse':
+            machine.refuses = True
+        elif what == 'fail':
+            machine.phase = Phase.FAILED
+        elif what == 'carry':
+            machine.is_moved, machine.phase = True, Phase.STOPPED
+            machine.half = 1 if machine.half != 1 else 2
+            machine.moves += 1
+        elif what == 'halt':
+            robot.client.halt(self.interlocking(world)._new_id)
+            robot.is_halted = True
+        return True
+
+    def _send(self, world: World, name: str) -> bool:
+        for other, sending in self.interlocking(world).orders(math.inf):
+            if other == name:
+                machine = world.machines[name]
+                machine.orders += ((sending.route_id, sending.edges),)
+                return True
+        return False
+
+    def _deliver(self, machine: Machine) -> None:
+        (route_id, edges), machine.orders = machine.orders[0], machine.orders[1:]
+        if not machine.order(self.graph, route_id, edges):
+            machine.refused = route_id, edges
+            told = machine.report()
+            machine.words += (Unheard(Refused(route_id, edges, NO), told.report.stamp),)
+            if route_id != machine.route_id:
+                machine.words += (told._replace(report=replace(
+                    told.report, route_id=route_id, edges=edges, reason=NO,
+                    states=(EdgeState.FAILED,) * len(edges))),)
+
+    def _hear(self, world: World, name: str, word: object) -> None:
+        robot, machine = world.robots[name], world.machines[name]
+        client = robot.client
+        if isinstance(word, Unheard):
+            client.refuse(word.refusal, word.stamp)
+            return
+        assert isinstance(word, Told)
+        report = replace(word.report, age=float(machine.moves - word.moves))
+        heard = client.take(report)
+        if heard.foreign or heard.failed or heard.left:
+            robot.needs_person = True
+            client.withdraw()
+        if client.to_order_anew:
+            self.interlocking(world).grant_again(robot, client.to_order_anew)
+
+    def _restart(self, world: World) -> None:
+        """The supervisor dies and comes back; what was sent reaches the robots yet."""
+        for robot in world.robots.values():
+            memory = robot.client.memory
+            robot.client = self._client()
+            robot.client.restore(memory.on(self.graph))
+
+    # -- what must never be -----------------------------------------------------------------------
+
+    def fault(self, world: World) -> str:
+        """What is wrong with a world; empty: nothing."""
+        for name, machine in world.machines.items():
+            if machine.is_moved:
+                continue
+            held = {abs(hold.edge) for hold in world.robots[name].client.allocation.holds}
+            ahead = machine.edges[machine.current:] if machine.phase is Phase.RUNNING else ()
+            if not {abs(edge) for edge in ahead} <= held:
+                return f'{name} drives {ahead}, but holds {sorted(held)}'
+            if not self._is_allocated(world.robots[name], machine):
+                return f'{name} is outside of its allocation'
+        names = sorted(world.machines)
+        for k, one in enumerate(names):
+            for other in names[k + 1:]:
+                a, b = world.machines[one], world.machines[other]
+                apart = math.dist(self._point(a), self._point(b))
+                if not (a.is_moved or b.is_moved) and (
+                        apart < 2.0 * self.kind.radius + CLEARANCE - 1e-6):
+                    return f'{one} and {other} are {apart:.2f} m apart'
+        return ''
+
+    def _is_allocated(self, robot: Believed, machine: Machine) -> bool:
+        allocation = robot.client.allocation
+        point = self._point(machine)
+        lines = [(self._end(hold.edge, 0), self._end(hold.edge, 2)) for hold in allocation.holds]
+        if allocation.vertex is not None:
+            vertex = self.graph.vertices[allocation.vertex].position
+            lines.append((vertex, vertex))
+        lines += [(area.line[0], area.line[-1]) for area in allocation.areas]
+        return any(_apart(point, *line) < 0.05 for line in lines)
+
+    def _point(self, machine: Machine) -> Tuple[float, float]:
+        return self._end(machine.edge, machine.half)
+
+    def _end(self, edge: int, half: int) -> Tuple[float, float]:
+        one, other = self.graph.start_vertex(edge), self.graph.end_vertex(edge)
+        share = half / 2
+        return one.x + share * (other.x - one.x), one.y + share * (other.y - one.y)
+
+    # -- states that are the same -----------------------------------------------------------------
+
+    def _key(self, world: World) -> object:
+        ids: Dict[int, int] = {0: 0}
+
+        def of(route_id: int) -> int:
+            return ids.setdefault(route_id, len(ids))
+        parts: List[object] = [world.given, world.faults, world.is_stopped]
+        for name in sorted(world.machines):
+            parts.append(_machine_key(world.machines[name], of))
+            parts.append(_robot_key(world.robots[name], world.machines[name], of))
+        return tuple(parts)
+
+
+def _apart(point: Tuple[float, float], one: Tuple[float, float],
+           other: Tuple[float, float]) -> float:
+    """How far a point is from a straight line, m."""
+    path = other[0] - one[0], other[1] - one[1]
+    square = path[0] ** 2 + path[1] ** 2
+    share = 0.0 if not square else min(max(
+        ((point[0] - one[0]) * path[0] + (point[1] - one[1]) * path[1]) / square, 0.0), 1.0)
+    return math.dist(point, (one[0] + share * path[0], one[1] + share * path[1]))
+
+
+def _machine_key(machine: Machine, of: object) -> object:
+    rank = _ranks(machine)
+    words = tuple(
+        (of(word.report.route_id), word.report.edges, word.report.states, word.report.pose,
+         rank[word.report.stamp], machine.moves - word.moves) if isinstance(word, Told) else
+        (of(word.refusal.route_id), word.refusal.edges, rank[word.stamp])
+        for word in machine.words)
+    return (machine.edge, machine.half, of(machine.route_id), machine.edges, machine.current,
+            machine.phase, machine.refuses, machine.is_moved, of(machine.refused[0]),
+            machine.refused[1],
+            tuple((of(id), edges) for id, edges in machine.orders), words)
+
+
+def _ranks(machine: Machine) -> Dict[float, int]:
+    stamps = {word.report.stamp if isinstance(word, Told) else word.stamp
+              for word in machine.words}
+    return {stamp: rank for rank, stamp in enumerate(sorted(stamps))}
+
+
+def _robot_key(robot: Believed, machine: Machine, of: object) -> object:
+    client, record = robot.client, robot.client.record
+    stamps = [word.report.stamp if isinstance(word, Told) else word.stamp
+              for word in machine.words]
+    order = client.order
+    number, fraction = record.cleared
+    return (of(client.route_id), client.over, client.to_order_anew,
+            None if order is None else (of(order.route_id), order.base - record.first, order.edges),
+            client.takes_away, client.is_new_motion,
+            tuple(sorted((of(id), base - record.first) for id, base in client._bases.items())),
+            tuple(sorted(map(of, client._acknowledged))), tuple(sorted(map(of, client._ended))),
+            client._awaits_report, of(client._withdrawn or 0), client._ordered,
+            max(client._cut_refused - record.first, -1),
+            sum(stamp > client._stamp for stamp in stamps),
+            sum(stamp > client._refused_at for stamp in stamps) if client._awaits_report else 0,
+            tuple(record.edges), record.done - record.first, number - record.first,
+            round(fraction, 6), record.tail, record.told - record.first, record.position,
+            record.pose, client.evidence.outliers, client.evidence.foreign,
+            robot.needs_person, robot.is_halted, client.is_heard)
