@@ -111,7 +111,7 @@ class RouteClient:
         record, evidence = self.record, self.evidence
         if evidence.is_absent:
             return Allocation(record.kind, Knowledge.ABSENT)
-        areas, holds = list(evidence.areas), record.holds
+        areas, holds = list(evidence.areas), record.holds(self._turns_back_to)
         standing = None if record.ahead else record.position
         if standing is not None and standing.vertex is None:
             areas.append(Area((standing.point(record.graph),)))
@@ -119,6 +119,21 @@ class RouteClient:
         is_known = bool(holds or areas or standing is not None)
         return Allocation(record.kind, Knowledge.KNOWN if is_known else Knowledge.UNKNOWN, holds,
                           standing.vertex if standing is not None else None, tuple(areas))
+
+    @property
+    def _turns_back_to(self) -> Optional[int]:
+        """Number of the edge to which an order that is under way under a new id may lead back.
+
+        The robot may have driven on by then, to where it takes that order for the next round.
+        """
+        order, record = self.order, self.record
+        if order is None or not order.edges or order.route_id in self._acknowledged:
+            return None
+        first, *later = record.part(order.base, record.end)
+        start = record.graph.start_vertex(first).id
+        returns = any(abs(edge) == abs(first) or record.graph.end_vertex(edge).id == start
+                      for edge in later)
+        return order.base if returns else None
 
     def _changed(self) -> None:
         self._allocation = None
@@ -342,7 +357,7 @@ class RouteClient:
         record, pose = self.record, report.pose
         if not pose.edge:
             return False
-        held = tuple(hold.edge for hold in record.holds)
+        held = tuple(hold.edge for hold in record.holds())
         here = GraphPosition(edge=pose.edge, fraction=pose.fraction)
         if held and here.touches(record.graph, held, record.kind.play):
             return True
@@ -409,7 +424,7 @@ class RouteClient:
         """What `restore` needs after a restart; it is to be stored before an order is sent."""
         record = self.record
         bases = {id: base - record.first for id, base in self._bases.items()}
-        number, fraction = record.cleared
+        number, fraction = record.begin_of_holds(self._turns_back_to)
         return Memory(self.route_id, tuple(record.edges), record.done - record.first, bases,
                       record.position, self.over, tuple(sorted(self._ended)), self.is_stopping,
                       self._shortened, (number - record.first, fraction),

@@ -71,13 +71,21 @@ class RouteRecord:
         """The edges of the record that other robots may not be granted."""
         return self.part(max(self.cleared[0], self.first), self.end)
 
-    @property
-    def holds(self) -> Tuple[Hold, ...]:
-        """All edges that other robots may not be granted, with what of them is left."""
-        held = [Hold(edge) for edge in (*self.held, *self.tail)]
-        if held and self.held and self.cleared[0] >= self.first:
-            held[0] = Hold(held[0].edge, self.cleared[1])
-        return tuple(held)
+    def holds(self, back_to: Optional[int] = None) -> Tuple[Hold, ...]:
+        """All edges that other robots may not be granted, with what of them is left.
+
+        back_to -- number of an edge to which the robot may turn back; None: to none
+        """
+        number, fraction = self.begin_of_holds(back_to)
+        held = [Hold(edge) for edge in self.part(number, self.end)]
+        if held:
+            held[0] = Hold(held[0].edge, fraction)
+        return (*held, *map(Hold, self.tail))
+
+    def begin_of_holds(self, back_to: Optional[int] = None) -> Tuple[int, float]:
+        """Number and cleared fraction of the first edge that is held."""
+        cleared = max(self.cleared, (self.first, 0.0))
+        return cleared if back_to is None else min(cleared, (back_to, 0.0))
 
     @property
     def is_standing(self) -> bool:
