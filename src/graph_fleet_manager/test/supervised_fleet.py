@@ -157,6 +157,16 @@ class SupervisedFleet:
         self.closed = edges
         self.do(self.supervisor.close_edges(edges, self.now))
 
+    def bring_in(self, name: str) -> str:
+        """A person brings a robot in, once more where it is to stop first; why not, or nothing."""
+        for _ in range(2):
+            problem, actions = self.supervisor.bring_in(name, self.now)
+            self.do(actions)
+            if 'told to stop first' not in problem:
+                break
+            self.run(3.0)
+        return problem
+
     def state(self, id: int) -> MissionState:
         """The state of a mission."""
         mission = self.supervisor.book.find(id)

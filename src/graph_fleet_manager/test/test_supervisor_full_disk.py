@@ -218,7 +218,7 @@ def test_no_id_of_a_stop_that_was_on_no_disk_is_given_again_after_a_death():
     fleet.restart()
     fleet.sent.clear()
     fleet.run(10.0)
-    fleet.do(fleet.supervisor.bring_in('a', fleet.now)[1])
+    assert not fleet.bring_in('a')
     fleet.request(2, 4)
     fleet.run_until_done(2)
     assert fleet.sent and not stopped & {order.route_id for order in fleet.sent}

@@ -83,9 +83,7 @@ def test_who_still_has_a_route_to_drive_is_not_brought_in_where_it_waits():
     assert 'still' in problem and not robot(fleet).works
     fleet.agvs['a'].refusing = 0
     fleet.run(12.0)
-    problem, actions = fleet.supervisor.bring_in('a', fleet.now)
-    fleet.do(actions)
-    assert not problem and robot(fleet).works
+    assert not fleet.bring_in('a') and robot(fleet).works
 
 
 # -- cancelled and paused -------------------------------------------------------------------------
@@ -172,7 +170,9 @@ def test_who_was_given_a_route_by_somebody_else_is_not_ordered_what_he_has_not_h
     assert fleet.agvs['a'].visited == [4, 5]
     problem, actions = fleet.supervisor.bring_in('a', fleet.now)
     fleet.do(actions)
-    assert not problem
+    assert 'told to stop first, as an old order may reach it' in problem
+    fleet.run(3.0)
+    assert not fleet.bring_in('a')
 
 
 def test_an_order_that_was_under_way_as_the_robot_was_taken_over_does_not_drive_it_on():

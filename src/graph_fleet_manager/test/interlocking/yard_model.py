@@ -1,4 +1,4 @@
-"""A small yard in which everything that can happen does: the interlocking against all interleavings.
+"""A small yard in which everything that can happen does, against the interlocking.
 
 Robots move in steps of half an edge. Orders reach them in order, late, or never; reports come late,
 twice, in any order, or never. The supervisor's side is the real one: route clients and the
@@ -9,14 +9,26 @@ from __future__ import annotations
 import copy
 import math
 from collections import deque
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import count
-from typing import Deque, Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Set, Tuple
+from random import Random
+from typing import (
+    Callable,
+    Deque,
+    Dict,
+    FrozenSet,
+    Iterator,
+    List,
+    NamedTuple,
+    Optional,
+    Set,
+    Tuple,
+)
 
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.geometry.site_geometry import SiteGeometry
-from graph_fleet_manager.interlocking import interlocking as rules
 from graph_fleet_manager.interlocking.interlocking import Interlocking
+from graph_fleet_manager.interlocking.orders import Memory
 from graph_fleet_manager.interlocking.reports import Pose, Report, position_of
 from graph_fleet_manager.interlocking.route_client import RouteClient
 from graph_fleet_manager.interlocking.route_record import RouteRecord
@@ -29,10 +41,10 @@ NO = Reason(ReasonCode.OTHER, 'no')
 
 
 class Told(NamedTuple):
-    """A report on its way; `moves`: steps of the robot until then."""
+    """A report on its way; `moved`: m that the robot had driven by then."""
 
     report: Report
-    moves: int
+    moved: float
 
 
 class Unheard(NamedTuple):
@@ -52,11 +64,15 @@ class Machine:
     edges: Tuple[int, ...] = ()
     current: int = 0
     phase: Phase = Phase.STOPPED
-    moves: int = 0
+    moved: float = 0.0
     told: int = 0
+    is_ahead: bool = False
+    """Its clock is."""
     refuses: bool = False
     refused: Tuple[int, Tuple[int, ...]] = (0, ())
     """The order that it refused last, and refuses as often as it comes."""
+    slides: int = 0
+    """Edge into which it may slide half way, as it must stop before it sooner than it wanted."""
     is_moved: bool = False
     """A person has moved it: what follows from that is not ours until it is known."""
     orders: Tuple[Tuple[int, Tuple[int, ...]], ...] = ()
@@ -78,6 +94,9 @@ class Machine:
             kept = self.edges[:self.current + 1]
             if self.phase is Phase.FAILED or edges[:len(kept)] != kept:
                 return False
+            more = self.edges[self.current + 1:self.current + 2]
+            is_cut = edges == kept and more and self.phase is Phase.RUNNING and self.half == 1
+            self.slides = more[0] if is_cut else 0
         else:
             begins = self._begins(graph, edges)
             if begins is None:
@@ -111,13 +130,20 @@ class Machine:
             else:
                 self.edge, self.half = self.edges[self.current], 0
 
-    def move(self) -> None:
+    def move(self, graph: Graph) -> None:
         """Half an edge along its route."""
         if self.edge != self.edges[self.current]:
             self.edge, self.half = self.edges[self.current], 0
         self.half += 1
-        self.moves += 1
+        self.moved += graph.curve(self.edge).length / 2
         self._arrive()
+
+    def slide(self, graph: Graph) -> None:
+        """To the end of its route, and as far beyond."""
+        edge = self.slides
+        self.move(graph)
+        self.edge, self.half, self.slides = edge, 1, 0
+        self.moved += graph.curve(edge).length / 2
 
     def report(self) -> Told:
         """What it tells now."""
@@ -127,7 +153,7 @@ class Machine:
                   + (rest,) * (len(self.edges) - self.current))
         return Told(Report(self.route_id, self.edges, states, Pose(self.edge, self.half / 2),
                            NO if self.phase is Phase.FAILED else NO_REASON,
-                           100.0 + self.told * 1e-3), self.moves)
+                           100.0 + self.told * 1e-3), self.moved)
 
 
 @dataclass
@@ -140,6 +166,8 @@ class Believed:
     needs_person: bool = False
     is_silent: bool = False
     is_halted: bool = False
+    stored: Optional[Memory] = None
+    """What of it is on the disk."""
 
 
 @dataclass
@@ -152,6 +180,8 @@ class World:
     faults: int = 0
     ids: int = 0
     is_stopped: bool = False
+    is_disk_full: bool = False
+    closed: FrozenSet[int] = frozenset()
     history: Tuple[str, ...] = ()
 
     def clone(self) -> World:
@@ -159,7 +189,8 @@ class World:
         return World({name: replace(machine) for name, machine in self.machines.items()},
                      {name: replace(robot, client=_clone(robot.client))
                       for name, robot in self.robots.items()},
-                     self.given, self.faults, self.ids, self.is_stopped, self.history)
+                     self.given, self.faults, self.ids, self.is_stopped, self.is_disk_full,
+                     self.closed, self.history)
 
 
 def _clone(client: RouteClient) -> RouteClient:
@@ -191,26 +222,29 @@ class Found(NamedTuple):
 class Yard:
     """All that may happen on a graph of straight edges.
 
-    conditions -- whether the interlocking is asked, and which of its conditions are left out
+    begins  -- signed edge at whose beginning each robot stands
+    unheard -- robots that have not reported yet
+    sends_before_commit -- what an order relies on is not stored before it is sent
     """
 
     def __init__(self, graph: Graph, kind: RobotType, begins: Dict[str, int],
-                 limits: Limits, sends_before_commit: bool = False) -> None:
+                 limits: Limits, sends_before_commit: bool = False,
+                 unheard: FrozenSet[str] = frozenset()) -> None:
         self.graph, self.kind, self.limits = graph, kind, limits
-        self._sends_before_commit = sends_before_commit
+        self.sends_before_commit = sends_before_commit
         self._geometry = SiteGeometry(graph)
-        self._begins = begins
+        self._begins, self.unheard = begins, unheard
         self.states = 0
         self._points: Dict[Tuple[int, int], Tuple[float, float]] = {}
 
     # -- the search -------------------------------------------------------------------------------
 
-    def search(self, most: int) -> Optional[Found]:
-        """Looks at all states, or at the first `most` of them; returns the first fault."""
+    def search(self, most: Optional[int] = None) -> Optional[Found]:
+        """Looks at all states, or at the first `most` of them; the first fault."""
         world = self.begin()
         waiting: Deque[World] = deque([world])
         seen: Set[object] = {self._key(world)}
-        while waiting and self.states < most:
+        while waiting and (most is None or self.states < most):
             world = waiting.popleft()
             self.states += 1
             for event in self.events(world):
@@ -218,7 +252,7 @@ class Yard:
                 after.history = (*world.history, ' '.join(map(str, event)))
                 if not self.happen(after, event):
                     continue
-                fault = self.fault(after)
+                fault = self.fault(after, event)
                 if fault:
                     return Found(fault, after.history)
                 key = self._key(after)
@@ -232,22 +266,30 @@ class Yard:
         machines = {name: Machine(edge) for name, edge in self._begins.items()}
         robots = {name: Believed(name, self.kind, self._client()) for name in machines}
         world = World(machines, robots)
-        for name, machine in machines.items():
-            self._hear(world, name, machine.report())
+        for name in sorted(machines.keys() - self.unheard):
+            self._hear(world, name, machines[name].report())
+            self._store(world, name)
         return world
 
-    def _client(self) -> RouteClient:
-        return RouteClient(RouteRecord(self.graph, self.kind, stopping=0.5))
+    def _store(self, world: World, name: str) -> None:
+        robot = world.robots[name]
+        if not world.is_disk_full:
+            robot.stored = robot.client.memory
 
-    def interlocking(self, world: World) -> Interlocking:
-        """The interlocking of a world."""
+    def _client(self) -> RouteClient:
+        return RouteClient(RouteRecord(self.graph, self.kind, stopping=4.0))
+
+    def interlocking(self, world: World, only: str = '') -> Interlocking:
+        """The interlocking of a world, or of one robot of it only."""
         ids = count(world.ids + 1)
 
         def new_id() -> int:
             world.ids = next(ids)
             return world.ids
-        site = Interlocking(self._geometry, CLEARANCE, world.robots, new_id)
-        site.is_stopped = world.is_stopped
+        robots = {only: world.robots[only]} if only else world.robots
+        site = Interlocking(self._geometry, CLEARANCE, robots, new_id)
+        site.is_stopped, site.closed = world.is_stopped, world.closed
+        site.trouble = 'a full disk' if world.is_disk_full else ''
         return site
 
     # -- what may happen --------------------------------------------------------------------------
@@ -268,14 +310,17 @@ class Yard:
                 yield 'deliver', name
             if machine.phase is Phase.RUNNING:
                 yield 'move', name
+                if machine.slides and machine.half == 1 and (
+                        machine.current == len(machine.edges) - 1):
+                    yield 'slide', name
             if is_free:
                 yield 'report', name
             for number in range(len(machine.words)):
                 yield 'hear', name, number
             if len(client.record.ahead) > 1:
                 yield 'cut', name
-            if robot.is_halted and client.order is None and machine.phase is Phase.STOPPED and (
-                    client.record.pose == Pose(machine.edge, machine.half / 2)):
+            if robot.is_halted and not robot.needs_person and client.order is None and (
+                    machine.phase is Phase.STOPPED and self._is_located(robot, machine)):
                 yield 'settle', name
             if may_fail:
                 if machine.orders:
@@ -293,6 +338,22 @@ class Yard:
         if may_fail:
             yield ('restart',)
 
+    def of_people(self, world: World) -> Iterator[Tuple[object, ...]]:
+        """What people do beside, for walks that no search could end."""
+        yield ('resume' if world.is_stopped else 'stop',)
+        yield ('free disk' if world.is_disk_full else 'fill disk',)
+        for edge in self.graph.edges:
+            yield 'open' if edge in world.closed else 'close', edge
+        for name, machine in world.machines.items():
+            robot = world.robots[name]
+            yield 'mend clock' if machine.is_ahead else 'set clock', name
+            if (robot.needs_person or robot.is_halted) and machine.phase is not Phase.RUNNING and (
+                    robot.client.order is None) and self._is_located(robot, machine):
+                yield 'bring in', name
+
+    def _is_located(self, robot: Believed, machine: Machine) -> bool:
+        return robot.client.record.pose == Pose(machine.edge, machine.half / 2)
+
     def _next_edges(self, client: RouteClient) -> Tuple[int, ...]:
         record = client.record
         if record.is_standing and record.position is not None and record.position.vertex is None:
@@ -307,11 +368,29 @@ class Yard:
                                  'restart')
         if what == 'restart':
             self._restart(world)
-            return True
-        name = str(rest[0])
+        elif what in ('stop', 'resume'):
+            world.is_stopped = what == 'stop'
+            for robot in world.robots.values() if world.is_stopped else ():
+                self._halt(world, robot)
+        elif what in ('fill disk', 'free disk'):
+            world.is_disk_full = what == 'fill disk'
+            for name in () if world.is_disk_full else world.robots:
+                self._store(world, name)
+        elif what in ('open', 'close'):
+            world.closed = world.closed ^ {int(str(rest[0]))}
+        else:
+            return self._happen_to(world, what, str(rest[0]), rest[1:])
+        return True
+
+    def _halt(self, world: World, robot: Believed) -> None:
+        robot.client.halt(self.interlocking(world)._new_id)
+        robot.is_halted = True
+        self._store(world, robot.name)
+
+    def _happen_to(self, world: World, what: str, name: str, rest: Tuple[object, ...]) -> bool:
         machine, robot = world.machines[name], world.robots[name]
         if what == 'grant':
-            if not self.interlocking(world).grant(robot, (int(str(rest[1])),)).edges:
+            if not self.interlocking(world).grant(robot, (int(str(rest[0])),)).edges:
                 return False
             world.given += 1
         elif what == 'send':
@@ -319,11 +398,13 @@ class Yard:
         elif what == 'deliver':
             self._deliver(machine)
         elif what == 'move':
-            machine.move()
+            machine.move(self.graph)
+        elif what == 'slide':
+            machine.slide(self.graph)
         elif what == 'report':
             machine.words += (machine.report(),)
         elif what in ('hear', 'repeat', 'lose'):
-            number = int(str(rest[1]))
+            number = int(str(rest[0]))
             word = machine.words[number]
             if what != 'repeat':
                 machine.words = machine.words[:number] + machine.words[number + 1:]
@@ -347,18 +428,29 @@ class Yard:
         elif what == 'carry':
             machine.is_moved, machine.phase = True, Phase.STOPPED
             machine.half = 1 if machine.half != 1 else 2
-            machine.moves += 1
+            machine.moved += self.graph.curve(machine.edge).length / 2
         elif what == 'halt':
-            robot.client.halt(self.interlocking(world)._new_id)
-            robot.is_halted = True
+            self._halt(world, robot)
+        elif what in ('set clock', 'mend clock'):
+            machine.is_ahead = not machine.is_ahead
+        elif what == 'bring in':
+            record = robot.client.record
+            if robot.client.withdrawn is not None:
+                self._halt(world, robot)
+                return True
+            robot.client.settle(position_of(record.pose, self.graph, record.near))
+            robot.needs_person = bool(self.interlocking(world).excluding(name))
+            robot.is_halted = world.is_stopped
+            machine.is_moved = robot.needs_person
+            self._store(world, name)
         return True
 
     def _send(self, world: World, name: str) -> bool:
-        for other, sending in self.interlocking(world).orders(math.inf):
-            if other == name:
-                machine = world.machines[name]
-                machine.orders += ((sending.route_id, sending.edges),)
-                return True
+        if not self.sends_before_commit:
+            self._store(world, name)
+        for _, sending in self.interlocking(world, name).orders(math.inf):
+            world.machines[name].orders += ((sending.route_id, sending.edges),)
+            return True
         return False
 
     def _deliver(self, machine: Machine) -> None:
@@ -377,29 +469,39 @@ class Yard:
         client = robot.client
         if isinstance(word, Unheard):
             client.refuse(word.refusal, word.stamp)
+            self._store(world, name)
             return
         assert isinstance(word, Told)
-        report = replace(word.report, age=float(machine.moves - word.moves))
+        before = client.progress
+        age = (machine.moved - word.moved) / self.kind.speed
+        report = replace(word.report, age=-1.0 if machine.is_ahead else age)
         heard = client.take(report)
         if heard.foreign or heard.failed or heard.left:
             robot.needs_person = True
             client.withdraw()
         if client.to_order_anew:
             self.interlocking(world).grant_again(robot, client.to_order_anew)
+        if client.progress != before:
+            self._store(world, name)
 
     def _restart(self, world: World) -> None:
         """The supervisor dies and comes back; what was sent reaches the robots yet."""
         for robot in world.robots.values():
-            memory = robot.client.memory
             robot.client = self._client()
-            robot.client.restore(memory.on(self.graph))
+            if robot.stored is not None:
+                robot.client.restore(robot.stored.on(self.graph))
+            if robot.is_halted:
+                robot.client.halt(self.interlocking(world)._new_id)
 
     # -- what must never be -----------------------------------------------------------------------
 
-    def fault(self, world: World) -> str:
-        """What is wrong with a world; empty: nothing."""
+    def fault(self, world: World, event: Tuple[object, ...] = ('',)) -> str:
+        """What is wrong with a world, after an event; empty: nothing."""
+        found = self._wrong_grant(world, event) if event[0] == 'grant' else ''
+        if event[0] == 'send':
+            found = self._wrong_order(world, str(event[1]))
         for name, machine in world.machines.items():
-            if machine.is_moved:
+            if machine.is_moved or name in self.unheard and not world.robots[name].client.is_heard:
                 continue
             held = {abs(hold.edge) for hold in world.robots[name].client.allocation.holds}
             ahead = machine.edges[machine.current:] if machine.phase is Phase.RUNNING else ()
@@ -412,9 +514,57 @@ class Yard:
             for other in names[k + 1:]:
                 a, b = world.machines[one], world.machines[other]
                 apart = math.dist(self._point(a), self._point(b))
-                if not (a.is_moved or b.is_moved) and (
-                        apart < 2.0 * self.kind.radius + CLEARANCE - 1e-6):
+                if not (a.is_moved or b.is_moved) and apart < self._distance - 1e-6:
                     return f'{one} and {other} are {apart:.2f} m apart'
+        return found
+
+    @property
+    def _distance(self) -> float:
+        return 2.0 * self.kind.radius + CLEARANCE
+
+    def _wrong_grant(self, world: World, event: Tuple[object, ...]) -> str:
+        """Why an edge that was granted now should not have been; by what people see."""
+        name, edge = str(event[1]), int(str(event[2]))
+        robot, machine = world.robots[name], world.machines[name]
+        record = robot.client.record
+        unheard = [one for one, other in world.robots.items()
+                   if other.stored is None and not other.client.is_heard]
+        begin = record.position
+        is_inside = len(record.ahead) == 1 and begin is not None and begin.vertex is None
+        at = self.graph.end_vertex(record.ahead[-2]).id if len(record.ahead) > 1 else (
+            None if begin is None else begin.vertex)
+        follows = at == self.graph.start_vertex(edge).id or (
+            is_inside and begin is not None and abs(begin.edge) == abs(edge))
+        for wrong, what in (
+                (world.is_stopped, 'the fleet is stopped'),
+                (world.is_disk_full, 'nothing can be stored'),
+                (robot.needs_person, 'a person is needed'),
+                (bool(unheard), f'it is not known where {unheard} is'),
+                (not robot.client.is_heard, 'it has not reported'),
+                (robot.client.evidence.clock_is_off, 'its clock is off'),
+                (abs(edge) in world.closed and not is_inside, 'the edge is closed'),
+                (not follows, 'it does not follow')):
+            if wrong:
+                return f'{name} was granted {edge}, but {what}'
+        for other, near in world.machines.items():
+            if other != name and self._is_located(robot, machine) and self._is_located(
+                    world.robots[other], near) and (
+                        math.dist(self._point(machine), self._point(near)) < self._distance - 1e-6):
+                return f'{name} was granted {edge}, but is too near to {other}'
+        for other, moved in world.machines.items():
+            if other != name and moved.is_moved and not machine.is_moved and self._is_located(
+                    world.robots[other], moved) and _apart(
+                        self._point(moved), self._end(edge, 0), self._end(edge, 2)) < (
+                            self._distance - 1e-6) and not is_inside:
+                return f'{name} was granted {edge}, where {other} was moved'
+        return ''
+
+    def _wrong_order(self, world: World, name: str) -> str:
+        """Why an order that is sent now should not be."""
+        edges = world.machines[name].orders[-1][1]
+        robot = world.robots[name]
+        if edges and not robot.client.takes_away and (world.is_stopped or robot.needs_person):
+            return f'{name} was sent {edges} though it is to stand'
         return ''
 
     def _is_allocated(self, robot: Believed, machine: Machine) -> bool:
@@ -442,7 +592,8 @@ class Yard:
 
         def of(route_id: int) -> int:
             return ids.setdefault(route_id, len(ids))
-        parts: List[object] = [world.given, world.faults, world.is_stopped]
+        parts: List[object] = [world.given, world.faults, world.is_stopped, world.is_disk_full,
+                               world.closed]
         for name in sorted(world.machines):
             parts.append(_machine_key(world.machines[name], of))
             parts.append(_robot_key(world.robots[name], world.machines[name], of))
@@ -459,15 +610,16 @@ def _apart(point: Tuple[float, float], one: Tuple[float, float],
     return math.dist(point, (one[0] + share * path[0], one[1] + share * path[1]))
 
 
-def _machine_key(machine: Machine, of: object) -> object:
+def _machine_key(machine: Machine, of: Callable[[int], int]) -> object:
     rank = _ranks(machine)
     words = tuple(
         (of(word.report.route_id), word.report.edges, word.report.states, word.report.pose,
-         rank[word.report.stamp], machine.moves - word.moves) if isinstance(word, Told) else
+         rank[word.report.stamp], machine.moved - word.moved) if isinstance(word, Told) else
         (of(word.refusal.route_id), word.refusal.edges, rank[word.stamp])
         for word in machine.words)
     return (machine.edge, machine.half, of(machine.route_id), machine.edges, machine.current,
-            machine.phase, machine.refuses, machine.is_moved, of(machine.refused[0]),
+            machine.phase, machine.refuses, machine.slides, machine.is_moved,
+            of(machine.refused[0]),
             machine.refused[1],
             tuple((of(id), edges) for id, edges in machine.orders), words)
 
@@ -478,7 +630,7 @@ def _ranks(machine: Machine) -> Dict[float, int]:
     return {stamp: rank for rank, stamp in enumerate(sorted(stamps))}
 
 
-def _robot_key(robot: Believed, machine: Machine, of: object) -> object:
+def _robot_key(robot: Believed, machine: Machine, of: Callable[[int], int]) -> object:
     client, record = robot.client, robot.client.record
     stamps = [word.report.stamp if isinstance(word, Told) else word.stamp
               for word in machine.words]
@@ -489,11 +641,58 @@ def _robot_key(robot: Believed, machine: Machine, of: object) -> object:
             client.takes_away, client.is_new_motion,
             tuple(sorted((of(id), base - record.first) for id, base in client._bases.items())),
             tuple(sorted(map(of, client._acknowledged))), tuple(sorted(map(of, client._ended))),
-            client._awaits_report, of(client._withdrawn or 0), client._ordered,
+            client._awaits_report, of(client.withdrawn or 0), client._ordered,
             max(client._cut_refused - record.first, -1),
             sum(stamp > client._stamp for stamp in stamps),
             sum(stamp > client._refused_at for stamp in stamps) if client._awaits_report else 0,
             tuple(record.edges), record.done - record.first, number - record.first,
             round(fraction, 6), record.tail, record.told - record.first, record.position,
             record.pose, client.evidence.outliers, client.evidence.foreign,
-            robot.needs_person, robot.is_halted, client.is_heard)
+            robot.needs_person, robot.is_halted, client.is_heard, _memory_key(robot, of))
+
+
+def _memory_key(robot: Believed, of: Callable[[int], int]) -> object:
+    """What is on the disk, where that is not what is known."""
+    stored, now = robot.stored, robot.client.memory
+    if stored is None or stored._replace(stamp=0.0) == now._replace(stamp=0.0):
+        return None
+    return (of(stored.route_id), stored.edges, stored.done, stored.position, stored.over,
+            tuple(sorted((of(id), base) for id, base in stored.bases.items())),
+            tuple(sorted(map(of, stored.ended))), stored.is_stopping, stored.shortened,
+            stored.cleared, stored.tail, stored.evidence._replace(location=None))
+
+
+def walk(yard: Yard, random: Random, steps: int, trouble: float = 0.03) -> Optional[Found]:
+    """Lets things happen at random, most of them useful; the first fault.
+
+    trouble -- how likely something goes wrong in a step
+    """
+    world = yard.begin()
+    for _ in range(steps):
+        kinds: Dict[str, List[Tuple[object, ...]]] = {}
+        for event in (*yard.events(world), *yard.of_people(world)):
+            kinds.setdefault(str(event[0]), []).append(event)
+        mended = [kind for kind in kinds if kind in MENDING]
+        useful = [kind for kind in kinds if kind in USEFUL]
+        if random.random() < trouble:
+            kind = random.choice([kind for kind in kinds if kind not in (*MENDING, *USEFUL)])
+        elif mended and random.random() < 0.3:
+            kind = random.choice(mended)
+        else:
+            kind = random.choice(useful)
+        event = random.choice(kinds[kind])
+        if kind == 'grant' and random.random() < 0.1:  # an edge that does not follow, mostly
+            edge = random.choice(list(yard.graph.edges)) * random.choice((1, -1))
+            event = (*event[:2], edge)
+        yard.states += 1
+        if yard.happen(world, event):
+            world.history = (*world.history[-HISTORY:], ' '.join(map(str, event)))
+            fault = yard.fault(world, event)
+            if fault:
+                return Found(fault, world.history)
+    return None
+
+
+HISTORY = 60  # events that are told with a fault
+USEFUL = ('grant', 'send', 'deliver', 'move', 'slide', 'cut', 'report', 'hear')
+MENDING = ('bring in', 'mend clock', 'settle', 'resume', 'free disk', 'open')

@@ -51,6 +51,8 @@ class Memory(NamedTuple):
     evidence: EvidenceMemory = EvidenceMemory()
     stamp: float = 0.0
     """Of the last report, s by the robot's clock: reports from before it tell nothing."""
+    withdrawn: Optional[int] = None
+    """Id of an order that is not given any more, but may reach the robot yet."""
 
     @property
     def held(self) -> Tuple[int, ...]:

@@ -15,8 +15,10 @@ from graph_fleet_manager.interlocking.pending_order import PendingOrder
 from graph_fleet_manager.interlocking.reports import (
     TREMBLE,
     GraphPosition,
+    Pose,
     Report,
     is_overtaken,
+    point_of,
     position_of,
 )
 from graph_fleet_manager.interlocking.route_record import RouteRecord
@@ -44,8 +46,8 @@ class RouteClient:
         self._bases: Dict[int, int] = {}
         self._acknowledged: Set[int] = set()
         self._ended: Set[int] = set()
-        self._reported = 0
-        self._withdrawn: Optional[int] = None  # id of an order that may reach the robot yet
+        self.withdrawn: Optional[int] = None
+        """Id of an order that is not given any more, but may reach the robot yet."""
         self._ordered: Optional[int] = None  # before a restart, if it was less than the record
         self._awaits_report = False
         self._refused_at = 0.0  # by the robot's clock: reports of before do not tell what it has
@@ -126,14 +128,15 @@ class RouteClient:
 
         The robot may have driven on by then, to where it takes that order for the next round.
         """
-        order, record = self.order, self.record
-        if order is None or not order.edges or order.route_id in self._acknowledged:
-            return None
-        first, *later = record.part(order.base, record.end)
-        start = record.graph.start_vertex(first).id
-        returns = any(abs(edge) == abs(first) or record.graph.end_vertex(edge).id == start
-                      for edge in later)
-        return order.base if returns else None
+        return min((base for id, base in self._bases.items()
+                    if id not in self._acknowledged and self._returns_to(base)), default=None)
+
+    def _returns_to(self, number: int) -> bool:
+        """Does the record come back to where one of its edges begins?"""
+        record = self.record
+        first, *later = record.part(number, record.end) or (0,)
+        return any(abs(edge) == abs(first) or record.graph.end_vertex(edge).id
+                   == record.graph.start_vertex(first).id for edge in later)
 
     def _changed(self) -> None:
         self._allocation = None
@@ -141,12 +144,10 @@ class RouteClient:
     # -- routes and their ids ---------------------------------------------------------------------
 
     def _begin(self, route_id: int) -> None:
-        kept = (self.route_id, self._reported)
-        self._bases = {id: base for id, base in self._bases.items() if id in kept}
         self._bases[route_id] = self.record.done
         self.route_id = route_id
         self.over = False
-        self._withdrawn = None
+        self.withdrawn = None
 
     def _order_until(self, end: int, takes_away: bool = False) -> None:
         """Orders the track up to there, from where the route begins."""
@@ -206,13 +207,16 @@ class RouteClient:
     def withdraw(self) -> None:
         """What the robot may not have heard yet is not ordered any more; a stop is."""
         self.over = True
-        if self.order is not None and not self.is_stopping:
-            self._withdrawn = self.order.route_id
-            self._pending.drop()
+        if self.is_stopping:
+            return
+        is_unheard = self.route_id in self._bases and self.route_id not in self._acknowledged
+        if self.order is not None or is_unheard:
+            self.withdrawn = self.route_id
+        self._pending.drop()
 
     def drives_withdrawn(self, report: Report) -> bool:
         """Does the robot drive what was withdrawn, as it was under way already?"""
-        return (report.is_running and report.route_id == self._withdrawn
+        return (report.is_running and report.route_id == self.withdrawn
                 and not self.is_stopping)
 
     def settle(self, position: Optional[GraphPosition]) -> None:
@@ -292,23 +296,24 @@ class RouteClient:
         if is_overtaken(report.stamp, self._stamp):
             return Heard()
         self._changed()
+        is_new = report.stamp > self._stamp or not report.stamp
+        self._stamp = report.stamp
         if not self.is_heard:
             self.is_heard = True
             self._adopt(report)
-        self._stamp, self._reported = report.stamp, report.route_id
         record = self.record
         record.pose = report.pose
         if record.position is None and record.is_standing:
             record.position = position_of(report.pose, record.graph, record.near)
-        heard = self._follow(report)
+        heard = self._follow(report, is_new)
         self.evidence.see(report, record.graph, self._covers(report), not heard.foreign)
         heard.left = (record.is_standing and self.order is None and record.has_left()
                       and self.evidence.is_confirmed
                       and not (heard.failed or heard.foreign or heard.refused))
         return heard
 
-    def _follow(self, report: Report) -> Heard:
-        """What a report tells of the routes."""
+    def _follow(self, report: Report, is_new: bool) -> Heard:
+        """What a report tells of the routes; `is_new`: it has a later location than the last."""
         heard, record = Heard(), self.record
         awaited = self._awaits_report and not is_overtaken(report.stamp, self._refused_at)
         is_known = report.route_id in self._bases
@@ -337,10 +342,14 @@ class RouteClient:
         self._acknowledged.add(report.route_id)
         if report.route_id:
             # It has taken up a route: one that tells of none, or of one before, has forgotten it.
-            self._bases.pop(0, None)
+            given = list(self._bases)
+            for before in given[:given.index(report.route_id)]:
+                del self._bases[before]
             self._ended.clear()
         if awaited:
             self._take_truth(report, is_taken_up)
+        if is_new and report.edges and base + report.completed < record.done:
+            record.turn_back(base + report.completed)
         heard.passed = record.complete(base + report.completed)
         self._acknowledge(report)
         if report.is_running or record.is_standing:  # else a person may drive it back again
@@ -357,13 +366,25 @@ class RouteClient:
         record, pose = self.record, report.pose
         if not pose.edge:
             return False
-        held = tuple(hold.edge for hold in record.holds())
-        here = GraphPosition(edge=pose.edge, fraction=pose.fraction)
-        if held and here.touches(record.graph, held, record.kind.play):
+        position = None if record.ahead else record.position
+        if position is not None and (
+                position.distance(record.graph, pose) <= record.near + TREMBLE):
             return True
-        position = record.position
-        return position is None or (
-            position.distance(record.graph, pose) <= record.near + TREMBLE)
+        return any(self._is_on(hold, pose) for hold in record.holds())
+
+    def _is_on(self, hold: Hold, pose: Pose) -> bool:
+        """Is a pose on what is left of an edge, as near as the robot follows it?
+
+        One that strays is told on the edge that is nearest, which may be another one.
+        """
+        graph, play = self.record.graph, self.record.kind.play
+        curve = graph.curve(hold.edge)
+        if abs(pose.edge) == abs(hold.edge):
+            fraction = pose.fraction if pose.edge == hold.edge else 1.0 - pose.fraction
+            return (hold.cleared - fraction) * curve.length <= TREMBLE
+        nearest = curve.project(*point_of(graph, pose))
+        return (nearest.distance <= 2.0 * play + TREMBLE
+                and hold.cleared * curve.length - nearest.arc_length <= TREMBLE)
 
     def _forgotten(self, heard: Heard) -> None:
         """It was switched off and on: it would drive an extended route from its beginning."""
@@ -428,7 +449,7 @@ class RouteClient:
         return Memory(self.route_id, tuple(record.edges), record.done - record.first, bases,
                       record.position, self.over, tuple(sorted(self._ended)), self.is_stopping,
                       self._shortened, (number - record.first, fraction),
-                      record.tail, self.evidence.memory, self._stamp)
+                      record.tail, self.evidence.memory, self._stamp, self.withdrawn)
 
     @property
     def _shortened(self) -> Optional[int]:
@@ -446,6 +467,7 @@ class RouteClient:
                             memory.tail)
         self.evidence.restore(memory.evidence, now)
         self._ordered, self._stamp = memory.shortened, memory.stamp
+        self.withdrawn = memory.withdrawn
         if memory.is_stopping:
             self._pending.give(Order(self.route_id, self.record.done, ()), True)
 

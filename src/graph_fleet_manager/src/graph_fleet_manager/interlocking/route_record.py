@@ -172,6 +172,13 @@ class RouteRecord:
             self.tail = ()
         return passed
 
+    def turn_back(self, number: int) -> None:
+        """A late order led the robot back: what it drives, or drove, again counted as driven."""
+        self.done, self.cleared = number, min(self.cleared, (number, 0.0))
+        start = self.graph.start_vertex(self.edges[number - self.first])
+        self.position = GraphPosition(vertex=start.id)
+        self.generation += 1
+
     def leave(self, age: float) -> None:
         """Finds what certainly lies behind the robot by its pose, which is `age` s old."""
         if self.is_standing:

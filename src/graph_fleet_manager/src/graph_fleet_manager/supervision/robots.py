@@ -143,7 +143,8 @@ class ManagedRobot:
         self._judge(heard, report)
         if self.outage is Outage.STOPPED and not was_stopped:
             self._tried = now  # it might take an order yet, for what it knows of its stop
-        if self.outage is Outage.LOST_LINK and self.liveness.is_linked_again(report, now):
+        if self.outage is Outage.LOST_LINK and self.client.withdrawn is None and (
+                self.client.order is None and self.liveness.is_linked_again(report, now)):
             self._link_is_back()
         if not self.works:
             self._timer.stop()
@@ -151,9 +152,15 @@ class ManagedRobot:
         if driven is not None:
             self.driven.append(driven)
 
-    def drives_on(self, report: Report) -> bool:
-        """Does a robot that was left to a person drive what was under way to it by then?"""
-        return self.needs_person and self.client.drives_withdrawn(report)
+    def must_stop(self, report: Report, now: float) -> bool:
+        """Is it to be stopped for an order that was under way when it dropped out?
+
+        One that was left to a person drives it; one whose link is back may yet.
+        """
+        if self.needs_person:
+            return self.client.drives_withdrawn(report)
+        return (self.outage is Outage.LOST_LINK and self.client.withdrawn is not None
+                and not self.client.is_stopping and self.liveness.is_linked_again(report, now))
 
     def hear_refusal(self, refusal: RouteRefusal, stamp: float = 0.0) -> bool:
         """An order was not taken up, at `stamp` (s) of the robot's clock; tells whether it is one

@@ -186,7 +186,7 @@ class Supervisor:
         robot.begin_elsewhere()
         if robot.client.to_order_anew:
             self.interlocking.grant_again(robot, robot.client.to_order_anew)
-        if robot.drives_on(report):
+        if robot.must_stop(report, now):
             robot.client.halt(self._out.new_id)
             self._out.send()
         self.networks.learn(robot, now)
@@ -265,6 +265,12 @@ class Supervisor:
         if self.is_stopped:
             return 'the fleet is stopped: resume it first', self._out.take(now)
         problem = robot.not_back_yet(now)
+        if not problem and robot.client.withdrawn is not None:
+            robot.client.halt(self._out.new_id)
+            self._out.robot_changed(name)
+            self._out.send()
+            problem = f'{name} is told to stop first, as an old order may reach it: try again in ' \
+                      'a moment'
         if not problem and not robot.works:
             problem = robot.come_back() or self._still_too_near(robot)
             self._out.robot_changed(name)
