@@ -43,7 +43,7 @@ class RouteClient:
         self.to_order_anew = 0
         """So many edges were under way before a restart, on a route that cannot be repeated."""
         self._pending = PendingOrder()
-        self._bases: Dict[int, int] = {}
+        self._bases: Dict[int, int] = {}  # of routes by id, in the order in which they were given
         self._acknowledged: Set[int] = set()
         self._ended: Set[int] = set()
         self.withdrawn: Optional[int] = None
@@ -278,8 +278,9 @@ class RouteClient:
         Of what is driven the graph may have lost edges: it does not count.
         """
         self.record.adopt(report.left)
-        self._bases = {self.route_id: self.record.done} if self.order is not None else {}
-        self._bases[report.route_id] = self.record.first - report.completed
+        self._bases = {report.route_id: self.record.first - report.completed}
+        if self.order is not None:
+            self._bases[self.route_id] = self.record.done
         self._acknowledged.add(report.route_id)
         if self.order is None:
             self.route_id = report.route_id

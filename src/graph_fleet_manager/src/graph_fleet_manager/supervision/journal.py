@@ -283,7 +283,7 @@ def _memory_text(memory: RobotMemory) -> str:
     client, kind = memory.client, memory.kind
     return json.dumps({
         'route_id': client.route_id, 'track': client.edges, 'done': client.done,
-        'bases': sorted(client.bases.items()), 'over': client.over, 'ended': client.ended,
+        'bases': list(client.bases.items()), 'over': client.over, 'ended': client.ended,
         'stopping': client.is_stopping, 'shortened': client.shortened,
         'place': _position_values(client.position), 'cleared': client.cleared, 'tail': client.tail,
         'evidence': _evidence_values(client.evidence), 'stamp': client.stamp,
