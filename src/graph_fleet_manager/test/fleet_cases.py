@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import math
 import time
+from dataclasses import replace
 from random import Random
 
 from fleet_builders import as_files, random_graph
@@ -70,6 +71,59 @@ class Case:
     @property
     def world(self):
         """For the checker."""
-        return World(*as_files(self.graph, self.types, {
+        world = World(*as_files(self.graph, self.types, {
             name: (t.type.name, t.vertex) for name, t in self.robots.items()},
             self.missions, self.clearance))
+        for name, task in self.robots.items():
+            if task.mid_edge:
+                world.robots[name].update(edge=task.mid_edge[0], fraction=task.mid_edge[1])
+                del world.robots[name]['vertex']
+        return world
+
+
+class MidEdgeCase(Case):
+    """A random fleet of which some robots, `moved`, stand between the ends of an edge, the first
+    end that of their vertex in the same case without them; some of these edges are closed."""
+
+    def __init__(self, random: Random, share: float = 0.5) -> None:
+        super().__init__(random)
+        self.moved = []
+        self.closed = frozenset()
+        for name, task in self.robots.items():
+            ways = [(edge, sign) for edge in self.graph.edges.values() for sign in (1, -1)
+                    if task.vertex == (edge.origin, edge.destination)[sign < 0]]
+            if not ways or random.random() > share:
+                continue
+            edge, sign = random.choice(ways)
+            fraction = random.uniform(0.02, 0.98)
+            back = task.type.drives_at((edge.velocity_backwards, edge.velocity_forward)[sign < 0])
+            if back and all(self._distance(one, (sign * edge.id, fraction)) > (
+                    one.type.reach + task.type.reach + self.clearance)
+                    for one in self.robots.values() if one is not task):
+                self.robots[name] = replace(task, vertex=None, mid_edge=(sign * edge.id, fraction))
+                self.moved.append(name)
+        own = sorted({abs(self.robots[name].mid_edge[0]) for name in self.moved})
+        closed = [edge for edge in own if random.random() < 0.3]
+        self.closed = frozenset(closed)
+
+    def _distance(self, robot, mid_edge):
+        return math.dist(self._point(robot.mid_edge) if robot.mid_edge else
+                         self.graph.vertices[robot.vertex].position, self._point(mid_edge))
+
+    def _point(self, mid_edge):
+        curve = self.graph.curve(mid_edge[0])
+        return curve.point_at(mid_edge[1] * curve.length)
+
+    def outcome(self, mid_edge, rounds=0):
+        """Of the case, or of the same case with all robots on their vertices."""
+        tasks = [replace(task, destinations=self.missions.get(name, ()), stays=True,
+                         **({} if mid_edge or not task.mid_edge else {
+                             'mid_edge': None, 'vertex': self._vertex(task)}))
+                 for name, task in self.robots.items()]
+        network = self.network.with_closed(self.closed)
+        return FleetPlanner(network, self.clearance, self.types).plan(
+            tasks, (), time.monotonic() + GIVE_UP, rounds)
+
+    def _vertex(self, task):
+        edge = self.graph.edges[abs(task.mid_edge[0])]
+        return edge.origin if task.mid_edge[0] > 0 else edge.destination

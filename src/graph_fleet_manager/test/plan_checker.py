@@ -91,9 +91,23 @@ class World:
         kinds = [self.types[self.robots[name]['type']] for name in (a, b)]
         return self.clearance + sum(k['radius'] + k.get('play', 0.0) for k in kinds)
 
+    def start(self, robot: str) -> Point:
+        """Where a robot stands at first: on a vertex, or at a fraction of a signed edge."""
+        given = self.robots[robot]
+        if 'edge' in given:
+            return Point(self.along(given['edge'], np.array([given['fraction']]))[0])
+        return self.at(given['vertex'])
+
     def at(self, vertex: int) -> Point:
         """A vertex as a point."""
         return Point(self.vertices[vertex]['X'], self.vertices[vertex]['Y'])
+
+    def begun(self, robot: str, number: int, signed: int) -> float:
+        """The fraction of a robot's drive that lies behind it before it begins."""
+        given = self.robots[robot]
+        if number or 'edge' not in given:
+            return 0.0
+        return given['fraction'] if signed == given['edge'] else 1.0 - given['fraction']
 
 
 class Held(NamedTuple):
@@ -122,7 +136,7 @@ def structure_faults(world: World, plan: dict) -> List[str]:
         return [f'robots are {sorted(plan["robots"])}']
     ends = []
     for name, drives in plan['robots'].items():
-        at = world.robots[name]['vertex']
+        at = world.robots[name].get('vertex')
         wanted = list(world.missions.get(name, ()))
         while wanted and wanted[0] == at:
             wanted.pop(0)
@@ -130,7 +144,10 @@ def structure_faults(world: World, plan: dict) -> List[str]:
             if abs(drive['edge']) not in world.edges:
                 return [f'{name} drives edge {drive["edge"]}, which is not there']
             begin, end = world.ends(drive['edge'])
-            if begin != at:
+            if k == 0 and at is None:
+                if abs(drive['edge']) != abs(world.robots[name]['edge']):
+                    found.append(f'{name} is not on edge {drive["edge"]}')
+            elif begin != at:
                 found.append(f'{name} is at vertex {at}, but drive {k} begins at {begin}')
             at = end
             while wanted and wanted[0] == at:
@@ -163,7 +180,8 @@ def time_faults(world: World, plan: dict) -> List[str]:
             if speed == 0.0:
                 found.append(f'{name} drives edge {drive["edge"]}, which is forbidden')
                 continue
-            seconds = world.line(drive['edge']).length / speed
+            seconds = (world.line(drive['edge']).length / speed
+                       * (1.0 - world.begun(name, k, drive['edge'])))
             if drive['end'] - drive['start'] < seconds * (1 - 1e-9) - SLACK:
                 found.append(f'{name} drives {k} in {drive["end"] - drive["start"]} s, '
                              f'not {seconds} s')
@@ -172,7 +190,9 @@ def time_faults(world: World, plan: dict) -> List[str]:
             now = drive['end']
     for a, i, f, b, j in plan['precedence']:
         before, after = plan['robots'][a][i], plan['robots'][b][j]
-        if after['start'] < before['start'] + f * (before['end'] - before['start']) - SLACK:
+        begun = world.begun(a, i, before['edge'])
+        share = max(f - begun, 0.0) / (1.0 - begun)
+        if after['start'] < before['start'] + share * (before['end'] - before['start']) - SLACK:
             found.append(f'{b} begins drive {j} at {after["start"]} s, before {a} is through '
                          f'{f} of drive {i}')
     return found
@@ -252,8 +272,8 @@ def held_faults(world: World, plan: dict, order: Order) -> List[str]:
                 least_a, least_b = order.at_least(a, b, j), order.at_least(b, a, i)
                 if least_a[0] > i or least_b[0] > j:
                     continue
-                rest_a = _rest(_shape(world, plan, a, i), least_a[1] if least_a[0] == i else 0)
-                rest_b = _rest(_shape(world, plan, b, j), least_b[1] if least_b[0] == j else 0)
+                rest_a = _shape(world, plan, a, i, least_a[1] if least_a[0] == i else 0.0)
+                rest_b = _shape(world, plan, b, j, least_b[1] if least_b[0] == j else 0.0)
                 distance = rest_a.distance(rest_b)
                 if distance < apart - TOLERANCE:
                     found.append(f'{a} at drive {i} and {b} at drive {j} may come within '
@@ -261,14 +281,13 @@ def held_faults(world: World, plan: dict, order: Order) -> List[str]:
     return found
 
 
-def _shape(world: World, plan: dict, name: str, k: int):
+def _shape(world: World, plan: dict, name: str, k: int, fraction: float = 0.0):
+    """What a robot may hold at a drive of which at least this fraction lies behind it."""
     if k < 0:
-        return world.at(world.robots[name]['vertex'])
-    return world.line(plan['robots'][name][k]['edge'])
-
-
-def _rest(shape, fraction: float):
-    if fraction <= 0.0 or isinstance(shape, Point):
+        return world.start(name)
+    edge = plan['robots'][name][k]['edge']
+    shape, fraction = world.line(edge), max(fraction, world.begun(name, k, edge))
+    if fraction <= 0.0:
         return shape
     xy = np.array(shape.coords)
     arc = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(xy, axis=0).T))))
@@ -297,10 +316,12 @@ def nominal_faults(world: World, plan: dict, step: float = 0.1) -> List[str]:
 
 def _trajectory(world: World, plan: dict, name: str, times: np.ndarray) -> np.ndarray:
     """Where a robot is at each time (T,2)."""
-    point = world.at(world.robots[name]['vertex'])
+    point = world.start(name)
     places = np.tile((point.x, point.y), (len(times), 1))
-    for drive in plan['robots'][name]:
+    for k, drive in enumerate(plan['robots'][name]):
+        begun = world.begun(name, k, drive['edge'])
         later = times >= drive['start']
         share = (times[later] - drive['start']) / (drive['end'] - drive['start'])
-        places[later] = world.along(drive['edge'], np.clip(share, 0.0, 1.0))
+        places[later] = world.along(drive['edge'],
+                                    begun + (1.0 - begun) * np.clip(share, 0.0, 1.0))
     return places

@@ -39,7 +39,8 @@ def replay(world: World, plan: dict, random: Random) -> Dict[str, List[Driven]]:
                 if begin is None:
                     break
                 drive = drives[len(driven[name])]
-                driven[name].append(_drive(begin, drive['end'] - drive['start'], random))
+                driven[name].append(_drive(begin, drive['end'] - drive['start'], random,
+                                           world.begun(name, len(driven[name]), drive['edge'])))
                 moved = True
                 left -= 1
         if not moved:
@@ -59,8 +60,8 @@ def _may_begin(driven, name, needs):
     return begin
 
 
-def _drive(begin: float, seconds: float, random: Random) -> Driven:
-    """At a random speed, perhaps with a stop on the way."""
+def _drive(begin: float, seconds: float, random: Random, begun: float = 0.0) -> Driven:
+    """At a random speed, perhaps with a stop on the way; so much of the edge lies behind it."""
     seconds *= random.choice((1.0, random.uniform(1.0, 1.5), random.uniform(1.0, 4.0)))
     if random.random() < 0.2:
         stop, stall = random.random(), random.uniform(0.0, 30.0)
@@ -68,6 +69,7 @@ def _drive(begin: float, seconds: float, random: Random) -> Driven:
         share = np.array((0.0, stop, stop, 1.0))
     else:
         at, share = np.array((0.0, seconds)), np.array((0.0, 1.0))
+    share = begun + (1.0 - begun) * share
     return Driven(begin + at, share + np.arange(len(share)) * 1e-12)
 
 
@@ -90,7 +92,7 @@ def replay_faults(world: World, plan: dict, driven: Dict[str, List[Driven]],
 
 def _trajectory(world: World, plan: dict, name: str, driven: List[Driven],
                 times: np.ndarray) -> np.ndarray:
-    point = world.at(world.robots[name]['vertex'])
+    point = world.start(name)
     places = np.tile((point.x, point.y), (len(times), 1))
     for drive, one in zip(plan['robots'][name], driven):
         later = times >= one.at[0]

@@ -86,8 +86,8 @@ def _speeds_and_one_ways_are_forgotten(patch):
 def _destinations_are_served_in_any_order(patch):
     begin = Errand.__init__
 
-    def sorted_errand(self, network, kind, origins, ready, destinations, *more):
-        begin(self, network, kind, origins, ready, sorted(destinations), *more)
+    def sorted_errand(self, network, kind, vertex, origins, ready, destinations, *more):
+        begin(self, network, kind, vertex, origins, ready, sorted(destinations), *more)
     patch.setattr(Errand, '__init__', sorted_errand)
 
 

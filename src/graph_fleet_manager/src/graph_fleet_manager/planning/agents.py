@@ -18,8 +18,9 @@ LATER = 1e-4
 class Errand:
     """What one robot has to do, with all that a search needs to know of the path.
 
+    vertex       -- at which it sets out; -1: between two vertices
     origins      -- {vertex: seconds}: where it can go on from, and how long it takes to come there;
-                    several only for a robot between two vertices
+                    for a robot between two vertices those to which it may drive
     ready        -- s before which it does not set out
     destinations -- vertices to visit in order
     dwells       -- s to stay at each
@@ -27,11 +28,13 @@ class Errand:
     later        -- weight of the seconds after the last destination
     """
 
-    def __init__(self, network: RoadNetwork, kind: RobotType, origins: Mapping[int, float],
-                 ready: float, destinations: Sequence[int], dwells: Sequence[float] = (),
-                 rests: Optional[FrozenSet[int]] = None, later: float = LATER) -> None:
+    def __init__(self, network: RoadNetwork, kind: RobotType, vertex: int,
+                 origins: Mapping[int, float], ready: float, destinations: Sequence[int],
+                 dwells: Sequence[float] = (), rests: Optional[FrozenSet[int]] = None,
+                 later: float = LATER) -> None:
         self.network = network
-        self.vertex = next(iter(origins)) if len(origins) == 1 else -1
+        self.vertex = vertex
+        self.origins = origins
         self.ready = ready
         self.destinations = tuple(destinations)
         self.dwells = tuple(dwells) or (0.0,) * len(self.destinations)
@@ -51,15 +54,20 @@ class Errand:
             if leg:
                 beyond += float(paths[leg][self.destinations[leg - 1]])
         if paths:
-            beyond += min(seconds + float(paths[0][vertex]) for vertex, seconds in origins.items())
+            beyond += self.seconds_to(paths[0])
         self.lower_bound = ready + beyond
         """The least that it can cost, were it alone; infinite where something is out of reach."""
         if rests is not None:
             nearest = (np.minimum.reduce(network.paths_to(kind, sorted(rests))) if rests
                        else np.full(network.vertices, inf))
             self.to_go.append(estimated(nearest))
-            lasts = self.destinations[-1:] or origins
-            self.lower_bound += later * min(float(nearest[vertex]) for vertex in lasts)
+            self.lower_bound += later * (float(nearest[self.destinations[-1]]) if paths
+                                         else self.seconds_to(nearest))
+
+    def seconds_to(self, path: np.ndarray) -> float:
+        """Seconds to a target from where it sets out, alone; `path`: those from every vertex."""
+        return min((seconds + float(path[vertex]) for vertex, seconds in self.origins.items()),
+                   default=inf)
 
     def served_at(self, vertex: int, leg: int, arrival: float) -> Tuple[float, int]:
         """When it may go on from a vertex, and its next leg: it serves what it comes to."""

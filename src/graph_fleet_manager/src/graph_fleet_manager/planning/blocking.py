@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from array import array
 from functools import cached_property
-from typing import Iterator, List, NamedTuple, Sequence, Tuple
+from typing import Iterator, List, Mapping, NamedTuple, Tuple
 
 import numpy as np
 
@@ -56,12 +56,6 @@ class Blocking:
         row = rows[self._network.vertices + (drive >> 1)]
         return zip(slots[row], clears[drive & 1][row], leads[row])
 
-    def wait(self, vertex: int) -> Iterator[Tuple[int, float]]:
-        """(slot, lead) blocked by a robot that waits at a vertex."""
-        rows, slots, leads, _ = self._blocks
-        row = rows[vertex]
-        return zip(slots[row], leads[row])
-
     def excluded(self, place: int) -> List[int]:
         """The places (not slots) that an observer may not hold while the other holds this one."""
         return self.conflicts.row(place)
@@ -70,21 +64,32 @@ class Blocking:
         """May two robots not hold these two places at once?"""
         return other in self.excluded(place)
 
-    def around_point(self, places: Sequence[int]) -> List[Tuple[int, float]]:
-        """(slot, lead) blocked by a robot that stands too near to these places."""
-        return self._seen_by_other(np.array(places, dtype=np.int64))
+    def wait(self, place: int) -> Iterator[Tuple[int, float]]:
+        """(slot, lead) blocked by a robot that waits at a vertex, or anywhere on an edge."""
+        rows, slots, leads, _ = self._blocks
+        row = rows[place]
+        return zip(slots[row], leads[row])
 
-    def of_place(self, place: int) -> List[Tuple[int, float]]:
-        """(slot, lead) blocked by a robot that may be anywhere on a place."""
-        return self._seen_by_other(np.array(self.conflicts.row(place), dtype=np.int64))
+    def rest(self, drive: int, begun: float) -> List[int]:
+        """The places that an observer may not hold while the rest of a drive is driven."""
+        starts, other, forward, backward, _ = self.conflicts
+        edge = self._network.vertices + (drive >> 1)
+        row = slice(starts[edge], starts[edge + 1])
+        places: List[int] = other[row][(forward, backward)[drive & 1][row] > begun].tolist()
+        return places
 
-    def _seen_by_other(self, places: np.ndarray) -> List[Tuple[int, float]]:
-        """All slots of these places; a drive must be over before."""
-        vertices = self._network.vertices
-        waits = [(self._network.vertex_slot(v), 0.0) for v in places[places < vertices].tolist()]
-        drives = [2 * e + direction for e in (places[places >= vertices] - vertices).tolist()
-                  for direction in (0, 1)]
-        return waits + [(drive, float(self._times[drive])) for drive in drives]
+    def beside(self, near: Mapping[int, Tuple[float, float]]) -> List[Tuple[int, float]]:
+        """(slot, lead) blocked by a robot that stands too near to these places; with each edge goes
+        the part of it that is too near."""
+        blocked: List[Tuple[int, float]] = []
+        for place, (low, high) in near.items():
+            edge = place - self._network.vertices
+            if edge < 0:
+                blocked.append((self._network.vertex_slot(place), 0.0))
+            else:
+                blocked += [(drive, clear * float(self._times[drive]))
+                            for drive, clear in ((2 * edge, high), (2 * edge + 1, 1.0 - low))]
+        return blocked
 
     def prepare(self) -> None:
         """Makes what `drive` and `wait` tell; otherwise it is made when it is first needed."""

@@ -1,12 +1,16 @@
 """Which robots block which, in words."""
 from __future__ import annotations
 
+from functools import partial
 from heapq import heappop, heappush
 from math import inf
-from typing import Dict, FrozenSet, List, Optional, Sequence, Tuple
+from operator import itemgetter
+from typing import Dict, FrozenSet, List, Mapping, NamedTuple, Optional, Tuple
+
+import numpy as np
 
 from graph_fleet_manager.planning.agents import Agent
-from graph_fleet_manager.planning.reservation_table import ReservationTable
+from graph_fleet_manager.planning.reservation_table import MidEdgePosition, ReservationTable
 from graph_fleet_manager.planning.road_network import RoadNetwork
 
 _BESIDE_ONE = 1e6  # s that a robot would rather drive than past one more that stands in its way
@@ -14,16 +18,28 @@ _BESIDE_ONE = 1e6  # s that a robot would rather drive than past one more that s
 
 def out_of_reach(network: RoadNetwork, agent: Agent) -> str:
     """Why a robot cannot serve its errand even alone: what it cannot reach, and from where."""
-    at = agent.errand.vertex
+    seconds_to, origin = agent.errand.seconds_to, _where(network, agent)
     for destination in agent.errand.destinations:
-        if at >= 0 and network.paths_to(agent.kind, (destination,))[0][at] == inf:
+        path = network.paths_to(agent.kind, (destination,))[0]
+        if seconds_to(path) == inf:
             closed = ', '.join(map(str, sorted(network.closed)))
             because = (f' while edges {closed} are closed' if closed else
                        '; no edges lead there that it may drive')
-            return (f'vertex {network.vertex_ids[destination]} cannot be reached from vertex '
-                    f'{network.vertex_ids[at]}{because}')
-        at = destination
+            return (f'vertex {network.vertex_ids[destination]} cannot be reached from '
+                    f'{origin}{because}')
+        origin = f'vertex {network.vertex_ids[destination]}'
+        seconds_to = partial(_entry, destination)
     return 'it has nowhere to stay; give the graph more parking'
+
+
+def _entry(vertex: int, path: np.ndarray) -> float:
+    return float(path[vertex])
+
+
+def _where(network: RoadNetwork, agent: Agent) -> str:
+    if agent.mid_edge is not None:
+        return f'edge {abs(network.signed_id(agent.mid_edge.drive))}'
+    return f'vertex {network.vertex_ids[agent.errand.vertex]}'
 
 
 def in_the_way(reservations: ReservationTable, agent: Agent) -> List[str]:
@@ -31,13 +47,16 @@ def in_the_way(reservations: ReservationTable, agent: Agent) -> List[str]:
     fewest of them, and those whose plans lead over the place where it is. It must not be booked.
     """
     slots = reservations.slots[agent.kind]
-    found: Dict[str, None] = {}
-    for drive in _fewest_blocked(reservations, agent):
+    drives, found = _fewest_blocked(reservations, agent)
+    for drive in drives:
         for _, end, robot in slots.bookings[drive]:
             if end == inf:
                 found[robot] = None
-    if agent.errand.vertex >= 0:
+    if agent.mid_edge is None:
         for _, _, robot in slots.bookings[slots.drives + agent.errand.vertex]:
+            found[robot] = None
+    else:
+        for robot, _ in reservations.passing(agent.kind, agent.mid_edge):
             found[robot] = None
     return list(found)
 
@@ -66,46 +85,75 @@ def why_not(reservations: ReservationTable, agent: Agent) -> str:
     return f'on the way to {goal} it is blocked by {"; ".join(where)}'
 
 
-def _fewest_blocked(reservations: ReservationTable, agent: Agent) -> List[int]:
+def _fewest_blocked(reservations: ReservationTable,
+                    agent: Agent) -> Tuple[List[int], Dict[str, None]]:
     """The drives of the path over all destinations to a rest, past as few standing robots as
-    possible; as far as there is one."""
+    possible, as far as there is one; for a robot between two vertices those behind the next one,
+    and the robots that stand before that."""
     errand = agent.errand
-    at = errand.vertex
     drives: List[int] = []
     goals: List[FrozenSet[int]] = [frozenset((d,)) for d in errand.destinations]
     if errand.rests:
         goals.append(errand.rests)
-    for goal in goals:
-        leg = _shortest(reservations, agent, at, goal) if at >= 0 else None
+    starts: Dict[int, float] = {errand.vertex: 0.0}
+    standing: Dict[int, Dict[str, None]] = {}
+    if agent.mid_edge is not None:
+        starts, standing = _exits(reservations, agent, agent.mid_edge)
+    first = min(starts.items(), key=itemgetter(1), default=(-1, inf))[0]
+    for number, goal in enumerate(goals):
+        leg = _shortest(reservations, agent, starts, goal)
         if leg is None:
             break
-        drives += leg
-        if leg:
-            at = reservations.network.destination(leg[-1])
-    return drives
+        drives += leg.drives
+        first = first if number else leg.start
+        starts = {leg.end: 0.0}
+    return drives, dict(standing.get(first, {}))
 
 
-def _shortest(reservations: ReservationTable, agent: Agent, start: int,
-              goal: FrozenSet[int]) -> Optional[Sequence[int]]:
+def _exits(reservations: ReservationTable, agent: Agent, mid_edge: MidEdgePosition
+           ) -> Tuple[Dict[int, float], Dict[int, Dict[str, None]]]:
+    """For each vertex to which a robot may go on from between two of them what that costs, and the
+    robots that stand in its way for ever."""
+    costs: Dict[int, float] = {}
+    standing: Dict[int, Dict[str, None]] = {}
+    for drive, end, seconds in mid_edge.exits(reservations.network, agent.kind):
+        robots = {robot: None for _, over, robot in reservations.against_rest(
+            agent.kind, mid_edge, drive) if over == inf}
+        cost = seconds + _BESIDE_ONE * len(robots)
+        if cost < costs.get(end, inf):
+            costs[end], standing[end] = cost, robots
+    return costs, standing
+
+
+class _Leg(NamedTuple):
+    """A path from one of several vertices to one of several goals."""
+
+    start: int
+    drives: List[int]
+    end: int
+
+
+def _shortest(reservations: ReservationTable, agent: Agent, starts: Mapping[int, float],
+              goal: FrozenSet[int]) -> Optional[_Leg]:
     bookings = reservations.slots[agent.kind].bookings
     came: Dict[int, Tuple[int, int]] = {}
-    best: Dict[int, float] = {start: 0.0}
-    heap: List[Tuple[float, int]] = [(0.0, start)]
+    best: Dict[int, float] = dict(starts)
+    heap: List[Tuple[float, int]] = sorted((cost, vertex) for vertex, cost in starts.items())
     while heap:
-        cost, vertex = heappop(heap)
-        if cost > best[vertex]:
+        cost, end = heappop(heap)
+        if cost > best[end]:
             continue
-        if vertex in goal:
-            drives = []
-            while vertex != start:
+        if end in goal:
+            drives, vertex = [], end
+            while vertex in came:
                 vertex, drive = came[vertex]
                 drives.append(drive)
-            return drives[::-1]
-        for drive, end, seconds in agent.errand.roads[vertex]:
+            return _Leg(vertex, drives[::-1], end)
+        for drive, further, seconds in agent.errand.roads[end]:
             standing = {robot for _, over, robot in bookings[drive] if over == inf}
             new = cost + seconds + _BESIDE_ONE * len(standing)
-            if new < best.get(end, inf):
-                best[end] = new
-                came[end] = vertex, drive
-                heappush(heap, (new, end))
+            if new < best.get(further, inf):
+                best[further] = new
+                came[further] = end, drive
+                heappush(heap, (new, further))
     return None

@@ -42,12 +42,12 @@ def _can_be_driven(reservations: ReservationTable, agent: Agent,
     network, vertex = reservations.network, agent.errand.vertex
     slots, times = reservations.slots[agent.kind], network.times(agent.kind)
     for edge, _, _ in kept:
-        if abs(edge) not in network.edge_index or abs(edge) in network.closed:
+        if abs(edge) not in network.edge_index:
             return False
         drive = network.drive(edge)
         if vertex >= 0 or agent.mid_edge is None:
-            begins = network.origin[drive] == vertex
-        else:
+            begins = network.origin[drive] == vertex and abs(edge) not in network.closed
+        else:  # it may leave also a closed edge
             begins = drive >> 1 == agent.mid_edge.drive >> 1
         if not begins or times[drive] == inf or slots.bookings[drive]:
             return False
@@ -61,8 +61,7 @@ def _passes(reservations: ReservationTable, owner: Agent, kept: Sequence[Planned
     blocking = reservations.blocking[stranger.kind, owner.kind]
     blocked: Iterable[Tuple[int, float]]
     if stranger.mid_edge is not None:
-        blocked = blocking.around_point(reservations.places_near(
-            stranger.kind, owner.kind, stranger.mid_edge))
+        blocked = reservations.at_point(stranger.kind, owner.kind, stranger.mid_edge)
     else:
         blocked = blocking.wait(stranger.errand.vertex)
     slots = {slot for slot, _ in blocked}

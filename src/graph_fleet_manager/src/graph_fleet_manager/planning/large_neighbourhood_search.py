@@ -145,7 +145,7 @@ class LargeNeighbourhoodSearch:
         slots = self._tea_star.reservations.slots[agent.kind]
         to_go = errand.to_go[len(errand.destinations) - 1]
         plan = self.paths[agent.name].plan
-        start = self._random.randint(0, len(plan)) if plan else 0
+        start = self._random.randint(1 if agent.mid_edge else 0, len(plan)) if plan else 0
         vertex, now = errand.vertex, errand.ready
         if start:
             last = plan[start - 1]

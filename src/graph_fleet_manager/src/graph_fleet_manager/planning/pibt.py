@@ -8,15 +8,22 @@ from typing import AbstractSet, Dict, List, Mapping, Optional, Sequence, Set, Tu
 
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.planning.agents import Agent
-from graph_fleet_manager.planning.reservation_table import ReservationTable
+from graph_fleet_manager.planning.reservation_table import MidEdgePosition, ReservationTable
 from graph_fleet_manager.planning.road_network import Roads
 
 STAY = -1
 _FAR = 12  # drives ahead of a robot that others keep free when they make room for it
 
 
+_Neighbours = List[Tuple[RobotType, List[int], List[int]]]
+"""For each type vertices and edges."""
+
+
 class PibtAgent:
     """One robot in the search over configurations.
+
+    A robot that begins between two vertices begins at a vertex of its own, numbered behind those of
+    the graph, from which only the rest of a drive leads away, and nothing back.
 
     name, kind -- of the robot
     begin      -- its first state: leg * vertices + vertex
@@ -24,7 +31,7 @@ class PibtAgent:
     roads      -- that are open to it
     """
 
-    def __init__(self, agent: Agent, rest: Optional[int], vertices: int,
+    def __init__(self, agent: Agent, rest: Optional[int], vertices: int, vertex: int,
                  estimates: Sequence[Sequence[float]], roads: Roads) -> None:
         errand = agent.errand
         self.name, self.kind = agent.name, agent.kind
@@ -32,7 +39,7 @@ class PibtAgent:
         self._vertices = vertices
         self._estimates = estimates
         self.roads = roads
-        self.begin = self.arrive(0, errand.vertex)
+        self.begin = self.arrive(0, vertex)
 
     def arrive(self, leg: int, vertex: int) -> int:
         """The state of a robot that comes to a vertex on a leg."""
@@ -91,12 +98,31 @@ class Pibt:
         self._reservations = reservations
         self._first_edge = network.vertices
         self._open: Dict[Tuple[RobotType, int], Roads] = {}
-        self.agents: List[PibtAgent] = [PibtAgent(t, rest, network.vertices, [
-            network.estimates(t.kind, target) for target in (
-                *t.errand.destinations, *(() if rest is None else (rest,)))],
-            self._free_roads(t)) for t, rest in zip(agents, rests)]
         self._kinds = [t.kind for t in agents]
-        self._near: Dict[Tuple[RobotType, int], List[Tuple[RobotType, List[int], List[int]]]] = {}
+        self._mid_edge: Dict[int, MidEdgePosition] = {
+            robot: t.mid_edge for robot, t in enumerate(agents) if t.mid_edge is not None}
+        self.agents: List[PibtAgent] = [
+            self._agent(robot, t, rest) for robot, (t, rest) in enumerate(zip(agents, rests))]
+        self._near: Dict[Tuple[RobotType, int], _Neighbours] = {}
+        self._near_rest: Dict[Tuple[int, int], _Neighbours] = {}
+        self._near_point: Dict[Tuple[int, RobotType], Mapping[int, Tuple[float, float]]] = {}
+
+    def _agent(self, robot: int, agent: Agent, rest: Optional[int]) -> PibtAgent:
+        network = self._reservations.network
+        targets = (*agent.errand.destinations, *(() if rest is None else (rest,)))
+        estimates = [network.estimates(agent.kind, target) for target in targets]
+        roads, vertices = self._free_roads(agent), self._first_edge
+        if not self._mid_edge:
+            return PibtAgent(agent, rest, vertices, agent.errand.vertex, estimates, roads)
+        own, vertex = vertices + robot, agent.errand.vertex
+        if agent.mid_edge is not None:
+            vertex = own
+            exits = [exit for exit in agent.mid_edge.exits(network, agent.kind)
+                     if not self._reservations.against_rest(agent.kind, agent.mid_edge, exit[0])]
+            roads = [*roads, *([] for _ in range(robot)), exits]
+            estimates[0] = [*estimates[0], *(inf for _ in range(robot)), min(
+                (seconds + estimates[0][end] for _, end, seconds in exits), default=inf)]
+        return PibtAgent(agent, rest, vertices + len(self._kinds), vertex, estimates, roads)
 
     def _free_roads(self, agent: Agent) -> Roads:
         """The roads of an agent that lead past no robot that stands for ever."""
@@ -128,6 +154,7 @@ class Pibt:
         self._vertex = [agent.vertex(state) for agent, state in zip(agents, configuration)]
         self._states = configuration
         self._at = {vertex: robot for robot, vertex in enumerate(self._vertex)}
+        self._still_mid_edge = [robot for robot in self._mid_edge if self._is_mid_edge(robot)]
         self._moves: Dict[int, Tuple[int, int]] = {}
         self._decided: Set[int] = set()
         self._taken: Dict[RobotType, Set[int]] = {kind: set() for kind in self._reservations.kinds}
@@ -165,7 +192,7 @@ class Pibt:
             if all(self._leaves(other, path) for other in others):
                 return
             stuck = next(other for other in others if other not in self._moves)
-            if vertex in self._path(stuck) and self._leave(robot, self._path(stuck)):
+            if self._stands_on(robot, self._path(stuck)) and self._leave(robot, self._path(stuck)):
                 self._promoted.append((stuck, robot))
                 return
 
@@ -195,31 +222,69 @@ class Pibt:
 
     def _go(self, robot: int, drive: int) -> None:
         self._moves[robot] = (drive, self._reservations.network.destination(drive))
-        for kind, _, edges in self._neighbours(self._kinds[robot], drive >> 1):
+        for kind, _, edges in self._neighbours(robot, drive):
             self._taken[kind].update(edges)
 
     def _in_the_way(self, robot: int, drive: int) -> List[int]:
         """Robots that stand where they exclude a drive, whatever they do in this step."""
         at, kinds = self._at, self._kinds
         found = []
-        for kind, vertices, _ in self._neighbours(kinds[robot], drive >> 1):
+        for kind, vertices, _ in self._neighbours(robot, drive):
             for vertex in vertices:
                 other = at.get(vertex)
                 if other is not None and other != robot and kinds[other] == kind:
                     found.append(other)
+        for other in self._still_mid_edge:
+            if other != robot and self._passes(robot, drive, other):
+                found.append(other)
         return found
 
-    def _neighbours(self, kind: RobotType,
-                    edge: int) -> List[Tuple[RobotType, List[int], List[int]]]:
-        """For every type the vertices and edges where it excludes `kind` on an edge."""
-        found = self._near.get((kind, edge))
+    def _neighbours(self, robot: int, drive: int) -> _Neighbours:
+        """For every type the vertices and edges where it excludes a robot's drive."""
+        kind, blocking = self._kinds[robot], self._reservations.blocking
+        if self._is_mid_edge(robot):
+            found = self._near_rest.get((robot, drive))
+            if found is None:
+                begun = self._mid_edge[robot].behind(drive)
+                found = self._near_rest[robot, drive] = [
+                    self._sorted(other, blocking[kind, other].rest(drive, begun))
+                    for other in self._reservations.kinds]
+            return found
+        found = self._near.get((kind, drive >> 1))
         if found is None:
-            found = self._near[kind, edge] = []
-            for other in self._reservations.kinds:
-                places = self._reservations.blocking[kind, other].excluded(self._first_edge + edge)
-                found.append((other, [p for p in places if p < self._first_edge],
-                              [p - self._first_edge for p in places if p >= self._first_edge]))
+            found = self._near[kind, drive >> 1] = [
+                self._sorted(other, blocking[kind, other].excluded(
+                    self._first_edge + (drive >> 1))) for other in self._reservations.kinds]
         return found
+
+    def _sorted(self, kind: RobotType,
+                places: Sequence[int]) -> Tuple[RobotType, List[int], List[int]]:
+        return (kind, [p for p in places if p < self._first_edge],
+                [p - self._first_edge for p in places if p >= self._first_edge])
+
+    # -- robots that are still between two vertices ------------------------------------------------
+
+    def _is_mid_edge(self, robot: int) -> bool:
+        return self._vertex[robot] >= self._first_edge
+
+    def _passes(self, robot: int, drive: int, other: int) -> bool:
+        """Does a robot's drive lead past the point of another one between two vertices?"""
+        key = other, self._kinds[robot]
+        if key not in self._near_point:
+            self._near_point[key] = self._reservations.places_near(
+                self._kinds[other], self._kinds[robot], self._mid_edge[other])
+        part = self._near_point[key].get(self._first_edge + (drive >> 1))
+        if part is None:
+            return False
+        begun = self._mid_edge[robot].behind(drive) if self._is_mid_edge(robot) else 0.0
+        return begun < (1.0 - part[0] if drive & 1 else part[1])
+
+    def _stands_on(self, robot: int, path: AbstractSet[int]) -> bool:
+        """Is a robot on a path of vertices, or between two of them?"""
+        if not self._is_mid_edge(robot):
+            return self._vertex[robot] in path
+        drive = self._mid_edge[robot].drive
+        return {self._reservations.network.destination(d) for d in (drive, drive ^ 1)} <= path
 
     def _path(self, robot: int) -> AbstractSet[int]:
         """The next vertices of a robot's shortest path."""
@@ -250,9 +315,10 @@ def choose_rests(reservations: ReservationTable,
         if errand.rests is None:
             found[agent.name] = None
             continue
-        last = errand.destinations[-1] if errand.destinations else errand.vertex
         paths = reservations.network.paths_to(agent.kind, sorted(errand.rests))
-        for _, rest in sorted(zip((float(path[last]) for path in paths), sorted(errand.rests))):
+        seconds = [float(path[errand.destinations[-1]]) if errand.destinations
+                   else errand.seconds_to(path) for path in paths]
+        for _, rest in sorted(zip(seconds, sorted(errand.rests))):
             slots = reservations.slots[agent.kind]
             if not slots.bookings[slots.drives + rest] and not any(
                     reservations.blocking[agent.kind, kind].excludes(rest, vertex)

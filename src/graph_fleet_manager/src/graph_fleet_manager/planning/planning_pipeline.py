@@ -235,8 +235,6 @@ class PlanningPipeline:
 
     def _through_configurations(self, order: Sequence[Agent],
                                 deadline: float) -> Optional[Paths]:
-        if any(t.mid_edge for t in order):
-            return None
         moves = search_lacam(self._reservations, order, deadline, self._random)
         if moves is None:
             return None
@@ -267,12 +265,10 @@ class PlanningPipeline:
 
     def _who_passes(self, agent: Agent) -> Set[str]:
         """Whose plans lead past the place at which a robot stands, which is not booked."""
+        if agent.mid_edge is not None:
+            return {robot for robot, _ in self._reservations.passing(agent.kind, agent.mid_edge)}
         slots = self._reservations.slots[agent.kind]
-        if agent.mid_edge is None:
-            places = [slots.drives + agent.errand.vertex]
-        else:
-            places = [agent.mid_edge.drive, agent.mid_edge.drive ^ 1]
-        return {robot for slot in places for _, _, robot in slots.bookings[slot]}
+        return {robot for _, _, robot in slots.bookings[slots.drives + agent.errand.vertex]}
 
     # -- bookings ---------------------------------------------------------------------------------
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import replace
 from itertools import chain
-from math import inf
+from math import hypot, inf
 from typing import Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.geometry.exclusions import ROUNDING
 from graph_fleet_manager.planning.agents import LATER, Agent, Errand
 from graph_fleet_manager.planning.plans import Drive
 from graph_fleet_manager.planning.reservation_table import MidEdgePosition, ReservationTable
@@ -86,18 +87,19 @@ class Problem:
                 rests: Optional[FrozenSet[int]]) -> Errand:
         network = self._network
         ready = (fixed[-1].end if fixed else 0.0) + task.ready
+        vertex = -1
+        origins: Dict[int, float] = {}
         if mid_edge is not None:
-            times = network.times(task.type)
-            origins = {network.destination(drive): times[drive] * (1.0 - mid_edge.behind(drive))
-                       for drive in (mid_edge.drive, mid_edge.drive ^ 1)}
-        elif fixed:
-            origins = {network.destination(fixed[-1].drive): 0.0}
+            for _, end, seconds in mid_edge.exits(network, task.type):
+                origins[end] = min(seconds, origins.get(end, inf))
         else:
-            assert task.vertex is not None  # `check` has seen to that
-            origins = {network.index[task.vertex]: 0.0}
+            assert fixed or task.vertex is not None  # `check` has seen to that
+            vertex = (network.destination(fixed[-1].drive) if fixed
+                      else network.index[task.vertex or 0])
+            origins[vertex] = 0.0
         later = 1.0 if task.stays else LATER
-        return Errand(network, task.type, origins, ready, self._vertices(task.destinations),
-                      task.dwells, rests, later)
+        return Errand(network, task.type, vertex, origins, ready,
+                      self._vertices(task.destinations), task.dwells, rests, later)
 
     def _fixed(self, task: Task) -> Tuple[Drive, ...]:
         """What was released, driven at once."""
@@ -147,12 +149,18 @@ class Problem:
 
     def _excluded(self, held: _Held, other: RobotType) -> List[int]:
         if held.mid_edge is not None:
-            return self._reservations.places_near(held.kind, other, held.mid_edge)
+            return list(self._reservations.places_near(held.kind, other, held.mid_edge))
         return self._reservations.blocking[held.kind, other].excluded(held.place)
 
     def _is_near(self, one: _Held, other: _Held) -> bool:
         """Is a robot too near to one between two vertices, that holds but the point where it is?"""
-        return other.mid_edge is None or one.place in self._excluded(other, one.kind)
+        if other.mid_edge is None:
+            return True
+        if one.mid_edge is None:
+            return one.place in self._excluded(other, one.kind)
+        apart = self._reservations.apart(one.kind, other.kind)
+        return hypot(one.mid_edge.x - other.mid_edge.x,
+                     one.mid_edge.y - other.mid_edge.y) < apart - ROUNDING
 
     def _still_meets(self, one: _Held, other: _Held) -> bool:
         """Does what lies before a robot on its drive exclude a place, not only what is behind?"""

@@ -25,6 +25,13 @@ class MidEdgePosition(NamedTuple):
         """The fraction of `drive`, one of its two drives on, that lies behind it."""
         return self.fraction if drive == self.drive else 1.0 - self.fraction
 
+    def exits(self, network: RoadNetwork, kind: RobotType) -> List[Tuple[int, int, float]]:
+        """The (drive, vertex at its end, seconds to it) by which it may leave: also a closed edge,
+        and into a dock."""
+        times = network.times(kind)
+        return [(drive, network.destination(drive), times[drive] * (1.0 - self.behind(drive)))
+                for drive in (self.drive, self.drive ^ 1) if times[drive] < inf]
+
 
 class Booked(NamedTuple):
     """What is booked for one robot."""
@@ -59,6 +66,7 @@ class ReservationTable:
         self.slots: Dict[RobotType, Slots] = {}
         self.booked: Dict[str, Booked] = {}
         self._touched: Dict[str, List[Tuple[Slots, Iterable[int]]]] = {}
+        self._placed: Dict[str, Dict[RobotType, List[Tuple[int, float]]]] = {}
         self.clear()
 
     def clear(self) -> None:
@@ -67,6 +75,7 @@ class ReservationTable:
                       for kind in self.kinds}
         self.booked = {}
         self._touched = {}
+        self._placed = {}
 
     def prepare(self) -> None:
         """Computes what can be computed beforehand, for the graph and what is closed of it."""
@@ -88,7 +97,7 @@ class ReservationTable:
         for observer in self.kinds:
             slots, blocking = self.slots[observer], self.blocking[kind, observer]
             touched: List[int] = []
-            waits = None if mid_edge is None else self._at_point(kind, observer, mid_edge)
+            waits = None if mid_edge is None else self.at_point(kind, observer, mid_edge)
             since, at = -inf, vertex
             for number, (drive, start, end, begun) in enumerate(plan):
                 if start > since and (not begun or mid_edge):
@@ -113,17 +122,18 @@ class ReservationTable:
         """Books for ever a robot that may be anywhere on these places and areas, and nowhere else.
         """
         self._touched[robot] = []
+        self._placed[robot] = {}
         for observer in self.kinds:
             blocking, slots = self.blocking[kind, observer], self.slots[observer]
             touched: List[int] = []
-            blocked = [slot for place in places for slot, _ in blocking.of_place(place)]
+            blocked = [block for place in places for block in blocking.wait(place)]
             for area in areas:
                 distance = kind.reach + observer.reach + self.clearance + area.radius
-                near = self.network.exclusions.near(area.line, distance)
-                blocked += [slot for slot, _ in blocking.around_point(list(near))]
-            for slot in blocked:
+                blocked += blocking.beside(self.network.exclusions.near(area.line, distance))
+            for slot, _ in blocked:
                 slots.add(slot, -inf, inf, robot, touched)
             self._touched[robot].append((slots, touched))
+            self._placed[robot][observer] = blocked
 
     def bookings_of(self, robot: str, observer: RobotType) -> Dict[int, List[Booking]]:
         """What is booked for one robot, by slot, as robots of a type see it."""
@@ -134,6 +144,7 @@ class ReservationTable:
     def cancel(self, robot: str) -> None:
         """Takes a robot out; one that is not booked is none."""
         self.booked.pop(robot, None)
+        self._placed.pop(robot, None)
         for slots, touched in self._touched.pop(robot, ()):
             bookings, merged = slots.bookings, slots.merged
             for slot in touched:
@@ -179,51 +190,48 @@ class ReservationTable:
                  ready: float) -> List[Tuple[int, float, int, float]]:
         """What a robot that is not booked and stands between two vertices may begin with.
 
-        For each drive that is open: (drive, when it may go on, vertex that it leads to, when it is
-        there), for every time in which it is free. Until then no robot may come past its point.
+        For each drive by which it may leave: (drive, when it may go on, vertex that it leads to,
+        when it is there), for every time in which it is free. Until then no robot may come past
+        its point.
         """
         found = []
-        leave = self._undisturbed(kind, mid_edge)
-        for drive in (mid_edge.drive, mid_edge.drive ^ 1):
-            begun, end = mid_edge.behind(drive), self.network.destination(drive)
-            for _, vertex, seconds in (road for road in self.network.roads(kind, (end,))
-                                       [self.network.origin[drive]] if road[0] == drive):
-                starts, ends = merge(self._against_remainder(kind, drive, begun, seconds))
-                gap, begin = bisect_right(ends, ready), ready
-                while begin <= leave:
-                    if gap == len(ends) or begin <= starts[gap]:
-                        found.append((drive, begin, vertex, begin + (1.0 - begun) * seconds))
-                    if gap == len(ends):
-                        break
-                    begin = ends[gap]
-                    gap += 1
+        leave = min((start for _, start in self.passing(kind, mid_edge)), default=inf)
+        for drive, vertex, seconds in mid_edge.exits(self.network, kind):
+            starts, ends = merge(self.against_rest(kind, mid_edge, drive))
+            gap, begin = bisect_right(ends, ready), ready
+            while begin <= leave:
+                if gap == len(ends) or begin <= starts[gap]:
+                    found.append((drive, begin, vertex, begin + seconds))
+                if gap == len(ends):
+                    break
+                begin = ends[gap]
+                gap += 1
         return found
 
-    def _against_remainder(self, kind: RobotType, drive: int, begun: float,
-                           seconds: float) -> List[Booking]:
-        """When others keep a robot from driving the rest of a drive of which some lies behind it.
+    def against_rest(self, kind: RobotType, mid_edge: MidEdgePosition,
+                     drive: int) -> List[Booking]:
+        """When others keep a robot between two vertices from driving on to the end of a drive.
 
         Bookings are made for whole drives; those that only concern the part behind are ignored.
         """
         found: List[Booking] = []
-        behind = begun * seconds
+        behind = mid_edge.behind(drive) * self.network.times(kind)[drive]
         for robot, begin, end, blocks in self._activities(kind):
             for slot, lead in blocks:
                 if slot == drive and lead > behind:
                     found.append((begin - (lead - behind), end, robot))
         return found
 
-    def _undisturbed(self, kind: RobotType, mid_edge: MidEdgePosition) -> float:
-        """When the first of the others comes past a robot's point."""
-        first = inf
+    def passing(self, kind: RobotType,
+                mid_edge: MidEdgePosition) -> Iterator[Tuple[str, float]]:
+        """Others that come past a robot's point, and when they begin each drive that does."""
         for moving in self.kinds:
-            places = set(self.places_near(kind, moving, mid_edge))
-            for booked in self.booked.values():
+            places = self.places_near(kind, moving, mid_edge)
+            for robot, booked in self.booked.items():
                 if booked.kind is moving or booked.kind == moving:
                     for drive in booked.plan:
                         if self.network.vertices + (drive.drive >> 1) in places:
-                            first = min(first, drive.start)
-        return first
+                            yield robot, drive.start
 
     def _activities(self, observer: RobotType) -> Iterator[
             Tuple[str, float, float, Iterable[Tuple[int, float]]]]:
@@ -231,7 +239,7 @@ class ReservationTable:
         for robot, (kind, vertex, plan, mid_edge, until, held) in self.booked.items():
             blocking = self.blocking[kind, observer]
             waits = (blocking.wait(vertex) if mid_edge is None
-                     else self._at_point(kind, observer, mid_edge))
+                     else self.at_point(kind, observer, mid_edge))
             since = -inf
             for number, (drive, start, end, begun) in enumerate(plan):
                 if start > since and (not begun or mid_edge):
@@ -241,17 +249,24 @@ class ReservationTable:
                     yield robot, begin, start + clear * (end - start), [(slot, lead)]
                 waits, since = blocking.wait(self.network.origin[drive ^ 1]), end
             yield robot, since, until, waits
+        for robot, placed in self._placed.items():
+            yield robot, -inf, inf, placed[observer]
 
-    def _at_point(self, kind: RobotType, observer: RobotType,
-                  mid_edge: MidEdgePosition) -> List[Tuple[int, float]]:
-        return self.blocking[kind, observer].around_point(
-            self.places_near(kind, observer, mid_edge))
+    def at_point(self, kind: RobotType, observer: RobotType,
+                 mid_edge: MidEdgePosition) -> List[Tuple[int, float]]:
+        """(slot, lead) blocked by a robot that stands between two vertices."""
+        return self.blocking[kind, observer].beside(self.places_near(kind, observer, mid_edge))
 
     def places_near(self, kind: RobotType, other: RobotType,
-                    mid_edge: MidEdgePosition) -> List[int]:
-        """Places that robots of type `other` may not hold while one stands between vertices."""
-        return list(self.network.exclusions.near(
-            ((mid_edge.x, mid_edge.y),), kind.reach + other.reach + self.clearance))
+                    mid_edge: MidEdgePosition) -> Dict[int, Tuple[float, float]]:
+        """Places that robots of type `other` may not hold while one stands between vertices, and
+        the part of each edge that is too near to its point."""
+        return self.network.exclusions.near(((mid_edge.x, mid_edge.y),),
+                                            self.apart(kind, other))
+
+    def apart(self, kind: RobotType, other: RobotType) -> float:
+        """How far (m) the curves of two robots must be from each other."""
+        return kind.reach + other.reach + self.clearance
 
 
 def _remainder_of(blocks: Iterable[Block], begun: float) -> List[Block]:

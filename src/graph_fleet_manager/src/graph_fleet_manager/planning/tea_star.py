@@ -162,7 +162,9 @@ class TeaStar:
         return _overlap(booked.get(network.vertex_slot(vertex)), since, inf)
 
     def _moment(self, agent: Agent) -> float:
-        roads = agent.errand.roads[agent.errand.vertex]
+        network = self.reservations.network
+        roads = (agent.mid_edge.exits(network, agent.kind) if agent.mid_edge
+                 else agent.errand.roads[agent.errand.vertex])
         leaving = min((seconds for _, _, seconds in roads), default=0.0)
         return agent.errand.ready + PRESENT * leaving
 
