@@ -26,7 +26,7 @@ class Services:
                             lambda name, _, handler: self.handlers.setdefault(name, handler))
         monkeypatch.setattr(fleet_services, 'STOP_PATIENCE', 60.0)
         self.gate = StopGate()
-        fleet_services.FleetServices(robots, self.gate, self.loop.put_urgent,
+        fleet_services.FleetServices(robots, self.gate, self.loop,
                                      lambda now: (' Early.', self.early.stop(now)),
                                      self.past.append)
 
@@ -111,7 +111,6 @@ def test_a_stop_goes_past_a_supervisor_that_hangs_and_is_kept_for_it(services, m
     answer, _ = services.call('/stop_fleet', hangs=True)
     assert answer.success and 'hangs' in answer.message and len(services.past) == 1
     fleet = SupervisedFleet(corridor(3), {'a': (AGV, 1), 'b': (AGV, 3)})
-    services.loop.take()(None, 0.0)  # the clock, which is due first
     services.loop.take()(fleet.supervisor, 0.0)
     assert fleet.supervisor.is_stopped
 
@@ -182,7 +181,6 @@ def test_what_was_not_done_in_time_is_not_done_later(services, monkeypatch, name
         fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     answer, _ = services.call(name, hangs=True)
     assert not answer.success and 'nor will it be' in answer.message
-    services.loop.take()(None, 0.0)  # the clock, which is due first
     assert services.loop.take()(fleet.supervisor, fleet.now) == ()
     assert not fleet.supervisor.robots['a'].works
     assert fleet.supervisor.is_stopped == (name == '/resume_fleet')
@@ -193,6 +191,5 @@ def test_a_robot_that_was_not_taken_out_in_time_is_taken_out_later(services, mon
     fleet = SupervisedFleet(corridor(3), {'a': (AGV, 1), 'b': (AGV, 3)})
     answer, _ = services.call('/a/leave_fleet', hangs=True)
     assert not answer.success and 'but it will be' in answer.message
-    services.loop.take()(None, 0.0)
     assert services.loop.take()(fleet.supervisor, fleet.now)
     assert fleet.supervisor.robots['a'].outage is Outage.OUT_OF_SERVICE

@@ -10,7 +10,7 @@ import rospy
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from graph_fleet_manager.interlocking.stop_gate import StopGate
-from graph_fleet_manager.nodes.event_loop import Event
+from graph_fleet_manager.nodes.event_loop import EventLoop
 from graph_fleet_manager.supervision.actions import Action
 from graph_fleet_manager.supervision.supervisor import Supervisor
 from itrci_nav_msgs.srv import DeclareAbsent, DeclareAbsentRequest, DeclareAbsentResponse
@@ -23,17 +23,17 @@ Act = Callable[[Supervisor, float], Tuple[str, Sequence[Action]]]
 
 
 class FleetServices:
-    """Offers the services; each leaves an event to `put`, and answers with what became of it.
+    """Offers the services; each leaves an event, and answers with what became of it.
 
     gate       -- in front of every route: a stop closes it before anything else
     stop_early -- stops all robots where there is no supervisor to do it, with what is to be said
     past       -- sends a stop past a supervisor that hangs, from any thread
     """
 
-    def __init__(self, robots: Iterable[str], gate: StopGate, put: Callable[[Event], None],
+    def __init__(self, robots: Iterable[str], gate: StopGate, events: EventLoop,
                  stop_early: Callable[[float], Tuple[str, Sequence[Action]]],
                  past: Callable[[float], None]) -> None:
-        self._gate, self._put, self._stop_early, self._past = gate, put, stop_early, past
+        self._gate, self._events, self._stop_early, self._past = gate, events, stop_early, past
         self._robots = frozenset(robots)
         self._services: List[rospy.Service] = [
             rospy.Service('/stop_fleet', Trigger, lambda request: _logged(
@@ -101,6 +101,7 @@ class FleetServices:
         """What became of it; None where nothing did within `patience`.
 
         Nor will it then, unless it `lasts`: whoever was told that robots do not go on relies on it.
+        What lasts stops robots, and is urgent.
         """
         answer: queue.Queue[TriggerResponse] = queue.Queue(1)
         turn = threading.Lock()  # is taken once: to do it, or to give it up
@@ -117,7 +118,7 @@ class FleetServices:
             problem, actions = act(supervisor, now)
             answer.put(TriggerResponse(not problem, problem or done + _warning(supervisor)))
             return actions
-        self._put(event)
+        (self._events.put_urgent if lasts else self._events.put)(event)
         patience = PATIENCE if patience is None else patience
         try:
             return answer.get(timeout=patience)

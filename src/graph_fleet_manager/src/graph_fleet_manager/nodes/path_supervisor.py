@@ -95,7 +95,7 @@ class PathSupervisor:
         self._topics = FleetTopics(robots, self._rate, number('~improvement', 0.0, 0.0, 10.0),
                                    self._tell_open, self._gate)
         self._services = FleetServices(
-            robots, self._gate, self._events.put_urgent, self._stop_early,
+            robots, self._gate, self._events, self._stop_early,
             lambda now: self._topics.do(EarlyStop(robots).stop(now)))
         _note_stop_address()
         self._thread = threading.Thread(target=self._work, name='supervisor', daemon=True)
@@ -233,7 +233,7 @@ class PathSupervisor:
         def refuse() -> Sequence[Action]:
             trouble = self._file.trouble
             return (TellStatus(messages.refusal_status(message, trouble)),) if trouble else ()
-        self._events.put_order(take, refuse)
+        self._events.put_request(take, refuse)
 
     def _on_command(self, message: MissionCommand) -> None:
         try:
@@ -251,23 +251,25 @@ class PathSupervisor:
         except WrongReport as wrong:
             rospy.logwarn_throttle(10.0, f'A report of {robot} is ignored: {wrong}.')
             return
-        self._events.put_report(lambda supervisor, now: supervisor.report(robot, report, now))
+        self._events.put_report(
+            lambda supervisor, now, arrived: supervisor.report(robot, report, now, arrived))
 
     def _on_refusal(self, robot: str, message: RouteRefused) -> None:
         refusal, stamp = messages.refusal_of(message), message.header.stamp.to_sec()
         self._events.put_report(
-            lambda supervisor, now: supervisor.refusal(robot, refusal, now, stamp))
+            lambda supervisor, now, _: supervisor.refusal(robot, refusal, now, stamp))
 
     def _on_battery(self, robot: str, message: BatteryState) -> None:
         charge = message.percentage
         if 0.0 <= charge <= 1.0:
-            self._events.put_report(lambda supervisor, now: supervisor.battery(robot, charge, now))
+            self._events.put_report(
+                lambda supervisor, _, arrived: supervisor.battery(robot, charge, arrived))
         elif not math.isnan(charge):
             rospy.logwarn_throttle(60.0, f'A battery_state of {robot} is ignored: its percentage '
                                          f'is {charge:g}, but must be from 0 to 1.')
 
     def _on_answer(self, message: PlanAnswer) -> None:
-        def take(supervisor: Supervisor, now: float) -> Sequence[Action]:
+        def take(supervisor: Supervisor, now: float, _: float) -> Sequence[Action]:
             if not self._topics.has_asked(message.plan_id, message.header.stamp):
                 return ()
             if message.result == PlanAnswer.PLANNED:

@@ -217,17 +217,20 @@ class ManagedRobot:
 
     # -- the clock --------------------------------------------------------------------------------
 
-    def look(self, now: float) -> bool:
-        """Finds out that it is silent, or deaf; tells whether its allocation has grown by that."""
+    def look(self, now: float, heard: float) -> bool:
+        """Finds out that it is silent, or deaf; tells whether its allocation has grown by that.
+
+        heard -- all reports that arrived until then were heard
+        """
         if self.client.order is None:
             self.liveness.nothing_to_answer(now)
-        if self.liveness.is_silent(now):
+        if self.liveness.is_silent(heard):
             self.notice(Sign.SILENCE, f'it has not reported for {SILENCE:.0f} s')
-        elif self.outage is None and self.liveness.is_deaf(now):
+        elif self.outage is None and self.liveness.is_deaf(heard):
             self.notice(Sign.NO_ANSWER, f'it reports, but has not answered an order for '
                         f'{ANSWER:.0f} s: do its message definitions differ, or was the clock of '
                         'the fleet computer set back?')
-        silence = now - self.liveness.seen
+        silence = heard - self.liveness.seen
         return self.liveness.is_seen and silence > STANDING and self.client.grow(silence)
 
     def wants_to_go_on(self, now: float) -> int:

@@ -72,7 +72,7 @@ class Supervisor:
         self.charging = ChargeQueue(self.robots)
         self.book = MissionBook(journal.missions(), journal.last_serial() + 1)
         self._journal = journal
-        self._began = now
+        self._began = self._heard = now
         self._is_starting = True
         self._is_recovering = False  # from a lost journal: nothing is granted until all stand
         self._waiting = WaitingMissions(self.book, self.robots)
@@ -170,7 +170,7 @@ class Supervisor:
     def report(self, name: str, report: Report, now: float,
                arrived: Optional[float] = None) -> List[Action]:
         """A robot tells where it is and how far its route is; `arrived`: when the report came."""
-        robot = self.robots[name]
+        robot, arrived = self.robots[name], now if arrived is None else arrived
         try:
             check_report(report, self.network.graph)
         except WrongReport as wrong:
@@ -182,14 +182,14 @@ class Supervisor:
         before, was_seen = robot.client.progress, robot.liveness.is_seen
         if self._is_starting and not was_seen:
             self._look_at_first(robot, report)
-        robot.hear(report, now if arrived is None else arrived)
+        robot.hear(report, arrived)
         robot.begin_elsewhere()
         if robot.client.to_order_anew:
             self.interlocking.grant_again(robot, robot.client.to_order_anew)
         if robot.must_stop(report, now):
             robot.client.halt(self._out.new_id)
             self._out.send()
-        self.networks.learn(robot, now)
+        self.networks.learn(robot, arrived)
         if before != robot.client.progress:
             self._out.robot_changed(name)
             if mission_progress.follow(self.book, robot, now):
@@ -373,8 +373,13 @@ class Supervisor:
 
     # -- what goes on -----------------------------------------------------------------------------
 
-    def tick(self, now: float) -> List[Action]:
-        """Looks at the clock; to be called ten to twenty times a second."""
+    def tick(self, now: float, heard: Optional[float] = None) -> List[Action]:
+        """Looks at the clock; to be called ten to twenty times a second.
+
+        heard -- all reports that arrived until then were told before: who is silent is judged by
+                 that
+        """
+        self._heard = now if heard is None else heard
         self._go_on(now)
         return self._out.take(now)
 
@@ -389,7 +394,7 @@ class Supervisor:
 
     def _go_on(self, now: float) -> None:
         for robot in self.robots.values():
-            if robot.look(now):
+            if robot.look(now, self._heard):
                 self._out.robot_changed(robot.name)
                 self._separate(robot)
             mission_progress.follow(self.book, robot, now)
@@ -402,7 +407,7 @@ class Supervisor:
         self._outages.look()
         self._out.send()
         if self._is_starting:
-            self._is_starting = (now - self._began < SILENCE and not all(
+            self._is_starting = (self._heard - self._began < SILENCE and not all(
                 robot.liveness.is_seen or robot.outage is Outage.ABSENT
                 for robot in self.robots.values()))
         if self.is_stopped:
