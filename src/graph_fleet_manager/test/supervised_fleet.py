@@ -41,8 +41,9 @@ class _CountingJournal(Journal):
 
     def store(self, missions: Iterable[Mission] = (),
               robots: Optional[Mapping[str, Optional[RobotMemory]]] = None,
-              values: Optional[Mapping[str, int]] = None, graph: Optional[Graph] = None) -> None:
-        super().store(missions, robots, values, graph)
+              values: Optional[Mapping[str, int]] = None, graph: Optional[Graph] = None,
+              stays: Optional[Mapping[int, float]] = None) -> None:
+        super().store(missions, robots, values, graph, stays)
         self.commits += 1
 
 

@@ -8,8 +8,9 @@ import pytest
 from fleet_builders import AGV, corridor
 from supervised_fleet import SupervisedFleet
 
-from graph_fleet_manager.nodes.event_loop import TICK, EventLoop
-from graph_fleet_manager.supervision.actions import TellStatus
+from graph_fleet_manager.nodes import event_loop
+from graph_fleet_manager.nodes.event_loop import BATCH, TICK, EventLoop
+from graph_fleet_manager.supervision.actions import Note, TellStatus
 from graph_fleet_manager.supervision.missions import Command, MissionState, Request
 from graph_fleet_manager.supervision.outages import Outage
 
@@ -84,9 +85,9 @@ class WatchedLoop:
 
     def __init__(self, seed):
         self.random, self.clock = Random(seed), Clock()
-        self.loop = EventLoop(self.clock)
+        self.loop = EventLoop(self.clock, lambda: 'requests are refused')
         self.arrived = {'stop': [], 'event': [], 'request': []}
-        self.taken = []  # what, its number, when
+        self.taken = {'stop': [], 'event': [], 'request': [], 'tick': []}
         self.slowness = self.random.choice((0.1, 1.0, 5.0)) * TICK
 
     def arrives(self, kind):
@@ -95,54 +96,55 @@ class WatchedLoop:
         self.arrived[kind].append(self.clock.now)
 
         def event(supervisor, now):
-            self.taken.append((kind, number, now))
+            self.taken[kind].append(number)
             return ()
         if kind == 'request':
-            self.loop.put_request(lambda supervisor, now: (), lambda: event(None, self.clock.now))
+            self.loop.put_request(Request(number, (1,)))
         else:
             (self.loop.put_urgent if kind == 'stop' else self.loop.put)(event)
 
     def waiting(self, kind):
         """When everything arrived that was not taken yet."""
-        return self.arrived[kind][sum(one == kind for one, _, _ in self.taken):]
+        return self.arrived[kind][len(self.taken[kind]):]
 
     def take(self):
-        """One turn of the thread, during which more may arrive."""
-        before = len(self.taken)
-        begun = self.clock.now
-        self.loop.take()(None, begun)
-        if len(self.taken) == before:
-            self.taken.append(('tick', 0, begun))
+        """What was taken in one turn of the thread, during which more may arrive."""
+        before = {kind: len(taken) for kind, taken in self.taken.items()}
+        told = self.loop.take()(None, self.clock.now)
+        self.taken['request'] += [action.status.request_id for action in told]
+        turn = next((kind for kind in before if len(self.taken[kind]) > before[kind]), 'tick')
+        if turn == 'tick':
+            self.taken[turn].append(self.clock.now)
         for _ in range(self.random.choice((0, 0, 1, 1, 2))):
             self.clock.now += self.random.random() * self.slowness
             self.arrives(self.random.choice(('stop', 'event', 'event', 'event', 'request')))
+        return turn
 
 
 @pytest.mark.parametrize('seed', range(50))
 def test_whatever_comes_and_however_long_it_takes_the_order_is_kept(seed):
     watched = WatchedLoop(seed)
     due, requests = watched.clock.now, 0
-    for turn in range(400):
+    for _ in range(400):
         if not any(watched.waiting(kind) for kind in watched.arrived):
             watched.clock.now = max(watched.clock.now, due)  # nothing happens until the next tick
         waiting = {kind: watched.waiting(kind) for kind in watched.arrived}
-        watched.take()
-        kind, _, now = watched.taken[turn]
+        now, kind = watched.clock.now, watched.take()
         if waiting['stop']:
             assert kind == 'stop', 'nothing goes before a stop'
         if kind in ('tick', 'request'):
             assert not [at for at in waiting['event'] if at <= min(due, now)], 'it arrived before'
         if kind == 'request':
             requests += 1
-            due = min(due, now) if len(waiting['request']) == 1 else due
+            due = min(due, now) if len(waiting['request']) <= BATCH else due
         if kind == 'tick':
             assert now >= due
             assert requests or not waiting['request'], 'requests have a turn'
             due, requests = now + TICK, 0
     for kind in watched.arrived:
-        numbers = [number for what, number, _ in watched.taken if what == kind]
+        numbers = watched.taken[kind]
         assert numbers == list(range(len(numbers))), f'each {kind} is taken once, in order'
-    assert sum(kind == 'tick' for kind, _, _ in watched.taken) > 10, 'the clock is looked at'
+    assert len(watched.taken['tick']) > 10, 'the clock is looked at'
 
 
 @pytest.fixture
@@ -176,18 +178,14 @@ def test_a_robot_that_does_not_report_is_silent_also_after_a_stall(fleet):
     assert fleet.supervisor.robots['a'].outage is Outage.SILENT
 
 
-def test_a_tick_is_due_at_once_when_the_last_request_is_taken(loop, clock):
-    notes = []
-    for number in range(2):
-        loop.put_request(lambda supervisor, now: (), lambda number=number: notes.append(number))
-    for _ in range(2):
-        loop.take()(None, clock.now)
-    assert notes == [0, 1]
-    loop.put(noted(notes, 'later'))
-    clock.now += TICK / 10
-    loop.take()(None, clock.now)
-    loop.take()(None, clock.now)
-    assert notes == [0, 1, 'later'], 'and then the tick'
+def test_a_tick_is_due_at_once_when_the_last_request_is_taken(fleet):
+    loop = EventLoop(lambda: fleet.now)
+    loop.take()(fleet.supervisor, fleet.now)
+    loop.begin()
+    loop.put_request(Request(1, (3,)))
+    assert told_by(loop.take()(fleet.supervisor, fleet.now)) == [(1, MissionState.PENDING)]
+    fleet.now += TICK / 10
+    assert told_by(loop.take()(fleet.supervisor, fleet.now)) == [(1, MissionState.ACTIVE)]
 
 
 def test_a_stop_finds_room_where_too_many_reports_wait(loop, monkeypatch):
@@ -205,19 +203,78 @@ def test_a_stop_finds_room_where_too_many_reports_wait(loop, monkeypatch):
     assert not late.is_alive()
 
 
-def test_a_request_is_not_kept_where_there_is_an_answer_to_it_before(loop):
-    loop.put_request(lambda supervisor, now: pytest.fail('it is kept'), lambda: ('refused',))
-    assert loop.take()(None, 0.0) == ('refused',)
-    fleet = SupervisedFleet(corridor(3), {'a': (AGV, 1)})
-    assert loop.begin(fleet.supervisor, 0.0) == []
-
-
-def test_a_request_before_there_is_a_graph_is_answered_once_there_is_one(loop):
-    fleet = SupervisedFleet(corridor(3), {'a': (AGV, 1)})
-    loop.put_order(lambda supervisor, now: supervisor.request(Request(1, (3,)), now))
-    loop.put_report(lambda supervisor, now, arrived: pytest.fail('an old report means nothing'))
-    assert [*loop.take()(None, 0.0), *loop.take()(None, 0.0)] == []
-    told = [action.status.state for action in loop.begin(fleet.supervisor, 0.0)
+def told_by(actions):
+    """Ids and states of the requests that are told of."""
+    return [(action.status.request_id, action.status.state) for action in actions
             if isinstance(action, TellStatus)]
-    assert told == [MissionState.PENDING]
-    assert loop.begin(fleet.supervisor, 0.0) == [], 'it is heard once'
+
+
+def test_a_request_is_not_kept_where_it_cannot_be(clock):
+    loop = EventLoop(clock, lambda: 'the disk is full')
+    loop.put_request(Request(1, (3,)))
+    refusal, = loop.take()(None, 0.0)
+    assert (refusal.status.state, refusal.status.reason) == (MissionState.REFUSED,
+                                                             'the disk is full')
+
+
+def take_all(loop, fleet, turns):
+    """What follows from so many turns."""
+    return [action for _ in range(turns) for action in loop.take()(fleet.supervisor, fleet.now)]
+
+
+def test_requests_and_commands_before_there_is_a_graph_are_carried_out_once_there_is_one(
+        loop, fleet):
+    loop.put_request(Request(1, (3,)))
+    loop.put_request(Request(2, (2,)))
+    loop.put_command(2, Command.PAUSE)
+    loop.put_command(2, Command.CANCEL)
+    loop.put_report(lambda supervisor, now, arrived: pytest.fail('an old report means nothing'))
+    for _ in range(3):
+        assert loop.take()(None, 0.0) == ()
+    loop.begin()
+    assert told_by(take_all(loop, fleet, 3)) == [
+        (2, MissionState.PENDING), (2, MissionState.PAUSED), (2, MissionState.CANCELLED),
+        (1, MissionState.PENDING)]
+    assert fleet.supervisor.book.find(2).state is MissionState.CANCELLED
+
+
+def test_as_many_requests_as_may_be_open_are_kept_and_what_comes_beyond_is_told(
+        loop, fleet, monkeypatch):
+    monkeypatch.setattr(event_loop, 'MOST_OPEN', 50)
+    for id in range(51):
+        loop.put_request(Request(id + 1, (3,)))
+    refusal, = loop.take()(None, 0.0)
+    assert refusal.status.request_id == 51
+    assert '5000 already wait' in refusal.status.reason
+    for _ in range(50):
+        loop.put_command(1, Command.PAUSE)
+        assert loop.take()(None, 0.0) == ()
+    loop.put_command(1, Command.PAUSE)
+    note, = loop.take()(None, 0.0)
+    assert isinstance(note, Note) and 'PAUSE for mission 1 is ignored' in note.text
+    loop.begin()
+    take_all(loop, fleet, 51)
+    assert [fleet.state(id + 1) for id in range(50)] == [
+        MissionState.PAUSED, *[MissionState.PENDING] * 49]
+
+
+def test_a_command_overtakes_all_requests_but_those_that_it_is_about(loop, fleet):
+    fleet.request(1, 3)
+    loop.begin()
+    for id in range(2, 500):
+        loop.put_request(Request(id, (3,)))
+    loop.put_command(1, Command.CANCEL)
+    loop.put_command(400, Command.CANCEL)
+    assert told_by(take_all(loop, fleet, 1))[0] == (1, MissionState.CANCELLED)
+    assert told_by(take_all(loop, fleet, 1)) == [
+        (400, MissionState.PENDING), (400, MissionState.CANCELLED)]
+
+
+def test_requests_that_come_together_share_a_commit(loop, fleet):
+    loop.begin()
+    for id in range(BATCH):
+        loop.put_request(Request(id + 1, (3,)))
+    before = fleet.journal.commits
+    told = told_by(take_all(loop, fleet, 1))
+    assert told == [(id + 1, MissionState.PENDING) for id in range(BATCH)]
+    assert fleet.journal.commits == before + 1

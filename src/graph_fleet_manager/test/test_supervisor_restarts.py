@@ -42,6 +42,42 @@ def test_a_mission_to_a_vertex_that_the_graph_lost_has_failed_and_the_others_go_
     assert fleet.state(2) is MissionState.SUCCEEDED
 
 
+def test_a_robot_that_stays_until_released_is_released_before_the_first_tick_after_a_restart():
+    fleet = SupervisedFleet(corridor(4), {'a': (AGV, 1)})
+    fleet.request(1, 2, 4, dwells=(-1.0, 0.0))
+    fleet.run(20.0)
+    assert fleet.reached(1) == 0 and fleet.agvs['a'].visited[-1] == 2
+    fleet.restart()
+    fleet.do(fleet.supervisor.command(1, Command.RELEASE, fleet.now))
+    assert fleet.reached(1) == 1
+    fleet.run_until_done(1)
+    assert fleet.state(1) is MissionState.SUCCEEDED
+
+
+@pytest.mark.parametrize('restarts', [1, 3])
+def test_a_stay_does_not_begin_anew_after_a_restart(restarts):
+    fleet = SupervisedFleet(corridor(4), {'a': (AGV, 1)})
+    fleet.request(1, 2, dwells=(60.0,))
+    fleet.run_until(lambda: fleet.agvs['a'].visited[-1:] == [2] and not fleet.agvs['a'].is_driving)
+    begun = fleet.now
+    for _ in range(restarts):
+        fleet.run(12.0)
+        fleet.restart()
+    fleet.run_until_done(1)
+    assert 59.0 < fleet.now - begun < 65.0
+
+
+def test_the_second_of_two_stays_at_one_place_has_its_whole_time_after_a_restart():
+    fleet = SupervisedFleet(corridor(4), {'a': (AGV, 1)})
+    fleet.request(1, 2, 2, dwells=(20.0, 30.0))
+    fleet.run_until(lambda: fleet.reached(1) == 1)
+    begun = fleet.now
+    fleet.run(1.0)
+    fleet.restart()
+    fleet.run_until_done(1)
+    assert 29.0 < fleet.now - begun < 32.0
+
+
 def test_a_robot_whose_place_the_graph_lost_stays_out_of_service():
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 6), 'b': (AGV, 1)})
     fleet.run(1.0)

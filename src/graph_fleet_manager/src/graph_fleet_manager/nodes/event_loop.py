@@ -2,7 +2,10 @@
 
 Stops go first. Then comes what was reported, commanded and answered, in the order of its arrival.
 A tick comes when it is due, after all of these that arrived before. Requests have what time is
-left, and at least one turn between two ticks; a tick is due at once when none is left.
+left, and at least one turn between two ticks; a tick is due at once when none is left. A command
+takes the requests with it that it is about.
+
+Requests and commands come only once: they wait until there is a supervisor.
 """
 from __future__ import annotations
 
@@ -10,15 +13,18 @@ import heapq
 import itertools
 import threading
 import time
-from collections import deque
-from typing import Callable, Deque, List, NamedTuple, Optional, Sequence
+from collections import OrderedDict, deque
+from typing import Callable, Deque, Dict, List, NamedTuple, Optional, Sequence
 
-from graph_fleet_manager.supervision.actions import Action
+from graph_fleet_manager.supervision.actions import Action, Note, TellStatus
+from graph_fleet_manager.supervision.mission_commands import refused
+from graph_fleet_manager.supervision.missions import MOST_OPEN, Command, Request
 from graph_fleet_manager.supervision.supervisor import Supervisor
 
 TICK = 0.05       # s between two looks at the clock
+BATCH = 100       # requests that share one commit, so that what is urgent does not wait for more
 _WAITING = 10000  # events, and as many requests, beyond which something is badly wrong
-_EARLY = 1000     # events that are kept until there is a supervisor
+_TOO_EARLY = f'the fleet manager has not begun yet, and {MOST_OPEN} already wait for that'
 
 Event = Callable[[Optional[Supervisor], float], Sequence[Action]]
 """What happened, told to the supervisor (None: there is none yet) with the time; what follows."""
@@ -37,18 +43,25 @@ class _Waiting(NamedTuple):
 
 
 class EventLoop:
-    """Callbacks leave events, one thread takes them. Times are those of `clock` (s, monotonic)."""
+    """Callbacks leave events, one thread takes them. Times are those of `clock` (s, monotonic).
 
-    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
-        self._clock = clock
+    trouble -- why requests cannot be kept until there is a supervisor, a clause; empty: they can
+    """
+
+    def __init__(self, clock: Callable[[], float] = time.monotonic,
+                 trouble: Callable[[], str] = str) -> None:
+        self._clock, self._trouble = clock, trouble
         self._changed = threading.Condition()
         self._numbers = itertools.count()
         self._stops: Deque[Event] = deque()
         self._events: List[_Waiting] = []  # a heap
-        self._requests: Deque[Event] = deque()
+        self._requests: OrderedDict[int, Request] = OrderedDict()
+        self._by_id: Dict[int, List[int]] = {}  # numbers of the requests with an id
         self._room = threading.Semaphore(_WAITING)
         self._request_room = threading.Semaphore(_WAITING)
-        self._early: List[ReadyEvent] = []
+        self._is_ready = False
+        self._early: List[_Waiting] = []
+        """Events of before there was a supervisor."""
         self._due = clock()
         self._heard: Optional[float] = None
         """A tick is due, after all events that arrived until then; None: none is due."""
@@ -79,36 +92,55 @@ class EventLoop:
         self._put(lambda supervisor, now: (
             () if supervisor is None else event(supervisor, now, arrived)), arrived)
 
-    def put_order(self, event: ReadyEvent) -> None:
-        """Something happened that comes only once: it is kept until there is a supervisor."""
-        self.put(self._when_ready(event))
+    def put_order(self, event: ReadyEvent, lost: str = '') -> None:
+        """Something happened that comes only once: it is kept until there is a supervisor.
 
-    def put_request(self, event: ReadyEvent, instead: Callable[[], Sequence[Action]]) -> None:
-        """The same for what others go before; not kept where there is an answer `instead`."""
-        self._request_room.acquire()
-        with self._changed:
-            self._requests.append(self._when_ready(event, instead))
-            self._changed.notify()
+        lost -- what is told where too much is kept already
+        """
+        arrived = self._clock()
 
-    def _when_ready(self, event: ReadyEvent,
-                    instead: Callable[[], Sequence[Action]] = tuple) -> Event:
         def when_ready(supervisor: Optional[Supervisor], now: float) -> Sequence[Action]:
             if supervisor is not None:
                 return event(supervisor, now)
-            answer = instead()
-            if answer:
-                return answer
-            if len(self._early) < _EARLY:
-                self._early.append(event)
+            if len(self._early) >= MOST_OPEN:
+                return (Note(lost, True),) if lost else ()
+            self._early.append(_Waiting(arrived, next(self._numbers), when_ready))
             return ()
-        return when_ready
+        self._put(when_ready, arrived)
+
+    def put_command(self, request_id: int, command: Command) -> None:
+        """A command came; requests with that id that still wait go before it."""
+        def do(supervisor: Supervisor, now: float) -> Sequence[Action]:
+            before = self._requests_with(request_id)
+            return [*(supervisor.requests(before, now) if before else ()),
+                    *supervisor.command(request_id, command, now)]
+        self.put_order(do, f'The command {command.name} for mission {request_id} is ignored: '
+                           f'{_TOO_EARLY}.')
+
+    def put_request(self, request: Request) -> None:
+        """A request came; waits while too many do, but not for a supervisor."""
+        with self._changed:
+            is_refused = not self._is_ready and len(self._requests) >= MOST_OPEN
+        if is_refused:
+            self.put(lambda supervisor, now: (TellStatus(refused(request, _TOO_EARLY)),))
+            return
+        self._request_room.acquire()
+        with self._changed:
+            number = next(self._numbers)
+            self._requests[number] = request
+            self._by_id.setdefault(request.id, []).append(number)
+            self._changed.notify()
 
     # -- the thread that takes them ---------------------------------------------------------------
 
-    def begin(self, supervisor: Supervisor, now: float) -> List[Action]:
-        """There is a supervisor: it hears what came before it."""
-        early, self._early = self._early, []
-        return [action for event in early for action in event(supervisor, now)]
+    def begin(self) -> None:
+        """There is a supervisor: what came before it is taken as if it came now."""
+        with self._changed:
+            self._is_ready = True
+            early, self._early = self._early, []
+            for waiting in early:
+                heapq.heappush(self._events, waiting)
+                self._room.acquire(blocking=False)
 
     def take(self) -> Event:
         """The next event, or a tick when it is time for that."""
@@ -133,13 +165,34 @@ class EventLoop:
             self._room.release()
             return heapq.heappop(self._events).event
         if self._requests and (self._heard is None or not self._had_turn):
-            self._request_room.release()
-            self._had_turn = True
-            request = self._requests.popleft()
-            if not self._requests:
-                self._due = self._clock()  # a robot is to drive at once
-            return request
+            trouble = '' if self._is_ready else self._trouble()
+            if self._is_ready or trouble:
+                return self._accept(trouble)
         return None
+
+    def _accept(self, trouble: str) -> Event:
+        """The turn of some requests; `trouble`: why they are refused."""
+        self._had_turn = True
+        requests = [self._taken(number)
+                    for number in list(itertools.islice(self._requests, BATCH))]
+        if not self._requests:
+            self._due = self._clock()  # a robot is to drive at once
+        return lambda supervisor, now: (
+            [TellStatus(refused(request, trouble)) for request in requests]
+            if supervisor is None else supervisor.requests(requests, now))
+
+    def _requests_with(self, request_id: int) -> List[Request]:
+        with self._changed:
+            return [self._taken(number) for number in list(self._by_id.get(request_id, ()))]
+
+    def _taken(self, number: int) -> Request:
+        request = self._requests.pop(number)
+        numbers = self._by_id[request.id]
+        numbers.remove(number)
+        if not numbers:
+            del self._by_id[request.id]
+        self._request_room.release()
+        return request
 
     def _tick(self, heard: float) -> Event:
         self._due = self._clock() + TICK

@@ -83,7 +83,7 @@ class PathSupervisor:
             raise ConfigurationError(str(error)) from None
         self._file = JournalFile()
         self._rate = number('~sim_speed', 1.0, 0.01, 100.0)
-        self._events = EventLoop()
+        self._events = EventLoop(trouble=lambda: self._file.trouble)
         self._supervisor: Optional[Supervisor] = None
         self._graph: Optional[Graph] = None
         self._begin_at = math.inf
@@ -107,7 +107,7 @@ class PathSupervisor:
 
     def _subscribe(self, robots: Iterable[str]) -> List[rospy.Subscriber]:
         def listen(topic: str, kind: Any, handler: Callable[[Any], None],
-                   waiting: int = 100) -> rospy.Subscriber:
+                   waiting: Optional[int] = 100) -> rospy.Subscriber:
             return rospy.Subscriber(topic, kind, handler, queue_size=waiting, tcp_nodelay=True)
 
         def of(name: str, handler: Callable[[str, Any], None]) -> Callable[[Any], None]:
@@ -116,8 +116,8 @@ class PathSupervisor:
         subscribers = [
             listen('/graph', GraphMessage, self._on_graph, 1),
             listen('/closed_edges_in_force', ClosedEdges, self._on_closed, 1),
-            listen('/mission_request', MissionRequest, self._on_request),
-            listen('/mission_command', MissionCommand, self._on_command),
+            listen('/mission_request', MissionRequest, self._on_request, None),
+            listen('/mission_command', MissionCommand, self._on_command, None),
             listen('/plan_answer', PlanAnswer, self._on_answer)]
         for robot in robots:
             subscribers += [
@@ -219,21 +219,17 @@ class PathSupervisor:
         self._services.offer_removed(supervisor.removed)
         is_stopped = self._early.hand_over() or (self._gate.is_closed and not supervisor.is_stopped)
         stopping = supervisor.stop_fleet(now) if is_stopped else ()
-        return [*stopping, *supervisor.close_edges(self._closed, now),
-                *self._events.begin(supervisor, now)]
+        self._events.begin()
+        return [*stopping, *supervisor.close_edges(self._closed, now)]
 
     def _on_request(self, message: MissionRequest) -> None:
-        def take(supervisor: Supervisor, now: float) -> Sequence[Action]:
-            try:
-                request = messages.request_of(message)
-            except RequestRefused as refused:
-                return (TellStatus(messages.refusal_status(message, str(refused))),)
-            return supervisor.request(request, now)
-
-        def refuse() -> Sequence[Action]:
-            trouble = self._file.trouble
-            return (TellStatus(messages.refusal_status(message, trouble)),) if trouble else ()
-        self._events.put_request(take, refuse)
+        try:
+            request = messages.request_of(message)
+        except RequestRefused as refused:
+            refusal = TellStatus(messages.refusal_status(message, str(refused)))
+            self._events.put(lambda supervisor, now: (refusal,))
+            return
+        self._events.put_request(request)
 
     def _on_command(self, message: MissionCommand) -> None:
         try:
@@ -242,8 +238,7 @@ class PathSupervisor:
             rospy.logwarn('A mission command %d for mission %d is ignored: there is no such '
                           'command.', message.command, message.request_id)
             return
-        self._events.put_order(
-            lambda supervisor, now: supervisor.command(message.request_id, command, now))
+        self._events.put_command(message.request_id, command)
 
     def _on_report(self, robot: str, message: ExecutionRouteStates) -> None:
         try:

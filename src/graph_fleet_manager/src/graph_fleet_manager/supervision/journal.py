@@ -50,6 +50,7 @@ CREATE TABLE IF NOT EXISTS change (
     time REAL NOT NULL, serial INTEGER NOT NULL, state INTEGER NOT NULL, robot TEXT NOT NULL,
     reached INTEGER NOT NULL, reason TEXT NOT NULL);
 CREATE INDEX IF NOT EXISTS change_by_serial ON change (serial);
+CREATE TABLE IF NOT EXISTS stay (serial INTEGER PRIMARY KEY, began REAL NOT NULL);
 CREATE TABLE IF NOT EXISTS robot (name TEXT PRIMARY KEY, memory TEXT NOT NULL);
 CREATE TABLE IF NOT EXISTS value (name TEXT PRIMARY KEY, number INTEGER NOT NULL);
 CREATE TABLE IF NOT EXISTS graph (one INTEGER PRIMARY KEY CHECK (one = 1), elements TEXT NOT NULL);
@@ -130,9 +131,11 @@ class Journal:
 
     def store(self, missions: Iterable[Mission] = (),
               robots: Optional[Mapping[str, Optional[RobotMemory]]] = None,
-              values: Optional[Mapping[str, int]] = None, graph: Optional[Graph] = None) -> None:
+              values: Optional[Mapping[str, int]] = None, graph: Optional[Graph] = None,
+              stays: Optional[Mapping[int, float]] = None) -> None:
         """Puts all of it on the disk: missions, what robots may hold (None: nothing any more),
-        numbers by name, and the graph on which all that is.
+        numbers by name, the graph on which all that is, and, by serial, how long ago (s) missions
+        began to stay where they are.
 
         Raises JournalUnavailable, and has put nothing there.
         """
@@ -140,6 +143,9 @@ class Journal:
             self._run('BEGIN IMMEDIATE')
             for mission in missions:
                 self._write_mission(mission)
+            for serial, seconds in (stays or {}).items():
+                self._run('INSERT OR REPLACE INTO stay VALUES (?, ?)',
+                          (serial, self._clock() - seconds))
             for name, memory in (robots or {}).items():
                 if memory is None:
                     self._run('DELETE FROM robot WHERE name = ?', (name,))
@@ -163,6 +169,8 @@ class Journal:
                   (mission.serial, mission.request.id, _request_text(mission.request), *now))
         self._run('INSERT INTO change VALUES (?, ?, ?, ?, ?, ?)',
                   (self._clock(), mission.serial, *now))
+        if mission.stays_since is None or not mission.state.is_open:
+            self._run('DELETE FROM stay WHERE serial = ?', (mission.serial,))
 
     def _run(self, statement: str, values: Tuple[object, ...] = ()) -> sqlite3.Cursor:
         try:
@@ -191,6 +199,12 @@ class Journal:
             f'reached, reason FROM mission WHERE state NOT IN ({marks}) ORDER BY serial DESC '
             'LIMIT ?)) ORDER BY serial', (REMEMBERED,))
         return [_mission(row) for row in rows]
+
+    def stays(self) -> Dict[int, float]:
+        """How long (s) missions stay where they are, by serial; not less than 0."""
+        now = self._clock()
+        return {int(serial): max(now - began, 0.0)
+                for serial, began in self._run('SELECT serial, began FROM stay')}
 
     def find(self, request: Request) -> Optional[Mission]:
         """The last mission that exactly this request became, ended ages ago or not.
@@ -250,7 +264,7 @@ def _request_text(request: Request) -> str:
 def _mission(row: Tuple[int, str, int, str, int, str]) -> Mission:
     """A mission of its row: serial, request, state, robot, destinations reached, reason."""
     serial, text, state, robot, reached, reason = row
-    return Mission(serial, _request(text), MissionState(state), robot, reached, None, reason)
+    return Mission(serial, _request(text), MissionState(state), robot, reached, reason=reason)
 
 
 def _request(text: str) -> Request:

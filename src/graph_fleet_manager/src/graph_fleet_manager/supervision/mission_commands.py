@@ -31,7 +31,7 @@ def carry_out(command: Command, mission: Mission, book: MissionBook,
         if name:
             robots[name].comes_to_rest = False
     elif command is Command.RELEASE:
-        if mission.dwell_until is None:
+        if mission.stays_since is None:
             return f'Mission {mission.request.id} is not staying anywhere: nothing to release.'
         book.reach(mission)
     if name and command in (Command.CANCEL, Command.PAUSE):

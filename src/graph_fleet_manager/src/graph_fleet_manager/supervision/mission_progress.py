@@ -1,7 +1,6 @@
 """How missions go on by what robots do: destinations reached, dwells, robots that drop out."""
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from typing import Iterator, Tuple
 
@@ -44,10 +43,9 @@ def _visit(book: MissionBook, mission: Mission, vertex: int) -> None:
 def _dwell(book: MissionBook, mission: Mission, vertex: int, now: float) -> None:
     """Begins or ends the stay at a destination on which the robot stands."""
     while mission.state.is_open and mission.left and mission.left[0] == vertex:
-        dwell = mission.request.dwell(mission.reached)
-        if mission.dwell_until is None:
-            mission.dwell_until = now + dwell if dwell >= 0.0 else math.inf
-        if now < mission.dwell_until:
+        if mission.stays_since is None:
+            book.stay(mission, now)
+        if mission.dwell_until is not None and now < mission.dwell_until:
             return
         book.reach(mission)
 
@@ -65,7 +63,7 @@ def drop_out(book: MissionBook, robot: ManagedRobot) -> None:
     reason = f'{robot.name}: {robot.why or robot.outage.value}'
     if not robot.outage.needs_person:
         book.set(mission, mission.state, reason)
-    elif mission.reached or mission.dwell_until is not None:
+    elif mission.reached or mission.stays_since is not None:
         book.set(mission, MissionState.FAILED, reason)
     else:
         paused = mission.state is MissionState.PAUSED

@@ -107,8 +107,7 @@ class Mission:
 
     serial      -- counts all accepted missions; ids may come again, serials never do
     reached     -- destinations visited, dwells included
-    dwell_until -- the supervisor's time at which it may leave the destination where it stays;
-                   None: it does not stay now, infinite: until it is released
+    stays_since -- the supervisor's time since which it stays at a destination; None: it does not
     reason      -- why it ended, or what it waits for
     stored      -- its status as it is on the disk; None: it is not there yet
     """
@@ -118,7 +117,7 @@ class Mission:
     state: MissionState = MissionState.PENDING
     robot: str = ''
     reached: int = 0
-    dwell_until: Optional[float] = None
+    stays_since: Optional[float] = None
     reason: str = ''
     stored: Optional[Status] = None
 
@@ -127,6 +126,17 @@ class Mission:
         """As it is told."""
         return Status(self.request.id, self.state, self.robot, self.reached, self.reason,
                       self.request.stamp)
+
+    @property
+    def dwell_until(self) -> Optional[float]:
+        """When it may leave the destination where it stays; infinite: when it is released.
+
+        None: it does not stay now.
+        """
+        if self.stays_since is None:
+            return None
+        dwell = self.request.dwell(self.reached)
+        return self.stays_since + dwell if dwell >= 0.0 else math.inf
 
     @property
     def left(self) -> Tuple[int, ...]:
@@ -200,9 +210,13 @@ class Acceptance:
 
 
 class MissionBook:
-    """All open missions, and of those that ended lately the last one with each id."""
+    """All open missions, and of those that ended lately the last one with each id.
 
-    def __init__(self, missions: Iterable[Mission] = (), next_serial: int = 1) -> None:
+    stays -- by serial, the supervisor's time since which missions stay at a destination
+    """
+
+    def __init__(self, missions: Iterable[Mission] = (), next_serial: int = 1,
+                 stays: Optional[Mapping[int, float]] = None) -> None:
         self._by_serial: Dict[int, Mission] = {}
         self._last: Dict[int, Mission] = {}
         self._by_robot: Dict[str, Mission] = {}
@@ -210,8 +224,10 @@ class MissionBook:
         self._next = next_serial
         self.changed: Set[int] = set()
         """Serials of missions whose status is to be stored and told."""
+        self._begun_stays: Set[int] = set()
         for mission in missions:
             mission.stored = mission.status
+            mission.stays_since = (stays or {}).get(mission.serial)
             self._last[mission.request.id] = mission
             if mission.state.is_open:
                 self._by_serial[mission.serial] = mission
@@ -281,10 +297,16 @@ class MissionBook:
         mission.state, mission.reason, mission.robot = state, reason, robot
         self.changed.add(mission.serial)
 
+    def stay(self, mission: Mission, now: float) -> None:
+        """It stays at a destination from now on."""
+        mission.stays_since = now
+        self._begun_stays.add(mission.serial)
+
     def reach(self, mission: Mission, count: int = 1) -> None:
         """So many more destinations are visited."""
         mission.reached += count
-        mission.dwell_until = None
+        mission.stays_since = None
+        self._begun_stays.discard(mission.serial)
         self.changed.add(mission.serial)
         if not mission.left:
             self.set(mission, MissionState.SUCCEEDED)
@@ -294,8 +316,14 @@ class MissionBook:
         """The missions of which something is not stored yet."""
         return [self._by_serial[serial] for serial in sorted(self.changed)]
 
+    def new_stays(self, now: float) -> Dict[int, float]:
+        """By serial, how long ago each stay began that is not stored yet."""
+        return {serial: now - since for serial in sorted(self._begun_stays)
+                for since in (self._by_serial[serial].stays_since,) if since is not None}
+
     def stored(self) -> None:
         """Everything is stored: what is at an end is kept for its id only."""
+        self._begun_stays.clear()
         changes, self.changed = self.changes, set()
         for mission in changes:
             mission.stored = mission.status

@@ -91,15 +91,17 @@ class Outbox:
         return [*orders, *actions]
 
     def _store(self, now: float) -> None:
-        missions = self._book.changes
+        missions, stays = self._book.changes, self._book.new_stays(now)
         values = dict(self._values)
         if self.trouble or self._reserved != self.new_id.reserved:
             values.update(self.new_id.values)
-        if now < self._try_at or not (missions or self._stale or values or self._graph):
+        if now < self._try_at or not (
+                missions or stays or self._stale or values or self._graph):
             return
         try:
             self._journal.store(missions, {name: self._memory(name)
-                                           for name in sorted(self._stale)}, values, self._graph)
+                                           for name in sorted(self._stale)}, values, self._graph,
+                                stays)
         except JournalUnavailable as unavailable:
             self.trouble, self._try_at = unavailable.reason, now + AGAIN
             self._interlocking.trouble = self.trouble

@@ -28,6 +28,7 @@ from graph_fleet_manager.supervision.liveness import SILENCE
 from graph_fleet_manager.supervision.missions import (
     Acceptance,
     Command,
+    Mission,
     MissionBook,
     MissionState,
     Request,
@@ -70,7 +71,9 @@ class Supervisor:
         self.removed: Dict[str, RemovedRobot] = removed_of(fleet, graph, memories, before, now)
         """Robots that are not in the fleet file any more, but may be on the site."""
         self.charging = ChargeQueue(self.robots)
-        self.book = MissionBook(journal.missions(), journal.last_serial() + 1)
+        self.book = MissionBook(
+            journal.missions(), journal.last_serial() + 1,
+            {serial: now - seconds for serial, seconds in journal.stays().items()})
         self._journal = journal
         self._began = self._heard = now
         self._is_starting = True
@@ -119,29 +122,49 @@ class Supervisor:
 
     def request(self, request: Request, now: float) -> List[Action]:
         """Accepts, refuses or repeats; an accepted mission is on the disk before it is told."""
-        known = self.book.find(request.id)
-        try:
-            if known is None or known.request != request:
-                ended = self._journal.find(request) if request.stamp else None
-                if ended is not None:  # latched, or under way for long
-                    self._out.put(TellStatus(ended.status))
-                    return self._out.take(now)
-            mission = self.book.add(request, self.acceptance)
-        except RequestRefused as refusal:
-            return self._refuse(request, str(refusal), now)
-        except JournalUnavailable as unavailable:
-            return self._refuse(request, unavailable.reason, now)
+        return self.requests((request,), now)
+
+    def requests(self, requests: Iterable[Request], now: float) -> List[Action]:
+        """The same for several requests, with one commit of the journal."""
+        acceptance = self.acceptance
+        accepted: List[Tuple[Mission, Optional[Mission]]] = []
+        for request in requests:
+            before = self.book.find(request.id)
+            try:
+                mission = self._accept(request, before, acceptance)
+            except RequestRefused as refusal:
+                self._refuse(request, str(refusal))
+            except JournalUnavailable as unavailable:
+                self._refuse(request, unavailable.reason)
+            else:
+                if mission is not None:
+                    accepted.append((mission, before))
         actions = self._out.take(now)
-        if mission is not None and self.trouble:
-            self.book.withdraw(mission, known)
-            return [*actions, *self._refuse(request, self.trouble, now)]
-        if mission is None and known is not None and known.serial not in self.book.changed:
-            self._out.put(TellStatus(known.status))
+        if not (accepted and self.trouble):
+            return actions
+        for mission, before in accepted:
+            self.book.withdraw(mission, before)
+            self._refuse(mission.request, self.trouble)
         return [*actions, *self._out.take(now)]
 
-    def _refuse(self, request: Request, reason: str, now: float) -> List[Action]:
+    def _accept(self, request: Request, before: Optional[Mission],
+                acceptance: Acceptance) -> Optional[Mission]:
+        """None for a request that is told again what became of it.
+
+        before -- the last mission with its id
+        """
+        if request.stamp and (before is None or before.request != request):
+            ended = self._journal.find(request)
+            if ended is not None:  # latched, or under way for long
+                self._out.put(TellStatus(ended.status))
+                return None
+        mission = self.book.add(request, acceptance)
+        if mission is None and before is not None and before.serial not in self.book.changed:
+            self._out.put(TellStatus(before.status))
+        return mission
+
+    def _refuse(self, request: Request, reason: str) -> None:
         self._out.put(TellStatus(mission_commands.refused(request, reason)))
-        return self._out.take(now)
 
     def command(self, request_id: int, command: Command, now: float) -> List[Action]:
         """Cancels, pauses, resumes, or ends a dwell."""
