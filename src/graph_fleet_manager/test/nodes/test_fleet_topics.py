@@ -1,32 +1,56 @@
 """What the supervisor wants told goes out as it said."""
 from __future__ import annotations
 
+import genpy
+import pytest
 import rospy
 from fleet_builders import AGV
 
 from graph_fleet_manager.interlocking.stop_gate import StopGate
 from graph_fleet_manager.nodes import fleet_topics
 from graph_fleet_manager.planning.tasks import Task
-from graph_fleet_manager.supervision.actions import AskPlanner
+from graph_fleet_manager.supervision.actions import AskPlanner, TellStatus
+from graph_fleet_manager.supervision.missions import MissionState, Status
 
 
 class _Publisher:
-    """Keeps what is published, by topic."""
+    """Keeps what is published, by topic. Nothing with the id 13 can be serialised."""
 
     sent: dict = {}
+    error: Exception
 
     def __init__(self, topic, *_, **__):
         self._topic = topic
 
     def publish(self, message):
+        if getattr(message, 'request_id', 0) == 13:
+            raise self.error
         self.sent.setdefault(self._topic, []).append(message)
 
 
-def test_a_question_to_the_planner_carries_its_seed(monkeypatch):
+@pytest.fixture
+def topics(monkeypatch):
     monkeypatch.setattr(fleet_topics.rospy, 'Publisher', _Publisher)
     monkeypatch.setattr(fleet_topics.rospy.Time, 'now', lambda: rospy.Time(5))
     monkeypatch.setattr(_Publisher, 'sent', {})
-    topics = fleet_topics.FleetTopics(('r',), 1.0, 0.5, print, StopGate())
+    return fleet_topics.FleetTopics(('r',), 1.0, 0.5, print, StopGate())
+
+
+def test_a_question_to_the_planner_carries_its_seed(topics):
     topics.do([AskPlanner(3, (Task('r', AGV, 1),), (), frozenset(), {}, seed=7)])
     (message,) = _Publisher.sent['/plan_request']
     assert (message.plan_id, message.seed) == (3, 7)
+
+
+@pytest.mark.parametrize('error', [genpy.SerializationError('too late'),
+                                   rospy.ROSSerializationException('too late')])
+def test_a_message_that_cannot_be_serialised_is_logged_and_the_others_go_out(
+        topics, monkeypatch, error):
+    logged = []
+    monkeypatch.setattr(fleet_topics.rospy, 'logerr', lambda text, *words: logged.append(
+        text % words))
+    monkeypatch.setattr(_Publisher, 'error', error, raising=False)
+    topics.do([TellStatus(Status(id, MissionState.PENDING)) for id in (12, 13, 14)])
+    assert [status.request_id for status in _Publisher.sent['/mission_status']] == [12, 14]
+    assert logged == ['A defect: a MissionStatus is not sent, as it cannot be serialised (too '
+                      'late).']

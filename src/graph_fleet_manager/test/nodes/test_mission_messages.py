@@ -1,6 +1,7 @@
 """What robots report, and what is told of the fleet, means the same in messages."""
 from __future__ import annotations
 
+import io
 import math
 
 import genpy
@@ -8,13 +9,23 @@ import pytest
 
 from graph_fleet_manager.interlocking.reports import Pose
 from graph_fleet_manager.messages.missions import (
+    moment_of,
+    plan_message,
     refusal_of,
+    refusal_status,
     report_of,
+    request_of,
     state_message,
     status_message,
 )
-from graph_fleet_manager.supervision.fleet_view import RobotState, RobotView
-from graph_fleet_manager.supervision.missions import Command, CommandCode, MissionState, Status
+from graph_fleet_manager.supervision.fleet_view import DriveView, RobotState, RobotView
+from graph_fleet_manager.supervision.missions import (
+    Command,
+    CommandCode,
+    MissionState,
+    RequestRefused,
+    Status,
+)
 from graph_fleet_manager.supervision.outages import Outage
 from itrci_nav_msgs import msg
 from trajectory_graph.route_protocol import Location, Reason, ReasonCode
@@ -73,3 +84,33 @@ def test_a_status_tells_which_command_it_answers():
         msg.MissionStatus.COMMAND_NONE)
     assert constants(msg.MissionStatus, 'COMMAND_') == {
         code.name: int(code) for code in CommandCode}
+
+
+LATEST = (genpy.Time(2 ** 32 - 1, 10 ** 9 - 1), genpy.Time(2 ** 32 - 1, 2 ** 32 - 1))
+"""Times that a message can bring, and the fleet manager keeps as a number of seconds."""
+
+
+@pytest.mark.parametrize('stamp', LATEST)
+def test_a_request_with_a_time_that_no_status_could_tell_is_refused_in_a_status(stamp):
+    message = msg.MissionRequest(request_id=3, destination_vertices_id=[1])
+    message.header.stamp = stamp
+    with pytest.raises(RequestRefused, match='give the time at which it was sent') as refused:
+        request_of(message)
+    status = status_message(refusal_status(message, str(refused.value)), NOW)
+    status.serialize(io.BytesIO())
+    assert status.state == msg.MissionStatus.REFUSED
+
+
+@pytest.mark.parametrize('stamp', [stamp.to_sec() for stamp in LATEST])
+def test_a_mission_with_such_a_time_that_was_accepted_before_can_be_told(stamp):
+    """Journals of earlier releases have them."""
+    status_message(Status(3, MissionState.PENDING, stamp=stamp), NOW).serialize(io.BytesIO())
+
+
+@pytest.mark.parametrize('seconds', [-1e12, 1e12])
+def test_a_moment_that_no_message_can_carry_is_the_nearest_one_that_it_can(seconds):
+    view = RobotView('a', 'agv', RobotState.IDLE, None, Pose(), seconds, 1.0, None, None, '')
+    state_message([view], lambda moment: moment_of(moment, NOW), NOW).serialize(io.BytesIO())
+    plan = plan_message([('a', [DriveView(1, -seconds, seconds, True)])],
+                        lambda moment: moment_of(moment, NOW), NOW)
+    plan.serialize(io.BytesIO())

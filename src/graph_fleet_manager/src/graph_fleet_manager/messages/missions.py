@@ -26,12 +26,16 @@ _OUTAGES: Dict[Optional[Outage], int] = {
     None: msg.FleetRobot.OUTAGE_NONE,
     **{outage: getattr(msg.FleetRobot, f'OUTAGE_{outage.name}') for outage in Outage}}
 _SAME = 1e-6           # s by which stamps of one request may differ, being floats in between
+_END_OF_TIME = genpy.Time(2 ** 32 - 1, 10 ** 9 - 1)  # the largest that a message can carry
 _LONGEST_NAME = 256
 _LONGEST_REASON = 500  # letters of a robot's words that are kept
 
 
 def request_of(message: msg.MissionRequest) -> Request:
-    """What a message requests. Raises RequestRefused where a text in it cannot be read."""
+    """What a message requests. Raises RequestRefused for what no status could tell again."""
+    if message.header.stamp.to_sec() >= _END_OF_TIME.to_sec():
+        raise RequestRefused('its header.stamp is later than any time that a message can carry: '
+                             'give the time at which it was sent, or 0')
     for name, value in (('robot_type', message.robot_type), ('robot', message.robot)):
         if value and not value.isprintable():
             raise RequestRefused(f'its {name} holds what cannot be printed')
@@ -60,7 +64,7 @@ def status_message(status: Status, now: genpy.Time) -> msg.MissionStatus:
         request_id=status.request_id, state=int(status.state), robot=status.robot,
         destinations_reached=status.reached, reason=status.reason,
         command=int(status.command or 0), command_code=int(status.command_code),
-        request_stamp=genpy.Time.from_sec(status.stamp))
+        request_stamp=min(genpy.Time.from_sec(status.stamp), _END_OF_TIME))
     message.header.stamp = now
     return message
 
@@ -78,6 +82,14 @@ def report_of(message: msg.ExecutionRouteStates, now: genpy.Time) -> Report:
                   Pose(pose.edge_id, pose.percentage / 100.0),
                   reason_of(message.reason_code, _words(message.reason)),
                   stamp.to_sec(), age, location_of(message))
+
+
+def moment_of(seconds: float, now: genpy.Time) -> genpy.Time:
+    """The time so many seconds after `now`, or before; one that a message can carry."""
+    last = int(_END_OF_TIME.to_nsec())
+    time = genpy.Time(0, min(max(int(now.to_nsec()) + round(1e9 * seconds), 0), last))
+    time.canon()
+    return time
 
 
 def refusal_of(message: msg.RouteRefused) -> RouteRefusal:

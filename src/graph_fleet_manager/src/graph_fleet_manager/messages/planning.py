@@ -19,6 +19,7 @@ from itrci_nav_msgs import msg
 
 _LONGEST_NAME = 256
 _NS = 1e9
+_END_OF_TIME = 2 ** 32 * 10 ** 9 - 1  # ns, the largest time that a message can carry
 
 
 class Clock:
@@ -37,8 +38,9 @@ class Clock:
         return (moment.to_nsec() - self._zero) / _NS * self.rate
 
     def moment(self, seconds: float) -> genpy.Time:
-        """The moment of planner's seconds; never before ROS time 0."""
-        time = genpy.Time(0, max(self._zero + round(seconds / self.rate * _NS), 0))
+        """The moment of planner's seconds; one that a message can carry."""
+        nanoseconds = self._zero + round(seconds / self.rate * _NS)
+        time = genpy.Time(0, min(max(nanoseconds, 0), _END_OF_TIME))
         time.canon()
         return time
 

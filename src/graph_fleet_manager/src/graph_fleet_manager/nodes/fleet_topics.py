@@ -3,6 +3,7 @@ from __future__ import annotations
 
 from typing import Any, Callable, Dict, Iterable, Sequence
 
+import genpy
 import rospy
 
 from graph_fleet_manager.interlocking.stop_gate import StopGate
@@ -56,7 +57,7 @@ class FleetTopics:
             if isinstance(action, SendRoute):
                 self._send(action)
             elif isinstance(action, TellStatus):
-                self._statuses.publish(status_message(action.status))
+                send(self._statuses.publish, status_message(action.status))
             elif isinstance(action, AskPlanner):
                 self._ask(action)
             elif isinstance(action, Note):
@@ -70,12 +71,12 @@ class FleetTopics:
                                          self._route_stamps[action.robot])
         with self._gate.passage(action.edges) as passes:
             if passes:
-                self._routes[action.robot].publish(message)
+                send(self._routes[action.robot].publish, message)
 
     def _ask(self, question: AskPlanner) -> None:
         stamp = rospy.Time.now()
         self._asked = {question.number: stamp}
-        self._requests.publish(request_message(
+        send(self._requests.publish, request_message(
             PlanRequest(question.tasks, question.obstacles, question.closed,
                         question.edge_times, time_limit=0.0, improvement=self._improvement,
                         seed=question.seed),
@@ -90,14 +91,24 @@ class FleetTopics:
         stamp = rospy.Time.now()
 
         def moment(seconds: float) -> rospy.Time:
-            return max(stamp + rospy.Duration.from_sec(seconds - now), rospy.Time(0))
+            return messages.moment_of(seconds - now, stamp)
 
         def planned(seconds: float) -> rospy.Time:
             plan = supervisor.plan_executor.plan
             made_at = plan.made_at if plan else now
             return moment(made_at + (seconds - made_at) / self._rate)
-        self._states.publish(messages.state_message(robot_views(supervisor, now), moment, stamp))
-        self._plans.publish(messages.plan_message(plan_views(supervisor), planned, stamp))
+        send(self._states.publish,
+             messages.state_message(robot_views(supervisor, now), moment, stamp))
+        send(self._plans.publish, messages.plan_message(plan_views(supervisor), planned, stamp))
+
+
+def send(publish: Callable[[Any], None], message: genpy.Message) -> None:
+    """Publishes a message; one that cannot be serialised is told in the log, and left out."""
+    try:
+        publish(message)
+    except (genpy.SerializationError, rospy.ROSSerializationException) as error:
+        rospy.logerr('A defect: a %s is not sent, as it cannot be serialised (%s).',
+                     type(message).__name__, error)
 
 
 def status_message(status: Status) -> MissionStatus:

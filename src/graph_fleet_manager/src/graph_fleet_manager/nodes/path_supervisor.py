@@ -49,7 +49,7 @@ from graph_fleet_manager.nodes.event_loop import EventLoop
 from graph_fleet_manager.nodes.fleet_diagnosis import report_fleet, report_missions
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
 from graph_fleet_manager.nodes.fleet_services import FleetServices, not_stored
-from graph_fleet_manager.nodes.fleet_topics import FleetTopics, TellStatuses, status_message
+from graph_fleet_manager.nodes.fleet_topics import FleetTopics, TellStatuses, send, status_message
 from graph_fleet_manager.nodes.journal_file import JournalFile
 from graph_fleet_manager.supervision.actions import Action, TellStatus
 from graph_fleet_manager.supervision.journal import STOPPED, JournalUnavailable
@@ -157,7 +157,7 @@ class PathSupervisor:
     def _tell_open(self, publish: TellStatuses) -> None:
         def tell(supervisor: Supervisor, now: float) -> Sequence[Action]:
             for status in supervisor.book.stored_open:
-                publish(status_message(status))
+                send(publish, status_message(status))
             return ()
         self._events.put_order(tell)
 
