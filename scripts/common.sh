@@ -42,6 +42,7 @@ test_packages=(
   "python3-hypothesis  python3-hypothesis"
   "python3-jsonschema  python3-jsonschema"
   "python3-pytest      python3-pytest"
+  "python3-pytest-xdist python3-pytest-xdist"
   "python3-rostest     ros-noetic-rostest"
   "python3-venv        python3-venv"
   "xdotool             xdotool"

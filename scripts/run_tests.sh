@@ -1,17 +1,17 @@
 #!/usr/bin/env bash
 # Runs tests of a built workspace, one after the other, and leaves JUnit files in a folder. scripts/test.sh and
-# `catkin_make run_tests` both call it; people call scripts/test.sh. TEST_JOBS=2 runs two system tests at a time: they
-# mostly wait for robots that drive in real time. Up to three that fail beside others run once more, alone, and that
-# counts; the summary names them.
+# `catkin_make run_tests` both call it; people call scripts/test.sh. TEST_JOBS=2 runs two at a time. Up to three that fail
+# beside others run once more, alone, and that counts; the summary names them.
 #
 #   run_tests.sh RESULTS unit             the unit tests
-#   run_tests.sh RESULTS python3.8        those without ROS under Python 3.8, where there is one
+#   run_tests.sh RESULTS python3.8        imports and properties without ROS under Python 3.8, where there is one; with
+#                                         LD90_LONG_TESTS=1 every unit test without ROS
 #   run_tests.sh RESULTS once-more        of both, those that failed
 #   run_tests.sh RESULTS system NAME...   the system tests test/NAME.test, each under its own ROS master
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-[ $# -ge 2 ] || { sed -n '2,11s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 1; }
+[ $# -ge 2 ] || { sed -n '2,12s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 1; }
 results="$1" kind="$2"; shift 2
 cd "$root"
 export PATH="/usr/bin:$PATH"
@@ -20,19 +20,25 @@ export SYSTEM_TEST_ARTEFACTS="$root/build/artefacts" ROS_IP=127.0.0.1 ROS_HOME="
 unset ROS_HOSTNAME DISPLAY
 if [ -n "${FKIE_ARCHIVE:-}" ]; then FKIE_ARCHIVE="$(realpath -m -- "$FKIE_ARCHIVE")"; fi
 
+jobs="${TEST_JOBS:-1}"
+
 unit_pytest() {  # unit_pytest OPTION...
   /usr/bin/python3 -m pytest -q -o cache_dir="$results/cache/unit" src "$@"
 }
 
 python38_pytest() {  # python38_pytest OPTION...: nothing of this system's ROS is found; real maps are for one Python
+  local selection=()
+  [ -n "${LD90_LONG_TESTS:-}" ] || selection=(-m 'hypothesis or every_python')
   env -u LD90_LONG_TESTS -u LD90_REAL_MAPS HYPOTHESIS_PROFILE=compatibility PYTHONPATH="$(printf '%s:' src/*/src)" \
     build/python3.8/bin/python -m pytest -q -o cache_dir="$results/cache/python38" \
-    --ignore-glob='*/test/nodes/*' src "$@"
+    --ignore-glob='*/test/nodes/*' ${selection[@]+"${selection[@]}"} src "$@"
 }
 
 unit_tests() {
   say "Unit tests, $(/usr/bin/python3 --version)"
-  unit_pytest --junitxml="$results/unit.xml" || true
+  local beside=()
+  [ "$jobs" -le 1 ] || beside=(-n "$jobs" --dist loadfile)
+  unit_pytest ${beside[@]+"${beside[@]}"} --junitxml="$results/unit.xml" || true
   [ -f "$results/unit.xml" ] || record "$results" failed unit-tests "pytest did not finish"
 }
 
@@ -51,7 +57,7 @@ unit_tests_of_python38() {
   elif ! virtual_environment python3.8 "$python38" -r scripts/requirements-focal.txt; then
     record "$results" skipped python3.8 "its packages could not be installed from PyPI (offline?): see build/pip.log"
   else
-    say "Unit tests without ROS, Python 3.8 and the library versions of Ubuntu 20.04"
+    say "Tests without ROS, Python 3.8 and the library versions of Ubuntu 20.04"
     python38_pytest --junitxml="$results/python38.xml" || true
     [ -f "$results/python38.xml" ] || record "$results" failed unit-tests-python3.8 "pytest did not finish"
   fi
@@ -92,6 +98,7 @@ system_test() {  # system_test NAME ARCL_PORT OUTGOING_PORT: one rostest on free
   done
   if grep -q '<skipped' "$results/rosunit-$name.xml" 2>/dev/null; then verdict="$verdict, some skipped"; fi
   say "  $name: $verdict ($((SECONDS - begun)) s)"
+  echo "$((SECONDS - begun)) $name" >>"$results/system_tests.seconds"
   case "$verdict" in
     failed*)
       tail -120 "$log"
@@ -101,9 +108,11 @@ system_test() {  # system_test NAME ARCL_PORT OUTGOING_PORT: one rostest on free
   esac
 }
 
-system_tests() {  # so many at a time as TEST_JOBS says
-  local name running=0 jobs="${TEST_JOBS:-1}"
+system_tests() {  # so many at a time as TEST_JOBS says, the longest first: by the last run, or by their time limits
+  local name running=0 known="$root/build/system_tests.seconds"
   rm -f "$results/failed"
+  touch "$known"
+  set -- $(/usr/bin/python3 scripts/test_results.py longest-first "$known" "$@")
   export PYTHONPATH="$root/test:${PYTHONPATH:-}"
   trap 'kill -TERM $(jobs -p); wait; exit 130' INT TERM  # nothing goes on when the script is ended
   for name in "$@"; do
@@ -113,6 +122,9 @@ system_tests() {  # so many at a time as TEST_JOBS says
   done
   wait
   if [ "$jobs" -gt 1 ] && [ -f "$results/failed" ]; then once_more_alone; fi
+  cp "$results/system_tests.seconds" "$known.new"
+  awk '{print $2}' "$known.new" | grep -vwFf - "$known" >>"$known.new" || true  # of tests that did not run now
+  mv "$known.new" "$known"
   rm -rf "$results/ros" "$results/failed"
 }
 

@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds, lints and runs every test; ends with "N passed, N failed, N skipped".
 #
-#   scripts/test.sh           everything, in minutes
-#   scripts/test.sh --long    the same with long fuzzing
+#   scripts/test.sh           everything, in minutes; under Python 3.8 imports and properties only
+#   scripts/test.sh --long    the same with long fuzzing, and every test without ROS under Python 3.8
 #   scripts/test.sh NAME...   only the system tests test/NAME.test
 #
 # Environment: LD90_REAL_MAPS, a folder with .map files of real robots; FKIE_ARCHIVE, sources of fkie multimaster (.tar.gz)
-# where GitHub cannot be reached; what lies there is tested, too. TEST_JOBS, how many system tests run at a time: 2 where
-# there are two processors, else 1.
+# where GitHub cannot be reached; what lies there is tested, too. TEST_JOBS, how many tests run at a time: 2 where there
+# are two processors, else 1.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
@@ -66,8 +66,9 @@ lint() {
   check_with wheels "setuptools==75.3.2 wheel==0.45.1" wheels
 }
 
+export TEST_JOBS="${TEST_JOBS:-$(($(nproc) < 2 ? 1 : 2))}"
 if [ ${#system_tests[@]} = 0 ]; then
-  # Two halves side by side, as long as each other: what waits for sockets and robots must not wait for a processor, too.
+  # Lint and Python 3.8 take what the unit tests leave: those often wait for sockets and robots.
   { lint; scripts/run_tests.sh "$results" python3.8; } >"$results/beside.log" 2>&1 &
   trap "pkill -P $! || true" EXIT
   scripts/run_tests.sh "$results" unit
@@ -76,7 +77,6 @@ if [ ${#system_tests[@]} = 0 ]; then
   scripts/run_tests.sh "$results" once-more
   for file in test/*.test; do system_tests+=("$(basename "$file" .test)"); done
 fi
-export TEST_JOBS="${TEST_JOBS:-$(($(nproc) < 2 ? 1 : 2))}"
 say "System tests"
 scripts/run_tests.sh "$results" system "${system_tests[@]}"
 /usr/bin/python3 scripts/test_results.py summary "$results"

@@ -3,6 +3,7 @@
     test_results.py record FOLDER passed|failed|skipped NAME [REASON]
     test_results.py failed FILE             how many tests of a JUnit file failed
     test_results.py once-more FILE AGAIN    what ran again counts with its second result
+    test_results.py longest-first FILE NAME...    system tests in the order in which they start
     test_results.py summary FOLDER
 
 `catkin_test_results` reads the same files. It is no substitute for `summary`, for it does not tell
@@ -10,12 +11,15 @@ what was skipped and why, and counts each rostest file once more.
 """
 from __future__ import annotations
 
+import re
 import sys
 import xml.etree.ElementTree as ElementTree
 from collections import Counter
 from pathlib import Path
-from typing import Iterator, List, Tuple
+from typing import Dict, Iterator, List, Sequence, Tuple
 
+TESTS = Path(__file__).resolve().parents[1] / 'test'
+SLOWEST = 10    # are printed of each kind
 Result = Tuple[str, str, str]  # verdict, name, reason
 ELEMENTS = {'failed': 'failure', 'skipped': 'skipped'}
 
@@ -57,6 +61,36 @@ def _name(case: ElementTree.Element) -> str:
     return f'{case.get("classname")}.{case.get("name")}'
 
 
+def seconds_of(file: Path) -> Dict[str, float]:
+    """How long each system test took: lines of a number and a name, of which the last one counts."""
+    if not file.exists():
+        return {}
+    lines = (line.split() for line in file.read_text().splitlines())
+    return {name: float(seconds) for seconds, name in lines}
+
+
+def longest_first(known: Dict[str, float], names: Sequence[str]) -> List[str]:
+    """The order that ends first: by known durations, else by the time limits of `test/NAME.test`."""
+    def expected(name: str) -> float:
+        limits = re.findall(r'time-limit="(\d+)"', (TESTS / f'{name}.test').read_text())
+        return known.get(name, max(map(float, limits), default=0.0))
+    return sorted(names, key=expected, reverse=True)
+
+
+def slowest(folder: Path) -> Iterator[str]:
+    """Lines about those tests that took longest."""
+    unit = folder / 'unit.xml'
+    cases = ElementTree.parse(unit).getroot().iter('testcase') if unit.exists() else ()
+    kinds = {'unit': [(float(case.get('time', '0')), _name(case)) for case in cases],
+             'system': [(seconds, name) for name, seconds
+                        in seconds_of(folder / 'system_tests.seconds').items()]}
+    for kind, took in kinds.items():
+        if took:
+            yield f'the slowest {kind} tests:'
+            yield from (f'  {seconds:6.1f} s  {name}'
+                        for seconds, name in sorted(took, reverse=True)[:SLOWEST])
+
+
 def results(folder: Path) -> Iterator[Result]:
     """Every test of every JUnit file below `folder`."""
     for file in sorted(folder.rglob('*.xml')):
@@ -74,7 +108,7 @@ def results(folder: Path) -> Iterator[Result]:
 
 
 def summary(folder: Path) -> int:
-    """Prints skips, failures, what is in `*.note` files of the folder, and the one last line.
+    """Prints skips, failures, the slowest tests, what is in `*.note` files, and the one last line.
 
     0 when nothing failed and something passed.
     """
@@ -85,8 +119,12 @@ def summary(folder: Path) -> int:
         for verdict, name, reason in found:
             if verdict == wanted:
                 print(f'{verdict}: {name}: {reason.splitlines()[0] if reason else ""}')
+    print('\n'.join(slowest(folder)))
     for note in sorted(folder.glob('*.note')):
         print(note.read_text().rstrip())
+    repeated = folder / 'once_more.note'
+    times = len(repeated.read_text().splitlines()) if repeated.exists() else 0
+    print(f'{times} tests ran once more')
     print(f'{counts["passed"]} passed, {counts["failed"]} failed, {counts["skipped"]} skipped')
     return 0 if counts['passed'] and not counts['failed'] else 1
 
@@ -99,5 +137,7 @@ if __name__ == '__main__':
         print(len(failures(ElementTree.parse(folder_name).getroot())))
     elif command == 'once-more':
         once_more(Path(folder_name), Path(rest[0]))
+    elif command == 'longest-first':
+        print('\n'.join(longest_first(seconds_of(Path(folder_name)), rest)))
     else:
         sys.exit(summary(Path(folder_name)))

@@ -48,3 +48,26 @@ def test_a_failure_that_did_not_run_again_stays(tmp_path):
     results('once-more', first, again)
     assert results('failed', first).stdout == '1\n'
     assert results('summary', str(tmp_path)).returncode == 1
+
+
+def test_uses_of_the_second_try_are_counted(tmp_path):
+    junit(tmp_path, 'unit', passed=['a'], failed=[])
+    assert '0 tests ran once more' in results('summary', str(tmp_path)).stdout.splitlines()
+    (tmp_path / 'once_more.note').write_text('a ran once more\nb ran once more\n')
+    assert '2 tests ran once more' in results('summary', str(tmp_path)).stdout.splitlines()
+
+
+def test_the_ten_slowest_tests_of_each_kind_are_named(tmp_path):
+    cases = ''.join(f'<testcase classname="src" name="t{i}" time="{i}"/>' for i in range(12))
+    (tmp_path / 'unit.xml').write_text(f'<testsuites><testsuite>{cases}</testsuite></testsuites>')
+    (tmp_path / 'system_tests.seconds').write_text('70 route\n125 rviz\n')
+    told = [line.split() for line in results('summary', str(tmp_path)).stdout.splitlines()]
+    assert [line[2] for line in told if line[1:2] == ['s']] == [
+        *(f'src.t{i}' for i in range(11, 1, -1)), 'rviz', 'route']
+
+
+def test_the_longest_test_starts_first_and_an_unknown_one_by_its_time_limit(tmp_path):
+    seconds = tmp_path / 'seconds'
+    seconds.write_text('5 route\n70 click\n')  # pose has a limit of 60 s
+    assert results('longest-first', str(seconds), 'route', 'click', 'pose').stdout.split() == [
+        'click', 'pose', 'route']
