@@ -62,7 +62,7 @@ def _name(case: ElementTree.Element) -> str:
 
 
 def seconds_of(file: Path) -> Dict[str, float]:
-    """How long each system test took: lines of a number and a name, of which the last one counts."""
+    """How long each system test took: lines of seconds and a name, the last one of which counts."""
     if not file.exists():
         return {}
     lines = (line.split() for line in file.read_text().splitlines())
@@ -70,7 +70,7 @@ def seconds_of(file: Path) -> Dict[str, float]:
 
 
 def longest_first(known: Dict[str, float], names: Sequence[str]) -> List[str]:
-    """The order that ends first: by known durations, else by the time limits of `test/NAME.test`."""
+    """By known durations, else by the time limits of `test/NAME.test`."""
     def expected(name: str) -> float:
         limits = re.findall(r'time-limit="(\d+)"', (TESTS / f'{name}.test').read_text())
         return known.get(name, max(map(float, limits), default=0.0))

@@ -34,7 +34,7 @@ class FleetManager:
         self.links = Recorder('/omron_ld90/link_state', LinkState)
         self.routes = connected_publisher('/omron_ld90/target_route', TargetRoute)
         self.wait_ready()
-        self._route_id = 0
+        self._route_id = self.states.messages[-1].route_id  # of a test before, on the same stack
 
     def wait_ready(self) -> None:
         """Both links stand, and the bridge tells where the robot is."""
@@ -115,13 +115,6 @@ class RouteRobot(FleetManager):
     def _listeners(self) -> Set[int]:
         """The connections over which a route would go out."""
         return {connection for connection, *_ in self.routes.impl.get_stats_info()}
-
-    def distance_from(self, edges: Sequence[int], since: int) -> float:
-        """Greatest distance (m) of the robot's locations from the curves of the edges."""
-        curves = [self.graph.curve(edge) for edge in edges]
-        places = [status.pose.position for status in self.status.messages[since:]]
-        return max(min(curve.project(place.x, place.y).distance for curve in curves)
-                   for place in places)
 
 
 def state_list(states: ExecutionRouteStates) -> List[int]:

@@ -84,8 +84,8 @@ class Survival(unittest.TestCase):
         self.survives(lambda: self.lab.robot.inject('drop'), 2)
 
     def test_6_a_route_that_has_ended_is_not_driven_again_after_a_restart(self) -> None:
-        self.survives(lambda: None, 1)
-        last = self.lab.states.messages[-1]
+        with self.lab.at_speed(16.0):
+            last = self.lab.end_of(self.lab.order(self.way()))
         given = len(self.lab.commands.messages)
         self.lab.restart_bridge()
         self.lab.routes.publish(TargetRoute(

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import unittest
+from typing import Sequence
 
 import rospy
-from route_robot import FleetManager, state_list
+from route_robot import RouteRobot, state_list
 
 from itrci_nav_msgs.msg import EdgeState
 from system_support import run_cases, wait_until
 
 OUT = [-13, -7, 1, 2]  # dock - 1 - 8 - 10 - 12, in maps/lab_graph.yaml
 HOME = [-2, -1, 7, 13]
+FROM_8_HOME = HOME[2:]
 
 
 class Routes(unittest.TestCase):
@@ -19,22 +21,32 @@ class Routes(unittest.TestCase):
     @classmethod
     def setUpClass(cls) -> None:
         rospy.init_node('route_test')
-        cls.fleet = FleetManager()
+        cls.fleet = RouteRobot(speed=10.0, status_period=0.5)
+        cls.fleet.restart_bridge(strategy='vertex_by_vertex')
 
-    def test_1_a_route_from_the_dock_and_home_again(self) -> None:
-        begin = len(self.fleet.states.messages)
+    @classmethod
+    def tearDownClass(cls) -> None:
+        cls.fleet.restart_bridge(strategy='rolling')
+        cls.fleet.robot.stop()
+
+    def test_1_a_route_home_out_of_the_dock_and_home_again(self) -> None:
+        self.drives_home(FROM_8_HOME)
+        given, begin = len(self.fleet.commands.texts), len(self.fleet.states.messages)
         route_id = self.fleet.order(OUT)
         done = self.fleet.end_of(route_id)
         self.assertEqual([edge.edge_id for edge in done.edge_states], OUT)
         self.assertEqual(state_list(done), [EdgeState.COMPLETE] * 4, done.reason)
         self.assertEqual((done.symbolic_pose.edge_id, done.symbolic_pose.percentage), (2, 100.0))
-        self.assertEqual(self.fleet.commands.texts,
+        self.assertEqual(self.fleet.commands.texts[given:],
                          ['goto 1', 'goto 8', 'goto 10', 'goto 12'])
         self.check_reports([message for message in self.fleet.states.messages[begin:]
                             if message.route_id == route_id], OUT)
 
-        done = self.fleet.end_of(self.fleet.order(HOME))
-        self.assertEqual(state_list(done), [EdgeState.COMPLETE] * 4, done.reason)
+        self.drives_home(HOME)
+
+    def drives_home(self, edges: Sequence[int]) -> None:
+        done = self.fleet.end_of(self.fleet.order(edges))
+        self.assertEqual(state_list(done), [EdgeState.COMPLETE] * len(edges), done.reason)
         self.assertEqual((done.symbolic_pose.edge_id, done.symbolic_pose.percentage), (13, 100.0))
         self.assertEqual(self.fleet.commands.texts[-1], 'dock')
         wait_until(lambda: self.fleet.status.messages[-1].docking_state == 'Docked', 10,

@@ -143,6 +143,17 @@ def test_a_blocked_way_ends_the_route_when_the_robot_or_the_bridge_gives_up(stal
     assert drive.commands[-1] == 'stop'
 
 
+def test_a_robot_that_goes_another_way_around_what_blocks_its_own_ends_the_route():
+    drive = SimulatedDrive('rolling', vertex=8)
+    drive.order(1, 1, 2, 3, 4, 5, 6)
+    drive.run(lambda: list(drive.follower.report().states).count(2) == 2, 60.0)
+    drive.inject('block -1500 0')  # on edge 3
+    drive.run(lambda: not drive.follower.running, 60.0)
+    assert drive.follower.report().reason.text == 'off the corridor'
+    assert tuple(drive.follower.report().states) == (2, 2, 3, 3, 3, 3)
+    assert drive.commands[-1] == 'stop'
+
+
 def test_after_a_failure_a_new_route_goes_on_from_the_middle_of_an_edge():
     drive = under_way()
     drive.inject('estop press')
