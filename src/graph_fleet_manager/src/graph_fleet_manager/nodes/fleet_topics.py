@@ -18,7 +18,7 @@ from graph_fleet_manager.supervision.actions import (
     TellStatus,
 )
 from graph_fleet_manager.supervision.fleet_view import plan_views, robot_views
-from graph_fleet_manager.supervision.missions import Status
+from graph_fleet_manager.supervision.missions import MOST_OPEN, Status
 from graph_fleet_manager.supervision.supervisor import Supervisor
 from itrci_nav_msgs.msg import FleetPlan, FleetState, MissionStatus, TargetRoute
 from itrci_nav_msgs.msg import PlanRequest as PlanRequestMessage
@@ -43,7 +43,7 @@ class FleetTopics:
         self.graph_stamp = rospy.Time(0)
         self._asked: Dict[int, rospy.Time] = {}
         self._route_stamps: Dict[str, rospy.Time] = {}
-        self._statuses = rospy.Publisher('/mission_status', MissionStatus, queue_size=1000,
+        self._statuses = rospy.Publisher('/mission_status', MissionStatus, queue_size=2 * MOST_OPEN,
                                          subscriber_listener=_Newcomers(newcomer))
         self._states = rospy.Publisher('/fleet_state', FleetState, queue_size=1, latch=True)
         self._plans = rospy.Publisher('/fleet_plan', FleetPlan, queue_size=1, latch=True)

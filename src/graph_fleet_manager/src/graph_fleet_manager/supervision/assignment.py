@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf
-from typing import Dict, FrozenSet, List, Mapping, NamedTuple, Sequence, Set, Tuple
+from typing import Dict, List, Mapping, NamedTuple, Sequence, Tuple
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -35,12 +35,12 @@ class Assigned(NamedTuple):
 class Assignment:
     """Who gets what now, and for the missions that nobody gets, why, in words.
 
-    short -- robots that a mission waits for until they are charged
+    short -- by the serial of a mission, the robot that it waits for until that is charged
     """
 
     assigned: Tuple[Assigned, ...]
     waiting: Mapping[int, str]
-    short: FrozenSet[str]
+    short: Mapping[int, str]
 
 
 def assign(missions: Sequence[Mission], free: Mapping[str, ManagedRobot],
@@ -54,7 +54,7 @@ def assign(missions: Sequence[Mission], free: Mapping[str, ManagedRobot],
     free = dict(free)
     assigned: List[Assigned] = []
     waiting: Dict[int, str] = {}
-    short: Set[str] = set()
+    short: Dict[int, str] = {}
     order = sorted(missions, key=lambda m: (-m.request.priority, m.serial))
     while order:
         group = [m for m in order if m.request.priority == order[0].request.priority]
@@ -64,7 +64,8 @@ def assign(missions: Sequence[Mission], free: Mapping[str, ManagedRobot],
             reason, empty = _why_nobody(mission, free, robots, acceptance, networks.nominal, now)
             if reason:
                 waiting[mission.serial] = reason
-                short |= empty
+                if empty:
+                    short[mission.serial] = empty
             else:
                 able.append(mission)
         for mission, name in _match(able, free, acceptance, networks):
@@ -73,7 +74,7 @@ def assign(missions: Sequence[Mission], free: Mapping[str, ManagedRobot],
         taken = {mission.serial for mission, _ in assigned}
         waiting.update((mission.serial, _waits_for(acceptance.robots_for(mission.request)))
                        for mission in able if mission.serial not in taken)
-    return Assignment(tuple(assigned), waiting, frozenset(short))
+    return Assignment(tuple(assigned), waiting, short)
 
 
 def _match(missions: Sequence[Mission], free: Mapping[str, ManagedRobot], acceptance: Acceptance,
@@ -117,27 +118,30 @@ def _all_alike(missions: Sequence[Mission]) -> bool:
 
 def _why_nobody(mission: Mission, free: Mapping[str, ManagedRobot],
                 robots: Mapping[str, ManagedRobot], acceptance: Acceptance,
-                network: RoadNetwork, now: float) -> Tuple[str, Set[str]]:
-    """Why none of the free robots can serve a mission, or nothing; and who could if charged."""
+                network: RoadNetwork, now: float) -> Tuple[str, str]:
+    """Why none of the free robots can serve a mission; and the robot that could if charged.
+
+    Each is empty where there is no such thing.
+    """
     names = acceptance.robots_for(mission.request)
     works = [name for name in names if robots[name].works]
     if not works:
         if len(names) == 1:
-            return f'{names[0]}: {robots[names[0]].why or "it is stopped"}', set()
-        return f'none of its robots is in service: {", ".join(names)}', set()
+            return f'{names[0]}: {robots[names[0]].why or "it is stopped"}', ''
+        return f'none of its robots is in service: {", ".join(names)}', ''
     able = [name for name in works if name in free]
     if not able and not any(robots[name].is_charged for name in works):
-        return _must_charge([robots[name] for name in works], now), set()
+        return _must_charge([robots[name] for name in works], now), ''
     if not able:
-        return _waits_for(names), set()
+        return _waits_for(names), ''
     reach = [name for name in able
              if time_over(mission.request.destinations, free[name], network) < inf]
     if not reach:
-        return 'none of the free robots can reach all its destinations', set()
+        return 'none of the free robots can reach all its destinations', ''
     if not any(can_end(mission, free[name], network) for name in reach):
         fullest = max(reach, key=lambda name: free[name].battery.range_left())
-        return 'no free robot has battery enough for it', {fullest}
-    return '', set()
+        return 'no free robot has battery enough for it', fullest
+    return '', ''
 
 
 def _waits_for(names: Sequence[str]) -> str:

@@ -8,6 +8,7 @@ from enum import IntEnum
 from typing import Deque, Dict, Iterable, List, Mapping, Optional, Set, Tuple
 
 from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.supervision.pending_missions import PendingMissions
 from trajectory_graph import Graph
 
 MOST_DESTINATIONS = 1000
@@ -222,6 +223,8 @@ class MissionBook:
         self._by_robot: Dict[str, Mission] = {}
         self._ended: Deque[Mission] = deque()
         self._next = next_serial
+        self.pending = PendingMissions()
+        """Those that no robot serves."""
         self.changed: Set[int] = set()
         """Serials of missions whose status is to be stored and told."""
         self._begun_stays: Set[int] = set()
@@ -231,6 +234,8 @@ class MissionBook:
             self._last[mission.request.id] = mission
             if mission.state.is_open:
                 self._by_serial[mission.serial] = mission
+                if mission.state is MissionState.PENDING:
+                    self.pending.add(mission)
                 if mission.robot:
                     self._by_robot[mission.robot] = mission
             else:
@@ -239,12 +244,23 @@ class MissionBook:
     @property
     def open(self) -> List[Mission]:
         """Missions that are not at an end, in the order of their acceptance."""
-        return [mission for mission in self._by_serial.values() if mission.state.is_open]
+        return [mission for mission in list(self._by_serial.values()) if mission.state.is_open]
+
+    @property
+    def serving(self) -> Dict[str, Mission]:
+        """The open missions that robots have, by the names of these."""
+        return {name: mission for name, mission in list(self._by_robot.items())
+                if mission.state.is_open}
+
+    def is_pending(self, serial: int) -> bool:
+        """Does a mission wait for a robot?"""
+        mission = self._by_serial.get(serial)
+        return mission is not None and mission.state is MissionState.PENDING
 
     @property
     def stored_open(self) -> List[Status]:
         """The status of every mission that is not at an end, as it is on the disk."""
-        return [mission.stored for mission in self._by_serial.values()
+        return [mission.stored for mission in list(self._by_serial.values())
                 if mission.stored is not None and mission.stored.state.is_open]
 
     def find(self, request_id: int) -> Optional[Mission]:
@@ -271,6 +287,7 @@ class MissionBook:
         mission = Mission(self._next, request)
         self._next += 1
         self._by_serial[mission.serial] = self._last[request.id] = mission
+        self.pending.add(mission)
         self.changed.add(mission.serial)
         return mission
 
@@ -278,6 +295,8 @@ class MissionBook:
         """A mission that could not be stored was never accepted; `before` had its id."""
         self.changed.discard(mission.serial)
         del self._by_serial[mission.serial]
+        if mission in self.pending:
+            self.pending.remove(mission)
         del self._last[mission.request.id]
         if before is not None:
             self._last[mission.request.id] = before
@@ -294,6 +313,8 @@ class MissionBook:
             self._by_robot.pop(mission.robot, None)
             if robot:
                 self._by_robot[robot] = mission
+        if (mission.state is MissionState.PENDING) != (state is MissionState.PENDING):
+            (self.pending.add if state is MissionState.PENDING else self.pending.remove)(mission)
         mission.state, mission.reason, mission.robot = state, reason, robot
         self.changed.add(mission.serial)
 

@@ -408,7 +408,7 @@ class Supervisor:
 
     def errands(self) -> Dict[str, Errand]:
         """What every robot is about."""
-        missions = {m.robot: m for m in self.book.open if m.robot}
+        missions = self.book.serving
         return {name: errand_of(missions.get(name), robot.dock)
                 for name, robot in self.robots.items()}
 
@@ -439,7 +439,7 @@ class Supervisor:
                                    for robot in self.robots.values())
         if self._is_starting or self._is_recovering or self.is_stopped or self.trouble:
             return
-        busy = {m.robot for m in self.book.open if m.robot}
+        busy = set(self.book.serving)
         for name in self.charging.update(busy, self._waiting.short, self.network, now):
             self._out.robot_changed(name)
         for name in self._waiting.assign(self.acceptance, self.networks, now):

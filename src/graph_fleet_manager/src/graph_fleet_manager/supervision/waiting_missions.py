@@ -2,52 +2,84 @@
 from __future__ import annotations
 
 from math import inf
-from typing import FrozenSet, List, Mapping, Tuple
+from typing import Dict, FrozenSet, List, Mapping, Optional, Tuple
 
 from graph_fleet_manager.supervision.assignment import assign
-from graph_fleet_manager.supervision.missions import Acceptance, MissionBook, MissionState
+from graph_fleet_manager.supervision.missions import (
+    Acceptance,
+    Mission,
+    MissionBook,
+    MissionState,
+)
 from graph_fleet_manager.supervision.networks import Networks
+from graph_fleet_manager.supervision.pending_missions import FIRST, Key, key_of
 from graph_fleet_manager.supervision.robots import ManagedRobot
 
-AGAIN = 1.0  # s after which waiting missions are looked at although nobody came free
+AGAIN = 1.0   # s after which waiting missions are looked at although nobody came free
+AT_ONCE = 50  # missions that are looked at beside those that robots could serve now
 
 
 class WaitingMissions:
-    """Gives each waiting mission a robot, or says why it has none."""
+    """Gives each waiting mission a robot, or says why it has none.
+
+    It looks at as many missions as there are robots for, and at a few more, in turn, to tell what
+    they wait for: so one for which no free robot will do does not keep the others from a robot.
+    """
 
     def __init__(self, book: MissionBook, robots: Mapping[str, ManagedRobot]) -> None:
-        self.short: FrozenSet[str] = frozenset()
-        """Robots that a mission waits for until they are charged."""
         self._book = book
         self._robots = robots
-        self._looked: Tuple[object, float] = ((), -inf)
+        self._short: Dict[int, str] = {}
+        self._question: Optional[Tuple[object, ...]] = None
+        self._looked = -inf
+        self._left = 0  # missions still to be looked at, in turn
+        self._last: Key = FIRST  # key of the last one
+
+    @property
+    def short(self) -> FrozenSet[str]:
+        """Robots that a mission waits for until they are charged."""
+        return frozenset(self._short.values())
 
     def hold(self, reason: str) -> None:
         """None is given to anybody now, and why."""
-        self._looked = (), -inf
-        for mission in self._book.open:
-            if mission.state is MissionState.PENDING:
-                self._book.set(mission, MissionState.PENDING, reason)
+        self._question = None
+        for mission in self._next():
+            self._book.set(mission, MissionState.PENDING, reason)
 
     def assign(self, acceptance: Acceptance, networks: Networks, now: float) -> List[str]:
         """The robots that got a mission now."""
-        pending = [m for m in self._book.open if m.state is MissionState.PENDING]
+        pending, busy = self._book.pending, self._book.serving
         if not pending:
-            self.short = frozenset()
+            self._short = {}
             return []
-        busy = {m.robot for m in self._book.open if m.robot}
         free = {name: robot for name, robot in self._robots.items()
                 if robot.works and name not in busy and robot.is_charged
                 and (robot.record.held or robot.record.position is not None)}
-        question = (tuple(m.serial for m in pending), tuple(free))
-        if question == self._looked[0] and now - self._looked[1] < AGAIN:
+        question = (pending.changes, *free)
+        if question != self._question or now - self._looked >= AGAIN:
+            self._question, self._looked, self._left = question, now, len(pending)
+        elif not self._left:
             return []
-        self._looked = question, now
-        found = assign(pending, free, self._robots, acceptance, networks, now)
-        self.short = found.short
+        missions = {mission.serial: mission for mission in (
+            *pending.first({name: robot.type.name for name, robot in free.items()}),
+            *self._next())}
+        found = assign(list(missions.values()), free, self._robots, acceptance, networks, now)
         for mission, name in found.assigned:
             self._book.set(mission, MissionState.ACTIVE, '', name)
-        for mission in pending:
-            if mission.serial in found.waiting:
-                self._book.set(mission, MissionState.PENDING, found.waiting[mission.serial])
+        for serial, reason in found.waiting.items():
+            self._book.set(missions[serial], MissionState.PENDING, reason)
+        self._short = {serial: name for serial, name in {**self._short, **found.short}.items()
+                       if self._is_short(serial, missions, found.short)}
         return [name for _, name in found.assigned]
+
+    def _next(self) -> List[Mission]:
+        missions = self._book.pending.behind(self._last, AT_ONCE)
+        if missions:
+            self._last = key_of(missions[-1])
+        self._left = max(self._left - len(missions), 0)
+        return missions
+
+    def _is_short(self, serial: int, looked_at: Mapping[int, Mission],
+                  short: Mapping[int, str]) -> bool:
+        """Does a mission still wait for a robot to be charged?"""
+        return serial in short if serial in looked_at else self._book.is_pending(serial)
