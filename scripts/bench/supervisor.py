@@ -14,7 +14,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, List, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Sequence, Tuple
 
 import rospy
 from arcl_tap import ArclTap
@@ -23,6 +23,7 @@ from measuring.tables import Row, print_row, print_table
 from measuring.timing import p50_and_p99
 from supervisor_bench.stacks import AGVS, MANAGER, ROBOT, Stack
 
+from graph_fleet_manager.files.fleet_file import load_fleet
 from itrci_nav_msgs.msg import (
     EdgeState,
     ExecutionRouteStates,
@@ -44,6 +45,7 @@ SPEED = 4.0      # of the simulated LD-90's clock; every delay of ours counts so
 DRIVES = 20
 ACCEPTED = 300
 AGV_COUNT = 50
+FLOODED_AGVS = 10
 LOAD_SECONDS = 60.0
 
 
@@ -208,8 +210,74 @@ def load() -> Iterator[Row]:
            '< 50 %, 200 MB')
 
 
+def flood(count: int) -> Iterator[Row]:
+    """So many requests at once, beside a fleet that drives, and a cancel in their midst."""
+    with Stack() as stack:
+        files = stack.agv_fleet(FLOODED_AGVS)
+        stack.launch(MANAGER, speed=1.0, **files)
+        stack.launch(AGVS, **files)
+        rospy.init_node('bench', anonymous=True, disable_signals=True)
+        fleet = Recorder('/fleet_state', FleetState)
+        fleet.wait_for(lambda state: sum(robot.has_mission for robot in state.robots)
+                       >= 0.9 * FLOODED_AGVS, 120, 'a busy fleet')
+        flooding = Flooding(count, [robot.vertex for robot in load_fleet(files['fleet']).robots])
+        heard = len(fleet.messages)
+        seconds, cancel = flooding.run()
+        time.sleep(5.0)
+        states = fleet.messages[heard:]
+    age = max((state.header.stamp - robot.seen).to_sec()
+              for state in states for robot in state.robots)
+    gap = max((later.header.stamp - state.header.stamp).to_sec()
+              for state, later in zip(states, states[1:]))
+    yield (f'{count} requests at once, {FLOODED_AGVS} AGVs that drive, a cancel in their midst',
+           f'all answered after {seconds:.1f} s, the cancel after {cancel:.2f} s; oldest report '
+           f'{age:.2f} s, longest time between two `/fleet_state` {gap:.2f} s', '',
+           'reports and cancel < 2 s; answers < 60 s')
+
+
+class Flooding:
+    """Requests at once, each for one of the vertices, and what is heard of them."""
+
+    def __init__(self, count: int, vertices: Sequence[int]) -> None:
+        self._count, self._vertices = count, vertices
+        self._answered: Dict[int, float] = {}  # by id, when the first status of it came
+        self._cancelled = 0.0
+        rospy.Subscriber('/mission_status', MissionStatus, self._hear)
+        self._requests, self._commands = (
+            rospy.Publisher(topic, kind, queue_size=count + 10)
+            for topic, kind in (('/mission_request', MissionRequest),
+                                ('/mission_command', MissionCommand)))
+        wait_until(lambda: self._requests.get_num_connections()
+                   and self._commands.get_num_connections(), 30, 'connections')
+
+    def _hear(self, status: MissionStatus) -> None:
+        self._answered.setdefault(status.request_id, time.monotonic())
+        if status.request_id == 1 and status.state == MissionStatus.CANCELLED:
+            self._cancelled = time.monotonic()
+
+    def _send(self, id: int) -> None:
+        self._requests.publish(request_id=id, destination_vertices_id=[
+            self._vertices[id % len(self._vertices)]])
+
+    def run(self) -> Tuple[float, float]:
+        """Seconds until all are answered, and until a mission of before is cancelled."""
+        self._send(1)
+        wait_until(lambda: 1 in self._answered, 30, 'the first mission')
+        begun = asked = time.monotonic()
+        for id in range(2, self._count + 2):
+            self._send(id)
+            if id == self._count // 2:
+                asked = time.monotonic()
+                self._commands.publish(request_id=1, command=MissionCommand.CANCEL)
+        ids = range(1, self._count + 2)
+        wait_until(lambda: self._cancelled and all(id in self._answered for id in ids), 300,
+                   'all answers, and the cancel')
+        return max(self._answered[id] for id in ids) - begun, self._cancelled - asked
+
+
 SECTIONS: Dict[str, Callable[[], Iterator[Row]]] = {
-    'headline': headline, 'latency': latency, 'acceptance': acceptance, 'load': load}
+    'headline': headline, 'latency': latency, 'acceptance': acceptance, 'load': load,
+    'flood_2000': lambda: flood(2000), 'flood_5000': lambda: flood(5000)}
 
 
 def main() -> None:
