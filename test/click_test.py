@@ -262,7 +262,7 @@ class ClickTest(unittest.TestCase):
 
         def told() -> bool:
             clicks.publish(click(*self.place('12')))
-            return any('never sent: omron_controller is not running' in text.data
+            return any('was not sent: omron_controller is not running' in text.data
                        for text in feedback.messages)
         wait_until(told, 10.0, 'that the controller is not there')
 

@@ -84,7 +84,6 @@ class Machine:
         """Takes up an order, or refuses it, as the route protocol says."""
         if not edges:
             self.route_id, self.edges, self.current, self.phase = route_id, (), 0, Phase.STOPPED
-            self.slides = 0
             return True
         if (route_id, edges) == (self.route_id, self.edges):
             return True
@@ -103,7 +102,6 @@ class Machine:
             if begins is None:
                 return False
             self.current, self.edge, self.half = begins
-            self.slides = 0
         self.route_id, self.edges = route_id, edges
         self.phase = Phase.RUNNING if self.current < len(edges) else Phase.COMPLETE
         self._arrive()
