@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import List
 
 from fleet_bringup.options import Options
-from fleet_bringup.robot_entries import Entry, check_keys, read_entries
+from fleet_bringup.robot_entries import Entry, read_entries
 from graph_fleet_manager.files.fleet_file import load_fleet
 
 HEAD = '''clearance: 0.1
@@ -26,5 +26,4 @@ def fleet_file(folder: Path, *robots: str) -> str:
 def entries(folder: Path, *robots: str, **options: object) -> List[Entry]:
     """The entries of these robots."""
     path = fleet_file(folder, *robots)
-    check_keys(path)
     return read_entries(path, load_fleet(path), Options(fleet=path, **options))

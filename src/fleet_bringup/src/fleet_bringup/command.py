@@ -21,7 +21,7 @@ from fleet_bringup.launch_file import launch_text
 from fleet_bringup.made_fleet import fleet_text, made_fleet, parking_places
 from fleet_bringup.options import Options, help_text, parse
 from fleet_bringup.ports import check_ports, needed_ports
-from fleet_bringup.robot_entries import LD90, Entry, check_count, check_keys, read_entries
+from fleet_bringup.robot_entries import LD90, Entry, check_count, read_entries
 from fleet_bringup.rviz_file import rviz_text
 from graph_fleet_manager.files.errors import FileError
 from graph_fleet_manager.files.fleet_file import load_fleet
@@ -99,7 +99,6 @@ def _fleet(options: Options, folder: str, graph: Graph) -> Tuple[Fleet, str]:
         fleet = made_fleet(count, graph)
         return fleet, _write(folder, 'fleet.yaml', fleet_text(fleet))
     path = os.path.abspath(os.path.expanduser(options.fleet))
-    check_keys(path)
     fleet = load_fleet(path)
     for robot in fleet.robots:
         if robot.vertex not in graph.vertices:

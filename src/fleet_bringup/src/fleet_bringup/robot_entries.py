@@ -14,11 +14,10 @@ master of its own there, which is joined with the fleet's.
 """
 from __future__ import annotations
 
-import difflib
 import math
 import os
 import re
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Dict, List, Optional, Sequence, Tuple
 
 import yaml
@@ -28,18 +27,12 @@ from fleet_bringup.options import Options
 from graph_fleet_manager.files.errors import FileError
 from graph_fleet_manager.files.robot_computers import computer
 from graph_fleet_manager.fleet import Fleet, Robot
-from graph_fleet_manager.supervision.settings import RobotSettings
 from trajectory_graph import strict_yaml
 from trajectory_graph.strict_yaml import Field, WrongYaml
 
 LD90, AGV, NONE = 'ld90', 'agv', 'none'
 PORT_STEP = 10  # between the ports of one simulated robot and of the next
 
-_FILE_KEYS = ('clearance', 'dock_approach', 'robot_types', 'robots')
-_SETTINGS = tuple(field.name for field in fields(RobotSettings))
-_TYPE_KEYS = ('name', 'radius', 'speed', 'play', 'obeys_edge_speed', 'docks', *_SETTINGS)
-_ROBOT_KEYS = ('name', 'type', 'vertex', 'driver', 'start', 'host', 'arcl_port', 'outgoing_port',
-               'password_file', 'computer', *_SETTINGS)
 _NAME = re.compile(r'[A-Za-z][A-Za-z0-9_]*\Z')
 
 
@@ -68,20 +61,6 @@ class Entry:
     def is_simulated(self) -> bool:
         """Whether this computer plays the robot."""
         return not self.host and self.robot.driver != NONE
-
-
-def check_keys(path: str) -> None:
-    """Raises FileError for a key of a fleet file that nobody reads: it is misspelt."""
-    try:
-        root = strict_yaml.compose(path)
-        whole = strict_yaml.mapping(root, 'the file')
-        _check_keys(root, 'the file', _FILE_KEYS)
-        for name, what, known in (('robot_types', 'a robot type', _TYPE_KEYS),
-                                  ('robots', 'a robot', _ROBOT_KEYS)):
-            for node in strict_yaml.items(strict_yaml.field(whole, name, root)):
-                _check_keys(node, what, known)
-    except WrongYaml as wrong:
-        raise FileError.of(path, wrong) from None
 
 
 def read_entries(path: str, fleet: Fleet, options: Options) -> List[Entry]:
@@ -154,15 +133,6 @@ def _check_each_other(entries: Sequence[Entry]) -> None:
             if other is not entry:
                 raise WrongYaml(f'robots {other.name} (line {other.line}) and {entry.name} have '
                                 f'the same {what}; each needs its own', entry.line)
-
-
-def _check_keys(node: yaml.Node, what: str, known: Sequence[str]) -> None:
-    for key in strict_yaml.mapping(node, what, known):
-        if key not in known:
-            line = next(name for name, _ in node.value if name.value == key)
-            near = difflib.get_close_matches(key, known, 1)
-            meant = f'did you mean {near[0]}?' if near else f'there are: {", ".join(known)}'
-            raise WrongYaml(f'{what} has a key {key!r} that nobody reads; {meant}', line)
 
 
 def _port(one: Field) -> int:

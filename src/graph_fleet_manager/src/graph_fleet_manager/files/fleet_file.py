@@ -9,7 +9,7 @@
     - {name: agv_1, type: agv, vertex: 8, driver: agv}  # a driver may be left out
     - {name: agv_2, type: agv, vertex: 9, absent: true}  # in repair, or not delivered yet
 
-Other keys belong to other readers of the file and are left alone.
+Other programs read other keys of it; one that none of them reads is an error.
 """
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ from typing import Callable, Dict, List, Union
 import yaml
 
 from graph_fleet_manager.files.errors import FileError
+from graph_fleet_manager.files.fleet_keys import check_keys
 from graph_fleet_manager.fleet import DOCK_APPROACH, Fleet, Robot, RobotType
 from trajectory_graph import strict_yaml
 from trajectory_graph.strict_yaml import Field, WrongYaml
@@ -31,6 +32,7 @@ def load_fleet(path: Union[str, os.PathLike]) -> Fleet:
     """The fleet in a file; raises FileError."""
     try:
         root = strict_yaml.compose(path)
+        check_keys(root)
         fields = strict_yaml.mapping(root, 'the file')
         clearance = _length(strict_yaml.field(fields, 'clearance', root))
         approach = strict_yaml.optional(fields, 'dock_approach', _length, DOCK_APPROACH)
