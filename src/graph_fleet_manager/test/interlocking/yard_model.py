@@ -84,6 +84,7 @@ class Machine:
         """Takes up an order, or refuses it, as the route protocol says."""
         if not edges:
             self.route_id, self.edges, self.current, self.phase = route_id, (), 0, Phase.STOPPED
+            self.slides = 0
             return True
         if (route_id, edges) == (self.route_id, self.edges):
             return True
@@ -102,6 +103,7 @@ class Machine:
             if begins is None:
                 return False
             self.current, self.edge, self.half = begins
+            self.slides = 0
         self.route_id, self.edges = route_id, edges
         self.phase = Phase.RUNNING if self.current < len(edges) else Phase.COMPLETE
         self._arrive()
@@ -414,11 +416,13 @@ class Yard:
             ids = self.interlocking(world)._new_id
             before = robot.client.order
             robot.client.shorten(ids)
+            self._store(world, name)
             return robot.client.order is not before
         elif what == 'settle':
             record = robot.client.record
             robot.client.settle(position_of(record.pose, self.graph, record.near))
             robot.is_halted = False
+            self._store(world, name)
         elif what == 'lose order':
             machine.orders = machine.orders[1:]
         elif what == 'refuse':
