@@ -121,23 +121,25 @@ def _meetings(reservations: ReservationTable, drives: _Drives, moving: RobotType
     fraction = np.where(forward, conflicts.forward[at], conflicts.backward[at])
     counts = wanted[conflicts.other[at]] & (fraction > drives.begun[before])
     before, fraction = before[counts], fraction[counts]
-    # All uses of each edge: of each robot one after the other, each until its next.
+    # All uses of each edge in groups, one for each robot, within which they are in order.
     edge, robot = conflicts.other[at][counts] - vertices, drives.robot[before]
-    by_robot = edge * (drives.robot.max() + 1) + robot
+    robots = int(drives.robot.max()) + 1
+    by_robot = edge * robots + robot
     use = order_of(by_robot)
-    same = np.diff(by_robot[use]) == 0
-    until = np.full(len(use), count)
-    until[use[:-1][same]] = before[use[1:][same]]
-    # The same in the order of time: those before a drive are the beginning of a row.
-    use = order_of(edge)
-    edge, before, fraction, until = edge[use], before[use], fraction[use], until[use]
-    key = edge * count + before
-    low = np.searchsorted(key, edge_after * count)
-    lengths = np.searchsorted(key, edge_after * count + after) - low
-    at = np.repeat(low, lengths) + count_up(lengths)
+    before, fraction, by_robot = before[use], fraction[use], by_robot[use]
+    starts = np.flatnonzero(np.diff(by_robot, prepend=-1))
+    groups = by_robot[starts]
+    # For each drive and each robot that ever uses its edge the last use before the drive.
+    low = np.searchsorted(groups, edge_after * robots)
+    lengths = np.searchsorted(groups, (edge_after + 1) * robots) - low
+    group = np.repeat(low, lengths) + count_up(lengths)
     then = np.repeat(after, lengths)
-    last = (until[at] >= then) & (drives.robot[before[at]] != drives.robot[then])
-    return _Pairs(before[at][last], fraction[at][last], then[last])
+    other = groups[group] % robots != drives.robot[then]
+    group, then = group[other], then[other]
+    number = np.repeat(np.arange(len(starts)), np.diff(np.append(starts, len(before))))
+    last = np.searchsorted(number * count + before, group * count + then) - 1
+    used = last >= starts[group]
+    return _Pairs(before[last[used]], fraction[last[used]], then[used])
 
 
 def _meetings_of_rests(reservations: ReservationTable, drives: _Drives, moving: RobotType,
