@@ -58,8 +58,7 @@ class Errand:
         self.lower_bound = ready + beyond
         """The least that it can cost, were it alone; infinite where something is out of reach."""
         if rests is not None:
-            nearest = (np.minimum.reduce(network.paths_to(kind, sorted(rests))) if rests
-                       else np.full(network.vertices, inf))
+            nearest = network.paths_to_nearest(kind, rests)
             self.to_go.append(estimated(nearest))
             self.lower_bound += later * (float(nearest[self.destinations[-1]]) if paths
                                          else self.seconds_to(nearest))

@@ -1,6 +1,7 @@
 """Which robots block which, in words."""
 from __future__ import annotations
 
+import time
 from functools import partial
 from heapq import heappop, heappush
 from math import inf
@@ -42,12 +43,13 @@ def _where(network: RoadNetwork, agent: Agent) -> str:
     return f'vertex {network.vertex_ids[agent.errand.vertex]}'
 
 
-def in_the_way(reservations: ReservationTable, agent: Agent) -> List[str]:
+def in_the_way(reservations: ReservationTable, agent: Agent, deadline: float) -> List[str]:
     """Robots that would have to give way: those that stand for ever where its path leads with the
     fewest of them, and those whose plans lead over the place where it is. It must not be booked.
+    The path is only looked at until the deadline (monotonic s).
     """
     slots = reservations.slots[agent.kind]
-    drives, found = _fewest_blocked(reservations, agent)
+    drives, found = _fewest_blocked(reservations, agent, deadline)
     for drive in drives:
         for _, end, robot in slots.bookings[drive]:
             if end == inf:
@@ -61,10 +63,11 @@ def in_the_way(reservations: ReservationTable, agent: Agent) -> List[str]:
     return list(found)
 
 
-def why_not(reservations: ReservationTable, agent: Agent) -> str:
-    """Why a robot that is not booked finds no path past the others."""
+def why_not(reservations: ReservationTable, agent: Agent, deadline: float) -> str:
+    """Why a robot that is not booked finds no path past the others, as far as that can be told
+    until the deadline (monotonic s)."""
     network = reservations.network
-    others = in_the_way(reservations, agent)
+    others = in_the_way(reservations, agent, deadline) if time.monotonic() < deadline else []
     destinations = agent.errand.destinations
     goal = (f'vertex {network.vertex_ids[destinations[-1]]}' if destinations else 'parking')
     if not others:
@@ -86,7 +89,7 @@ def why_not(reservations: ReservationTable, agent: Agent) -> str:
 
 
 def _fewest_blocked(reservations: ReservationTable,
-                    agent: Agent) -> Tuple[List[int], Dict[str, None]]:
+                    agent: Agent, deadline: float) -> Tuple[List[int], Dict[str, None]]:
     """The drives of the path over all destinations to a rest, past as few standing robots as
     possible, as far as there is one; for a robot between two vertices those behind the next one,
     and the robots that stand before that."""
@@ -101,7 +104,8 @@ def _fewest_blocked(reservations: ReservationTable,
         starts, standing = _exits(reservations, agent, agent.mid_edge)
     first = min(starts.items(), key=itemgetter(1), default=(-1, inf))[0]
     for number, goal in enumerate(goals):
-        leg = _shortest(reservations, agent, starts, goal)
+        leg = (_shortest(reservations, agent, starts, goal) if time.monotonic() < deadline
+               else None)
         if leg is None:
             break
         drives += leg.drives

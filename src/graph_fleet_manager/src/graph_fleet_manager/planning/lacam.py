@@ -50,7 +50,7 @@ def search_lacam(reservations: ReservationTable, given: Sequence[Agent], deadlin
         return None
     pibt = Pibt(reservations, given, rests, random)
     if (any(any(slots.bookings) for slots in reservations.slots.values())
-            and not all(agent.has_path() for agent in pibt.agents)):
+            and not all(agent.has_path(deadline) for agent in pibt.agents)):
         return None  # a robot stands in the way for ever
     agents = pibt.agents
     first = tuple(agent.begin for agent in agents)

@@ -83,14 +83,14 @@ class LargeNeighbourhoodSearch:
                 self._tea_star.book_fixed(agent)
         if group[0].priority == group[-1].priority and self._random.random() < _GUESTS:
             guest = group.pop(0)
-            self._book_guest(guest)
+            self._book_guest(guest, deadline)
             group.append(guest)
         least = sum(t.errand.lower_bound for t in group)
         spent, found = 0.0, {}
         for agent in group:
             least -= agent.errand.lower_bound
             self._tea_star.forget((agent,))
-            path = self._tea_star.path_of(agent, enough - spent - least)
+            path = self._tea_star.path_of(agent, deadline, enough - spent - least)
             if path is None or time.monotonic() >= deadline:
                 self._tea_star.reservations.put_back(taken)
                 return 0.0
@@ -100,10 +100,10 @@ class LargeNeighbourhoodSearch:
         self._now.update(found)
         return before - spent
 
-    def _book_guest(self, agent: Agent) -> None:
+    def _book_guest(self, agent: Agent, deadline: float) -> None:
         """Books the best path of a robot, but no longer than for a moment at its end."""
         self._tea_star.forget((agent,))
-        path = self._tea_star.path_of(agent)
+        path = self._tea_star.path_of(agent, deadline)
         if path is None:
             self._tea_star.book_fixed(agent)
         else:

@@ -10,11 +10,12 @@ from __future__ import annotations
 from bisect import bisect_right
 from heapq import heappop, heappush
 from math import ceil, inf
+from time import monotonic as time_now
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 from graph_fleet_manager.planning.agents import Errand
 from graph_fleet_manager.planning.plans import Plan
-from graph_fleet_manager.planning.safe_intervals import Arrival, plan_from
+from graph_fleet_manager.planning.safe_intervals import CHECKED, Arrival, plan_from
 from graph_fleet_manager.planning.slots import Busy, Slots
 
 _ROUNDING = 1e-9  # of a layer
@@ -25,13 +26,14 @@ Search = Callable[..., Optional[Tuple[float, Plan]]]
 def layered(seconds: float) -> Search:
     """`find_path` with layers `seconds` apart; arguments and result as in `safe_intervals`."""
     def search(errand: Errand, slots: Slots, latest: float = inf,
-               arrivals: Sequence[Arrival] = ()) -> Optional[Tuple[float, Plan]]:
-        return _find_path(errand, slots, seconds, latest, arrivals)
+               arrivals: Sequence[Arrival] = (),
+               deadline: float = inf) -> Optional[Tuple[float, Plan]]:
+        return _find_path(errand, slots, seconds, latest, arrivals, deadline)
     return search
 
 
 def _find_path(errand: Errand, slots: Slots, layer: float, latest: float,
-               arrivals: Sequence[Arrival]) -> Optional[Tuple[float, Plan]]:
+               arrivals: Sequence[Arrival], deadline: float) -> Optional[Tuple[float, Plan]]:
     targets, dwells, rests = errand.destinations, errand.dwells, errand.rests
     legs = len(targets)
     best: Dict[Tuple[int, int, int], float] = {}
@@ -39,7 +41,11 @@ def _find_path(errand: Errand, slots: Slots, layer: float, latest: float,
     heap: List[Tuple[float, int, int]] = []
     arrivals = arrivals or [(-1, 0.0, errand.vertex, errand.ready)]
     node, leg, served = -1, 0, errand.ready
+    steps = 0
     while True:
+        steps += 1
+        if steps % CHECKED == 0 and time_now() > deadline:
+            return None
         for drive, begin, end, arrival in arrivals:
             until = _free_until(slots.busy(slots.drives + end), arrival)
             new_leg, new_served, leaves = leg, served, arrival

@@ -2,6 +2,7 @@
 more urgent one is asked to move, and asks others in turn (PIBT, Okumura et al., AIJ 2022)."""
 from __future__ import annotations
 
+import time
 from math import inf
 from random import Random
 from typing import AbstractSet, Dict, List, Mapping, Optional, Sequence, Set, Tuple
@@ -64,8 +65,9 @@ class PibtAgent:
         """Seconds to the end of the leg."""
         return self.estimate(state)[state % self._vertices]
 
-    def has_path(self) -> bool:
-        """Could it come to its targets in their order, were it alone?"""
+    def has_path(self, deadline: float) -> bool:
+        """Could it come to its targets in their order, were it alone? False also where that is not
+        known by the deadline (monotonic s)."""
         vertex = self.vertex(self.begin)
         for target in self.targets[self.leg(self.begin):]:
             reached, ahead = {vertex}, [vertex]
@@ -74,7 +76,7 @@ class PibtAgent:
                     if end not in reached:
                         reached.add(end)
                         ahead.append(end)
-            if target not in reached:
+            if target not in reached or time.monotonic() > deadline:
                 return False
             vertex = target
         return True

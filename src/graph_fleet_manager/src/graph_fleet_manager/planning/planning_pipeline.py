@@ -25,10 +25,12 @@ from graph_fleet_manager.planning.problem import Problem
 from graph_fleet_manager.planning.reservation_table import ReservationTable
 from graph_fleet_manager.planning.schedule import schedule
 from graph_fleet_manager.planning.tasks import Obstacle, Outcome, Task
-from graph_fleet_manager.planning.tea_star import Path, Paths, TeaStar, by_length
+from graph_fleet_manager.planning.tea_star import Path, Paths, TeaStar, by_length, is_too_late
 
 _ORDERS = 10      # in which all are planned anew before the search over configurations begins
 _ROOM_ORDERS = 4  # in which a robot and those in its way are planned
+_QUICKLY_BOOKED = 20000  # drives, after the time limit
+_TO_EXPLAIN = 0.05  # s after the time limit until which it is looked for who is in the way
 _TO_FINISH = 0.002  # s that are left at the end, and so many times what an outcome took before:
 _SLOWER = 1.5
 
@@ -63,6 +65,8 @@ class PlanningPipeline:
         self._unserved: Dict[str, str] = {}
         self._old: Dict[str, Plan] = {}
         """Plans owned by now, with new times."""
+        self._unfinished: Paths = {}
+        """Of the robots that had a way when the time for planning all anew was over; not booked."""
         self._grounded: Set[str] = set()
         """Robots that stay where they are."""
 
@@ -141,6 +145,8 @@ class PlanningPipeline:
         if not failed or self._plan_all(failed, self._part_of(deadline, failed)):
             return
         failed = self._serve_somebody(failed, deadline)
+        if self._unfinished and not self._paths:
+            failed = self._take_unfinished()
         standing = [t for t in failed if t.name not in self._old]
         self._tea_star.forget(standing)
         for agent in standing:
@@ -148,7 +154,8 @@ class PlanningPipeline:
         for agent in failed:
             if agent.name not in self._unserved:
                 self._tea_star.forget((agent,))
-                self._unserved[agent.name] = why_not(self._reservations, agent)
+                self._unserved[agent.name] = why_not(self._reservations, agent,
+                                                     deadline + _TO_EXPLAIN)
                 if agent.name in self._old:
                     self._book_again(agent)
                 else:
@@ -158,13 +165,17 @@ class PlanningPipeline:
     def _serve_one(self, agent: Agent, deadline: float) -> bool:
         """A way past everybody's plans, or past those that make room."""
         self._tea_star.forget((agent,))
-        path = self._tea_star.path_of(agent)
-        if path is not None:
+        path = self._tea_star.path_of(agent, deadline)
+        is_late = is_too_late(deadline, len(path.plan) if path is not None else 0)
+        if path is not None and not is_late:
             self._paths[agent.name] = path
             self._tea_star.book(agent, path)
             return True
+        if is_late:
+            self._book_again(agent)
+            return False
         group = [self._making_room(self._agents[name], agent)
-                 for name in in_the_way(self._reservations, agent)
+                 for name in in_the_way(self._reservations, agent, deadline)
                  if name in self._agents and name not in self._grounded]
         self._tea_star.forget(group)
         paths = self._tea_star.plan([*group, agent], deadline, _ROOM_ORDERS) if group else None
@@ -193,6 +204,10 @@ class PlanningPipeline:
         order = [*first, *(t for t in self._in_order(mobile) if t.name not in names)]
         self._tea_star.forget(order)
         paths = self._tea_star.plan(order, deadline, _ORDERS)
+        if not self._paths and not any(self._old.values()):
+            found = self._tea_star.unfinished
+            few = sum(len(path.plan) for path in found.values()) < _QUICKLY_BOOKED
+            self._unfinished = found if few else {}
         if paths is None:
             paths = self._through_configurations(order, deadline)
         if paths is None:
@@ -205,6 +220,8 @@ class PlanningPipeline:
     def _serve_somebody(self, failed: Sequence[Agent], deadline: float) -> List[Agent]:
         """One of these, for whom all others without a way only make room; returns who is left."""
         for chosen in failed:
+            if time.monotonic() > deadline:
+                break
             if not _can_rest_elsewhere(chosen):
                 continue
             aside = {t.name: self._problem.without_destinations(t) for t in failed
@@ -222,9 +239,16 @@ class PlanningPipeline:
                 return list(aside.values())
             for agent in order:
                 self._book_again(agent)
-            if time.monotonic() > deadline:
-                break
         return list(failed)
+
+    def _take_unfinished(self) -> List[Agent]:
+        """Better some robots with a way than none; returns who has none."""
+        self._old.clear()  # which says of nobody more than that it stands
+        self._paths.update(self._unfinished)
+        mobile = self._mobile()
+        for agent in mobile:
+            self._book_again(agent)
+        return [agent for agent in mobile if agent.name not in self._paths]
 
     @staticmethod
     def _part_of(deadline: float, failed: Sequence[Agent]) -> float:

@@ -20,6 +20,7 @@ from graph_fleet_manager.planning.shortest_paths import ShortestPaths
 from trajectory_graph import Graph
 
 _GUIDED = 1.0 + 1e-9
+_NEAREST_KEPT = 64
 Roads = List[List[Tuple[int, int, float]]]
 """For each vertex the (drive, vertex at its end, seconds) that lead away from it."""
 
@@ -69,6 +70,7 @@ class RoadNetwork:
         self._shortest: Dict[RobotType, ShortestPaths] = {}
         self._paths: Dict[RobotType, Dict[int, np.ndarray]] = {}
         self._estimates: Dict[RobotType, Dict[int, Sequence[float]]] = {}
+        self._nearest: Dict[Tuple[RobotType, FrozenSet[int]], np.ndarray] = {}
 
     def with_closed(self, closed: Iterable[int],
                     learned: Mapping[Tuple[str, int], float] = MappingProxyType({})) -> RoadNetwork:
@@ -154,6 +156,20 @@ class RoadNetwork:
             for dock, roads in docks.items():
                 known[dock] = self._paths_to_dock(known, dock, roads)
         return [known[target] for target in targets]
+
+    def paths_to_nearest(self, kind: RobotType, targets: FrozenSet[int]) -> np.ndarray:
+        """Seconds (V,) from every vertex to the nearest of some targets; inf: none is reachable.
+
+        Those asked for of late are remembered: many robots park on the same places.
+        """
+        nearest = self._nearest.pop((kind, targets), None)
+        if nearest is None:
+            nearest = (np.minimum.reduce(self.paths_to(kind, sorted(targets))) if targets
+                       else np.full(self.vertices, math.inf))
+            while len(self._nearest) >= _NEAREST_KEPT:
+                del self._nearest[next(iter(self._nearest))]
+        self._nearest[kind, targets] = nearest
+        return nearest
 
     def _paths_to_dock(self, known: Mapping[int, np.ndarray], dock: int,
                        roads: Sequence[Tuple[int, float]]) -> np.ndarray:

@@ -13,19 +13,24 @@ from bisect import bisect_right
 from heapq import heappop, heappush, heappushpop
 from math import inf
 from sys import float_info
+from time import monotonic as time_now
 from typing import Dict, List, Optional, Sequence, Tuple
 
 from graph_fleet_manager.planning.agents import Errand
 from graph_fleet_manager.planning.plans import Drive, Plan
 from graph_fleet_manager.planning.slots import Slots
 
+CHECKED = 256  # steps of a search between two looks at the clock
+
 Arrival = Tuple[int, float, int, float]
 """A drive, when it begins, the vertex that it leads to, and when it ends there."""
 
 
 def find_path(errand: Errand, slots: Slots, latest: float = inf,
-              arrivals: Sequence[Arrival] = ()) -> Optional[Tuple[float, Plan]]:
-    """The plan that serves the errand soonest and its cost, None where there is none.
+              arrivals: Sequence[Arrival] = (),
+              deadline: float = inf) -> Optional[Tuple[float, Plan]]:
+    """The plan that serves the errand soonest and its cost, None where there is none, or the
+    deadline (monotonic s) came first.
 
     The cost is the end of the last destination; what comes after it counts as the errand says. No
     plan costs more than `latest`. `arrivals` are what a robot between vertices may begin with,
@@ -42,7 +47,11 @@ def find_path(errand: Errand, slots: Slots, latest: float = inf,
     latest = min(latest, float_info.max)  # what costs infinitely much is no path
     node, leg, served = -1, 0, errand.ready
     moves = list(arrivals) or [(-1, 0.0, errand.vertex, errand.ready)]
+    steps = 0
     while True:
+        steps += 1
+        if steps % CHECKED == 0 and time_now() > deadline:
+            return None
         entry = None  # the one made last: it is often the next one, too, and never on the heap
         for drive, begin, end, arrival in moves:
             starts, ends = merged[drives + end] or busy_of(drives + end)

@@ -24,6 +24,9 @@ PRESENT = 2.0
 """A robot without a plan is an obstacle for so many times the seconds of its shortest drive."""
 
 
+_TO_ANSWER = 5e-6  # s for each drive of a plan that is booked and answered
+
+
 class Path(NamedTuple):
     """What a search found for one robot: its cost, and the plan behind what is fixed."""
 
@@ -39,10 +42,13 @@ class TeaStar:
 
     def __init__(self, reservations: ReservationTable, search: Search = find_path) -> None:
         self.reservations = reservations
+        self.unfinished: Paths = {}
+        """The paths that the last `plan` had found when its time was over; none is booked."""
         self._search = search
 
-    def path_of(self, agent: Agent, latest: float = inf) -> Optional[Path]:
-        """The best path of one robot that is not booked, past all that are; None: there is none."""
+    def path_of(self, agent: Agent, deadline: float, latest: float = inf) -> Optional[Path]:
+        """The best path of one robot that is not booked, past all that are; None: there is none, or
+        the deadline (monotonic s) came first."""
         arrivals: Sequence[Arrival] = ()
         if agent.mid_edge:
             arrivals = self.reservations.arrivals(agent.kind, agent.mid_edge,
@@ -50,7 +56,7 @@ class TeaStar:
             if not arrivals:
                 return None
         found = self._search(agent.errand, self.reservations.slots[agent.kind], latest,
-                             arrivals)
+                             arrivals, deadline)
         if found is None:
             return None
         cost, plan = found
@@ -82,6 +88,7 @@ class TeaStar:
         """
         order = list(agents)
         paths: Paths = {}
+        self.unfinished = {}
         put_first: Set[str] = set()
         for _ in range(orders):
             if not put_first:
@@ -92,13 +99,14 @@ class TeaStar:
             failed = self._plan_in(order, paths, deadline)
             if failed is None:
                 return paths
-            if time.monotonic() > deadline:
+            if is_too_late(deadline, sum(len(path.plan) for path in paths.values())):
+                self.unfinished = paths
                 break
             order.remove(failed)
             order.insert(0, failed)
             if failed.name in put_first:  # and lost its path again: all are planned anew
                 put_first.clear()
-            elif self._put_first(order, paths):
+            elif self._put_first(order, paths, deadline):
                 put_first.add(failed.name)
             else:
                 break
@@ -113,17 +121,19 @@ class TeaStar:
     def _plan_in(self, order: Sequence[Agent], paths: Paths,
                  deadline: float) -> Optional[Agent]:
         """Plans those without a path in this order; returns the first that finds none in time."""
+        drives = sum(len(path.plan) for path in paths.values())
         for agent in order:
             if agent.name not in paths:
                 self.reservations.cancel(agent.name)
-                path = self.path_of(agent)
-                if path is None or time.monotonic() > deadline:
+                path = self.path_of(agent, deadline)
+                drives += len(path.plan) if path is not None else 0
+                if path is None or is_too_late(deadline, drives):
                     return agent
                 paths[agent.name] = path
                 self.book(agent, path)
         return None
 
-    def _put_first(self, order: Sequence[Agent], paths: Paths) -> bool:
+    def _put_first(self, order: Sequence[Agent], paths: Paths, deadline: float) -> bool:
         """Plans the first of the order as if it came first; robots in its way lose their paths.
 
         False where it has no path even then.
@@ -132,7 +142,7 @@ class TeaStar:
         taken = self.reservations.take_out([t.name for t in planned])
         for agent in planned:
             self.book_present(agent)
-        path = self.path_of(first)
+        path = self.path_of(first, deadline)
         self.reservations.put_back(taken)
         if path is None:
             return False
@@ -173,6 +183,11 @@ def _overlap(bookings: Optional[Sequence[Booking]], begin: float, end: float) ->
     """Is anything booked at any time between two, or at one within?"""
     return bookings is not None and any(since < end and begin < until
                                         for since, until, _ in bookings)
+
+
+def is_too_late(deadline: float, drives: int = 0) -> bool:
+    """Is the deadline (monotonic s) too near to book so many drives and to answer with them?"""
+    return time.monotonic() + _TO_ANSWER * drives > deadline
 
 
 def by_length(agents: Iterable[Agent]) -> List[Agent]:
