@@ -11,12 +11,13 @@ from trajectory_graph.errors import (
     UnknownVertex,
 )
 from trajectory_graph.graph import CurveType, Edge, Graph, Vertex
+from trajectory_graph.graph_changes import change_of, speed_of
 from trajectory_graph.routes import check_route, route_vertices
 from trajectory_graph.splitting import split_edges
 from trajectory_graph.yaml_file import load_graph, save_graph
 
 __all__ = [
     'Curve', 'CurveType', 'DiscontinuousRoute', 'Edge', 'Graph', 'GraphError', 'Projection',
-    'TrajectoryGraphError', 'UnknownEdge', 'UnknownVertex', 'Vertex', 'check_route', 'load_graph',
-    'route_vertices', 'save_graph', 'split_edges',
+    'TrajectoryGraphError', 'UnknownEdge', 'UnknownVertex', 'Vertex', 'change_of', 'check_route',
+    'load_graph', 'route_vertices', 'save_graph', 'speed_of', 'split_edges',
 ]

@@ -15,7 +15,7 @@ from graph_fleet_manager.agv_simulator.route_rules import (
     find_start,
 )
 from graph_fleet_manager.agv_simulator.speed_limits import DriveLimits, SpeedLimits
-from trajectory_graph import Graph
+from trajectory_graph import Graph, change_of, speed_of
 from trajectory_graph.route_protocol import (
     EMERGENCY_STOP,
     TAKEN_OVER,
@@ -33,6 +33,9 @@ from trajectory_graph.route_protocol import (
 ORDER_TIMEOUT = 5.0  # s that an order waits for the vehicle to stand
 MOST = 99.9          # per cent, of an edge that is not complete
 FOREVER = float('inf')
+_GRAPH_CHANGED = Reason(
+    ReasonCode.GRAPH_CHANGED,
+    'the graph was replaced, and edges of the route are not what they were: give another route')
 
 
 class Vehicle:
@@ -183,17 +186,18 @@ class Vehicle:
         self._report_change()
 
     def use_graph(self, graph: Graph) -> None:
-        """Goes on with another graph: with its route where that is the same there, else without."""
-        before, path = self.drive.graph, self.drive.path
-        edges_kept = all(abs(edge) in graph.edges and graph.edge(edge) == before.edge(edge)
-                         and graph.start_vertex(edge) == before.start_vertex(edge)
-                         and graph.end_vertex(edge) == before.end_vertex(edge) for edge in path)
-        if path and edges_kept:
-            self.drive.graph, self.drive.speeds = graph, self._speeds(graph)
+        """Goes on with another graph, from where it is; with its route where nothing of what is
+        left of it has changed but speeds, else without."""
+        before, drive = self.drive.graph, self.drive
+        ahead = drive.path[drive.index:]
+        if any(change_of(before, graph, edge) or speed_of(graph, edge) <= 0.0 for edge in ahead):
+            self._fail(_GRAPH_CHANGED)
+            drive.path = drive.path[:drive.index + 1]
+        if self._off_graph is None and drive.edge is not None and (
+                change_of(before, graph, drive.edge) is None):
+            drive.graph, drive.speeds = graph, self._speeds(graph)
         else:
-            self._fail(Reason(
-                ReasonCode.GRAPH_CHANGED,
-                'the graph was replaced, and edges of the route are not what they were'))
+            self._fail(_GRAPH_CHANGED)
             self._place_again(graph)
         self._report_change()
 
@@ -238,6 +242,8 @@ class Vehicle:
             raise RouteRefused(Reason(ReasonCode.OFF_GRAPH, 'the vehicle is off the graph'))
         route = self.route
         if route is not None and route.is_changed_by(order):
+            if route.edges and not self.drive.path:
+                raise RouteRefused(_GRAPH_CHANGED)
             check_change(route, order, self.drive)
             self.drive.follow(order.edges, self.drive.index, self.drive.arc)
             route.order = order
