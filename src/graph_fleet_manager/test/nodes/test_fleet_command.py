@@ -1,11 +1,13 @@
-"""The command `fleet list` says how every robot stands."""
+"""The command `fleet` says how every robot stands, and declares robots absent."""
 from __future__ import annotations
 
 import pytest
 
 from graph_fleet_manager.commands import fleet
+from graph_fleet_manager.commands.command_line import NOT_DONE, OK, WRONG, CommandError
 from graph_fleet_manager.supervision.fleet_view import RobotState
 from itrci_nav_msgs.msg import FleetRobot, FleetState
+from itrci_nav_msgs.srv import DeclareAbsent
 
 
 @pytest.mark.parametrize('state', RobotState)
@@ -14,3 +16,48 @@ def test_every_state_has_its_word(state):
                        outage_code=FleetRobot.OUTAGE_SILENT)
     line = fleet._listed(FleetState(robots=[robot])).splitlines()[1]
     assert line.split('agv')[1].strip().startswith(state.name.lower().replace('_', ' '))
+
+
+@pytest.fixture
+def called(monkeypatch):
+    """The services that were called. `gone` is not in the fleet file any more, `near` reports."""
+    called = []
+
+    def call(service, kind):
+        assert kind is DeclareAbsent
+        called.append(service)
+        if service.startswith('/near/'):
+            raise CommandError('near reports: switch it off first', NOT_DONE)
+        return 'done'
+    monkeypatch.setattr(fleet, 'connect', lambda name: None)
+    monkeypatch.setattr(fleet, 'call', call)
+    monkeypatch.setattr(fleet, 'is_offered', lambda service: 'wrong' not in service)
+    monkeypatch.setattr(fleet, '_robots', lambda: [
+        FleetRobot(name='a', state=FleetRobot.UNKNOWN), FleetRobot(name='b'),
+        FleetRobot(name='c', state=FleetRobot.UNKNOWN),
+        FleetRobot(name='d', state=FleetRobot.OFFLINE)])
+    return called
+
+
+def test_robots_are_declared_absent_also_those_of_before(called):
+    assert fleet._fleet(['absent', 'b', 'gone']) == OK
+    assert called == ['/b/declare_absent', '/gone/declare_absent']
+
+
+def test_all_robots_that_were_never_heard_of_are_declared_absent(called):
+    assert fleet._fleet(['absent', '--unseen']) == OK
+    assert called == ['/a/declare_absent', '/c/declare_absent']
+
+
+def test_a_robot_that_cannot_be_absent_does_not_keep_the_others(called, capsys):
+    assert fleet._fleet(['absent', 'near', 'wrong', 'b']) == NOT_DONE
+    assert called == ['/near/declare_absent', '/b/declare_absent']
+    said = capsys.readouterr().err
+    assert 'switch it off first' in said and "There is no robot 'wrong'; there are: a, b" in said
+
+
+@pytest.mark.parametrize('arguments', [[], ['a', '--unseen']])
+def test_which_robots_are_absent_must_be_said(called, arguments):
+    with pytest.raises(SystemExit) as end:
+        fleet._fleet(['absent', *arguments])
+    assert end.value.code == WRONG and not called

@@ -138,13 +138,15 @@ def test_a_stop_past_a_supervisor_lasts_when_that_is_killed_for_it():
     assert not fleet.supervisor.is_stopped
 
 
-def test_who_was_stopped_on_its_way_past_a_supervisor_goes_on_after_a_resume():
+@pytest.mark.parametrize('dies', [True, False])
+def test_who_was_stopped_on_its_way_past_a_supervisor_goes_on_after_a_resume(dies):
     """It did not forget its route: nobody needs to look at it."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)})
     fleet.request(1, 5, robot='a')
     fleet.run(3.0)
     stop_past(fleet)
-    fleet.restart()
+    if dies:
+        fleet.restart()
     fleet.run(8.0)
     assert fleet.supervisor.is_stopped and fleet.supervisor.robots['a'].outage is None
     problems, actions = fleet.supervisor.resume_fleet(fleet.now)

@@ -7,14 +7,16 @@ import struct
 import threading
 from contextlib import closing
 
+import genpy
 import pytest
 import rosgraph.network
 from std_srvs.srv import Trigger, TriggerResponse
 
-from graph_fleet_manager.commands import stop
+from graph_fleet_manager.commands import direct_stop, stop
 from graph_fleet_manager.commands.command_line import NOT_DONE, WRONG, CommandError
 from graph_fleet_manager.files import stop_address
 from graph_fleet_manager.multimaster.peer_master import Master, NoAnswer
+from graph_fleet_manager.supervision.route_ids import is_past
 
 
 class FleetManager:
@@ -109,4 +111,76 @@ def test_a_stop_that_is_not_done_says_so():
 def test_a_damaged_file_is_no_crash(noted):
     stop_address.note('http://127.0.0.1:1', noted)
     with pytest.raises(CommandError, match='NO ROBOT'):
+        stop.stop()
+
+
+# -- past a fleet manager that hangs --------------------------------------------------------------
+
+
+class Route:
+    """A topic on which a robot is sent routes, as rospy publishes to it; `connected` ones only."""
+
+    routes: dict = {}
+    connected: tuple = ()
+
+    def __init__(self, topic, kind, queue_size, latch) -> None:
+        self.topic, self.sent, self.is_open = topic, [], True
+        self.routes[topic] = self
+
+    def publish(self, message) -> None:
+        message.serialize(io.BytesIO())
+        self.sent.append(message)
+
+    def get_num_connections(self) -> int:
+        return int(self.topic in self.connected)
+
+    def unregister(self) -> None:
+        self.is_open = False
+
+
+TOPICS = {'/a/target_route': 'itrci_nav_msgs/TargetRoute', '/fleet_state': 'x/FleetState',
+          '/b/target_route': 'itrci_nav_msgs/TargetRoute', '/c/target_route': 'std_msgs/String'}
+
+
+@pytest.fixture
+def hung(monkeypatch):
+    """A fleet manager that takes calls and answers none, and a ROS master that works."""
+    monkeypatch.setattr(stop, 'PATIENCE', 0.1)
+    stop_address.note('http://127.0.0.1:1', FleetManager().address)
+    monkeypatch.setattr(Master, 'topic_types', lambda *_: TOPICS)
+    monkeypatch.setattr(direct_stop, 'init_node', lambda *_, **__: None)
+    monkeypatch.setattr(direct_stop, '_fleet', list)
+    monkeypatch.setattr(direct_stop, 'REACHED_IN', 0.1)
+    monkeypatch.setattr(direct_stop.rospy, 'Publisher', Route)
+    monkeypatch.setattr(direct_stop.rospy.Time, 'now', lambda: genpy.Time(5))
+    monkeypatch.setattr(Route, 'routes', {})
+    monkeypatch.setattr(Route, 'connected', ('/a/target_route', '/b/target_route'))
+
+
+def test_the_command_stops_the_robots_itself_where_the_fleet_manager_hangs(hung):
+    told = stop.stop()
+    assert 'does not answer' in told and 'this command told the robots to stop: a, b.' in told
+    assert sorted(Route.routes) == ['/a/target_route', '/b/target_route']
+    for route in Route.routes.values():
+        order, = route.sent
+        assert list(order.edges) == [] and is_past(order.route_id)
+        assert order.header.stamp == genpy.Time(5) and not route.is_open
+
+
+def test_the_robots_of_the_fleet_alone_are_told_where_they_are_known(hung, monkeypatch):
+    monkeypatch.setattr(direct_stop, '_fleet', lambda: ['b'])
+    assert 'told the robots to stop: b.' in stop.stop()
+    assert list(Route.routes) == ['/b/target_route']
+
+
+def test_a_robot_that_is_not_connected_is_named(hung, monkeypatch):
+    monkeypatch.setattr(Route, 'connected', ('/a/target_route',))
+    with pytest.raises(CommandError, match='to stop: a[.] .*NOT TOLD.* b: press') as failure:
+        stop.stop()
+    assert failure.value.status == NOT_DONE
+
+
+def test_where_no_robot_is_connected_none_was_told(hung, monkeypatch):
+    monkeypatch.setattr(Route, 'connected', ())
+    with pytest.raises(CommandError, match='NO ROBOT WAS TOLD TO STOP'):
         stop.stop()

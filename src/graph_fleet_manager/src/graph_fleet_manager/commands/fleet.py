@@ -1,19 +1,29 @@
-"""The command `fleet`: all robots at a glance; stop, resume, take one out of service, bring it in.
+"""The command `fleet`: all robots at a glance; stop, resume, take one out of service, bring it in,
+declare it absent.
 
 Exit status 0: done; 1: wrong input, or no fleet manager; 2: not done, the reason is said.
 """
 from __future__ import annotations
 
 import math
+import sys
 from typing import List, Optional, Sequence
 
 import rospy
 
 from graph_fleet_manager.commands.command_line import OK, CommandError, Parser
-from graph_fleet_manager.commands.fleet_client import Listener, call, connect, run, table
+from graph_fleet_manager.commands.fleet_client import (
+    Listener,
+    call,
+    connect,
+    is_offered,
+    run,
+    table,
+)
 from graph_fleet_manager.commands.stop import stop
 from graph_fleet_manager.supervision.fleet_view import RobotState
 from itrci_nav_msgs.msg import FleetRobot, FleetState
+from itrci_nav_msgs.srv import DeclareAbsent
 
 _STATES = {int(state): state.name.lower().replace('_', ' ') for state in RobotState}
 
@@ -34,7 +44,14 @@ def _fleet(arguments: List[str]) -> int:
     for name, what in (('out', 'stops a robot and takes it out of service'),
                        ('in', 'puts a robot back into service, from where it is')):
         commands.add_parser(name, help=what).add_argument('robot', metavar='ROBOT')
+    absent = commands.add_parser('absent', help='says that robots are nowhere on the site, so that '
+                                                'they block nothing until they report')
+    absent.add_argument('robots', metavar='ROBOT', nargs='*')
+    absent.add_argument('--unseen', action='store_true',
+                        help='all robots that were never heard of')
     options = parser.parse_args(arguments)
+    if options.command == 'absent' and bool(options.robots) == options.unseen:
+        absent.error('name the robots, or give --unseen')
     if options.command == 'stop':
         print(stop())
         return OK
@@ -43,16 +60,47 @@ def _fleet(arguments: List[str]) -> int:
         print(_listed(Listener('/fleet_state', FleetState).last()))
     elif options.command == 'resume':
         print(call('/resume_fleet'))
+    elif options.command == 'absent':
+        return _absent(_unseen() if options.unseen else options.robots)
     else:
         _check(options.robot)
         print(call(f'/{options.robot}/{"leave" if options.command == "out" else "join"}_fleet'))
     return OK
 
 
+def _robots() -> List[FleetRobot]:
+    return list(Listener('/fleet_state', FleetState).last().robots)
+
+
 def _check(robot: str) -> None:
-    names = [one.name for one in Listener('/fleet_state', FleetState).last().robots]
+    names = [one.name for one in _robots()]
     if robot not in names:
         raise CommandError(f'There is no robot {robot!r}; there are: {", ".join(names)}.')
+
+
+def _unseen() -> List[str]:
+    names = [one.name for one in _robots() if one.state == FleetRobot.UNKNOWN]
+    if not names:
+        print('Every robot was heard of, or declared absent.')
+    return names
+
+
+def _absent(robots: Sequence[str]) -> int:
+    """Each of them, whatever becomes of the others.
+
+    A robot that the fleet file does not have any more is in no list, but has the service.
+    """
+    status = OK
+    for robot in robots:
+        service = f'/{robot}/declare_absent'
+        try:
+            if not is_offered(service):
+                _check(robot)
+            print(call(service, DeclareAbsent))
+        except CommandError as error:
+            print(f'fleet: {error}', file=sys.stderr)
+            status = max(status, error.status)
+    return status
 
 
 def _listed(state: FleetState) -> str:

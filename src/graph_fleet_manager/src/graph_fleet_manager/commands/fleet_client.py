@@ -86,17 +86,29 @@ def connected_publisher(topic: str, kind: Type[Any]) -> rospy.Publisher:
     return publisher
 
 
-def call(service: str) -> str:
-    """Calls a Trigger service; returns what it says, raises CommandError where it did not work."""
+def call(service: str, kind: Type[Any] = Trigger) -> str:
+    """Calls a service whose answer is like Trigger's; returns what it says.
+
+    Raises CommandError where it did not work.
+    """
     try:
         rospy.wait_for_service(service, PATIENCE)
-        answer = rospy.ServiceProxy(service, Trigger)()
+        answer = rospy.ServiceProxy(service, kind)()
     except (rospy.ROSException, rospy.ServiceException) as error:
         raise CommandError(f'The service {service} does not answer ({error}): is the fleet manager '
                            'running?') from None
     if not answer.success:
         raise CommandError(answer.message, NOT_DONE)
     return str(answer.message)
+
+
+def is_offered(service: str) -> bool:
+    """Does the ROS master know who serves this?"""
+    try:
+        rosgraph.Master(rospy.get_name()).lookupService(service)
+    except (rosgraph.MasterException, OSError):
+        return False
+    return True
 
 
 def table(rows: Sequence[Sequence[str]]) -> str:

@@ -1,7 +1,7 @@
 """`fleet stop`: it never waits for a ROS master, and does without one on the computer of the fleet
-manager.
+manager. Where the fleet manager does not answer, it tells the robots itself.
 
-The command becomes no node: rospy would wait without end for a master that has gone.
+The command becomes no node before that: rospy would wait without end for a master that has gone.
 """
 from __future__ import annotations
 
@@ -17,11 +17,12 @@ from rospy.core import ParameterInvalid, parse_rosrpc_uri
 from std_srvs.srv import Trigger, TriggerResponse
 
 from graph_fleet_manager.commands.command_line import NOT_DONE, CommandError
+from graph_fleet_manager.commands.direct_stop import stop_robots
 from graph_fleet_manager.files import stop_address
 from graph_fleet_manager.multimaster.peer_master import Master, NoAnswer
 
 SERVICE = '/stop_fleet'
-PATIENCE = 5.0    # s for the answer of the fleet manager
+PATIENCE = 1.0    # s for the answer of the fleet manager, which hangs if it takes longer
 _LONGEST = 10000  # bytes of an answer
 
 
@@ -35,9 +36,14 @@ def stop() -> str:
     sources: Tuple[Tuple[str, Callable[[str], str]], ...] = (
         ('', _told_by_master), ('The fleet manager was asked directly. ', _noted_here))
     troubles: List[str] = []
+    asked: List[str] = []
     for said, address_by in sources:
         try:
-            answer = call(address_by(master_uri))
+            address = address_by(master_uri)
+            if address in asked:
+                continue
+            asked.append(address)
+            answer = call(address)
         except NoStop as trouble:
             troubles.append(str(trouble))
             continue
@@ -45,8 +51,24 @@ def stop() -> str:
         if not answer.success:
             raise CommandError(told, NOT_DONE)
         return told
-    raise CommandError(f'NO ROBOT WAS TOLD TO STOP: {". ".join(troubles)}. Is the fleet manager '
-                       'running? Set ROS_MASTER_URI, or press the emergency stops.')
+    return _told_to_robots(master_uri, '. '.join(troubles))
+
+
+def _told_to_robots(master_uri: str, trouble: str) -> str:
+    try:
+        told, missed = stop_robots(master_uri)
+    except NoAnswer as failure:
+        told, missed = (), ()
+        trouble += f'. Nor does the ROS master tell where the robots are ({failure})'
+    if not told:
+        raise CommandError(f'NO ROBOT WAS TOLD TO STOP: {trouble}. Is the fleet manager running? '
+                           'Set ROS_MASTER_URI, or press the emergency stops.')
+    text = (f'{trouble}. So this command told the robots to stop: {", ".join(told)}. A fleet '
+            'manager that hangs stops the fleet when it goes on; end it if it does not')
+    if missed:
+        raise CommandError(f'{text}. NOT TOLD, as they are not connected: {", ".join(missed)}: '
+                           'press their emergency stops.', NOT_DONE)
+    return f'{text}.'
 
 
 def _told_by_master(master_uri: str) -> str:

@@ -77,6 +77,11 @@ class Master:
         """Where a service is; raises NoAnswer."""
         return str(self.value(lambda: self.api.lookupService(_CALLER, name)))
 
+    def topic_types(self) -> Dict[str, str]:
+        """The message type of every topic; raises NoAnswer."""
+        pairs = self.value(lambda: self.api.getTopicTypes(_CALLER))
+        return _ask(lambda: {str(topic): str(kind) for topic, kind in pairs[:_MOST]})
+
     def pid(self) -> int:
         """The process that it is: another one after a restart. Raises NoAnswer."""
         return int(self.value(lambda: self.api.getPid(_CALLER)))

@@ -6,14 +6,12 @@ fleet when robots report such an id.
 """
 from __future__ import annotations
 
-import random
 from math import inf
 from typing import Iterable, List, Optional, Sequence
 
 from graph_fleet_manager.interlocking.pending_order import REPEAT
 from graph_fleet_manager.supervision.actions import SendRoute
-
-_IDS = (2 ** 30, 2 ** 31 - 1)  # see route_ids.is_past
+from graph_fleet_manager.supervision.route_ids import past_id
 
 
 class EarlyStop:
@@ -26,7 +24,7 @@ class EarlyStop:
 
     def stop(self, now: float) -> List[SendRoute]:
         """Every robot is to stop; what is to be sent for that."""
-        self._route_id, self._sent = random.randint(*_IDS), now
+        self._route_id, self._sent = past_id(), now
         return self._orders(repeated=False)
 
     def due(self, now: float) -> Sequence[SendRoute]:

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import random
 import threading
-from typing import Callable, Dict, FrozenSet
+from typing import Any, Callable, Dict, FrozenSet, Type
 
 import rospy
 from std_srvs.srv import Trigger
@@ -12,12 +12,14 @@ from graph_fleet_manager.commands.command_line import CommandError
 from graph_fleet_manager.commands.stop import stop
 from graph_fleet_manager.nodes.rviz.menus import Act, Subject
 from itrci_nav_msgs.msg import ClosedEdges, FleetRobot, MissionCommand, MissionRequest
+from itrci_nav_msgs.srv import DeclareAbsent
 
 WAIT = 1.0  # s for a service that may not be there
 _COMMANDS = {Act.CANCEL: MissionCommand.CANCEL, Act.PAUSE: MissionCommand.PAUSE,
              Act.RESUME: MissionCommand.RESUME, Act.RELEASE: MissionCommand.RELEASE}
-_SERVICES = {Act.RESUME_ALL: '/resume_fleet', Act.OUT: '/{}/leave_fleet',
-             Act.IN: '/{}/join_fleet'}
+_SERVICES = {Act.RESUME_ALL: ('/resume_fleet', Trigger), Act.OUT: ('/{}/leave_fleet', Trigger),
+             Act.IN: ('/{}/join_fleet', Trigger),
+             Act.ABSENT: ('/{}/declare_absent', DeclareAbsent)}
 
 
 class FleetActs:
@@ -38,7 +40,8 @@ class FleetActs:
         if act is Act.STOP_ALL:
             threading.Thread(target=self._stop, daemon=True).start()
         elif act in _SERVICES:
-            threading.Thread(target=self._call, args=(_SERVICES[act].format(subject.robot), act),
+            service, kind = _SERVICES[act]
+            threading.Thread(target=self._call, args=(service.format(subject.robot), kind, act),
                              daemon=True).start()
         elif act in _COMMANDS:
             self._command(act, subject.robot)
@@ -91,10 +94,10 @@ class FleetActs:
         except CommandError as error:
             self._say(f'{Act.STOP_ALL.value}: NOT DONE: {error}')
 
-    def _call(self, service: str, act: Act) -> None:
+    def _call(self, service: str, kind: Type[Any], act: Act) -> None:
         try:
             rospy.wait_for_service(service, WAIT)
-            answer = rospy.ServiceProxy(service, Trigger)()
+            answer = rospy.ServiceProxy(service, kind)()
         except (rospy.ROSException, rospy.ServiceException) as error:
             self._say(f'{act.value}: NOT DONE, {service} does not answer ({error})')
             return

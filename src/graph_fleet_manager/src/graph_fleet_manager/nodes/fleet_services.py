@@ -16,7 +16,7 @@ from graph_fleet_manager.supervision.supervisor import Supervisor
 from itrci_nav_msgs.srv import DeclareAbsent, DeclareAbsentRequest, DeclareAbsentResponse
 
 PATIENCE = 5.0       # s that a call waits for its turn
-STOP_PATIENCE = 1.0  # s that a stop does, before it goes past a supervisor that hangs
+STOP_PATIENCE = 0.5  # s that a stop does, before it goes past a supervisor that hangs
 
 Act = Callable[[Supervisor, float], Tuple[str, Sequence[Action]]]
 """What a service does: why it is not done (empty: it is), and what is to be done."""

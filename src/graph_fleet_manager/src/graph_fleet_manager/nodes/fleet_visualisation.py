@@ -11,8 +11,9 @@ Publishes
     /fleet_markers/robots (10 Hz), /fleet_markers/feedback (visualization_msgs/MarkerArray)
     /fleet_menus/update (visualization_msgs/InteractiveMarkerUpdate)
     /mission_request, /mission_command, /closed_edges: what the menus ask for
-Client of (std_srvs/Trigger)
-    /stop_fleet, /resume_fleet, /<robot>/leave_fleet, /<robot>/join_fleet
+    /<robot>/target_route (itrci_nav_msgs/TargetRoute): a stop past a fleet manager that hangs
+Client of (std_srvs/Trigger, but for declare_absent)
+    /stop_fleet, /resume_fleet, /<robot>/leave_fleet, /<robot>/join_fleet, /<robot>/declare_absent
 Parameters
     ~fleet_file  string  (empty)  fleet file: how large the robots are; empty: 0.4 m in radius
 """

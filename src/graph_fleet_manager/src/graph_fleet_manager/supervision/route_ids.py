@@ -1,18 +1,25 @@
 """Ids of routes, which never repeat, not even where the disk cannot be written for a while."""
 from __future__ import annotations
 
+import random
 from typing import Dict
 
 from graph_fleet_manager.supervision.journal import Journal
 
 RESERVED = 10000      # ids that are on the disk as given before they are
 _MOST = 2 ** 30 - 1   # an id is an int32; those above are given past the supervisor
+_LARGEST = 2 ** 31 - 1
 _NAME = 'route_id'
 
 
 def is_past(route_id: int) -> bool:
     """Is this the id of a stop that was given past a supervisor, as it hung or did not run?"""
     return route_id > _MOST
+
+
+def past_id() -> int:
+    """An id for such a stop."""
+    return random.randint(_MOST + 1, _LARGEST)
 
 
 class RouteIds:

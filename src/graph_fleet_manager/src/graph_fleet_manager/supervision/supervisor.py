@@ -203,7 +203,9 @@ class Supervisor:
         self._out.note_state(f'{name}/age', old_location(name, report),
                              f'The locations of {name} are new again.')
         before, was_seen = robot.client.progress, robot.liveness.is_seen
-        if self._is_starting and not was_seen:
+        if is_past(report.route_id):
+            self._take_up_stop(robot)
+        elif self._is_starting and not was_seen:
             self._look_at_first(robot, report)
         robot.hear(report, arrived)
         robot.begin_elsewhere()
@@ -221,15 +223,19 @@ class Supervisor:
         self._outages.look()
         return self._out.take(now)
 
-    def _look_at_first(self, robot: ManagedRobot, report: Report) -> None:
-        """Looks for a stop past a supervisor that hung, and for a journal that is not the last."""
+    def _take_up_stop(self, robot: ManagedRobot) -> None:
+        """Makes a stop its own that a robot was given past a supervisor that hung."""
         if self.is_stopped or robot.client.is_stopping:
             return
-        if is_past(report.route_id):
-            self._out.note(f'{robot.name} was stopped past a fleet manager that hung and was '
-                           'ended: the fleet is stopped until it is resumed.', True)
-            self._stop()
-        elif self._ids.is_unknown(report.route_id):
+        self._out.note(f'{robot.name} was stopped past the fleet manager, which hung: the fleet is '
+                       'stopped until it is resumed.', True)
+        self._stop()
+
+    def _look_at_first(self, robot: ManagedRobot, report: Report) -> None:
+        """Looks for a journal that is not the last."""
+        if self.is_stopped or robot.client.is_stopping:
+            return
+        if self._ids.is_unknown(report.route_id):
             self._ids.skip(report.route_id)
             if report.is_running:
                 self._out.note(f'{robot.name} drives route {report.route_id}, which the journal '

@@ -44,6 +44,7 @@ class Act(enum.Enum):
     RELEASE = 'End its stay'
     OUT = 'Stop it, and take it out of service'
     IN = 'Put it back into service'
+    ABSENT = 'It is not on the site (absent)'
     STOP_ALL = 'Stop all robots'
     RESUME_ALL = 'Let all robots go on'
 
@@ -51,7 +52,7 @@ class Act(enum.Enum):
 VERTEX_MENU = (Act.SEND_ANY, Act.SEND_CHOSEN, Act.STOP_ALL)
 EDGE_MENU = (Act.CLOSE, Act.OPEN, Act.OPEN_ALL)
 ROBOT_MENU = (Act.CHOOSE, Act.CANCEL, Act.PAUSE, Act.RESUME, Act.RELEASE, Act.OUT, Act.IN,
-              Act.STOP_ALL)
+              Act.ABSENT, Act.STOP_ALL)
 
 
 class Subject(NamedTuple):

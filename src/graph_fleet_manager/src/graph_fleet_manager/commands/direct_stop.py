@@ -1,0 +1,96 @@
+"""The stop that `fleet stop` gives to the robots itself, where the fleet manager does not answer.
+
+Every robot gets an empty route under an id that no fleet manager gives; one that goes on later
+finds the stop in what robots report, and stops the fleet (see route_ids.is_past).
+"""
+from __future__ import annotations
+
+import queue
+import threading
+import time
+from typing import Callable, Dict, List, Mapping, NamedTuple, Tuple
+
+import rosgraph
+import rospy
+
+from graph_fleet_manager.multimaster.peer_master import Master, NoAnswer
+from graph_fleet_manager.supervision.route_ids import past_id
+from itrci_nav_msgs.msg import FleetState, TargetRoute
+from node_lifecycle.log_file import init_node
+
+PATIENCE = 8.0    # s for all of it: rospy waits without end for a master that hangs
+NAMES_IN = 0.5    # s for the names in /fleet_state, which a fleet manager that hangs may not send
+REACHED_IN = 3.0  # s for the connections to the robots
+FLUSHED_IN = 0.3  # s that a message may need over a connection
+_ROUTE = '/target_route'
+
+
+class Stopped(NamedTuple):
+    """Names of the robots that were told to stop, and of those that no connection reached."""
+
+    told: Tuple[str, ...]
+    missed: Tuple[str, ...]
+
+
+def stop_robots(master_uri: str) -> Stopped:
+    """Tells every robot to stop; raises NoAnswer where the ROS master does not answer."""
+    topics = Master(master_uri).topic_types()
+    done: queue.Queue[Stopped] = queue.Queue(1)
+    troubles: List[str] = []
+
+    def work() -> None:
+        try:
+            done.put(_stop(topics))
+        except (OSError, rosgraph.MasterException, rospy.ROSException) as error:
+            troubles.append(str(error))
+            done.put(Stopped((), ()))
+    threading.Thread(target=work, name='direct stop', daemon=True).start()
+    try:
+        result = done.get(timeout=PATIENCE)
+    except queue.Empty:
+        raise NoAnswer(f'it hangs for {PATIENCE:.0f} s') from None
+    if troubles:
+        raise NoAnswer(troubles[0])
+    return result
+
+
+def _stop(topics: Mapping[str, str]) -> Stopped:
+    if not rospy.core.is_initialized():
+        init_node('fleet_stop', anonymous=True, disable_signals=True)
+    names = _fleet() or robots_of(topics)
+    message = TargetRoute(route_id=past_id())
+    message.header.stamp = rospy.Time.now()
+    routes: Dict[str, rospy.Publisher] = {}
+    for name in names:
+        routes[name] = rospy.Publisher(f'/{name}{_ROUTE}', TargetRoute, queue_size=1, latch=True)
+        routes[name].publish(message)
+
+    def missed() -> List[str]:
+        return [name for name, route in routes.items() if not route.get_num_connections()]
+    _wait(lambda: not missed(), REACHED_IN)
+    time.sleep(FLUSHED_IN)
+    left = missed()
+    for route in routes.values():
+        route.unregister()  # else whoever connects later would be stopped, too
+    return Stopped(tuple(name for name in routes if name not in left), tuple(left))
+
+
+def _fleet() -> List[str]:
+    """The robots of the fleet, if the fleet manager still tells them."""
+    found: List[FleetState] = []
+    subscriber = rospy.Subscriber('/fleet_state', FleetState, found.append)
+    _wait(lambda: bool(found), NAMES_IN)
+    subscriber.unregister()
+    return [robot.name for robot in found[-1].robots] if found else []
+
+
+def robots_of(topics: Mapping[str, str]) -> List[str]:
+    """Robots that take routes, by the types of all topics."""
+    return sorted(topic[1:-len(_ROUTE)] for topic, kind in topics.items()
+                  if kind == TargetRoute._type and topic.endswith(_ROUTE) and topic != _ROUTE)
+
+
+def _wait(condition: Callable[[], bool], seconds: float) -> None:
+    deadline = time.monotonic() + seconds
+    while not condition() and time.monotonic() < deadline:
+        time.sleep(0.02)
