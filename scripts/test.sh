@@ -2,7 +2,7 @@
 # Installs what is missing, builds, lints and runs every test; ends with "N passed, N failed, N skipped".
 #
 #   scripts/test.sh           everything, in minutes; under Python 3.8 imports and properties only
-#   scripts/test.sh --long    the same with long fuzzing, and every test without ROS under Python 3.8
+#   scripts/test.sh --long    the same with long fuzzing, every test in RViz, and under Python 3.8 every test without ROS
 #   scripts/test.sh NAME...   only the system tests test/NAME.test
 #
 # Environment: LD90_REAL_MAPS, a folder with .map files of real robots; FKIE_ARCHIVE, sources of fkie multimaster (.tar.gz)
@@ -10,6 +10,9 @@
 # are two processors, else 1.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+# Of the tests in RViz one runs each time, rviz, which is what a person does with one robot.
+long_only=" fleet_rviz rviz_two_robots multimaster_breaks "
 
 system_tests=()
 for arg in "$@"; do
@@ -75,7 +78,14 @@ if [ ${#system_tests[@]} = 0 ]; then
   wait
   cat "$results/beside.log"
   scripts/run_tests.sh "$results" once-more
-  for file in test/*.test; do system_tests+=("$(basename "$file" .test)"); done
+  for file in test/*.test; do
+    name="$(basename "$file" .test)"
+    if [ -z "${LD90_LONG_TESTS:-}" ] && [[ $long_only = *" $name "* ]]; then
+      record "$results" skipped "$name" "it runs with --long, or by its name"
+    else
+      system_tests+=("$name")
+    fi
+  done
 fi
 say "System tests"
 scripts/run_tests.sh "$results" system "${system_tests[@]}"

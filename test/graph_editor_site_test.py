@@ -41,7 +41,7 @@ RED = (230, 13, 13)
 
 
 class NewSite(unittest.TestCase):
-    """Three steps of one story, in their order; with --long also what a person takes back."""
+    """Three steps of one story, in their order; the second one with --long only."""
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -76,6 +76,7 @@ class NewSite(unittest.TestCase):
                                                     ).forbidden_areas if area.description]
         self.assertGreater(len(fences), 20, 'the map has the fences of the graph')
 
+    @unittest.skipUnless(LONG, 'of the tests in RViz only rviz runs without --long')
     def test_2_the_graph_is_edited_in_rviz_by_mouse(self) -> None:
         missing = missing_programs()
         if missing:
@@ -83,14 +84,11 @@ class NewSite(unittest.TestCase):
         before = self.graph_file.read_text().splitlines()
         with Editor(self.map_file, self.graph_file) as editor:
             vertex, edge = editor.add_a_vertex_and_connect_it()
-            if LONG:
-                editor.drag_it_into_a_wall_and_undo(vertex)
+            editor.drag_it_into_a_wall_and_undo(vertex)
             editor.drag(vertex)
-            if LONG:
-                editor.delete_an_edge_and_undo(edge)
+            editor.delete_an_edge_and_undo(edge)
             editor.save()
-            if LONG:
-                editor.drag_and_load_again(vertex)
+            editor.drag_and_load_again(vertex)
         graph = load_graph(self.graph_file)
         self.assertIn(vertex, graph.vertices)
         self.assertIn(edge, graph.edges)
