@@ -34,12 +34,17 @@ robots:
 '''
 
 
-def fleet_text(computers: Dict[str, str], driven: str = '') -> str:
-    """A fleet file with the robots that have these computers; `driven` is an AGV to simulate."""
+def fleet_text(computers: Dict[str, str], driven: str = '', absent: str = '') -> str:
+    """A fleet file with the robots that have these computers.
+
+    `driven` is an AGV to simulate, `absent` a robot that has not been delivered yet.
+    """
     lines = []
     for name, address in computers.items():
         kind = 'omron_ld90' if name == LD90 else 'agv'
         driver = 'driver: agv' if name == driven else f'driver: none, computer: {address}'
+        if name == absent:
+            driver += ', absent: true'
         lines.append(f'- {{name: {name}, type: {kind}, vertex: {AGVS.get(name, 16)}, {driver}}}\n')
     return FLEET + ''.join(lines)
 
@@ -49,11 +54,13 @@ class JoinedFleet:
 
     def __init__(self, folder: Path, sim_speed: float, agvs: int = 0,
                  namespaces: Tuple[str, str] = ('', ''),
-                 addresses: Tuple[str, ...] = (), pictures: bool = True) -> None:
+                 addresses: Tuple[str, ...] = (), pictures: bool = True,
+                 absent: str = '') -> None:
         """Without `pictures`, nothing is drawn on the LD-90's computer.
 
         `namespaces` are network namespaces of the LD-90 with its computer, and of the fleet
         manager's; `addresses` those of the LD-90's computer, the fleet manager's, the AGVs'.
+        The fleet manager takes the robot `absent` for one that is not there yet.
         """
         self._folder = folder
         self._sim_speed = sim_speed
@@ -61,7 +68,7 @@ class JoinedFleet:
         own, manager, *others = addresses or loopback_addresses(2 + agvs)
         names = dict(zip([LD90, *list(AGVS)[:agvs]], [own, *others]))
         fleet_file = folder / 'fleet.yaml'
-        fleet_file.write_text(fleet_text(names))
+        fleet_file.write_text(fleet_text(names, absent=absent))
         self._ports = [free_port() for _ in range(3)]  # ARCL, outgoing, control
         graph = MAPS / 'lab_graph.yaml'
         self.manager = Computer('fleet', manager, [[
