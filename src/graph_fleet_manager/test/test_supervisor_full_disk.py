@@ -7,6 +7,7 @@ from supervised_fleet import SupervisedFleet
 
 from graph_fleet_manager.supervision.fleet_view import robot_views
 from graph_fleet_manager.supervision.missions import Command, MissionState
+from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.route_ids import RESERVED
 from graph_fleet_manager.supervision.settings import RobotSettings
 
@@ -237,3 +238,35 @@ def test_a_robot_that_was_moved_meanwhile_is_not_ordered_on_as_from_where_it_was
     fleet.run(5.0)
     assert fleet.supervisor.robots['a'].why == 'it was moved during an emergency stop'
     assert fleet.sent == []
+
+
+def test_a_robot_whose_order_waits_for_the_disk_is_not_deaf_and_waits_for_the_disk():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)}, settings=AHEAD)
+    fleet.run(1.0)
+    fleet.request(1, 8)
+    fleet.run_until(lambda: bool(fleet._answers))
+    fleet.disk_fails()
+    fleet.run(10.0)
+    robot = fleet.supervisor.robots['a']
+    assert robot.client.is_new_motion, 'it was granted something, which is on no disk'
+    view, = robot_views(fleet.supervisor, fleet.now)
+    assert robot.outage is None and view.waits_for.startswith('the disk: the journal')
+    fleet.disk_fails(False)
+    fleet.run(1.0)
+    assert robot.outage is None
+    fleet.run_until_done(1)
+
+
+def test_a_robot_that_does_not_answer_is_deaf_5_s_after_its_order_was_sent():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)}, settings=AHEAD)
+    fleet.run(1.0)
+    fleet.deaf['a'] = 1e9
+    fleet.request(1, 8)
+    fleet.run_until(lambda: bool(fleet._answers))
+    fleet.disk_fails()
+    fleet.run(10.0)
+    fleet.disk_fails(False)
+    fleet.run_until(lambda: bool(fleet.sent))
+    sent = fleet.now
+    fleet.run_until(lambda: fleet.supervisor.robots['a'].outage is Outage.DEAF)
+    assert 4.5 < fleet.now - sent < 5.5

@@ -109,7 +109,8 @@ def _waits_for(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now:
     if supervisor.is_stopped:
         return 'the fleet is stopped'
     mission = errand.mission
-    if supervisor.trouble and errand.duty is not Duty.IDLE and robot.record.is_standing:
+    if supervisor.trouble and errand.duty is not Duty.IDLE and (
+            robot.record.is_standing or robot.client.is_new_motion):
         return f'the disk: {supervisor.trouble}'
     if mission is not None and mission.state is MissionState.PAUSED:
         return 'its mission is paused'

@@ -222,7 +222,7 @@ class ManagedRobot:
 
         heard -- all reports that arrived until then were heard
         """
-        if self.client.order is None:
+        if self.client.order is None or self.client.is_new_motion:  # one that waits for the disk
             self.liveness.nothing_to_answer(now)
         if self.liveness.is_silent(heard):
             self.notice(Sign.SILENCE, f'it has not reported for {SILENCE:.0f} s')
