@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from typing import Optional, Tuple
 
 from graph_fleet_manager.agv_simulator.drive import Drive
-from trajectory_graph import TrajectoryGraphError, check_route
+from trajectory_graph import order_rules
+from trajectory_graph.order_rules import RouteRefused, check_edges, edge_states
 from trajectory_graph.route_protocol import (
     NO_REASON,
     EdgeState,
@@ -14,17 +15,6 @@ from trajectory_graph.route_protocol import (
     ReasonCode,
     RouteOrder,
 )
-
-MAXIMUM_EDGES = 1000
-CLOCK_TOLERANCE = 1_000_000_000  # ns that the sender's clock may be ahead of ours
-
-
-class RouteRefused(Exception):
-    """The order is not taken up; `reason` is for the fleet manager."""
-
-    def __init__(self, reason: Reason) -> None:
-        super().__init__(reason.text)
-        self.reason = reason
 
 
 class NotYet(Exception):
@@ -53,9 +43,7 @@ class Route:
     @property
     def states(self) -> Tuple[EdgeState, ...]:
         """One state per edge."""
-        rest = EdgeState.FAILED if self.phase is Phase.FAILED else EdgeState.PROCESSING
-        return ((EdgeState.COMPLETE,) * self.completed
-                + (rest,) * (len(self.edges) - self.completed))
+        return edge_states(self.edges, self.completed, self.phase)
 
     def is_changed_by(self, order: RouteOrder) -> bool:
         """Does the order have the id of this route, which was not stopped?"""
@@ -64,17 +52,8 @@ class Route:
 
 def check_order(order: RouteOrder, drive: Drive) -> None:
     """Raises RouteRefused for an order that is wrong wherever the vehicle is."""
-    if len(order.edges) > MAXIMUM_EDGES:
-        raise _wrong(f'the route has more than {MAXIMUM_EDGES} edges')
-    ahead = order.stamp - order.received
-    if order.received and ahead > CLOCK_TOLERANCE:
-        raise RouteRefused(Reason(
-            ReasonCode.CLOCK, f'its stamp is {ahead / 1e9:.1f} s ahead of the clock of the '
-                              'vehicle\'s computer: synchronise the clocks (NTP)'))
-    try:
-        check_route(drive.graph, order.edges)
-    except TrajectoryGraphError as error:
-        raise _wrong(str(error).rstrip('.')) from None
+    order_rules.check_order(order, 'the vehicle')
+    check_edges(drive.graph, order.edges)
     for edge in order.edges:
         if not drive.speeds.may_drive(edge):
             raise _wrong(f'edge {edge} is not for driving this way: its speed is 0')

@@ -9,13 +9,13 @@ from graph_fleet_manager.agv_simulator.drive import ON_PLACE, Drive
 from graph_fleet_manager.agv_simulator.route_rules import (
     NotYet,
     Route,
-    RouteRefused,
     check_change,
     check_order,
     find_start,
 )
 from graph_fleet_manager.agv_simulator.speed_limits import DriveLimits, SpeedLimits
 from trajectory_graph import Graph, change_of, speed_of
+from trajectory_graph.order_rules import RouteRefused
 from trajectory_graph.route_protocol import (
     EMERGENCY_STOP,
     TAKEN_OVER,

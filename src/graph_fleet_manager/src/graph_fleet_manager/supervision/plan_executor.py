@@ -91,7 +91,7 @@ class PlanExecutor:
         is_useful = self._is_useful(world, now)
         is_held = bool(self._open) and now - self._asked_at < HOLD
         if self.plan is not None and not is_held and (is_useful or self.trouble):
-            self._release(self.plan, world, now)
+            self._release(self.plan, world, is_useful, now)
         if self._open and now - self._asked_at > PLANNER_PATIENCE:
             self._tell('the planner does not answer')
         self._ask(world, is_useful, now)
@@ -111,15 +111,17 @@ class PlanExecutor:
                                     f'carried out: {told}. Look at these robots.', '')
         return False
 
-    def _release(self, plan: PlanInForce, world: World, now: float) -> None:
-        """Has every robot granted the edges that are due."""
+    def _release(self, plan: PlanInForce, world: World, is_useful: bool, now: float) -> None:
+        """Has every robot granted the edges that are due; where not all is as the plan assumes,
+        only those that are as assumed."""
         records = {name: robot.record for name, robot in self._robots.items()}
         agents = [name for name, errand in world.errands.items()
                   if errand.duty in (Duty.MISSION, Duty.CHARGE) and name not in plan.unserved]
         asked = plan.asked_to_move(agents, {name: record.end for name, record in records.items()})
         for name, own in plan.plans.items():
             robot, errand = self._robots[name], world.errands[name]
-            if not robot.works or robot.comes_to_rest or not plan.assumptions.holds(name, world):
+            if not robot.works or robot.comes_to_rest or not (
+                    is_useful or plan.assumptions.holds(name, world)):
                 self._delays.pop(name, None)
                 continue
             until = goes_until(robot, errand, own, name in asked)

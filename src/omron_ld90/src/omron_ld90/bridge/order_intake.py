@@ -10,8 +10,8 @@ import math
 from typing import Callable, Optional, Tuple
 
 from omron_ld90.bridge.robot_monitor import RobotMonitor
-from omron_ld90.bridge.route_orders import RouteRefused, check_order
 from omron_ld90.bridge.route_run import RouteRun
+from trajectory_graph.order_rules import RouteRefused, check_order
 from trajectory_graph.route_protocol import EMERGENCY_STOP, TAKEN_OVER, Reason, RouteOrder
 
 LATE_ORDER = 2.0  # s that an order may be on its way
@@ -92,7 +92,7 @@ class OrderIntake:
         order, give_up = self._waiting
         emergency = self._robot.emergency
         try:
-            check_order(order)
+            check_order(order, 'the robot')
             unknown = why_unknown(now)
             if unknown and now <= give_up and not emergency:
                 return None

@@ -17,9 +17,7 @@ from omron_ld90.bridge.graph_location import GraphLocation
 from omron_ld90.bridge.order_intake import OrderIntake
 from omron_ld90.bridge.robot_monitor import RobotMonitor
 from omron_ld90.bridge.route_orders import (
-    RouteRefused,
     check_change,
-    check_edges,
     check_start,
     is_change,
     is_equal,
@@ -30,6 +28,7 @@ from omron_ld90.bridge.route_restart import go_on
 from omron_ld90.bridge.route_run import RouteRun
 from omron_ld90.bridge.route_strategies import Settings
 from trajectory_graph import Graph
+from trajectory_graph.order_rules import RouteRefused, check_edges
 from trajectory_graph.route_protocol import (
     NO_REASON,
     EdgeState,

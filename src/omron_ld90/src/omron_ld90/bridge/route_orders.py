@@ -5,38 +5,9 @@ from typing import Optional, Tuple
 
 from omron_ld90.bridge.graph_location import GraphLocation
 from omron_ld90.bridge.route_run import RouteRun
-from trajectory_graph import Graph, TrajectoryGraphError, check_route
+from trajectory_graph import Graph, change_of
+from trajectory_graph.order_rules import RouteRefused
 from trajectory_graph.route_protocol import Phase, Reason, ReasonCode, RouteOrder
-
-MAXIMUM_EDGES = 1000
-CLOCK_TOLERANCE = 1_000_000_000  # ns that the sender's clock may be ahead of ours
-
-
-class RouteRefused(Exception):
-    """The order is not taken up; `reason` is for the fleet manager."""
-
-    def __init__(self, reason: Reason) -> None:
-        super().__init__(reason.text)
-        self.reason = reason
-
-
-def check_order(order: RouteOrder) -> None:
-    """Raises RouteRefused for an order that is wrong whatever the graph and the robot."""
-    if len(order.edges) > MAXIMUM_EDGES:
-        raise _refused(ReasonCode.WRONG_ROUTE, f'the route has more than {MAXIMUM_EDGES} edges')
-    ahead = order.stamp - order.received
-    if order.received and ahead > CLOCK_TOLERANCE:
-        raise _refused(ReasonCode.CLOCK,
-                       f'its stamp is {ahead / 1e9:.1f} s ahead of the clock of the robot\'s '
-                       'computer: synchronise the clocks (NTP)')
-
-
-def check_edges(graph: Graph, edges: Tuple[int, ...]) -> None:
-    """Raises RouteRefused for a route that no robot could drive."""
-    try:
-        check_route(graph, edges)
-    except TrajectoryGraphError as error:
-        raise _refused(ReasonCode.WRONG_ROUTE, str(error).rstrip('.')) from None
 
 
 def is_change(route: RouteRun, order: RouteOrder) -> bool:
@@ -82,7 +53,5 @@ def is_equal(graph: Graph, other: Graph) -> bool:
 
 
 def is_same_in(graph: Graph, other: Graph, edges: Tuple[int, ...]) -> bool:
-    """Are the edges, their vertices included, in both graphs the same?"""
-    return all(abs(edge) in graph.edges and graph.edge(edge) == other.edge(edge)
-               and graph.start_vertex(edge) == other.start_vertex(edge)
-               and graph.end_vertex(edge) == other.end_vertex(edge) for edge in edges)
+    """Are these edges of `other` the same in `graph`, but for their speeds?"""
+    return all(change_of(other, graph, edge) is None for edge in edges)

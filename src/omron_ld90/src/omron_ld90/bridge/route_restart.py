@@ -7,11 +7,11 @@ from omron_ld90.bridge.events import Motion, RobotSeen, RouteRecord
 from omron_ld90.bridge.goal_tracker import RouteFailed, TakenOver
 from omron_ld90.bridge.graph_location import GraphLocation
 from omron_ld90.bridge.own_goals import DOCK
-from omron_ld90.bridge.route_orders import RouteRefused, check_edges
 from omron_ld90.bridge.route_progress import RouteProgress
 from omron_ld90.bridge.route_run import RouteRun
 from omron_ld90.goal_names import goal_name
 from trajectory_graph import Graph
+from trajectory_graph.order_rules import RouteRefused, check_edges
 from trajectory_graph.route_protocol import Reason, ReasonCode
 
 

@@ -13,6 +13,7 @@ from omron_ld90.bridge.route_progress import RouteProgress
 from omron_ld90.bridge.route_strategies import Settings, StrategyContext
 from omron_ld90.goal_names import goal_name
 from trajectory_graph import Graph
+from trajectory_graph.order_rules import edge_states
 from trajectory_graph.route_protocol import (
     NO_REASON,
     EdgeState,
@@ -91,9 +92,7 @@ class RouteRun:
     @property
     def states(self) -> Tuple[EdgeState, ...]:
         """One state per edge."""
-        rest = EdgeState.FAILED if self.phase is Phase.FAILED else EdgeState.PROCESSING
-        return ((EdgeState.COMPLETE,) * self.completed
-                + (rest,) * (len(self.edges) - self.completed))
+        return edge_states(self.edges, self.completed, self.phase)
 
     def record(self, owes_stop: bool) -> RouteRecord:
         """What a restarted bridge needs to know."""

@@ -1,0 +1,49 @@
+"""Which orders no robot takes up, whatever it is and wherever it stands."""
+from __future__ import annotations
+
+from typing import Sequence, Tuple
+
+from trajectory_graph.errors import TrajectoryGraphError
+from trajectory_graph.graph import Graph
+from trajectory_graph.route_protocol import EdgeState, Phase, Reason, ReasonCode, RouteOrder
+from trajectory_graph.routes import check_route
+
+MAXIMUM_EDGES = 1000
+CLOCK_TOLERANCE = 1_000_000_000  # ns that the sender's clock may be ahead of ours
+
+
+class RouteRefused(Exception):
+    """The order is not taken up; `reason` is for the fleet manager."""
+
+    def __init__(self, reason: Reason) -> None:
+        super().__init__(reason.text)
+        self.reason = reason
+
+
+def check_order(order: RouteOrder, whose: str) -> None:
+    """Raises RouteRefused for an order that is wrong whatever the graph and the robot.
+
+    whose -- the robot, in words
+    """
+    if len(order.edges) > MAXIMUM_EDGES:
+        raise RouteRefused(Reason(ReasonCode.WRONG_ROUTE,
+                                  f'the route has more than {MAXIMUM_EDGES} edges'))
+    ahead = order.stamp - order.received
+    if order.received and ahead > CLOCK_TOLERANCE:
+        raise RouteRefused(Reason(
+            ReasonCode.CLOCK, f'its stamp is {ahead / 1e9:.1f} s ahead of the clock of {whose}\'s '
+                              'computer: synchronise the clocks (NTP)'))
+
+
+def check_edges(graph: Graph, edges: Sequence[int]) -> None:
+    """Raises RouteRefused for a route that no robot could drive."""
+    try:
+        check_route(graph, edges)
+    except TrajectoryGraphError as error:
+        raise RouteRefused(Reason(ReasonCode.WRONG_ROUTE, str(error).rstrip('.'))) from None
+
+
+def edge_states(edges: Sequence[int], completed: int, phase: Phase) -> Tuple[EdgeState, ...]:
+    """One state for each edge of a route of which so many, from the first on, are driven."""
+    rest = EdgeState.FAILED if phase is Phase.FAILED else EdgeState.PROCESSING
+    return (EdgeState.COMPLETE,) * completed + (rest,) * (len(edges) - completed)
