@@ -171,6 +171,25 @@ def test_after_a_stall_no_robot_is_silent_that_reported_meanwhile(fleet):
     assert fleet.supervisor.book.find(1).state is MissionState.PAUSED
 
 
+def test_after_the_process_stood_still_no_robot_is_silent_that_reported_meanwhile(
+        fleet, monkeypatch):
+    """Its reports waited in a socket, and no callback could note when they came."""
+    loop = EventLoop(lambda: fleet.now)
+    loop.take()(fleet.supervisor, fleet.now)
+    fleet.now += 7.0
+
+    def read(seconds):
+        report = fleet.agvs['a'].report(fleet.now)
+        fleet.now += seconds / 2
+        loop.put_report(lambda supervisor, now, arrived: supervisor.report(
+            'a', report, now, arrived))
+        return True
+    monkeypatch.setattr(loop._changed, 'wait', read)
+    for _ in range(20):
+        loop.take()(fleet.supervisor, fleet.now)
+        assert fleet.supervisor.robots['a'].outage is None
+
+
 def test_a_robot_that_does_not_report_is_silent_also_after_a_stall(fleet):
     loop = EventLoop(lambda: fleet.now)
     fleet.now += 10.0

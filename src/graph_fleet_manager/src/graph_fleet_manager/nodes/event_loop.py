@@ -6,6 +6,9 @@ left, and at least one turn between two ticks; a tick is due at once when none i
 takes the requests with it that it is about.
 
 Requests and commands come only once: they wait until there is a supervisor.
+
+Where the whole process stood still, reports wait in its sockets: the next tick leaves callbacks
+time to take them, for it finds out which robots do not report.
 """
 from __future__ import annotations
 
@@ -22,6 +25,8 @@ from graph_fleet_manager.supervision.missions import MOST_OPEN, Command, Request
 from graph_fleet_manager.supervision.supervisor import Supervisor
 
 TICK = 0.05       # s between two looks at the clock
+STALL = 1.0       # s without a look at the clock, from which on the process may have stood still
+RECOVERY = 0.25   # s that callbacks then have for what came meanwhile
 BATCH = 100       # requests that share one commit, so that what is urgent does not wait for more
 _WAITING = 10000  # events, and as many requests, beyond which something is badly wrong
 _TOO_EARLY = f'the fleet manager has not begun yet, and {MOST_OPEN} already wait for that'
@@ -62,7 +67,7 @@ class EventLoop:
         self._is_ready = False
         self._early: List[_Waiting] = []
         """Events of before there was a supervisor."""
-        self._due = clock()
+        self._due = self._looked = clock()
         self._heard: Optional[float] = None
         """A tick is due, after all events that arrived until then; None: none is due."""
         self._had_turn = False  # requests, since the last tick
@@ -146,7 +151,10 @@ class EventLoop:
         """The next event, or a tick when it is time for that."""
         with self._changed:
             while True:
-                now = self._clock()
+                before, now = self._looked, self._clock()
+                self._looked = now
+                if now - before > STALL:
+                    self._due, self._heard = now + RECOVERY, None
                 if self._heard is None and now >= self._due:
                     self._heard = now
                 event = self._next()
