@@ -121,6 +121,18 @@ def test_a_robot_that_left_the_fleet_file_keeps_its_place_until_it_is_declared_a
     assert not fleet.supervisor.removed, 'the journal has forgotten it, too'
 
 
+def test_nothing_is_sent_to_a_robot_that_left_the_fleet_file_not_even_the_stop_it_has_not_heard():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 4)})
+    fleet.run(1.0)
+    fleet.deaf['b'] = 1e9
+    fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+    fleet.run(1.0)
+    fleet.sent.clear()
+    restart(fleet, robots=('a',))
+    fleet.run(3.0)
+    assert all(order.robot == 'a' for order in fleet.sent)
+
+
 def test_a_place_is_as_near_as_the_robots_play_says():
     """A robot with no play that stands 0.2 m off a vertex is between vertices (A4)."""
     for play, vertex in ((0.0, None), (0.25, 2)):

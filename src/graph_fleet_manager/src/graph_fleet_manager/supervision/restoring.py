@@ -68,7 +68,8 @@ def removed_of(fleet: Fleet, graph: Graph, memories: Mapping[str, RobotMemory],
     for name, memory in memories.items():
         if name not in names and memory.kind is not None and not memory.client.evidence.is_absent:
             client = RouteClient(RouteRecord(graph, memory.kind))
-            client.restore(memory.client.on(graph), now)
+            # It has no topics here any more, so not even a stop can be sent to it.
+            client.restore(memory.client.on(graph)._replace(is_stopping=False), now)
             client.lose(_lost(memory.client, graph, before))
             removed[name] = RemovedRobot(name, memory.kind, client)
     return removed
