@@ -175,7 +175,7 @@ def test_no_json_upsets_the_reader(value):
             assert str(problem)
 
 
-@given(st.binary(max_size=300))
+@given(st.binary(min_size=1, max_size=300))
 def test_no_bytes_upset_the_vehicle(noise):
     lab = Lab()
     lab.do(lab.vehicle.receive_order(noise, lab.now))
@@ -191,6 +191,25 @@ def test_timestamps_never_go_back_and_ids_count_per_topic():
     stamps = [header.timestamp for header in made]
     assert stamps == sorted(set(stamps))
     assert [header.header_id for header in made] == [0, 1, 2, 0, 3]
+
+
+@pytest.mark.parametrize('codec', CODECS.values(), ids=CODECS)
+@pytest.mark.parametrize('theta', [math.pi, -math.pi])
+def test_a_heading_of_pi_stays_within_pi_on_the_wire(codec, theta):
+    message = Visualization(AgvPosition(1.0, 2.0, theta, 'map'))
+    wire = codec.write('visualization', Headers('', '', '', lambda: 1e9).make('state'), message)
+    position = wire.get('agvPosition') or wire['mobileRobotPosition']
+    assert 3.14159 < abs(position['theta']) <= math.pi
+    assert math.copysign(1.0, position['theta']) == math.copysign(1.0, theta)
+
+
+@pytest.mark.parametrize('written, read', [
+    (3.141593, math.pi), (-3.141593, -math.pi), (3.1416, math.pi), (3.142, math.pi), (3.0, 3.0)])
+def test_pi_is_read_with_the_rounding_of_its_writer(written, read):
+    sent = way(8, 10).order('o')
+    sent['nodes'][1]['nodePosition']['theta'] = written
+    _, order = VERSION_2_1.read('order', payload(sent))
+    assert order.nodes[1].position.theta == read
 
 
 def test_a_timestamp_is_utc_with_milliseconds():

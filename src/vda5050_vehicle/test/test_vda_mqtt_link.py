@@ -141,6 +141,7 @@ def test_a_retained_order_is_told_apart(start_broker):
     ends = Ends(Broker('127.0.0.1', broker.port))
     ends.changed()
     assert ends.received.get(timeout=20.0) == ('order', b'old', True)
+    client.publish(f'{PREFIX}/order', b'', 1, True)  # the broker is to forget it
     client.publish(f'{PREFIX}/order', b'new', 0)
     assert ends.received.get(timeout=20.0) == ('order', b'new', False)
     client.loop_stop()

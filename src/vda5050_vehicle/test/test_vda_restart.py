@@ -5,8 +5,9 @@ import pytest
 from vda_builders import STANDING, Lab, abilities, say, table, way
 from vda_builders import lab as laboratory
 
+from vda5050_vehicle.core.identity import Identity
 from vda5050_vehicle.core.journal import WrongRecord
-from vda5050_vehicle.core.vehicle import Identity, Vehicle
+from vda5050_vehicle.core.vehicle import Vehicle
 from vda5050_vehicle.drivers.order_graph import Matching
 from vda5050_vehicle.drivers.route_driver import RESTART_PATIENCE, RouteDriver
 from vda5050_vehicle.protocol.codecs import VERSION_2_1

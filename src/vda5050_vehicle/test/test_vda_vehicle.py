@@ -1,6 +1,7 @@
 """Orders from their acceptance to their end: base, horizon, updates, actions, pause, cancel."""
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import replace
 
@@ -16,6 +17,12 @@ from vda5050_vehicle.drivers.route_driver import RouteDriver
 from vda5050_vehicle.protocol.values import EStop
 
 HALL = way(8, 10, 12, 14, 32)
+
+
+def references(lab):
+    """Of the first error, by key."""
+    return {reference['referenceKey']: reference['referenceValue']
+            for reference in lab.state['errors'][0]['errorReferences']}
 
 
 def test_an_idle_vehicle_tells_the_node_on_which_it_stands():
@@ -155,9 +162,7 @@ def test_what_cannot_be_honoured_is_refused_by_name(order, field):
     lab = Lab()
     lab.order(order)
     assert lab.errors == ['orderError']
-    references = {r['referenceKey']: r['referenceValue']
-                  for r in lab.state['errors'][0]['errorReferences']}
-    assert references['field'] == field
+    assert references(lab)['field'] == field
     assert lab.state['orderId'] == ''
     key = field.rsplit('.', 1)[-1]
     tolerant = Lab(abilities_=abilities(key))
@@ -375,8 +380,7 @@ def test_there_is_nothing_to_cancel():
     cancel = lab.act('cancelOrder')
     assert lab.status(cancel) == 'FAILED'
     assert lab.errors == ['noOrderToCancel']
-    assert lab.state['errors'][0]['errorReferences'] == [
-        {'referenceKey': 'actionId', 'referenceValue': cancel}]
+    assert references(lab) == {'topic': 'instantActions', 'actionId': cancel}
 
 
 def test_an_instant_action_that_comes_again_is_done_once_and_answered():
@@ -491,3 +495,58 @@ def test_a_message_for_another_major_version_is_refused():
     lab.do(lab.vehicle.receive_order(message, lab.now))
     assert lab.errors == ['validationError']
     assert lab.state['velocity'] == {'vx': STANDING.vx, 'vy': 0.0, 'omega': 0.0}
+
+
+# --- messages that are refused --------------------------------------------------------------------
+
+@pytest.mark.parametrize('damage, found', [
+    (lambda o: o.pop('nodes'), {'orderId': 'o', 'orderUpdateId': '3'}),
+    (lambda o: o.update(nodes=[]), {'orderId': 'o', 'orderUpdateId': '3'}),
+    (lambda o: o.update(orderUpdateId=-1), {'orderId': 'o'}),
+    (lambda o: o.update(orderId=5), {'orderUpdateId': '3'})])
+def test_a_malformed_order_is_refused_under_the_ids_that_can_be_read(damage, found):
+    lab = Lab()
+    order = HALL.order('o', 3)
+    damage(order)
+    lab.order(order)
+    told = references(lab)
+    assert told.pop('topic') == 'order'
+    assert told.pop('field')
+    assert told == found
+
+
+def test_a_malformed_instant_action_is_refused_under_its_id():
+    lab = Lab()
+    lab.receive_instant_actions(payload({'actions': [{'actionType': 'say', 'actionId': 'a'}]}))
+    assert references(lab) == {'topic': 'instantActions', 'actionId': 'a',
+                               'field': 'actions[0].blockingType'}
+
+
+@pytest.mark.parametrize('key', ['manufacturer', 'serialNumber'])
+def test_a_message_for_another_vehicle_is_refused(key):
+    lab = Lab()
+    message = {**json.loads(payload(HALL.order('o'))), key: 'another'}
+    lab.receive_order(json.dumps(message).encode())
+    assert (lab.errors, references(lab)['field']) == (['validationError'], key)
+    action_message = {**json.loads(payload({'actions': [action('startPause', 'p')]})), key: 'other'}
+    lab.receive_instant_actions(json.dumps(action_message).encode())
+    assert lab.status('p') is None
+
+
+def test_a_master_may_leave_the_vehicle_out_of_the_header():
+    lab = Lab()
+    message = {**json.loads(payload(HALL.order('o'))), 'manufacturer': '', 'serialNumber': ''}
+    lab.receive_order(json.dumps(message).encode())
+    assert lab.state['orderId'] == 'o'
+
+
+def test_an_integer_may_be_written_as_a_number_with_a_point():
+    lab = Lab()
+    lab.order(HALL.part(0, 0).order('o', actions={'8': [
+        action('wait', 'a', 'HARD', seconds=2.0)]}))
+    started = next(effect for effect in lab.effects if isinstance(effect, fx.StartAction))
+    assert started.spec.call.fields(started.arguments) == {'command': 'doTask wait 2'}
+    refused = Lab()
+    refused.order(HALL.part(0, 0).order('o', actions={'8': [
+        action('wait', 'a', 'HARD', seconds=2.5)]}))
+    assert refused.errors == ['orderError']

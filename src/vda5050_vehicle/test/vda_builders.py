@@ -18,8 +18,9 @@ from vda5050_vehicle.conformance.version_3 import in_3
 from vda5050_vehicle.core import effects as fx
 from vda5050_vehicle.core import factsheet as sheet
 from vda5050_vehicle.core.action_table import ActionTable, read_table
+from vda5050_vehicle.core.identity import Identity
 from vda5050_vehicle.core.robot_view import RobotView
-from vda5050_vehicle.core.vehicle import Identity, Vehicle
+from vda5050_vehicle.core.vehicle import Vehicle
 from vda5050_vehicle.drivers.driver import Driver, Pose
 from vda5050_vehicle.drivers.order_fields import Abilities
 from vda5050_vehicle.drivers.order_graph import Matching

@@ -49,6 +49,7 @@ class Parameter:
 
     def check(self, value: Any) -> None:
         """Raises WrongAction."""
+        value = self.value_of(value)
         if (not isinstance(value, _TYPES[self.type])
                 or isinstance(value, bool) is not (self.type == 'BOOL')):
             raise WrongAction(self.key, f'{self.key} must be of type {self.type}')
@@ -58,6 +59,13 @@ class Parameter:
                                             f'must match {self.pattern}')
         elif isinstance(value, (int, float)) and not self.least <= value <= self.most:
             raise WrongAction(self.key, f'{self.key} must lie in {self.least:g}..{self.most:g}')
+
+
+    def value_of(self, value: Any) -> Any:
+        """What is meant: JSON knows no integers, so 1.0 is one."""
+        if self.type == 'INTEGER' and isinstance(value, float) and value.is_integer():
+            return int(value)
+        return value
 
 
 @dataclass(frozen=True)
@@ -111,7 +119,9 @@ class ActionSpec:
 
     def arguments_of(self, action: Action) -> Dict[str, Any]:
         """Its arguments, with defaults."""
-        return {**{p.key: p.default for p in self.parameters if p.optional}, **action.arguments}
+        given = action.arguments
+        return {p.key: p.value_of(given.get(p.key, p.default)) for p in self.parameters
+                if p.optional or p.key in given}
 
 
 class ActionTable:

@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING, Callable, Dict, FrozenSet, List, Optional, Tup
 
 from vda5050_vehicle.core import effects as fx
 from vda5050_vehicle.core.action_table import ActionSpec, Parameter, WrongAction
+from vda5050_vehicle.core.inbox import Inbox, Refused
 from vda5050_vehicle.drivers.driver import Pose
 from vda5050_vehicle.protocol import problems as e
 from vda5050_vehicle.protocol.action_queue import Scope
-from vda5050_vehicle.protocol.codecs import Codec
-from vda5050_vehicle.protocol.fields import Malformed
 from vda5050_vehicle.protocol.values import Action, ActionStatus, EStop, InstantActions, Reference
 
 if TYPE_CHECKING:
@@ -69,9 +68,9 @@ class _PoseWish:
 class InstantActionHandler:
     """Takes instant actions for a vehicle, and brings those that take time to their end."""
 
-    def __init__(self, vehicle: Vehicle, codec: Codec) -> None:
+    def __init__(self, vehicle: Vehicle, inbox: Inbox) -> None:
         self._vehicle = vehicle
-        self._codec = codec
+        self._inbox = inbox
         self._cancels: List[str] = []          # ids of cancelOrder under way
         self._pauses: List[str] = []           # and of startPause
         self._wish: Optional[_PoseWish] = None
@@ -92,11 +91,9 @@ class InstantActionHandler:
         vehicle = self._vehicle
         vehicle.reporter.ask()
         try:
-            _, message = self._codec.read('instantActions', payload)
-        except Malformed as problem:
-            vehicle.errors.reject(e.VALIDATION_ERROR.error(
-                str(problem), Reference('topic', 'instantActions'),
-                Reference('field', problem.path)))
+            message: InstantActions = self._inbox.read('instantActions', payload)
+        except Refused as refused:
+            vehicle.errors.reject(refused.error)
             return
         is_copy = payload in vehicle.received
         if not is_copy and any(action.action_type not in HARMLESS_AGAIN
@@ -132,7 +129,7 @@ class InstantActionHandler:
     def _with_blocking_type(self, action: Action) -> Action:
         """In 3.0 it is always NONE; what the vehicle must not do meanwhile is in its table."""
         spec = self._vehicle.table.specs.get(action.action_type)
-        if not self._codec.is_3 or spec is None or action.blocking_type in spec.blocking:
+        if not self._vehicle.codec.is_3 or spec is None or action.blocking_type in spec.blocking:
             return action
         return replace(action, blocking_type=spec.blocking[0])
 
@@ -210,7 +207,8 @@ class InstantActionHandler:
         if not vehicle.busy or vehicle.order.cancelled or wanted != vehicle.order.order_id:
             self._end(action.action_id, ActionStatus.FAILED, 'there is no order to cancel')
             vehicle.errors.reject(e.NO_ORDER_TO_CANCEL.error(
-                'there is no order to cancel', Reference('actionId', action.action_id)))
+                'there is no order to cancel', Reference('topic', 'instantActions'),
+                Reference('actionId', action.action_id)))
             return
         vehicle.actions.update(action.action_id, ActionStatus.RUNNING)
         first = not self._cancels

@@ -4,14 +4,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Optional, Set
 
 from vda5050_vehicle.core.action_table import WrongAction
+from vda5050_vehicle.core.inbox import Inbox, Refused
 from vda5050_vehicle.drivers.driver import NotDrivable
 from vda5050_vehicle.drivers.order_fields import Abilities, check_fields
 from vda5050_vehicle.protocol import problems as e
 from vda5050_vehicle.protocol.acceptance import Acceptance, Held, Rejection, judge
 from vda5050_vehicle.protocol.action_queue import Scope
-from vda5050_vehicle.protocol.codecs import Codec
-from vda5050_vehicle.protocol.fields import Malformed
-from vda5050_vehicle.protocol.order_rules import actions_of, check_order
+from vda5050_vehicle.protocol.order_rules import actions_of
 from vda5050_vehicle.protocol.order_state import OrderState
 from vda5050_vehicle.protocol.values import Order, Reference
 
@@ -22,9 +21,9 @@ if TYPE_CHECKING:
 class OrderDesk:
     """Takes orders for a vehicle. An order that is not taken up changes nothing but the errors."""
 
-    def __init__(self, vehicle: Vehicle, codec: Codec, abilities: Abilities) -> None:
+    def __init__(self, vehicle: Vehicle, inbox: Inbox, abilities: Abilities) -> None:
         self._vehicle = vehicle
-        self._codec = codec
+        self._inbox = inbox
         self._abilities = abilities
         self._taken: Optional[Order] = None  # since this program was started
 
@@ -33,12 +32,10 @@ class OrderDesk:
         vehicle = self._vehicle
         vehicle.reporter.ask()
         try:
-            _, order = self._codec.read('order', payload)
-            check_order(order)
-        except Malformed as problem:
-            vehicle.note(f'order refused: {problem}')
-            vehicle.errors.reject(e.VALIDATION_ERROR.error(
-                str(problem), Reference('topic', 'order'), Reference('field', problem.path)))
+            order: Order = self._inbox.read('order', payload)
+        except Refused as refused:
+            vehicle.note(f'order refused: {refused}')
+            vehicle.errors.reject(refused.error)
             return
         rejection = self._consider(order, payload)
         vehicle.note(f'order {order.order_id}, update {order.order_update_id}: '
@@ -81,7 +78,7 @@ class OrderDesk:
 
     def _compare(self, order: Order) -> Optional[Rejection]:
         """A repeated orderUpdateId is ignored; in 3.0 only where nothing else was changed."""
-        if not self._codec.is_3 or self._taken is None or order == self._taken:
+        if not self._vehicle.codec.is_3 or self._taken is None or order == self._taken:
             return None
         return Rejection(e.SAME_UPDATE.error(
             f'orderUpdateId {order.order_update_id} came before with another content',
@@ -125,7 +122,7 @@ class OrderDesk:
 
     def _begin(self, order: Order) -> None:
         vehicle = self._vehicle
-        vehicle.actions.begin_order(keep_instant=self._codec.is_3)
+        vehicle.actions.begin_order(keep_instant=vehicle.codec.is_3)
         vehicle.order = OrderState.begin(order)
         vehicle.legs = ()
         vehicle.forgive()

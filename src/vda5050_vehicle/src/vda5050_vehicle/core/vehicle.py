@@ -7,7 +7,6 @@ which actions may start, where to drive, what to remember, what to tell.
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
 from typing import Any, Deque, Dict, List, Optional, Set, Tuple
 
 from vda5050_vehicle.core import effects as fx
@@ -15,6 +14,8 @@ from vda5050_vehicle.core import journal
 from vda5050_vehicle.core.action_runner import ActionRunner
 from vda5050_vehicle.core.action_table import ActionTable
 from vda5050_vehicle.core.error_list import Cause, ErrorList, Hold
+from vda5050_vehicle.core.identity import Identity
+from vda5050_vehicle.core.inbox import Inbox
 from vda5050_vehicle.core.instant_actions import BUILT_IN, BUILT_IN_3, InstantActionHandler
 from vda5050_vehicle.core.order_desk import OrderDesk
 from vda5050_vehicle.core.robot_view import RobotView
@@ -30,16 +31,6 @@ from vda5050_vehicle.protocol.received import ReceivedMessages
 from vda5050_vehicle.protocol.reporting import Reporter
 
 HISTORY = 500        # events that a log report holds
-
-
-@dataclass(frozen=True)
-class Identity:
-    """Who the vehicle is, and on which map."""
-
-    manufacturer: str
-    serial_number: str
-    map_id: str = 'map'
-    map_version: str = ''
 
 
 class Vehicle:
@@ -64,8 +55,9 @@ class Vehicle:
         self._effects: List[fx.Effect] = []
         self._kept: Dict[str, Any] = {}
         self._away = False                  # nodes may have been passed while we were not there
-        self._desk = OrderDesk(self, codec, abilities)
-        self._instant = InstantActionHandler(self, codec)
+        inbox = Inbox(identity, codec)
+        self._desk = OrderDesk(self, inbox, abilities)
+        self._instant = InstantActionHandler(self, inbox)
         self.runner = ActionRunner(self)
 
     # --- what happens -----------------------------------------------------------------------------

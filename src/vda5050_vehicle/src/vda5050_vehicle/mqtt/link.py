@@ -108,6 +108,8 @@ class MqttLink:
             self._on_change(False, mqtt.error_string(code))
 
     def _message(self, _client: mqtt.Client, _userdata: Any, message: mqtt.MQTTMessage) -> None:
+        if not message.payload:  # the broker is told to forget what it had kept: no message
+            return
         self._on_message(message.topic.rsplit('/', 1)[-1], message.payload, bool(message.retain))
 
 

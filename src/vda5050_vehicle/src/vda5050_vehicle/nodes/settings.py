@@ -15,7 +15,7 @@ from trajectory_graph import Graph, TrajectoryGraphError, load_graph
 from trajectory_graph.messages import graph_from_message
 from vda5050_vehicle.core import factsheet as sheet
 from vda5050_vehicle.core.action_table import ActionTable, WrongTable, read_table
-from vda5050_vehicle.core.vehicle import Identity
+from vda5050_vehicle.core.identity import Identity
 from vda5050_vehicle.drivers.driver import Driver
 from vda5050_vehicle.drivers.order_fields import FIELDS, Abilities
 from vda5050_vehicle.drivers.order_graph import Matching

@@ -27,7 +27,28 @@ from vda5050_vehicle.protocol.fields import (
     read_json,
 )
 
-ANGLE = Number(-math.pi - 1e-9, math.pi + 1e-9)
+
+@dataclass(frozen=True)
+class _Angle(Number):
+    """From -pi to pi, in rad."""
+
+    least: float = -math.pi
+    most: float = math.pi
+
+    def read(self, value: Any, path: str) -> float:
+        """See Kind; pi may come rounded, to three decimals at the coarsest."""
+        if (isinstance(value, (int, float)) and not isinstance(value, bool)
+                and math.pi < abs(value) <= math.pi + 5e-4):
+            return math.copysign(math.pi, value)
+        return super().read(value, path)
+
+    def write(self, value: float) -> float:
+        """See Kind; pi is rounded towards zero, or a reader would find it too large."""
+        largest = math.floor(math.pi * 1e6) / 1e6
+        return max(-largest, min(largest, super().write(value)))
+
+
+ANGLE = _Angle()
 POSITIVE = Number(0.0)
 
 
