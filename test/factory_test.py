@@ -46,7 +46,7 @@ robots:
 - {{name: agv_3, type: agv, vertex: 33, driver: agv}}
 - {{name: agv_4, type: agv, vertex: 41, driver: agv}}
 - {{name: switched_off, type: ld90, vertex: 52, driver: ld90, host: 127.0.0.9, arcl_port: {port},
-   outgoing_port: {silent}, password_file: secret}}
+   outgoing_port: {silent}, password_file: secret, absent: true}}
 '''
 PASSWORD = 'Kestrel-31'
 REAL, ABSENT = 'real', 'switched_off'
@@ -114,8 +114,7 @@ class FactoryTest(unittest.TestCase):
             return self.factory.succeeded(missions) == MISSIONS
         looks = self.factory.run_until(all_succeeded, 400.0, 'all missions', missions)
         self.assertGreater(looks, 5 * MISSIONS)
-
-        self.factory.wait_for_state(ABSENT, FleetRobot.OFFLINE)
+        self.assertEqual(FleetRobot.ABSENT, self.factory.robot(ABSENT).state)
 
     def test_2_stop_all_stops_all_and_they_go_on_afterwards(self) -> None:
         before = self.factory.places()
