@@ -7,7 +7,7 @@
 #
 # Environment: LD90_REAL_MAPS, a folder with .map files of real robots; FKIE_ARCHIVE, sources of fkie multimaster (.tar.gz)
 # where GitHub cannot be reached; what lies there is tested, too. TEST_JOBS, how many tests run at a time: 2 where there
-# are two processors, else 1.
+# are two processors, else 1; of system tests, which mostly wait for robots that drive, one more.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
@@ -88,5 +88,6 @@ if [ ${#system_tests[@]} = 0 ]; then
   done
 fi
 say "System tests"
+[ "$TEST_JOBS" -le 1 ] || TEST_JOBS=$((TEST_JOBS + 1))
 scripts/run_tests.sh "$results" system "${system_tests[@]}"
 /usr/bin/python3 scripts/test_results.py summary "$results"
