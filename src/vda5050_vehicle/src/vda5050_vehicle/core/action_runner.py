@@ -76,8 +76,7 @@ class ActionRunner:
             return
         vehicle.actions.update(action_id, status, text)
         vehicle.note(f'action {action_id}, {entry.action.action_type}: {status.value} {text}')
-        spec = vehicle.table.specs.get(entry.action.action_type)
-        if spec is not None and spec.moves:
+        if vehicle.table.moves(entry.action):
             vehicle.look_where_it_is()
         if status is ActionStatus.FAILED and entry.belongs_to_order and not vehicle.cancelling:
             self._tell_of_failure(entry, text)

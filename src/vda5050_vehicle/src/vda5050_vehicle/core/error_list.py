@@ -26,21 +26,31 @@ class Hold(Enum):
 
 
 class ErrorList:
-    """Rejections stay until an order is accepted; failures until they are seen to; conditions of
-    the robot as long as they hold."""
+    """Rejections stay until an order is taken, those of instant actions until one of these is;
+    failures until they are seen to; conditions of the robot as long as they hold."""
 
     def __init__(self) -> None:
         self._rejections: List[Error] = []
+        self._refused_actions: List[Error] = []
         self._failures: Dict[Cause, Error] = {}
 
     def reject(self, error: Error) -> None:
-        """An order or an instant action was not taken up."""
-        self._rejections = [*(old for old in self._rejections if old != error),
-                            error][-MAX_REJECTIONS:]
+        """An order was not taken up."""
+        self._rejections = _with(self._rejections, error)
 
-    def accepted(self) -> None:
-        """An order was taken up."""
+    def refuse_action(self, error: Error) -> None:
+        """An instant action was not taken up."""
+        self._refused_actions = _with(self._refused_actions, error)
+
+    def order_taken(self, with_instant_actions: bool) -> None:
+        """An order was taken up; in 2.x that ends what was said of instant actions, too."""
         self._rejections.clear()
+        if with_instant_actions:
+            self._refused_actions.clear()
+
+    def instant_action_taken(self) -> None:
+        """What was said of those before is over."""
+        self._refused_actions.clear()
 
     def fail(self, cause: Cause, error: Error) -> None:
         """The vehicle does not drive on by itself."""
@@ -57,7 +67,12 @@ class ErrorList:
 
     def all(self, robot: RobotView) -> Tuple[Error, ...]:
         """What to report."""
-        return (*self._rejections, *self._failures.values(), *_conditions(robot))
+        return (*self._rejections, *self._refused_actions, *self._failures.values(),
+                *_conditions(robot))
+
+
+def _with(errors: List[Error], error: Error) -> List[Error]:
+    return [*(old for old in errors if old != error), error][-MAX_REJECTIONS:]
 
 
 def _conditions(robot: RobotView) -> Tuple[Error, ...]:

@@ -80,6 +80,10 @@ class RouteDriver(Driver):
         """See Driver."""
         return self._graph.node_at(pose)
 
+    def knows(self, node_id: str, pose: Pose) -> bool:
+        """See Driver."""
+        return self._graph.knows(node_id) or bool(self._graph.node_at(pose))
+
     # --- driving ----------------------------------------------------------------------------------
 
     def begin(self) -> None:
