@@ -228,6 +228,13 @@ def test_every_action_of_the_table_is_in_the_factsheet():
                                          'stateRequest', 'factsheetRequest', 'logReport'}
 
 
+def test_the_factsheet_leaves_out_what_is_refused():
+    told = {found['parameter'] for found in sheet.factsheet(
+        vehicle_document(), Lab().vehicle.table)['protocolFeatures']['optionalParameters']}
+    assert 'order.nodes.nodePosition' in told
+    assert not told & {'order.edges.maxSpeed', 'order.edges.corridor'}
+
+
 def order_of_3(**position):
     sent = way(8, 10, 12).order('o')
     sent['nodes'][0]['nodePosition'].update(position)

@@ -156,6 +156,9 @@ def order_with(element, **fields):
     (order_with(('edges', 0), corridor={'leftWidth': 0.1, 'rightWidth': 1.0}), 'edges[0].corridor'),
     (order_with(('edges', 0), direction='left'), 'edges[0].direction'),
     (order_with(('nodes', 2), theta=1.0), 'nodes[2].nodePosition.theta'),
+    (order_with(('nodes', 0), theta=1.0), 'nodes[0].nodePosition.theta'),
+    (order_with(('nodes', 0), theta=1.0, allowedDeviationTheta=0.9), 'nodes[0].nodePosition.theta'),
+    (order_with(('nodes', 2), allowedDeviationXY=0.2), 'nodes[2].nodePosition.allowedDeviationXY'),
     (order_with(('nodes', 2), mapId='hall 2'), 'nodes[2].nodePosition.mapId'),
     ({**HALL.order('o'), 'zoneSetId': 'z'}, 'zoneSetId')])
 def test_what_cannot_be_honoured_is_refused_by_name(order, field):
@@ -175,12 +178,36 @@ def test_what_cannot_be_honoured_is_refused_by_name(order, field):
     order_with(('edges', 0), maxSpeed=2.0), order_with(('edges', 0), length=3.0),
     order_with(('edges', 0), orientation=0.0), order_with(('edges', 0), rotationAllowed=True),
     order_with(('edges', 0), corridor={'leftWidth': 1.0, 'rightWidth': 0.5}),
-    order_with(('nodes', 0), theta=1.0),
+    order_with(('nodes', 0), theta=0.05),
+    order_with(('nodes', 0), theta=1.0, allowedDeviationTheta=1.1),
+    order_with(('nodes', 0), allowedDeviationXY=0.1),
+    order_with(('nodes', 2), allowedDeviationXY=0.3),
+    order_with(('nodes', 2), allowedDeviationXY=0.0),
     order_with(('nodes', 2), theta=1.0, allowedDeviationTheta=math.pi)])
 def test_what_is_done_anyway_is_honoured(order):
     lab = Lab()
     lab.order(order)
     assert lab.state['orderId'] == 'o', lab.state['errors']
+
+
+def test_a_deviation_is_measured_from_where_the_node_is_and_not_from_its_vertex():
+    beside = HALL.order('o')
+    beside['nodes'][2]['nodePosition']['y'] += 0.2
+    for deviation, errors in ((0.4, ['orderError']), (0.5, [])):
+        lab = Lab()
+        beside['nodes'][2]['nodePosition']['allowedDeviationXY'] = deviation
+        lab.order(beside)
+        assert lab.errors == errors
+
+
+def test_the_node_at_which_an_update_joins_is_not_judged_anew():
+    lab = Lab()
+    lab.order(HALL.order('o', base=2))
+    lab.drive(1)
+    update = HALL.part(1).order('o', 1, first_sequence=2)
+    update['nodes'][0]['nodePosition'].update(theta=1.0, allowedDeviationXY=0.1)
+    lab.order(update)
+    assert (lab.errors, lab.state['orderUpdateId']) == ([], 1)
 
 
 # --- which places are meant -----------------------------------------------------------------------

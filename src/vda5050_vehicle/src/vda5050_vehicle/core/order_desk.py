@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Optional, Set
 from vda5050_vehicle.core.action_table import WrongAction
 from vda5050_vehicle.core.inbox import Inbox, Refused
 from vda5050_vehicle.drivers.driver import NotDrivable
-from vda5050_vehicle.drivers.order_fields import Abilities, check_fields
+from vda5050_vehicle.drivers.order_fields import Abilities, check_fields, check_start_heading
 from vda5050_vehicle.protocol import problems as e
 from vda5050_vehicle.protocol.acceptance import Acceptance, Held, Rejection, judge
 from vda5050_vehicle.protocol.action_queue import Scope
@@ -58,6 +58,8 @@ class OrderDesk:
                                   'headerId')
             self._check_actions(order, verdict)
             check_fields(order, self._abilities)
+            if verdict is Acceptance.NEW and vehicle.robot.pose is not None:
+                check_start_heading(order.nodes[0], vehicle.robot.pose, self._abilities)
             legs = vehicle.driver.plan(order.nodes, order.edges, vehicle.robot.pose)
         except NotDrivable as problem:
             return Rejection(problem.kind.error(
