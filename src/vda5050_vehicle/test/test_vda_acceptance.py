@@ -74,6 +74,9 @@ def test_an_instant_action_under_way(held, order_id, update, wanted):
     verdict = judge(held, order(order_id, update, LAST), True)
     assert getattr(verdict, 'error', None) is None or verdict.error.error_type == wanted
     assert isinstance(verdict, Rejection) or verdict is wanted
+    references = verdict.error.references if isinstance(verdict, Rejection) else ()
+    assert 'actionId' not in [reference.key for reference in references], (
+        'vda-5050-lib would take it for an error of that action, and wait for the order for ever')
 
 
 def test_a_vehicle_without_any_order_takes_a_new_one():

@@ -118,6 +118,16 @@ def test_a_robot_is_lost_once_it_was_silent_for_its_time(heard_at, now, words):
     assert words in text
 
 
+@pytest.mark.parametrize('changes', [
+    {'e_stop': EStop.MANUAL}, {'lost': 'silent', 'pose': None}, {'localized': False}])
+def test_an_error_of_the_robot_is_told_as_none_of_an_order(changes):
+    """vda-5050-lib takes an error without references for a rejection of its last order."""
+    lab = Lab()
+    lab.see(**changes)
+    assert lab.state['errors'][0]['errorReferences'] == [
+        {'referenceKey': 'topic', 'referenceValue': 'state'}]
+
+
 def test_a_robot_that_does_not_know_where_it_is():
     lab = Lab()
     lab.see(localized=False)

@@ -6,8 +6,10 @@ from typing import Dict, List, Optional, Tuple
 
 from vda5050_vehicle.core.robot_view import RobotView
 from vda5050_vehicle.protocol import problems as e
-from vda5050_vehicle.protocol.values import Error, EStop
+from vda5050_vehicle.protocol.values import Error, EStop, Reference
 
+# Masters take an error that refers to nothing for a rejection of their last order.
+_OF_NO_ORDER = Reference('topic', 'state')
 MAX_REJECTIONS = 10  # of the newest, until an order is accepted
 
 
@@ -78,9 +80,11 @@ def _with(errors: List[Error], error: Error) -> List[Error]:
 def _conditions(robot: RobotView) -> Tuple[Error, ...]:
     found = []
     if robot.e_stop is not EStop.NONE:
-        found.append(e.EMERGENCY_STOP.error('the emergency stop is pressed, or not acknowledged'))
+        found.append(e.EMERGENCY_STOP.error('the emergency stop is pressed, or not acknowledged',
+                                            _OF_NO_ORDER))
     if robot.lost:
-        found.append(e.VEHICLE_LOST.error(robot.lost))
+        found.append(e.VEHICLE_LOST.error(robot.lost, _OF_NO_ORDER))
     elif not robot.localized:
-        found.append(e.LOCALIZATION_ERROR.error('the robot does not know where it is'))
+        found.append(e.LOCALIZATION_ERROR.error('the robot does not know where it is',
+                                                _OF_NO_ORDER))
     return tuple(found)

@@ -45,7 +45,8 @@ def position_of(vehicle: Vehicle) -> Optional[v.AgvPosition]:
 def _errors(vehicle: Vehicle) -> Tuple[v.Error, ...]:
     errors = vehicle.errors.all(vehicle.robot)
     if vehicle.codec.is_3 and vehicle.actions.is_full:
-        errors += (e.INSTANT_ACTIONS_FULL.error('the oldest instant actions are forgotten'),)
+        errors += (e.INSTANT_ACTIONS_FULL.error(
+            'the oldest instant actions are forgotten', v.Reference('topic', 'instantActions')),)
     return errors
 
 

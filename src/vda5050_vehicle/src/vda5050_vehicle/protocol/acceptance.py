@@ -69,8 +69,7 @@ def _judge_new(held: Held, order: Order, start_is_near: bool, is_3: bool) -> Ver
     under_way = held.moving or held.acting
     if under_way:
         return _reject(e.OTHER_ORDER, order,
-                       f'the instant action {under_way!r} has not ended; wait for its end',
-                       Reference('actionId', under_way))
+                       f'the instant action {under_way!r} has not ended; wait for its end')
     if is_3 and order.order_update_id != 0:                                   # question 4 of 3.0.0
         return _reject(e.ORDER_ERROR, order,
                        f'a new order has orderUpdateId 0, not {order.order_update_id}')
@@ -96,7 +95,7 @@ def _judge_update(held: Held, order: Order, is_3: bool) -> Verdict:
     if held.moving:
         return _reject(e.WRONG_UPDATE, order,
                        f'the instant action {held.moving!r} takes the vehicle away from its last '
-                       'node; wait for its end', Reference('actionId', held.moving))
+                       'node; wait for its end')
     expected = held.decision_point if held.busy else held.last_node           # questions 3, 7, 8
     first = (order.nodes[0].node_id, order.nodes[0].sequence_id)
     if first != expected:
