@@ -132,7 +132,9 @@ class ControllerTest(unittest.TestCase):
         """actionlib refuses what is older than the last cancellation, by the clocks of clients."""
         cancels = connected_publisher('/omron_ld90/execute_command/cancel', GoalID,
                                       to='omron_controller')
+        before = len(self.responses.messages)
         driving = self.run_command('goto 20')
+        self.wait_for_line('Going to 20', before)  # a cancellation that overtakes it means nothing
         cancels.publish(GoalID(stamp=rospy.Time.now() + rospy.Duration(3600)))
         self.assertEqual(self.result_of(driving).outcome, ExecuteCommandResult.CANCELLED)
         before = len(self.responses.messages)
