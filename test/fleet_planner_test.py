@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import itertools
 import os
+import subprocess
 import unittest
 from dataclasses import replace
 from typing import Iterable, List, Optional
@@ -13,11 +14,13 @@ import rosnode
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rosgraph_msgs.msg import Log
+from std_msgs.msg import Header
 from std_srvs.srv import Trigger, TriggerResponse
 
 from itrci_nav_msgs.msg import (
     ClosedEdges,
     DockingPoints,
+    EdgeCommand,
     EdgeState,
     ExecutionRouteStates,
     FleetObstacle,
@@ -63,6 +66,9 @@ class FleetPlannerTest(unittest.TestCase):
         cls.log = Recorder('/rosout', Log)
         cls.requests = connected_publisher('/plan_request', PlanRequest, to='path_planner')
         cls.closing = connected_publisher('/closed_edges', ClosedEdges, to='graph_server')
+        cls.commands = connected_publisher('/edge_command', EdgeCommand, to='graph_server')
+        cls.commands.publish(command=EdgeCommand.CLOSE, edges=[3, 99])
+        cls.closed.wait_for(lambda _: True, 10, 'closure before there is a graph')
         cls.reports = rospy.Publisher('/agv_1/execution_route_states', ExecutionRouteStates,
                                       queue_size=10, latch=True)  # as robots do
         wait_until(lambda: cls.reports.get_num_connections() > 0, 20, 'graph_server to listen')
@@ -139,6 +145,9 @@ class FleetPlannerTest(unittest.TestCase):
                               and 'in force' in status.message for status in array.status),
             20, 'diagnosis that all is well')
 
+    def test_edges_that_are_closed_before_there_is_a_graph_are_closed_on_it(self):
+        self.assertEqual([[3, 99], [3]], [list(told.edges) for told in self.closed.messages[:2]])
+
     def test_late_joiners_get_the_graph_its_docks_and_its_parking(self):
         graph = graph_from_message(rospy.wait_for_message('/graph', GraphMessage, 10))
         self.assertEqual((corridor().vertices, corridor().edges), (graph.vertices, graph.edges))
@@ -199,6 +208,34 @@ class FleetPlannerTest(unittest.TestCase):
                                     'closure of a new graph_server', closures)
         self.assertEqual([3], list(told.edges))
 
+    def test_the_edges_of_two_operators_are_all_closed(self):
+        operators = [self.edge('close', edge) for edge in ('3', '8')]
+        self.assertEqual([0, 0], [one.wait(30) for one in operators])
+        self.assertEqual([3, 8], list(self.closed.messages[-1].edges))
+        said, _ = self.edge('open', '3').communicate(timeout=30)
+        self.assertEqual('Closed edges: 8\n', said)
+
+    def edge(self, *words: str) -> subprocess.Popen[str]:
+        return subprocess.Popen(['rosrun', 'graph_fleet_manager', 'edge', *words],
+                                stdout=subprocess.PIPE, text=True)
+
+    def test_a_command_counts_whatever_its_clock_says(self):
+        now = rospy.Time.now()
+        for stamp, edge in ((now, 3), (rospy.Time(1), 8), (now + rospy.Duration(9999), 9),
+                            (rospy.Time(2), 1)):
+            before = len(self.closed.messages)
+            message = EdgeCommand(command=EdgeCommand.CLOSE, edges=[edge])
+            message.header.stamp = stamp
+            self.commands.publish(message)
+            self.closed.wait_for(lambda told, edge=edge: edge in told.edges, 10,
+                                 f'closure at {stamp.to_sec()}', before)
+        self.assertEqual([1, 3, 8, 9], list(self.closed.messages[-1].edges))
+
+    def test_a_list_that_is_not_used_is_told(self):
+        self.closing.publish(ClosedEdges(edges=[3], header=Header(stamp=rospy.Time(1))))
+        self.log.wait_for(lambda line: line.name == '/graph_server'
+                          and 'of 1.000 s is not used' in line.msg, 10, 'a word about the list')
+
     def test_a_restart_does_not_take_up_a_file_that_breaks_a_running_route(self):
         save_graph(corridor(7), self.graph_file)
         self.report(at=1, left=[1, 2, 7])
@@ -212,7 +249,7 @@ class FleetPlannerTest(unittest.TestCase):
         graphs = len(self.graphs.messages)
         rosnode.kill_nodes(['/graph_server'])
         self.graphs.wait_for(lambda _: True, 30, 'graph of a new graph_server', graphs)
-        for publisher in (self.closing, self.reports):
+        for publisher in (self.closing, self.commands, self.reports):
             wait_until(lambda p=publisher: p.get_num_connections() > 0, 20,
                        f'graph_server as subscriber of {publisher.resolved_name}')
         rospy.wait_for_service('/reload_graph', 20)

@@ -2,12 +2,15 @@
 from __future__ import annotations
 
 import queue
+from typing import Any, List
 
 import pytest
+import rospy
 from std_srvs.srv import Trigger
 
 from graph_fleet_manager.nodes import fleet_acts
-from graph_fleet_manager.nodes.rviz.menus import ROBOT_MENU, Act, Subject
+from graph_fleet_manager.nodes.rviz.menus import EDGE_MENU, ROBOT_MENU, Act, Subject
+from itrci_nav_msgs.msg import EdgeCommand
 from itrci_nav_msgs.srv import DeclareAbsent, DeclareAbsentResponse
 
 
@@ -26,3 +29,44 @@ def test_a_choice_in_the_robots_menu_calls_its_service(monkeypatch, act, service
     fleet_acts.FleetActs(said.put).act(act, Subject(robot='a'))
     assert said.get(timeout=10.0) == 'a: done.'
     assert called == [(service, kind)] and act in ROBOT_MENU
+
+
+class Publisher:
+    """Keeps what is published, for as many subscribers."""
+
+    def __init__(self, subscribers: int = 1) -> None:
+        self.sent: List[Any] = []
+        self.subscribers = subscribers
+
+    def publish(self, message: Any) -> None:
+        self.sent.append(message)
+
+    def get_num_connections(self) -> int:
+        return self.subscribers
+
+
+def menu(monkeypatch, publisher: Publisher, said: List[str], *closed: int) -> fleet_acts.FleetActs:
+    monkeypatch.setattr(fleet_acts.rospy, 'Publisher', lambda *_, **__: publisher)
+    monkeypatch.setattr(fleet_acts.rospy.Time, 'now', lambda: rospy.Time(5))
+    acts = fleet_acts.FleetActs(said.append)
+    acts.closed = frozenset(closed)
+    return acts
+
+
+@pytest.mark.parametrize('act, code, edges', [
+    (Act.CLOSE, EdgeCommand.CLOSE, [3]), (Act.OPEN, EdgeCommand.OPEN, [3]),
+    (Act.OPEN_ALL, EdgeCommand.OPEN, [3, 4])])
+def test_a_choice_in_the_menu_of_an_edge_is_an_operation_on_edges(monkeypatch, act, code, edges):
+    publisher, said = Publisher(), []
+    menu(monkeypatch, publisher, said, 3, 4).act(act, Subject(edge=3))
+    sent, = publisher.sent
+    assert (sent.command, list(sent.edges), sent.header.stamp) == (code, edges, rospy.Time(5))
+    assert sent.requested_by and act in EDGE_MENU and said
+
+
+def test_without_closed_edges_or_graph_server_the_menu_says_so(monkeypatch):
+    said = []
+    menu(monkeypatch, Publisher(), said).act(Act.OPEN_ALL, Subject(edge=3))
+    menu(monkeypatch, Publisher(0), said).act(Act.CLOSE, Subject(edge=3))
+    assert said == ['No edge is closed',
+                    'No program takes commands for edges: is graph_server running?']

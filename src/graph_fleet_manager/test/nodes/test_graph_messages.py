@@ -6,16 +6,18 @@ import pytest
 
 from graph_fleet_manager.fleet import Fleet, RobotType
 from graph_fleet_manager.messages.graphs import (
+    WrongCommand,
     closed_edges_message,
     docking_points_message,
+    edge_operation,
     graph_message,
     parking_message,
     reported_route,
 )
 from graph_fleet_manager.site.changes import ReportedRoute
-from graph_fleet_manager.site.closures import Closures
+from graph_fleet_manager.site.closures import Closures, EdgeAction, EdgeOperation
 from graph_fleet_manager.site.survey import Capacity, Survey
-from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, SymbolicPose, Vertex
+from itrci_nav_msgs.msg import EdgeCommand, EdgeState, ExecutionRouteStates, SymbolicPose, Vertex
 from trajectory_graph import Edge, Graph, GraphError
 from trajectory_graph import Vertex as GraphVertex
 from trajectory_graph.messages import graph_from_message
@@ -60,6 +62,34 @@ def test_closures_bear_the_moment_at_which_they_were_said(tmp_path):
     closures.take([2], STAMP.to_nsec(), STAMP.to_nsec(), GRAPH.edges)
     message = closed_edges_message(closures)
     assert (message.header.stamp, message.edges) == (STAMP, [2])
+
+
+def command(code: int, *edges: int, stamp: int = 0, number: int = 1) -> EdgeCommand:
+    message = EdgeCommand(command=code, edges=list(edges))
+    message.header.stamp, message.header.seq = genpy.Time(stamp), number
+    return message
+
+
+@pytest.mark.parametrize('code, action', [(EdgeCommand.OPEN, EdgeAction.OPEN),
+                                          (EdgeCommand.CLOSE, EdgeAction.CLOSE)])
+def test_a_command_is_an_operation_on_its_edges_in_either_direction(code, action):
+    assert edge_operation(command(code, 3, -4), '/a') == EdgeOperation(action, frozenset((3, 4)))
+
+
+def test_a_message_has_one_identity_and_another_one_another():
+    def identity(sender='/a', **of):
+        return edge_operation(command(EdgeCommand.CLOSE, 3, **of), sender).identity
+    assert identity(stamp=5) == identity(stamp=5) != ''
+    others = [identity(stamp=5), identity(stamp=6), identity(stamp=5, number=2),
+              identity('/b', stamp=5)]
+    assert len(set(others)) == 4
+
+
+@pytest.mark.parametrize('message, words', [
+    (command(7, 3), 'has the code 7'), (command(EdgeCommand.CLOSE), 'names no edge')])
+def test_a_command_that_cannot_be_carried_out_says_why(message, words):
+    with pytest.raises(WrongCommand, match=words):
+        edge_operation(message, '/a')
 
 
 @pytest.mark.parametrize('states, left', [

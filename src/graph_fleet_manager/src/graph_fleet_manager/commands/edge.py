@@ -5,7 +5,7 @@ Exit status 0: done; 1: wrong input, or no fleet manager.
 from __future__ import annotations
 
 import time
-from typing import List, Optional, Sequence, Set
+from typing import List, Optional, Sequence
 
 import rospy
 
@@ -17,7 +17,9 @@ from graph_fleet_manager.commands.fleet_client import (
     connected_publisher,
     run,
 )
-from itrci_nav_msgs.msg import ClosedEdges, Graph
+from itrci_nav_msgs.msg import ClosedEdges, EdgeCommand, Graph
+
+_CODES = {'close': EdgeCommand.CLOSE, 'open': EdgeCommand.OPEN}
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
@@ -37,25 +39,31 @@ def _edge(arguments: List[str]) -> int:
     options = parser.parse_args(arguments)
     connect('edge_command')
     in_force = Listener('/closed_edges_in_force', ClosedEdges)
-    closed: Set[int] = set(in_force.last().edges)
+    told: ClosedEdges = in_force.last()
     if options.command != 'list':
         graph = Listener('/graph', Graph).last()
         asked = {abs(id) for id in options.edges}
         unknown = sorted(asked - {edge.id for edge in graph.edges})
         if unknown:
             raise CommandError(f'The graph has no edge {unknown[0]}.')
-        closed = closed | asked if options.command == 'close' else closed - asked
-        _put_in_force(closed, in_force)
-    print('Closed edges: ' + (', '.join(map(str, sorted(closed))) or 'none'))
+        command = EdgeCommand(edges=sorted(asked), requested_by=rospy.get_name(),
+                              command=_CODES[options.command])
+        command.header.stamp = rospy.Time.now()
+        told = _carried_out(command, in_force)
+    print('Closed edges: ' + (', '.join(map(str, sorted(told.edges))) or 'none'))
     return OK
 
 
-def _put_in_force(closed: Set[int], in_force: Listener) -> None:
-    message = ClosedEdges(edges=sorted(closed))
-    message.header.stamp = rospy.Time.now()
-    connected_publisher('/closed_edges', ClosedEdges).publish(message)
+def _carried_out(command: EdgeCommand, in_force: Listener) -> ClosedEdges:
+    """Sends a command; returns what graph_server tells of all edges once it has done so."""
+    publisher = connected_publisher('/edge_command', EdgeCommand)
+    in_force.take()  # what was told before the command is no answer to it
+    publisher.publish(command)
     deadline = time.monotonic() + PATIENCE
-    while set(in_force.last().edges) != closed:
-        if time.monotonic() > deadline:
-            raise CommandError('graph_server did not take it up; its log says why.')
-        time.sleep(0.02)
+    while time.monotonic() < deadline:
+        in_force.wait(deadline - time.monotonic())
+        for told in in_force.take():
+            closed = set(command.edges) & set(told.edges)
+            if closed == (set(command.edges) if command.command == EdgeCommand.CLOSE else set()):
+                return told
+    raise CommandError('graph_server did not take it up; its log says why.')

@@ -7,7 +7,7 @@ import genpy
 
 from graph_fleet_manager.fleet import Fleet
 from graph_fleet_manager.site.changes import ReportedRoute
-from graph_fleet_manager.site.closures import Closures
+from graph_fleet_manager.site.closures import Closures, EdgeAction, EdgeOperation
 from itrci_nav_msgs import msg
 from trajectory_graph import Graph
 from trajectory_graph.messages import fill_message
@@ -47,6 +47,28 @@ def closed_edges_message(closures: Closures) -> msg.ClosedEdges:
     message.header.stamp = genpy.Time(0, closures.stamp)
     message.header.stamp.canon()
     return message
+
+
+class WrongCommand(Exception):
+    """A command that cannot be carried out, as a sentence."""
+
+
+def edge_operation(message: msg.EdgeCommand, sender: str) -> EdgeOperation:
+    """What a command asks for; raises WrongCommand.
+
+    sender -- name of the node that it came from. With it, its number and its stamp a message is
+              known again; one without a stamp is not.
+    """
+    try:
+        action = EdgeAction(message.command)
+    except ValueError:
+        raise WrongCommand(f'An edge command has the code {message.command}; there are OPEN (0) '
+                           'and CLOSE (1).') from None
+    if not message.edges:
+        raise WrongCommand('An edge command names no edge.')
+    header = message.header
+    identity = f'{sender} {header.seq} {header.stamp.to_nsec()}' if header.stamp else ''
+    return EdgeOperation(action, frozenset(map(abs, message.edges)), identity)
 
 
 def reported_route(message: msg.ExecutionRouteStates) -> ReportedRoute:

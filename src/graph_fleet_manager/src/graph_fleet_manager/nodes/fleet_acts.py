@@ -11,7 +11,7 @@ from std_srvs.srv import Trigger
 from graph_fleet_manager.commands.command_line import CommandError
 from graph_fleet_manager.commands.stop import stop
 from graph_fleet_manager.nodes.rviz.menus import Act, Subject
-from itrci_nav_msgs.msg import ClosedEdges, FleetRobot, MissionCommand, MissionRequest
+from itrci_nav_msgs.msg import EdgeCommand, FleetRobot, MissionCommand, MissionRequest
 from itrci_nav_msgs.srv import DeclareAbsent
 
 WAIT = 1.0  # s for a service that may not be there
@@ -33,7 +33,7 @@ class FleetActs:
         """Robot that the next mission is for."""
         self._requests = rospy.Publisher('/mission_request', MissionRequest, queue_size=10)
         self._commands = rospy.Publisher('/mission_command', MissionCommand, queue_size=10)
-        self._closures = rospy.Publisher('/closed_edges', ClosedEdges, queue_size=10)
+        self._edges = rospy.Publisher('/edge_command', EdgeCommand, queue_size=10)
 
     def act(self, act: Act, subject: Subject) -> None:
         """One choice in a menu. Never waits: a service is called by a thread of its own."""
@@ -81,12 +81,19 @@ class FleetActs:
         self._say(f'{act.value}: {name}, mission {robot.request_id}')
 
     def _close(self, act: Act, edge: int) -> None:
-        edges = {Act.CLOSE: self.closed | {edge}, Act.OPEN: self.closed - {edge},
-                 Act.OPEN_ALL: frozenset()}[act]
-        message = ClosedEdges(edges=sorted(edges))
-        message.header.stamp = rospy.Time.now()
-        self._closures.publish(message)
-        self._say(f'Closed edges: {", ".join(map(str, message.edges)) or "none"}')
+        edges = self.closed if act is Act.OPEN_ALL else {edge}
+        if not edges:
+            self._say('No edge is closed')
+            return
+        if not self._edges.get_num_connections():
+            self._say('No program takes commands for edges: is graph_server running?')
+            return
+        command = EdgeCommand(edges=sorted(edges), requested_by=rospy.get_name(), command=(
+            EdgeCommand.CLOSE if act is Act.CLOSE else EdgeCommand.OPEN))
+        command.header.stamp = rospy.Time.now()
+        self._edges.publish(command)
+        self._say(f'{"Closed" if act is Act.CLOSE else "Opened"}: '
+                  f'{", ".join(map(str, command.edges))}')
 
     def _stop(self) -> None:
         try:

@@ -10,7 +10,7 @@ Publishes
     /fleet_markers/graph, /fleet_markers/plans (visualization_msgs/MarkerArray, latched)
     /fleet_markers/robots (10 Hz), /fleet_markers/feedback (visualization_msgs/MarkerArray)
     /fleet_menus/update (visualization_msgs/InteractiveMarkerUpdate)
-    /mission_request, /mission_command, /closed_edges: what the menus ask for
+    /mission_request, /mission_command, /edge_command: what the menus ask for
     /<robot>/target_route (itrci_nav_msgs/TargetRoute): a stop past a fleet manager that hangs
 Client of (std_srvs/Trigger, but for declare_absent)
     /stop_fleet, /resume_fleet, /<robot>/leave_fleet, /<robot>/join_fleet, /<robot>/declare_absent

@@ -8,7 +8,8 @@ Publishes (all latched)
     /closed_edges_in_force (itrci_nav_msgs/ClosedEdges)
     /diagnostics
 Subscribes
-    /closed_edges (itrci_nav_msgs/ClosedEdges): edges not to be used now
+    /edge_command (itrci_nav_msgs/EdgeCommand): opens or closes edges, all others stay as they are
+    /closed_edges (itrci_nav_msgs/ClosedEdges): all edges not to be used now
     /<robot>/execution_route_states of every robot in the fleet file: what must not be broken
 Services
     /reload_graph (std_srvs/Trigger): reads the graph file again
@@ -23,7 +24,7 @@ from __future__ import annotations
 import os
 import threading
 from dataclasses import replace
-from typing import FrozenSet, List, Optional, Tuple
+from typing import Container, FrozenSet, List, Optional, Tuple
 
 import rospkg
 import rospy
@@ -34,24 +35,19 @@ from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 from graph_fleet_manager.files.errors import FileError
 from graph_fleet_manager.fleet import Fleet
 from graph_fleet_manager.messages.graphs import (
-    closed_edges_message,
     docking_points_message,
     graph_message,
     parking_message,
     reported_route,
 )
+from graph_fleet_manager.nodes.edge_closures import EdgeClosures
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
 from graph_fleet_manager.planning.road_network import RoadNetwork
-from graph_fleet_manager.site.closures import Closures, OutOfDate
+from graph_fleet_manager.site.closures import Closures
 from graph_fleet_manager.site.graph_in_force import GraphInForce
 from graph_fleet_manager.site.remarks import Remark, remarks
 from graph_fleet_manager.site.survey import Survey, parking_for_all, survey
-from itrci_nav_msgs.msg import (
-    ClosedEdges,
-    DockingPoints,
-    ExecutionRouteStates,
-    ParkingPlaces,
-)
+from itrci_nav_msgs.msg import DockingPoints, ExecutionRouteStates, ParkingPlaces
 from itrci_nav_msgs.msg import Graph as GraphMessage
 from node_lifecycle import ConfigurationError, parameter, publish_diagnostics, run
 from trajectory_graph import Graph
@@ -67,7 +63,7 @@ class GraphServer:
     def __init__(self) -> None:
         self._fleet: Fleet = fleet_of()
         file = parameter('~graph_file')
-        self._closures = _closures()
+        closures = _closures()
         self._in_force = GraphInForce(parameter('~graph_in_force_file', '')
                                       or _state_file('graph_in_force.yaml'))
         self._lock = threading.RLock()
@@ -82,16 +78,14 @@ class GraphServer:
         self._graphs = rospy.Publisher('/graph', GraphMessage, queue_size=1, latch=True)
         self._docks = rospy.Publisher('/docking_points', DockingPoints, queue_size=1, latch=True)
         self._parking = rospy.Publisher('/parking', ParkingPlaces, queue_size=1, latch=True)
-        self._closed = rospy.Publisher('/closed_edges_in_force', ClosedEdges, queue_size=1,
-                                       latch=True)
+        self._closures = EdgeClosures(closures, self._lock, self._known_edges, self._begin_parking)
         publish_diagnostics('none', {'graph': self._report_graph,
-                                     'closed edges': self._report_closed})
-        self._subscribers = [rospy.Subscriber('/closed_edges', ClosedEdges, self._on_closed,
-                                              queue_size=10)]
-        for robot in self._fleet.robots:
-            self._subscribers.append(rospy.Subscriber(
-                f'/{robot.name}/execution_route_states', ExecutionRouteStates, self._on_report,
-                robot.name, queue_size=1))
+                                     'closed edges': self._closures.report})
+        self._closures.listen()
+        self._subscribers = [
+            rospy.Subscriber(f'/{robot.name}/execution_route_states', ExecutionRouteStates,
+                             self._on_report, robot.name, queue_size=1)
+            for robot in self._fleet.robots]
         self._is_waiting = self._in_force.must_hear_robots(file)
         if self._is_waiting:
             rospy.logwarn('%s: %s', file, _WAITING)
@@ -140,31 +134,24 @@ class GraphServer:
     def _graph(self) -> Optional[Graph]:
         return self._in_force.graph
 
+    def _known_edges(self) -> Optional[Container[int]]:
+        return None if self._graph is None else self._graph.edges
+
     def _tell(self) -> None:
         """Publishes a new graph in force."""
         graph = self._graph
         assert graph is not None
         self._remarks, self._surveyed, self._parked_with = [], None, frozenset()
         self._stamp = max(rospy.Time.now(), self._stamp + rospy.Duration(0, 1))
-        self._forget_closures(graph)
+        self._closures.use_graph(graph.edges)
         self._graphs.publish(graph_message(graph, self._stamp))
         self._docks.publish(docking_points_message(graph, self._fleet, self._stamp))
-        self._publish_closed()
+        self._closures.publish()
         rospy.loginfo('The graph has %d vertices and %d edges, %.0f m in all; finding out what it '
                       'allows.', len(graph.vertices), len(graph.edges),
                       sum(graph.curve(id).length for id in graph.edges))
         threading.Thread(target=self._survey, args=(graph, self._stamp), name='survey',
                          daemon=True).start()
-
-    def _forget_closures(self, graph: Graph) -> None:
-        try:
-            gone = self._closures.forget_all_but(graph.edges)
-        except OSError as error:
-            rospy.logerr('What is closed cannot be written, so closed edges that the graph does '
-                         'not have will come back: %s', error)
-            return
-        if gone:
-            rospy.logwarn('Closed edges %s are not in the graph and are forgotten.', _listed(gone))
 
     def _survey(self, graph: Graph, stamp: rospy.Time) -> None:
         """Says what a graph allows, unless another one is in force by then."""
@@ -182,6 +169,9 @@ class GraphServer:
             (rospy.logwarn if remark.warning else rospy.loginfo)('%s', remark.text)
         self._park_by_closures()
 
+    def _begin_parking(self) -> None:
+        threading.Thread(target=self._park_by_closures, name='parking', daemon=True).start()
+
     def _park_by_closures(self) -> None:
         """Tells where robots may be parked with the edges that are closed now, as soon as that has
         been found out; until then what was told before stays."""
@@ -197,29 +187,7 @@ class GraphServer:
                 self._parking.publish(parking_message(replace(found, parking=parking),
                                                       self._stamp))
 
-    # -- closures and robots ----------------------------------------------------------------------
-
-    def _on_closed(self, message: ClosedEdges) -> None:
-        with self._lock:
-            known = self._graph.edges if self._graph is not None else ()
-            try:
-                unknown = self._closures.take(message.edges, message.header.stamp.to_nsec(),
-                                              rospy.Time.now().to_nsec(), known)
-            except OutOfDate:
-                return  # a latched message of a publisher that joined anew
-            except OSError as error:
-                rospy.logerr('Closed edges cannot be kept, so nothing is changed: %s', error)
-                return
-            self._publish_closed()
-            closed = self._closures.edges
-        threading.Thread(target=self._park_by_closures, name='parking', daemon=True).start()
-        rospy.loginfo('Closed edges: %s.', _listed(closed) if closed else 'none')
-        if unknown:
-            rospy.logwarn('Edges %s are to be closed, but the graph does not have them.',
-                          _listed(unknown))
-
-    def _publish_closed(self) -> None:
-        self._closed.publish(closed_edges_message(self._closures))
+    # -- robots -----------------------------------------------------------------------------------
 
     def _on_report(self, message: ExecutionRouteStates, robot: str) -> None:
         self._in_force.routes[robot] = reported_route(message)
@@ -244,10 +212,6 @@ class GraphServer:
         for k, remark in enumerate(said, 1):
             status.add(f'remark {k}', remark.text)
 
-    def _report_closed(self, status: DiagnosticStatusWrapper) -> None:
-        closed = self._closures.edges
-        status.summary(DiagnosticStatus.OK, _listed(closed) if closed else 'none')
-
 
 def _state_file(name: str) -> str:
     return os.path.join(rospkg.get_ros_home(), 'graph_fleet_manager', name)
@@ -258,10 +222,6 @@ def _closures() -> Closures:
         return Closures(parameter('~closed_edges_file', '') or _state_file('closed_edges.json'))
     except FileError as error:
         raise ConfigurationError(str(error)) from None
-
-
-def _listed(edges: frozenset) -> str:
-    return ', '.join(map(str, sorted(edges)))
 
 
 def main() -> None:

@@ -1,0 +1,120 @@
+"""Which edges are closed, as topics: part of graph_server."""
+from __future__ import annotations
+
+import threading
+from typing import Callable, Container, FrozenSet, List, Optional
+
+import rospy
+from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_updater import DiagnosticStatusWrapper
+
+from graph_fleet_manager.messages.graphs import WrongCommand, closed_edges_message, edge_operation
+from graph_fleet_manager.site.closures import Closures, EdgeAction, OutOfDate, Repeated
+from itrci_nav_msgs.msg import ClosedEdges, EdgeCommand
+
+_COMMANDS_KEPT = 1000  # of a connection, until they are carried out: none may be lost
+_NAME = 100            # characters of the name of a person or program, in the log
+
+
+class EdgeClosures:
+    """Takes commands, keeps what is closed, and tells it.
+
+    lock    -- of the graph in force: commands and another graph come one after the other
+    known   -- the edges of the graph in force; None without a graph
+    changed -- called after each command that was carried out
+    """
+
+    def __init__(self, closures: Closures, lock: threading.RLock,
+                 known: Callable[[], Optional[Container[int]]],
+                 changed: Callable[[], None]) -> None:
+        self._closures, self._lock, self._known, self._changed = closures, lock, known, changed
+        self._subscribers: List[rospy.Subscriber] = []
+        self._in_force = rospy.Publisher('/closed_edges_in_force', ClosedEdges, queue_size=1,
+                                         latch=True)
+
+    @property
+    def edges(self) -> FrozenSet[int]:
+        """Ids of the closed edges."""
+        return self._closures.edges
+
+    def listen(self) -> None:
+        """Takes commands from now on."""
+        self._subscribers = [
+            rospy.Subscriber('/edge_command', EdgeCommand, self._on_command,
+                             queue_size=_COMMANDS_KEPT),
+            rospy.Subscriber('/closed_edges', ClosedEdges, self._on_list, queue_size=10)]
+
+    def use_graph(self, known: Container[int]) -> None:
+        """Forgets edges that another graph does not have."""
+        try:
+            gone = self._closures.forget_all_but(known)
+        except OSError as error:
+            rospy.logerr('What is closed cannot be written, so closed edges that the graph does '
+                         'not have will come back: %s', error)
+            return
+        if gone:
+            rospy.logwarn('Closed edges %s are not in the graph and are forgotten.', _listed(gone))
+
+    def publish(self) -> None:
+        """Tells what is closed."""
+        self._in_force.publish(closed_edges_message(self._closures))
+
+    def report(self, status: DiagnosticStatusWrapper) -> None:
+        """For /diagnostics."""
+        status.summary(DiagnosticStatus.OK, _listed(self.edges))
+
+    def _on_command(self, message: EdgeCommand) -> None:
+        sender = str(message._connection_header['callerid'])
+        by = message.requested_by[:_NAME] or sender
+        try:
+            operation = edge_operation(message, sender)
+        except WrongCommand as error:
+            rospy.logwarn('%s It came from %r.', error, by)
+            return
+        closes = operation.action is EdgeAction.CLOSE
+        try:
+            with self._lock:
+                unknown = self._closures.apply(operation, rospy.Time.now().to_nsec(),
+                                               self._known())
+                self.publish()
+        except Repeated:
+            rospy.loginfo('A message of %r came once more; it was carried out before.', by)
+            return
+        except OSError as error:
+            _log_full(error)
+            return
+        rospy.loginfo('%r %s edges: %s.', by, 'closes' if closes else 'opens',
+                      _listed(operation.edges - unknown))
+        self._conclude(unknown, 'closed' if closes else 'opened')
+
+    def _on_list(self, message: ClosedEdges) -> None:
+        stamp = message.header.stamp
+        try:
+            with self._lock:
+                unknown = self._closures.take(message.edges, stamp.to_nsec(),
+                                              rospy.Time.now().to_nsec(), self._known())
+                self.publish()
+        except OutOfDate as late:  # also a latched message of a publisher that joined anew
+            rospy.logwarn('A list of closed edges of %.3f s is not used: it is not from after the '
+                          'last change, of %.3f s. Use /edge_command, which counts whatever its '
+                          'stamp.', stamp.to_sec(), late.stamp / 1e9)
+            return
+        except OSError as error:
+            _log_full(error)
+            return
+        self._conclude(unknown, 'closed')
+
+    def _conclude(self, unknown: FrozenSet[int], what: str) -> None:
+        rospy.loginfo('Closed edges: %s.', _listed(self.edges))
+        if unknown:
+            rospy.logwarn('Edges %s are to be %s, but the graph does not have them.',
+                          _listed(unknown), what)
+        self._changed()
+
+
+def _log_full(error: OSError) -> None:
+    rospy.logerr('Closed edges cannot be kept, so nothing is changed: %s', error)
+
+
+def _listed(edges: FrozenSet[int]) -> str:
+    return ', '.join(map(str, sorted(edges))) or 'none'
