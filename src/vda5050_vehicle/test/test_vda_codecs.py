@@ -203,6 +203,12 @@ def test_a_heading_of_pi_stays_within_pi_on_the_wire(codec, theta):
     assert math.copysign(1.0, position['theta']) == math.copysign(1.0, theta)
 
 
+@pytest.mark.parametrize('version', ['2.1.0', '2.0.0', '2.0', '2', 'v2'])
+def test_the_version_is_read_in_the_spellings_of_masters(version):
+    header, _ = VERSION_2_1.read('order', payload(way(8, 10).order('o'), version=version))
+    assert header.version == version
+
+
 @pytest.mark.parametrize('written, read', [
     (3.141593, math.pi), (-3.141593, -math.pi), (3.1416, math.pi), (3.142, math.pi), (3.0, 3.0)])
 def test_pi_is_read_with_the_rounding_of_its_writer(written, read):
@@ -226,6 +232,13 @@ def test_every_action_of_the_table_is_in_the_factsheet():
         vehicle_document(), Lab().vehicle.table)['protocolFeatures']['agvActions']}
     assert told >= set(table().specs) | {'cancelOrder', 'startPause', 'stopPause', 'initPosition',
                                          'stateRequest', 'factsheetRequest', 'logReport'}
+
+
+def test_the_factsheet_leaves_out_what_is_refused():
+    told = {found['parameter'] for found in sheet.factsheet(
+        vehicle_document(), Lab().vehicle.table)['protocolFeatures']['optionalParameters']}
+    assert 'order.nodes.nodePosition' in told
+    assert not told & {'order.edges.maxSpeed', 'order.edges.corridor'}
 
 
 def order_of_3(**position):

@@ -5,6 +5,7 @@ import pytest
 from vda_builders import DRIVING, STANDING, Lab, say, way
 
 from trajectory_graph.route_protocol import Reason, reason_of
+from vda5050_vehicle.core.robot_view import RobotView, silence
 from vda5050_vehicle.drivers.driver import Pose
 from vda5050_vehicle.drivers.route_driver import PATIENCE
 from vda5050_vehicle.protocol.values import EStop
@@ -36,7 +37,7 @@ def test_a_failed_route_holds_the_vehicle_and_keeps_its_order(reason):
     assert (error['errorType'], error['errorLevel']) == ('driveError', 'FATAL')
     assert error['errorDescription'] == reason
     assert lab.nodes == ['12', '14', '32']
-    assert lab.state['paused']
+    assert not lab.state['paused'], 'nobody paused it'
     routes = len(lab.robot.routes)
     lab.wait(60.0)
     assert len(lab.robot.routes) == routes, 'a motion was repeated by itself'
@@ -98,6 +99,33 @@ def test_a_robot_that_is_lost_has_no_pose_and_is_said_to_be():
     assert 'noRouteError' in lab.errors, 'nobody knows where an order would begin'
     lab.see(pose=Pose(-12.0, 0.0, 0.0), velocity=STANDING, lost='')
     assert lab.errors == ['noRouteError']
+
+
+def test_a_robot_that_was_not_heard_yet_is_no_failure_but_does_not_drive_on():
+    """Masters fail a mission on any FATAL, and every start would have one."""
+    lab = Lab()
+    lab.vehicle.connected(lab.now)
+    lab.see(**RobotView().__dict__)
+    assert lab.errors == []
+    assert lab.status(lab.act('stopPause')) == 'FAILED'
+
+
+@pytest.mark.parametrize('heard_at, now, words', [
+    (None, 102.9, ''), (None, 103.1, 'yet'), (101.0, 103.5, ''), (101.0, 104.1, 'for 3 s')])
+def test_a_robot_is_lost_once_it_was_silent_for_its_time(heard_at, now, words):
+    text = silence(heard_at, since=100.0, now=now, timeout=3.0)
+    assert bool(text) == bool(words)
+    assert words in text
+
+
+@pytest.mark.parametrize('changes', [
+    {'e_stop': EStop.MANUAL}, {'lost': 'silent', 'pose': None}, {'localized': False}])
+def test_an_error_of_the_robot_is_told_as_none_of_an_order(changes):
+    """vda-5050-lib takes an error without references for a rejection of its last order."""
+    lab = Lab()
+    lab.see(**changes)
+    assert lab.state['errors'][0]['errorReferences'] == [
+        {'referenceKey': 'topic', 'referenceValue': 'state'}]
 
 
 def test_a_robot_that_does_not_know_where_it_is():

@@ -70,6 +70,16 @@ def test_a_heading_on_the_way_is_taken(lab):
     assert len(lab.goals) == 2
 
 
+def test_the_heading_of_the_first_node_is_refused_where_the_robot_has_another(lab):
+    order = HALL.order('o')
+    order['nodes'][0]['nodePosition']['theta'] = 1.0
+    lab.order(order)
+    assert (lab.errors, lab.goals) == (['orderError'], [])
+    order['nodes'][0]['nodePosition']['theta'] = 0.0
+    lab.order(order)
+    assert lab.errors == []
+
+
 def test_the_base_grows_and_the_horizon_is_not_driven(lab):
     lab.order(HALL.order('o', base=2))
     lab.at(*PLACES[1])

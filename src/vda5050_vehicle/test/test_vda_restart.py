@@ -66,7 +66,8 @@ def test_started_actions_have_failed_and_are_never_run_again():
     assert (lab.status('a'), lab.status('b'), lab.status('instant')) == (
         'FAILED', 'WAITING', 'FAILED')
     assert lab.started == []
-    assert lab.state['paused'], 'the robot was to stand for it: a master decides'
+    assert not lab.robot.routes, 'the robot was to stand for it: a master decides'
+    assert lab.errors == ['actionError']
     lab.act('stopPause')
     assert lab.robot.route == (1,)
 
@@ -133,7 +134,7 @@ def test_a_failure_is_not_forgotten():
     lab.wait(5.0)
     assert lab.errors == ['driveError']
     assert lab.state['errors'][0]['errorDescription'] == 'emergency stop'
-    assert lab.state['paused']
+    assert not lab.state['paused'], 'nobody paused it'
 
 
 def test_a_stop_that_was_owed_is_given():

@@ -170,7 +170,8 @@ def test_a_start_within_the_ellipse_is_near_and_one_beside_it_is_not(lab):
     (HALL.order('o', 0), ('OUTDATED_ORDER_UPDATE', 'WARNING')),
     (HALL.order('o', 1, base=2), ('SAME_ORDER_UPDATE_ID', 'WARNING'))])
 def test_errors_have_the_names_of_3_0_under_way(lab, order, error):
-    lab.order(HALL.order('o', 1, base=3))
+    lab.order(HALL.order('o', base=2))
+    lab.order(HALL.part(1).order('o', 1, base=2, first_sequence=2))
     lab.order(order)
     assert told(lab) == [error]
 
@@ -199,6 +200,44 @@ def with_edge(**fields):
 def test_errors_have_the_names_of_3_0_before_an_order(lab, order, error):
     lab.order(order)
     assert told(lab) == [error]
+
+
+def test_a_new_order_begins_with_update_0(lab):
+    lab.order(HALL.order('o', 5))
+    assert told(lab) == [('INVALID_ORDER', 'WARNING')]
+    lab.order(HALL.order('o'))
+    assert lab.errors == []
+
+
+def test_a_copy_of_a_cancelled_order_is_an_update_of_it(lab):
+    lab.order(HALL.order('o', base=3))
+    lab.act('cancelOrder')
+    lab.settle()
+    lab.order(HALL.order('o', base=3))
+    assert told(lab) == [('ORDER_UPDATE_FOLLOWING_CANCEL', 'WARNING')]
+
+
+def test_a_refused_instant_action_is_told_until_one_is_taken_and_not_until_an_order_is(lab):
+    lab.act('fly')
+    lab.order(HALL.order('o'))
+    assert told(lab) == [('INVALID_INSTANT_ACTION', 'WARNING')]
+    lab.act('stateRequest')
+    assert lab.errors == []
+
+
+def test_an_order_is_taken_beside_an_instant_action_that_does_not_move_the_robot(lab):
+    lab.act('say', 'a', **SAY)
+    lab.order(HALL.order('o'))
+    assert lab.errors == []
+
+
+@pytest.mark.parametrize('kind, parameters', [
+    ('startCharging', {}), ('initPosition', {'x': 1.0, 'y': 2.0, 'theta': 0.0, 'mapId': 'map'})])
+def test_no_order_is_taken_while_an_instant_action_moves_the_robot(lab, kind, parameters):
+    lab.act(kind, 'a', **parameters)
+    assert lab.status('a') == 'RUNNING'
+    lab.order(HALL.order('o'))
+    assert told(lab) == [('OTHER_ORDER_ACTIVE', 'WARNING')]
 
 
 def test_the_same_update_again_is_ignored(lab):

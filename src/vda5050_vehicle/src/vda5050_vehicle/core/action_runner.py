@@ -76,18 +76,19 @@ class ActionRunner:
             return
         vehicle.actions.update(action_id, status, text)
         vehicle.note(f'action {action_id}, {entry.action.action_type}: {status.value} {text}')
-        spec = vehicle.table.specs.get(entry.action.action_type)
-        if spec is not None and spec.moves:
+        if vehicle.table.moves(entry.action):
             vehicle.look_where_it_is()
         if status is ActionStatus.FAILED and entry.belongs_to_order and not vehicle.cancelling:
             self._tell_of_failure(entry, text)
 
     def _tell_of_failure(self, entry: Entry, text: str) -> None:
         action, vehicle = entry.action, self._vehicle
-        reference = Reference('actionId', action.action_id)
+        references = (Reference('topic', 'order'), Reference('orderId', vehicle.order.order_id),
+                      Reference('orderUpdateId', str(vehicle.order.order_update_id)),
+                      Reference('actionId', action.action_id))
         description = f'action {action.action_type}: {text}'
         if action.blocking_type.forbids_driving:
             vehicle.holds.add(Hold.FAILURE)
-            vehicle.errors.fail(Cause.ACTION, e.ACTION_ERROR.error(description, reference))
+            vehicle.errors.fail(Cause.ACTION, e.ACTION_ERROR.error(description, *references))
         else:
-            vehicle.errors.reject(e.ACTION_WARNING.error(description, reference))
+            vehicle.errors.reject(e.ACTION_WARNING.error(description, *references))

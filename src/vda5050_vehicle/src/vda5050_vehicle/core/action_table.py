@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 import string
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Dict, FrozenSet, Mapping, Optional, Tuple
 
 from vda5050_vehicle.protocol.action_queue import Scope
@@ -86,7 +86,8 @@ class Call:
 class ActionSpec:
     """A line of the table; without `call` the vehicle does it by itself.
 
-    moves       -- the robot moves for it, so no order may be under way
+    moves       -- the robot is elsewhere after it, so no order may be under way
+    executed_as -- how it blocks, whatever of `blocking` it comes with; None: as it comes
     cancellable -- cancelOrder ends it
     """
 
@@ -97,6 +98,7 @@ class ActionSpec:
     parameters: Tuple[Parameter, ...] = ()
     cancellable: bool = True
     moves: bool = False
+    executed_as: Optional[BlockingType] = None
     result: str = ''
     call: Optional[Call] = field(default=None, compare=False)
 
@@ -138,6 +140,18 @@ class ActionTable:
         spec.check(action, scope)
         return spec
 
+    def as_executed(self, action: Action) -> Action:
+        """The action with the blocking type that it has on this robot."""
+        spec = self.specs.get(action.action_type)
+        if spec is None or spec.executed_as is None:
+            return action
+        return replace(action, blocking_type=spec.executed_as)
+
+    def moves(self, action: Action) -> bool:
+        """Whether the robot is elsewhere after it."""
+        spec = self.specs.get(action.action_type)
+        return spec is not None and spec.moves
+
 
 def read_table(document: Any) -> Tuple[ActionSpec, ...]:
     """The lines of an `actions.yaml`, as YAML reads it. Raises WrongTable."""
@@ -147,8 +161,8 @@ def read_table(document: Any) -> Tuple[ActionSpec, ...]:
     return tuple(_spec(str(name), line) for name, line in actions.items())
 
 
-_KEYS = {'description', 'scopes', 'blocking', 'parameters', 'cancellable', 'moves', 'result',
-         'server', 'type', 'goal'}
+_KEYS = {'description', 'scopes', 'blocking', 'executed_as', 'parameters', 'cancellable',
+         'moves', 'result', 'server', 'type', 'goal'}
 
 
 def _spec(name: str, line: Any) -> ActionSpec:
@@ -167,9 +181,13 @@ def _spec(name: str, line: Any) -> ActionSpec:
             tuple(BlockingType(kind) for kind in line.get('blocking', [k.value for k in
                                                                        BlockingType])),
             parameters, bool(line.get('cancellable', True)), bool(line.get('moves', False)),
+            BlockingType(line['executed_as']) if 'executed_as' in line else None,
             str(line.get('result', '')), call)
     except (TypeError, ValueError) as error:
         raise WrongTable(f'action {name}: {error}') from None
+    if spec.executed_as is not None and spec.executed_as not in spec.blocking:
+        raise WrongTable(f'action {name}: executed_as is {spec.executed_as.value}, which is not '
+                         'in its blocking')
     for parameter in parameters:
         if parameter.type not in _TYPES:
             raise WrongTable(f'action {name}: parameter {parameter.key} has type '

@@ -16,11 +16,10 @@ _ARRAYS = ('order.nodes', 'order.edges', 'node.actions', 'edge.actions',
 # Optional fields that are honoured, by their path in the messages.
 _SUPPORTED: Tuple[Tuple[str, str], ...] = (
     ('order.nodes.nodePosition', 'matched with the vehicle\'s places within 0.3 m'),
-    ('order.nodes.nodePosition.allowedDeviationXY', 'of the first node of a new order'),
+    ('order.nodes.nodePosition.allowedDeviationXY',
+     'of the first node of a new order; of others where the vehicle passes them so near'),
     ('order.edges.length', 'known without it'),
-    ('order.edges.maxSpeed', 'where it is no lower than speedMax'),
     ('order.edges.maxHeight', 'where the vehicle is not higher'),
-    ('order.edges.corridor', 'where it is wide enough'),
     ('state.agvPosition', ''), ('state.velocity', ''), ('state.newBaseRequest', ''),
     ('state.paused', ''), ('state.distanceSinceLastNode', ''), ('state.maps', ''))
 
@@ -49,7 +48,8 @@ def abilities(document: Mapping[str, Any], map_id: str, ignored: Tuple[str, ...]
     try:
         return Abilities(
             float(physical['speedMax']), float(more['top_rotation']), float(physical['heightMax']),
-            float(more['corridor']), map_id, frozenset(ignored))
+            float(more['corridor']), float(more.get('passing', Abilities.passing)), map_id,
+            frozenset(ignored))
     except (KeyError, TypeError, ValueError) as error:
         raise WrongVehicle(f'abilities: {error} is missing, or no number') from None
 

@@ -1,16 +1,18 @@
 """Messages of the master as they come in: read, or refused under the ids that can be read."""
 from __future__ import annotations
 
-from typing import Any, Iterator
+from typing import Any, Iterator, Mapping, Tuple
 
 from vda5050_vehicle.core.identity import Identity
 from vda5050_vehicle.protocol import problems as e
 from vda5050_vehicle.protocol.codecs import Codec
-from vda5050_vehicle.protocol.fields import TEXT, UINT, Malformed, read_json
+from vda5050_vehicle.protocol.fields import TEXT, UINT, Kind, Malformed, read_json
 from vda5050_vehicle.protocol.order_rules import check_order
 from vda5050_vehicle.protocol.values import Error, Reference
 
-MAX_ACTION_IDS = 20  # that an error refers to
+# What a master waits for. An actionId would make it an error of that action alone.
+_IDS: Mapping[str, Tuple[Tuple[str, Kind], ...]] = {
+    'order': (('orderId', TEXT), ('orderUpdateId', UINT)), 'instantActions': ()}
 
 
 class Refused(Exception):
@@ -37,25 +39,19 @@ class Inbox:
                 check_order(message)
         except Malformed as problem:
             raise Refused(e.VALIDATION_ERROR.error(
-                str(problem), Reference('topic', topic), *_ids_in(payload),
+                str(problem), Reference('topic', topic), *_ids_in(topic, payload),
                 Reference('field', problem.path))) from None
         return message
 
 
-def _ids_in(payload: bytes) -> Iterator[Reference]:
-    """Which order or actions a malformed message is about: a master waits for these ids."""
+def _ids_in(topic: str, payload: bytes) -> Iterator[Reference]:
+    """The ids of a malformed message, as far as they can be read."""
     try:
         message = read_json(payload)
     except Malformed:
         return
-    for key, kind in (('orderId', TEXT), ('orderUpdateId', UINT)):
+    for key, kind in _IDS[topic]:
         try:
             yield Reference(key, str(kind.read(message.get(key), key)))
         except Malformed:
-            continue
-    actions = message.get('actions', message.get('instantActions'))
-    for action in actions[:MAX_ACTION_IDS] if isinstance(actions, list) else ():
-        try:
-            yield Reference('actionId', TEXT.read(action['actionId'], 'actionId'))
-        except (KeyError, TypeError, Malformed):
             continue

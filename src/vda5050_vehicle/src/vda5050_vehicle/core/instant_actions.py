@@ -20,7 +20,8 @@ from vda5050_vehicle.protocol.values import Action, ActionStatus, EStop, Instant
 if TYPE_CHECKING:
     from vda5050_vehicle.core.vehicle import Vehicle
 
-INITIAL_POSE_WITHIN = (0.5, 0.3)  # m, rad: the robot takes the pose given as its own
+INITIAL_POSE_WITHIN = (0.5, 0.3)  # m, rad: as far off a robot may be that matched its surroundings
+INITIAL_POSE_SAME = (0.1, 0.1)    # m, rad: the pose told
 INITIAL_POSE_PATIENCE = 10.0      # s until it must have
 # They stop or tell; a late copy of any other one is not done again.
 STOPPING = frozenset({'cancelOrder', 'startPause'})
@@ -35,7 +36,7 @@ BUILT_IN: Tuple[ActionSpec, ...] = (
     ActionSpec('stopPause', 'Drives on after a pause or a failure.', _INSTANT),
     ActionSpec('stateRequest', 'Sends a state.', _INSTANT),
     ActionSpec('factsheetRequest', 'Sends the factsheet.', _INSTANT),
-    ActionSpec('initPosition', 'Tells the robot where it is.', _INSTANT, parameters=(
+    ActionSpec('initPosition', 'Tells the robot where it is.', _INSTANT, moves=True, parameters=(
         Parameter('x', 'NUMBER', 'm', least=-1e6, most=1e6),
         Parameter('y', 'NUMBER', 'm', least=-1e6, most=1e6),
         Parameter('theta', 'NUMBER', 'rad', least=-7.0, most=7.0),
@@ -57,10 +58,11 @@ BUILT_IN_3: Tuple[ActionSpec, ...] = (
 
 @dataclass(frozen=True)
 class _PoseWish:
-    """A pose that the robot was told."""
+    """A pose that the robot was told; `within` (m, rad) of it, the robot has taken it."""
 
     action_id: str
     pose: Pose
+    within: Tuple[float, float]
     last_node: str
     until: float
 
@@ -93,7 +95,7 @@ class InstantActionHandler:
         try:
             message: InstantActions = self._inbox.read('instantActions', payload)
         except Refused as refused:
-            vehicle.errors.reject(refused.error)
+            vehicle.errors.refuse_action(refused.error)
             return
         is_copy = payload in vehicle.received
         if not is_copy and any(action.action_type not in HARMLESS_AGAIN
@@ -102,29 +104,39 @@ class InstantActionHandler:
         self._take(message, is_copy, now)
 
     def _take(self, message: InstantActions, is_copy: bool, now: float) -> None:
-        for action in message.actions:
-            if action.action_id in self._vehicle.actions:
-                continue  # sent again: it is done once
-            self._vehicle.note(f'instant action {action.action_id}, {action.action_type}')
+        vehicle = self._vehicle
+        new = [action for action in message.actions
+               if action.action_id not in vehicle.actions]  # one that is sent again is done once
+        refused: List[Tuple[Action, WrongAction]] = []
+        for action in new:
+            vehicle.note(f'instant action {action.action_id}, {action.action_type}')
             action = self._with_blocking_type(action)
-            self._vehicle.actions.add((action,), Scope.INSTANT)
+            vehicle.actions.add((vehicle.table.as_executed(action),), Scope.INSTANT)
             try:
-                if action.action_type in STOPPING:  # never refused for a parameter too many
-                    self._handlers[action.action_type](action, now)
-                    continue
-                spec = self._vehicle.table.check(action, Scope.INSTANT)
-                if spec.moves and self._vehicle.busy:
-                    raise WrongAction('actionType', 'an order is under way')
-                if is_copy and action.action_type not in HARMLESS_AGAIN:
-                    raise WrongAction('actionId', 'this message came before, and is not done '
-                                      'again; another one has a header of its own')
-                handler = self._handlers.get(action.action_type)
-                if handler:
-                    handler(action, now)
-                else:
-                    self._vehicle.actions.trigger(action.action_id)
+                self._do(action, is_copy, now)
             except WrongAction as wrong:
-                self._fail(action, wrong)
+                refused.append((action, wrong))
+        if len(refused) < len(new):
+            vehicle.errors.instant_action_taken()
+        for action, reason in refused:
+            self._fail(action, reason)
+
+    def _do(self, action: Action, is_copy: bool, now: float) -> None:
+        """Does an action, or queues it. Raises WrongAction."""
+        handler = self._handlers.get(action.action_type)
+        if handler and action.action_type in STOPPING:  # never refused for a parameter too many
+            handler(action, now)
+            return
+        spec = self._vehicle.table.check(action, Scope.INSTANT)
+        if spec.moves and self._vehicle.busy:
+            raise WrongAction('actionType', 'an order is under way')
+        if is_copy and action.action_type not in HARMLESS_AGAIN:
+            raise WrongAction('actionId', 'this message came before, and is not done '
+                              'again; another one has a header of its own')
+        if handler:
+            handler(action, now)
+        else:
+            self._vehicle.actions.trigger(action.action_id)
 
     def _with_blocking_type(self, action: Action) -> Action:
         """In 3.0 it is always NONE; what the vehicle must not do meanwhile is in its table."""
@@ -136,7 +148,7 @@ class InstantActionHandler:
     def _fail(self, action: Action, wrong: WrongAction) -> None:
         """An action that cannot be done is told as FAILED: a master repeats what is ignored."""
         self._end(action.action_id, ActionStatus.FAILED, str(wrong))
-        self._vehicle.errors.reject(e.INSTANT_ACTION_ERROR.error(
+        self._vehicle.errors.refuse_action(e.INSTANT_ACTION_ERROR.error(
             f'action {action.action_type}: {wrong}', Reference('topic', 'instantActions'),
             Reference('actionId', action.action_id), Reference('actionParameter', wrong.key)))
 
@@ -186,8 +198,8 @@ class InstantActionHandler:
         robot = self._vehicle.robot
         if robot.e_stop is not EStop.NONE:
             raise WrongAction('eStop', 'the emergency stop is not released')
-        if robot.lost:
-            raise WrongAction('errors', robot.lost)
+        if robot.pose is None:
+            raise WrongAction('errors', robot.lost or 'nothing was heard of the robot yet')
         for action_id in self._pauses:
             self._end(action_id, ActionStatus.FAILED, 'stopPause came before the robot stood')
         self._pauses.clear()
@@ -229,15 +241,16 @@ class InstantActionHandler:
 
     def _init_position(self, action: Action, now: float) -> None:
         vehicle, arguments = self._vehicle, action.arguments
-        if not vehicle.order.is_driven:
-            raise WrongAction('actionType', 'an order is under way')
         if arguments['mapId'] != vehicle.identity.map_id:
             raise WrongAction('mapId', f'the vehicle has map {vehicle.identity.map_id!r} only')
+        pose = Pose(float(arguments['x']), float(arguments['y']), float(arguments['theta']))
+        last_node = str(arguments.get('lastNodeId', ''))
+        if last_node and not vehicle.driver.knows(last_node, pose):
+            raise WrongAction('lastNodeId', f'there is no node {last_node[:40]!r}')
         if self._wish is not None:
             self._end(self._wish.action_id, ActionStatus.FAILED, 'another initPosition came')
-        pose = Pose(float(arguments['x']), float(arguments['y']), float(arguments['theta']))
-        self._wish = _PoseWish(action.action_id, pose, str(arguments.get('lastNodeId', '')),
-                               now + INITIAL_POSE_PATIENCE)
+        self._wish = _PoseWish(action.action_id, pose, _catchment(vehicle.robot.pose, pose),
+                               last_node, now + INITIAL_POSE_PATIENCE)
         vehicle.actions.update(action.action_id, ActionStatus.RUNNING)
         vehicle.do(fx.SetPose(pose))
 
@@ -257,8 +270,8 @@ class InstantActionHandler:
             self._look_at_pose(self._wish, now)
 
     def _look_at_pose(self, wish: _PoseWish, now: float) -> None:
-        pose = self._vehicle.robot.pose
-        if pose is not None and self._vehicle.robot.localized and _is_about(pose, wish.pose):
+        robot = self._vehicle.robot
+        if robot.pose is not None and robot.localized and _is_taken(wish, robot.pose):
             self._end(wish.action_id, ActionStatus.FINISHED)
             self._vehicle.look_where_it_is()
             self._vehicle.place_at(wish.last_node)
@@ -269,7 +282,20 @@ class InstantActionHandler:
         self._wish = None
 
 
-def _is_about(pose: Pose, other: Pose) -> bool:
-    metres, radians = INITIAL_POSE_WITHIN
+def _apart(pose: Pose, other: Pose) -> Tuple[float, float]:
+    """m, rad."""
     turn = math.remainder(pose.theta - other.theta, 2.0 * math.pi)
-    return math.dist((pose.x, pose.y), (other.x, other.y)) <= metres and abs(turn) <= radians
+    return math.dist((pose.x, pose.y), (other.x, other.y)), abs(turn)
+
+
+def _catchment(before: Optional[Pose], wish: Pose) -> Tuple[float, float]:
+    """A pose has become the one told where it has lost half its distance to it, at least."""
+    if before is None:
+        return INITIAL_POSE_WITHIN
+    metres, radians = (min(most, max(same, apart / 2.0)) for most, same, apart in zip(
+        INITIAL_POSE_WITHIN, INITIAL_POSE_SAME, _apart(before, wish)))
+    return metres, radians
+
+
+def _is_taken(wish: _PoseWish, pose: Pose) -> bool:
+    return all(apart <= within for apart, within in zip(_apart(pose, wish.pose), wish.within))

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Optional, Set
 from vda5050_vehicle.core.action_table import WrongAction
 from vda5050_vehicle.core.inbox import Inbox, Refused
 from vda5050_vehicle.drivers.driver import NotDrivable
-from vda5050_vehicle.drivers.order_fields import Abilities, check_fields
+from vda5050_vehicle.drivers.order_fields import Abilities, check_fields, check_start_heading
 from vda5050_vehicle.protocol import problems as e
 from vda5050_vehicle.protocol.acceptance import Acceptance, Held, Rejection, judge
 from vda5050_vehicle.protocol.action_queue import Scope
@@ -47,7 +47,7 @@ class OrderDesk:
         """Takes the order up, or says why not."""
         vehicle = self._vehicle
         try:
-            verdict = judge(self._held(), order, self._is_near(order))
+            verdict = judge(self._held(), order, self._is_near(order), vehicle.codec.is_3)
             if isinstance(verdict, Rejection):
                 return verdict
             if verdict is Acceptance.DUPLICATE:
@@ -58,6 +58,8 @@ class OrderDesk:
                                   'headerId')
             self._check_actions(order, verdict)
             check_fields(order, self._abilities)
+            if verdict is Acceptance.NEW and vehicle.robot.pose is not None:
+                check_start_heading(order.nodes[0], vehicle.robot.pose, self._abilities)
             legs = vehicle.driver.plan(order.nodes, order.edges, vehicle.robot.pose)
         except NotDrivable as problem:
             return Rejection(problem.kind.error(
@@ -65,7 +67,7 @@ class OrderDesk:
         except WrongAction as wrong:
             return Rejection(e.ORDER_ACTION.error(
                 str(wrong), *e.order_references(order), Reference('field', wrong.key)))
-        vehicle.errors.accepted()
+        vehicle.errors.order_taken(with_instant_actions=not vehicle.codec.is_3)
         vehicle.received.add(payload)
         self._taken = order
         if verdict is Acceptance.NEW:
@@ -87,8 +89,13 @@ class OrderDesk:
     def _held(self) -> Held:
         vehicle = self._vehicle
         order = vehicle.order
+        instant = [entry.action for entry in vehicle.actions.entries
+                   if not entry.belongs_to_order and not entry.status.has_ended]
+        moving = [action for action in instant if vehicle.table.moves(action)]
         return Held(order.order_id, order.order_update_id, vehicle.busy,
-                    order.cancelled or vehicle.cancelling, order.decision_point, order.last_node)
+                    order.cancelled or vehicle.cancelling, order.decision_point, order.last_node,
+                    instant[0].action_id if instant and not vehicle.codec.is_3 else '',
+                    moving[0].action_id if moving else '')
 
     def _is_near(self, order: Order) -> bool:
         """Question 4; asked of a new order to an idle vehicle only. Raises NotDrivable."""
@@ -139,10 +146,10 @@ class OrderDesk:
 
     def _add_actions(self, order: Order, first_node: int) -> None:
         """In driving order: node, edge, node ..."""
-        actions = self._vehicle.actions
+        actions, as_executed = self._vehicle.actions, self._vehicle.table.as_executed
         for index, node in enumerate(order.nodes):
             if index >= first_node:
-                actions.add(node.actions, Scope.NODE, node.sequence_id)
+                actions.add(map(as_executed, node.actions), Scope.NODE, node.sequence_id)
             if index < len(order.edges):
                 edge = order.edges[index]
-                actions.add(edge.actions, Scope.EDGE, edge.sequence_id)
+                actions.add(map(as_executed, edge.actions), Scope.EDGE, edge.sequence_id)

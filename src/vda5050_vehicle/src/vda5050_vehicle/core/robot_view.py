@@ -15,7 +15,7 @@ STANDING_ROTATION = 0.03  # rad/s
 class RobotView:
     """Nothing here is older than its limit: what is not known is None.
 
-    lost -- why nothing is heard of the robot; empty: it is heard
+    lost -- why nothing is heard of the robot; empty: it is heard, or its time is not over
     """
 
     pose: Optional[Pose] = None
@@ -25,7 +25,7 @@ class RobotView:
     battery: BatteryState = BatteryState(0.0, False)
     e_stop: EStop = EStop.NONE
     field_violation: bool = False
-    lost: str = 'nothing was heard of the robot yet'
+    lost: str = ''
 
     @property
     def moves(self) -> bool:
@@ -34,3 +34,14 @@ class RobotView:
         return speed is not None and (
             max(abs(speed.vx), abs(speed.vy)) > STANDING_SPEED
             or abs(speed.omega) > STANDING_ROTATION)
+
+
+def silence(heard_at: Optional[float], since: float, now: float, timeout: float) -> str:
+    """Why the robot counts as lost; empty while its time is not over.
+
+    `heard_at` is when its last pose came, `since` when we began to listen.
+    """
+    if now - (since if heard_at is None else heard_at) <= timeout:
+        return ''
+    return ('nothing was heard of where the robot is '
+            + ('yet' if heard_at is None else f'for {timeout:g} s'))

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Optional, Tuple
 
+from vda5050_vehicle.core.error_list import Hold
 from vda5050_vehicle.protocol import problems as e
 from vda5050_vehicle.protocol import values as v
 
@@ -25,7 +26,8 @@ def state_of(vehicle: Vehicle) -> v.State:
         order.order_id, order.order_update_id, last_node, last_sequence, order.node_states,
         order.edge_states, vehicle.actions.states, driving=moves, battery=robot.battery,
         operating_mode=v.OperatingMode.AUTOMATIC, errors=_errors(vehicle),
-        safety=v.SafetyState(robot.e_stop, robot.field_violation), paused=bool(vehicle.holds),
+        safety=v.SafetyState(robot.e_stop, robot.field_violation),
+        paused=Hold.PAUSE in vehicle.holds,
         new_base_request=_wants_base(vehicle), distance_since_last_node=round(progress.along, 3),
         position=position_of(vehicle), velocity=robot.velocity,
         maps=(v.MapInformation(vehicle.identity.map_id, vehicle.identity.map_version),))
@@ -43,7 +45,8 @@ def position_of(vehicle: Vehicle) -> Optional[v.AgvPosition]:
 def _errors(vehicle: Vehicle) -> Tuple[v.Error, ...]:
     errors = vehicle.errors.all(vehicle.robot)
     if vehicle.codec.is_3 and vehicle.actions.is_full:
-        errors += (e.INSTANT_ACTIONS_FULL.error('the oldest instant actions are forgotten'),)
+        errors += (e.INSTANT_ACTIONS_FULL.error(
+            'the oldest instant actions are forgotten', v.Reference('topic', 'instantActions')),)
     return errors
 
 

@@ -117,7 +117,8 @@ class Vehicle:
         self.driver.know_legs(self.order.passed, self.legs)
         if Hold.FAILURE in self.holds:
             self.errors.fail(Cause.DRIVE, e.RESTARTED.error(
-                kept.failure or 'the adapter was restarted while the vehicle was held'))
+                kept.failure or 'the adapter was restarted while the vehicle was held',
+                v.Reference('orderId', self.order.order_id)))
         for entry in self.actions.entries:
             was_started = entry.is_active or entry.status is v.ActionStatus.INITIALIZING
             if was_started or (not entry.belongs_to_order and not entry.status.has_ended):

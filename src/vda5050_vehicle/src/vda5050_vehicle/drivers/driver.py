@@ -92,6 +92,10 @@ class Driver(ABC):
         """Id of the node on which the robot stands; empty: none that is known."""
 
     @abstractmethod
+    def knows(self, node_id: str, pose: Pose) -> bool:
+        """Whether there is a node of this name, or one at `pose` that a master may call so."""
+
+    @abstractmethod
     def begin(self) -> None:
         """A new order: its legs are numbered from 0."""
 

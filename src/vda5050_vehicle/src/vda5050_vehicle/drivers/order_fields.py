@@ -13,12 +13,15 @@ from vda5050_vehicle.drivers.driver import NotDrivable, Pose
 from vda5050_vehicle.protocol import problems as e
 from vda5050_vehicle.protocol.values import Edge, Node, NodePosition, Order
 
+HEADING_TOLERANCE = 0.1  # rad: a heading without a deviation of its own is met within this
+
 
 @dataclass(frozen=True)
 class Abilities:
     """What the robot does by itself: m/s, rad/s, m.
 
     corridor -- half the width that it may need on an edge
+    passing  -- a vertex of a route is passed within this
     map_id   -- the only map that it knows; empty: whatever the master calls it
     ignored  -- fields that a site chose to ignore, by their keys
     """
@@ -27,6 +30,7 @@ class Abilities:
     top_rotation: float = math.pi
     height: float = 0.4
     corridor: float = 0.45
+    passing: float = 0.3
     map_id: str = ''
     ignored: FrozenSet[str] = frozenset()
 
@@ -51,7 +55,7 @@ EDGE_RULES: Dict[str, _Rule] = {
     'corridor': lambda edge, can: edge.corridor is None or not edge.corridor.release_required
     and min(edge.corridor.left_width, edge.corridor.right_width) >= can.corridor,
 }
-FIELDS = frozenset(EDGE_RULES) | {'zoneSetId', 'theta', 'mapId'}
+FIELDS = frozenset(EDGE_RULES) | {'zoneSetId', 'theta', 'mapId', 'allowedDeviationXY'}
 
 
 def check_fields(order: Order, can: Abilities) -> None:
@@ -80,6 +84,39 @@ def check_headings(nodes: Sequence[Node], can: Abilities,
         if index >= first and heading_of(node, can) is not None and not can_turn(index, node):
             raise _unsupported(f'nodes[{index}].nodePosition.theta',
                                f'node {node.node_id!r}: the vehicle cannot take a heading there')
+
+
+def check_start_heading(node: Node, pose: Pose, can: Abilities) -> None:
+    """Raises NotDrivable where an order begins with a heading that the robot has not."""
+    wanted = heading_of(node, can)
+    if wanted is not None and not has_heading(node, wanted, pose.theta):
+        raise _unsupported('nodes[0].nodePosition.theta',
+                           f'node {node.node_id!r}: the vehicle does not turn before it drives, '
+                           f'and has heading {pose.theta:.2f}')
+
+
+def check_deviations(nodes: Sequence[Node], place: Callable[[Node], Tuple[float, float]],
+                     can: Abilities) -> None:
+    """Raises NotDrivable at the first node, from the second on, that asks to be passed nearer than
+    the robot passes its `place`. A deviation of 0 means the vehicle's own."""
+    if 'allowedDeviationXY' in can.ignored:
+        return
+    for index, node in enumerate(nodes):
+        deviation = node.position.allowed_deviation_xy if node.position else None
+        if index == 0 or node.position is None or deviation is None or deviation.radius <= 0.0:
+            continue
+        needed = can.passing + math.dist(place(node), (node.position.x, node.position.y))
+        if deviation.radius < needed - 1e-6:
+            raise _unsupported(f'nodes[{index}].nodePosition.allowedDeviationXY',
+                               f'node {node.node_id!r}: the vehicle passes it within '
+                               f'{needed:.2f} m')
+
+
+def has_heading(node: Node, wanted: float, heading: float) -> bool:
+    """Whether `heading` is the one wanted at a node, within its deviation."""
+    deviation = node.position.allowed_deviation_theta if node.position else None
+    return abs(math.remainder(heading - wanted, 2.0 * math.pi)) <= max(
+        deviation or 0.0, HEADING_TOLERANCE)
 
 
 def heading_of(node: Node, can: Abilities) -> Optional[float]:

@@ -70,6 +70,10 @@ class OrderGraph:
         vertex = self._nearest(pose.x, pose.y)
         return '' if vertex is None else str(vertex.id)
 
+    def knows(self, name: str) -> bool:
+        """Whether a vertex has this id or label."""
+        return name in self._by_name
+
     def legs(self, nodes: Sequence[Node], edges: Sequence[Edge]) -> Tuple[Leg, ...]:
         """The edges to drive. Raises NotDrivable."""
         legs = []

@@ -12,7 +12,14 @@ from typing import Any, Dict, Optional, Sequence, Tuple
 from trajectory_graph import Graph
 from trajectory_graph.route_protocol import EdgeState, Reason
 from vda5050_vehicle.drivers.driver import Driver, Leg, Pose, Progress
-from vda5050_vehicle.drivers.order_fields import Abilities, check_headings, heading_of, is_within
+from vda5050_vehicle.drivers.order_fields import (
+    Abilities,
+    check_deviations,
+    check_headings,
+    has_heading,
+    heading_of,
+    is_within,
+)
 from vda5050_vehicle.drivers.order_graph import Matching, OrderGraph
 from vda5050_vehicle.drivers.route_messages import (
     RouteCommand,
@@ -57,7 +64,9 @@ class RouteDriver(Driver):
              ) -> Tuple[Leg, ...]:
         """See Driver."""
         check_headings(nodes, self._abilities, self._turns_there)
-        return self._graph.legs(nodes, edges)
+        legs = self._graph.legs(nodes, edges)
+        check_deviations(nodes, self._graph.place, self._abilities)
+        return legs
 
     def _turns_there(self, _: int, node: Node) -> bool:
         """An end vertex has a heading; a robot that may not turn elsewhere takes it there."""
@@ -67,10 +76,7 @@ class RouteDriver(Driver):
         signed = self._graph.graph.edges_from(vertex.id)[0]
         taken = vertex.theta if signed > 0 else vertex.theta + math.pi
         wanted = heading_of(node, self._abilities)
-        if node.position is None or wanted is None:
-            return True
-        allowed = max(node.position.allowed_deviation_theta or 0.0, 0.05)
-        return abs(math.remainder(taken - wanted, 2.0 * math.pi)) <= allowed
+        return wanted is None or has_heading(node, wanted, taken)
 
     def is_at(self, node: Node, pose: Pose) -> bool:
         """See Driver."""
@@ -79,6 +85,10 @@ class RouteDriver(Driver):
     def node_at(self, pose: Pose) -> str:
         """See Driver."""
         return self._graph.node_at(pose)
+
+    def knows(self, node_id: str, pose: Pose) -> bool:
+        """See Driver."""
+        return self._graph.knows(node_id) or bool(self._graph.node_at(pose))
 
     # --- driving ----------------------------------------------------------------------------------
 

@@ -21,7 +21,7 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState as BatteryMessage
 
 from node_lifecycle import ConfigurationError
-from vda5050_vehicle.core.robot_view import RobotView
+from vda5050_vehicle.core.robot_view import RobotView, silence
 from vda5050_vehicle.drivers.driver import Pose
 from vda5050_vehicle.nodes.headings import heading
 from vda5050_vehicle.protocol.values import BatteryState, EStop, Velocity
@@ -88,6 +88,7 @@ class RobotWatch:
         self._on_change = on_change
         self._lock = threading.Lock()
         self._heard: Dict[str, _Heard] = {}
+        self._since = time.monotonic()
         if tf_base:
             self._follow_tf(tf_base)
         else:
@@ -105,20 +106,15 @@ class RobotWatch:
         """What is known now, less what is too old."""
         with self._lock:
             heard = dict(self._heard)
-        oldest = time.monotonic() - self._timeout
+        now = time.monotonic()
 
         def fresh(name: str, otherwise: Any = None) -> Any:
             item = heard.get(name)
-            return otherwise if item is None or item.at < oldest else item.value
+            return (otherwise if item is None or now - item.at > self._timeout
+                    else item.value)
 
         battery = heard.get('battery')
-        score = fresh('localization_score')
-        if fresh('pose') is not None:
-            lost = ''
-        elif 'pose' in heard:
-            lost = f'nothing was heard of where the robot is for {self._timeout:g} s'
-        else:
-            lost = 'nothing was heard of where the robot is yet'
+        score, pose = fresh('localization_score'), heard.get('pose')
         return RobotView(
             pose=fresh('pose'), velocity=fresh('velocity'),
             localization_score=score if score is not None and 0.0 <= score <= 1.0 else None,
@@ -127,7 +123,8 @@ class RobotWatch:
             # An emergency stop that was told holds until the robot tells otherwise.
             e_stop=EStop.MANUAL if heard.get('emergency_stop', _Heard(False, 0.0)).value
             else EStop.NONE,
-            field_violation=bool(fresh('field_violation', False)), lost=lost)
+            field_violation=bool(fresh('field_violation', False)),
+            lost=silence(pose.at if pose else None, self._since, now, self._timeout))
 
     def _hear(self, name: str, value: Any) -> None:
         with self._lock:

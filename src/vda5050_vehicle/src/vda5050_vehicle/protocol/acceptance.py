@@ -1,6 +1,6 @@
-"""Whether an order is taken up: figure 8 of VDA 5050 2.1.0 as a pure function.
+"""Whether an order is taken up: figure 8 of VDA 5050 2.1.0 and 3.0.0 as a pure function.
 
-Question 1, whether the order is valid, is `order_rules`.
+Question 1, whether the order is valid, is `order_rules`. The numbers are those of 2.1.0.
 """
 from __future__ import annotations
 
@@ -37,7 +37,9 @@ Verdict = Union[Acceptance, Rejection]
 class Held:
     """What the vehicle holds when an order comes.
 
-    busy            -- node states are left, or actions that have not ended
+    busy            -- node states are left, or actions of the order that have not ended
+    acting          -- an instant action that has not ended; empty in 3.0, where they do not count
+    moving          -- one that takes the robot to another place
     cancelled       -- the order was cancelled, or is being so
     decision_point  -- last node of the base
     last_node       -- the last one that was passed
@@ -49,19 +51,28 @@ class Held:
     cancelled: bool = False
     decision_point: Place = ('', 0)
     last_node: Place = ('', 0)
+    acting: str = ''
+    moving: str = ''
 
 
-def judge(held: Held, order: Order, start_is_near: bool) -> Verdict:
+def judge(held: Held, order: Order, start_is_near: bool, is_3: bool = False) -> Verdict:
     """The verdict on a valid order; `start_is_near` answers question 4 of the figure."""
     if order.order_id != held.order_id:                                       # question 2
-        return _judge_new(held, order, start_is_near)
-    return _judge_update(held, order)
+        return _judge_new(held, order, start_is_near, is_3)
+    return _judge_update(held, order, is_3)
 
 
-def _judge_new(held: Held, order: Order, start_is_near: bool) -> Verdict:
+def _judge_new(held: Held, order: Order, start_is_near: bool, is_3: bool) -> Verdict:
     if held.busy:                                                             # question 3
         return _reject(e.OTHER_ORDER, order,
                        f'order {held.order_id!r} is still under way; cancel it first')
+    under_way = held.moving or held.acting
+    if under_way:
+        return _reject(e.OTHER_ORDER, order,
+                       f'the instant action {under_way!r} has not ended; wait for its end')
+    if is_3 and order.order_update_id != 0:                                   # question 4 of 3.0.0
+        return _reject(e.ORDER_ERROR, order,
+                       f'a new order has orderUpdateId 0, not {order.order_update_id}')
     if not start_is_near:                                                     # question 4
         return _reject(e.START_TOO_FAR, order,
                        f'the vehicle is not within the deviation of the first node, '
@@ -70,16 +81,21 @@ def _judge_new(held: Held, order: Order, start_is_near: bool) -> Verdict:
     return Acceptance.NEW
 
 
-def _judge_update(held: Held, order: Order) -> Verdict:
+def _judge_update(held: Held, order: Order, is_3: bool) -> Verdict:
     if order.order_update_id < held.order_update_id:                          # question 5
         return _reject(e.OLD_UPDATE, order,
                        f'orderUpdateId {order.order_update_id} is older than '
                        f'{held.order_update_id}, which the vehicle has')
-    if order.order_update_id == held.order_update_id:                         # question 6
-        return Acceptance.DUPLICATE
-    if held.cancelled:
-        # Not in the figure of 2.1.0; in that of 3.0.0.
+    is_copy = order.order_update_id == held.order_update_id                   # question 6
+    if held.cancelled and (is_3 or not is_copy):
+        # Not in the figure of 2.1.0; question 7 of 3.0.0, before that for a copy.
         return _reject(e.UPDATE_AFTER_CANCEL, order, 'the order was cancelled; send another one')
+    if is_copy:
+        return Acceptance.DUPLICATE
+    if held.moving:
+        return _reject(e.WRONG_UPDATE, order,
+                       f'the instant action {held.moving!r} takes the vehicle away from its last '
+                       'node; wait for its end')
     expected = held.decision_point if held.busy else held.last_node           # questions 3, 7, 8
     first = (order.nodes[0].node_id, order.nodes[0].sequence_id)
     if first != expected:

@@ -249,7 +249,7 @@ class Codec:
         """Header and message in a payload; raises Malformed."""
         json_object = read_json(payload)
         header = HEADER.read(json_object, '')
-        if header.version.split('.')[0] != self.version.split('.')[0]:
+        if header.version.lstrip('v').split('.')[0] != self.version.split('.')[0]:
             raise Malformed('version', f'is {header.version[:20]!r}, but this vehicle speaks '
                                        f'{self.version}')
         return header, self.records[topic].read(json_object, '')
