@@ -5,6 +5,7 @@
 #   scripts/run.sh map_file:=my.map sim_speed:=2      any argument of launch/full_stack.launch
 #   scripts/run.sh sim:=false robot_ip:=10.0.0.5 password_file:=secret.txt
 #   scripts/run.sh vda5050:=true                      driven by a VDA 5050 master, over MQTT on 127.0.0.1:18830
+#                                                     (settings for masters: docs/vda5050_masters.md)
 #   scripts/run.sh sim:=false ... multimaster:=true peer:=10.0.0.9    the fleet manager is on another computer
 #   scripts/run.sh fleet:=4 longest_edge:=1.5 demo:=true    so many simulated LD-90s and AGVs, and their fleet manager
 #   scripts/run.sh fleet:=fleet.yaml                  the robots of a fleet file, real and simulated; --print shows all files
@@ -14,7 +15,7 @@ set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 if [ "${1:-}" = -h ] || [ "${1:-}" = --help ]; then
-  sed -n '2,12s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
+  sed -n '2,13s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
   echo
   echo 'Arguments of launch/full_stack.launch:'
   sed -n 's/.*<arg name="\([^"]*\)".*doc="\([^"]*\)".*/  \1:=  \2/p' "$root/launch/full_stack.launch"

@@ -132,6 +132,18 @@ class Vda5050(unittest.TestCase):
         self.assertEqual(master.ended(charge, 30)['actionStatus'], 'FINISHED', master.state)
         master.wait(lambda s: s['batteryState']['charging'], 10, 'charging')
 
+        # As openTCS has it: SOFT, at the end of an order to the dock.
+        order = track_on(self.graph, (DOCK, 8, DOCK), 'map').order('recharge')
+        order['nodes'][-1]['actions'] = [action('startCharging', 'recharge', 'SOFT')]
+        heard = master.count()
+        master.send('order', order)
+        state = master.wait(lambda s: status_of(s, 'recharge') in ('FINISHED', 'FAILED'), 120,
+                            'the end of charging by order', after=heard)
+        self.assertEqual(status_of(state, 'recharge'), 'FINISHED', state['errors'])
+        state = master.wait(lambda s: s['batteryState']['charging'], 10, 'charging')
+        self.assertEqual((state['lastNodeId'], state['nodeStates'], state['errors']),
+                         (str(DOCK), [], []))
+
     def test_4_two_masters_of_one_robot_are_refused(self) -> None:
         ended = subprocess.run(
             [str(ROOT / 'scripts' / 'run.sh'), 'vda5050:=true', 'fleet_manager:=true'],

@@ -110,6 +110,18 @@ def test_the_full_stack_has_the_arguments_of_the_contract():
     assert names >= CONTRACT
 
 
+def test_the_full_stack_hands_the_settings_of_a_vda_5050_master_on():
+    given = {'version': '2.0.0', 'interface_name': 'rmf2', 'manufacturer': 'ACME',
+             'serial_number': '0042', 'map_id': '7', 'ignored_fields': 'theta,mapId'}
+    _, parameters = expand('full_stack.launch', 'vda5050:=true', *(
+        f'vda5050_{name}:={value}' for name, value in given.items()))
+    adapter = '/omron_ld90/vda5050_vehicle/'
+    assert {name: parameters[adapter + name] for name in given} == given
+    _, by_default = expand('full_stack.launch', 'vda5050:=true', 'robot_name:=lab')
+    assert by_default['/lab/vda5050_vehicle/serial_number'] == 'lab'
+    assert by_default['/lab/vda5050_vehicle/version'] == '2.1.0'
+
+
 def test_the_full_stack_starts_the_robot_its_simulator_and_the_visualisation():
     nodes, _ = expand('full_stack.launch')
     assert set(nodes) >= {f'/omron_ld90/{name}' for name in (

@@ -5,13 +5,13 @@ done here; others are queued like the actions of an order.
 """
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Callable, Dict, FrozenSet, List, Optional, Tuple
 
 from vda5050_vehicle.core import effects as fx
 from vda5050_vehicle.core.action_table import ActionSpec, Parameter, WrongAction
 from vda5050_vehicle.core.inbox import Inbox, Refused
+from vda5050_vehicle.core.initial_pose import PoseWish
 from vda5050_vehicle.drivers.driver import Pose
 from vda5050_vehicle.protocol import problems as e
 from vda5050_vehicle.protocol.action_queue import Scope
@@ -20,9 +20,6 @@ from vda5050_vehicle.protocol.values import Action, ActionStatus, EStop, Instant
 if TYPE_CHECKING:
     from vda5050_vehicle.core.vehicle import Vehicle
 
-INITIAL_POSE_WITHIN = (0.5, 0.3)  # m, rad: as far off a robot may be that matched its surroundings
-INITIAL_POSE_SAME = (0.1, 0.1)    # m, rad: the pose told
-INITIAL_POSE_PATIENCE = 10.0      # s until it must have
 # They stop or tell; a late copy of any other one is not done again.
 STOPPING = frozenset({'cancelOrder', 'startPause'})
 HARMLESS_AGAIN = STOPPING | {'stateRequest', 'factsheetRequest', 'logReport',
@@ -56,17 +53,6 @@ BUILT_IN_3: Tuple[ActionSpec, ...] = (
 )
 
 
-@dataclass(frozen=True)
-class _PoseWish:
-    """A pose that the robot was told; `within` (m, rad) of it, the robot has taken it."""
-
-    action_id: str
-    pose: Pose
-    within: Tuple[float, float]
-    last_node: str
-    until: float
-
-
 class InstantActionHandler:
     """Takes instant actions for a vehicle, and brings those that take time to their end."""
 
@@ -75,7 +61,7 @@ class InstantActionHandler:
         self._inbox = inbox
         self._cancels: List[str] = []          # ids of cancelOrder under way
         self._pauses: List[str] = []           # and of startPause
-        self._wish: Optional[_PoseWish] = None
+        self._wish: Optional[PoseWish] = None
         self._handlers: Dict[str, Callable[[Action, float], None]] = {
             'cancelOrder': self._cancel_order, 'startPause': self._start_pause,
             'stopPause': self._stop_pause, 'stateRequest': self._request_state,
@@ -241,16 +227,16 @@ class InstantActionHandler:
 
     def _init_position(self, action: Action, now: float) -> None:
         vehicle, arguments = self._vehicle, action.arguments
-        if arguments['mapId'] != vehicle.identity.map_id:
-            raise WrongAction('mapId', f'the vehicle has map {vehicle.identity.map_id!r} only')
+        map_id = vehicle.identity.map_id
+        if map_id and arguments['mapId'] != map_id:
+            raise WrongAction('mapId', f'the vehicle has map {map_id!r} only')
         pose = Pose(float(arguments['x']), float(arguments['y']), float(arguments['theta']))
         last_node = str(arguments.get('lastNodeId', ''))
         if last_node and not vehicle.driver.knows(last_node, pose):
             raise WrongAction('lastNodeId', f'there is no node {last_node[:40]!r}')
         if self._wish is not None:
             self._end(self._wish.action_id, ActionStatus.FAILED, 'another initPosition came')
-        self._wish = _PoseWish(action.action_id, pose, _catchment(vehicle.robot.pose, pose),
-                               last_node, now + INITIAL_POSE_PATIENCE)
+        self._wish = PoseWish.told(action.action_id, pose, last_node, vehicle.robot.pose, now)
         vehicle.actions.update(action.action_id, ActionStatus.RUNNING)
         vehicle.do(fx.SetPose(pose))
 
@@ -269,9 +255,8 @@ class InstantActionHandler:
         if self._wish is not None:
             self._look_at_pose(self._wish, now)
 
-    def _look_at_pose(self, wish: _PoseWish, now: float) -> None:
-        robot = self._vehicle.robot
-        if robot.pose is not None and robot.localized and _is_taken(wish, robot.pose):
+    def _look_at_pose(self, wish: PoseWish, now: float) -> None:
+        if wish.is_taken(self._vehicle.robot):
             self._end(wish.action_id, ActionStatus.FINISHED)
             self._vehicle.look_where_it_is()
             self._vehicle.place_at(wish.last_node)
@@ -280,22 +265,3 @@ class InstantActionHandler:
         else:
             return
         self._wish = None
-
-
-def _apart(pose: Pose, other: Pose) -> Tuple[float, float]:
-    """m, rad."""
-    turn = math.remainder(pose.theta - other.theta, 2.0 * math.pi)
-    return math.dist((pose.x, pose.y), (other.x, other.y)), abs(turn)
-
-
-def _catchment(before: Optional[Pose], wish: Pose) -> Tuple[float, float]:
-    """A pose has become the one told where it has lost half its distance to it, at least."""
-    if before is None:
-        return INITIAL_POSE_WITHIN
-    metres, radians = (min(most, max(same, apart / 2.0)) for most, same, apart in zip(
-        INITIAL_POSE_WITHIN, INITIAL_POSE_SAME, _apart(before, wish)))
-    return metres, radians
-
-
-def _is_taken(wish: _PoseWish, pose: Pose) -> bool:
-    return all(apart <= within for apart, within in zip(_apart(pose, wish.pose), wish.within))

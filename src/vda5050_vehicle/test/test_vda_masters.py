@@ -1,0 +1,154 @@
+"""Messages in the form of the masters of docs/vda5050_masters.md, with the settings told there."""
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import dataclass
+from typing import Any, Dict, Sequence, Tuple
+
+import pytest
+from vda_builders import ROOT, Lab, abilities, lab, say
+
+from vda5050_vehicle.protocol.codec_3 import CODECS
+
+VERTICES = (8, 10, 12, 14)
+ALL = len(VERTICES)
+
+
+@dataclass(frozen=True)
+class Master:
+    """What a master writes into every message, and what the vehicle is told to ignore."""
+
+    header: Dict[str, Any]
+    version: str
+    ignored: Tuple[str, ...] = ()
+
+    def vehicle(self) -> Lab:
+        return Lab(codec=CODECS[self.version], abilities_=abilities(*self.ignored))
+
+    def message(self, number: int, body: Dict[str, Any]) -> bytes:
+        return json.dumps({'headerId': number, **self.header, **body}).encode()
+
+
+MASTERS = {
+    'openTCS': Master({'timestamp': '2026-11-01T10:00:00.123456Z', 'version': '2.0.0',
+                       'manufacturer': 'OMRON', 'serialNumber': 'lab'}, '2.0.0', ('maxSpeed',)),
+    'Isaac Mission Dispatch': Master(
+        {'timestamp': '2026-11-01T11:00:00.123456', 'version': '2.0.0', 'manufacturer': '',
+         'serialNumber': ''}, '2.1.0', ('theta', 'mapId', 'allowedDeviationXY')),
+    'vda-5050-lib': Master({'timestamp': '2026-11-01T10:00:00.123Z', 'version': '2.1.0',
+                            'manufacturer': 'OMRON', 'serialNumber': 'lab'}, '2.1.0'),
+    'vda5050_core': Master({'timestamp': '2026-11-01T10:00:00.123Z', 'version': 'v2',
+                            'manufacturer': 'OMRON', 'serialNumber': 'lab'}, '2.1.0')}
+
+
+def elements(names: Sequence[str], first: int, released: int, node: Dict[str, Any],
+             edge: Dict[str, Any]) -> Dict[str, Any]:
+    """From vertex number `first` on; `node` and `edge` are what all nodes and edges have."""
+    places = [lab().vertex(vertex).position for vertex in VERTICES]
+    return {
+        'nodes': [{'nodeId': names[i], 'sequenceId': 2 * i, 'released': i < released, 'actions': [],
+                   'nodePosition': {'x': places[i][0], 'y': places[i][1], **node}}
+                  for i in range(first, ALL)],
+        'edges': [{'edgeId': f'{names[i]} --- {names[i + 1]}', 'sequenceId': 2 * i + 1,
+                   'released': i + 1 < released, 'startNodeId': names[i],
+                   'endNodeId': names[i + 1], 'actions': [], **edge}
+                  for i in range(first, ALL - 1)]}
+
+
+def test_opentcs_drives_step_by_step_and_charges_at_the_end():
+    """Points of its own names; each order message has one step more in its base, all with maxSpeed;
+    charging is SOFT."""
+    master = MASTERS['openTCS']
+    vehicle = master.vehicle()
+    names = [f'Point-{vertex:04}' for vertex in VERTICES]
+    for step in range(1, ALL):
+        order = {'orderId': 'TOrder-1', 'orderUpdateId': step - 1, **elements(
+            names, step - 1, step + 1, {'mapId': 'map'}, {'maxSpeed': 1.0})}
+        if step == 1:  # the deviation of the first node reaches the vehicle
+            order['nodes'][0]['nodePosition'].update(allowedDeviationXY=0.01,
+                                                     allowedDeviationTheta=0.5)
+        order['nodes'][-1]['actions'] = [{'actionType': 'startCharging', 'actionId': 'charge',
+                                          'blockingType': 'SOFT'}]
+        vehicle.receive_order(master.message(step, order))
+        assert vehicle.errors == []
+        assert (vehicle.state['orderId'], vehicle.state['orderUpdateId']) == ('TOrder-1', step - 1)
+        vehicle.drive(1)
+        assert vehicle.state['lastNodeId'] == names[step]
+    assert vehicle.started == ['charge']
+    vehicle.end_action('charge')
+    assert (vehicle.nodes, vehicle.status('charge')) == ([], 'FINISHED')
+    assert 'maps' not in vehicle.state, 'its schema of 2.0 allows no other keys'
+
+
+def test_isaac_sends_routes_from_where_the_robot_is_and_leaves_the_header_empty():
+    """Nodes of its own names, each with a heading and a deviation; the first has no map."""
+    master = MASTERS['Isaac Mission Dispatch']
+    vehicle = master.vehicle()
+    names = [f'mission-n0-s{2 * number}' for number in range(ALL)]
+    order = {'orderId': 'mission-n0', 'orderUpdateId': 0, **elements(
+        names, 0, ALL, {'theta': 0.0, 'mapId': 'map', 'mapDescription': '',
+                        'allowedDeviationXY': 0.1, 'allowedDeviationTheta': 0.0},
+        {'edgeDescription': ''})}
+    order['nodes'][0]['nodePosition'].update(mapId='', allowedDeviationXY=0.0)
+    vehicle.receive_order(master.message(1, order))
+    assert vehicle.errors == []
+    vehicle.drive(ALL - 1)
+    assert (vehicle.nodes, vehicle.state['lastNodeId']) == ([], names[-1])
+    assert all('errorDescription' in error for error in vehicle.state['errors'])
+
+
+def test_isaac_does_actions_as_orders_of_one_node():
+    master = MASTERS['Isaac Mission Dispatch']
+    vehicle = master.vehicle()
+    x, y = lab().vertex(8).position
+    action = {'actionType': 'say', 'actionId': 'mission-n0-s0-n0', 'blockingType': 'HARD',
+              'actionParameters': [{'key': 'text', 'value': 'hello'}], 'actionDescription': ''}
+    vehicle.receive_order(master.message(1, {
+        'orderId': 'mission-n0', 'orderUpdateId': 0, 'edges': [],
+        'nodes': [{'nodeId': 'mission-n0-s0', 'sequenceId': 0, 'released': True,
+                   'actions': [action], 'nodeDescription': '',
+                   'nodePosition': {'x': x, 'y': y, 'theta': 0.02, 'mapId': '',
+                                    'allowedDeviationXY': 0.0, 'allowedDeviationTheta': 0.0}}]}))
+    vehicle.end_action('mission-n0-s0-n0')
+    assert vehicle.status('mission-n0-s0-n0') == 'FINISHED'
+
+
+@pytest.mark.parametrize('name', ['vda-5050-lib', 'vda5050_core'])
+def test_an_order_of_a_library_with_the_vertices_as_nodes(name):
+    master = MASTERS[name]
+    vehicle = master.vehicle()
+    order = {'orderId': 'o', 'orderUpdateId': 0, **elements(
+        [str(vertex) for vertex in VERTICES], 0, 3, {'mapId': 'map'}, {})}
+    order['nodes'][1]['actions'] = [say('a', 'SOFT')]
+    vehicle.receive_order(master.message(1, order))
+    assert vehicle.errors == []
+    vehicle.drive(1)
+    vehicle.end_action('a')
+    vehicle.receive_instant_actions(master.message(1, {'actions': [
+        {'actionType': 'cancelOrder', 'actionId': 'c', 'blockingType': 'HARD'}]}))
+    vehicle.settle()
+    assert (vehicle.status('c'), vehicle.nodes) == ('FINISHED', [])
+
+
+def test_vda_5050_lib_finds_its_rejected_order_by_the_references():
+    """Topic, both ids, and no actionId; the version is that which it was started with."""
+    master = MASTERS['vda-5050-lib']
+    vehicle = master.vehicle()
+    vehicle.receive_order(master.message(1, {'orderId': 'o', 'orderUpdateId': 3, **elements(
+        [f'{vertex}' for vertex in VERTICES], 2, ALL, {'mapId': 'map'}, {})}))
+    error = vehicle.state['errors'][0]
+    assert {reference['referenceKey']: reference['referenceValue']
+            for reference in error['errorReferences']} == {
+        'topic': 'order', 'orderId': 'o', 'orderUpdateId': '3', 'nodeId': '12'}
+    assert vehicle.state['version'] == '2.1.0'
+
+
+@pytest.mark.parametrize('name', MASTERS)
+def test_the_page_tells_the_settings_that_are_tried_here(name):
+    page = (ROOT / 'docs' / 'vda5050_masters.md').read_text(encoding='utf-8')
+    section = page.split(f'## {name}\n')[1].split('\n## ')[0]
+    settings = dict(re.findall(r'(vda5050_\w+):=([^\s`\'"]+)', section))
+    assert settings.get('vda5050_version', '2.1.0') == MASTERS[name].version
+    assert tuple(filter(None, settings.get('vda5050_ignored_fields', '').split(','))) == (
+        MASTERS[name].ignored)
