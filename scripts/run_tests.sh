@@ -141,11 +141,12 @@ once_more_alone() {  # those that failed beside another test, which may have had
 }
 
 case "$kind" in
-  unit) unit_tests ;;
+  unit) provide_vda5050_schemas; unit_tests ;;
   python3.8) unit_tests_of_python38 ;;
   once-more) failed_once_more ;;
   system)
     case " $*" in *' multimaster'*) join_masters_for_tests ;; esac
+    case " $* " in *' vda5050 '*) provide_vda5050_schemas ;; esac
     system_tests "$@" ;;
   *) die "there are tests 'unit', 'python3.8', 'once-more' and 'system', and no '$kind'" ;;
 esac

@@ -6,7 +6,8 @@
 #   scripts/test.sh NAME...   only the system tests test/NAME.test
 #
 # Environment: LD90_REAL_MAPS, a folder with .map files of real robots; FKIE_ARCHIVE, sources of fkie multimaster (.tar.gz)
-# where GitHub cannot be reached; what lies there is tested, too. TEST_JOBS, how many tests run at a time: 2 where there
+# where GitHub cannot be reached; VDA5050_SCHEMAS, a folder with JSON schemas of further versions of VDA 5050, one folder a
+# version (2.0.0/state.schema): what lies there is tested, too. TEST_JOBS, how many tests run at a time: 2 where there
 # are two processors, else 1; of system tests, which mostly wait for robots that drive, one more.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
@@ -17,7 +18,7 @@ long_only=" fleet_rviz rviz_two_robots multimaster_breaks "
 system_tests=()
 for arg in "$@"; do
   case "$arg" in
-    -h | --help) sed -n '2,10s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -h | --help) sed -n '2,11s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     --long) export LD90_LONG_TESTS=1 ;;
     *) [ -f "$root/test/$arg.test" ] || die "there is no system test '$arg'; there are: $(cd "$root/test" && ls ./*.test | sed 's/.*\///; s/\.test$//' | paste -sd' ')"
        system_tests+=("$arg") ;;
@@ -71,6 +72,7 @@ lint() {
 
 export TEST_JOBS="${TEST_JOBS:-$(($(nproc) < 2 ? 1 : 2))}"
 if [ ${#system_tests[@]} = 0 ]; then
+  provide_vda5050_schemas  # before those that run beside each other
   # Lint and Python 3.8 take what the unit tests leave: those often wait for sockets and robots.
   { lint; scripts/run_tests.sh "$results" python3.8; } >"$results/beside.log" 2>&1 &
   trap "pkill -P $! || true" EXIT

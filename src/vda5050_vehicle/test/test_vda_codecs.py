@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from jsonschema import Draft7Validator
-from vda_builders import IDENTITY, Lab, payload, say, table, vehicle_document, way
+from vda_builders import IDENTITY, ROOT, Lab, payload, say, table, vehicle_document, way
 
 from vda5050_vehicle.core import factsheet as sheet
 from vda5050_vehicle.protocol import codecs
@@ -30,17 +30,16 @@ from vda5050_vehicle.protocol.values import (
     Visualization,
 )
 
-SCHEMAS = Path(__file__).parent / 'schemas'
+# scripts/test.sh has those of 2.1.0 from PyPI; VDA5050_SCHEMAS names a folder with others.
+SCHEMAS = (ROOT / 'build' / 'vda5050_schemas', Path(os.environ.get('VDA5050_SCHEMAS', '/nowhere')))
 
 
 def validator(version: str, topic: str) -> Optional[Draft7Validator]:
     """Of a topic's messages; None where the version has no schema for it."""
-    folder = SCHEMAS / version
-    if not folder.is_dir():
-        elsewhere = os.environ.get('VDA5050_SCHEMAS')
-        if not elsewhere or not (Path(elsewhere) / version).is_dir():
-            pytest.skip(f'VDA5050_SCHEMAS names no folder with schemas of {version}')
-        folder = Path(elsewhere) / version
+    folder = next((place / version for place in SCHEMAS if (place / version).is_dir()), None)
+    if folder is None:
+        pytest.skip(f'the JSON schemas of {version} are neither in {SCHEMAS[0]} (scripts/test.sh '
+                    'takes those of 2.1.0 from PyPI) nor in VDA5050_SCHEMAS')
     file = next(folder.glob(f'{topic}.*'), None)
     if file is None:
         return None
