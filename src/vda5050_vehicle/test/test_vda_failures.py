@@ -5,7 +5,7 @@ import pytest
 from vda_builders import DRIVING, STANDING, Lab, say, way
 
 from trajectory_graph.route_protocol import Reason, reason_of
-from vda5050_vehicle.core.robot_view import RobotView, silence
+from vda5050_vehicle.core.robot_view import silence
 from vda5050_vehicle.drivers.driver import Pose
 from vda5050_vehicle.drivers.route_driver import PATIENCE
 from vda5050_vehicle.protocol.values import EStop
@@ -101,13 +101,27 @@ def test_a_robot_that_is_lost_has_no_pose_and_is_said_to_be():
     assert lab.errors == ['noRouteError']
 
 
-def test_a_robot_that_was_not_heard_yet_is_no_failure_but_does_not_drive_on():
-    """Masters fail a mission on any FATAL, and every start would have one."""
-    lab = Lab()
-    lab.vehicle.connected(lab.now)
-    lab.see(**RobotView().__dict__)
-    assert lab.errors == []
-    assert lab.status(lab.act('stopPause')) == 'FAILED'
+def test_no_state_is_sent_before_the_robot_was_heard_or_is_lost():
+    """Masters fail a mission on any FATAL, and every start would have one; a state without one
+    would tell them that the vehicle takes orders."""
+    lab = Lab(at=None)
+    lab.do(lab.vehicle.connected(lab.now))
+    lab.see()
+    pause = lab.act('stopPause')
+    lab.wait(1.0)
+    assert lab.states == []
+    lab.see(lost='nothing was heard of where the robot is yet')
+    assert lab.errors == ['instantActionError', 'vehicleConnectionError']
+    assert lab.status(pause) == 'FAILED'
+
+
+def test_the_first_state_after_a_start_has_the_pose_of_the_robot():
+    lab = Lab(at=None)
+    lab.do(lab.vehicle.connected(lab.now))
+    lab.stand_at(8)
+    assert len(lab.states) == 1
+    assert (lab.state['lastNodeId'], lab.errors) == ('8', [])
+    assert 'agvPosition' in lab.state
 
 
 @pytest.mark.parametrize('heard_at, now, words', [
@@ -220,6 +234,27 @@ def test_a_vertex_passed_while_the_robot_stops_counts_as_passed():
     assert lab.state['lastNodeId'] == '12'
     lab.act('stopPause')
     assert lab.robot.route == (3, 4)
+
+
+@pytest.mark.parametrize('edge, percentage, passed', [
+    (2, 99.0, True), (-2, 1.0, True), (3, 0.5, True), (2, 60.0, False)])
+def test_a_robot_that_rolls_to_the_end_of_its_base_while_it_stops_has_driven_it(
+        edge, percentage, passed):
+    """The bridge refuses a route over an edge at whose end the robot stands."""
+    lab = Lab()
+    lab.order(HALL.order('o', base=3))
+    lab.drive(1)
+    lab.see(velocity=DRIVING)
+    lab.act('startPause')
+    report = type(lab.robot.report())
+    lab.driver.on_report(report(lab.robot.route_id, (), edge, percentage), lab.now)
+    lab.settle()
+    assert (lab.state['lastNodeId'] == '12') is passed
+    routes = len(lab.robot.routes)
+    lab.act('stopPause')
+    assert len(lab.robot.routes) == routes + (0 if passed else 1)
+    lab.order(HALL.part(2).order('o', 1, first_sequence=4))
+    assert lab.robot.route == ((3, 4) if passed else (2, 3, 4))
 
 
 def test_a_pause_during_an_action_lets_it_end_but_starts_no_other():

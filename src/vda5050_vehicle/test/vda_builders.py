@@ -118,8 +118,8 @@ class Lab:
     Every state that it sends is checked for the rules that a schema cannot tell.
     """
 
-    def __init__(self, at: int = 8, driver: Optional[Driver] = None, codec: Codec = VERSION_2_1,
-                 abilities_: Optional[Abilities] = None) -> None:
+    def __init__(self, at: Optional[int] = 8, driver: Optional[Driver] = None,
+                 codec: Codec = VERSION_2_1, abilities_: Optional[Abilities] = None) -> None:
         self.now = 100.0
         self.messages = 0  # of the master; each has a header of its own
         self.robot = RobotSide()
@@ -136,7 +136,8 @@ class Lab:
         self.checker = VehicleChecker('OMRON', 'lab', codec.version)
         self.headers = Headers(codec.version, 'OMRON', 'lab', lambda: 1e9 + self.now)
         self.view = RobotView(velocity=STANDING, battery=BatteryState(80.0, False), lost='')
-        self.stand_at(at)
+        if at is not None:  # else the robot was not heard yet
+            self.stand_at(at)
 
     # --- what happens -----------------------------------------------------------------------------
 

@@ -28,6 +28,11 @@ class RobotView:
     lost: str = ''
 
     @property
+    def is_awaited(self) -> bool:
+        """Whether nothing was heard of it yet, and its time is not over."""
+        return self.pose is None and not self.lost
+
+    @property
     def moves(self) -> bool:
         """Whether it is seen to drive or turn."""
         speed = self.velocity

@@ -206,9 +206,10 @@ class Vehicle:
         commands = self.driver.take_commands()
         self._keep()
         self._effects += [fx.Command(command) for command in commands]
-        state = self.state()
-        if self.reporter.is_due(state, now):
-            self._effects.append(fx.SendState(state))
+        if not self.robot.is_awaited:  # a state is what tells a master that it may send orders
+            state = self.state()
+            if self.reporter.is_due(state, now):
+                self._effects.append(fx.SendState(state))
         effects = tuple(self._effects)
         self._effects.clear()
         return effects

@@ -70,6 +70,13 @@ class OrderGraph:
         vertex = self._nearest(pose.x, pose.y)
         return '' if vertex is None else str(vertex.id)
 
+    def place_on(self, signed: int, percentage: float) -> Optional[Tuple[float, float]]:
+        """Where so much of an edge is driven; None where the graph has no such edge."""
+        if abs(signed) not in self.graph.edges:
+            return None
+        curve = self.graph.curve(signed)
+        return curve.point_at(curve.length * percentage / 100.0)
+
     def knows(self, name: str) -> bool:
         """Whether a vertex has this id or label."""
         return name in self._by_name

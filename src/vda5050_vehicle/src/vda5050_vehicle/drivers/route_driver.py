@@ -216,11 +216,19 @@ class RouteDriver(Driver):
             self._legs = {number: leg for number, leg in self._legs.items() if number >= passed}
 
     def _catch_up(self, report: RouteReport) -> None:
-        """A robot that was stopped may have rolled on past a vertex, onto the next leg."""
+        """A robot that was stopped may have rolled on to a vertex, or past it onto the next leg."""
         here, ahead = (self._legs.get(self.progress.passed + step) for step in (0, 1))
-        if (here and ahead and report.edge and abs(report.edge) == abs(ahead.edge)
-                and abs(report.edge) != abs(here.edge)):
+        if here is None or not report.edge:
+            return
+        is_past = (ahead is not None and abs(report.edge) == abs(ahead.edge)
+                   and abs(report.edge) != abs(here.edge))
+        if is_past or not self.progress.failure and self._is_at_end(here, report):
             self._set_passed(self.progress.passed + 1, 0.0)
+
+    def _is_at_end(self, leg: Leg, report: RouteReport) -> bool:
+        """From where the robot's side takes no route over the leg any more."""
+        place = self._graph.place_on(report.edge, report.percentage)
+        return place is not None and math.dist(place, (leg.x, leg.y)) <= self._abilities.passing
 
     def _fail(self, reason: str) -> None:
         self._route = None
