@@ -13,6 +13,7 @@ from omron_ld90.bridge.robot_state import RobotLocation
 from omron_ld90.bridge.route_run import RouteRun
 from omron_ld90.bridge.route_strategies import Settings
 from trajectory_graph.route_protocol import (
+    ANSWERED_WITHIN,
     EMERGENCY_STOP,
     NO_REASON,
     TAKEN_OVER,
@@ -23,7 +24,7 @@ from trajectory_graph.route_protocol import (
 )
 
 NANOSECONDS = 1_000_000_000
-PATIENCE = 5.0
+PATIENCE = 3.5
 OFF_GRAPH = Reason(ReasonCode.OFF_GRAPH, 'off the graph')
 NO_LOCATION = Reason(ReasonCode.NO_LOCATION, 'the robot has not told where it is')
 NO_GRAPH = Reason(ReasonCode.NOT_READY, 'there is no graph')
@@ -42,13 +43,13 @@ def driven(given: RouteOrder, phase: Phase = Phase.RUNNING) -> RouteRun:
 class Bench:
     """An intake, and what it tells."""
 
-    def __init__(self) -> None:
+    def __init__(self, patience: float = PATIENCE) -> None:
         self.unknown = NO_REASON
         self.refusals: List[Tuple[int, Reason]] = []
         self.notes: List[str] = []
         self.robot = RobotMonitor(Settings())
         self.intake = OrderIntake(
-            self.robot, PATIENCE,
+            self.robot, patience,
             lambda order, reason: self.refusals.append((order.route_id, reason)),
             self.notes.append)
 
@@ -88,6 +89,22 @@ def test_but_not_for_ever(bench):
     assert bench.refusals == [(7, NO_GRAPH)]
     bench.unknown = NO_REASON
     assert bench.due(106.0) is None
+
+
+def test_nor_longer_when_it_is_repeated(bench):
+    bench.unknown = NO_LOCATION
+    for second in range(4):
+        bench.take(order(received=100.0 + second), 100.0 + second)
+    assert bench.due(100.1 + PATIENCE) is None
+    assert bench.refusals == [(7, NO_LOCATION)]
+
+
+def test_nor_longer_than_the_route_protocol_allows():
+    bench = Bench(patience=60.0)
+    bench.unknown = NO_LOCATION
+    bench.take(order(), 100.0)
+    assert bench.due(100.1 + ANSWERED_WITHIN) is None
+    assert bench.refusals == [(7, NO_LOCATION)]
 
 
 def test_what_was_dropped_is_never_due(bench):

@@ -333,8 +333,8 @@ def test_an_order_waits_for_the_first_location():
 def test_an_order_waits_no_longer_than_the_location_may_take():
     follower = RouteFollower(Settings(location_timeout=5.0), dissertation_graph())
     follower.handle(RouteOrder(7, (1,)), 0.0)
-    assert follower.tick(4.9) == []
-    refusal, report, _ = follower.tick(5.1)
+    assert follower.tick(3.9) == []
+    refusal, report, _ = follower.tick(4.1)
     assert isinstance(report, RouteReport)
     assert refusal.reason.text == report.reason.text == 'the robot has not told where it is'
 

@@ -19,6 +19,10 @@ class RouteOrder:
     received: int = field(default=0, compare=False)  # when it came
 
 
+ANSWERED_WITHIN = 4.0
+"""s after its first arrival within which a robot takes an order up, or refuses it."""
+
+
 class EdgeState(IntEnum):
     """State of one place of a route; what is accepted and still ahead is PROCESSING, too."""
 

@@ -17,6 +17,7 @@ from graph_fleet_manager.agv_simulator.speed_limits import DriveLimits, SpeedLim
 from trajectory_graph import Graph, change_of, speed_of
 from trajectory_graph.order_rules import RouteRefused
 from trajectory_graph.route_protocol import (
+    ANSWERED_WITHIN,
     EMERGENCY_STOP,
     TAKEN_OVER,
     EdgeState,
@@ -30,8 +31,7 @@ from trajectory_graph.route_protocol import (
     SymbolicPose,
 )
 
-ORDER_TIMEOUT = 5.0  # s that an order waits for the vehicle to stand
-MOST = 99.9          # per cent, of an edge that is not complete
+MOST = 99.9  # per cent, of an edge that is not complete
 FOREVER = float('inf')
 _GRAPH_CHANGED = Reason(
     ReasonCode.GRAPH_CHANGED,
@@ -89,8 +89,9 @@ class Vehicle:
             return  # late, or what it drives already
         elif order.stamp and self._refused and order == self._refused[0]:
             self._refuse(*self._refused)
-        else:
-            self._waiting = order, self._time + ORDER_TIMEOUT
+        elif not self._waiting or (order.route_id, order.edges) != (
+                self._waiting[0].route_id, self._waiting[0].edges):
+            self._waiting = order, self._time + ANSWERED_WITHIN
             self._consider()
         self._report_change()
 

@@ -6,9 +6,10 @@ from typing import Tuple
 
 from graph_fleet_manager.interlocking.reports import TREMBLE, Pose, Report, distance
 from trajectory_graph import Graph
+from trajectory_graph.route_protocol import ANSWERED_WITHIN
 
 SILENCE = 5.0      # s without a report after which a robot counts as silent
-ANSWER = 5.0       # s without an answer to an order after which a robot that reports counts as deaf
+ANSWER = ANSWERED_WITHIN + 1.0  # s after which a robot that reports, but answers no order, is deaf
 STANDING = 2.0     # s without motion after which a robot that lost its link is believed to stand
 
 
@@ -84,9 +85,9 @@ class Liveness:
 
     # -- the link between the robot and its computer ----------------------------------------------
 
-    def lose_link(self, stamp: float) -> None:
-        """Its computer tells that the link to it was lost, with a location of this stamp."""
-        self._fresh_after = stamp
+    def lose_link(self) -> None:
+        """Its computer tells that the link to it was lost after the last location."""
+        self._fresh_after = self._stamp
 
     def is_linked_again(self, report: Report, now: float) -> bool:
         """Do new locations come, and does it stand?

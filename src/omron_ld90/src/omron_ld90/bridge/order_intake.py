@@ -12,7 +12,13 @@ from typing import Callable, Optional, Tuple
 from omron_ld90.bridge.robot_monitor import RobotMonitor
 from omron_ld90.bridge.route_run import RouteRun
 from trajectory_graph.order_rules import RouteRefused, check_order
-from trajectory_graph.route_protocol import EMERGENCY_STOP, TAKEN_OVER, Reason, RouteOrder
+from trajectory_graph.route_protocol import (
+    ANSWERED_WITHIN,
+    EMERGENCY_STOP,
+    TAKEN_OVER,
+    Reason,
+    RouteOrder,
+)
 
 LATE_ORDER = 2.0  # s that an order may be on its way
 
@@ -20,7 +26,7 @@ LATE_ORDER = 2.0  # s that an order may be on its way
 class OrderIntake:
     """Sorts orders, and keeps the one that waits.
 
-    patience -- s that an order may wait
+    patience -- s that an order may wait; the route protocol sets a limit to it
     tell_refusal -- called with an order that is refused, and why
     note -- called with what people should know
     """
@@ -29,7 +35,7 @@ class OrderIntake:
                  tell_refusal: Callable[[RouteOrder, Reason], None],
                  note: Callable[[str], None]) -> None:
         self._robot = robot
-        self._patience = patience
+        self._patience = min(patience, ANSWERED_WITHIN)
         self._tell_refusal = tell_refusal
         self._note = note
         self._waiting: Optional[Tuple[RouteOrder, float]] = None  # to be judged; give up
@@ -51,6 +57,9 @@ class OrderIntake:
             self.refuse(*self._refused)
         elif self._is_overruled(order, now):
             self.refuse(order, TAKEN_OVER)
+        elif self._waiting and (order.route_id, order.edges) == (
+                self._waiting[0].route_id, self._waiting[0].edges):
+            return True  # a repeated order waits no longer than the first one
         else:
             self._waiting = (order, now + self._patience)
             return True
