@@ -244,24 +244,32 @@ class Agv:
 
 
 class LostLink:
-    """What a robot's computer tells of it while the link between them is down."""
+    """What a robot's computer tells of it while the link between them is down.
 
-    def __init__(self, agv: Agv, now: float) -> None:
+    commands_only -- locations come as before: the robot has a link of its own for them
+    """
+
+    def __init__(self, agv: Agv, now: float, commands_only: bool = False) -> None:
         self._agv = agv
+        self._commands_only = commands_only
         last = agv.report(now)
         failed = (EdgeState.FAILED,) * len(last.left) if last.is_running else ()
-        self.told = replace(last, states=last.states[:len(last.states) - len(failed)] + failed,
+        self._told = replace(last, states=last.states[:len(last.states) - len(failed)] + failed,
                             reason=LOST_LINK if failed else last.reason)
         self._stop: Optional[int] = None
+
+    def report(self, now: float) -> Report:
+        """What is known of the robot at `now`."""
+        return replace(self._told, stamp=now) if self._commands_only else self._told
 
     def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[RouteRefusal]:
         """A stop is owed to the robot; nothing else can be taken up."""
         if edges:
-            same = (route_id, edges) == (self.told.route_id, self.told.edges)
+            same = (route_id, edges) == (self._told.route_id, self._told.edges)
             return None if same else RouteRefusal(
                 route_id, edges, Reason(ReasonCode.LOST_LINK, 'the link is down'))
         self._stop = route_id
-        self.told = replace(self.told, route_id=route_id, edges=(), states=(),
+        self._told = replace(self._told, route_id=route_id, edges=(), states=(),
                             reason=Reason(ReasonCode.STOP_OWED, 'the robot has not obeyed the '
                                                                 'stop yet: the link is down'))
         return None

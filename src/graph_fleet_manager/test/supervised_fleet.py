@@ -196,11 +196,11 @@ class SupervisedFleet:
         return [order for order in (*(late for _, late in self._under_way), *self._to_robots)
                 if order.robot == name]
 
-    def lose_link(self, name: str) -> None:
+    def lose_link(self, name: str, commands_only: bool = False) -> None:
         """A robot's computer loses the link to it: it drives on as it was told, and nobody knows
         where. Its route fails; a stop is obeyed once the link is back."""
         if name not in self.lost:
-            self.lost[name] = LostLink(self.agvs[name], self.now)
+            self.lost[name] = LostLink(self.agvs[name], self.now, commands_only)
 
     def find_link(self, name: str) -> None:
         """The link is there again."""
@@ -240,7 +240,7 @@ class SupervisedFleet:
         for name, agv in self.agvs.items():
             if self.silent.get(name, 0.0) <= self.now:
                 at = self.now + self.late.get(name, 0.0)
-                told = self.lost[name].told if name in self.lost else agv.report(self.now)
+                told = self.lost.get(name, agv).report(self.now)
                 self._reports += [(at, name, told)] * self._copies()
         if not self.hangs:
             self._supervise()

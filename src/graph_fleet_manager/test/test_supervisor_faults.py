@@ -384,3 +384,19 @@ def test_who_cannot_brake_in_time_for_a_cancel_stops_later_and_has_not_failed(co
     fleet.run(10.0)
     assert fleet.supervisor.robots['a'].works, fleet.notes[-1]
     assert agv.travelled == pytest.approx(6.0)
+
+
+@pytest.mark.parametrize('are_locations_fresh', [False, True])
+def test_a_standing_robot_whose_link_is_down_needs_no_person_and_goes_on_once_it_is_back(
+        are_locations_fresh):
+    """Its computer refuses every order. Where only the commands' link is down, locations come."""
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    fleet.run(1.0)
+    fleet.lose_link('a', commands_only=are_locations_fresh)
+    fleet.request(1, 8)
+    fleet.run_until(lambda: fleet.supervisor.robots['a'].outage is Outage.LOST_LINK)
+    fleet.run(60.0)
+    assert fleet.supervisor.robots['a'].outage in (None, Outage.LOST_LINK)
+    fleet.find_link('a')
+    fleet.run_until_done(1)
+    assert fleet.state(1) is MissionState.SUCCEEDED

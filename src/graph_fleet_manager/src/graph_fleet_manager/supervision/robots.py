@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import Collection, List, Optional, Tuple
+from typing import Collection, List, Optional
 
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.interlocking.allocation import Knowledge
@@ -27,7 +27,7 @@ from trajectory_graph import Graph
 from trajectory_graph.route_protocol import RouteRefusal
 
 TRIAL = 2.0        # s between two tries to go on after an emergency stop
-CLOCK_TRIAL = 10.0  # s between two orders to a robot that refuses them for its clock
+RETRY = 10.0  # s between two orders to a robot that refuses them for its clock or its link
 REFUSALS = 3       # in a row, after which a person must look
 
 
@@ -58,7 +58,7 @@ class ManagedRobot:
     _has_refused: bool = False
     """It refused its last order, and where it begins was not considered again yet."""
     _tried: float = -math.inf
-    _clock_refused: float = -math.inf
+    _retried: float = -math.inf
 
     def __post_init__(self) -> None:
         self.battery = Battery(self.settings)
@@ -144,7 +144,8 @@ class ManagedRobot:
         if self.outage is Outage.STOPPED and not was_stopped:
             self._tried = now  # it might take an order yet, for what it knows of its stop
         if self.outage is Outage.LOST_LINK and self.client.withdrawn is None and (
-                self.client.order is None and self.liveness.is_linked_again(report, now)):
+                self.client.order is None and now - self._retried > RETRY
+                and self.liveness.is_linked_again(report, now)):
             self._link_is_back()
         if not self.works:
             self._timer.stop()
@@ -183,7 +184,7 @@ class ManagedRobot:
             self.notice(Sign.TAKEN, 'it drives a route that was not given to it here')
         elif heard.failed and self.outage is None:
             self.notice(sign_of(heard.failed), heard.failed.text)
-            self.liveness.lose_link(report.stamp if report else 0.0)
+            self.liveness.lose_link()
         elif report is not None and not report.pose.edge and self.record.is_standing and (
                 self.client.evidence.is_confirmed):
             self.notice(Sign.LEFT_GRAPH, 'it reports to be off the graph')
@@ -192,15 +193,16 @@ class ManagedRobot:
         if self.client.clock_is_off:
             self.notice(Sign.CLOCK_OFF, 'its clock is ahead of the fleet computer\'s: mend the '
                                         'time of both (NTP)')
-        elif self.liveness.seen - self._clock_refused > CLOCK_TRIAL:
+        elif self.liveness.seen - self._retried > RETRY:
             self.notice(Sign.CLOCK_RIGHT)
 
     def _follow_refusal(self, heard: Heard) -> None:
         self._has_refused = True
         sign = sign_of(heard.refused)
-        if sign is Sign.CLOCK_OFF:
-            self._clock_refused = self.liveness.seen
+        if sign in (Sign.CLOCK_OFF, Sign.LINK_LOST):
+            self._retried = self.liveness.seen
             self.notice(sign, heard.refused.text)
+            self.liveness.lose_link()
             return
         self._refusals += not (sign is Sign.EMERGENCY or heard.was_shorter)
         if sign is Sign.EMERGENCY:
@@ -277,37 +279,26 @@ class ManagedRobot:
             return False
         if not self.liveness.is_still(now) or self.outage not in (None, Outage.STOPPED):
             return False
-        position, held = self._where_expected()
         self.is_halted = False
-        if position is None:
-            self.notice(Sign.TAKEN, f'it was stopped on its way over the edges {held}, but is '
-                                    f'{self._whereabouts()}')
-        else:
-            self.client.settle(position)
-            self.notice(Sign.STANDS)
+        self._settle_where_expected(Sign.STANDS)
         return True
 
     def _link_is_back(self) -> None:
-        position, held = self._where_expected()
-        if position is None:
-            self.notice(Sign.TAKEN, f'it was expected on the edges {held}, but is '
-                                    f'{self._whereabouts()}')
-        else:
-            self.client.settle(position)
-            self.notice(Sign.LINK_BACK)
+        if self._settle_where_expected(Sign.LINK_BACK):
             self._refusals = 0
 
-    def _where_expected(self) -> Tuple[Optional[GraphPosition], str]:
-        """Where it stands, if that is on what it holds; and the edges that it holds, in words."""
+    def _settle_where_expected(self, sign: Sign) -> bool:
+        """It stands: on what it holds (`sign` is noticed), or elsewhere, as a person moved it."""
         position, held = self.position_at(self.record.pose), self.record.held
-        if position is not None and held and not position.touches(self.record.graph, held,
-                                                                  self.type.play):
-            position = None
-        return position, ', '.join(map(str, held))
-
-    def _whereabouts(self) -> str:
-        position = self.position_at(self.record.pose)
-        return f'at {position}' if position else 'off the graph'
+        if position is not None and (
+                not held or position.touches(self.record.graph, held, self.type.play)):
+            self.client.settle(position)
+            self.notice(sign)
+            return True
+        whereabouts = f'at {position}' if position else 'off the graph'
+        self.notice(Sign.TAKEN, 'it was expected on the edges '
+                                f'{", ".join(map(str, held))}, but is {whereabouts}')
+        return False
 
     # -- people -----------------------------------------------------------------------------------
 
