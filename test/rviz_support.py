@@ -18,6 +18,7 @@ import sys
 import tempfile
 import time
 import traceback
+import unittest
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
@@ -278,10 +279,27 @@ def count_near(picture: Image.Image, pixel: Tuple[int, int], colour: Colour, rea
     return int(close_to(np.asarray(box), colour, tolerance).sum())
 
 
-def report_failure(set_up: Callable[[], None]) -> None:
-    """Calls `set_up` and tells what went wrong: rosunit swallows it before the first test."""
-    try:
-        set_up()
-    except BaseException:
-        traceback.print_exc(file=sys.__stderr__)
-        raise
+class RvizTestCase(unittest.TestCase):
+    """One RViz for all tests of a class; they are skipped where programs for it are missing."""
+
+    missing: List[str] = []
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.missing = missing_programs()
+        if cls.missing:
+            return
+        try:
+            cls.set_up()
+        except BaseException:
+            traceback.print_exc(file=sys.__stderr__)  # rosunit swallows it before the first test
+            raise
+
+    @classmethod
+    def set_up(cls) -> None:
+        """Starts what the tests need."""
+        raise NotImplementedError
+
+    def setUp(self) -> None:
+        if self.missing:
+            self.skipTest(f'not installed: {", ".join(self.missing)}')

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 import os
-import unittest
 
 import rospkg
 import rospy
 from geometry_msgs.msg import PointStamped, PoseStamped
-from rviz_support import RvizWindow, Screen, count_near, missing_programs, report_failure
+from rviz_support import RvizTestCase, RvizWindow, Screen, count_near
 from std_msgs.msg import String
 from visualization_msgs.msg import MarkerArray
 
@@ -43,16 +42,10 @@ def orange_near(picture, pixel: tuple) -> int:
     return count_near(picture, pixel, ORANGE, 1) + count_near(picture, pixel, DEEP_ORANGE, 1)
 
 
-class RvizTest(unittest.TestCase):
+class RvizTest(RvizTestCase):
     """One RViz and one simulated robot; each test leaves the robot idle."""
 
     screen = window = simulator = None
-
-    @classmethod
-    def setUpClass(cls) -> None:
-        cls.missing = missing_programs()
-        if not cls.missing:
-            report_failure(cls.set_up)
 
     @classmethod
     def set_up(cls) -> None:
@@ -98,8 +91,7 @@ class RvizTest(unittest.TestCase):
                 getattr(part, end)()
 
     def setUp(self) -> None:
-        if self.missing:
-            self.skipTest(f'not installed: {", ".join(self.missing)}')
+        super().setUp()
         self.before = {recorder: len(recorder.messages) for recorder in
                        (self.lines, self.commands, self.feedback, self.status)}
 

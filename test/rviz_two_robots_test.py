@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import os
-import unittest
 
 import rospkg
 import rospy
 from geometry_msgs.msg import PointStamped
-from rviz_support import RvizWindow, Screen, missing_programs, report_failure
+from rviz_support import RvizTestCase, RvizWindow, Screen
 from std_msgs.msg import String
 
 from omron_map import MapDocument
@@ -24,16 +23,10 @@ ROBOTS = ('robot_a', 'robot_b')
 OUTER_RING = 0.45  # m from a goal: inside robot_b's handle, outside robot_a's
 
 
-class TwoRobotsTest(unittest.TestCase):
+class TwoRobotsTest(RvizTestCase):
     """launch/two_robots.launch, with its RViz."""
 
     screen = window = None
-
-    @classmethod
-    def setUpClass(cls) -> None:
-        cls.missing = missing_programs()
-        if not cls.missing:
-            report_failure(cls.set_up)
 
     @classmethod
     def set_up(cls) -> None:
@@ -80,8 +73,7 @@ class TwoRobotsTest(unittest.TestCase):
                 part.close()
 
     def setUp(self) -> None:
-        if self.missing:
-            self.skipTest(f'not installed: {", ".join(self.missing)}')
+        super().setUp()
         self.before = {robot: len(self.commands[robot].messages) for robot in ROBOTS}
 
     def at(self, name: str, right: float = 0.0) -> tuple:

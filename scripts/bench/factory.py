@@ -37,7 +37,6 @@ MISSION_TIME = 210.0  # s
 READY_LIMIT = 120.0
 BARE_NODE = ('<node name="bare_{0}" pkg="rostopic" type="rostopic" '
              'args="pub -r 2 /bare_{0} std_msgs/String {{}}"/>')
-SIMULATORS = ('ld90_sim', 'agv_sim')
 MANAGER = ('graph_server', 'path_planner', 'path_supervisor')
 Message = Tuple[str, float]
 """What was seen, and when (s of the monotonic clock)."""

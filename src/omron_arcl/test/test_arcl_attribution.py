@@ -1,6 +1,8 @@
 """Each line of the robot ends the right command, in the right way: transcripts and examples."""
 from __future__ import annotations
 
+from typing import Sequence
+
 import pytest
 from arcl_builders import DOCK, GOTO_FROM_DOCK, STATUS, UNDOCK, Conversation, outcome
 
@@ -12,15 +14,20 @@ def talk() -> Conversation:
     return Conversation()
 
 
+def check_that_the_last_line_ends(talk: Conversation, command: str, lines: Sequence[str]) -> None:
+    """The robot answers a command with these lines: the last one, and none before, ends it."""
+    execution = talk.give(command)
+    talk.robot(*lines[:-1])
+    assert execution.result is None
+    talk.robot(lines[-1])
+    assert outcome(execution) is Outcome.SUCCEEDED
+    assert execution.result.lines == lines
+
+
 # --- transcripts ----------------------------------------------------------------------------------
 
 def test_goto_from_the_dock_ends_with_the_arrival(talk):
-    goto = talk.give('goto 12')
-    talk.robot(*GOTO_FROM_DOCK[:-1])
-    assert goto.result is None
-    talk.robot(GOTO_FROM_DOCK[-1])
-    assert outcome(goto) is Outcome.SUCCEEDED
-    assert goto.result.lines == GOTO_FROM_DOCK
+    check_that_the_last_line_ends(talk, 'goto 12', GOTO_FROM_DOCK)
 
 
 def test_a_bad_goal_and_a_bad_command_and_a_stop(talk):
@@ -86,12 +93,7 @@ def test_lines_of_the_outgoing_link_end_nothing(talk):
     ('undock', ('DockingState: Undocked ForcedState: Unforced ChargeState: Not',)),
 ])
 def test_a_command_succeeds_with_its_last_line(talk, text, lines):
-    execution = talk.give(text)
-    talk.robot(*lines[:-1])
-    assert execution.result is None
-    talk.robot(lines[-1])
-    assert outcome(execution) is Outcome.SUCCEEDED
-    assert execution.result.lines == lines
+    check_that_the_last_line_ends(talk, text, lines)
 
 
 @pytest.mark.parametrize(('said', 'expected', 'words'), [
@@ -225,12 +227,7 @@ def test_a_second_try_to_dock_belongs_to_the_same_command(talk):
         'End of AnalogInputList')),
 ])
 def test_the_manuals_examples_of_i617_e_02_end_as_it_says(talk, text, lines):
-    execution = talk.give(text)
-    talk.robot(*lines[:-1])
-    assert execution.result is None
-    talk.robot(lines[-1])
-    assert outcome(execution) is Outcome.SUCCEEDED
-    assert execution.result.lines == lines
+    check_that_the_last_line_ends(talk, text, lines)
 
 
 def test_the_update_of_another_set_of_inputs_and_outputs_ends_nothing(talk):

@@ -171,7 +171,8 @@ def test_a_refused_route_holds_the_vehicle():
     assert lab.nodes == ['10', '12', '14', '32']
 
 
-def test_a_refused_extension_is_tried_once_as_a_route_of_its_own():
+def lab_that_refused_an_extension():
+    """A robot on edge 2 of HALL does not extend its route by the edges 3 and 4."""
     lab = Lab()
     lab.order(HALL.order('o', base=2))
     lab.drive(1)
@@ -179,6 +180,12 @@ def test_a_refused_extension_is_tried_once_as_a_route_of_its_own():
     lab.robot.answers = False
     lab.order(HALL.part(1).order('o', 1, first_sequence=2))
     lab.driver.on_refused(route_id, (1, 2, 3, 4), no('not at its end'), lab.now)
+    return lab
+
+
+def test_a_refused_extension_is_tried_once_as_a_route_of_its_own():
+    lab = lab_that_refused_an_extension()
+    route_id = lab.robot.route_id
     lab.robot.answers = True
     lab.wait(0.1)
     assert lab.robot.route == (2, 3, 4)
@@ -188,13 +195,7 @@ def test_a_refused_extension_is_tried_once_as_a_route_of_its_own():
 
 
 def test_an_extension_that_is_refused_twice_stops_the_vehicle():
-    lab = Lab()
-    lab.order(HALL.order('o', base=2))
-    lab.drive(1)
-    route_id = lab.robot.route_id
-    lab.robot.answers = False
-    lab.order(HALL.part(1).order('o', 1, first_sequence=2))
-    lab.driver.on_refused(route_id, (1, 2, 3, 4), no('no'), lab.now)
+    lab = lab_that_refused_an_extension()
     lab.driver.on_report(lab.robot.report(), lab.now)
     anew = lab.driver.take_commands()[-1]
     assert anew.edges == (2, 3, 4)

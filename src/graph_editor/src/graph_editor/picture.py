@@ -2,15 +2,16 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Sequence, Tuple, Union
+from typing import Sequence, Tuple, Union
 
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image, ImageDraw
 
 from graph_editor.checking.findings import Finding, Severity
 from graph_editor.errors import SiteError
 from graph_editor.floor import Floor
 from graph_editor.site import Site
+from omron_map.canvas import label_font
 from trajectory_graph import CurveType, Graph
 
 LARGEST_SIDE = 2000  # px
@@ -21,10 +22,7 @@ PAPER, OUTSIDE, WALL = (255, 255, 255), (236, 237, 242), (20, 20, 20)
 CORRIDOR, LINE, SPLINE = (206, 227, 248), (20, 90, 190), (130, 60, 190)
 VERTEX, PARKING, PLACE, DOCK = (40, 60, 90), (230, 130, 0), (0, 140, 60), (150, 0, 150)
 ERROR, WARNING = (220, 20, 20), (240, 150, 0)
-FONTS = ('DejaVuSans.ttf', 'LiberationSans-Regular.ttf')
-BASIC_LAYOUT: Any = 0  # the other one crashes with Ubuntu 20.04's Pillow
 Pixels = Sequence[Tuple[float, float]]
-Font = Union[ImageFont.FreeTypeFont, ImageFont.ImageFont]
 
 
 def draw_graph(site: Site, graph: Graph, path: str, corridor: float,
@@ -66,7 +64,7 @@ class _Sheet:
         self._size = width, height
         self._image = Image.new('RGB', self._size, PAPER)
         self._pen = ImageDraw.Draw(self._image)
-        self._font = _font(12 * SUPERSAMPLING)
+        self._font = label_font(12 * SUPERSAMPLING)
 
     def _pixels(self, points: Union[np.ndarray, Tuple[float, float]]) -> Pixels:
         x, y = np.asarray(points, float).reshape(-1, 2).T
@@ -127,12 +125,3 @@ class _Sheet:
             small.save(path, 'PNG', optimize=True)
         except (OSError, ValueError) as error:
             raise SiteError(f'{path}: the picture cannot be written ({error}).') from None
-
-
-def _font(size: int) -> Font:
-    for name in FONTS:
-        try:
-            return ImageFont.truetype(name, size, layout_engine=BASIC_LAYOUT)
-        except OSError:
-            continue
-    return ImageFont.load_default()

@@ -43,8 +43,8 @@ class Canvas:
         width, height = np.ceil(size * self._scale / SUPERSAMPLING).astype(int) * SUPERSAMPLING
         self._image = Image.new('RGB', (int(width), int(height)), PAPER)
         self._pen = ImageDraw.Draw(self._image, 'RGBA')
-        self._font = _font(max(TEXT_HEIGHT * SUPERSAMPLING * long_side // LONG_SIDE,
-                               LEAST_TEXT_HEIGHT))
+        self._font = label_font(max(TEXT_HEIGHT * SUPERSAMPLING * long_side // LONG_SIDE,
+                                    LEAST_TEXT_HEIGHT))
         self._scalable = isinstance(self._font, ImageFont.FreeTypeFont)
         _, top, bottom = _extent(self._font, 'H')
         self._middle = (top + bottom) / 2.0  # from the top of a line of text, px
@@ -128,7 +128,8 @@ class Canvas:
         return _extent(self._font, words)[0]
 
 
-def _font(size: int) -> Font:
+def label_font(size: int) -> Font:
+    """A font for labels of `size` px: the first of FONTS that is installed."""
     for name in FONTS:
         try:
             return ImageFont.truetype(name, size, layout_engine=BASIC_LAYOUT)

@@ -75,7 +75,6 @@ class ConnectionReceiver:
     def __init__(self, make_listener: Callable[..., Listener], map_frame: str,
                  laser_device: str, laser_height: float, log: Optional[SessionLog]) -> None:
         self._map_frame = map_frame
-        self._laser_device = laser_device
         self._laser_height = laser_height
         self._log = log
         self._assembler = StatusAssembler()

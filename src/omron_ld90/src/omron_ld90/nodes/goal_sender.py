@@ -34,7 +34,7 @@ from __future__ import annotations
 
 import math
 import threading
-from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
+from typing import Dict, List, NamedTuple, Optional, Tuple
 
 import rospy
 import tf2_geometry_msgs  # noqa: F401  registers PointStamped with tf2
@@ -71,27 +71,18 @@ CHECK_PERIOD = rospy.Duration(0.5)
 # What each entry of the menus makes the robot do, as far as it is the same everywhere.
 COMMANDS = {Action.DOCK: 'dock', Action.UNDOCK: 'undock', Action.STOP: 'stop'}
 
-# What the person is told of a command's end.
-ENDINGS: Dict[int, Callable[[str, str], Notice]] = {
-    ExecuteCommandResult.SUCCEEDED: lambda command, words: Notice(Severity.GOOD, words or command),
-    ExecuteCommandResult.FAILED: lambda command, words: Notice(
-        Severity.BAD, f'{command} failed: {words}'),
-    ExecuteCommandResult.INTERRUPTED: lambda command, words: Notice(
-        Severity.INFO, f'{command} was interrupted: {words}'),
-    ExecuteCommandResult.LOST: lambda command, words: Notice(
-        Severity.BAD, f'{command} was lost: {words}'),
-    ExecuteCommandResult.TIMED_OUT: lambda command, words: Notice(
-        Severity.BAD, f'{command} was given up: {words}'),
-    ExecuteCommandResult.REFUSED: lambda command, words: Notice(
-        Severity.BAD, f'{command} refused: {words}'),
-    ExecuteCommandResult.CANCELLED: lambda command, words: Notice(
-        Severity.INFO, f'{command} was cancelled'),
-    ExecuteCommandResult.EMERGENCY_STOPPED: lambda command, words: Notice(
-        Severity.BAD, f'{command}: emergency stop'),
-    ExecuteCommandResult.NEVER_SENT: lambda command, words: Notice(
-        Severity.BAD, f'{command} was not sent: {words}'),
-    ExecuteCommandResult.OVERRULED: lambda command, words: Notice(
-        Severity.INFO, f'{command} was not sent: {words}'),
+# What a person is told of the end of a command; without words of the robot they are the command.
+ENDINGS: Dict[int, Tuple[Severity, str]] = {
+    ExecuteCommandResult.SUCCEEDED: (Severity.GOOD, '{words}'),
+    ExecuteCommandResult.FAILED: (Severity.BAD, '{command} failed: {words}'),
+    ExecuteCommandResult.INTERRUPTED: (Severity.INFO, '{command} was interrupted: {words}'),
+    ExecuteCommandResult.LOST: (Severity.BAD, '{command} was lost: {words}'),
+    ExecuteCommandResult.TIMED_OUT: (Severity.BAD, '{command} was given up: {words}'),
+    ExecuteCommandResult.REFUSED: (Severity.BAD, '{command} refused: {words}'),
+    ExecuteCommandResult.CANCELLED: (Severity.INFO, '{command} was cancelled'),
+    ExecuteCommandResult.EMERGENCY_STOPPED: (Severity.BAD, '{command}: emergency stop'),
+    ExecuteCommandResult.NEVER_SENT: (Severity.BAD, '{command} was not sent: {words}'),
+    ExecuteCommandResult.OVERRULED: (Severity.INFO, '{command} was not sent: {words}'),
 }
 
 
@@ -256,9 +247,9 @@ class GoalSender:
     def _on_end(self, number: int, result: ExecuteCommandResult) -> None:
         with self._lock:
             given = self._given.pop(number)
-            tell = ENDINGS.get(result.outcome, ENDINGS[ExecuteCommandResult.FAILED])
-            notice = tell(given.command, result.message)
-            self._feedback.say(notice.severity, notice.text, given.place)
+            severity, text = ENDINGS.get(result.outcome, ENDINGS[ExecuteCommandResult.FAILED])
+            self._feedback.say(severity, text.format(
+                command=given.command, words=result.message or given.command), given.place)
 
     def _on_mission(self, notice: Notice, target: Optional[Target]) -> None:
         with self._lock:
