@@ -32,7 +32,7 @@ def told(found: Optional[Found]) -> str:
     (3, Limits(2, 2), 1_000_000 if LONG else 8_000)])
 def test_nothing_that_can_happen_in_a_small_yard_brings_robots_too_near(robots, limits, most,
                                                                         capsys):
-    yard = Yard(STAR, AGV, dict(list(BEGINS.items())[:robots]), limits)
+    yard = Yard(STAR, AGV, dict(list(BEGINS.items())[:robots]), limits, spare=3)
     found = yard.search(most)
     with capsys.disabled():
         print(f'\n{robots} robots, at most {limits.grants} grants, {limits.faults} faults and '
@@ -51,7 +51,7 @@ def random_yard(random: Random) -> Yard:
     graph = graph_of(places, dict(enumerate(pairs, 1)))
     begins: Dict[str, int] = {name: random.choice(graph.edges_from(vertex))
                               for name, vertex in zip('abcd', random.sample(sorted(places), 4))}
-    return Yard(graph, AGV, begins, EVER)
+    return Yard(graph, AGV, begins, EVER, spare=random.choice(sorted(graph.edges)))
 
 
 def test_random_plans_faults_and_people_bring_no_robots_too_near():

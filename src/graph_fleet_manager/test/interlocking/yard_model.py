@@ -27,16 +27,25 @@ from typing import (
 
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.geometry.site_geometry import SiteGeometry
+from graph_fleet_manager.interlocking.allocation import Allocation
 from graph_fleet_manager.interlocking.interlocking import Interlocking
 from graph_fleet_manager.interlocking.orders import Memory
-from graph_fleet_manager.interlocking.reports import Pose, Report, position_of
+from graph_fleet_manager.interlocking.reports import (
+    Pose,
+    Report,
+    WrongReport,
+    check_report,
+    position_of,
+)
 from graph_fleet_manager.interlocking.route_client import RouteClient
 from graph_fleet_manager.interlocking.route_record import RouteRecord
+from graph_fleet_manager.supervision.restoring import lost_areas
 from trajectory_graph import Graph
 from trajectory_graph.route_protocol import NO_REASON, EdgeState, Phase, Reason, ReasonCode
 from trajectory_graph.route_protocol import RouteRefusal as Refused
 
 CLEARANCE = 0.1
+CHANGED = 99  # id of the edge that a reload puts in place of another one
 NO = Reason(ReasonCode.OTHER, 'no')
 
 
@@ -88,7 +97,8 @@ class Machine:
             return True
         if (route_id, edges) == (self.route_id, self.edges):
             return True
-        if self.refuses or (route_id, edges) == self.refused:
+        if self.refuses or (route_id, edges) == self.refused or not (
+                set(map(abs, edges)) <= graph.edges.keys()):
             self.refuses = False
             return False
         if route_id == self.route_id and self.phase is not Phase.STOPPED:
@@ -184,6 +194,8 @@ class World:
     is_stopped: bool = False
     is_disk_full: bool = False
     closed: FrozenSet[int] = frozenset()
+    is_changed: bool = False
+    """The graph in force has another edge in place of one."""
     history: Tuple[str, ...] = ()
 
     def clone(self) -> World:
@@ -192,7 +204,7 @@ class World:
                      {name: replace(robot, client=_clone(robot.client))
                       for name, robot in self.robots.items()},
                      self.given, self.faults, self.ids, self.is_stopped, self.is_disk_full,
-                     self.closed, self.history)
+                     self.closed, self.is_changed, self.history)
 
 
 def _clone(client: RouteClient) -> RouteClient:
@@ -226,15 +238,20 @@ class Yard:
 
     begins  -- signed edge at whose beginning each robot stands
     unheard -- robots that have not reported yet
+    spare   -- id of an edge that a reload replaces by another one, and the next one brings back
     sends_before_commit -- what an order relies on is not stored before it is sent
     """
 
     def __init__(self, graph: Graph, kind: RobotType, begins: Dict[str, int],
                  limits: Limits, sends_before_commit: bool = False,
-                 unheard: FrozenSet[str] = frozenset()) -> None:
-        self.graph, self.kind, self.limits = graph, kind, limits
+                 unheard: FrozenSet[str] = frozenset(), spare: int = 0) -> None:
+        self.graph, self.kind, self.limits, self.spare = graph, kind, limits, spare
+        changed = [replace(edge, id=CHANGED) if edge.id == spare else edge
+                   for edge in graph.edges.values()]
+        self._changed = Graph(graph.vertices.values(), changed)
+        self._truth = Graph(graph.vertices.values(), {*graph.edges.values(), *changed})
         self.sends_before_commit = sends_before_commit
-        self._geometry = SiteGeometry(graph)
+        self._geometries = SiteGeometry(graph), SiteGeometry(self._changed)
         self._begins, self.unheard = begins, unheard
         self.states = 0
         self._points: Dict[Tuple[int, int], Tuple[float, float]] = {}
@@ -266,7 +283,7 @@ class Yard:
     def begin(self) -> World:
         """Every robot stands at the beginning of its edge, and has said so."""
         machines = {name: Machine(edge) for name, edge in self._begins.items()}
-        robots = {name: Believed(name, self.kind, self._client()) for name in machines}
+        robots = {name: Believed(name, self.kind, self._client(self.graph)) for name in machines}
         world = World(machines, robots)
         for name in sorted(machines.keys() - self.unheard):
             self._hear(world, name, machines[name].report())
@@ -278,8 +295,12 @@ class Yard:
         if not world.is_disk_full:
             robot.stored = robot.client.memory
 
-    def _client(self) -> RouteClient:
-        return RouteClient(RouteRecord(self.graph, self.kind, stopping=4.0))
+    def _client(self, graph: Graph) -> RouteClient:
+        return RouteClient(RouteRecord(graph, self.kind, stopping=4.0))
+
+    def graph_in_force(self, world: World) -> Graph:
+        """The graph of the fleet manager and of the robots."""
+        return self._changed if world.is_changed else self.graph
 
     def interlocking(self, world: World, only: str = '') -> Interlocking:
         """The interlocking of a world, or of one robot of it only."""
@@ -289,7 +310,7 @@ class Yard:
             world.ids = next(ids)
             return world.ids
         robots = {only: world.robots[only]} if only else world.robots
-        site = Interlocking(self._geometry, CLEARANCE, robots, new_id)
+        site = Interlocking(self._geometries[world.is_changed], CLEARANCE, robots, new_id)
         site.is_stopped, site.closed = world.is_stopped, world.closed
         site.trouble = 'a full disk' if world.is_disk_full else ''
         return site
@@ -304,7 +325,7 @@ class Yard:
             robot = world.robots[name]
             client = robot.client
             if world.given < self.limits.grants:
-                for edge in self._next_edges(client):
+                for edge in self._next_edges(world, client):
                     yield 'grant', name, edge
             if client.order is not None and is_free:
                 yield 'send', name
@@ -339,6 +360,8 @@ class Yard:
                 yield 'halt', name
         if may_fail:
             yield ('restart',)
+            if self.spare and all(self._may_lose_edge(m) for m in world.machines.values()):
+                yield ('reload',)
 
     def of_people(self, world: World) -> Iterator[Tuple[object, ...]]:
         """What people do beside, for walks that no search could end."""
@@ -356,20 +379,27 @@ class Yard:
     def _is_located(self, robot: Believed, machine: Machine) -> bool:
         return robot.client.record.pose == Pose(machine.edge, machine.half / 2)
 
-    def _next_edges(self, client: RouteClient) -> Tuple[int, ...]:
+    def _may_lose_edge(self, machine: Machine) -> bool:
+        """Is a machine neither on that edge, nor on its way to it, as graph_server asks?"""
+        ahead = machine.edges[machine.current:] if machine.phase is Phase.RUNNING else ()
+        return not {self.spare, CHANGED} & set(map(abs, (machine.edge, machine.slides, *ahead)))
+
+    def _next_edges(self, world: World, client: RouteClient) -> Tuple[int, ...]:
         record = client.record
         if record.is_standing and record.position is not None and record.position.vertex is None:
             return record.position.edge, -record.position.edge
         vertex = record.last_vertex
-        return () if vertex is None else tuple(self.graph.edges_from(vertex))
+        return () if vertex is None else tuple(self.graph_in_force(world).edges_from(vertex))
 
     def happen(self, world: World, event: Tuple[object, ...]) -> bool:
         """Lets an event happen; False where it changes nothing."""
         what, rest = str(event[0]), event[1:]
         world.faults += what in ('lose order', 'lose', 'repeat', 'refuse', 'fail', 'carry', 'halt',
-                                 'restart')
-        if what == 'restart':
-            self._restart(world)
+                                 'restart', 'reload')
+        if what in ('restart', 'reload'):
+            before = self.graph_in_force(world)
+            world.is_changed ^= what == 'reload'
+            self._restart(world, before)
         elif what in ('stop', 'resume'):
             world.is_stopped = what == 'stop'
             for robot in world.robots.values() if world.is_stopped else ():
@@ -398,11 +428,11 @@ class Yard:
         elif what == 'send':
             return self._send(world, name)
         elif what == 'deliver':
-            self._deliver(machine)
+            self._deliver(machine, self.graph_in_force(world))
         elif what == 'move':
-            machine.move(self.graph)
+            machine.move(self._truth)
         elif what == 'slide':
-            machine.slide(self.graph)
+            machine.slide(self._truth)
         elif what == 'report':
             machine.words += (machine.report(),)
         elif what in ('hear', 'repeat', 'lose'):
@@ -420,7 +450,7 @@ class Yard:
             return robot.client.order is not before
         elif what == 'settle':
             record = robot.client.record
-            robot.client.settle(position_of(record.pose, self.graph, record.near))
+            robot.client.settle(position_of(record.pose, record.graph, record.near))
             robot.is_halted = False
             self._store(world, name)
         elif what == 'lose order':
@@ -432,7 +462,7 @@ class Yard:
         elif what == 'carry':
             machine.is_moved, machine.phase = True, Phase.STOPPED
             machine.half = 1 if machine.half != 1 else 2
-            machine.moved += self.graph.curve(machine.edge).length / 2
+            machine.moved += self._truth.curve(machine.edge).length / 2
         elif what == 'halt':
             self._halt(world, robot)
         elif what in ('set clock', 'mend clock'):
@@ -442,7 +472,7 @@ class Yard:
             if robot.client.withdrawn is not None:
                 self._halt(world, robot)
                 return True
-            robot.client.settle(position_of(record.pose, self.graph, record.near))
+            robot.client.settle(position_of(record.pose, record.graph, record.near))
             robot.needs_person = bool(self.interlocking(world).excluding(name))
             robot.is_halted = world.is_stopped
             machine.is_moved = robot.needs_person
@@ -457,9 +487,9 @@ class Yard:
             return True
         return False
 
-    def _deliver(self, machine: Machine) -> None:
+    def _deliver(self, machine: Machine, graph: Graph) -> None:
         (route_id, edges), machine.orders = machine.orders[0], machine.orders[1:]
-        if not machine.order(self.graph, route_id, edges):
+        if not machine.order(graph, route_id, edges):
             machine.refused = route_id, edges
             told = machine.report()
             machine.words += (Unheard(Refused(route_id, edges, NO), told.report.stamp),)
@@ -479,6 +509,10 @@ class Yard:
         before = client.progress
         age = (machine.moved - word.moved) / self.kind.speed
         report = replace(word.report, age=-1.0 if machine.is_ahead else age)
+        try:
+            check_report(report, client.record.graph)
+        except WrongReport:
+            return
         heard = client.take(report)
         if heard.foreign or heard.failed or heard.left:
             robot.needs_person = True
@@ -488,12 +522,18 @@ class Yard:
         if client.progress != before:
             self._store(world, name)
 
-    def _restart(self, world: World) -> None:
-        """The supervisor dies and comes back; what was sent reaches the robots yet."""
-        for robot in world.robots.values():
-            robot.client = self._client()
+    def _restart(self, world: World, before: Graph) -> None:
+        """The supervisor dies and comes back; what was sent reaches the robots yet.
+
+        before -- the graph until then: after a reload another one is in force
+        """
+        graph = self.graph_in_force(world)
+        for name, robot in world.robots.items():
+            robot.client = self._client(graph)
             if robot.stored is not None:
-                robot.client.restore(robot.stored.on(self.graph))
+                robot.client.restore(robot.stored.on(graph))
+                robot.client.lose(lost_areas(robot.stored, graph, before))
+                self._store(world, name)
             if robot.is_halted:
                 robot.client.halt(self.interlocking(world)._new_id)
 
@@ -507,9 +547,10 @@ class Yard:
         for name, machine in world.machines.items():
             if machine.is_moved or name in self.unheard and not world.robots[name].client.is_heard:
                 continue
-            held = {abs(hold.edge) for hold in world.robots[name].client.allocation.holds}
+            allocation = world.robots[name].client.allocation
+            held = {abs(hold.edge) for hold in allocation.holds}
             ahead = machine.edges[machine.current:] if machine.phase is Phase.RUNNING else ()
-            if not {abs(edge) for edge in ahead} <= held:
+            if not all(abs(edge) in held or self._is_area(edge, allocation) for edge in ahead):
                 return f'{name} drives {ahead}, but holds {sorted(held)}'
             if not self._is_allocated(world.robots[name], machine):
                 return f'{name} is outside of its allocation'
@@ -535,9 +576,9 @@ class Yard:
                    if other.stored is None and not other.client.is_heard]
         begin = record.position
         is_inside = len(record.ahead) == 1 and begin is not None and begin.vertex is None
-        at = self.graph.end_vertex(record.ahead[-2]).id if len(record.ahead) > 1 else (
+        at = self._truth.end_vertex(record.ahead[-2]).id if len(record.ahead) > 1 else (
             None if begin is None else begin.vertex)
-        follows = at == self.graph.start_vertex(edge).id or (
+        follows = at == self._truth.start_vertex(edge).id or (
             is_inside and begin is not None and abs(begin.edge) == abs(edge))
         for wrong, what in (
                 (world.is_stopped, 'the fleet is stopped'),
@@ -547,6 +588,7 @@ class Yard:
                 (not robot.client.is_heard, 'it has not reported'),
                 (robot.client.evidence.clock_is_off, 'its clock is off'),
                 (abs(edge) in world.closed and not is_inside, 'the edge is closed'),
+                (abs(edge) not in self.graph_in_force(world).edges, 'the graph lacks it'),
                 (not follows, 'it does not follow')):
             if wrong:
                 return f'{name} was granted {edge}, but {what}'
@@ -576,16 +618,21 @@ class Yard:
         point = self._point(machine)
         lines = [(self._end(hold.edge, 0), self._end(hold.edge, 2)) for hold in allocation.holds]
         if allocation.vertex is not None:
-            vertex = self.graph.vertices[allocation.vertex].position
+            vertex = self._truth.vertices[allocation.vertex].position
             lines.append((vertex, vertex))
         lines += [(area.line[0], area.line[-1]) for area in allocation.areas]
         return any(_apart(point, *line) < 0.05 for line in lines)
+
+    def _is_area(self, edge: int, allocation: Allocation) -> bool:
+        """Is an edge of another graph held by where it lies?"""
+        return any(all(_apart(self._end(edge, half), area.line[0], area.line[-1]) < 0.05
+                       for half in (0, 2)) for area in allocation.areas)
 
     def _point(self, machine: Machine) -> Tuple[float, float]:
         return self._end(machine.edge, machine.half)
 
     def _end(self, edge: int, half: int) -> Tuple[float, float]:
-        one, other = self.graph.start_vertex(edge), self.graph.end_vertex(edge)
+        one, other = self._truth.start_vertex(edge), self._truth.end_vertex(edge)
         share = half / 2
         return one.x + share * (other.x - one.x), one.y + share * (other.y - one.y)
 
@@ -597,7 +644,7 @@ class Yard:
         def of(route_id: int) -> int:
             return ids.setdefault(route_id, len(ids))
         parts: List[object] = [world.given, world.faults, world.is_stopped, world.is_disk_full,
-                               world.closed]
+                               world.closed, world.is_changed]
         for name in sorted(world.machines):
             parts.append(_machine_key(world.machines[name], of))
             parts.append(_robot_key(world.robots[name], world.machines[name], of))
@@ -651,7 +698,7 @@ def _robot_key(robot: Believed, machine: Machine, of: Callable[[int], int]) -> o
             sum(stamp > client._refused_at for stamp in stamps) if client._awaits_report else 0,
             tuple(record.edges), record.done - record.first, number - record.first,
             round(fraction, 6), record.tail, record.told - record.first, record.position,
-            record.pose, client.evidence.outliers, client.evidence.foreign,
+            record.pose, client.evidence.outliers, client.evidence.lost, client.evidence.foreign,
             robot.needs_person, robot.is_halted, client.is_heard, _memory_key(robot, of))
 
 
@@ -686,7 +733,8 @@ def walk(yard: Yard, random: Random, steps: int, trouble: float = 0.03) -> Optio
             kind = random.choice(useful)
         event = random.choice(kinds[kind])
         if kind == 'grant' and random.random() < 0.1:  # an edge that does not follow, mostly
-            edge = random.choice(list(yard.graph.edges)) * random.choice((1, -1))
+            edges = list(yard.graph_in_force(world).edges)
+            edge = random.choice(edges) * random.choice((1, -1))
             event = (*event[:2], edge)
         yard.states += 1
         if yard.happen(world, event):

@@ -70,7 +70,7 @@ def removed_of(fleet: Fleet, graph: Graph, memories: Mapping[str, RobotMemory],
             client = RouteClient(RouteRecord(graph, memory.kind))
             # It has no topics here any more, so not even a stop can be sent to it.
             client.restore(memory.client.on(graph)._replace(is_stopping=False), now)
-            client.lose(_lost(memory.client, graph, before))
+            client.lose(lost_areas(memory.client, graph, before))
             removed[name] = RemovedRobot(name, memory.kind, client)
     return removed
 
@@ -78,7 +78,7 @@ def removed_of(fleet: Fleet, graph: Graph, memories: Mapping[str, RobotMemory],
 def _restore(robot: ManagedRobot, memory: RobotMemory, graph: Graph, before: Optional[Graph],
              now: float) -> None:
     robot.client.restore(memory.client.on(graph), now)
-    robot.client.lose(_lost(memory.client, graph, before))
+    robot.client.lose(lost_areas(memory.client, graph, before))
     outage = memory.outage
     if outage is not None and (outage.needs_person or outage is Outage.ABSENT):
         robot.outage, robot.why = outage, memory.why
@@ -93,14 +93,20 @@ def is_same(one: Graph, other: Graph) -> bool:
     return (one.vertices, one.edges) == (other.vertices, other.edges)
 
 
-def _lost(memory: Memory, graph: Graph, before: Optional[Graph]) -> List[Area]:
-    """Where a robot may be that a new graph has elsewhere, or not at all."""
+def lost_areas(memory: Memory, graph: Graph, before: Optional[Graph]) -> List[Area]:
+    """Where a robot may be that a new graph has elsewhere, or not at all.
+
+    before -- the graph on which the memory was stored; None: nothing was
+    """
     if before is None or is_same(graph, before):
         return []
+    kept = memory.on(graph)
+    held = {abs(edge) for edge in kept.held if _is_kept(abs(edge), graph, before)}
     areas = [Area(_line(before, edge)) for edge in dict.fromkeys(map(abs, memory.held))
-             if edge in before.edges and not _is_kept(edge, graph, before)]
+             if edge in before.edges and edge not in held]
     position = memory.position
-    if position is not None and position.is_on(before) and not _is_there(position, graph, before):
+    if position is not None and position.is_on(before) and not (
+            kept.position == position and _is_there(position, graph, before)):
         areas.append(Area((position.point(before),)))
     return areas
 
