@@ -314,7 +314,8 @@ class FleetPlannerTest(unittest.TestCase):
         task = RobotTask(robot='agv_1', robot_type='agv', vertex=2, destinations=[4], stays=True)
         self.assertEqual([[2, 3]], self.planned(task))
         rosnode.kill_nodes(['/path_planner'])
-        wait_until(lambda: self.requests.get_num_connections() == 0, 20, 'the end of path_planner')
+        wait_until(lambda: not (self.requests.get_num_connections() or self.answers.is_connected()),
+                   20, 'the end of path_planner')
         wait_until(lambda: self.requests.get_num_connections() > 0 and self.answers.is_connected(),
                    30, 'a new path_planner')
         answer = wait_until(lambda: self.plan_on_new_graph(task), 10, 'a plan of the new planner')

@@ -8,7 +8,9 @@ from supervised_fleet import SupervisedFleet, blocked
 
 from graph_fleet_manager.fleet import Fleet
 from graph_fleet_manager.interlocking.allocation import Knowledge
+from graph_fleet_manager.interlocking.reports import point_of
 from graph_fleet_manager.interlocking.stop_gate import StopGate
+from graph_fleet_manager.supervision.fleet_view import robot_views
 from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.settings import RobotSettings
@@ -115,6 +117,9 @@ def test_a_robot_that_left_the_fleet_file_keeps_its_place_until_it_is_declared_a
     fleet.run(20.0)
     assert fleet.agvs['a'].position[0] <= 6.0 - 2.0 * AGV.radius - fleet.clearance
     assert list(fleet.supervisor.removed) == ['b']
+    _, view = robot_views(fleet.supervisor, fleet.now)
+    assert view.name == 'b' and 'fleet absent b' in view.waits_for
+    assert point_of(fleet.graph, view.pose) == fleet.graph.vertices[4].position
     fleet.do(fleet.supervisor.declare_absent('b', fleet.now)[1])
     fleet.run_until_done(1)
     fleet.restart()
@@ -264,3 +269,17 @@ def test_a_fleet_that_was_stopped_again_meanwhile_does_not_go_on():
     problems, actions = fleet.supervisor.resume_fleet(fleet.now, ticket)
     fleet.do(actions)
     assert problems == ['the fleet was stopped again meanwhile'] and fleet.supervisor.is_stopped
+
+
+def test_a_robot_that_was_stopped_inside_an_edge_leaves_it_though_the_edge_is_closed_since():
+    """Its rest is granted, in either direction (A8)."""
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    fleet.request(1, 8)
+    fleet.run_until(lambda: fleet.agvs['a'].edge == 3 and fleet.agvs['a'].arc > 0.5)
+    fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+    fleet.run(5.0)
+    inside = fleet.agvs['a'].edge
+    fleet.close(inside)
+    fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
+    fleet.run_until_done(1)
+    assert fleet.state(1) is MissionState.SUCCEEDED

@@ -31,11 +31,11 @@ def called(monkeypatch):
         return 'done'
     monkeypatch.setattr(fleet, 'connect', lambda name: None)
     monkeypatch.setattr(fleet, 'call', call)
-    monkeypatch.setattr(fleet, 'is_offered', lambda service: 'wrong' not in service)
     monkeypatch.setattr(fleet, '_robots', lambda: [
         FleetRobot(name='a', state=FleetRobot.UNKNOWN), FleetRobot(name='b'),
         FleetRobot(name='c', state=FleetRobot.UNKNOWN),
-        FleetRobot(name='d', state=FleetRobot.OFFLINE)])
+        FleetRobot(name='d', state=FleetRobot.OFFLINE),
+        FleetRobot(name='near'), FleetRobot(name='gone', state=FleetRobot.OUT_OF_SERVICE)])
     return called
 
 

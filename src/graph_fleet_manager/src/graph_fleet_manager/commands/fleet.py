@@ -16,7 +16,6 @@ from graph_fleet_manager.commands.fleet_client import (
     Listener,
     call,
     connect,
-    is_offered,
     run,
     table,
 )
@@ -86,17 +85,12 @@ def _unseen() -> List[str]:
 
 
 def _absent(robots: Sequence[str]) -> int:
-    """Each of them, whatever becomes of the others.
-
-    A robot that the fleet file does not have any more is in no list, but has the service.
-    """
+    """Each of them, whatever becomes of the others."""
     status = OK
     for robot in robots:
-        service = f'/{robot}/declare_absent'
         try:
-            if not is_offered(service):
-                _check(robot)
-            print(call(service, DeclareAbsent))
+            _check(robot)
+            print(call(f'/{robot}/declare_absent', DeclareAbsent))
         except CommandError as error:
             print(f'fleet: {error}', file=sys.stderr)
             status = max(status, error.status)

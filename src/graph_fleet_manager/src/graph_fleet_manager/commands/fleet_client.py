@@ -102,15 +102,6 @@ def call(service: str, kind: Type[Any] = Trigger) -> str:
     return str(answer.message)
 
 
-def is_offered(service: str) -> bool:
-    """Does the ROS master know who serves this?"""
-    try:
-        rosgraph.Master(rospy.get_name()).lookupService(service)
-    except (rosgraph.MasterException, OSError):
-        return False
-    return True
-
-
 def table(rows: Sequence[Sequence[str]]) -> str:
     """Rows as text, columns below each other."""
     widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]

@@ -11,6 +11,7 @@ from graph_fleet_manager.interlocking.reports import Pose
 from graph_fleet_manager.supervision.duties import Duty, Errand
 from graph_fleet_manager.supervision.missions import MissionState
 from graph_fleet_manager.supervision.outages import Outage
+from graph_fleet_manager.supervision.restoring import RemovedRobot
 from graph_fleet_manager.supervision.robots import ManagedRobot
 from graph_fleet_manager.supervision.supervisor import Supervisor
 
@@ -73,10 +74,11 @@ class DriveView:
 
 
 def robot_views(supervisor: Supervisor, now: float) -> List[RobotView]:
-    """Every robot of the fleet."""
+    """Every robot of the fleet, and those that left the fleet file but still block places."""
     errands = supervisor.errands()
-    return [_view(robot, errands[name], supervisor, now)
-            for name, robot in supervisor.robots.items()]
+    return [*(_view(robot, errands[name], supervisor, now)
+              for name, robot in supervisor.robots.items()),
+            *map(_removed_view, supervisor.removed.values())]
 
 
 def _view(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: float) -> RobotView:
@@ -97,6 +99,17 @@ def _view(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: floa
                      robot.liveness.seen, charge,
                      None if mission is None else mission.request.id, destination,
                      _waits_for(robot, errand, supervisor, now))
+
+
+def _removed_view(robot: RemovedRobot) -> RobotView:
+    record = robot.client.record
+    position, pose = record.position, Pose()
+    if position is not None:
+        pose = Pose(position.edge, position.fraction) if position.vertex is None else (
+            Pose(record.graph.edges_from(position.vertex)[0]))
+    return RobotView(robot.name, robot.type.name, RobotState.OUT_OF_SERVICE, None, pose, -math.inf,
+                     math.nan, None, None, 'it is not in the fleet file any more; its places stay '
+                     f'blocked until `fleet absent {robot.name}`')
 
 
 def _waits_for(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: float) -> str:
