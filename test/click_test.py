@@ -55,7 +55,7 @@ class ClickTest(unittest.TestCase):
         cls.controller = FakeController('/omron_ld90')
         cls.feedback = Recorder('/omron_ld90/user_feedback', String)
         cls.handles = Recorder('/omron_ld90/interactive_goals/update_full', InteractiveMarkerInit)
-        cls.clicks = connected_publisher('/clicked_point', PointStamped)
+        cls.clicks = connected_publisher('/omron_ld90/clicked_point', PointStamped)
         cls.events = connected_publisher('/omron_ld90/interactive_goals/feedback',
                                          InteractiveMarkerFeedback)
         cls.routes = connected_publisher('/omron_ld90/execution_route_states',

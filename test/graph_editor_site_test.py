@@ -167,7 +167,7 @@ class Editor:
     def __init__(self, map_file: Path, graph_file: Path) -> None:
         self._files = {'map_file': map_file, 'graph_file': graph_file}
         artefacts = os.environ.get('SYSTEM_TEST_ARTEFACTS', '/tmp')
-        self._graphs = Recorder('/graph', GraphMessage)
+        self._graphs = Recorder('/graph_editor/graph', GraphMessage)
         self._words = Recorder('/graph_editor/words', String)
         self._node = Launched('edit.launch', package='graph_editor', rviz='false', window='false',
                               **self._files)
@@ -192,7 +192,7 @@ class Editor:
         self._node.__exit__()
 
     def graph(self) -> Graph:
-        """The last one on /graph."""
+        """The last one on graph_editor/graph."""
         self._graphs.wait_for(lambda message: True, 60.0, 'graph')
         return graph_from_message(self._graphs.messages[-1])
 
@@ -267,7 +267,7 @@ class Editor:
 
     def _graph_with(self, condition: Callable[[Graph], bool], what: str) -> Graph:
         try:
-            wait_until(lambda: condition(self.graph()), 20.0, f'{what} on /graph')
+            wait_until(lambda: condition(self.graph()), 20.0, f'{what} on graph_editor/graph')
         except AssertionError as error:
             self._window.picture('graph_editor_failed')
             raise AssertionError(f'{error}; last words: {self._words.messages[-1].data}') from None

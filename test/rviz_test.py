@@ -55,7 +55,7 @@ class RvizTest(RvizTestCase):
         cls.artefacts = os.environ.get('SYSTEM_TEST_ARTEFACTS', '/tmp')
         cls.lines = Recorder('/omron_ld90/arcl_response', String)
         cls.commands = CommandRecorder('omron_ld90')
-        cls.clicks = Recorder('/clicked_point', PointStamped)
+        cls.clicks = Recorder('/omron_ld90/clicked_point', PointStamped)
         cls.feedback = Recorder('/omron_ld90/user_feedback', String)
         cls.names = Recorder('/omron_ld90/map_markers/goal_names', MarkerArray)
         cls.poses = Recorder('/omron_ld90/pose', PoseStamped)

@@ -69,8 +69,7 @@ def _ld90(root: ET.Element, entry: Entry, site: Site, options: Options,
         'password_file': entry.password_file or files['simulator_password'],
         'map_file': site.map_file, 'graph_file': site.graph_file, 'dock_vertex': site.dock,
         'route_file': '' if entry.is_simulated else ROUTE_FILE.format(entry.name),
-        'strategy': options.strategy, 'nav_goal': 'move_base_simple/goal',
-        'pose_estimate': 'initialpose'})
+        'strategy': options.strategy})
     group = ET.SubElement(root, 'group', ns=entry.name)
     if entry.is_simulated:  # what an older run under the same ROS master left means nothing to it
         group.set('clear_params', 'true')

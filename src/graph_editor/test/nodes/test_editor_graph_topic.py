@@ -1,4 +1,4 @@
-"""What those who follow /graph hear while a graph is edited."""
+"""What those who follow the edited graph hear while a graph is edited."""
 from __future__ import annotations
 
 import pytest
@@ -30,7 +30,7 @@ def draft() -> Draft:
 
 
 def test_each_draft_is_told_whole(sent, draft):
-    topic = GraphTopic()
+    topic = GraphTopic('graph_editor/graph')
     for step in (draft, editing.move_vertex(draft, 3, 5.0, 1.0), editing.delete_edge(draft, 2)):
         topic.publish(step)
     assert len(sent) == 2, 'a draft in two parts is not valid'
@@ -41,7 +41,7 @@ def test_each_draft_is_told_whole(sent, draft):
 
 
 def test_elements_that_are_gone_are_not_told_any_more(sent, draft):
-    topic = GraphTopic()
+    topic = GraphTopic('graph_editor/graph')
     topic.publish(draft)
     topic.publish(editing.delete_vertex(draft, 3))
     assert [vertex.id for vertex in sent[-1].vertices] == [1, 2]
@@ -49,7 +49,7 @@ def test_elements_that_are_gone_are_not_told_any_more(sent, draft):
 
 
 def test_what_stays_the_same_keeps_its_message(sent, draft):
-    topic = GraphTopic()
+    topic = GraphTopic('graph_editor/graph')
     topic.publish(draft)
     topic.publish(editing.move_vertex(draft, 3, 5.0, 1.0))
     kept = [one is other for one, other in zip(sent[0].vertices, sent[1].vertices)]

@@ -408,10 +408,33 @@ def test_a_complete_route_whose_edges_are_others_now_gets_no_longer():
     assert 'the graph was replaced' in refusals(bench, 7)[-1].reason.text
 
 
-def test_a_new_graph_with_other_edges_ends_the_route():
+def moved_graph():
+    return graph_of({1: (0, 0), 2: (4, 0), 7: (9, 0), 6: (12, 2)},
+                    {1: (1, 2), 4: (2, 7), 5: (7, 6)})
+
+
+def test_a_new_graph_with_other_edges_is_refused_while_the_robot_drives_on_them():
     bench = under_way()
-    moved = graph_of({1: (0, 0), 2: (4, 0), 7: (9, 0), 6: (12, 2)},
-                     {1: (1, 2), 4: (2, 7), 5: (7, 6)})
-    actions = bench.follower.use_graph(moved, bench.now)
-    assert actions[0].command == 'stop'
-    assert 'the graph was replaced' in bench.follower.report().reason.text
+    before = bench.follower.graph
+    note, = bench.follower.use_graph(moved_graph(), bench.now)
+    assert note.text == 'A /graph is refused until route 7 has ended: edge 4 runs elsewhere'
+    assert bench.follower.graph is before
+    bench.run()
+    assert bench.states() == [2, 2, 2], 'the robot drives where the fleet manager sent it'
+
+
+def test_a_refused_graph_is_in_force_once_the_route_has_ended():
+    bench = under_way()
+    moved = moved_graph()
+    bench.follower.use_graph(moved, bench.now)
+    bench.order(7)
+    assert bench.follower.graph is moved
+
+
+def test_the_old_graph_again_takes_a_refused_one_back():
+    bench = under_way()
+    before = bench.follower.graph
+    bench.follower.use_graph(moved_graph(), bench.now)
+    bench.follower.use_graph(dissertation_graph(), bench.now)
+    bench.order(7)
+    assert bench.follower.graph is before

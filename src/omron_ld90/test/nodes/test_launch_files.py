@@ -269,3 +269,44 @@ def test_no_password_is_a_parameter_or_an_argument_of_a_process():
 def test_another_robot_name_moves_every_node():
     nodes, _ = expand('full_stack.launch', 'robot_name:=robot7')
     assert {name.split('/')[1] for name in nodes} == {'robot7'}
+
+
+#: Topics of RViz's tools, by the program that has them.
+TOOLS = {
+    'omron_controller': ('move_base_simple/goal', 'initialpose'), 'goal_sender': ('clicked_point',),
+    'route_visualisation': ('move_base_simple/goal',), 'vda5050_vehicle': ('initialpose',),
+    'rviz_view': ('clicked_point', 'move_base_simple/goal', 'initialpose')}
+
+
+def tools_of(name: str, *given: str):
+    """What the topics of tools are called in the end, by node."""
+    called = {}
+    for path, node in expand(name, *given)[0].items():
+        namespace = path.rsplit('/', 1)[0]
+        renamed = {old if old.startswith('/') else f'{namespace}/{old}':
+                   new if new.startswith('/') else f'{namespace}/{new}'
+                   for old, new in node.remap_args}
+        for topic in TOOLS.get(node.type, ()):
+            called.setdefault(path, set()).add(renamed.get(f'{namespace}/{topic}',
+                                                           f'{namespace}/{topic}'))
+    return called
+
+
+@pytest.mark.parametrize('file', LAUNCH_FILES, ids=lambda file: file.name)
+def test_only_the_full_stack_listens_to_tools_of_everybody(file):
+    called = {topic for topics in tools_of(file.name).values() for topic in topics}
+    everybodys = {topic for topic in called if topic.lstrip('/') in sum(TOOLS.values(), ())}
+    assert everybodys == (called if file.name == 'full_stack.launch' else set())
+
+
+def test_both_ends_of_each_tool_have_one_name_in_the_full_stack():
+    called = tools_of('full_stack.launch', 'vda5050:=true', 'rviz:=true', 'robot_name:=lab')
+    assert set(called) == {f'/lab/{name}' for name in (
+        'omron_controller', 'goal_sender', 'route_visualisation', 'vda5050_vehicle', 'rviz')}
+    assert called['/lab/vda5050_vehicle'] <= called['/lab/omron_controller']
+    assert called['/lab/rviz'] == (called['/lab/omron_controller'] | called['/lab/goal_sender'])
+
+
+def test_rviz_on_another_computer_speaks_to_a_full_stack():
+    assert tools_of('rviz.launch', 'tools:=/') == {'/omron_ld90/rviz': {
+        '/clicked_point', '/move_base_simple/goal', '/initialpose'}}

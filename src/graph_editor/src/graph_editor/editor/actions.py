@@ -27,6 +27,7 @@ class Action(Enum):
     UNDO = 'Undo'
     REDO = 'Redo'
     SAVE = 'Save'
+    TAKE_OVER = 'Save and take over: robots drive on it'
     LOAD = 'Load again from the file'
     SPEED = 'Speed'
     GRID = 'Snap to a grid'
@@ -54,7 +55,8 @@ _SPEEDS = Entry(Action.SPEED.value, entries=tuple(
     Entry(f'{speed:g} m/s', Action.SPEED, speed) for speed in SPEEDS))
 _GRIDS = Entry(Action.GRID.value, entries=tuple(
     Entry(f'{grid:g} m' if grid else 'Off', Action.GRID, grid) for grid in GRIDS))
-_ALWAYS = (*_entries(Action.UNDO, Action.REDO), _GRIDS, *_entries(Action.SAVE, Action.LOAD))
+_ALWAYS = (*_entries(Action.UNDO, Action.REDO), _GRIDS,
+           *_entries(Action.SAVE, Action.TAKE_OVER, Action.LOAD))
 
 VERTEX_MENU: Tuple[Entry, ...] = (
     *_entries(Action.CONNECT, Action.CONNECT_HERE, Action.HEAD_ALONG, Action.QUARTER_LEFT,

@@ -45,6 +45,7 @@ class Session:
         self.grid = 0.0
         self.said = ''
         self.version = 0
+        self.on_take_over: Callable[[Draft], None] = lambda draft: None
 
     @property
     def draft(self) -> Draft:
@@ -147,7 +148,7 @@ class Session:
             self._tried(lambda: self._connect_from(id))
         elif action is Action.CONNECT_HERE:
             if self.connecting_from is None:
-                self._say('First choose "Connect from here" at another vertex')
+                self.say('First choose "Connect from here" at another vertex')
             else:
                 self.click_vertex(id)
 
@@ -166,7 +167,7 @@ class Session:
     def set_grid(self, grid: float) -> None:
         """Vertices come to lie on a grid of so many m; 0: anywhere."""
         self.grid = grid
-        self._say(f'Vertices snap to {grid:g} m' if grid else 'Vertices snap to no grid')
+        self.say(f'Vertices snap to {grid:g} m' if grid else 'Vertices snap to no grid')
 
     def undo(self) -> None:
         """Takes the last change back."""
@@ -183,26 +184,32 @@ class Session:
         try:
             edited = self._file.edited(self.draft)
             if not self._is_unchanged_on_disk():
-                self._say(f'NOT SAVED: {self._path} was changed by another program meanwhile. '
+                self.say(f'NOT SAVED: {self._path} was changed by another program meanwhile. '
                           f'"{Action.LOAD.value}" shows that; undo brings your changes back')
                 return False
             edited.save(self._path)
         except GraphError as error:
-            self._say(f'NOT SAVED: {error}')
+            self.say(f'NOT SAVED: {error}')
             return False
         except OSError as error:
-            self._say(f'NOT SAVED: {self._path} cannot be written ({error.strerror})')
+            self.say(f'NOT SAVED: {self._path} cannot be written ({error.strerror})')
             return False
         self._file, self._is_new = edited, False
-        self._say(f'Saved {self._path}')
+        self.say(f'Saved {self._path}')
         return True
+
+    def take_over(self) -> None:
+        """Saves the graph and has it put in force: robots are to drive on it from now on."""
+        if self.is_saved or self.save():
+            self.say(f'Taking over {self._path}')
+            self.on_take_over(self.draft)
 
     def load_again(self) -> None:
         """Takes up what is in the file; undo brings back what was there before."""
         try:
             self._file = GraphFile.load(self._path)
         except GraphError as error:
-            self._say(f'Not loaded: {error}')
+            self.say(f'Not loaded: {error}')
             return
         self._is_new = False
         self.history.change('load again', self._file.draft)
@@ -251,13 +258,14 @@ class Session:
         else:
             self.draft.edge(id)
         self._select(kind, id)
-        self._say(words)
+        self.say(words)
 
     def _select(self, kind: str, id: int) -> None:
         self.selected = Selected(kind, id)
         self.version += 1
 
-    def _say(self, words: str) -> None:
+    def say(self, words: str) -> None:
+        """Words for the person at the screen."""
         self.said = words
         self.version += 1
 
@@ -265,13 +273,13 @@ class Session:
         try:
             edit()
         except (EditError, GraphError) as error:
-            self._say(f'Not done: {error}')
+            self.say(f'Not done: {error}')
 
     def _change(self, name: str, draft: Draft, gesture: object = None) -> None:
         if self.history.change(name, draft, gesture):
             self._after_step(name[0].upper() + name[1:])
         elif gesture is None:
-            self._say(f'It is so already: {name}')
+            self.say(f'It is so already: {name}')
 
     def _after_step(self, words: str) -> None:
         """Forgets what is not there any more."""
@@ -282,13 +290,14 @@ class Session:
             there = draft.vertices if self.selected.kind == 'vertex' else draft.edges
             if self.selected.id not in there:
                 self.selected = None
-        self._say(words)
+        self.say(words)
 
 
 _ANYWHERE: Dict[Action, Callable[[Session, float], object]] = {
     Action.UNDO: lambda session, _: session.undo(),
     Action.REDO: lambda session, _: session.redo(),
     Action.SAVE: lambda session, _: session.save(),
+    Action.TAKE_OVER: lambda session, _: session.take_over(),
     Action.LOAD: lambda session, _: session.load_again(),
     Action.GRID: Session.set_grid,
 }

@@ -2,13 +2,16 @@
 
 Publishes
   graph_editor/update, /update_full  handles of vertices and edges (interactive markers)
-  /graph              itrci_nav_msgs/Graph, latched: the graph as it is edited, whenever it is valid
+  graph_editor/graph  itrci_nav_msgs/Graph, latched: the graph as it is edited, whenever it is valid
+  /graph              itrci_nav_msgs/Graph, latched: the graph that was taken over, where no fleet
+                      manager runs; elsewhere "take over" calls /reload_graph (std_srvs/Trigger)
   graph_editor/map    nav_msgs/OccupancyGrid, latched: the map, outside what counts as unknown
   graph_editor/findings  visualization_msgs/MarkerArray, latched: what is wrong, and the last words
   graph_editor/words  std_msgs/String, latched: what was done, or why it was not
   TF map -> graph_editor, so that RViz knows the frame
 Subscribes
-  clicked_point       geometry_msgs/PointStamped: RViz's Publish Point adds a vertex or cuts an edge
+  graph_editor/clicked_point  geometry_msgs/PointStamped: RViz's Publish Point adds a
+                      vertex or cuts an edge
 Parameters
   ~map_file           .map of a robot, .yaml of a ROS map, or topic:NAME (required)
   ~graph_file         graph to edit; one that is not there is made from the map (required)
@@ -48,20 +51,22 @@ from graph_editor.nodes.drawing import MAP_FRAME
 from graph_editor.nodes.graph_topic import GraphTopic
 from graph_editor.nodes.handles import AMBER, BLACK, RED
 from graph_editor.nodes.live_map import load_map
+from graph_editor.nodes.take_over import TakeOver
 from graph_editor.site import Site, SiteOptions
-from node_lifecycle import init_node
+from node_lifecycle import ConfigurationError, init_node, number, parameter
 from omron_map import MapError
 from trajectory_graph import TrajectoryGraphError
+from trajectory_graph.editing import Draft
 from trajectory_graph.yaml_editing import GraphFile
 from trajectory_graph.yaml_file import dump_graph
 
 TICK = 0.1  # s
 REST = 0.5  # s without a change: then everything is checked again
-GRAPH_PERIOD = 0.25  # s between two messages on /graph, at least
+GRAPH_PERIOD = 0.25  # s between two messages with drafts, at least
 
 
 class EditorNode:
-    """Connects a session with RViz, with those who follow /graph, and with the window."""
+    """Connects a session with RViz, with those who follow its graph, and with the window."""
 
     def __init__(self, session: Session, site: Site, rules: CheckRules) -> None:
         self.session = session
@@ -74,7 +79,8 @@ class EditorNode:
         self._last_draft = session.draft
         self._own: Dict[Key, Optional[Severity]] = {}
         self._board = Board(session, self.lock, self.show)
-        self._graphs = GraphTopic()
+        self._graphs = GraphTopic(f'{NAMESPACE}/graph')
+        self._taking_over = TakeOver()
         self._maps = rospy.Publisher(f'{NAMESPACE}/map', OccupancyGrid, queue_size=1, latch=True)
         self._markers = rospy.Publisher(f'{NAMESPACE}/findings', MarkerArray, queue_size=1,
                                         latch=True)
@@ -84,7 +90,9 @@ class EditorNode:
         self._frames.sendTransform(_frame())
         self.show()
         gc.freeze()
-        self._subscriber = rospy.Subscriber('clicked_point', PointStamped, self._on_click)
+        self._subscriber = rospy.Subscriber(f'{NAMESPACE}/clicked_point', PointStamped,
+                                            self._on_click)
+        session.on_take_over = self._take_over
         self._timer = threading.Thread(target=self._watch, daemon=True)
         self._timer.start()
 
@@ -116,6 +124,17 @@ class EditorNode:
             with self.lock:
                 self.session.click_floor(click.point.x, click.point.y)
                 self.show()
+
+    def _take_over(self, draft: Draft) -> None:
+        """The fleet manager's answer may take seconds, in which the editor stays usable."""
+        threading.Thread(target=self._put_in_force, args=(draft,), name='take over',
+                         daemon=True).start()
+
+    def _put_in_force(self, draft: Draft) -> None:
+        words = self._taking_over.put_in_force(draft, self.session.path)
+        with self.lock:
+            self.session.say(words)
+            self.show()
 
     def _watch(self) -> None:
         while not rospy.is_shutdown():
@@ -216,15 +235,14 @@ def _frame() -> TransformStamped:
 
 
 def _start() -> Tuple[EditorNode, bool]:
-    """The node, and whether it shall have a window; raises SiteError and the files' errors."""
-    map_file = str(rospy.get_param('~map_file', ''))
-    graph_file = str(rospy.get_param('~graph_file', ''))
-    if not map_file or not graph_file:
-        raise SiteError('The parameters ~map_file and ~graph_file must name a map and a graph.')
-    rules = CheckRules(robot_width=float(rospy.get_param('~robot_width', 0.5)),
-                       robot_length=float(rospy.get_param('~robot_length', 0.7)),
-                       corridor=float(rospy.get_param('~corridor', 0.9)))
-    area = str(rospy.get_param('~area', ''))
+    """The node, and whether it shall have a window; raises ConfigurationError, SiteError and the
+    files' errors."""
+    map_file, graph_file = parameter('~map_file'), parameter('~graph_file')
+    rules = CheckRules(robot_width=number('~robot_width', 0.5, 0.0),
+                       robot_length=number('~robot_length', 0.7, 0.0),
+                       corridor=number('~corridor', 0.9, 0.0))
+    area, with_window = parameter('~area', ''), parameter('~window', True, bool)
+    grid = number('~grid', 0.0, 0.0)
     site = load_map(map_file, SiteOptions(area_of(area, '~area') if area else None))
     is_new = not os.path.exists(graph_file)
     if is_new:
@@ -237,9 +255,9 @@ def _start() -> Tuple[EditorNode, bool]:
     else:
         file = GraphFile.load(graph_file)
     session = Session(file, graph_file, is_new)
-    session.set_grid(float(rospy.get_param('~grid', 0.0)))
+    session.set_grid(grid)
     session.said = f'{len(file.draft.vertices)} vertices and {len(file.draft.edges)} edges'
-    return EditorNode(session, site, rules), bool(rospy.get_param('~window', True))
+    return EditorNode(session, site, rules), with_window
 
 
 def main() -> int:
@@ -247,7 +265,7 @@ def main() -> int:
     init_node('graph_editor')
     try:
         node, with_window = _start()
-    except (SiteError, MapError, TrajectoryGraphError, ValueError) as error:
+    except (ConfigurationError, SiteError, MapError, TrajectoryGraphError, ValueError) as error:
         rospy.logerr('%s', error)
         return 1
     if with_window:

@@ -1,4 +1,4 @@
-"""The graph as it is edited, for all who follow /graph."""
+"""A draft as a message, for those who follow a graph."""
 from __future__ import annotations
 
 from typing import Any, Dict, Mapping, Tuple
@@ -16,14 +16,14 @@ Made = Dict[int, Tuple[Any, Any]]
 
 
 class GraphTopic:
-    """Publishes drafts, latched. An element that stays the same keeps its message.
+    """Publishes drafts on a topic, latched. An element that stays the same keeps its message.
 
     While a vertex is dragged that happens four times a second, beside the answers to the mouse:
     1,500 new messages would hold one of those up.
     """
 
-    def __init__(self) -> None:
-        self._publisher = rospy.Publisher('/graph', Graph, queue_size=1, latch=True)
+    def __init__(self, name: str) -> None:
+        self._publisher = rospy.Publisher(name, Graph, queue_size=1, latch=True)
         self._vertices: Made = {}
         self._edges: Made = {}
 

@@ -17,7 +17,7 @@ from trajectory_graph import CurveType, Edge, Vertex
 PERIOD = 100  # ms
 WIDTH, HEIGHT = 360, 720  # px
 ERROR, WARNING = QtGui.QColor(200, 20, 20), QtGui.QColor(190, 110, 0)
-UNDO_KEY, REDO_KEY, SAVE_KEY = 'Ctrl+Z', 'Ctrl+Shift+Z', 'Ctrl+S'
+UNDO_KEY, REDO_KEY, SAVE_KEY, TAKE_OVER_KEY = 'Ctrl+Z', 'Ctrl+Shift+Z', 'Ctrl+S', 'Ctrl+T'
 Fields = Dict[str, Any]
 
 
@@ -39,6 +39,7 @@ class EditorWindow(QtWidgets.QMainWindow):
         self._undo = self._button(buttons, 'Undo', UNDO_KEY, lambda session: session.undo())
         self._redo = self._button(buttons, 'Redo', REDO_KEY, lambda session: session.redo())
         self._save = self._button(buttons, 'Save', SAVE_KEY, lambda session: session.save())
+        self._button(buttons, 'Take over', TAKE_OVER_KEY, lambda session: session.take_over())
         layout = QtWidgets.QVBoxLayout()
         layout.addWidget(self._form)
         layout.addLayout(buttons)

@@ -19,9 +19,9 @@ from omron_ld90.bridge.robot_monitor import RobotMonitor
 from omron_ld90.bridge.route_orders import (
     check_change,
     check_start,
+    first_change,
     is_change,
     is_equal,
-    is_same_in,
 )
 from omron_ld90.bridge.route_progress import RouteProgress
 from omron_ld90.bridge.route_restart import go_on
@@ -53,6 +53,7 @@ class RouteFollower:
         """`links` are those that must stand before an order is taken up."""
         self.settings = settings
         self.graph = graph
+        self._next_graph: Optional[Graph] = None  # refused until the running route has ended
         self.robot = RobotMonitor(settings, links)
         self.route: Optional[RouteRun] = None
         """The running route, or the last one."""
@@ -75,7 +76,7 @@ class RouteFollower:
         return self._answer(partial(self._go_on, now), now)
 
     def use_graph(self, graph: Graph, now: float) -> List[p.Action]:
-        """Replaces the graph; a running route goes on when its edges are what they were."""
+        """Replaces the graph; one that changes edges of the running route waits for its end."""
         return self._answer(partial(self._use_graph, graph, now), now)
 
     def restore(self, record: p.RouteRecord, is_recent: bool, now: float) -> None:
@@ -123,6 +124,8 @@ class RouteFollower:
         percentage has changed."""
         try:
             handle()
+            if self._next_graph is not None and not self.running:
+                self._use_graph(self._next_graph, now)
         except RouteFailed as failure:
             self._fail(failure, now)
         actions: List[p.Action] = [*self.robot.due_commands(now), *self._out]
@@ -287,17 +290,20 @@ class RouteFollower:
             raise RouteFailed(unknown)
 
     def _use_graph(self, graph: Graph, now: float) -> None:
+        self._next_graph = None
         if self.graph is not None and is_equal(graph, self.graph):
             return
-        self.graph = graph
         route = self.route
-        if route and route.is_on_graph:
-            if is_same_in(graph, route.progress.graph, route.edges):
-                route.use_graph(graph)
-            elif route.running:
-                raise RouteFailed(Reason(
-                    ReasonCode.GRAPH_CHANGED,
-                    'the graph was replaced, and edges of the route are not what they were'))
+        changed = route and route.is_on_graph and first_change(
+            graph, route.progress.graph, route.edges)
+        if route and route.running and changed:
+            self._next_graph = graph
+            self._note(f'A /graph is refused until route {route.order.route_id} has ended: '
+                       f'{changed}')
+            return
+        self.graph = graph
+        if route and route.is_on_graph and not changed:
+            route.use_graph(graph)
         self._go_on(now)
 
     def _fail(self, failure: RouteFailed, now: float) -> None:

@@ -52,6 +52,8 @@ def is_equal(graph: Graph, other: Graph) -> bool:
     return dict(graph.vertices) == dict(other.vertices) and dict(graph.edges) == dict(other.edges)
 
 
-def is_same_in(graph: Graph, other: Graph, edges: Tuple[int, ...]) -> bool:
-    """Are these edges of `other` the same in `graph`, but for their speeds?"""
-    return all(change_of(other, graph, edge) is None for edge in edges)
+def first_change(graph: Graph, other: Graph, edges: Tuple[int, ...]) -> str:
+    """How the first of these edges of `other` that `graph` changes is another one, a clause;
+    empty: they are the same, but for their speeds."""
+    return next((f'edge {abs(edge)} {change}' for edge in edges
+                 for change in [change_of(other, graph, edge)] if change), '')

@@ -183,7 +183,7 @@ class EdgesToVertices:
 
     def _on_graph(self, graph: Graph) -> None:
         self._calls.put(lambda now: self._follower.use_graph(graph, now))
-        rospy.loginfo('The graph of /graph is used: %d vertices, %d edges.',
+        rospy.loginfo('Another graph has come on /graph: %d vertices, %d edges.',
                       len(graph.vertices), len(graph.edges))
 
     # --- the thread that has the follower --------------------------------------------------------
