@@ -6,8 +6,8 @@ from random import Random
 
 import pytest
 from fleet_builders import AGV, corridor
-from supervised_fleet import SupervisedFleet
 
+from fleet_simulation.supervised_fleet import SupervisedFleet
 from graph_fleet_manager.nodes import event_loop
 from graph_fleet_manager.nodes.event_loop import BATCH, TICK, EventLoop
 from graph_fleet_manager.supervision.actions import Note, TellStatus

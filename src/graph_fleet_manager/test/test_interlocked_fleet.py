@@ -4,8 +4,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from fleet_builders import AGV, corridor, ladder
-from supervised_fleet import SupervisedFleet, blocked
 
+from fleet_simulation.supervised_fleet import SupervisedFleet, blocked
 from graph_fleet_manager.fleet import Fleet
 from graph_fleet_manager.interlocking.allocation import Knowledge
 from graph_fleet_manager.interlocking.reports import point_of

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import pytest
 from fleet_builders import AGV, corridor, graph_of, ladder
-from supervised_fleet import SupervisedFleet
 
+from fleet_simulation.supervised_fleet import SupervisedFleet
 from graph_fleet_manager.interlocking.reports import Pose, Report
 from graph_fleet_manager.supervision.fleet_view import RobotState, plan_views, robot_views
 from graph_fleet_manager.supervision.missions import Command, MissionState

@@ -11,11 +11,22 @@ from typing import Dict, List, Sequence
 
 import pytest
 from fleet_builders import AGV, corridor
-from fleet_chaos import DOCKS, PARKING, PEOPLE, ROBOTS, SAME, TROUBLE, YARD, Act, Chaos, Event
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from supervised_fleet import SupervisedFleet
 
+from fleet_simulation.chaos import (
+    DOCKS,
+    PARKING,
+    PEOPLE,
+    ROBOTS,
+    SAME,
+    TROUBLE,
+    YARD,
+    Act,
+    Chaos,
+    Event,
+)
+from fleet_simulation.supervised_fleet import SupervisedFleet
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.supervision.actions import SendRoute
 from graph_fleet_manager.supervision.missions import MissionState

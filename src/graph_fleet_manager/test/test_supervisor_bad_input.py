@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import pytest
 from fleet_builders import AGV, corridor
-from supervised_fleet import SupervisedFleet, blocked
 
+from fleet_simulation.supervised_fleet import SupervisedFleet, blocked
 from graph_fleet_manager.interlocking.reports import Pose, Report
 from graph_fleet_manager.planning.tasks import Outcome
 from graph_fleet_manager.supervision.missions import Command, MissionState

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pytest
 from fleet_builders import AGV, corridor, graph_of
-from supervised_fleet import SupervisedFleet
 
+from fleet_simulation.supervised_fleet import SupervisedFleet
 from graph_fleet_manager.supervision.battery import MUTE
 from graph_fleet_manager.supervision.fleet_view import RobotState, robot_views
 from graph_fleet_manager.supervision.missions import MissionState

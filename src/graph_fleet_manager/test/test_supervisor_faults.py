@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import pytest
 from fleet_builders import AGV, corridor, graph_of
-from supervised_agv import CANNOT_BRAKE, LOST_LINK
-from supervised_fleet import SupervisedFleet, blocked
 
+from fleet_simulation.plain_agv import CANNOT_BRAKE, LOST_LINK
+from fleet_simulation.supervised_fleet import SupervisedFleet, blocked
 from graph_fleet_manager.interlocking.reports import CLOCK_ERROR, Pose
 from graph_fleet_manager.supervision.fleet_view import robot_views
 from graph_fleet_manager.supervision.missions import Command, MissionState

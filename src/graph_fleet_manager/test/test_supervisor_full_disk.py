@@ -3,8 +3,8 @@ from __future__ import annotations
 
 import pytest
 from fleet_builders import AGV, corridor
-from supervised_fleet import SupervisedFleet
 
+from fleet_simulation.supervised_fleet import SupervisedFleet
 from graph_fleet_manager.supervision.fleet_view import robot_views
 from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.outages import Outage

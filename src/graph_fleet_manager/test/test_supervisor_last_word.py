@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import pytest
 from fleet_builders import AGV, corridor
-from supervised_agv import LOST_LINK
-from supervised_fleet import SupervisedFleet, blocked
 
+from fleet_simulation.plain_agv import LOST_LINK
+from fleet_simulation.supervised_fleet import SupervisedFleet, blocked
 from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.settings import RobotSettings

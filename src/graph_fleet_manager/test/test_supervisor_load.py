@@ -5,8 +5,8 @@ from collections import Counter
 
 import pytest
 from fleet_builders import AGV, corridor
-from supervised_fleet import SupervisedFleet
 
+from fleet_simulation.supervised_fleet import SupervisedFleet
 from graph_fleet_manager.nodes.event_loop import BATCH, EventLoop
 from graph_fleet_manager.supervision import assignment
 from graph_fleet_manager.supervision.missions import MissionBook, MissionState, Request

@@ -3,8 +3,8 @@ from __future__ import annotations
 
 import pytest
 from fleet_builders import AGV, corridor, ladder
-from supervised_fleet import SupervisedFleet, blocked
 
+from fleet_simulation.supervised_fleet import SupervisedFleet, blocked
 from graph_fleet_manager.interlocking.reports import Pose, Report
 from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.outages import Outage, Sign

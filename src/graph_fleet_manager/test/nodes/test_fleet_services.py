@@ -6,8 +6,8 @@ import threading
 import pytest
 from fleet_builders import AGV, corridor
 from std_srvs.srv import TriggerRequest
-from supervised_fleet import SupervisedFleet
 
+from fleet_simulation.supervised_fleet import SupervisedFleet
 from graph_fleet_manager.interlocking.pending_order import REPEAT
 from graph_fleet_manager.interlocking.stop_gate import StopGate
 from graph_fleet_manager.nodes import fleet_services

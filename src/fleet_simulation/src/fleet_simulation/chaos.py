@@ -2,18 +2,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from itertools import groupby
 from typing import Callable, Dict, Iterator, List, NamedTuple, Sequence, Set, Tuple
 
-from fleet_builders import graph_of
-from fleet_promises import Promises
-from supervised_fleet import STEP, SupervisedFleet
-
+from fleet_simulation.promises import Promises
+from fleet_simulation.supervised_fleet import STEP, SupervisedFleet
 from graph_fleet_manager.nodes.early_stop import EarlyStop
 from graph_fleet_manager.supervision.missions import Command, Mission, MissionState, Request
 from graph_fleet_manager.supervision.outbox import AGAIN
-from trajectory_graph import Graph
+from trajectory_graph import Edge, Graph, Vertex
 from trajectory_graph.route_protocol import TAKEN_OVER, Reason, ReasonCode
 
 ROBOTS = ('a', 'b', 'c')
@@ -37,9 +34,9 @@ def yard() -> Graph:
         ends[100 + k], ends[200 + k] = (k + 1, k + 11), (k + 11, k + 21)
         if k:
             ends[k], ends[k + 10] = (k, k + 1), (k + 10, k + 11)
-    graph = graph_of(places, ends)
-    return Graph([replace(vertex, dock=vertex.id in DOCKS) for vertex in graph.vertices.values()],
-                 graph.edges.values())
+    return Graph([Vertex(id, *place, 0.0, dock=id in DOCKS) for id, place in places.items()],
+                 [Edge(id, *pair, velocity_forward=1.0, velocity_backwards=1.0)
+                  for id, pair in ends.items()])
 
 
 YARD = yard()

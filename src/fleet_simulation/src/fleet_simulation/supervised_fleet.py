@@ -9,10 +9,20 @@ import os
 import tempfile
 from dataclasses import replace
 from random import Random
-from typing import Callable, Dict, Iterable, List, Mapping, Optional, Protocol, Sequence, Tuple
+from typing import (
+    Any,
+    Callable,
+    Dict,
+    Iterable,
+    List,
+    Mapping,
+    Optional,
+    Protocol,
+    Sequence,
+    Tuple,
+)
 
-from supervised_agv import Agv, LostLink
-
+from fleet_simulation.plain_agv import Agv, LostLink
 from graph_fleet_manager.fleet import Fleet, Robot, RobotType
 from graph_fleet_manager.interlocking.reports import Report
 from graph_fleet_manager.planning.planner import FleetPlanner
@@ -149,7 +159,7 @@ class SupervisedFleet:
 
     # -- what users do ----------------------------------------------------------------------------
 
-    def request(self, id: int, *destinations: int, **more: object) -> None:
+    def request(self, id: int, *destinations: int, **more: Any) -> None:
         """Sends a mission."""
         self.do(self.supervisor.request(Request(id, destinations, **more), self.now))
 

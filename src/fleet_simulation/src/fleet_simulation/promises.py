@@ -15,8 +15,8 @@ from typing import Dict, Iterable, List, Optional, Sequence, Set, Tuple
 from shapely.geometry import LineString, Point
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
-from supervised_fleet import STEP, SupervisedFleet, blocked
 
+from fleet_simulation.supervised_fleet import STEP, SupervisedFleet, blocked
 from graph_fleet_manager.interlocking.reports import NEAR
 from graph_fleet_manager.supervision.actions import SendRoute
 from graph_fleet_manager.supervision.missions import MissionState, Request, Status
@@ -147,8 +147,8 @@ class Promises:
             assert not stopped.is_stored, 'the stop is forgotten'
             self.stopped = None
         for name, word in list(self.out.items()):
-            if supervisor.robots[name].outage is None or (
-                    not supervisor.robots[name].outage.needs_person):
+            outage = supervisor.robots[name].outage
+            if outage is None or not outage.needs_person:
                 assert not word.is_stored, f'{name} is in service again'
                 del self.out[name]
         for name, rest in list(self.resting.items()):
