@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import errno
 import socket
+import threading
 import time
 
 import pytest
@@ -171,3 +172,83 @@ def test_closing_frees_the_port():
     wait_for(lambda: not listener._thread.is_alive(), 'the end of the thread')
     with Listener('127.0.0.1', port, '127.0.0.1') as again:
         assert again.port == port
+
+
+class NameServer:
+    """A name server that answers when it is told to, and has one address for every name."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.address = '127.0.0.1'
+        self.answers = threading.Event()
+        self.asked = 0
+        self.fails = False
+        monkeypatch.setattr('omron_arcl.host_addresses.resolve', self._resolve)
+        monkeypatch.setattr('omron_arcl.host_addresses.AGAIN', 0.05)
+
+    def _resolve(self, _: str) -> list:
+        self.asked += 1
+        self.answers.wait(10.0)
+        if self.fails:
+            raise OSError(errno.EAGAIN, 'temporary failure in name resolution')
+        return [(0, 0, 0, '', (self.address, 0))]
+
+
+@pytest.fixture
+def names(monkeypatch) -> NameServer:
+    return NameServer(monkeypatch)
+
+
+def test_a_slow_name_server_holds_no_line_of_the_robot_up(names, received):
+    names.answers.set()
+    with Listener('127.0.0.1', 0, 'ld90.site', on_line=received) as listener, \
+            dial(listener) as robot:
+        robot.sendall(lines(b'Stopped'))
+        received.wait(lambda line: line.raw == b'Stopped', 'a line')
+        names.answers.clear()
+        with dial(listener, source='127.0.0.2'):
+            wait_for(lambda: names.asked > 1, 'a look-up for the stranger')
+            robot.sendall(lines(b'Parked'))
+            received.wait(lambda line: line.raw == b'Parked', 'a line meanwhile')
+            names.answers.set()
+
+
+def test_a_robot_waits_for_the_name_server_and_is_let_in_then(names, received):
+    with Listener('127.0.0.1', 0, 'ld90.site', on_line=received) as listener, \
+            dial(listener) as robot:
+        robot.sendall(lines(b'Stopped'))
+        wait_for(lambda: names.asked, 'a look-up')
+        assert received.all == []
+        names.answers.set()
+        received.wait(lambda line: line.raw == b'Stopped', 'a line')
+
+
+def test_after_a_failure_the_name_is_looked_up_again(names, received):
+    names.fails = True
+    names.answers.set()
+    with Listener('127.0.0.1', 0, 'ld90.site', on_line=received) as listener:
+        wait_for(lambda: names.asked >= 3, 'further look-ups, though nobody connects')
+        names.fails = False
+        asked = names.asked
+        wait_for(lambda: names.asked > asked, 'an answer')
+        with dial(listener) as robot:
+            robot.sendall(lines(b'Stopped'))
+            received.wait(lambda line: line.raw == b'Stopped', 'a line')
+
+
+def test_a_robot_that_got_another_address_is_known_by_it(names, received):
+    names.answers.set()
+    with Listener('127.0.0.1', 0, 'ld90.site', on_line=received) as listener:
+        wait_for(lambda: names.asked, 'the first look-up')
+        names.address = '127.0.0.2'
+        with dial(listener, source='127.0.0.2') as robot:
+            robot.sendall(lines(b'Stopped'))
+            received.wait(lambda line: line.raw == b'Stopped', 'a line')
+
+
+def test_many_strangers_wait_for_nothing_while_the_name_server_is_silent(names):
+    with Listener('127.0.0.1', 0, 'ld90.site') as listener:
+        strangers = [dial(listener) for _ in range(6)]
+        assert is_closed(strangers[0]) and is_closed(strangers[1])
+        for stranger in strangers:
+            stranger.close()
+        names.answers.set()

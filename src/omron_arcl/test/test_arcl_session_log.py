@@ -55,3 +55,28 @@ def test_a_full_disk_ends_the_log_with_a_reason_and_nothing_else(tmp_path):
     assert 'No space left on device' in log.failure
     assert str(tmp_path / 'log') in log.failure
     log.close()
+
+
+def test_the_log_never_takes_more_than_twice_its_size(tmp_path):
+    log = SessionLog(str(tmp_path / 'log'), size=1000)
+    trace = log.connection()
+    for number in range(200):
+        trace('S', f'line {number}'.encode())
+        assert all(file.stat().st_size <= 1000 for file in tmp_path.iterdir())
+    log.close()
+    assert sorted(file.name for file in tmp_path.iterdir()) == ['log', 'log.old']
+    kept = (tmp_path / 'log.old').read_text() + (tmp_path / 'log').read_text()
+    numbers = [int(line.rsplit(' ', 1)[1]) for line in kept.splitlines()]
+    assert numbers == list(range(numbers[0], 200)), 'the last lines are all there'
+
+
+def test_where_no_other_file_can_be_begun_the_log_ends_with_a_reason(tmp_path, monkeypatch):
+    log = SessionLog(str(tmp_path / 'log'), size=100)
+    trace = log.connection()
+
+    def full(*_: object) -> None:
+        raise OSError(28, 'No space left on device')
+    monkeypatch.setattr(session_log.os, 'replace', full)
+    for _ in range(10):
+        trace('S', b'Stopped')
+    assert 'No space left on device' in log.failure

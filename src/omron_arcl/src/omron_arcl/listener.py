@@ -7,9 +7,10 @@ import logging
 import selectors
 import socket
 import time
-from typing import Callable, Optional
+from typing import Callable, List, NamedTuple, Optional
 
-from omron_arcl.connection import Connection, Peer, is_host, reason_of, resolve
+from omron_arcl.connection import Connection, Peer, is_host, reason_of
+from omron_arcl.host_addresses import HostAddresses
 from omron_arcl.link import Link, LinkPhase
 from omron_arcl.session import Received, Session
 from omron_arcl.session_log import SessionLog
@@ -18,7 +19,17 @@ from omron_arcl.transport import Transport
 KEEP_ALIVE = 2.0  # s; the robot drops a listener that is silent for 6 s by default
 RETRY = 1.0  # s between two tries to listen on a port, or to take a connection
 _MAXIMUM_UNSENT = 64  # bytes of keep-alive to a robot that does not read
+_MAXIMUM_GUESTS = 4  # connections that wait until it is known whose they are
 _log = logging.getLogger(__name__)
+
+
+class _Guest(NamedTuple):
+    """A connection of which it is not known yet whether the robot opened it."""
+
+    socket: socket.socket
+    host: str
+    port: int
+    since: float
 
 
 class Listener(Transport):
@@ -46,6 +57,7 @@ class Listener(Transport):
         self.port = port
         self._socket: Optional[socket.socket] = None
         self._peer: Optional[Peer] = None
+        self._guests: List[_Guest] = []
         self._due = time.monotonic() + RETRY  # when to listen again
         self._spoken = 0.0
         reason = 'the robot has not connected yet'
@@ -57,6 +69,7 @@ class Listener(Transport):
             reason = (f'another program has port {port}: end it or choose another port; it is '
                       'tried again every second')
         super().__init__('ARCL listener', Link(LinkPhase.DISCONNECTED, robot, reason), on_link)
+        self._addresses = HostAddresses(robot, self._waker.wake)
 
     def _listen(self) -> socket.socket:
         if self._bind and not is_host(self._bind):
@@ -68,6 +81,9 @@ class Listener(Transport):
 
     def _free(self) -> None:
         super()._free()
+        self._addresses.close()
+        for guest in self._guests:
+            guest.socket.close()
         if self._socket:
             self._socket.close()
 
@@ -75,6 +91,7 @@ class Listener(Transport):
 
     def _run(self) -> None:
         self._call(self._on_link, self.link)
+        self._addresses.start()
         with selectors.DefaultSelector() as selector:
             selector.register(self._waker.reader, selectors.EVENT_READ)
             if self._socket:
@@ -88,6 +105,7 @@ class Listener(Transport):
                     self._accept(self._socket, selector, now)
                 elif now >= self._due and self._socket not in selector.get_map():
                     selector.register(self._socket, selectors.EVENT_READ)
+                self._admit_guests(selector, now)
                 if self._peer:
                     self._serve(self._peer, selector, now, waited)
             self._drop(selector, 'closed by us')
@@ -113,27 +131,33 @@ class Listener(Transport):
             selector.unregister(listening)
             self._due = now + RETRY
             return
-        if not self._is_robot(address[0]):
-            accepted.close()
-            self._call(self._on_refused, address[0])
-            return
+        self._guests.append(_Guest(accepted, address[0], address[1], now))
+        if len(self._guests) > _MAXIMUM_GUESTS:
+            self._guests.pop(0).socket.close()
+
+    def _admit_guests(self, selector: selectors.BaseSelector, now: float) -> None:
+        waiting, self._guests = self._guests, []
+        for guest in waiting:
+            is_robots = self._addresses.belongs(guest.host, guest.since)
+            if is_robots is None:
+                self._guests.append(guest)
+            elif is_robots:
+                self._admit(guest, selector, now)
+            else:
+                guest.socket.close()
+                self._call(self._on_refused, guest.host)
+
+    def _admit(self, guest: _Guest, selector: selectors.BaseSelector, now: float) -> None:
         try:
-            connection = Connection(accepted)
+            connection = Connection(guest.socket)
         except OSError:  # gone already
-            accepted.close()
+            guest.socket.close()
             return
         self._drop(selector, 'the robot connected anew')
         self._peer = Peer(connection, Session(None, trace=self._trace), self._timeout)
         self._spoken = now
-        selector.register(accepted, selectors.EVENT_READ)
-        self._set_link(LinkPhase.CONNECTED, '{}:{}'.format(*address[:2]))
-
-    def _is_robot(self, address: str) -> bool:
-        try:
-            return address in {entry[4][0] for entry in resolve(self._robot)}
-        except OSError as error:
-            _log.warning('The robot "%s" has no address: %s.', self._robot, reason_of(error))
-            return False
+        selector.register(guest.socket, selectors.EVENT_READ)
+        self._set_link(LinkPhase.CONNECTED, f'{guest.host}:{guest.port}')
 
     def _serve(self, peer: Peer, selector: selectors.BaseSelector, now: float,
                waited: float) -> None:

@@ -20,6 +20,7 @@ Parameters:
   ~laser_height (0.203 m): of the laser above the floor
   ~silence (4.0 s): without a line after which the link counts as dead
   ~session_log (''): file for all that the robot sends; an older one is kept as <file>.old
+  ~session_log_size (50.0 MB): a file that has grown to this size becomes the older one
 """
 from __future__ import annotations
 

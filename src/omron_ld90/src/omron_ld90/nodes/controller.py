@@ -25,6 +25,7 @@ Parameters:
       query, motion, device, configuration, dangerous, unknown
   ~session_log (''): file for all that both sides say, passwords redacted; an older one is kept as
       <file>.old; ld90_sim --replay serves it
+  ~session_log_size (50.0 MB): a file that has grown to this size becomes the older one
   ~allow_takeover (false): the two topics of clicks move a robot that a fleet drives, too
   ~stop_on_shutdown (false): send `stop` when the node is ended, as by Ctrl-C; without it the robot
       drives on to its goal

@@ -14,7 +14,7 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
-from node_lifecycle import ConfigurationError, parameter, warn
+from node_lifecycle import ConfigurationError, number, parameter, warn
 from omron_arcl import Link, LinkPhase, SessionLog, printable
 from omron_arcl.connection import is_host
 from omron_ld90_msgs.msg import LinkState
@@ -47,10 +47,11 @@ def robot_host() -> str:
 
 
 def session_log() -> Optional[SessionLog]:
-    """The file that `~session_log` names; None for ''. Raises ConfigurationError."""
-    path = parameter('~session_log', '')
+    """The file that `~session_log` names, of `~session_log_size` MB; None for ''. Raises
+    ConfigurationError."""
+    path, size = parameter('~session_log', ''), number('~session_log_size', 50.0, 0.1)
     try:
-        return SessionLog(path) if path else None
+        return SessionLog(path, round(size * 1e6)) if path else None
     except OSError as error:
         raise ConfigurationError(f'Parameter {rospy.resolve_name("~session_log")}: {path} cannot '
                                  f'be written: {error.strerror}.') from None
