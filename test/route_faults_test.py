@@ -25,7 +25,7 @@ class Faults(unittest.TestCase):
         rospy.init_node('route_faults_test')
         cls.lab = RouteRobot(speed=4.0, status_period=0.2)
         cls.diagnostics = Recorder('/diagnostics', DiagnosticArray)
-        cls.others = connected_publisher('/omron_ld90/send_command', String, subscribers=2)
+        cls.others = connected_publisher('/omron_ld90/send_command', String, to='omron_controller')
 
     @classmethod
     def tearDownClass(cls) -> None:

@@ -45,3 +45,10 @@ def test_new_motion_is_what_was_never_sent_and_takes_nothing_away(pending):
 
 def test_an_order_ends_on_the_track_where_its_last_edge_does():
     assert DRIVE.end == 5 and STOP.end == 4
+
+
+@pytest.mark.parametrize(('takes_away', 'sent'), [(False, 55), (True, 0)])
+def test_an_order_carries_the_epoch_in_which_it_was_decided_unless_it_takes_away(
+        pending, takes_away, sent):
+    pending.give(Order(7, 0, (1, 2)), takes_away, known_epoch=55)
+    assert [pending.due(now).known_epoch for now in (10.0, 10.0 + REPEAT)] == [sent, sent]

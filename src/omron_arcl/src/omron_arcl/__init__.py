@@ -12,7 +12,7 @@ from omron_arcl.command_line import parse_command, printable, quote
 from omron_arcl.command_table import COMMANDS
 from omron_arcl.commands import Category, Command
 from omron_arcl.errors import ArclError, Busy, InvalidCommand, LinkError, NotConnected
-from omron_arcl.execution import Execution, Outcome, Result
+from omron_arcl.execution import Execution, Giver, Outcome, Result
 from omron_arcl.help_list import HelpList
 from omron_arcl.link import Backoff, Link, LinkPhase
 from omron_arcl.listener import Listener
@@ -24,7 +24,7 @@ from omron_arcl.status import StatusAssembler
 
 __all__ = [
     'Activity', 'ActivityKind', 'ArclError', 'Backoff', 'Busy', 'COMMANDS', 'Category', 'Client',
-    'Command', 'Execution', 'HelpList', 'InvalidCommand', 'Link', 'LinkError', 'LinkPhase',
+    'Command', 'Execution', 'Giver', 'HelpList', 'InvalidCommand', 'Link', 'LinkError', 'LinkPhase',
     'Listener', 'NotConnected', 'Outcome', 'Received', 'Reply', 'Result', 'SessionLog',
     'StatusAssembler', 'parse_command', 'parse_line', 'printable', 'quote', 'read_activity',
     'readable', 'replies', 'same_name',

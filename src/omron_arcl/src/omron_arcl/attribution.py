@@ -44,12 +44,15 @@ class Attribution:
     def on_reply(self, reply: Reply, text: str, now: float) -> None:
         """A line came: what it means, and as it was said."""
         sets_out = self._sets_out(reply)
+        authority = self._commands.authority
+        authority.on_reply(reply, now)
         if self._commands.sent:
             self._bad_endings.on_reply(reply, text, now)
-            claimed = self._offer_to_drives(reply, text, now, sets_out)
-            if sets_out and not claimed:
-                self._taken_over(text)
-            self._offer_to_others(reply, text, now, claimed)
+        claimed = self._offer_to_drives(reply, text, now, sets_out)
+        if sets_out and not claimed:
+            authority.on_set_out(reply, text)
+            self._taken_over(text)
+        self._offer_to_others(reply, text, now, claimed)
         self._watch(reply, text, now)
 
     def _watch(self, reply: Reply, text: str, now: float) -> None:
@@ -57,6 +60,7 @@ class Attribution:
             shown = reply.text if isinstance(reply, status.StatusText) else reply.status
             if shown:
                 self.watch.observe(Observation(read_activity(shown), shown, True), now)
+                self._commands.authority.on_status(read_activity(shown), shown, now)
         elif self._commands.motion_executions:
             activity = activity_of(reply)
             if activity.kind is not ActivityKind.UNKNOWN:

@@ -6,6 +6,7 @@ locks held: they may give commands, and must be short.
 from __future__ import annotations
 
 import contextlib
+import math
 import selectors
 import threading
 import time
@@ -23,9 +24,10 @@ from omron_arcl.errors import (
     NotConnected,
     WrongPassword,
 )
-from omron_arcl.execution import Execution, Outcome, Result
+from omron_arcl.execution import NO_GIVER, Execution, Giver, Outcome, Result
 from omron_arcl.help_list import HelpList
 from omron_arcl.link import Backoff, Link, LinkPhase
+from omron_arcl.motion_authority import Motion, MotionAuthority
 from omron_arcl.replies.site import Goal, Macro, MapChanged, Route
 from omron_arcl.secret import redact_passwords
 from omron_arcl.session import LoggedIn, Received, Session, State, Trace
@@ -47,7 +49,8 @@ class Client(Transport):
     on_login(HelpList): logged in, once per connection. log: takes all that both sides say.
     heartbeat: seconds between signs of life asked of the robot; timeout: seconds without any, after
     which the link counts as dead. `names` is how the robot writes the names that it has listed and
-    that are not ASCII.
+    that are not ASCII. authority: knows who drives the robot.
+    on_motion(Motion): that has changed; called by any thread.
     """
 
     def __init__(self, host: str, port: int, password: bytes, *,
@@ -55,7 +58,9 @@ class Client(Transport):
                  on_link: Optional[Callable[[Link], None]] = None,
                  on_login: Optional[Callable[[HelpList], None]] = None,
                  log: Optional[SessionLog] = None, backoff: Optional[Backoff] = None,
-                 heartbeat: float = 1.5, timeout: float = 4.0) -> None:
+                 heartbeat: float = 1.5, timeout: float = 4.0,
+                 authority: Optional[MotionAuthority] = None,
+                 on_motion: Optional[Callable[[Motion], None]] = None) -> None:
         self.peer = f'{host}:{port}'
         super().__init__('ARCL client', Link(LinkPhase.DISCONNECTED, self.peer, 'not started'),
                          on_link)
@@ -63,6 +68,9 @@ class Client(Transport):
         self._password = password
         self._on_line = on_line
         self._on_login = on_login
+        self._on_motion = on_motion
+        self._told_motion: Optional[Motion] = None
+        self._telling = threading.Lock()  # motions are told in order
         self._log = log
         self._trace: Optional[Trace] = None
         self._backoff = backoff or Backoff()
@@ -75,7 +83,7 @@ class Client(Transport):
         self._pulsed_at = 0.0
         self._heartbeats = list(HEARTBEATS)
         self._lock = threading.Lock()  # guards help, _names, _dispatcher
-        self._dispatcher = Dispatcher()
+        self._dispatcher = Dispatcher(authority)
         self._answered = threading.Event()  # the password was taken, or refused
 
     # --- for any thread --------------------------------------------------------------------------
@@ -95,31 +103,61 @@ class Client(Transport):
                 on_line: Optional[Callable[[str], None]] = None,
                 on_end: Optional[Callable[[Result], None]] = None,
                 check: Optional[Callable[[Command], None]] = None,
-                stop_on_timeout: bool = False) -> Execution:
-        """Gives a command, e.g. `goto 12`. Raises InvalidCommand, NotConnected or Busy.
+                stop_on_timeout: bool = False, giver: Giver = NO_GIVER,
+                known_epoch: int = 0) -> Execution:
+        """Gives a command, e.g. `goto 12`. Raises InvalidCommand, NotConnected, Busy, Overruled or
+        Unclear. A stop without a link is owed, and sent as soon as there is one.
 
         timeout: seconds without a word about it after which it counts as timed out, else the
         command's own. on_line, on_end: called by the client's thread. check: called with the
         command before it is sent; raises ArclError where it must not be. stop_on_timeout: a drive
-        that has timed out is stopped.
+        that has timed out is stopped. known_epoch: the one in which `giver` gives the command; 0 is
+        for people, whose word counts in any.
         """
         with self._lock:
             command = parse_command(text, self.help.full_name, self._names)
         if check:
             check(command)
-        with self._lock:
-            link = self.link
-            if not link.connected:
-                raise NotConnected(link.reason or link.phase.value)
-            execution = self._dispatcher.start(command, timeout, on_line, on_end, stop_on_timeout)
+        try:
+            with self._lock:
+                link = self.link
+                if not link.connected:
+                    self._dispatcher.start_without_link(command, giver, known_epoch)
+                    raise NotConnected(link.reason or link.phase.value)
+                execution = self._dispatcher.start(command, timeout, on_line, on_end,
+                                                   stop_on_timeout, giver, known_epoch)
+        finally:
+            self._tell_motion()
         self._waker.wake()
         return execution
 
-    def cancel(self, execution: Execution) -> None:
+    def cancel(self, execution: Execution, canceller: Giver = NO_GIVER) -> None:
         """Ends a command; a driving one by stopping the robot. Its result tells when it is over."""
         with self._lock:
-            self._dispatcher.cancel(execution, time.monotonic())
+            self._dispatcher.cancel(execution, time.monotonic(), canceller)
+        self._tell_motion()
         self._waker.wake()
+
+    def cancel_all(self, canceller: Giver) -> None:
+        """A giver wants nothing of what was given before, be anything under way or not."""
+        with self._lock:
+            self._dispatcher.authority.take_word(canceller)
+        self._tell_motion()
+
+    @property
+    def motion(self) -> Motion:
+        """Who drives the robot, and what it does."""
+        with self._lock:
+            return self._dispatcher.authority.motion
+
+    def _tell_motion(self) -> None:
+        """Tells who drives the robot, where that has changed."""
+        if self._on_motion:
+            with self._telling:
+                motion = self.motion
+                if motion != self._told_motion:
+                    self._told_motion = motion
+                    self._call(self._on_motion, motion)
 
     # --- the thread of the client ----------------------------------------------------------------
 
@@ -206,7 +244,9 @@ class Client(Transport):
             self._backoff.reset()
             with self._lock:
                 self.help = event.help
-            self._pulsed_at = now
+                self._dispatcher.on_connected(now)
+            # A status tells whether a stop that is owed is still wanted.
+            self._pulsed_at = -math.inf if self.motion.memory.stop_owed else now
             self._set_link(LinkPhase.CONNECTED, self.peer)
             self._answered.set()
             self._call(self._on_login, event.help)
@@ -253,6 +293,7 @@ class Client(Transport):
 
     def _call_back(self) -> None:
         """Tells those who gave commands what has become of them."""
+        self._tell_motion()
         with self._lock:
             callbacks = self._dispatcher.pop_callbacks()
         for callback in callbacks:

@@ -5,6 +5,7 @@ from typing import Callable, List, Optional
 
 from omron_arcl.errors import Busy
 from omron_arcl.execution import Execution, Outcome
+from omron_arcl.motion_authority import MotionAuthority
 
 MAXIMUM_WAITING = 200
 
@@ -18,7 +19,9 @@ class CommandQueue:
     What is to be told to those who wait gathers for `pop_callbacks`: it is told outside of locks.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, authority: MotionAuthority) -> None:
+        self.authority = authority
+        self.now = 0.0
         self.waiting: List[Execution] = []
         self.sent: List[Execution] = []
         self.drives: List[Execution] = []  # of `sent`: what drives, or is about to, oldest first
@@ -40,7 +43,9 @@ class CommandQueue:
         """Takes a command; raises Busy. A stop overtakes all that waits, and drops its drives."""
         if execution.command.spec.stops:
             for other in [e for e in self.waiting if e.command.spec.drives]:
-                self.end(other, Outcome.CANCELLED, 'never sent: a stop overtook it')
+                outcome = (Outcome.CANCELLED if other.giver == execution.giver
+                           else Outcome.OVERRULED)
+                self.end(other, outcome, 'never sent: a stop overtook it')
             stops = sum(other.command.spec.stops for other in self.waiting)
             self.waiting.insert(stops, execution)
         elif len(self.waiting) >= MAXIMUM_WAITING:
@@ -50,8 +55,10 @@ class CommandQueue:
 
     def next_to_send(self, now: float) -> Optional[Execution]:
         """The next command to send, if one may go now; it counts as sent."""
-        for execution in self.waiting:
-            if not self._must_wait(execution):
+        for execution in list(self.waiting):
+            if not self.authority.may_send(execution):
+                self.end(execution, Outcome.OVERRULED, 'another command came first')
+            elif not self._must_wait(execution):
                 self.waiting.remove(execution)
                 self.sent.append(execution)
                 if execution.command.spec.drives:
@@ -89,6 +96,7 @@ class CommandQueue:
             execution.doubt = None
             if execution.command.spec.drives:
                 self.end_before(execution, f'replaced by "{execution.command.text}"')
+            self.authority.on_begun(execution)
 
     def end(self, execution: Execution, outcome: Outcome, words: str, keep: bool = False) -> None:
         """Ends it for the asker; `keep` it where its lines are still to come, to nobody."""
@@ -100,6 +108,7 @@ class CommandQueue:
             for executions in (self.waiting, self.sent, self.drives):
                 if execution in executions:
                     executions.remove(execution)
+            self.authority.on_over(execution, outcome, words, self.now)
         if execution.command.spec.stops and outcome in _UNHEEDED:
             self._give_up_cancelled(execution, outcome, words)
 

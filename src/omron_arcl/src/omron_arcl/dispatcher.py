@@ -19,7 +19,8 @@ from omron_arcl.attribution import Attribution
 from omron_arcl.command_line import parse_command
 from omron_arcl.command_queue import CommandQueue
 from omron_arcl.commands import Command, Course
-from omron_arcl.execution import Execution, Outcome, Result
+from omron_arcl.execution import NO_GIVER, Execution, Giver, Outcome, Result
+from omron_arcl.motion_authority import MotionAuthority
 from omron_arcl.replies.reply import Reply
 
 _QUIET = 1.0  # s without a line after which an answer of unknown length is over
@@ -42,24 +43,43 @@ class Dispatcher:
     that a callback may give the next command.
     """
 
-    def __init__(self) -> None:
-        self._commands = CommandQueue()
+    def __init__(self, authority: Optional[MotionAuthority] = None) -> None:
+        self.authority = authority or MotionAuthority()
+        self._commands = CommandQueue(self.authority)
         self._attribution = Attribution(self._commands)
 
     def start(self, command: Command, timeout: Optional[float] = None,
               on_line: Optional[Callable[[str], None]] = None,
               on_end: Optional[Callable[[Result], None]] = None,
-              stop_on_timeout: bool = False) -> Execution:
-        """Takes a command; raises Busy.
+              stop_on_timeout: bool = False, giver: Giver = NO_GIVER,
+              known_epoch: int = 0) -> Execution:
+        """Takes a command of `giver`, who knows of the epoch; raises Busy, Overruled or Unclear.
 
         timeout: seconds without a word about it, else the command's own. stop_on_timeout: a drive
         that has timed out is stopped, unless a newer one is under way.
         """
-        execution = Execution(command, timeout, on_line, on_end, stop_on_timeout)
+        self.authority.check(giver, command, known_epoch)
+        execution = Execution(command, timeout, on_line, on_end, stop_on_timeout, giver,
+                              known_epoch)
+        execution.replaces = bool(self._commands.drives)
         self._commands.add(execution)
+        self.authority.take(execution)
         return execution
 
-    def cancel(self, execution: Execution, now: float) -> None:
+    def start_without_link(self, command: Command, giver: Giver, known_epoch: int) -> None:
+        """A command is given while there is no link: a stop is sent as soon as there is one.
+
+        Raises Overruled.
+        """
+        if command.spec.stops:
+            self.authority.check(giver, command, known_epoch)
+            self.authority.owe_stop_without_link(giver)
+
+    def on_connected(self, now: float) -> None:
+        """Commands can be sent from now on."""
+        self.authority.on_link(True, now)
+
+    def cancel(self, execution: Execution, now: float, canceller: Giver = NO_GIVER) -> None:
         """Ends a command: the unsent is dropped, the driving stopped, a query no longer awaited.
 
         A driving command that has been replaced is left to the one that replaced it. A stop goes
@@ -67,6 +87,8 @@ class Dispatcher:
         """
         if execution.result is not None:
             return
+        self._commands.now = now
+        self.authority.take_cancellation(execution, canceller)
         if execution.sent and execution.command.spec.drives:
             if execution.cancel_requested is None:
                 execution.cancel_requested = now
@@ -77,6 +99,7 @@ class Dispatcher:
 
     def next_to_send(self, now: float) -> Optional[bytes]:
         """The next line to send, if one may go now; it counts as sent."""
+        self._commands.now = now
         execution = self._commands.next_to_send(now)
         if execution is None:
             return None
@@ -90,16 +113,20 @@ class Dispatcher:
 
     def on_reply(self, reply: Reply, text: str, now: float) -> None:
         """A line came."""
+        self._commands.now = now
         self._attribution.on_reply(reply, text, now)
         self._stop_if_cancelled(now)
+        self._stop_if_owed(now)
 
     def on_time(self, now: float) -> None:
         """Time has passed."""
+        self._commands.now = now
         self._attribution.watch.on_time(now)
         for execution in list(self._commands.sent):
             if execution in self._commands.sent:  # not ended with another
                 self._check_time(execution, now)
         self._stop_if_cancelled(now)
+        self._stop_if_owed(now)
 
     def _check_time(self, execution: Execution, now: float) -> None:
         spec = execution.command.spec
@@ -125,10 +152,11 @@ class Dispatcher:
             self._stop()
 
     def on_lost(self, reason: str) -> None:
-        """The link broke: nothing is sent again, everything ends."""
+        """The link broke: nothing is sent again but a stop that is owed, everything ends."""
+        self.authority.on_link(False, self._commands.now)
         for execution in self._commands.sent + self._commands.waiting:
-            never = '' if execution.sent else 'never sent: '
-            self._commands.end(execution, Outcome.LOST, never + reason)
+            self._commands.end(execution, Outcome.LOST if execution.sent else Outcome.NEVER_SENT,
+                               reason)
 
     def pop_callbacks(self) -> List[Callable[[], None]]:
         """What is to be told, in order."""
@@ -147,10 +175,18 @@ class Dispatcher:
             if drive.cancel_requested is None:
                 continue
             newest = drive is self._commands.drives[-1] and not waiting
-            if newest or now - drive.cancel_requested > _LONGEST_REPLACEMENT:
+            theirs = self._commands.drives[-1].giver
+            if newest or (drive.giver == theirs
+                          and now - drive.cancel_requested > _LONGEST_REPLACEMENT):
                 drive.stopping = True
                 self._stop()
                 return
 
+    def _stop_if_owed(self, now: float) -> None:
+        if self.authority.stop_due(now):
+            self._stop()
+
     def _stop(self) -> None:
-        self.start(parse_command('stop'))
+        stop = Execution(parse_command('stop'), giver=self.authority.motion.memory.giver)
+        self._commands.add(stop)
+        self.authority.take_own_stop(stop)

@@ -1,10 +1,11 @@
 """A command under way, as the one who gave it sees it."""
 from __future__ import annotations
 
+import math
 import threading
 from dataclasses import dataclass
 from enum import Enum
-from typing import Callable, List, Optional, Set, Tuple
+from typing import Callable, List, NamedTuple, Optional, Set, Tuple
 
 from omron_arcl.commands import ACKNOWLEDGE_TIMEOUT, Command
 
@@ -25,6 +26,8 @@ class Outcome(Enum):
     CANCELLED = 'cancelled'  # we asked for it
     TIMED_OUT = 'timed out'  # the robot fell silent about it
     LOST = 'lost'  # the link broke; the robot may still be driving
+    NEVER_SENT = 'never sent'  # it certainly did not reach the robot
+    OVERRULED = 'overruled'  # never sent: the command of another giver came first
 
 
 @dataclass(frozen=True)
@@ -55,14 +58,27 @@ class Doubt:
     broken_off: bool = False
 
 
+class Giver(NamedTuple):
+    """A program that gives commands; `process` tells it from the one that had its name before."""
+
+    name: str
+    process: str = ''
+
+
+NO_GIVER = Giver('')
+
+
 class Execution:
     """A command given to the robot. `result` is None until it has ended; any thread may ask."""
 
     def __init__(self, command: Command, timeout: Optional[float] = None,
                  on_line: Optional[Callable[[str], None]] = None,
                  on_end: Optional[Callable[[Result], None]] = None,
-                 stop_on_timeout: bool = False) -> None:
+                 stop_on_timeout: bool = False, giver: Giver = NO_GIVER,
+                 known_epoch: int = 0) -> None:
         self.command = command
+        self.giver = giver
+        self.known_epoch = known_epoch
         self.result: Optional[Result] = None
         self.on_line = on_line
         self.on_end = on_end
@@ -70,6 +86,9 @@ class Execution:
         self.timeout = timeout or command.spec.timeout  # s without a word about it
         self.acknowledge_timeout = timeout or min(command.spec.timeout, ACKNOWLEDGE_TIMEOUT)
         self.stop_on_timeout = stop_on_timeout
+        self.epoch = 0  # in which it was taken
+        self.replaces = False  # a drive that was under way when it was taken
+        self.over_at = -math.inf
         self.sent_at = 0.0
         self.heard: Optional[float] = None  # when it was sent, or last heard of
         self.order = 0  # of sending

@@ -22,6 +22,8 @@ ENDINGS = {
     Outcome.CANCELLED: p.Ending.CANCELLED,
     Outcome.EMERGENCY_STOPPED: p.Ending.EMERGENCY_STOPPED,
     Outcome.LOST: p.Ending.LOST,
+    Outcome.NEVER_SENT: p.Ending.NEVER_SENT,
+    Outcome.OVERRULED: p.Ending.OVERRULED,
     **dict.fromkeys((Outcome.REJECTED, Outcome.NO_GOAL, Outcome.UNKNOWN_COMMAND, Outcome.FAILED,
                      Outcome.TIMED_OUT), p.Ending.FAILED),
 }
@@ -196,8 +198,21 @@ class Bench:
         self.reports: List[RouteReport] = []
         self.refusals: List[RouteRefusal] = []
         self.notes: List[str] = []
+        self.epoch = 1
         self.hear_links()
+        self.hear_motion('')
         self.look()
+
+    def hear_motion(self, reason: str) -> None:
+        """The controller says in which epoch the robot is."""
+        self.tell(p.MotionTold(self.epoch, self.epoch - 1, reason=reason))
+
+    def overrule(self, reason: str = '"stop" of /rviz', command: str = '') -> None:
+        """Somebody else stops or drives the robot, and the controller says so."""
+        self.epoch += 1
+        if command:
+            self.robot.obey(None, command)
+        self.hear_motion(reason)
 
     def tell(self, *events: p.Event) -> None:
         """Events to the follower; the robot obeys what it sends."""
@@ -260,6 +275,7 @@ class Bench:
         if record:
             self.follower.restore(record, away < 20.0, self.now)
         self.hear_links()
+        self.hear_motion('"stop" of /rviz')
         self.look()
 
     @property
@@ -275,6 +291,9 @@ class Bench:
 
     def give(self, give: p.Give) -> None:
         """What the node does with a command: here the robot hears it at once."""
+        if give.known_epoch not in (0, self.epoch):
+            self.tell(p.CommandEnded(give.number, p.Ending.OVERRULED, 'somebody came first'))
+            return
         self.tell(*self.robot.obey(give.number, give.command))
 
     def _act(self, actions: Sequence[p.Action]) -> None:

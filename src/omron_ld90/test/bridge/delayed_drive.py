@@ -13,10 +13,9 @@ from modelled_controller import Delays, ModelledController
 from speaking_robot import SpeakingRobot
 from timeline import Timeline
 
-from omron_arcl import ArclError, Execution, NotConnected, Outcome, Result, read_activity
-from omron_arcl.overruling import Overruled
-from omron_arcl.replies import DockingStatus, Stopping
-from omron_arcl.replies.reply import Reply
+from omron_arcl import ArclError, Execution, Giver, NotConnected, read_activity
+from omron_arcl.motion_authority import Cause, Motion, Overruled
+from omron_arcl.replies import DockingStatus
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.motions import motion_of
 from omron_ld90.bridge.route_follower import RouteFollower
@@ -24,7 +23,7 @@ from omron_ld90.bridge.route_strategies import STRATEGIES, Settings
 from trajectory_graph import Graph
 from trajectory_graph.route_protocol import RouteOrder, RouteReport
 
-BRIDGE, PERSON = '/bridge', '/rviz'
+BRIDGE, PERSON = '/bridge', Giver('/rviz', 'process 1')
 TICK = 0.1
 
 
@@ -49,24 +48,24 @@ class DelayedDrive:
         self.bridge_knows = self.controller_knows = False
         self.crossed = self._stopped_at_robot = False
         self.spared = False                          # no more links or nodes die
-        # That the robot stands is no news where it stood, and some show their arrival so.
-        self._signs_of_stop: Tuple[p.Motion, ...] = (p.Motion.STOPPING,)
-        self._shown = p.Motion.UNKNOWN               # by the last status that the bridge has seen
         self.passed: List[str] = []
         self.trace: List[str] = []
         self.watchers: List[Callable[[str], None]] = []  # of the moments of the drive
         self._generation = 0     # of the bridge's process
         self._last_number = 0    # of its commands
         self._drives: List[Execution] = []  # of the route
+        self.bridge: Optional[RouteFollower] = None
+        self._told: Optional[Motion] = None  # by the controller, latched
         self._controller = ModelledController(
-            self._time, delays, self._reach_robot, self._on_reply)
+            self._time, delays, self._reach_robot, self._on_motion)
         self.robot = SpeakingRobot(graph, vertex, self._say, self.later, interruption, braking)
-        self.bridge: Optional[RouteFollower] = RouteFollower(
+        self.bridge = RouteFollower(
             Settings(dock_vertex=DOCK_VERTEX, strategy=STRATEGIES[strategy]), graph,
             tuple(p.Link))
         self._time.every(TICK, self._tick)
         self._time.every(1.0, self._report_links)
         self._time.every(GraphRobot.STATUS_PERIOD, self._show_status)
+        self._hear_latched()
         self.run(1.5)
 
     # --- time -------------------------------------------------------------------------------------
@@ -113,18 +112,17 @@ class DelayedDrive:
     def stop_by_topic(self) -> None:
         """A person stops the robot in RViz, on `send_command` or on `execute_command`."""
         self._begin_stop('topic')
-        self._tell_nodes(partial(self._give_for_person, 'stop'))
+        self.later(self.delays.to_controller, partial(self._give_for_person, 'stop'))
 
     def stop_by_cancelling(self) -> None:
         """A person cancels what `execute_command` does."""
         self._begin_stop('cancellation')
-        self._tell_nodes(self._take_cancellation)
+        self.later(self.delays.to_controller, self._take_cancellation)
 
     def _take_cancellation(self) -> None:
-        for execution in self._drives:
-            if execution.result is None:
-                self.controller_knows = True
-                self._controller.cancel(execution, PERSON)
+        self.controller_knows = True
+        self._controller.cancel([execution for execution in self._drives
+                                 if execution.result is None], PERSON)
 
     def send_elsewhere(self) -> None:
         """A person sends the robot to a vertex that is not on its route, on `send_command`."""
@@ -132,21 +130,17 @@ class DelayedDrive:
         self.later(self.delays.to_controller, self._take_drive)
 
     def _take_drive(self) -> None:
-        """Between two drives of the route it is the next one that counts."""
-        under_way = any(execution.result is None for execution in self._drives)
         ends = {self._graph.end_vertex(edge).id for edge in self._edges}
-        self._give_for_person(f'goto {min({4, 6} - ends)}', counts=under_way)
+        self._give_for_person(f'goto {min({4, 6} - ends)}')
 
-    def _give_for_person(self, command: str, counts: bool = True) -> None:
-        """What is lost with the link has come to nothing, and the person is told so."""
-        def end(result: Result) -> None:
-            if result.outcome is Outcome.LOST:
-                self.controller_knows = False
+    def _give_for_person(self, command: str) -> None:
+        """A drive without a link comes to nothing; a stop is owed."""
         try:
-            self._controller.give(command, PERSON, end)
+            self._controller.give(command, PERSON, 0, lambda result: None)
         except NotConnected:
-            return
-        self.controller_knows = counts
+            self.controller_knows = command == 'stop'
+        else:
+            self.controller_knows = True
 
     def stop_at_robot(self) -> None:
         """A person stops the robot in MobilePlanner, or with another client of it."""
@@ -154,15 +148,8 @@ class DelayedDrive:
         self._stopped_at_robot = True
         self.robot.take('stop')
 
-    def _tell_nodes(self, take: Callable[[], None]) -> None:
-        """The controller takes the person's word, and the bridge hears it, too."""
-        self.later(self.delays.to_controller, take)
-        self.later(self.delays.to_bridge, lambda: self._tell(p.ForeignStop(PERSON)))
-
     def _begin_stop(self, how: str) -> None:
         self.stopped_at = self.now
-        if self.robot.goal is not None or self._shown is p.Motion.ARRIVED:
-            self._signs_of_stop = (p.Motion.STOPPING, p.Motion.STANDING)
         self._note(f'stop by {how}')
 
     def cut(self, link: p.Link, seconds: float) -> None:
@@ -177,7 +164,8 @@ class DelayedDrive:
 
         def mend() -> None:
             self.up[link] = True
-            self._controller.connected = self.up[p.Link.COMMANDS]
+            if link is p.Link.COMMANDS and not self._controller.connected:
+                self._controller.connect()
             self._report_links()
             self._note(f'{link.value} up')
         self.later(seconds, mend)
@@ -196,8 +184,18 @@ class DelayedDrive:
             if record:
                 self.bridge.restore(record, True, self.now)
             self._report_links()
+            self._hear_latched()
             self._note('bridge is back')
         self.later(seconds, start)
+
+    def restart_controller(self) -> None:
+        """The controller dies, and is back at once with what it has kept."""
+        if self.spared or not self._controller.connected:
+            return
+        self._note('controller dies')
+        self._controller.lose_link()
+        self._controller.start()
+        self.cut(p.Link.COMMANDS, 2.0)
 
     # --- the bridge -------------------------------------------------------------------------------
 
@@ -208,16 +206,9 @@ class DelayedDrive:
 
     def _judge(self, event: p.Event) -> None:
         """Whether the bridge can know of the person's stop by this event."""
-        if isinstance(event, p.RobotSeen):
-            self._shown = event.motion
-        if self.stopped_at is None:
-            return
-        self.bridge_knows = self.bridge_knows or (
-            isinstance(event, (p.ForeignStop, p.StopBegun))
-            or (isinstance(event, p.CommandEnded) and event.number == self._last_number
-                and event.ending in (p.Ending.INTERRUPTED, p.Ending.CANCELLED))
-            or (isinstance(event, p.RobotSeen) and event.stamp > self.stopped_at * NANOSECONDS
-                and event.motion in self._signs_of_stop))
+        self.bridge_knows = self.bridge_knows or (self.stopped_at is not None and (
+            isinstance(event, p.CommandEnded) and event.number == self._last_number
+            and event.ending in (p.Ending.INTERRUPTED, p.Ending.CANCELLED, p.Ending.OVERRULED)))
 
     def _act(self, actions: Sequence[p.Action]) -> None:
         for action in actions:
@@ -239,7 +230,8 @@ class DelayedDrive:
                     self._tell(p.CommandEnded(give.number, ending, words))
             self.later(self.delays.ends, tell)
 
-        self.later(self.delays.commands, lambda: self._take_from_bridge(give.command, end))
+        self.later(self.delays.commands, lambda: self._take_from_bridge(
+            give, Giver(BRIDGE, str(generation)), end))
         self._note(f'give {give.command}')
 
     def _report_links(self) -> None:
@@ -248,14 +240,17 @@ class DelayedDrive:
 
     # --- the controller ---------------------------------------------------------------------------
 
-    def _take_from_bridge(self, command: str, end: Callable[[p.Ending, str], None]) -> None:
+    def _take_from_bridge(self, give: p.Give, giver: Giver,
+                          end: Callable[[p.Ending, str], None]) -> None:
+        command = give.command
         try:
             execution = self._controller.give(
-                command, BRIDGE, lambda result: end(ENDINGS[result.outcome], result.words))
+                command, giver, give.known_epoch,
+                lambda result: end(ENDINGS[result.outcome], result.words))
         except Overruled as overruled:
-            end(p.Ending.INTERRUPTED, str(overruled))
+            end(p.Ending.OVERRULED, str(overruled))
         except ArclError as error:
-            end(p.Ending.NEVER_SENT, f'never sent: {error}')
+            end(p.Ending.NEVER_SENT, str(error))
         else:
             if execution.command.spec.drives:
                 self._drives.append(execution)
@@ -275,11 +270,26 @@ class DelayedDrive:
             self.trace.append(f'{self.now:.3f} robot: {line}')
         self._controller.say(line)
 
-    def _on_reply(self, reply: Reply) -> None:
-        """The controller has heard it."""
-        if isinstance(reply, Stopping):
-            self.controller_knows = self.controller_knows or self.stopped_at is not None
-            self.later(self.delays.lines, lambda: self._tell(p.StopBegun()))
+    def _on_motion(self, motion: Motion) -> None:
+        """The controller tells who drives the robot; a bridge that starts later hears it, too."""
+        self._told = motion
+        if motion.memory.cause is Cause.OTHER_CLIENT and self.stopped_at is not None:
+            self.controller_knows = True
+        generation = self._generation
+        self.later(self.delays.motions, lambda: self._hear_motion(motion, generation))
+
+    def _hear_latched(self) -> None:
+        if self._told is not None:
+            self._hear_motion(self._told, self._generation)
+
+    def _hear_motion(self, motion: Motion, generation: int) -> None:
+        memory = motion.memory
+        if generation == self._generation:
+            self._tell(p.MotionTold(
+                memory.epoch, memory.previous_epoch,
+                memory.giver.name == BRIDGE or memory.cause is Cause.EMERGENCY_STOP,
+                memory.cause is Cause.RESTART, memory.stop_owed, memory.reason,
+                memory.cause in (Cause.OTHER_CLIENT, Cause.ROBOT)))
 
     # --- the receiver -----------------------------------------------------------------------------
 

@@ -3,15 +3,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from typing import Callable
+from typing import Callable, Iterable, Optional
 
 from timeline import Timeline
 
-from omron_arcl import Execution, NotConnected, Result, parse_command, parse_line
-from omron_arcl.arbiter import Arbiter
+from omron_arcl import Execution, Giver, NotConnected, Result, parse_command, parse_line
 from omron_arcl.dispatcher import Dispatcher
-from omron_arcl.guard import Guard
-from omron_arcl.replies.reply import Reply
+from omron_arcl.motion_authority import Memory, Motion, MotionAuthority
 
 HEARTBEAT = 1.5  # s between statuses that it asks for
 
@@ -22,42 +20,83 @@ class Delays:
 
     commands: float = 0.0        # bridge -> controller
     ends: float = 0.0            # controller -> bridge: how commands end
-    lines: float = 0.0           # controller -> bridge: `arcl_response`
+    motions: float = 0.0         # controller -> bridge: `motion`
     to_robot: float = 0.0        # controller -> robot
     from_robot: float = 0.0      # robot -> controller
     statuses: float = 0.0        # robot -> receiver -> bridge
     to_controller: float = 0.0   # person -> controller
-    to_bridge: float = 0.0       # person -> bridge
 
 
 class ModelledController:
     """Gives commands to a robot, and tells how they end.
 
     send -- called with each line that comes to the robot
-    on_reply -- called with each reply that comes from it
+    on_motion -- called with each `Motion` that it tells
     """
 
     def __init__(self, timeline: Timeline, delays: Delays, send: Callable[[str], None],
-                 on_reply: Callable[[Reply], None]) -> None:
+                 on_motion: Callable[[Motion], None]) -> None:
         self.connected = True
         self._timeline = timeline
         self._delays = delays
-        self._send_line, self._on_reply = send, on_reply
+        self._send_line, self._on_motion = send, on_motion
         self._connection = 0  # number of the link
-        self._dispatcher = Dispatcher()
-        self._arbiter = Arbiter(
-            self._execute, lambda execution: self._dispatcher.cancel(execution, timeline.now),
-            Guard(['motion']), lambda: timeline.now)
+        self.on_taken: Callable[[Giver, bool], None] = lambda giver, drives: None
+        self._memory: Optional[Memory] = None  # that outlives it
+        self.start()
         timeline.every(HEARTBEAT, self._ask_status)
 
-    def give(self, command: str, giver: str, on_end: Callable[[Result], None]) -> Execution:
-        """Gives a command of `giver`; raises ArclError."""
-        return self._arbiter.execute(command, giver, on_end=on_end)
+    def start(self) -> None:
+        """Its process begins, with what the one before it kept."""
+        self._told: Optional[Motion] = None
+        self._dispatcher = Dispatcher(MotionAuthority(self._memory, self._keep))
+        if self.connected:
+            self._dispatcher.on_connected(self._timeline.now)
+        self._tell()
 
-    def cancel(self, execution: Execution, canceller: str) -> None:
-        """Cancels a command for `canceller`."""
-        self._arbiter.cancel(execution, canceller)
+    def _keep(self, memory: Memory) -> None:
+        self._memory = memory
+
+    @property
+    def motion(self) -> Motion:
+        """What it tells, to late subscribers too."""
+        return self._dispatcher.authority.motion
+
+    def give(self, command: str, giver: Giver, known_epoch: int,
+             on_end: Callable[[Result], None]) -> Execution:
+        """Gives a command of `giver`; raises ArclError."""
+        parsed = parse_command(command)
+        try:
+            if not self.connected:
+                self._dispatcher.start_without_link(parsed, giver, known_epoch)
+                if parsed.spec.stops:
+                    self.on_taken(giver, False)
+                raise NotConnected('connection refused')
+            execution = self._dispatcher.start(parsed, on_end=on_end, giver=giver,
+                                               known_epoch=known_epoch)
+            self.on_taken(giver, parsed.spec.drives)
+        finally:
+            self._tell()
+        self._send()
+        return execution
+
+    def cancel(self, executions: Iterable[Execution], canceller: Giver) -> None:
+        """Cancels everything for `canceller`."""
+        for execution in executions:
+            self._dispatcher.cancel(execution, self._timeline.now, canceller)
+        self._dispatcher.authority.take_word(canceller)
         self.turn()
+
+    def connect(self) -> None:
+        """The link is back."""
+        self.connected = True
+        self._dispatcher.on_connected(self._timeline.now)
+        self._ask_status()
+
+    def _tell(self) -> None:
+        if self.motion != self._told:
+            self._told = self.motion
+            self._on_motion(self.motion)
 
     def turn(self) -> None:
         """What its client does again and again: looks at the clock, sends, tells."""
@@ -67,6 +106,7 @@ class ModelledController:
 
     def call_back(self) -> None:
         """Tells those who gave commands what has become of them."""
+        self._tell()
         for call in self._dispatcher.pop_callbacks():
             call()
 
@@ -83,21 +123,9 @@ class ModelledController:
 
     def _hear(self, line: str) -> None:
         reply = parse_line(line)
-        self._on_reply(reply)
-        self._arbiter.on_reply(reply)
         self._dispatcher.on_reply(reply, line, self._timeline.now)
         self._send()
         self.call_back()
-
-    def _execute(self, text: str, check: Callable, on_end: Callable, **_: object) -> Execution:
-        """What the client of ARCL does."""
-        command = parse_command(text)
-        check(command)
-        if not self.connected:
-            raise NotConnected('connection refused')
-        execution = self._dispatcher.start(command, on_end=on_end)
-        self._send()
-        return execution
 
     def _send(self) -> None:
         while self.connected:

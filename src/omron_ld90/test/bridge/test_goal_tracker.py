@@ -83,50 +83,9 @@ class TestOutcomes:
             show(tracker, motion, goal)
         assert (tracker.reached, tracker.failure) == (False, None)
 
-    @pytest.mark.parametrize('motion', [Motion.STOPPING, Motion.STANDING])
-    def test_a_robot_that_stops_on_its_way_may_have_been_stopped_by_somebody(self, motion):
+    def test_a_drive_that_was_overruled_is_somebody_elses_robot(self):
         tracker = sent()
-        show(tracker, Motion.GOING, '12')
-        assert not tracker.is_doubtful
-        show(tracker, motion, times=1)
-        assert tracker.is_doubtful
-        show(tracker, Motion.GOING, '12', times=1)
-        assert not tracker.is_doubtful
-
-    def test_whoever_stops_a_robot_that_stands_at_its_goal_has_taken_it_over(self):
-        tracker = arrived()
-        tracker.stop_begun(6.0)
-        assert isinstance(tracker.failure, TakenOver)
-
-    def test_one_that_shows_that_it_was_stopped_there_as_well(self):
-        tracker = arrived()
-        show(tracker, Motion.ARRIVED, '12', begin=5.5, times=1)
-        show(tracker, Motion.STANDING, begin=6.0, times=1)
-        assert isinstance(tracker.failure, TakenOver)
-
-    def test_one_that_shows_no_arrival_by_name_just_stands(self):
-        tracker = arrived()
-        show(tracker, Motion.STANDING, begin=5.5)
-        assert tracker.failure is None
-        assert not tracker.is_doubtful
-
-    def test_one_that_said_that_it_stops_before_its_arrival_is_told_is_sent_on_by_its_status(self):
-        tracker = sent()
-        show(tracker, Motion.GOING, '12')
-        tracker.stop_begun(4.0)
-        tracker.ended(CommandEnded(1, Ending.SUCCEEDED), 4.1)
-        show(tracker, Motion.GOING, '12', begin=4.2, times=1)  # from before
-        assert tracker.is_doubtful
-        show(tracker, Motion.ARRIVED, '12', begin=5.1, times=1)
-        assert not tracker.is_doubtful
-        assert tracker.failure is None
-
-    def test_or_is_somebody_elses(self):
-        tracker = sent()
-        show(tracker, Motion.GOING, '12')
-        tracker.stop_begun(4.0)
-        tracker.ended(CommandEnded(1, Ending.SUCCEEDED), 4.1)
-        show(tracker, Motion.STANDING, begin=4.5, times=1)
+        tracker.ended(CommandEnded(1, Ending.OVERRULED, 'another command came first'), 4.0)
         assert isinstance(tracker.failure, TakenOver)
 
 
@@ -140,14 +99,6 @@ class TestLostOutcome:
         show(tracker, Motion.ARRIVED, '12', begin=9.0, times=1)
         assert tracker.reached
         assert not tracker.give_again
-
-    def test_it_may_have_been_stopped_then_too(self):
-        tracker = doubtful()
-        show(tracker, Motion.GOING, '12')
-        assert tracker.knowledge is Knowledge.WATCHED
-        assert not tracker.is_doubtful
-        show(tracker, Motion.STOPPING, times=1)
-        assert tracker.is_doubtful
 
     def test_an_arrival_in_the_meantime_counts(self):
         tracker = doubtful()
@@ -313,14 +264,9 @@ class TestLostOutcome:
         tracker.resume(None, 0.0)
         assert not tracker.is_doubtful
 
-    @pytest.mark.parametrize('by_its_status', [True, False])
-    def test_a_robot_that_rests_as_before_but_was_stopped_meanwhile_heard_somebody(
-            self, by_its_status):
+    def test_a_robot_that_rests_as_before_but_was_stopped_meanwhile_heard_somebody(self):
         tracker = doubtful(ending=Ending.NEVER_SENT)
-        if by_its_status:
-            show(tracker, Motion.STOPPING, begin=1.5, times=1)
-        else:
-            tracker.stop_begun(1.5)
+        show(tracker, Motion.STOPPING, begin=1.5, times=1)
         show(tracker, Motion.STANDING)
         assert not tracker.give_again
         assert isinstance(tracker.failure, TakenOver)

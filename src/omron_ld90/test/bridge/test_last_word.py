@@ -31,7 +31,8 @@ NEAR_ONE = st.tuples(st.just('as planned'), st.integers(1, 12), st.floats(-0.8, 
 STOPS = st.sampled_from(['stop_by_topic', 'stop_by_cancelling', 'stop_at_robot', 'send_elsewhere'])
 TROUBLES = st.lists(st.tuples(MOMENTS, st.one_of(
     st.tuples(st.just('cut'), st.sampled_from(list(p.Link)), st.floats(0.1, 5.0)),
-    st.tuples(st.just('restart_bridge'), st.floats(0.1, 4.0)))), max_size=2)
+    st.tuples(st.just('restart_bridge'), st.floats(0.1, 4.0)),
+    st.tuples(st.just('restart_controller')))), max_size=2)
 
 
 def start_of(edges: Tuple[int, ...]) -> int:

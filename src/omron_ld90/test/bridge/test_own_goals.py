@@ -18,14 +18,6 @@ def seen(motion: Motion, goal: str = '') -> RobotSeen:
     return RobotSeen(0, motion, goal)
 
 
-@pytest.mark.parametrize('motion, goal, ours', [
-    (Motion.GOING, '12', True), (Motion.GOING, '99', False), (Motion.GOING, '', False),
-    (Motion.BY_HAND, '', False), (Motion.STANDING, '', None), (Motion.STOPPING, '', None),
-    (Motion.UNDOCKING, '', None), (Motion.DOCKING, '', None), (Motion.UNKNOWN, '', None)])
-def test_a_robot_is_on_our_way_by_the_goal_that_it_names(motion, goal, ours):
-    assert sent('12').is_on_our_way(seen(motion, goal)) is ours
-
-
 @pytest.mark.parametrize('motion, goal, obeyed', [
     (Motion.GOING, '12', True), (Motion.ARRIVED, '12', True), (Motion.FAILED, '12', True),
     (Motion.UNDOCKING, '', True), (Motion.GOING, '10', False), (Motion.STANDING, '', False),
@@ -43,21 +35,18 @@ def test_the_dock_is_gone_to_under_any_name_but_that_of_a_vertex(motion, goal, o
     assert sent(DOCK).is_obeyed(seen(motion, goal)) is obeyed
 
 
-def test_that_is_our_way_also_after_its_end():
+def test_the_last_goal_is_known_also_after_its_end():
     own = sent(DOCK)
     own.end()
     assert own.current is None
     assert own.last == DOCK
-    assert own.is_on_our_way(seen(Motion.GOING, 'Charger 1'))
-    assert own.is_on_our_way(seen(Motion.DOCKING))
-    assert not own.is_on_our_way(seen(Motion.GOING, '14'))
 
 
 def test_goals_on_the_way_are_ours_as_long_as_their_command():
     own = OwnGoals()
     own.send('14', ['12', '13'])
     assert own.is_obeyed(seen(Motion.GOING, '13'))
-    assert own.is_on_our_way(seen(Motion.GOING, '13'))
+    assert '13' in own
     own.send('16')
     assert '14' in own
     assert '13' not in own
@@ -96,15 +85,15 @@ def test_a_restarted_bridge_remembers_one_goal():
 def test_how_a_robot_shows_a_drive_that_is_not_awaited_tells_nothing_of_ours():
     own, nameless = sent('12'), seen(Motion.GOING)
     own.seen(nameless, is_awaited=False)
-    assert not own.is_on_our_way(nameless)
+    assert not own.is_obeyed(nameless)
 
 
 def test_a_robot_that_never_names_where_it_goes_may_go_where_we_sent_it():
     own, nameless = sent('12'), seen(Motion.GOING)
     own.seen(nameless, is_awaited=True)
-    assert own.is_on_our_way(nameless)
+    assert own.is_obeyed(nameless)
     assert own.is_obeyed(nameless)
     own.seen(seen(Motion.GOING, '12'), is_awaited=True)
     own.seen(nameless, is_awaited=True)
-    assert not own.is_on_our_way(nameless)
+    assert not own.is_obeyed(nameless)
     assert not own.is_obeyed(nameless)

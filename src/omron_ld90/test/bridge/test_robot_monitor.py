@@ -7,13 +7,13 @@ from omron_ld90.bridge.events import (
     CommandEnded,
     Docking,
     Ending,
-    ForeignStop,
     Link,
     LinkReported,
     Motion,
+    MotionTold,
     RobotSeen,
 )
-from omron_ld90.bridge.goal_tracker import RouteFailed, TakenOver
+from omron_ld90.bridge.goal_tracker import RouteFailed
 from omron_ld90.bridge.robot_monitor import RobotMonitor
 from omron_ld90.bridge.route_strategies import Settings
 from trajectory_graph.route_protocol import Reason, ReasonCode
@@ -26,6 +26,11 @@ def monitor() -> RobotMonitor:
         robot.update(LinkReported(link, True), 0.0)
     robot.update(RobotSeen(1, Motion.STANDING, place=(0.0, 0.0)), 0.0)
     return robot
+
+
+def overrule(robot: RobotMonitor) -> None:
+    robot.update(MotionTold(1), 0.0)
+    robot.update(MotionTold(2, 1, reason='"stop" of /rviz'), 0.0)
 
 
 def why_failed(robot: RobotMonitor, now: float) -> str:
@@ -45,23 +50,53 @@ def test_a_command_is_due_once():
 def test_a_stop_goes_before_everything_else():
     robot = monitor()
     robot.tracker.send('12', 'goto 12')
-    robot.stop_duty.require(0.0)
+    robot.stop_duty.require(0)
     assert [give.command for give in robot.due_commands(0.0)] == ['stop', 'goto 12']
 
 
 def test_a_stop_takes_back_what_was_not_given_yet():
     robot = monitor()
     robot.tracker.send('12', 'goto 12')
-    robot.stop(0.0)
+    robot.stop(0)
     assert [give.command for give in robot.due_commands(0.0)] == ['stop']
 
 
 def test_somebody_elses_stop_takes_over_and_does_not_end_the_stop_that_we_owe():
     robot = monitor()
-    robot.stop(0.0)
-    robot.update(ForeignStop('/rviz'), 0.0)
+    overrule(robot)
+    robot.stop(0)
     assert [give.command for give in robot.due_commands(0.0)] == ['stop']
     assert why_failed(robot, 0.1) == 'taken over'
+
+
+def test_a_command_carries_the_epoch_that_is_known():
+    robot = monitor()
+    overrule(robot)
+    robot.tracker.send('12', 'goto 12')
+    assert [give.known_epoch for give in robot.due_commands(0.0)] == [2]
+
+
+@pytest.mark.parametrize('told, fails', [
+    (MotionTold(1, stop_owed=True), False), (MotionTold(2, 1, is_ours=True), False),
+    (MotionTold(2, 1, goes_on=True), False), (MotionTold(3, 2, goes_on=True), True),
+    (MotionTold(2, 1, reason='"stop" of /rviz'), True)])
+def test_only_what_others_do_ends_a_route(told, fails):
+    robot = monitor()
+    robot.update(MotionTold(1), 0.0)
+    robot.update(told, 0.0)
+    assert robot.epoch == told.epoch
+    assert robot.knows(1) is not fails
+    if fails:
+        assert why_failed(robot, 0.0) == 'taken over'
+    else:
+        robot.check(0.0)
+
+
+def test_a_robot_is_not_driven_before_the_controller_has_told_who_drives_it():
+    robot = monitor()
+    assert 'who drives the robot' in robot.why_unknown(0.0).text
+    robot.update(MotionTold(1), 0.0)
+    assert not robot.why_unknown(0.0)
 
 
 def test_a_location_is_overdue_only_while_its_link_stands():
@@ -109,21 +144,14 @@ def test_a_docking_state_that_is_not_told_is_the_last_one():
 
 def test_a_robot_that_somebody_drives_is_left_to_him():
     robot = monitor()
-    robot.leave(TakenOver('The robot is going to 3.'), 0.0)
+    robot.leave()
     assert robot.due_commands(60.0) == []
-
-
-def test_one_that_somebody_stopped_is_stopped_by_us_unless_it_is_seen_to_stand_in_time():
-    robot = monitor()
-    robot.leave(TakenOver('/rviz stopped the robot.', stop_given=True), 0.0)
-    assert robot.due_commands(4.9) == []
-    assert [give.command for give in robot.due_commands(5.0)] == ['stop']
 
 
 def test_a_new_route_begins_with_nothing_of_the_last_one():
     robot = monitor()
-    robot.stop(0.0)
-    robot.update(ForeignStop('/rviz'), 0.0)
+    robot.stop(0)
+    overrule(robot)
     robot.tracker.failure = RouteFailed(Reason(ReasonCode.DRIVE_FAILED, 'Failed going to goal'))
     robot.begin()
     robot.check(0.1)
@@ -134,7 +162,7 @@ def test_of_several_reasons_the_emergency_stop_is_told_and_then_a_take_over():
     robot = monitor()
     robot.tracker.failure = RouteFailed(Reason(ReasonCode.DRIVE_FAILED, 'Failed going to goal'))
     assert why_failed(robot, 0.1) == 'Failed going to goal'
-    robot.update(ForeignStop('/rviz'), 0.1)
+    overrule(robot)
     assert why_failed(robot, 0.1) == 'taken over'
     robot.update(RobotSeen(2, Motion.STANDING, emergency_stop=True), 0.1)
     assert why_failed(robot, 0.1) == 'emergency stop'

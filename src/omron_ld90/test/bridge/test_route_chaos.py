@@ -22,8 +22,8 @@ DISTURBANCES = st.one_of(
               st.one_of(st.none(), st.sampled_from(list(p.Docking))), st.booleans()),
     st.builds(p.CommandEnded, st.integers(0, 12), st.sampled_from(list(p.Ending)),
               st.just('words')),
-    st.builds(p.ForeignStop, st.just('/somebody')),
-    st.builds(p.StopBegun),
+    st.builds(p.MotionTold, st.integers(1, 4), st.integers(1, 4), st.booleans(), st.booleans(),
+              st.booleans()),
     st.builds(p.LinkReported, st.sampled_from(list(p.Link)), st.booleans(), st.just('why')))
 HAPPENINGS = st.one_of(
     st.tuples(st.just('drive'), st.integers(1, 80)),

@@ -2,11 +2,11 @@
 from __future__ import annotations
 
 import pytest
-from bridge_builders import Bench, dissertation_graph, graph_of, yard
+from bridge_builders import Bench, dissertation_graph, yard
 
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.events import Ending, Link, Motion
-from trajectory_graph.route_protocol import EdgeState
+from trajectory_graph.route_protocol import EdgeState, ReasonCode
 
 LINKS = (Link.COMMANDS, Link.OUTGOING)
 
@@ -49,77 +49,45 @@ def test_an_emergency_stop_that_only_the_status_shows_fails_the_route():
     bench.look()
     assert_failed(bench, 'emergency stop')
 
-class TestAStopOfSomebodyElse:
-    """It takes over at once; should it be lost on its way to the robot, ours follows."""
+class TestWhatSomebodyElseDoes:
+    """It takes over at once; that the robot obeys a stop is the controller's duty."""
 
-    def test_a_robot_that_obeys_it_needs_no_other(self):
+    @pytest.mark.parametrize('command', ['stop', 'goto 3'])
+    def test_ends_the_route_and_nothing_more_is_given(self, command):
         bench = under_way()
-        bench.robot.obey(None, 'stop')
-        bench.tell(p.ForeignStop('/rviz'))
-        bench.drive(6.0)
+        bench.overrule('"stop" of /rviz', command)
         assert bench.follower.report().reason.text == 'taken over'
-        assert bench.commands.count('stop') == 1
-
-    def test_a_robot_that_drives_on_along_the_route_is_stopped(self):
-        bench = under_way()
-        bench.tell(p.ForeignStop('/rviz'))
-        assert_failed(bench, 'taken over', stopped=False)
-        bench.drive(2.0)
-        assert bench.commands[-1] == 'stop'
-
-    def test_one_that_somebody_drives_elsewhere_afterwards_is_not(self):
-        bench = under_way()
-        bench.tell(p.ForeignStop('/rviz'))
-        bench.robot.obey(None, 'goto 3')
+        assert bench.follower.report().epoch == bench.epoch
+        assert '"stop" of /rviz' in bench.notes[-1]
         bench.drive(6.0)
-        assert bench.commands[-1] == 'goto 3'
-
-    def test_while_the_link_is_down_it_is_lost_and_ours_follows_when_the_link_is_back(self):
-        bench = under_way(links=LINKS)
-        bench.give = Unreachable(bench)
-        bench.link_is_up[Link.COMMANDS] = False
-        bench.drive(1.0)
-        bench.tell(p.ForeignStop('/rviz'))
-        bench.drive(1.0)
-        assert bench.follower.report().reason.text == 'taken over'
-        del bench.give
-        bench.link_is_up[Link.COMMANDS] = True
-        bench.drive(3.0)
-        assert bench.commands[-1] == 'stop'
+        assert bench.commands[-1] == command
+        assert bench.commands.count('stop') == (command == 'stop')
 
     def test_it_does_not_end_the_stop_that_is_owed_already(self):
         bench = under_way(links=LINKS)
         bench.give = Unreachable(bench)
         bench.link_is_up[Link.COMMANDS] = False
         bench.order(9)
-        bench.tell(p.ForeignStop('/rviz'))
+        bench.overrule()
         del bench.give
         bench.link_is_up[Link.COMMANDS] = True
         bench.drive(3.0)
         assert bench.commands[-1] == 'stop'
 
+    def test_a_drive_that_the_controller_refuses_because_of_it_ends_the_route(self):
+        bench = under_way()
+        end_of_drive(bench, Ending.OVERRULED, 'Not sent, another command came first.')
+        assert_failed(bench, 'taken over', stopped=False)
 
-def test_a_stop_stays_owed_while_the_robot_shows_its_dock_by_a_name_of_its_own():
-    bench = Bench(yard(), 1, links=LINKS)
-    bench.order(7, 9)
-    bench.robot.motion, bench.robot._shown = Motion.GOING, 'Charger 1'
-    bench.give = Unreachable(bench)
-    bench.link_is_up[Link.COMMANDS] = False
-    bench.order(8)
-    bench.drive(2.5)
-    del bench.give
-    bench.link_is_up[Link.COMMANDS] = True
-    bench.drive(2.0)
-    assert bench.commands == ['dock', 'stop']
-
-@pytest.mark.parametrize('edges', [(9,), (1, 5)])
-def test_somebodys_stop_that_came_to_nothing_is_given_soon_to_a_robot_on_our_way(edges):
-    bench = Bench(yard(), 1)
-    bench.order(7, *edges)
-    bench.drive(1.0)
-    bench.tell(p.ForeignStop('/rviz'))
-    bench.drive(2.0)
-    assert bench.commands[-1] == 'stop', 'he pressed it, and the robot goes on'
+    def test_a_stop_that_the_controller_has_taken_is_told_until_the_robot_has_obeyed(self):
+        bench = under_way()
+        bench.give = lambda give: bench.tell(p.CommandEnded(
+            give.number, Ending.FAILED, 'the robot said nothing about it for 5 s'))
+        bench.order(9)
+        bench.tell(p.MotionTold(bench.epoch, stop_owed=True))
+        assert bench.follower.report().reason.code is ReasonCode.STOP_OWED
+        bench.tell(p.MotionTold(bench.epoch))
+        assert not bench.follower.report().reason
 
 
 def test_a_drive_interrupted_by_nobody_of_us_is_a_take_over():
@@ -128,43 +96,6 @@ def test_a_drive_interrupted_by_nobody_of_us_is_a_take_over():
     bench.wait(1.0)
     assert_failed(bench, 'taken over', stopped=False)
     assert 'replaced by "goto 3"' in bench.notes[-1]
-
-@pytest.mark.parametrize('end_is_lost', [False, True])
-@pytest.mark.parametrize('motion, goal', [
-    (Motion.STOPPING, ''), (Motion.STANDING, ''), (Motion.BY_HAND, ''), (Motion.GOING, '99')])
-def test_a_robot_that_obeys_somebody_without_a_word_is_sent_nowhere(motion, goal, end_is_lost):
-    hall = graph_of({n: (8.0 * n, 0.0) for n in range(1, 6)}, {n: (n, n + 1) for n in range(1, 5)})
-    bench = Bench(hall, 1, 'rolling')
-    bench.order(7, 1, 2, 3, 4)
-    bench.run(lambda bench: bench.robot.position[0] > 9.0)
-    if end_is_lost:  # the robot's status tells
-        end_of_drive(bench, Ending.LOST, 'the connection broke')
-    bench.run(lambda bench: bench.robot.position[0] > 11.0)
-    given, ours = len(bench.commands), bench.robot._shown
-    bench.robot.motion = motion
-    bench.robot._shown = goal
-    bench.run(lambda bench: bench.robot.position[0] > 19.0 or not bench.follower.running)
-    assert len(bench.commands) == given
-    if end_is_lost and motion is not Motion.STOPPING:
-        assert bench.follower.report().reason.text == 'taken over'
-        return
-    bench.robot.motion, bench.robot._shown = Motion.GOING, ours  # nobody had
-    bench.run()
-    assert bench.states() == [EdgeState.COMPLETE] * 4
-
-def test_a_longer_route_sends_no_robot_on_that_has_just_said_that_it_stops():
-    bench = Bench(yard(), 1, 'rolling')
-    bench.order(7, 1)
-    bench.run(lambda bench: bench.robot.position[0] > 2.0)
-    bench.tell(p.StopBegun())
-    bench.order(7, 1, 5)
-    assert bench.commands == ['goto 2']
-    bench.robot.motion = Motion.STOPPING
-    bench.drive(1.0)
-    assert bench.commands == ['goto 2']
-    bench.robot.motion = Motion.GOING  # it was somebody else's word about nothing
-    bench.run()
-    assert bench.commands == ['goto 2', 'goto 5']
 
 def test_nothing_is_sent_to_a_robot_that_somebody_else_may_drive():
     def rolling() -> Bench:
@@ -187,6 +118,30 @@ def test_an_interruption_by_the_emergency_stop_is_called_so():
     bench.robot.emergency = True
     bench.look()
     assert_failed(bench, 'emergency stop')
+
+def test_so_is_one_that_the_controller_takes_for_another_clients():
+    bench = under_way()
+    bench.epoch += 1
+    bench.tell(p.MotionTold(bench.epoch, bench.epoch - 1, reason='Interrupted: Going to 7',
+                            by_robot=True))
+    bench.wait(0.3)
+    assert bench.follower.running
+    bench.epoch += 1
+    bench.tell(p.MotionTold(bench.epoch, bench.epoch - 1, is_ours=True))
+    bench.robot.emergency = True
+    bench.look()
+    assert bench.follower.report().reason.text == 'emergency stop'
+
+
+def test_what_another_client_of_the_robot_does_ends_the_route():
+    bench = under_way()
+    given = list(bench.commands)
+    bench.epoch += 1
+    bench.tell(p.MotionTold(bench.epoch, bench.epoch - 1, reason='Stopping', by_robot=True))
+    bench.drive(1.0)
+    assert bench.follower.report().reason.text == 'taken over'
+    assert bench.commands == given
+
 
 def test_the_end_of_a_drive_that_we_replaced_means_nothing():
     bench = under_way('rolling')

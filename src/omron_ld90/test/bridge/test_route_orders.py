@@ -7,9 +7,9 @@ from bridge_builders import Bench, dissertation_graph, graph_of, yard
 from omron_ld90.bridge.events import (
     CommandEnded,
     Ending,
-    ForeignStop,
     Link,
     LinkReported,
+    MotionTold,
     RobotSeen,
 )
 from omron_ld90.bridge.route_follower import RouteFollower
@@ -289,8 +289,7 @@ def test_an_order_that_waits_does_not_pass_somebodys_stop(running):
     given = list(bench.commands)
     bench.order(8, 1)
     assert not bench.refusals
-    bench.tell(ForeignStop('/rviz'))
-    bench.robot.obey(None, 'stop')
+    bench.overrule(command='stop')
     assert [refusal.reason.text for refusal in bench.refusals] == ['taken over']
     bench.link_is_up[Link.OUTGOING] = True
     bench.drive(6.0)
@@ -300,7 +299,7 @@ def test_an_order_that_waits_does_not_pass_somebodys_stop(running):
 @pytest.mark.parametrize('sent, refused', [(99.8, True), (100.1, False), (0.0, False)])
 def test_an_order_that_was_on_its_way_when_somebody_took_over_is_refused(sent, refused):
     bench = Bench(yard(), 1)
-    bench.tell(ForeignStop('/rviz'))
+    bench.overrule()
     bench.now += 0.3
     second = 1_000_000_000
     bench.tell(RouteOrder(8, (1,), int(sent * second), int(bench.now * second)))
@@ -362,6 +361,7 @@ def test_an_order_waits_until_every_link_is_heard_of():
     follower.handle(RobotSeen(1, place=(0.0, 0.0)), 0.0)
     assert follower.handle(RouteOrder(7, (1,)), 0.0) == []
     follower.handle(LinkReported(Link.COMMANDS, True), 0.1)
+    follower.handle(MotionTold(1), 0.1)
     assert follower.running
 
 

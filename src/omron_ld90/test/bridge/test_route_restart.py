@@ -7,9 +7,10 @@ import pytest
 from bridge_builders import Bench, dissertation_graph, graph_of, yard
 from test_route_faults import end_of_drive
 
+from omron_ld90.bridge import events as p
 from omron_ld90.bridge.events import Ending, Motion
 from omron_ld90.bridge.route_follower import RouteFollower
-from trajectory_graph.route_protocol import EdgeState, SymbolicPose
+from trajectory_graph.route_protocol import OVERRULED, EdgeState, RouteOrder, SymbolicPose
 
 
 def under_way(strategy: str = 'vertex_by_vertex') -> Bench:
@@ -273,10 +274,52 @@ def test_a_bridge_that_was_away_for_long_fails_the_route_and_stops_a_robot_on_ou
         bench.drive(3.0)
         if foreign:
             bench.robot.obey(None, 'goto 3')
+            bench.epoch += 1
         bench.restart(25.0)
         assert bench.follower.report().reason.text == 'the bridge was away for too long'
         bench.drive(3.0)
         assert bench.commands.count('stop') == stops
+
+
+def test_routes_of_long_ago_are_not_driven_again_after_a_restart():
+    """B8: a publisher that latches gives its route again, and another was driven since."""
+    bench = under_way()
+    bench.run()
+    bench.order(8, -5)
+    bench.run()
+    bench.order(9)
+    given = list(bench.commands)
+    bench.restart(3.0)
+    for route_id, edges in ((7, (1, 4, 5)), (8, (-5,))):
+        bench.order(route_id, *edges)
+        bench.drive(1.0)
+    assert bench.commands == given
+    assert 'another drive needs another id' in bench.notes[-1]
+
+
+def test_what_somebody_did_while_the_bridge_was_away_ends_the_route():
+    bench = under_way()
+    bench.epoch += 1
+    bench.restart(1.0)
+    assert bench.follower.report().reason.text == 'taken over'
+
+
+@pytest.mark.parametrize('known, reasons', [(0, []), (1, [OVERRULED]), (2, [])])
+def test_an_order_of_another_epoch_is_refused(known, reasons):
+    bench = Bench(dissertation_graph(), 1)
+    bench.overrule()
+    bench.drive(10.0)
+    bench.tell(RouteOrder(7, (1, 4, 5), known_epoch=known))
+    assert [refusal.reason for refusal in bench.refusals] == reasons
+    assert bench.commands == ['goto 2'] * (not reasons)
+
+
+def test_a_change_made_before_the_epoch_that_the_route_itself_began_is_taken():
+    bench = Bench(dissertation_graph(), 1)
+    bench.tell(RouteOrder(7, (1, 4), known_epoch=1))
+    bench.tell(p.MotionTold(2, 1, is_ours=True))
+    bench.tell(RouteOrder(7, (1, 4, 5), known_epoch=1))
+    assert bench.follower.route.edges == (1, 4, 5)
 
 
 def test_a_stop_that_is_owed_survives_the_restart():

@@ -123,7 +123,7 @@ def test_of_a_route_whose_graph_is_gone_the_edges_driven_are_remembered():
                    Phase.FAILED, completed=1)
     assert not run.is_on_graph
     assert run.states == (EdgeState.COMPLETE, EdgeState.FAILED, EdgeState.FAILED)
-    assert run.record(owes_stop=True).completed == 1
+    assert run.record().completed == 1
 
 
 def completed(*edges: int) -> Drive:

@@ -11,11 +11,12 @@ import rospy
 from omron_ld90.bridge.events import RouteRecord
 from omron_ld90.nodes import bridge_memory
 from omron_ld90.nodes.bridge_memory import PARAMETER, RouteMemory
+from omron_ld90.nodes.support.boot_clock import Moment
 from trajectory_graph.route_protocol import EMERGENCY_STOP, NO_REASON, Phase
 
 RECORD = RouteRecord(route_id=7, edges=(1, -4, 5), stamp=1_700_000_000_123_456_789,
                      phase=Phase.RUNNING, reason=NO_REASON, completed=1, target=2, goal='12',
-                     owes_stop=False)
+                     owes_stop=False, epoch=2 ** 64 - 1, past=((6, 2 ** 32 - 1), (7, 5)))
 ENDED = RouteRecord(8, (3,), 0, Phase.FAILED, EMERGENCY_STOP, 0, None, '', True)
 
 
@@ -65,6 +66,23 @@ def test_a_record_comes_back_with_its_age(parameters, record):
     recalled, age = parameters.memory().recall()
     assert recalled == record
     assert 0.0 <= age < 10.0
+
+
+def test_no_clock_that_is_set_makes_a_record_younger(parameters, monkeypatch):
+    """B6: after a power cut a route of hours ago was gone on with where the clock was set back."""
+    memory = parameters.memory()
+    memory.keep(RECORD)
+    memory.close()
+    now = Moment.now()
+    for later, age in (
+            (now._replace(wall=now.wall - 1e6), 0.0),
+            (now._replace(wall=now.wall + 1e6), 0.0),
+            (now._replace(since_boot=now.since_boot + 3600.0, wall=now.wall - 1e6), 3600.0),
+            (Moment('another boot', 30.0, now.wall - 5.0), math.inf),
+            (Moment('another boot', 30.0, now.wall + 5.0), 30.0),
+            (Moment('another boot', 30.0, now.wall + 50.0), 50.0)):
+        monkeypatch.setattr(bridge_memory.Moment, 'now', lambda later=later: later)
+        assert parameters.memory().recall()[1] == pytest.approx(age, abs=10.0)
 
 
 def test_a_record_of_another_launch_is_too_old_to_be_gone_on_with(parameters):
@@ -118,7 +136,7 @@ def test_of_parameter_and_file_the_later_counts(parameters, tmp_path):
             before = file.read_text()
     file.write_text(before)
     assert parameters.memory(file=file).recall()[0] == ENDED
-    parameters.content = {**parameters.content, 'time': 1.0}
+    parameters.content = {**parameters.content, 'since_boot': 0.5}
     assert parameters.memory(file=file).recall()[0] == RECORD
 
 

@@ -13,10 +13,17 @@ from omron_ld90.bridge.events import (
     Link,
     LinkReported,
     Motion,
+    MotionTold,
     RobotSeen,
 )
-from omron_ld90.nodes.bridge_messages import command_ended, link_reported, robot_seen
+from omron_ld90.nodes.bridge_messages import (
+    command_ended,
+    link_reported,
+    motion_told,
+    robot_seen,
+)
 from omron_ld90_msgs.msg import ExecuteCommandResult, LinkState, RobotStatus
+from omron_ld90_msgs.msg import Motion as MotionMessage
 
 
 def test_a_status_tells_where_the_robot_is_and_what_it_does():
@@ -60,11 +67,22 @@ def test_every_activity_is_some_motion():
     ('LOST', 'the connection broke', Ending.LOST),
     ('LOST', 'never sent: so it says', Ending.LOST),
     ('NEVER_SENT', 'no link', Ending.NEVER_SENT),
-    ('OVERRULED', 'Not sent, "stop" of /rviz came first.', Ending.INTERRUPTED),
+    ('OVERRULED', 'Not sent, "stop" of /rviz came first.', Ending.OVERRULED),
 ])
 def test_an_outcome_is_an_ending(outcome, message, ending):
     result = ExecuteCommandResult(outcome=getattr(ExecuteCommandResult, outcome), message=message)
     assert command_ended(3, result) == CommandEnded(3, ending, message)
+
+
+@pytest.mark.parametrize('giver, cause, is_ours, goes_on', [
+    ('/r/bridge', MotionMessage.OTHER_GIVER, True, False),
+    ('/rviz', MotionMessage.STOP, False, False), ('', MotionMessage.OTHER_CLIENT, False, False),
+    ('', MotionMessage.EMERGENCY_STOP, True, False), ('', MotionMessage.RESTART, False, True)])
+def test_a_motion_is_that_of_the_bridge_or_of_somebody_else(giver, cause, is_ours, goes_on):
+    told = MotionMessage(epoch=9, previous_epoch=8, giver=giver, cause=cause, stop_owed=True,
+                         reason='why')
+    assert motion_told(told, '/r/bridge') == MotionTold(
+        9, 8, is_ours, goes_on, True, 'why', cause == MotionMessage.OTHER_CLIENT)
 
 
 def test_a_link_is_up_or_down_for_a_reason_and_only_the_robots_two_count():

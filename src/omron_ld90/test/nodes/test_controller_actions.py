@@ -6,8 +6,8 @@ from typing import Any, Callable, Dict, Iterator, List, Optional, Tuple
 import pytest
 import rospy
 
-from omron_arcl import ArclError, NotConnected, Outcome, Result
-from omron_arcl.overruling import Motion, Overruled
+from omron_arcl import ArclError, Giver, NotConnected, Outcome, Result
+from omron_arcl.motion_authority import Overruled, Unclear
 from omron_ld90.nodes import controller_actions
 from omron_ld90.nodes.controller_execute_command import ExecuteCommandServer
 from omron_ld90.nodes.support.old_messages import LATCHED, WAITED
@@ -23,9 +23,10 @@ R = ExecuteCommandResult
 class Handle:
     """A goal as actionlib hands it over; `calls` is what is done with it, in order."""
 
-    def __init__(self, id: str, command: str, timeout: float = 0.0, caller: str = '/rviz') -> None:
+    def __init__(self, id: str, command: str, timeout: float = 0.0, caller: str = '/rviz',
+                 known_epoch: int = 0) -> None:
         self.goal = ExecuteCommandActionGoal(goal=ExecuteCommandGoal(
-            command=command, timeout=timeout))
+            command=command, timeout=timeout, known_epoch=known_epoch))
         self.goal.goal_id.id = id
         self.goal._connection_header = {'callerid': caller}
         self.calls: List[Tuple[str, Any, str]] = []
@@ -52,9 +53,10 @@ class Server:
     last: Server
 
     def __init__(self, name: str, kind: type, on_goal: Callable, on_cancel: Callable,
-                 is_stop: Callable) -> None:
+                 is_stop: Callable, on_cancel_all: Callable) -> None:
         self.on_goal, self.on_cancel, self.is_stop = on_goal, on_cancel, is_stop
-        self.canceller = ''
+        self.on_cancel_all = on_cancel_all
+        self.canceller = Giver('')
         Server.last = self
 
     def start(self) -> None:
@@ -81,18 +83,20 @@ class Bench:
     def __init__(self) -> None:
         self.old = Old()
         self.refusal: Optional[ArclError] = None
-        self.given: List[Tuple[str, str, Dict[str, Any]]] = []
-        self.cancelled: List[Tuple[object, str]] = []
-        self.commands = ExecuteCommandServer(self._execute, self._cancel, self.old)
+        self.given: List[Tuple[str, Giver, Dict[str, Any]]] = []
+        self.cancelled: List[Tuple[object, Giver]] = []
+        self.cancelled_all: List[Giver] = []
+        self.commands = ExecuteCommandServer(self._execute, self._cancel, self.cancelled_all.append,
+                                             self.old)
         self.server = Server.last
 
-    def _execute(self, text: str, giver: str, **options: Any) -> object:
+    def _execute(self, text: str, giver: Giver, **options: Any) -> object:
         if self.refusal:
             raise self.refusal
         self.given.append((text, giver, options))
         return text  # as if it were the execution
 
-    def _cancel(self, execution: object, canceller: str) -> None:
+    def _cancel(self, execution: object, canceller: Giver) -> None:
         self.cancelled.append((execution, canceller))
 
     def give(self, *words: Any, **more: Any) -> Handle:
@@ -125,10 +129,16 @@ def bench(monkeypatch) -> Iterator[Bench]:
 def test_a_goal_is_given_for_whom_it_comes_from_and_accepted(bench):
     handle = bench.give('goto 12', caller='/bridge')
     (text, giver, options), = bench.given
-    assert (text, giver) == ('goto 12', '/bridge')
+    assert (text, giver) == ('goto 12', Giver('/bridge'))
+    assert options['known_epoch'] == 0, 'any'
     assert options['stop_on_timeout'] is True
     assert options['timeout'] is None, "the command's own"
     assert [how for how, _, _ in handle.calls] == ['set_accepted']
+
+
+def test_the_epoch_that_its_giver_knows_goes_with_a_goal(bench):
+    bench.give('goto 12', known_epoch=2 ** 64 - 1)
+    assert bench.given[0][2]['known_epoch'] == 2 ** 64 - 1
 
 
 def test_the_time_out_of_a_goal_is_that_of_its_command(bench):
@@ -147,7 +157,9 @@ def test_a_time_out_that_is_none_is_refused(bench, timeout):
 @pytest.mark.parametrize(('error', 'outcome', 'message'), [
     (ArclError('not allowed'), R.REFUSED, 'not allowed'),
     (NotConnected('no route'), R.NEVER_SENT, str(NotConnected('no route'))),
-    (Overruled(Motion('/rviz', '"stop"')), R.OVERRULED, 'Not sent, "stop" of /rviz came first.')])
+    (Unclear('Not sent, nobody knows.'), R.NEVER_SENT, 'Not sent, nobody knows.'),
+    (Overruled('"stop" of /rviz'), R.OVERRULED,
+     'Not sent, another command came first: "stop" of /rviz.')])
 def test_a_goal_that_cannot_be_given_is_rejected_with_its_reason(bench, error, outcome, message):
     bench.refusal = error
     handle = bench.give('goto 12')
@@ -174,7 +186,9 @@ def test_a_goal_that_is_too_old_was_never_sent_and_a_stop_is(bench, why):
     (Outcome.REJECTED, 'set_aborted', R.FAILED),
     (Outcome.UNKNOWN_COMMAND, 'set_aborted', R.FAILED),
     (Outcome.EMERGENCY_STOPPED, 'set_aborted', R.EMERGENCY_STOPPED),
-    (Outcome.TIMED_OUT, 'set_aborted', R.TIMED_OUT), (Outcome.LOST, 'set_aborted', R.LOST)])
+    (Outcome.TIMED_OUT, 'set_aborted', R.TIMED_OUT), (Outcome.LOST, 'set_aborted', R.LOST),
+    (Outcome.NEVER_SENT, 'set_aborted', R.NEVER_SENT),
+    (Outcome.OVERRULED, 'set_aborted', R.OVERRULED)])
 def test_the_end_of_the_command_is_that_of_the_goal(bench, outcome, ending, told):
     handle = bench.give('goto 12')
     bench.end(handle, Result(outcome, 'Arrived \x1b at 12', ('Going to 12', 'Arrived at 12')))
@@ -199,10 +213,17 @@ def test_lines_of_the_robot_are_feedback_of_the_goal_that_they_belong_to(bench):
 
 def test_a_cancellation_cancels_the_command_for_who_cancels(bench):
     first, second = bench.give('goto 12'), bench.give('getGoals')
-    bench.server.canceller = '/person'
+    bench.server.canceller = Giver('/person')
     bench.server.on_cancel(second)
     bench.server.on_cancel(first)
-    assert bench.cancelled == [('getGoals', '/person'), ('goto 12', '/person')]
+    assert bench.cancelled == [
+        ('getGoals', Giver('/person')), ('goto 12', Giver('/person'))]
+
+
+def test_who_cancels_everything_is_heard_also_while_there_is_nothing(bench):
+    bench.server.canceller = Giver('/person')
+    bench.server.on_cancel_all()
+    assert bench.cancelled_all == [Giver('/person')]
 
 
 def test_what_has_ended_is_cancelled_no_more(bench):

@@ -9,7 +9,7 @@ import rospy
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from std_msgs.msg import String
 
-from omron_arcl import Busy, Outcome, Result
+from omron_arcl import Busy, Giver, Outcome, Result
 from omron_ld90.nodes.controller_topics import TopicCommands
 from omron_ld90.nodes.support.old_messages import WAITED
 
@@ -49,13 +49,13 @@ class Bench:
     def tell(self, text: str, caller: str, reason: str) -> None:
         self.refused.append((text, caller, reason))
 
-    def forward(self, pose: PoseStamped, caller: str) -> None:
-        self.forwarded.append((pose, caller))
+    def forward(self, pose: PoseStamped, giver: Giver) -> None:
+        self.forwarded.append((pose, giver.name))
 
-    def _execute(self, text: str, caller: str, on_end: Callable[[Result], None]) -> None:
+    def _execute(self, text: str, giver: Giver, on_end: Callable[[Result], None]) -> None:
         if self.busy:
             raise Busy('Not sent, 200 commands are waiting already.')
-        self.given.append((text, caller))
+        self.given.append((text, giver.name))
         self.on_end = on_end
 
     def hear(self, topic: str, message: Any, caller: str = '/person') -> None:

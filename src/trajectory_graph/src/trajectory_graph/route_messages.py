@@ -22,7 +22,7 @@ _UNKNOWN = Location(math.nan, math.nan, math.nan)
 def order_of(message: Any, received: int) -> RouteOrder:
     """What an `itrci_nav_msgs/TargetRoute` orders that came at `received` (ns)."""
     return RouteOrder(message.route_id, tuple(message.edges), message.header.stamp.to_nsec(),
-                      received)
+                      received, message.known_epoch)
 
 
 def fill_refusal(message: Any, refusal: RouteRefusal, now: int) -> Any:
@@ -48,6 +48,7 @@ def fill_report(message: Any, report: RouteReport, state_type: Any) -> Any:
     _set_reason(message, report.reason)
     location = report.location or _UNKNOWN
     message.x, message.y, message.theta = location.x, location.y, location.theta
+    message.epoch = report.epoch
     return message
 
 

@@ -17,6 +17,7 @@ class RouteOrder:
     edges: Tuple[int, ...]
     stamp: int = 0  # when it was sent; 0 where the sender did not say
     received: int = field(default=0, compare=False)  # when it came
+    known_epoch: int = field(default=0, compare=False)  # of the motion; 0: the stamp decides
 
 
 ANSWERED_WITHIN = 4.0
@@ -82,6 +83,8 @@ class Reason:
 
 NO_REASON = Reason()
 TAKEN_OVER = Reason(ReasonCode.TAKEN_OVER, 'taken over')
+OVERRULED = Reason(ReasonCode.OVERRULED,
+                   'the order was made before somebody else drove or stopped the robot')
 EMERGENCY_STOP = Reason(ReasonCode.EMERGENCY_STOP, 'emergency stop')
 
 
@@ -109,6 +112,7 @@ class RouteReport:
     """What the fleet manager is told; `stamp` is that of the place reported.
 
     location -- that place in the map frame; None: it is not known
+    epoch -- of the robot's motion; 0: none is known
     """
 
     stamp: int
@@ -118,6 +122,7 @@ class RouteReport:
     pose: SymbolicPose
     reason: Reason = NO_REASON
     location: Optional[Location] = None
+    epoch: int = 0
 
 
 @dataclass(frozen=True)

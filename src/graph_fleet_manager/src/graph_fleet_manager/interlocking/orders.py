@@ -29,6 +29,7 @@ class Sending(NamedTuple):
     route_id: int
     edges: Tuple[int, ...]
     repeated: bool = False
+    known_epoch: int = 0
 
 
 class Memory(NamedTuple):

@@ -11,12 +11,13 @@ REPEAT = 1.0  # s after which an order that was not acknowledged is repeated
 class PendingOrder:
     """At most one order of one robot.
 
-    takes_away -- it stops the robot, or cuts its route short
+    takes_away -- it stops the robot, or cuts its route short, whoever drives it by now
     """
 
     def __init__(self) -> None:
         self.order: Optional[Order] = None
         self.takes_away = False
+        self._known_epoch = 0
         self._sent_at: Optional[float] = None
 
     @property
@@ -29,9 +30,13 @@ class PendingOrder:
         """Was it never sent, and does it let the robot drive?"""
         return self.order is not None and self._sent_at is None and not self.takes_away
 
-    def give(self, order: Order, takes_away: bool = False) -> None:
-        """This is ordered now, and nothing of before any more."""
+    def give(self, order: Order, takes_away: bool = False, known_epoch: int = 0) -> None:
+        """This is ordered now, and nothing of before any more.
+
+        known_epoch -- of the robot's motion, in which it makes sense; 0: none is known
+        """
         self.order, self.takes_away = order, takes_away
+        self._known_epoch = 0 if takes_away else known_epoch
         self._sent_at = None
 
     def drop(self) -> None:
@@ -46,4 +51,4 @@ class PendingOrder:
         if self._sent_at is not None and now - self._sent_at < REPEAT:
             return None
         self._sent_at = now
-        return Sending(self.order.route_id, self.order.edges, is_repeat)
+        return Sending(self.order.route_id, self.order.edges, is_repeat, self._known_epoch)

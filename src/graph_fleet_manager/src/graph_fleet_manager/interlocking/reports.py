@@ -51,6 +51,7 @@ class Report:
     stamp -- s, when the location that it uses was taken, by the robot's clock; 0: it had none
     age   -- s since then as it arrived; negative where the robot's clock is ahead
     location -- in metres; None where the robot did not tell it
+    epoch -- of the robot's motion, which an order must know; 0: it tells none
     """
 
     route_id: int
@@ -61,6 +62,7 @@ class Report:
     stamp: float = 0.0
     age: float = 0.0
     location: Optional[Location] = None
+    epoch: int = 0
 
     @property
     def completed(self) -> int:

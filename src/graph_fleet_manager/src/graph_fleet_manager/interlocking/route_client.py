@@ -43,6 +43,7 @@ class RouteClient:
         self.to_order_anew = 0
         """So many edges were under way before a restart, on a route that cannot be repeated."""
         self._pending = PendingOrder()
+        self._epoch = 0  # of the robot's motion, as it reported last
         self._bases: Dict[int, int] = {}  # of routes by id, in the order in which they were given
         self._acknowledged: Set[int] = set()
         self._ended: Set[int] = set()
@@ -152,7 +153,8 @@ class RouteClient:
     def _order_until(self, end: int, takes_away: bool = False) -> None:
         """Orders the track up to there, from where the route begins."""
         base = self._bases[self.route_id]
-        self._pending.give(Order(self.route_id, base, self.record.part(base, end)), takes_away)
+        self._pending.give(Order(self.route_id, base, self.record.part(base, end)), takes_away,
+                           self._epoch)
 
     def _is_shorter(self, order: Order) -> bool:
         return order.end < self.record.end
@@ -201,7 +203,8 @@ class RouteClient:
         """Orders once more, under a new id, so many of the edges ahead: an emergency stop kept the
         robot from driving them, or a restart from hearing of them."""
         self._begin(new_id())
-        self._pending.give(Order(self.route_id, self.record.done, self.record.ahead[:count]))
+        self._pending.give(Order(self.route_id, self.record.done, self.record.ahead[:count]),
+                           known_epoch=self._epoch)
         self.to_order_anew = 0
 
     def withdraw(self) -> None:
@@ -298,7 +301,7 @@ class RouteClient:
             return Heard()
         self._changed()
         is_new = report.stamp > self._stamp or not report.stamp
-        self._stamp = report.stamp
+        self._stamp, self._epoch = report.stamp, report.epoch
         if not self.is_heard:
             self.is_heard = True
             self._adopt(report)

@@ -81,7 +81,7 @@ def report_of(message: msg.ExecutionRouteStates, now: genpy.Time) -> Report:
     return Report(message.route_id, tuple(edge.edge_id for edge in message.edge_states), states,
                   Pose(pose.edge_id, pose.percentage / 100.0),
                   reason_of(message.reason_code, _words(message.reason)),
-                  stamp.to_sec(), age, location_of(message))
+                  stamp.to_sec(), age, location_of(message), message.epoch)
 
 
 def moment_of(seconds: float, now: genpy.Time) -> genpy.Time:
@@ -102,9 +102,10 @@ def _words(text: str) -> str:
     return ''.join(letter if letter.isprintable() else '?' for letter in text[:_LONGEST_REASON])
 
 
-def route_message(route_id: int, edges: Sequence[int], stamp: genpy.Time) -> msg.TargetRoute:
-    """An order to a robot."""
-    message = msg.TargetRoute(route_id=route_id, edges=list(edges))
+def route_message(route_id: int, edges: Sequence[int], stamp: genpy.Time,
+                  known_epoch: int = 0) -> msg.TargetRoute:
+    """An order to a robot, given in an epoch of its motion; 0: none is known."""
+    message = msg.TargetRoute(route_id=route_id, edges=list(edges), known_epoch=known_epoch)
     message.header.stamp = stamp
     return message
 

@@ -68,7 +68,7 @@ class FleetTopics:
         if not action.repeated or action.robot not in self._route_stamps:
             self._route_stamps[action.robot] = rospy.Time.now()
         message = messages.route_message(action.route_id, action.edges,
-                                         self._route_stamps[action.robot])
+                                         self._route_stamps[action.robot], action.known_epoch)
         with self._gate.passage(action.edges) as passes:
             if passes:
                 send(self._routes[action.robot].publish, message)

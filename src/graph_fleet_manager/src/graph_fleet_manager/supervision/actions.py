@@ -11,12 +11,16 @@ from graph_fleet_manager.supervision.missions import Status
 
 @dataclass(frozen=True)
 class SendRoute:
-    """Publish a target route; a `repeated` one with the stamp that it had before."""
+    """Publish a target route; a `repeated` one with the stamp that it had before.
+
+    known_epoch -- of the robot's motion, that it reported when the order was decided; 0: none
+    """
 
     robot: str
     route_id: int
     edges: Tuple[int, ...]
     repeated: bool = False
+    known_epoch: int = 0
 
 
 @dataclass(frozen=True)

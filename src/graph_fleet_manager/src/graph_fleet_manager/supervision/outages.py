@@ -96,7 +96,8 @@ TRANSITIONS: Mapping[Sign, Change] = {
 
 _OF_REASON: Mapping[ReasonCode, Sign] = {
     ReasonCode.EMERGENCY_STOP: Sign.EMERGENCY, ReasonCode.LOST_LINK: Sign.LINK_LOST,
-    ReasonCode.TAKEN_OVER: Sign.TAKEN, ReasonCode.CLOCK: Sign.CLOCK_OFF}
+    ReasonCode.TAKEN_OVER: Sign.TAKEN, ReasonCode.OVERRULED: Sign.TAKEN,
+    ReasonCode.CLOCK: Sign.CLOCK_OFF}
 
 
 def sign_of(reason: Reason) -> Sign:

@@ -6,7 +6,7 @@ Metres; stamps in nanoseconds of the ROS clock. Orders and reports are those of
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import Optional, Tuple, Union
 
@@ -31,7 +31,9 @@ class RouteRecord:
     completed: int           # edges driven
     target: Optional[int]    # index of the edge to whose end the robot was sent
     goal: str                # name of the goal that the robot was sent to last; empty: none
-    owes_stop: bool = False  # the robot has not obeyed the stop that the end of the route demanded
+    owes_stop: bool = False  # the controller has not taken the stop that the end of it demanded
+    epoch: int = 0           # of the motion, that the bridge knew
+    past: Tuple[Tuple[int, int], ...] = ()  # orders that were driven: id, and a hash of the edges
 
 
 # --- what the robot was seen to do ----------------------------------------------------------------
@@ -73,11 +75,6 @@ class RobotSeen:
     heading: float = math.nan  # rad, of that place
 
 
-@dataclass(frozen=True)
-class StopBegun:
-    """The robot has just said that it stops, before its status shows that."""
-
-
 # --- what became of our commands ------------------------------------------------------------------
 
 class Ending(Enum):
@@ -88,6 +85,7 @@ class Ending(Enum):
     INTERRUPTED = 'interrupted'              # somebody else drives or stopped the robot
     CANCELLED = 'cancelled'                  # by somebody else
     EMERGENCY_STOPPED = 'emergency stop'
+    OVERRULED = 'overruled'                  # never sent: somebody else's command came first
     LOST = 'lost'                            # nobody knows whether the robot obeys it
     NEVER_SENT = 'never sent'                # it certainly did not reach the robot
 
@@ -104,10 +102,22 @@ class CommandEnded:
 # --- what others did ------------------------------------------------------------------------------
 
 @dataclass(frozen=True)
-class ForeignStop:
-    """A stop that somebody else gave to the controller; it may not have come to the robot."""
+class MotionTold:
+    """The controller says who drives the robot (omron_ld90_msgs/Motion).
 
-    caller: str
+    is_ours -- the bridge itself began the epoch, or an emergency stop did, which ends routes anyway
+    by_robot -- the robot did something that no command of ours asked for
+    goes_on -- the controller was restarted, and nobody did anything meanwhile as far as it knows
+    reason -- why there is another epoch, for people
+    """
+
+    epoch: int
+    previous_epoch: int = 0
+    is_ours: bool = False
+    goes_on: bool = False
+    stop_owed: bool = False
+    reason: str = ''
+    by_robot: bool = False
 
 
 class Link(Enum):
@@ -126,17 +136,21 @@ class LinkReported:
     reason: str = ''
 
 
-Event = Union[RouteOrder, RobotSeen, StopBegun, CommandEnded, ForeignStop, LinkReported]
+Event = Union[RouteOrder, RobotSeen, CommandEnded, MotionTold, LinkReported]
 
 
 # --- what is to be done ---------------------------------------------------------------------------
 
 @dataclass(frozen=True)
 class Give:
-    """Give the robot this ARCL command, and tell by `CommandEnded` with this number how it ends."""
+    """Give the robot this ARCL command, and tell by `CommandEnded` with this number how it ends.
+
+    known_epoch -- of the motion, in which the command makes sense; 0: any
+    """
 
     number: int
     command: str
+    known_epoch: int = field(default=0, compare=False)
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,6 @@ STATUS_LAG = 1.0    # s that a status may be older than what the robot was told
 
 _UNCLEAR = (Motion.UNKNOWN, Motion.STOPPING)  # what comes next is not to be seen
 _AT_REST = (Motion.STANDING, Motion.ARRIVED, Motion.DOCKED, *_UNCLEAR)
-_STOPPED = (Motion.STOPPING, Motion.STANDING)
 
 
 class Knowledge(Enum):
@@ -46,14 +45,10 @@ class RouteFailed(Exception):
 
 
 class TakenOver(RouteFailed):
-    """The robot obeys somebody else already, so that it is not ours to stop.
+    """The robot obeys somebody else already, so that it is not ours to stop."""
 
-    `stop_given`: that was a stop, which it must obey in any case.
-    """
-
-    def __init__(self, how: str, stop_given: bool = False) -> None:
+    def __init__(self, how: str) -> None:
         super().__init__(TAKEN_OVER, how)
-        self.stop_given = stop_given
 
 
 class GoalTracker:
@@ -75,8 +70,6 @@ class GoalTracker:
         # The last status before the command; None where it says nothing, as after a stop since.
         self._before: Optional[RobotSeen] = None
         self._last: Optional[RobotSeen] = None
-        self._stop_begun = False  # the robot has said that it stops, and no status followed yet
-        self._stop_begun_at = -math.inf
         self._place: Optional[Tuple[float, float]] = None
         self._place_before: Optional[Tuple[float, float]] = None
         self._doubted_at = -math.inf
@@ -96,19 +89,8 @@ class GoalTracker:
 
     @property
     def is_doubtful(self) -> bool:
-        """Whether it is not known if the robot obeys the last command, or why it no longer does.
-
-        One that stops on its way, or goes elsewhere, perhaps obeys somebody whom no goal of ours
-        may pass.
-        """
-        if self.knowledge is Knowledge.DOUBTFUL or self._interruption is not None:
-            return True
-        if self.reached:
-            return self._stop_begun
-        last = self._last
-        strays = self._stop_begun or last is not None and (
-            last.motion in _STOPPED or self.goals.is_on_our_way(last) is False)
-        return strays and self.knowledge in (Knowledge.AWAITED, Knowledge.WATCHED)
+        """Whether it is not known if the robot obeys the last command, or why it no longer does."""
+        return self.knowledge is Knowledge.DOUBTFUL or self._interruption is not None
 
     # --- what we do ------------------------------------------------------------------------------
 
@@ -132,6 +114,10 @@ class GoalTracker:
         self._reset()
         if goal is not None:
             self._doubt(now)
+
+    def forget(self) -> None:
+        """What ended the last route does not count any more."""
+        self.failure = self._interruption = None
 
     def end(self) -> None:
         """We have no more business with the robot."""
@@ -159,7 +145,9 @@ class GoalTracker:
         if event.ending is Ending.SUCCEEDED:
             self._arrive()
         elif event.ending in (Ending.INTERRUPTED, Ending.CANCELLED):
-            self._interruption = (now, event.text)
+            self.interrupted(now, event.text)
+        elif event.ending is Ending.OVERRULED:
+            self.failure = TakenOver(event.text)
         elif event.ending is Ending.EMERGENCY_STOPPED:
             self.failure = RouteFailed(EMERGENCY_STOP)
         elif event.ending is Ending.FAILED:
@@ -178,34 +166,23 @@ class GoalTracker:
 
     def seen(self, status: RobotSeen, now: float, link_stands_since: float) -> None:
         """The robot's status; `link_stands_since` is infinite while no command can reach it."""
-        last, self._last = self._last, status
-        stop_begun = self._stop_begun
-        if now >= self._stop_begun_at + STATUS_LAG:
-            self._stop_begun = False
+        self._last = status
         if status.motion is Motion.STOPPING and not self._is_as_before(status):
             self._before = None
-        if self.reached and status.motion in _STOPPED and (stop_begun or (
-                last is not None and (last.motion, last.goal) == (Motion.ARRIVED, self.goal))):
-            self.failure = TakenOver(f'The robot was stopped at {self.goal}.')
         self.goals.seen(status, self.knowledge is Knowledge.AWAITED)
         if self.knowledge is Knowledge.DOUBTFUL:
             self._resolve(status, now, link_stands_since)
         elif self.knowledge is Knowledge.WATCHED:
             self._watch(status, now)
 
-    def stop_begun(self, now: float) -> None:
-        """The robot has said that it stops; its status will show whether it goes on.
-
-        One that stands at its goal has been stopped by somebody.
-        """
-        self._stop_begun, self._stop_begun_at = True, now
-        self._before = None
-        if self.reached:
-            self.failure = TakenOver(f'The robot was stopped at {self.goal}.')
+    def interrupted(self, now: float, words: str) -> None:
+        """The robot does something else, perhaps for an emergency stop that is told next."""
+        self.give_again = False
+        self._interruption = self._interruption or (now, words)
 
     def check_clock(self, now: float) -> None:
         """An interruption whose cause was not told in time was somebody's doing."""
-        if self._interruption and now - self._interruption[0] > REASON_DELAY:
+        if self._interruption is not None and now - self._interruption[0] > REASON_DELAY:
             self.failure = TakenOver(self._interruption[1] or 'The motion was interrupted.')
 
     def _arrive(self) -> None:

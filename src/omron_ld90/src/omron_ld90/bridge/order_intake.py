@@ -7,20 +7,31 @@ itself, and beside the route that runs, is in `route_orders`.
 from __future__ import annotations
 
 import math
+import zlib
 from typing import Callable, Optional, Tuple
 
 from omron_ld90.bridge.robot_monitor import RobotMonitor
+from omron_ld90.bridge.route_orders import is_change
 from omron_ld90.bridge.route_run import RouteRun
 from trajectory_graph.order_rules import RouteRefused, check_order
 from trajectory_graph.route_protocol import (
     ANSWERED_WITHIN,
     EMERGENCY_STOP,
+    OVERRULED,
     TAKEN_OVER,
     Reason,
     RouteOrder,
 )
 
 LATE_ORDER = 2.0  # s that an order may be on its way
+
+
+_KEPT_ORDERS = 200
+
+
+def key_of(order: RouteOrder) -> Tuple[int, int]:
+    """By which an order is known when it comes again, however long afterwards."""
+    return order.route_id, zlib.crc32(repr(order.edges).encode())
 
 
 class OrderIntake:
@@ -41,6 +52,8 @@ class OrderIntake:
         self._waiting: Optional[Tuple[RouteOrder, float]] = None  # to be judged; give up
         self._refused: Optional[Tuple[RouteOrder, Reason]] = None    # the last one, and why
         self._overruled_at = -math.inf  # somebody else stopped or drove the robot
+        self.past: Tuple[Tuple[int, int], ...] = ()
+        """The orders that were driven, the last ones at the end; see `key_of`."""
         self._explained: Optional[int] = None  # route of which a duplicate was explained
         self._emergency_told = False  # a refusal in the emergency stop was noted
 
@@ -53,9 +66,14 @@ class OrderIntake:
                        f'{route.order.route_id} was sent after it.')
         elif route and (order.route_id, order.edges) == (route.order.route_id, route.edges):
             self._explain_duplicate(route)
+        elif key_of(order) in self.past and not (route and is_change(route, order)):
+            self._note(f'Route {order.route_id} was ordered again and is ignored: another drive '
+                       'needs another id.')
         elif order.stamp and self._refused and order == self._refused[0]:
             self.refuse(*self._refused)
-        elif self._is_overruled(order, now):
+        elif order.known_epoch and not self._robot.knows(order.known_epoch):
+            self.refuse(order, OVERRULED)
+        elif not order.known_epoch and self._is_overruled(order, now):
             self.refuse(order, TAKEN_OVER)
         elif self._waiting and (order.route_id, order.edges) == (
                 self._waiting[0].route_id, self._waiting[0].edges):
@@ -75,7 +93,7 @@ class OrderIntake:
         if self._waiting:
             order, _ = self._waiting
             self._waiting = None
-            self.refuse(order, TAKEN_OVER)
+            self.refuse(order, OVERRULED if order.known_epoch else TAKEN_OVER)
 
     def _is_overruled(self, order: RouteOrder, now: float) -> bool:
         """Whether the order came after a take-over of which its sender could not know yet."""
@@ -124,6 +142,7 @@ class OrderIntake:
 
     def accepted(self, order: RouteOrder) -> None:
         """The order that was due is driven."""
+        self.past = (*self.past, key_of(order))[-_KEPT_ORDERS:]
         if self._emergency_told:
             self._emergency_told = False
             self._note(f'Route {order.route_id} is driven: the emergency stop is over.')

@@ -66,18 +66,6 @@ class OwnGoals:
         """Whether the robot may show this name because of us."""
         return name == self.current or name in self._via or name in self._earlier
 
-    def is_on_our_way(self, status: RobotSeen) -> Optional[bool]:
-        """Whether the robot goes where we sent it; None where it is not seen to go anywhere."""
-        if status.motion is Motion.BY_HAND:
-            return False
-        if status.motion is Motion.DOCKING and self.last == DOCK:
-            return True
-        if status.motion is not Motion.GOING:
-            return None
-        if not status.goal:
-            return self._are_named is False
-        return status.goal in self or (self.last == DOCK and not status.goal.isdecimal())
-
     def is_obeyed(self, status: RobotSeen) -> bool:
         """Whether the status shows the robot obeying the last command."""
         if self.current == DOCK:

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import math
-from typing import Callable, Dict, Iterable, List, Optional, Type
+from typing import Callable, Dict, Iterable, List, Optional, Tuple, Type
 
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.goal_tracker import STOP, GoalTracker, RouteFailed, TakenOver
@@ -10,6 +10,8 @@ from omron_ld90.bridge.robot_state import Located, RobotLinks, RobotLocation
 from omron_ld90.bridge.route_strategies import Settings
 from omron_ld90.bridge.stop_duty import StopDuty
 from trajectory_graph.route_protocol import EMERGENCY_STOP, Reason, ReasonCode
+
+_KEPT_EPOCHS = 100
 
 
 class RobotMonitor:
@@ -27,51 +29,57 @@ class RobotMonitor:
         self.seen: Optional[p.RobotSeen] = None
         """The last status."""
         self._settings = settings
+        self.epoch = 0
+        """Of the motion, that is known here; 0: none was heard of yet."""
+        self._own_epochs: Tuple[int, ...] = ()  # in all of which nobody else did anything
         self._taken_over: Optional[TakenOver] = None
         self._count = 0  # of commands given
         self._handlers: Dict[Type[object], Callable[..., None]] = {
             p.RobotSeen: self._on_seen, p.CommandEnded: self._on_ended,
-            p.StopBegun: lambda event, now: self.tracker.stop_begun(now),
-            p.ForeignStop: self._on_foreign_stop, p.LinkReported: self._on_link,
+            p.MotionTold: self._on_motion, p.LinkReported: self._on_link,
         }
 
     # --- what we do ------------------------------------------------------------------------------
 
-    def stop(self, now: float) -> None:
-        """Stops the robot, as soon as it can be reached."""
-        self.tracker.end()
-        self.stop_duty.require(now)
-
-    def leave(self, taken_over: TakenOver, now: float) -> None:
-        """The robot is somebody else's: we have no more business with it.
-
-        But where somebody stopped it, and it is seen to go on where we sent it, his stop was lost.
+    def stop(self, epoch: int) -> None:
+        """Stops the robot in what it does in this epoch, as soon as it can be reached; 0: in any.
         """
         self.tracker.end()
-        if taken_over.stop_given:
-            self.stop_duty.require(now, look_first=self._settings.location_timeout)
+        self.stop_duty.require(epoch)
+
+    def leave(self) -> None:
+        """The robot is somebody else's: we have no more business with it."""
+        self.tracker.end()
 
     def begin(self) -> None:
         """A new route begins: what happened before does not count any more."""
         self.stop_duty.forgive()
         self._taken_over = None
-        self.tracker.failure = None
+        self.tracker.forget()
 
     def due_commands(self, now: float) -> List[p.Give]:
         """The commands to give now; each counts as given."""
         given: List[p.Give] = []
         stands = self.links.stands(p.Link.COMMANDS, now)
         if self.stop_duty.is_due(stands, now):
-            given.append(self._give(STOP))
+            given.append(self._give(STOP, self.stop_duty.epoch))
             self.stop_duty.given(given[-1].number, now)
         if self.tracker.give_again:
-            given.append(self._give(self.tracker.command))
+            given.append(self._give(self.tracker.command, self.epoch))
             self.tracker.given(given[-1].number)
         return given
 
-    def _give(self, command: str) -> p.Give:
+    def _give(self, command: str, epoch: int) -> p.Give:
         self._count += 1
-        return p.Give(self._count, command)
+        return p.Give(self._count, command, epoch)
+
+    def resume(self, epoch: int) -> None:
+        """Before a restart of this program it knew of this epoch."""
+        self.epoch, self._own_epochs = epoch, (epoch,) if epoch else ()
+
+    def knows(self, epoch: int) -> bool:
+        """Whether nobody but us has done anything since an epoch."""
+        return epoch in self._own_epochs
 
     # --- what is to be known ----------------------------------------------------------------------
 
@@ -80,6 +88,9 @@ class RobotMonitor:
         if self.location.last is None:
             return Reason(ReasonCode.NO_LOCATION, 'the robot has not told where it is')
         unusable = self.links.why_unusable(now)
+        if not unusable and not self.epoch and self.links.are_expected:
+            return Reason(ReasonCode.NOT_READY,
+                          'omron_controller has not told who drives the robot')
         if not unusable and self.is_location_overdue(now):
             return _no_location(now - self.location.heard)
         return unusable
@@ -122,7 +133,6 @@ class RobotMonitor:
         since = (self.links.up_since(p.Link.COMMANDS)
                  if self.links.stands(p.Link.COMMANDS, now) else math.inf)
         self.tracker.seen(status, now, since)
-        self.stop_duty.seen(status, self.tracker.goals.is_on_our_way(status), now)
 
     def _on_ended(self, event: p.CommandEnded, now: float) -> None:
         self.stop_duty.ended(event)
@@ -130,8 +140,17 @@ class RobotMonitor:
         if self.tracker.has_docked:
             self.docking, self.docking_changed = p.Docking.DOCKED, now
 
-    def _on_foreign_stop(self, event: p.ForeignStop, _: float) -> None:
-        self._taken_over = TakenOver(f'{event.caller} stopped the robot.', stop_given=True)
+    def _on_motion(self, event: p.MotionTold, now: float) -> None:
+        self.stop_duty.owed_by_controller = event.stop_owed
+        if event.epoch == self.epoch:
+            return
+        goes_on = event.is_ours or event.goes_on and event.previous_epoch == self.epoch
+        if self.epoch and not goes_on and event.by_robot:
+            self.tracker.interrupted(now, event.reason)
+        elif self.epoch and not goes_on:
+            self._taken_over = TakenOver(f'{event.reason or "Another command"} came first.')
+        self._own_epochs = (*(self._own_epochs if goes_on else ()), event.epoch)[-_KEPT_EPOCHS:]
+        self.epoch = event.epoch
 
     def _on_link(self, event: p.LinkReported, now: float) -> None:
         self.links.update(event, now)

@@ -94,6 +94,11 @@ class RobotLinks:
         self._link_timeout = link_timeout
         self._restart_timeout = restart_timeout
 
+    @property
+    def are_expected(self) -> bool:
+        """Whether the robot is driven over any of them."""
+        return bool(self._links)
+
     def update(self, report: LinkReported, now: float) -> None:
         """Takes a node's report on its link."""
         if report.link in self._links:

@@ -89,13 +89,15 @@ class RouteFollower:
                               now, record.phase, record.completed)
         self.route.reason = record.reason
         self.robot.tracker.goals.remember(record.goal)
+        self.robot.resume(record.epoch)
+        self._orders.past = record.past
         owes_stop = record.owes_stop
         if record.phase is Phase.RUNNING and not is_recent:
             self.route.phase = Phase.FAILED
             self.route.reason = Reason(ReasonCode.RESTARTED, 'the bridge was away for too long')
             owes_stop = True
         if owes_stop:
-            self.robot.stop_duty.require(now, look_first=self.settings.location_timeout)
+            self.robot.stop_duty.require(record.epoch)
         if self.route.phase in (Phase.RUNNING, Phase.COMPLETE):
             self._restored = (record, now + self.settings.restart_timeout)
 
@@ -108,16 +110,22 @@ class RouteFollower:
     def record(self) -> Optional[p.RouteRecord]:
         """What `restore` is to be given after a restart; None before the first route."""
         if self._restored:  # died again before it knew more
-            return replace(self._restored[0], owes_stop=self.robot.stop_duty.owed)
-        return self.route.record(self.robot.stop_duty.owed) if self.route else None
+            record = self._restored[0]
+        elif self.route:
+            record = self.route.record()
+        else:
+            return None
+        return replace(record, owes_stop=self.robot.stop_duty.to_give, epoch=self.robot.epoch,
+                       past=self._orders.past)
 
     def report(self) -> RouteReport:
         """What the fleet manager is to know now."""
         route = self.route
         if route is None:
-            return RouteReport(self._stamp, 0, (), (), self._pose(), location=self._location)
+            return RouteReport(self._stamp, 0, (), (), self._pose(), location=self._location,
+                               epoch=self.robot.epoch)
         return RouteReport(self._stamp, route.order.route_id, route.edges, route.states,
-                           self._pose(), self._reason, self._location)
+                           self._pose(), self._reason, self._location, self.robot.epoch)
 
     def _answer(self, handle: Callable[[], None], now: float) -> List[p.Action]:
         """What a handler makes of an event: commands, notes, a report where more than a
@@ -132,7 +140,7 @@ class RouteFollower:
         self._out = []
         if self.route is not None:
             reported = (self.route.order.route_id, self.route.edges, self.route.states,
-                        self._reason)
+                        self._reason, self.robot.epoch)
             if reported != self._last_reported:
                 self._last_reported = reported
                 actions.append(self.report())
@@ -189,7 +197,7 @@ class RouteFollower:
         """An empty order is obeyed whenever it comes, late or twice."""
         self._orders.drop()
         self._restored = None
-        self.robot.stop(now)
+        self.robot.stop(0)
         self.route = self._run(order, None, now, Phase.STOPPED)
 
     def _consider_order(self, now: float) -> None:
@@ -247,7 +255,7 @@ class RouteFollower:
             self._out.append(RouteReport(
                 self._stamp, order.route_id, order.edges,
                 (EdgeState.FAILED,) * len(order.edges), self._pose(), reason,
-                self._location))
+                self._location, self.robot.epoch))
 
     # --- what happens to the route ----------------------------------------------------------------
 
@@ -258,9 +266,10 @@ class RouteFollower:
         return route if route and route.running and route.is_on_graph else None
 
     def _on_event(self, event: p.Event, now: float) -> None:
-        if isinstance(event, p.ForeignStop):
-            self._orders.overrule(now)
+        known = self.robot.epoch
         moved, driven = self.robot.update(event, now), self._driven
+        if known and not self.robot.knows(known):
+            self._orders.overrule(now)
         if moved and driven:
             self._note(driven.locate(self._here, now))
         self._go_on(now)
@@ -311,10 +320,10 @@ class RouteFollower:
         route = self.route
         assert route is not None  # only a running route fails
         if isinstance(failure, TakenOver):
-            self.robot.leave(failure, now)
+            self.robot.leave()
             self._orders.overrule(now)
         else:
-            self.robot.stop(now)
+            self.robot.stop(self.robot.epoch)
         route.phase = Phase.FAILED
         route.reason = failure.reason
         self._note(f'Route {route.order.route_id} failed: {failure}')

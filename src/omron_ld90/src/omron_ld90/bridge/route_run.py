@@ -94,11 +94,10 @@ class RouteRun:
         """One state per edge."""
         return edge_states(self.edges, self.completed, self.phase)
 
-    def record(self, owes_stop: bool) -> RouteRecord:
-        """What a restarted bridge needs to know."""
+    def record(self) -> RouteRecord:
+        """What a restarted bridge needs to know of it."""
         return RouteRecord(self.order.route_id, self.edges, self.order.stamp, self.phase,
-                           self.reason, self.completed, self.target, self._tracker.goals.last,
-                           owes_stop)
+                           self.reason, self.completed, self.target, self._tracker.goals.last)
 
     @property
     def edges_under_way(self) -> Tuple[int, ...]:

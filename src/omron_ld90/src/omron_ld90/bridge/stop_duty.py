@@ -1,51 +1,52 @@
-"""A stop that is owed until the robot has obeyed it or somebody else drives it.
+"""A stop that is handed over to the controller, which sends it as soon as the robot can be reached.
 
-A broken link, a full queue, a refusal or a restart of a node only delays it.
+That the controller is away, or its link broken, only delays it. Each attempt carries the epoch that
+the stop is to end, so that it ends no newer drive of anybody else.
 """
 from __future__ import annotations
 
 import math
 from typing import Optional
 
-from omron_ld90.bridge.events import CommandEnded, Ending, Motion, RobotSeen
+from omron_ld90.bridge.events import CommandEnded, Ending
 
-RETRY = 1.0       # s between two attempts that came to nothing
-STATUS_LAG = 1.0  # s that a status may be older than what the robot was told
+RETRY = 1.0  # s between two attempts that came to nothing
 
-_AT_REST = (Motion.STANDING, Motion.ARRIVED, Motion.FAILED, Motion.DOCKED)
-_OVER = (Ending.SUCCEEDED, Ending.INTERRUPTED, Ending.EMERGENCY_STOPPED)
+_NOT_TAKEN = (Ending.LOST, Ending.NEVER_SENT)
 
 
 class StopDuty:
-    """Whether a stop is owed, and when to give it."""
+    """Whether a stop is to be handed over, and when to give it."""
 
     def __init__(self) -> None:
+        self.owed_by_controller = False
+        """Whether the controller says that the robot has not obeyed a stop yet."""
+        self.problem = ''
+        """Why the last attempt came to nothing."""
         self.forgive()
 
-    def require(self, now: float, look_first: float = 0.0) -> None:
-        """The robot is to stop; `look_first` s are given to its status to show that it is needed.
+    @property
+    def owed(self) -> bool:
+        """Whether the robot may not have obeyed a stop of ours."""
+        return self.to_give or bool(self.problem) and self.owed_by_controller
 
-        That is for a stop whose cause is not of this moment: somebody else may drive by now.
-        """
+    def require(self, epoch: int) -> None:
+        """The robot is to stop in what it does in this epoch; 0: whatever it does."""
         self.forgive()
-        self.owed = True
-        self._since = now
-        self._look_until = now + look_first
+        self.to_give, self.epoch = True, epoch
 
     def forgive(self) -> None:
         """Nobody wants the stop any more, or nobody may give it."""
-        self.owed = False
+        self.to_give = False
+        """Whether the controller has not taken it yet."""
+        self.epoch = 0
         self.problem = ''
-        """Why the last attempt came to nothing."""
         self.number: Optional[int] = None  # of the attempt whose end is to come
-        self._since = -math.inf
         self._not_before = -math.inf
-        self._seen_over = False
-        self._look_until = -math.inf  # so long the robot's status is awaited before the stop
 
     def is_due(self, link_stands: bool, now: float) -> bool:
         """Whether to give the stop now; the first time whatever is known of the link."""
-        if not self.owed or self.number is not None or now < self._look_until:
+        if not self.to_give or self.number is not None:
             return False
         return self._not_before == -math.inf or (link_stands and now >= self._not_before)
 
@@ -56,23 +57,11 @@ class StopDuty:
 
     def ended(self, event: CommandEnded) -> None:
         """A command has ended, perhaps the stop."""
-        if self.owed and event.number == self.number:
+        if self.to_give and event.number == self.number:
             self.number = None
-            self.problem = event.text or event.ending.value
-            if event.ending in _OVER:
-                self.forgive()
-
-    def seen(self, status: RobotSeen, on_our_way: Optional[bool], now: float) -> None:
-        """The robot's status: twice at rest, or on another way than ours, ends the duty.
-
-        `on_our_way` is None where the robot is not seen to go anywhere.
-        """
-        if not self.owed or now < self._since + STATUS_LAG:
-            return
-        if on_our_way:
-            self._look_until = now
-        over = status.motion in _AT_REST or on_our_way is False
-        if over and self._seen_over:
-            self.forgive()
-        else:
-            self._seen_over = over
+            if event.ending in _NOT_TAKEN:
+                self.problem = event.text or event.ending.value
+            else:
+                self.to_give = False
+                self.problem = (event.text or event.ending.value
+                                if event.ending is Ending.FAILED else '')

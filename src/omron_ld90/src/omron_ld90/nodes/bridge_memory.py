@@ -11,7 +11,6 @@ import json
 import math
 import os
 import threading
-import time
 import xmlrpc.client
 from typing import Any, Dict, List, Optional, Tuple
 
@@ -19,6 +18,7 @@ import rospkg
 import rospy
 
 from omron_ld90.bridge.events import RouteRecord
+from omron_ld90.nodes.support.boot_clock import Moment
 from omron_ld90.nodes.support.worker import start_worker
 from trajectory_graph.route_protocol import Phase, reason_of
 
@@ -51,17 +51,18 @@ class RouteMemory:
         One of another launch is infinitely old, unless it stands in the file and nobody ended that
         launch: its computer died.
         """
-        found: List[Tuple[float, RouteRecord, bool]] = []
+        found: List[Tuple[Moment, RouteRecord, bool]] = []
         for content, outlives in ((rospy.get_param(PARAMETER, None), False), (self._read(), True)):
             try:
                 counts = content['launch'] == self._launch or outlives and not content['closed']
-                found.append((float(content['time']), _record_of(content), counts))
+                found.append((Moment.read(content), _record_of(content), counts))
             except (KeyError, TypeError, ValueError):
                 continue
         if not found:
             return None, 0.0
-        written, record, counts = max(found, key=lambda one: (one[0], one[2]))
-        return record, max(time.time() - written, 0.0) if counts else math.inf
+        now = Moment.now()
+        written, record, counts = min(found, key=lambda one: (one[0].age(now), not one[2]))
+        return record, written.age(now) if counts else math.inf
 
     def keep(self, record: Optional[RouteRecord]) -> None:
         """Has a record written down."""
@@ -122,12 +123,13 @@ def _replace(path: str, text: str) -> None:
 
 
 def _content_of(record: RouteRecord) -> Dict[str, Any]:
-    return {'time': time.time(), 'route_id': record.route_id, 'edges': list(record.edges),
+    return {**Moment.now().content(), 'route_id': record.route_id, 'edges': list(record.edges),
             'stamp': str(record.stamp),  # more than the 32 bits of a parameter
             'phase': record.phase.value, 'reason': record.reason.text,
             'reason_code': int(record.reason.code), 'completed': record.completed,
             'target': -1 if record.target is None else record.target, 'goal': record.goal,
-            'owes_stop': record.owes_stop}
+            'owes_stop': record.owes_stop, 'epoch': str(record.epoch),
+            'past': [[id, str(edges)] for id, edges in record.past]}
 
 
 def _record_of(content: Dict[str, Any]) -> RouteRecord:
@@ -137,4 +139,5 @@ def _record_of(content: Dict[str, Any]) -> RouteRecord:
                        int(content['stamp']), Phase(content['phase']),
                        reason_of(content.get('reason_code', 0), str(content['reason'])),
                        int(content['completed']), None if target < 0 else target,
-                       str(content['goal']), bool(content['owes_stop']))
+                       str(content['goal']), bool(content['owes_stop']), int(content['epoch']),
+                       tuple((int(id), int(edges)) for id, edges in content['past']))

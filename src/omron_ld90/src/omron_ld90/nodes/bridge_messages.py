@@ -5,11 +5,19 @@ import math
 from typing import Dict, Optional
 
 from omron_arcl import ActivityKind
-from omron_ld90.bridge.events import CommandEnded, Docking, Ending, Link, LinkReported, RobotSeen
+from omron_ld90.bridge.events import (
+    CommandEnded,
+    Docking,
+    Ending,
+    Link,
+    LinkReported,
+    MotionTold,
+    RobotSeen,
+)
 from omron_ld90.bridge.motions import motion_of
 from omron_ld90.nodes.support.link_reports import words_of
 from omron_ld90.nodes.support.poses import yaw_from_quaternion
-from omron_ld90_msgs.msg import ExecuteCommandResult, LinkState, RobotStatus
+from omron_ld90_msgs.msg import ExecuteCommandResult, LinkState, Motion, RobotStatus
 
 _KINDS: Dict[int, ActivityKind] = {getattr(RobotStatus, kind.name): kind for kind in ActivityKind}
 _ENDINGS: Dict[int, Ending] = {
@@ -22,7 +30,7 @@ _ENDINGS: Dict[int, Ending] = {
     ExecuteCommandResult.CANCELLED: Ending.CANCELLED,
     ExecuteCommandResult.EMERGENCY_STOPPED: Ending.EMERGENCY_STOPPED,
     ExecuteCommandResult.NEVER_SENT: Ending.NEVER_SENT,
-    ExecuteCommandResult.OVERRULED: Ending.INTERRUPTED,
+    ExecuteCommandResult.OVERRULED: Ending.OVERRULED,
 }
 _DOCKING: Dict[str, Docking] = {state.value: state for state in Docking}
 _LINKS: Dict[str, Link] = {link.value: link for link in Link}
@@ -42,6 +50,14 @@ def robot_seen(status: RobotStatus) -> RobotSeen:
 def command_ended(number: int, result: ExecuteCommandResult) -> CommandEnded:
     """How a command ended."""
     return CommandEnded(number, _ENDINGS.get(result.outcome, Ending.FAILED), result.message)
+
+
+def motion_told(message: Motion, own_name: str) -> MotionTold:
+    """Who drives the robot."""
+    is_ours = message.giver == own_name or message.cause == Motion.EMERGENCY_STOP
+    return MotionTold(message.epoch, message.previous_epoch, is_ours,
+                      message.cause == Motion.RESTART, message.stop_owed, message.reason,
+                      message.cause in (Motion.OTHER_CLIENT, Motion.ROBOT))
 
 
 def link_reported(message: LinkState) -> Optional[LinkReported]:

@@ -9,6 +9,7 @@ Topics in:
 Topics out:
   arcl_response (std_msgs/String): every line that the robot sends after the login, byte for byte
   command_refused (omron_ld90_msgs/CommandRefused): what came by topic and came to nothing
+  motion (omron_ld90_msgs/Motion, latched): who drives the robot, what it does, a stop that is owed
   link_state (omron_ld90_msgs/LinkState, latched): link `commands`
   /diagnostics
 Actions:
@@ -26,6 +27,8 @@ Parameters:
   ~session_log (''): file for all that both sides say, passwords redacted; an older one is kept as
       <file>.old; ld90_sim --replay serves it
   ~session_log_size (50.0 MB): a file that has grown to this size becomes the older one
+  ~motion_file (omron_ld90/<namespace>_motion.json): keeps over a restart who drove the robot, and a
+      stop that is owed; relative to ROS_HOME; '': nothing is kept
   ~allow_takeover (false): the two topics of clicks move a robot that a fleet drives, too
   ~stop_on_shutdown (false): send `stop` when the node is ended, as by Ctrl-C; without it the robot
       drives on to its goal
@@ -48,6 +51,7 @@ from omron_arcl import (
     Backoff,
     Client,
     Execution,
+    Giver,
     HelpList,
     Link,
     Outcome,
@@ -57,12 +61,13 @@ from omron_arcl import (
     parse_line,
     printable,
 )
-from omron_arcl.arbiter import Arbiter
 from omron_arcl.guard import Guard
+from omron_arcl.motion_authority import MotionAuthority
 from omron_arcl.replies import Goal, MapChanged, OneLineStatus
 from omron_ld90.nodes.controller_execute_command import ExecuteCommandServer
 from omron_ld90.nodes.controller_goals import GoalComparison
 from omron_ld90.nodes.controller_help import HelpReport
+from omron_ld90.nodes.controller_motion import MotionFile, MotionTopic
 from omron_ld90.nodes.controller_move_base import MoveBaseServer
 from omron_ld90.nodes.controller_password import read_password
 from omron_ld90.nodes.controller_refusals import Refusals
@@ -100,12 +105,13 @@ class Controller:
         self._responses = rospy.Publisher('arcl_response', LineMessage, queue_size=1000,
                                           tcp_nodelay=True)
         self._client: Client = make_client(on_line=self._on_line, on_link=self._on_link,
-                                           on_login=self._on_login)
-        self._arbiter = Arbiter(self._client.execute, self._client.cancel, guard)
+                                           on_login=self._on_login,
+                                           on_motion=MotionTopic().publish)
         refusals, old = Refusals(), OldMessages(publishers_by_master).start()
-        ExecuteCommandServer(self._execute, self._arbiter.cancel, old)
-        self._move_base = MoveBaseServer(self._execute, self._arbiter.cancel, old, refusals,
-                                         map_frame)
+        client = self._client
+        ExecuteCommandServer(self._execute, client.cancel, client.cancel_all, old)
+        self._move_base = MoveBaseServer(self._execute, client.cancel, client.cancel_all, old,
+                                         refusals, map_frame)
         TopicCommands(self._execute, self._move_base, refusals, old, map_frame,
                       ClickRule.of_this_node().refusal)
         publish_diagnostics(self._client.peer, {'link to the robot': self._reporter.diagnose,
@@ -132,9 +138,9 @@ class Controller:
             if result is None:
                 rospy.logwarn('A stop was sent at the end; the robot has not said that it stands.')
 
-    def _execute(self, text: str, giver: str, **options: Any) -> Execution:
-        """Gives a command of `giver`, a node, once it is allowed; raises ArclError."""
-        execution = self._arbiter.execute(text, giver, **options)
+    def _execute(self, text: str, giver: Giver, **options: Any) -> Execution:
+        """Gives a command of `giver` once it is allowed; raises ArclError."""
+        execution = self._client.execute(text, giver=giver, check=self._guard.check, **options)
         self._help.sent(execution.command)
         return execution
 
@@ -144,7 +150,6 @@ class Controller:
         self._responses.publish(LineMessage(line.raw))
         self._reporter.line()
         self._health.observe(line.reply)
-        self._arbiter.on_reply(line.reply)
         if isinstance(line.reply, MapChanged):
             self._ask_goals()
         elif (isinstance(line.reply, OneLineStatus) and line.reply.location
@@ -211,9 +216,13 @@ def start() -> Controller:
     log = session_log()
     goals = GoalComparison(parameter('~map_file', ''), map_sources())
 
+    namespace = rospy.get_namespace().strip('/').replace('/', '_')
+    kept = MotionFile(parameter('~motion_file', f'omron_ld90/{namespace}_motion.json'))
+    authority = MotionAuthority(kept.read(), kept.keep)
+
     def make_client(**callbacks: Any) -> Client:
         return Client(host, port, password, backoff=backoff, heartbeat=heartbeat, timeout=silence,
-                      log=log, **callbacks)
+                      log=log, authority=authority, **callbacks)
 
     return Controller(make_client, guard, goals, parameter('~map_frame', 'map'), log,
                       parameter('~stop_on_shutdown', False, bool))

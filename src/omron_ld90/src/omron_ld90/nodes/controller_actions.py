@@ -16,20 +16,20 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 import actionlib
 import rospy
 
-from omron_arcl import ArclError, Execution, Outcome, Result, printable
+from omron_arcl import ArclError, Execution, Giver, Outcome, Result, printable
 from omron_arcl.command_line import is_stop
 from omron_ld90.nodes.controller_action_server import ActionServer
 from omron_ld90.nodes.controller_refusals import failure
 from omron_ld90.nodes.support.call_queue import CallQueue
-from omron_ld90.nodes.support.callers import caller_of
+from omron_ld90.nodes.support.callers import giver_of
 from omron_ld90.nodes.support.old_messages import OldMessages
 
 _QUEUE_PARAMETER = 'actionlib_server_pub_queue_size'  # read by actionlib, for all servers here
 _RESULTS_QUEUED = 1000
 
-# Gives a command of a node; raises ArclError. (text, giver, timeout, on_line, on_end) -> Execution
+# Gives a command; raises ArclError. (text, giver, known_epoch, timeout, on_line, on_end)
 Execute = Callable[..., Execution]
-Cancel = Callable[[Execution, str], None]  # cancels a command for a node
+Cancel = Callable[[Execution, Giver], None]  # cancels a command for a giver
 
 _PREEMPTED = (Outcome.INTERRUPTED, Outcome.CANCELLED)
 
@@ -53,8 +53,8 @@ class _Goal:
 class CommandActions:
     """Goals of one action server and the commands that they are."""
 
-    def __init__(self, name: str, kind: type, execute: Execute,
-                 cancel: Cancel, old: OldMessages) -> None:
+    def __init__(self, name: str, kind: type, execute: Execute, cancel: Cancel,
+                 cancel_all: Callable[[Giver], None], old: OldMessages) -> None:
         self._topic = f'{name}/goal'
         self._execute = execute
         self._cancel = cancel
@@ -64,7 +64,8 @@ class CommandActions:
         self._calls = CallQueue(f'action {name}')
         old.watch(self._topic)
         _keep_results()
-        self._server = ActionServer(name, kind, self._on_goal, self._on_cancel, self._is_stop)
+        self._server = ActionServer(name, kind, self._on_goal, self._on_cancel, self._is_stop,
+                                    lambda: cancel_all(self._server.canceller))
         self._server.start()
 
     # --- from actionlib, which holds its lock ----------------------------------------------------
@@ -92,7 +93,8 @@ class CommandActions:
             self._running[goal_id] = goal
         try:
             goal.execution = self._execute(
-                text, self._giver(handle), timeout=timeout or None, stop_on_timeout=True,
+                text, self._giver(handle), known_epoch=self._known_epoch(handle.get_goal()),
+                timeout=timeout or None, stop_on_timeout=True,
                 on_line=lambda line: self._calls.add(lambda: self._on_line(handle, line),
                                                      optional=True),
                 on_end=lambda result: self._calls.add(
@@ -133,9 +135,13 @@ class CommandActions:
 
     # --- what a kind of action is ----------------------------------------------------------------
 
-    def _giver(self, handle: actionlib.ServerGoalHandle) -> str:
-        """The node that gave a goal."""
-        return caller_of(handle.goal)
+    def _giver(self, handle: actionlib.ServerGoalHandle) -> Giver:
+        """The program that gave a goal."""
+        return giver_of(handle.goal)
+
+    def _known_epoch(self, goal: Any) -> int:
+        """The epoch of the motion in which a goal makes sense; 0: any."""
+        return 0
 
     def _command_of(self, goal: Any) -> Tuple[str, float]:
         """The command that a goal means, and its time-out (0: its own); raises Refused."""

@@ -2,13 +2,13 @@
 from __future__ import annotations
 
 import math
-from typing import Dict, Tuple
+from typing import Callable, Dict, Tuple
 
 import actionlib
 
-from omron_arcl import NotConnected, Outcome, Result, printable
+from omron_arcl import Giver, NotConnected, Outcome, Result, printable
 from omron_arcl.command_line import is_stop
-from omron_arcl.overruling import Overruled
+from omron_arcl.motion_authority import Overruled, Unclear
 from omron_ld90.nodes.controller_actions import Cancel, CommandActions, Execute, NeverSent, Refused
 from omron_ld90.nodes.support.old_messages import OldMessages
 from omron_ld90_msgs.msg import (
@@ -29,14 +29,20 @@ _OUTCOMES: Dict[Outcome, int] = {
     Outcome.CANCELLED: ExecuteCommandResult.CANCELLED,
     Outcome.TIMED_OUT: ExecuteCommandResult.TIMED_OUT,
     Outcome.LOST: ExecuteCommandResult.LOST,
+    Outcome.NEVER_SENT: ExecuteCommandResult.NEVER_SENT,
+    Outcome.OVERRULED: ExecuteCommandResult.OVERRULED,
 }
 
 
 class ExecuteCommandServer(CommandActions):
     """Action `execute_command`."""
 
-    def __init__(self, execute: Execute, cancel: Cancel, old: OldMessages) -> None:
-        super().__init__('execute_command', ExecuteCommandAction, execute, cancel, old)
+    def __init__(self, execute: Execute, cancel: Cancel, cancel_all: Callable[[Giver], None],
+                 old: OldMessages) -> None:
+        super().__init__('execute_command', ExecuteCommandAction, execute, cancel, cancel_all, old)
+
+    def _known_epoch(self, goal: ExecuteCommandGoal) -> int:
+        return int(goal.known_epoch)
 
     def _is_stop(self, goal: ExecuteCommandGoal) -> bool:
         return is_stop(goal.command)
@@ -60,7 +66,7 @@ class ExecuteCommandServer(CommandActions):
         where the command of another giver came first."""
         if isinstance(reason, Overruled):
             outcome = ExecuteCommandResult.OVERRULED
-        elif isinstance(reason, (NotConnected, NeverSent)):
+        elif isinstance(reason, (NotConnected, NeverSent, Unclear)):
             outcome = ExecuteCommandResult.NEVER_SENT
         else:
             outcome = ExecuteCommandResult.REFUSED

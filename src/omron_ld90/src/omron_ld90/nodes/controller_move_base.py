@@ -4,7 +4,7 @@ from __future__ import annotations
 import math
 import time
 from functools import partial
-from typing import Dict, Optional, Tuple
+from typing import Callable, Dict, Optional, Tuple
 
 import actionlib
 import rospy
@@ -17,7 +17,7 @@ from move_base_msgs.msg import (
     MoveBaseResult,
 )
 
-from omron_arcl import Result
+from omron_arcl import Giver, Result
 from omron_ld90.nodes.controller_actions import Cancel, CommandActions, Execute, Refused
 from omron_ld90.nodes.controller_refusals import Refusals
 from omron_ld90.nodes.support.old_messages import OldMessages
@@ -48,13 +48,13 @@ class MoveBaseServer(CommandActions):
     watches `move_base/status` sees a new one.
     """
 
-    def __init__(self, execute: Execute, cancel: Cancel, old: OldMessages, refusals: Refusals,
-                 map_frame: str) -> None:
+    def __init__(self, execute: Execute, cancel: Cancel, cancel_all: Callable[[Giver], None],
+                 old: OldMessages, refusals: Refusals, map_frame: str) -> None:
         self._map_frame = map_frame
         self._refusals = refusals
-        self._forwarded: Dict[str, str] = {}  # goal id -> who gave it by topic
+        self._forwarded: Dict[str, Giver] = {}  # goal id -> who gave it by topic
         self._count = 0
-        super().__init__('move_base', MoveBaseAction, execute, cancel, old)
+        super().__init__('move_base', MoveBaseAction, execute, cancel, cancel_all, old)
         self._goals = rospy.Publisher(self._topic, MoveBaseActionGoal, queue_size=10)
         self._await_own_connection()
 
@@ -70,21 +70,21 @@ class MoveBaseServer(CommandActions):
             self._calls.add(partial(handle.publish_feedback,
                                     MoveBaseFeedback(base_position=pose)), optional=True)
 
-    def forward(self, pose: PoseStamped, caller: str) -> None:
-        """Makes a goal of the action of a pose that `caller` gave by topic."""
+    def forward(self, pose: PoseStamped, giver: Giver) -> None:
+        """Makes a goal of the action of a pose that `giver` gave by topic."""
         goal = MoveBaseActionGoal()
         goal.header.stamp = goal.goal_id.stamp = rospy.Time.now()
         with self._lock:
             self._count += 1
             goal.goal_id.id = (f'{rospy.get_name()}-simple-{self._count}-'
                                f'{goal.goal_id.stamp.to_sec():.9f}')
-            self._forwarded[goal.goal_id.id] = caller
+            self._forwarded[goal.goal_id.id] = giver
         goal.goal.target_pose = pose
         self._goals.publish(goal)
 
-    def _giver(self, handle: actionlib.ServerGoalHandle) -> str:
+    def _giver(self, handle: actionlib.ServerGoalHandle) -> Giver:
         with self._lock:
-            return self._forwarded.get(handle.get_goal_id().id, '') or super()._giver(handle)
+            return self._forwarded.get(handle.get_goal_id().id) or super()._giver(handle)
 
     def _command_of(self, goal: MoveBaseGoal) -> Tuple[str, float]:
         return 'gotoPoint {} {} {}'.format(*robot_pose(goal.target_pose, self._map_frame)), 0.0
@@ -98,6 +98,6 @@ class MoveBaseServer(CommandActions):
     def _tell(self, goal_id: str, reason: Optional[str]) -> None:
         """Who gave a goal by topic has no result to look at."""
         with self._lock:
-            caller = self._forwarded.pop(goal_id, None)
-        if caller and reason:
-            self._refusals.tell('gotoPoint', caller, reason)
+            giver = self._forwarded.pop(goal_id, None)
+        if giver and reason:
+            self._refusals.tell('gotoPoint', giver.name, reason)

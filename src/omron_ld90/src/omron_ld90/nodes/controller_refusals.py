@@ -18,6 +18,8 @@ _FAILURES: Mapping[Outcome, str] = {
     Outcome.EMERGENCY_STOPPED: 'was ended by the emergency stop',
     Outcome.TIMED_OUT: 'timed out',
     Outcome.LOST: 'was lost',
+    Outcome.NEVER_SENT: 'was not sent',
+    Outcome.OVERRULED: 'was not sent',
 }
 
 

@@ -7,12 +7,12 @@ import rospy
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
 from std_msgs.msg import String
 
-from omron_arcl import ArclError, Execution, Result
+from omron_arcl import ArclError, Execution, Giver, Result
 from omron_arcl.command_line import is_stop
 from omron_ld90.nodes.controller_actions import Refused
 from omron_ld90.nodes.controller_move_base import MoveBaseServer, robot_pose
 from omron_ld90.nodes.controller_refusals import Refusals, failure
-from omron_ld90.nodes.support.callers import caller_of
+from omron_ld90.nodes.support.callers import giver_of
 from omron_ld90.nodes.support.old_messages import OldMessages
 
 
@@ -41,51 +41,51 @@ class TopicCommands:
             rospy.Subscriber(topic, kind, self._unless_refused(callback, topic),
                              queue_size=queue_size, tcp_nodelay=True)
 
-    def _unless_refused(self, callback: Callable[[rospy.Message, str], None],
+    def _unless_refused(self, callback: Callable[[rospy.Message, Giver], None],
                         topic: str) -> Callable[[rospy.Message], None]:
         def receive(message: rospy.Message) -> None:
-            caller = caller_of(message)
+            giver = giver_of(message)
             is_click = not isinstance(message, String)
             text = topic if is_click else message.data
             reason = self._old.reason(message, topic, is_stop(text))
             if is_click and not reason:
                 reason = self._refuse_click()
             if reason:
-                self._refusals.tell(text, caller, reason)
+                self._refusals.tell(text, giver.name, reason)
             else:
-                callback(message, caller)
+                callback(message, giver)
         return receive
 
-    def _on_command(self, message: String, caller: str) -> None:
-        self._send(message.data, caller)
+    def _on_command(self, message: String, giver: Giver) -> None:
+        self._send(message.data, giver)
 
-    def _on_goal_pose(self, message: PoseStamped, caller: str) -> None:
+    def _on_goal_pose(self, message: PoseStamped, giver: Giver) -> None:
         """As the real move_base does it, so that whoever watches the action sees a new goal."""
         try:
             robot_pose(message, self._map_frame)
         except Refused as error:
-            self._refusals.tell('gotoPoint', caller, f'The goal was not sent: {error}.')
+            self._refusals.tell('gotoPoint', giver.name, f'The goal was not sent: {error}.')
         else:
-            self._move_base.forward(message, caller)
+            self._move_base.forward(message, giver)
 
-    def _on_initial_pose(self, message: PoseWithCovarianceStamped, caller: str) -> None:
+    def _on_initial_pose(self, message: PoseWithCovarianceStamped, giver: Giver) -> None:
         pose = PoseStamped(header=message.header, pose=message.pose.pose)
         try:
             x, y, heading = robot_pose(pose, self._map_frame)
         except Refused as error:
-            self._refusals.tell('localizeToPoint', caller,
+            self._refusals.tell('localizeToPoint', giver.name,
                                 f'The pose was not sent: {error}.')
         else:
-            self._send(f'localizeToPoint {x} {y} {heading}', caller)
+            self._send(f'localizeToPoint {x} {y} {heading}', giver)
 
-    def _send(self, text: str, caller: str) -> None:
+    def _send(self, text: str, giver: Giver) -> None:
         """Sends a command for whose end nobody waits, so failures are told."""
         def on_end(result: Result) -> None:
             reason = failure(text, result)
             if reason:
-                self._refusals.tell(text, caller, reason)
+                self._refusals.tell(text, giver.name, reason)
 
         try:
-            self._execute(text, caller, on_end=on_end)
+            self._execute(text, giver, on_end=on_end)
         except ArclError as error:
-            self._refusals.tell(text, caller, str(error))
+            self._refusals.tell(text, giver.name, str(error))

@@ -7,9 +7,7 @@ Subscribes
     target_route (itrci_nav_msgs/TargetRoute): the route to drive
     /graph (itrci_nav_msgs/Graph): replaces the graph of ~graph_file
     robot_status (omron_ld90_msgs/RobotStatus), link_state (omron_ld90_msgs/LinkState)
-    arcl_response (std_msgs/String): the robot says that it stops
-    send_command (std_msgs/String), execute_command/goal, execute_command/cancel: a stop of somebody
-        else ends the route
+    motion (omron_ld90_msgs/Motion): who drives the robot; what anybody else does ends the route
 Publishes
     execution_route_states (itrci_nav_msgs/ExecutionRouteStates, latched): 10 Hz and on change
         while a route runs, else 1 Hz
@@ -46,31 +44,30 @@ import time
 from typing import Callable, Dict, Iterable, Tuple
 
 import rospy
-from actionlib_msgs.msg import GoalID
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
-from std_msgs.msg import String
 
 from itrci_nav_msgs import msg
 from node_lifecycle import parameter, publish_diagnostics, run
-from omron_arcl import parse_line
-from omron_arcl.command_line import is_stop
-from omron_arcl.replies import Stopping
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.route_follower import RouteFollower
 from omron_ld90.bridge.running_clock import RunningClock
 from omron_ld90.nodes.bridge_memory import PARAMETER, RouteMemory
-from omron_ld90.nodes.bridge_messages import command_ended, link_reported, robot_seen
+from omron_ld90.nodes.bridge_messages import (
+    command_ended,
+    link_reported,
+    motion_told,
+    robot_seen,
+)
 from omron_ld90.nodes.bridge_settings import read_settings
 from omron_ld90.nodes.support import shared_parameters
-from omron_ld90.nodes.support.callers import caller_of
 from omron_ld90.nodes.support.command_client import CommandClient
 from omron_ld90.nodes.support.followed_graph import FollowedGraph
 from omron_ld90.nodes.support.worker import start_worker
 from omron_ld90_msgs.msg import (
-    ExecuteCommandActionGoal,
     ExecuteCommandResult,
     LinkState,
+    Motion,
     RobotStatus,
 )
 from trajectory_graph import Graph
@@ -114,10 +111,7 @@ class EdgesToVertices:
         for topic, kind, callback in (
                 ('link_state', LinkState, self._on_link),
                 ('robot_status', RobotStatus, self._on_status),
-                ('arcl_response', String, self._on_line),
-                ('send_command', String, self._on_command),
-                ('execute_command/goal', ExecuteCommandActionGoal, self._on_goal),
-                ('execute_command/cancel', GoalID, self._on_cancel),
+                ('motion', Motion, self._on_motion),
                 ('target_route', msg.TargetRoute, self._on_route)):
             rospy.Subscriber(topic, kind, callback, queue_size=100, tcp_nodelay=True)
         FollowedGraph(graph, self._on_graph).subscribe()
@@ -157,29 +151,8 @@ class EdgesToVertices:
         if event is not None:
             self._tell(event)
 
-    def _on_line(self, message: String) -> None:
-        if isinstance(parse_line(message.data), Stopping):
-            self._tell(p.StopBegun())
-
-    def _on_command(self, message: String) -> None:
-        self._on_foreign(message.data, caller_of(message))
-
-    def _on_goal(self, message: ExecuteCommandActionGoal) -> None:
-        self._on_foreign(message.goal.command, caller_of(message))
-
-    def _on_foreign(self, command: str, caller: str) -> None:
-        """Somebody's stop, of which no drive of ours would tell that just ended.
-
-        Drives of others are left to the controller: it may refuse them, and our own goes on.
-        """
-        if caller != rospy.get_name() and is_stop(command):
-            self._tell(p.ForeignStop(caller))
-
-    def _on_cancel(self, message: GoalID) -> None:
-        """To cancel a drive of ours is to stop the robot, even where that never heard of it."""
-        caller = caller_of(message)
-        if caller != rospy.get_name() and self._commands.is_meant_by(message):
-            self._tell(p.ForeignStop(caller))
+    def _on_motion(self, message: Motion) -> None:
+        self._tell(motion_told(message, rospy.get_name()))
 
     def _on_graph(self, graph: Graph) -> None:
         self._calls.put(lambda now: self._follower.use_graph(graph, now))
@@ -212,7 +185,7 @@ class EdgesToVertices:
     def _act(self, actions: Iterable[p.Action]) -> None:
         for action in actions:
             if isinstance(action, p.Give):
-                self._commands.give(action.number, action.command)
+                self._commands.give(action.number, action.command, action.known_epoch)
             elif isinstance(action, RouteReport):
                 self._report(action)
             elif isinstance(action, RouteRefusal):

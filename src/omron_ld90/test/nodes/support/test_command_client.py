@@ -5,9 +5,7 @@ import threading
 from types import SimpleNamespace
 
 import pytest
-import rospy
 from actionlib import CommState, GoalStatus
-from actionlib_msgs.msg import GoalID
 
 from omron_ld90.nodes.support import command_client
 from omron_ld90.nodes.support.command_client import STATUSES_WAITED, CommandClient, result_of
@@ -38,7 +36,7 @@ def test_a_goal_that_the_server_forgot_is_lost():
 def test_the_empty_result_of_a_goal_that_actionlib_refused_is_no_success(status):
     result = result_of(DoneGoal(status, ExecuteCommandResult(), 'canceled by its timestamp'))
     assert result.outcome == ExecuteCommandResult.CANCELLED
-    assert result.message == 'never sent: canceled by its timestamp'
+    assert result.message == 'canceled by its timestamp'
 
 
 class Server:
@@ -51,10 +49,8 @@ class Server:
         self.state = CommState.WAITING_FOR_GOAL_ACK
 
     def send_goal(self, goal, **callbacks):
-        goal_id = GoalID(rospy.Time(100), 'ours')
-        return SimpleNamespace(
-            get_comm_state=lambda: self.state,
-            comm_state_machine=SimpleNamespace(action_goal=SimpleNamespace(goal_id=goal_id)))
+        self.goal = goal
+        return SimpleNamespace(get_comm_state=lambda: self.state)
 
 
 @pytest.fixture
@@ -64,15 +60,10 @@ def server(monkeypatch) -> Server:
     return server
 
 
-@pytest.mark.parametrize('cancellation, under_way, before', [
-    (GoalID(), True, True), (GoalID(id='ours'), True, False), (GoalID(id='other'), False, False),
-    (GoalID(stamp=rospy.Time(99)), False, False), (GoalID(stamp=rospy.Time(100)), True, False)])
-def test_a_cancellation_means_the_commands_that_it_names_or_everything(
-        server, cancellation, under_way, before):
+def test_the_epoch_that_is_known_goes_with_a_command(server):
     commands = CommandClient(lambda number, result: None)
-    assert commands.is_meant_by(cancellation) is before
-    commands.give(1, 'goto 12')
-    assert commands.is_meant_by(cancellation) is under_way
+    commands.give(1, 'goto 12', 77)
+    assert (server.goal.command, server.goal.known_epoch) == ('goto 12', 77)
     commands.close()
 
 

@@ -1,9 +1,35 @@
 """Who sent a message."""
 from __future__ import annotations
 
+from typing import Dict
+
 import rospy
+from rospy.topics import get_topic_manager
+
+from omron_arcl.execution import Giver
 
 
 def caller_of(message: rospy.Message) -> str:
     """The node that sent a message."""
-    return getattr(message, '_connection_header', {}).get('callerid', 'unknown')
+    return header_of(message).get('callerid', 'unknown')
+
+
+def header_of(message: rospy.Message) -> Dict[str, str]:
+    """The header of the connection over which a message came: one object for each connection."""
+    header: Dict[str, str] = getattr(message, '_connection_header', {})
+    return header
+
+
+def process_of(message: rospy.Message) -> str:
+    """The address of the process that sent a message: a node that is restarted has another."""
+    header, topic = header_of(message), header_of(message).get('topic', '')
+    subscription = get_topic_manager().get_subscriber_impl(topic) if topic else None
+    for connection in getattr(subscription, 'connections', ()):
+        if connection.header is header:
+            return str(connection.endpoint_id)
+    return ''
+
+
+def giver_of(message: rospy.Message) -> Giver:
+    """The program that gives a command by a message."""
+    return Giver(caller_of(message), process_of(message))

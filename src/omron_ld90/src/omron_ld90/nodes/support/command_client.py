@@ -10,7 +10,6 @@ from typing import Callable, Dict, Optional
 
 import actionlib
 from actionlib import ClientGoalHandle, CommState, GoalStatus
-from actionlib_msgs.msg import GoalID
 
 from omron_ld90.nodes.support.call_queue import CallQueue
 from omron_ld90_msgs.msg import (
@@ -50,8 +49,11 @@ class CommandClient:
         return all(end.get_num_connections() > 0
                    for end in (client.pub_goal, client.status_sub, client.result_sub))
 
-    def give(self, number: int, command: str) -> None:
-        """Gives an ARCL command; `number` is its name in the callbacks, used once."""
+    def give(self, number: int, command: str, known_epoch: int = 0) -> None:
+        """Gives an ARCL command; `number` is its name in the callbacks, used once.
+
+        known_epoch: of the motion in which it makes sense; 0 for a person's, which always does.
+        """
         given = _Given(self._statuses)
         with self._lock:
             self._open[number] = given
@@ -61,7 +63,7 @@ class CommandClient:
                 message='omron_controller is not running'))
             return
         given.handle = self._client.send_goal(
-            ExecuteCommandGoal(command=command),
+            ExecuteCommandGoal(command=command, known_epoch=known_epoch),
             transition_cb=lambda handle: self._on_transition(number, handle),
             feedback_cb=lambda handle, feedback: self._on_feedback(number, feedback))
 
@@ -87,17 +89,6 @@ class CommandClient:
                 elif (state in _ON_ITS_WAY
                         and self._statuses - given.statuses > STATUSES_WAITED):
                     self._end_later(number, _lost(_ON_ITS_WAY[state]))
-
-    def is_meant_by(self, cancellation: GoalID) -> bool:
-        """Whether a command under way is cancelled. Who cancels everything means us anyway."""
-        if not cancellation.id and not cancellation.stamp:
-            return True
-        with self._lock:
-            handles = [given.handle for given in self._open.values() if given.handle]
-        goals = [handle.comm_state_machine.action_goal.goal_id for handle in handles]
-        return any(goal.id == cancellation.id
-                   or bool(cancellation.stamp) and goal.stamp <= cancellation.stamp
-                   for goal in goals)
 
     def close(self) -> None:
         """Ends the thread of the callbacks."""
@@ -144,7 +135,7 @@ def result_of(handle: ClientGoalHandle) -> ExecuteCommandResult:
     if (result.outcome == ExecuteCommandResult.SUCCEEDED
             and handle.get_terminal_state() != GoalStatus.SUCCEEDED):
         return ExecuteCommandResult(outcome=ExecuteCommandResult.CANCELLED,
-                                    message=f'never sent: {text or "it was cancelled before"}')
+                                    message=text or 'it was cancelled before')
     return result
 
 

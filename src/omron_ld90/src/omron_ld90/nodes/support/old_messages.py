@@ -3,35 +3,49 @@ from __future__ import annotations
 
 import threading
 import time
-from typing import Callable, Dict, Iterable, Optional, Set
+from collections import OrderedDict
+from typing import Callable, Dict, Iterable, NamedTuple, Optional, Set, Tuple
 
 import rosgraph
 import rospy
 
-LATCHED = ('It was published before this node started, and is not carried out late: give it '
-           'again.')
-LATCHED_WITHIN = 5.0  # s from the start in which a latched message may be an old one
+from omron_ld90.nodes.support.callers import header_of, process_of
+
+LATCHED = ('It was published before this node started, or before its connection came back, and is '
+           'not carried out late: give it again.')
 WAITED = ('It waited while this node stood still, and is not carried out late: give it '
           'again.')
 STANDSTILL = 2.5  # s in which the process did nothing at all
 WAITED_WITHIN = 1.0  # s afterwards in which what waited meanwhile comes
+_MOST_PUBLISHERS = 1000
+
+
+class _Connection(NamedTuple):
+    """The last one of a publisher that latches; `header` is an object of its own for each."""
+
+    header: Dict[str, str]
+    process: str
 
 
 class OldMessages:
     """Tells which commands and goals are too old to be carried out.
 
-    A publisher that latches gives its last message to every node that comes later. To carry that
-    out after a restart of the node would be to repeat a motion by itself. And what waited
-    while this process stood still (suspended, or starved) was meant for another moment.
+    A publisher that latches gives its last message with every new connection. To carry that out
+    after a restart of this node, or after a break of the connection, would be to repeat a motion
+    by itself. So the first message of such a connection is old, unless its publisher is new, too.
+    And what waited while this process stood still (suspended, or starved) was meant for another
+    moment.
     """
 
     def __init__(self, publishers: Callable[[str], Iterable[str]],
-                 clock: Callable[[], float] = time.monotonic) -> None:
+                 clock: Callable[[], float] = time.monotonic,
+                 process_of: Callable[[rospy.Message], str] = process_of) -> None:
         self._publishers = publishers
         self._clock = clock
+        self._process_of = process_of
         self._earlier: Dict[str, Set[str]] = {}
+        self._connections: OrderedDict[Tuple[str, str], _Connection] = OrderedDict()
         self._ticked = clock()
-        self._latched_until = clock() + LATCHED_WITHIN
         self._waited_until = 0.0
 
     def start(self) -> OldMessages:
@@ -47,13 +61,26 @@ class OldMessages:
         """Why a message is too old; None where it is not. A stop never waited too long."""
         now = self._clock()
         self.tick(now)
-        header = getattr(message, '_connection_header', {})
-        earlier, caller = self._earlier.get(topic, set()), header.get('callerid', '')
-        latched = header.get('latching') == '1' and caller in earlier
-        earlier.discard(caller)
-        if latched and now < self._latched_until:
+        if header_of(message).get('latching') == '1' and self._comes_again(message, topic):
             return LATCHED
         return WAITED if now < self._waited_until and not is_stop else None
+
+    def _comes_again(self, message: rospy.Message, topic: str) -> bool:
+        """Whether a connection begins with it, to a publisher that was there before."""
+        header = header_of(message)
+        caller = header.get('callerid', '')
+        last = self._connections.get((topic, caller))
+        if last is not None and last.header is header:
+            return False
+        process = self._process_of(message)
+        self._connections[topic, caller] = _Connection(header, process)
+        self._connections.move_to_end((topic, caller))
+        if len(self._connections) > _MOST_PUBLISHERS:
+            self._connections.popitem(last=False)
+        earlier = self._earlier.get(topic, set())
+        was_there = caller in earlier if last is None else last.process == process
+        earlier.discard(caller)
+        return was_there
 
     def tick(self, now: float) -> None:
         """It is `now`; called often, unless the process stands still."""

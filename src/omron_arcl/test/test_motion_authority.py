@@ -1,0 +1,469 @@
+"""Who drives the robot: no drive passes a stop or drive that its giver does not know of, and a stop
+is owed until the robot has obeyed it."""
+from __future__ import annotations
+
+from itertools import count
+from typing import Any, List, Optional
+
+import pytest
+from arcl_builders import Conversation
+
+from omron_arcl import Execution, Giver, Outcome, parse_command
+from omron_arcl.dispatcher import Dispatcher
+from omron_arcl.motion_authority import (
+    AT_ONCE,
+    LATE,
+    LOOK,
+    RETRY,
+    Cause,
+    Memory,
+    MotionAuthority,
+    MotionState,
+    Overruled,
+    Unclear,
+    draw_epoch,
+)
+
+ROUTE, PERSON, OTHER = Giver('/bridge', 'a'), Giver('/rviz', 'b'), Giver('/adapter', 'c')
+DOCKING = 'DockingState: Docking ForcedState: Unforced ChargeState: Not'
+UNDOCKED = 'DockingState: Undocked ForcedState: Unforced ChargeState: Not'
+
+
+class Bench(Conversation):
+    """Programs that give commands, and a robot whose part is said by hand."""
+
+    def __init__(self, stored: Optional[Memory] = None) -> None:
+        super().__init__()
+        self.kept: List[Memory] = []
+        numbers = count(101)
+        self.authority = MotionAuthority(stored, self.kept.append, lambda: next(numbers))
+        self.dispatcher = Dispatcher(self.authority)
+        self.now = 100.0
+        self.connect()
+
+    @property
+    def memory(self) -> Memory:
+        return self.authority.motion.memory
+
+    @property
+    def epoch(self) -> int:
+        return self.memory.epoch
+
+    @property
+    def state(self) -> MotionState:
+        return self.authority.motion.state
+
+    def connect(self) -> None:
+        self.dispatcher.on_connected(self.now)
+
+    def lose(self) -> None:
+        self.dispatcher.on_lost('the link broke')
+
+    def drive(self, giver: Giver, text: str = 'goto 12', **options: Any) -> Execution:
+        return self.give(text, giver=giver, **options)
+
+    def stop(self, giver: Giver, **options: Any) -> Execution:
+        return self.give('stop', giver=giver, **options)
+
+    def stop_without_link(self, giver: Giver, known_epoch: int = 0) -> None:
+        self.dispatcher.start_without_link(parse_command('stop'), giver, known_epoch)
+
+    def status(self, text: str, seconds: float = 0.0) -> None:
+        self.pass_time(seconds)
+        self.robot(f'Status: {text} StateOfCharge: 80.0 Location: 0 0 0 Temperature: 30')
+
+
+@pytest.fixture
+def bench() -> Bench:
+    return Bench()
+
+
+class TestEpochs:
+    def test_one_is_random_and_never_0(self):
+        assert len({draw_epoch() for _ in range(100)}) == 100
+        assert all(0 < draw_epoch() < 2 ** 64 for _ in range(100))
+
+    def test_one_lasts_while_one_giver_drives(self, bench):
+        bench.drive(ROUTE, 'goto 1')
+        epoch = bench.epoch
+        bench.drive(ROUTE, 'goto 2', known_epoch=epoch)
+        assert (bench.epoch, bench.memory.giver, bench.memory.cause) == (
+            epoch, ROUTE, Cause.OTHER_GIVER)
+
+    @pytest.mark.parametrize(('does', 'cause'), [
+        (lambda bench: bench.drive(PERSON, 'goto 3'), Cause.OTHER_GIVER),
+        (lambda bench: bench.stop(PERSON), Cause.STOP),
+        (lambda bench: bench.robot('Stopping'), Cause.OTHER_CLIENT),
+        (lambda bench: bench.robot('Going to 9'), Cause.OTHER_CLIENT),
+        (lambda bench: bench.robot('EStop pressed'), Cause.EMERGENCY_STOP),
+        (lambda bench: bench.status('Teleop driving', 2 * AT_ONCE), Cause.OTHER_CLIENT)])
+    def test_another_begins_with_what_others_do_and_the_driver_does_not_pass_it(
+            self, bench, does, cause):
+        bench.drive(ROUTE)
+        bench.robot('Going to 12')
+        bench.pass_time(2 * AT_ONCE)
+        known = bench.epoch
+        does(bench)
+        if cause is Cause.OTHER_CLIENT and bench.epoch == known:  # a status alone must hold on
+            bench.status('Teleop driving', 5.0)
+            bench.pass_time(5.0)
+        assert (bench.memory.cause, bench.memory.previous_epoch) == (cause, known)
+        with pytest.raises(Overruled):
+            bench.drive(ROUTE, 'goto 14', known_epoch=known)
+        bench.drive(ROUTE, 'goto 14', known_epoch=bench.epoch)
+
+    def test_who_did_all_that_came_since_knows_of_it_before_it_is_told(self, bench):
+        known = bench.epoch
+        bench.drive(ROUTE, known_epoch=known)
+        bench.stop(ROUTE, known_epoch=known)
+        bench.drive(ROUTE, 'goto 14', known_epoch=known)
+        assert bench.sent == ['goto 12', 'stop', 'goto 14']
+
+    def test_a_giver_that_was_restarted_is_another_one(self, bench):
+        known = bench.epoch
+        bench.drive(ROUTE, known_epoch=known)
+        with pytest.raises(Overruled):
+            bench.drive(Giver(ROUTE.name, 'another process'), known_epoch=known)
+
+    def test_a_persons_own_stop_is_not_passed_by_software_that_knew_only_of_the_drive(self, bench):
+        """B13: whether a stop was its giver's own affair decided, and that was luck."""
+        bench.drive(PERSON, 'goto 3')
+        known = bench.epoch
+        bench.stop(PERSON)
+        with pytest.raises(Overruled, match='"stop" of /rviz'):
+            bench.drive(ROUTE, known_epoch=known)
+
+    def test_no_time_lets_a_drive_pass(self, bench):
+        known = bench.epoch
+        bench.stop(PERSON)
+        bench.robot('Stopping')
+        bench.robot('Stopped')
+        bench.pass_time(3600.0)
+        with pytest.raises(Overruled):
+            bench.drive(ROUTE, known_epoch=known)
+
+    def test_two_programs_that_alternate_are_told_and_decide_again(self, bench):
+        known = bench.epoch
+        bench.drive(ROUTE, known_epoch=known)
+        with pytest.raises(Overruled):
+            bench.drive(OTHER, 'goto 3', known_epoch=known)
+        bench.drive(OTHER, 'goto 3', known_epoch=bench.epoch)
+
+    def test_a_persons_command_counts_in_any_epoch(self, bench):
+        bench.drive(ROUTE)
+        bench.drive(PERSON, 'goto 3')
+        assert bench.sent == ['goto 12', 'goto 3']
+
+    def test_an_epoch_of_which_nothing_is_known_any_more_is_over(self, bench):
+        with pytest.raises(Overruled):
+            bench.drive(ROUTE, known_epoch=7)
+
+    def test_a_start_begins_one_and_names_the_one_before(self):
+        bench = Bench(Memory(55, giver=ROUTE, cause=Cause.STOP))
+        assert (bench.memory.cause, bench.memory.previous_epoch) == (Cause.RESTART, 55)
+        assert bench.kept[0] == bench.memory, 'kept before anything is sent'
+
+    def test_what_changes_is_kept_before_it_is_sent(self, bench):
+        del bench.kept[:]
+        bench.dispatcher.start(parse_command('goto 12'), giver=ROUTE)
+        assert bench.sent == []
+        assert (bench.kept[-1].giver, bench.kept[-1].goal) == (ROUTE, '12')
+
+    @pytest.mark.parametrize('text', ['getGoals', 'say hello', 'localizeToPoint 0 0 0'])
+    def test_what_does_not_move_the_robot_changes_nothing(self, bench, text):
+        before = bench.memory
+        bench.give(text, giver=PERSON)
+        assert bench.memory == before
+
+    def test_an_emergency_stop_begins_one_each_time(self, bench):
+        bench.drive(ROUTE)
+        bench.robot('Going to 12')
+        epochs = set()
+        for _ in range(2):
+            bench.robot('EStop pressed')
+            bench.status('EStop pressed')
+            epochs.add(bench.epoch)
+            bench.status('Stopped')
+        assert len(epochs) == 2
+
+
+class TestWhatIsNotSentYet:
+    def test_a_drive_is_checked_again_when_it_could_go(self, bench):
+        """A line of the robot may come between."""
+        drive = bench.dispatcher.start(parse_command('goto 12'), giver=ROUTE,
+                                       known_epoch=bench.epoch)
+        bench.robot('Stopping')
+        assert bench.sent == []
+        assert drive.result.outcome is Outcome.OVERRULED
+
+    def test_a_stop_drops_it_and_tells_by_whose_word(self, bench):
+        own = bench.dispatcher.start(parse_command('goto 12'), giver=ROUTE)
+        theirs = bench.dispatcher.start(parse_command('goto 3'), giver=OTHER)
+        bench.stop(ROUTE)
+        assert (own.result.outcome, theirs.result.outcome) == (
+            Outcome.CANCELLED, Outcome.OVERRULED)
+        assert bench.sent == ['stop']
+
+    def test_what_was_not_sent_when_the_link_broke_is_told_by_a_code(self, bench):
+        """B16: programs read that from the words."""
+        sent = bench.drive(ROUTE)
+        unsent = bench.dispatcher.start(parse_command('goto 14'), giver=ROUTE)
+        bench.lose()
+        assert (sent.result.outcome, unsent.result.outcome) == (Outcome.LOST, Outcome.NEVER_SENT)
+
+
+class TestAnotherClientOfTheRobot:
+    def test_a_robot_that_obeys_our_stop_was_stopped_by_us(self, bench):
+        bench.drive(ROUTE)
+        bench.stop(ROUTE)
+        known = bench.epoch
+        bench.robot('Stopping')
+        bench.robot('Stopped')
+        bench.pass_time(LATE / 2)
+        bench.robot('Stopping')
+        assert bench.epoch == known
+
+    def test_nor_one_that_stops_for_an_instant_to_replace_a_drive(self, bench):
+        bench.drive(ROUTE, 'goto 1')
+        bench.robot('Going to 1')
+        bench.pass_time(5.0)
+        bench.drive(ROUTE, 'goto 2')
+        known = bench.epoch
+        bench.robot('Stopping')
+        bench.robot('Going to 2')
+        assert bench.epoch == known
+        assert not bench.memory.stop_owed
+
+    @pytest.mark.parametrize('line', ['Motors enabled', None])
+    def test_nor_one_that_stops_by_itself(self, bench, line):
+        if line:
+            bench.robot(line)
+        else:
+            bench.drive(ROUTE, 'undock')
+            bench.robot('DockingState: Undocking ForcedState: Unforced ChargeState: Not')
+            bench.robot(UNDOCKED)
+        known = bench.epoch
+        bench.robot('Stopping')
+        assert bench.epoch == known
+
+    @pytest.mark.parametrize(('command', 'lines'), [
+        ('dock', [UNDOCKED, DOCKING]),
+        ('goto 12', ['DockingState: Undocking ForcedState: Unforced ChargeState: Not', UNDOCKED])])
+    def test_nor_one_that_stops_by_itself_about_its_dock(self, bench, command, lines):
+        bench.status('DockingState: Docked ForcedState: Unforced ChargeState: Bulk')
+        bench.drive(ROUTE, command)
+        bench.robot(*lines)
+        bench.pass_time(2 * AT_ONCE)
+        known = bench.epoch
+        bench.robot('Stopping', 'Stopped')
+        assert bench.epoch == known
+
+    def test_a_drive_that_may_have_been_on_the_wire_leaves_a_stop_owed(self, bench):
+        bench.drive(ROUTE)
+        bench.pass_time(AT_ONCE / 2)
+        bench.robot('Stopping')
+        bench.send()
+        assert bench.sent == ['goto 12', 'stop']
+        assert bench.memory.cause is Cause.OTHER_CLIENT
+
+    def test_also_one_that_was_to_replace_another(self, bench):
+        bench.drive(ROUTE, 'goto 1')
+        bench.robot('Going to 1')
+        bench.pass_time(5.0)
+        bench.drive(ROUTE, 'goto 2')
+        bench.robot('Stopping')
+        bench.robot('Stopped')
+        bench.send()
+        assert bench.sent[-1] == 'stop'
+
+    def test_nothing_is_sent_while_it_is_not_known_whether_the_robot_obeys(self, bench):
+        bench.drive(ROUTE)
+        bench.robot('Going to 12')
+        bench.status('Stopped', 2 * AT_ONCE)
+        with pytest.raises(Unclear):
+            bench.drive(ROUTE, 'goto 14', known_epoch=bench.epoch)
+        bench.status('Going to 12')
+        bench.drive(ROUTE, 'goto 14', known_epoch=bench.epoch)
+
+    def test_one_that_drives_an_idle_robot_is_seen_by_the_status(self, bench):
+        bench.drive(ROUTE)
+        bench.robot('Going to 12')
+        bench.robot('Arrived at 12')
+        known = bench.epoch
+        for _ in range(3):
+            bench.status('Going to 9', AT_ONCE)
+        assert bench.epoch != known
+        assert bench.memory.cause is Cause.OTHER_CLIENT
+
+    def test_one_that_stops_a_robot_at_its_goal_is_seen_by_the_status(self, bench):
+        bench.drive(ROUTE)
+        bench.robot('Going to 12')
+        bench.robot('Arrived at 12')
+        bench.status('Arrived at 12')
+        known = bench.epoch
+        bench.status('Stopped')
+        assert bench.epoch != known
+
+    def test_a_robot_that_docks_by_itself_is_told_so(self, bench):
+        bench.robot(UNDOCKED)
+        bench.robot(DOCKING)
+        assert bench.memory.cause is Cause.ROBOT
+
+
+class TestOwedStop:
+    def test_it_ends_when_the_robot_has_obeyed(self, bench):
+        bench.drive(ROUTE)
+        bench.stop(PERSON)
+        assert bench.memory.stop_owed
+        bench.robot('Stopping')
+        bench.robot('Stopped')
+        assert not bench.memory.stop_owed
+
+    def test_or_when_it_obeys_a_newer_drive(self, bench):
+        bench.drive(ROUTE)
+        bench.stop(ROUTE)
+        bench.drive(PERSON, 'goto 3')
+        assert bench.memory.stop_owed, 'the drive may be lost'
+        bench.robot('Going to 3')
+        assert not bench.memory.stop_owed
+
+    def test_one_that_was_refused_is_sent_again(self, bench):
+        bench.stop(PERSON)
+        bench.robot('Unknown command stop')
+        bench.pass_time(RETRY / 2)
+        assert bench.sent == ['stop']
+        bench.pass_time(RETRY)
+        assert bench.sent == ['stop', 'stop']
+
+    @pytest.mark.parametrize('shown', ['Going to 12', 'Stopped', 'Going to point', 'Patrolling a'])
+    def test_without_a_link_it_is_sent_as_soon_as_the_robot_can_be_reached(self, bench, shown):
+        """B5: also where the robot's motion has no name."""
+        bench.drive(ROUTE)
+        bench.robot('Going to 12')
+        bench.lose()
+        bench.stop_without_link(PERSON)
+        bench.pass_time(60.0)
+        assert bench.sent == ['goto 12']
+        bench.connect()
+        bench.status(shown)
+        bench.send()
+        assert bench.sent == ['goto 12', 'stop']
+
+    def test_a_robot_that_shows_nothing_gets_it_soon(self, bench):
+        bench.stop(PERSON)
+        bench.lose()
+        bench.connect()
+        bench.pass_time(LOOK)
+        assert bench.sent == ['stop', 'stop']
+
+    @pytest.mark.parametrize('shown', ['Going to 9', 'Teleop driving'])
+    def test_it_does_not_end_the_newer_drive_of_another_client(self, bench, shown):
+        bench.drive(ROUTE)
+        bench.robot('Going to 12')
+        bench.lose()
+        bench.stop_without_link(ROUTE)
+        bench.connect()
+        bench.status(shown)
+        bench.pass_time(2 * LOOK)
+        assert bench.sent == ['goto 12']
+        assert (bench.memory.stop_owed, bench.memory.cause) == (False, Cause.OTHER_CLIENT)
+
+    def test_it_outlives_a_restart(self, bench):
+        bench.drive(ROUTE)
+        bench.stop(PERSON)
+        again = Bench(bench.kept[-1])
+        again.status('Going to 12')
+        again.send()
+        assert again.sent == ['stop']
+
+    def test_after_a_restart_a_newer_drive_of_another_client_ends_it(self, bench):
+        bench.drive(ROUTE)
+        bench.stop(PERSON)
+        again = Bench(bench.kept[-1])
+        again.status('Going to 9')
+        again.pass_time(2 * LOOK)
+        assert again.sent == []
+
+    def test_a_stop_for_an_epoch_that_a_newer_drive_has_ended_is_not_sent(self, bench):
+        bench.drive(ROUTE)
+        known = bench.epoch
+        bench.drive(PERSON, 'goto 3')
+        with pytest.raises(Overruled):
+            bench.stop(ROUTE, known_epoch=known)
+        assert bench.sent == ['goto 12', 'goto 3']
+
+    def test_nor_is_it_owed_where_there_is_no_link(self, bench):
+        bench.drive(ROUTE)
+        known = bench.epoch
+        bench.drive(PERSON, 'goto 3')
+        bench.robot('Going to 3')
+        bench.lose()
+        with pytest.raises(Overruled):
+            bench.stop_without_link(ROUTE, known)
+        assert not bench.memory.stop_owed
+
+    def test_a_newer_drive_whose_end_was_lost_with_the_link_is_not_ended_by_it(self, bench):
+        bench.drive(ROUTE)
+        bench.stop(ROUTE)
+        bench.drive(PERSON, 'goto 3')
+        bench.lose()
+        assert bench.memory.stop_owed, 'the stop may be lost as well'
+        bench.connect()
+        bench.status('Going to 3')
+        bench.pass_time(2 * LOOK)
+        assert bench.sent == ['goto 12', 'stop', 'goto 3']
+
+    @pytest.mark.parametrize('end', ['EStop pressed', 'Stopping'])
+    def test_a_stop_for_one_that_anything_else_has_ended_is_sent(self, bench, end):
+        bench.drive(ROUTE)
+        bench.robot('Going to 12')
+        bench.pass_time(2 * AT_ONCE)
+        known = bench.epoch
+        bench.robot(end)
+        bench.stop(ROUTE, known_epoch=known)
+        assert bench.sent[-1] == 'stop'
+
+    def test_a_persons_stop_is_always_sent(self, bench):
+        bench.drive(ROUTE)
+        bench.drive(OTHER, 'goto 3')
+        bench.stop(PERSON)
+        assert bench.sent[-1] == 'stop'
+
+    def test_a_cancellation_is_a_stop(self, bench):
+        drive = bench.drive(ROUTE)
+        bench.robot('Going to 12')
+        known = bench.epoch
+        bench.dispatcher.cancel(drive, bench.now, PERSON)
+        bench.send()
+        assert bench.sent == ['goto 12', 'stop']
+        assert bench.memory.cause is Cause.CANCEL
+        with pytest.raises(Overruled, match='a cancellation of /rviz'):
+            bench.drive(ROUTE, known_epoch=known)
+
+    def test_the_cancellation_of_an_older_drive_does_not_end_a_newer_one_of_a_person(self, bench):
+        drive = bench.drive(ROUTE)
+        bench.robot('Going to 12')
+        bench.drive(PERSON, 'goto 3')
+        bench.dispatcher.cancel(drive, bench.now, ROUTE)
+        bench.pass_time(30.0)
+        assert bench.sent == ['goto 12', 'goto 3']
+
+
+class TestState:
+    def test_it_is_what_the_robot_does(self, bench):
+        assert bench.state is MotionState.UNKNOWN, 'nothing was heard'
+        for shown, state in (('Stopped', MotionState.STANDING),
+                             ('Teleop driving', MotionState.MANUAL),
+                             ('Going to 9', MotionState.DRIVING),
+                             (DOCKING, MotionState.DOCKING)):
+            bench.status(shown)
+            assert bench.state is state, shown
+        bench.lose()
+        assert bench.state is MotionState.UNKNOWN
+
+    def test_a_robot_is_not_known_to_stand_while_a_command_is_under_way(self, bench):
+        bench.status('Stopped')
+        bench.drive(ROUTE)
+        assert bench.state is MotionState.DRIVING
+        bench.stop(ROUTE)
+        assert bench.state is MotionState.STOPPING

@@ -1,0 +1,83 @@
+"""Topic `motion`, and the file that keeps over a restart what the motion authority must know."""
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+from typing import Any, Dict, Optional
+
+import rospkg
+import rospy
+
+from node_lifecycle import warn
+from omron_arcl.execution import Giver
+from omron_arcl.motion_authority import Cause, Memory, Motion
+from omron_ld90_msgs import msg
+
+
+class MotionFile:
+    """Keeps a `Memory`; a relative path begins in ROS_HOME, an empty one means no file."""
+
+    def __init__(self, path: str) -> None:
+        self._path = os.path.join(rospkg.get_ros_home(), path) if path else ''
+        self._kept: Optional[Memory] = None
+
+    def read(self) -> Optional[Memory]:
+        """What was kept; None where nothing was, or nothing that can be read."""
+        try:
+            with open(self._path, encoding='utf-8') as stream:
+                content = json.load(stream)
+            return Memory(**{**content, 'giver': Giver(*content['giver']),
+                             'cause': Cause(content['cause']), 'goals': tuple(content['goals']),
+                             'newer_goals': tuple(content['newer_goals'])})
+        except FileNotFoundError:
+            return None
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            rospy.logwarn('%s cannot be read, so nothing is known of who drove the robot last: %s',
+                          self._path, error)
+            return None
+
+    def keep(self, memory: Memory) -> None:
+        """Replaces the file by a complete new one.
+
+        It is not forced to the disk, for which no stop may wait. Where it cannot be written, the
+        robot is driven all the same: only a restart would know less.
+        """
+        if not self._path or memory == self._kept:
+            return
+        self._kept = memory
+        try:
+            self._write(dataclasses.asdict(memory))
+        except OSError as error:
+            warn('motion_file', f'{self._path} cannot be written ({error.strerror}): after a '
+                 'restart omron_controller would not know who drove the robot.')
+
+    def _write(self, content: Dict[str, Any]) -> None:
+        os.makedirs(os.path.dirname(self._path), exist_ok=True)
+        part = f'{self._path}.part'
+        with open(part, 'w', encoding='utf-8') as stream:
+            json.dump(content, stream)
+        os.replace(part, self._path)
+
+
+class MotionTopic:
+    """Publishes `motion`, latched."""
+
+    def __init__(self) -> None:
+        self._publisher = rospy.Publisher('motion', msg.Motion, queue_size=20, latch=True,
+                                          tcp_nodelay=True)
+
+    def publish(self, motion: Motion) -> None:
+        """It has changed."""
+        message = message_of(motion)
+        message.header.stamp = rospy.Time.now()
+        self._publisher.publish(message)
+
+
+def message_of(motion: Motion) -> msg.Motion:
+    """A `Motion` as a message, without its stamp."""
+    memory = motion.memory
+    return msg.Motion(
+        epoch=memory.epoch, previous_epoch=memory.previous_epoch, giver=memory.giver.name,
+        state=int(motion.state), goal=memory.goal, stop_owed=memory.stop_owed,
+        cause=int(memory.cause), reason=memory.reason)

@@ -1,0 +1,39 @@
+"""How long ago something was noted, whatever was done to the wall clock since."""
+from __future__ import annotations
+
+import math
+import time
+from typing import Any, Dict, NamedTuple
+
+
+class Moment(NamedTuple):
+    """A moment: boot -- id of the computer's boot; since_boot -- s; wall -- s of the wall clock."""
+
+    boot: str
+    since_boot: float
+    wall: float
+
+    @classmethod
+    def now(cls) -> Moment:
+        """This one."""
+        return cls(_boot_id(), time.clock_gettime(time.CLOCK_BOOTTIME), time.time())
+
+    @classmethod
+    def read(cls, content: Dict[str, Any]) -> Moment:
+        """The one in `content`; raises KeyError, TypeError or ValueError."""
+        return cls(str(content['boot']), float(content['since_boot']), float(content['time']))
+
+    def content(self) -> Dict[str, Any]:
+        """As plain values."""
+        return {'boot': self.boot, 'since_boot': self.since_boot, 'time': self.wall}
+
+    def age(self, now: Moment) -> float:
+        """Seconds since; of another boot by the wall clock, infinite where that was set back."""
+        if self.boot == now.boot:
+            return now.since_boot - self.since_boot
+        return max(now.wall - self.wall, now.since_boot) if now.wall >= self.wall else math.inf
+
+
+def _boot_id() -> str:
+    with open('/proc/sys/kernel/random/boot_id', encoding='ascii') as stream:
+        return stream.read().strip()
