@@ -3,26 +3,29 @@ from __future__ import annotations
 
 import pytest
 
-from vda5050_vehicle.protocol.action_queue import MAX_ENDED_INSTANT_ACTIONS, ActionQueue, Scope
+from vda5050_vehicle.protocol.action_queue import (
+    MAX_ENDED_INSTANT_ACTIONS,
+    ActionQueue,
+    Entry,
+    Scope,
+)
 from vda5050_vehicle.protocol.values import Action, ActionStatus, BlockingType
 
 
 def queue_of(kinds):
-    queue = ActionQueue()
-    queue.add([Action('say', f'{n}{kind}', BlockingType(kind)) for n, kind in enumerate(kinds)],
-              Scope.NODE, 2)
-    return queue
+    return ActionQueue().with_entries(*(
+        Entry(Action('say', f'{n}{kind}', BlockingType(kind)), Scope.NODE, 2)
+        for n, kind in enumerate(kinds)))
 
 
 def startable(queue, standing=True):
     return [entry.action.action_id for entry in queue.startable(standing)]
 
 
-def start(queue, standing=True):
-    started = startable(queue, standing)
-    for action_id in started:
-        queue.update(action_id, ActionStatus.RUNNING)
-    return started
+def started(queue, action_ids):
+    for action_id in action_ids:
+        queue = queue.updated(action_id, ActionStatus.RUNNING)
+    return queue
 
 
 N, S, H = 'NONE', 'SOFT', 'HARD'
@@ -37,51 +40,53 @@ N, S, H = 'NONE', 'SOFT', 'HARD'
 def test_what_runs_at_once(kinds, rounds):
     queue = queue_of(kinds)
     assert not startable(queue), 'nothing runs before its node is reached'
-    queue.trigger_element(2)
+    queue = queue.with_element_triggered(2)
     for together in rounds:
-        assert start(queue) == together
+        assert startable(queue) == together
+        queue = started(queue, together)
         assert not startable(queue)
         for action_id in together:
-            queue.update(action_id, ActionStatus.FINISHED)
+            queue = queue.updated(action_id, ActionStatus.FINISHED)
     assert queue.order_has_ended
 
 
 def test_while_it_drives_only_actions_that_let_it_are_started():
     queue = queue_of([N, S, N])
-    queue.trigger_element(2)
+    queue = queue.with_element_triggered(2)
     assert startable(queue, standing=False) == ['0NONE', '2NONE']
     assert queue.forbid_driving
 
 
 def test_a_node_is_stopped_at_only_for_actions_that_need_it():
-    assert queue_of([N, S]).stops_at(2)
-    assert not queue_of([N, N]).stops_at(2)
-    assert not queue_of([H]).stops_at(4)
+    assert queue_of([N, S]).next_stop(0) == 2
+    assert queue_of([N, N]).next_stop(0) is None
+    assert queue_of([H]).next_stop(2) is None
 
 
 def test_an_action_ends_once():
     queue = queue_of([N])
-    queue.trigger_element(2)
-    queue.update('0NONE', ActionStatus.FINISHED, 'done')
-    queue.update('0NONE', ActionStatus.FAILED, 'late')
+    queue = queue.with_element_triggered(2)
+    queue = queue.updated('0NONE', ActionStatus.FINISHED, 'done')
+    queue = queue.updated('0NONE', ActionStatus.FAILED, 'late')
     assert (queue['0NONE'].status, queue['0NONE'].result) == (ActionStatus.FINISHED, 'done')
-    queue.trigger_element(2)
+    queue = queue.with_element_triggered(2)
     assert not startable(queue)
 
 
 def test_a_new_order_keeps_running_instant_actions_only():
     queue = queue_of([N])
-    queue.add([Action('say', 'running', BlockingType.NONE),
-               Action('say', 'ended', BlockingType.NONE)], Scope.INSTANT)
-    queue.update('running', ActionStatus.RUNNING)
-    queue.update('ended', ActionStatus.FINISHED)
-    queue.begin_order()
+    queue = queue.with_entries(*(Entry(Action('say', name, BlockingType.NONE), Scope.INSTANT)
+                                 for name in ('running', 'ended')))
+    queue = queue.updated('running', ActionStatus.RUNNING)
+    queue = queue.updated('ended', ActionStatus.FINISHED)
+    queue = queue.without_order()
     assert [state.action_id for state in queue.states] == ['running']
 
 
 def test_ended_instant_actions_do_not_pile_up_for_ever():
     queue = ActionQueue()
     for n in range(3 * MAX_ENDED_INSTANT_ACTIONS):
-        queue.add([Action('stateRequest', str(n), BlockingType.NONE)], Scope.INSTANT)
-        queue.update(str(n), ActionStatus.FINISHED)
+        queue = queue.with_entries(
+            Entry(Action('stateRequest', str(n), BlockingType.NONE), Scope.INSTANT))
+        queue = queue.updated(str(n), ActionStatus.FINISHED)
     assert len(queue.states) <= MAX_ENDED_INSTANT_ACTIONS + 1

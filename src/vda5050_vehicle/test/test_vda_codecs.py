@@ -14,6 +14,7 @@ from jsonschema import Draft7Validator
 from vda_builders import IDENTITY, ROOT, Lab, payload, say, table, vehicle_document, way
 
 from vda5050_vehicle.core import factsheet as sheet
+from vda5050_vehicle.core.state_report import state_of
 from vda5050_vehicle.protocol import codecs
 from vda5050_vehicle.protocol.codec_3 import CODECS, VERSION_3_0
 from vda5050_vehicle.protocol.codecs import ORDER, VERSION_2_0, VERSION_2_1
@@ -64,9 +65,9 @@ def test_what_the_vehicle_sends_is_valid(version):
     headers = Headers(version, 'OMRON', 'lab', lambda: 1e9)
     lab = busy_lab(VERSION_2_1)
     sent = {
-        'state': lab.vehicle.state(), 'connection': Connection(ConnectionState.ONLINE),
+        'state': state_of(lab.vehicle.context), 'connection': Connection(ConnectionState.ONLINE),
         'visualization': Visualization(AgvPosition(1.0, 2.0, 0.5, 'map'), Velocity(1.0, 0.0, 0.1)),
-        'factsheet': sheet.factsheet(vehicle_document(), lab.vehicle.table)}
+        'factsheet': sheet.factsheet(vehicle_document(), lab.vehicle.context.table)}
     for topic, message in sent.items():
         wire = json.loads(write_json(codec.write(topic, headers.make(topic), message)))
         schema = validator(version, topic)
@@ -228,14 +229,14 @@ def test_numbers_on_the_wire_are_finite():
 
 def test_every_action_of_the_table_is_in_the_factsheet():
     told = {found['actionType'] for found in sheet.factsheet(
-        vehicle_document(), Lab().vehicle.table)['protocolFeatures']['agvActions']}
+        vehicle_document(), Lab().vehicle.context.table)['protocolFeatures']['agvActions']}
     assert told >= set(table().specs) | {'cancelOrder', 'startPause', 'stopPause', 'initPosition',
                                          'stateRequest', 'factsheetRequest', 'logReport'}
 
 
 def test_the_factsheet_leaves_out_what_is_refused():
     told = {found['parameter'] for found in sheet.factsheet(
-        vehicle_document(), Lab().vehicle.table)['protocolFeatures']['optionalParameters']}
+        vehicle_document(), Lab().vehicle.context.table)['protocolFeatures']['optionalParameters']}
     assert 'order.nodes.nodePosition' in told
     assert not told & {'order.edges.maxSpeed', 'order.edges.corridor'}
 
@@ -263,7 +264,7 @@ def test_3_0_is_written_under_its_own_keys():
     lab = busy_lab(VERSION_2_1)
     lab.see(e_stop=EStop.MANUAL)
     lab.act('initPosition', x=0.0, y=0.0, theta=0.0, mapId='map')
-    wire = VERSION_3_0.write('state', headers.make('state'), lab.vehicle.state())
+    wire = VERSION_3_0.write('state', headers.make('state'), state_of(lab.vehicle.context))
     assert wire['powerSupply']['stateOfCharge'] == 80.0
     assert wire['mobileRobotPosition']['localized'] is True
     assert wire['safetyState']['activeEmergencyStop'] == 'MANUAL'

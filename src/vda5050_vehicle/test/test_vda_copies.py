@@ -93,7 +93,7 @@ def test_a_copy_that_stops_the_vehicle_stops_it(kind):
 def test_only_the_newest_messages_are_remembered():
     received = ReceivedMessages()
     for number in range(REMEMBERED + 1):
-        received.add(b'%d' % number)
+        received = received.with_message(b'%d' % number)
     assert b'0' not in received
     assert b'1' in received
     assert b'1' in ReceivedMessages(received.digests)

@@ -4,9 +4,8 @@ from __future__ import annotations
 import pytest
 from vda_builders import DRIVING, STANDING, Lab, say, way
 
-from trajectory_graph.route_protocol import Reason, reason_of
-from vda5050_vehicle.core.robot_view import silence
-from vda5050_vehicle.drivers.driver import Pose
+from trajectory_graph.route_protocol import Reason, ReasonCode, reason_of
+from vda5050_vehicle.drivers.robot_view import Pose, silence
 from vda5050_vehicle.drivers.route_driver import PATIENCE
 from vda5050_vehicle.protocol.values import EStop
 
@@ -68,6 +67,8 @@ def test_an_update_extends_a_held_order_but_does_not_drive_it():
 def test_a_held_order_is_cancelled_and_another_one_drives():
     lab = failed()
     cancel = lab.act('cancelOrder')
+    assert lab.robot.routes[-1].edges == ()
+    lab.settle()
     assert lab.status(cancel) == 'FINISHED'
     assert (lab.nodes, lab.errors) == ([], [])
     lab.order(HALL.part(1).order('p', start_deviation=2.0))
@@ -172,31 +173,30 @@ def test_a_refused_route_holds_the_vehicle():
 
 
 def lab_that_refused_an_extension():
-    """A robot on edge 2 of HALL does not extend its route by the edges 3 and 4."""
+    """A robot that has driven its route is not at its end any more, where the route grows."""
     lab = Lab()
     lab.order(HALL.order('o', base=2))
     lab.drive(1)
-    route_id = lab.robot.route_id
     lab.robot.answers = False
     lab.order(HALL.part(1).order('o', 1, first_sequence=2))
-    lab.driver.on_refused(route_id, (1, 2, 3, 4), no('not at its end'), lab.now)
+    lab.driver.on_refused(lab.robot.route_id, (1, 2, 3, 4),
+                          Reason(ReasonCode.STARTS_ELSEWHERE, 'not at its end'), lab.now)
     return lab
 
 
-def test_a_refused_extension_is_tried_once_as_a_route_of_its_own():
+def test_an_extension_of_a_route_that_the_robot_has_left_is_a_route_of_its_own():
     lab = lab_that_refused_an_extension()
     route_id = lab.robot.route_id
     lab.robot.answers = True
-    lab.wait(0.1)
+    lab.wait(1.5)
     assert lab.robot.route == (2, 3, 4)
     assert lab.robot.route_id != route_id
     lab.drive(3)
     assert lab.nodes == []
 
 
-def test_an_extension_that_is_refused_twice_stops_the_vehicle():
+def test_a_route_of_its_own_that_is_refused_holds_the_vehicle():
     lab = lab_that_refused_an_extension()
-    lab.driver.on_report(lab.robot.report(), lab.now)
     anew = lab.driver.take_commands()[-1]
     assert anew.edges == (2, 3, 4)
     lab.driver.on_refused(anew.route_id, anew.edges, no('no, I say'), lab.now)

@@ -6,9 +6,9 @@ import math
 import pytest
 from vda_builders import DRIVING, STANDING, Lab, abilities, way
 
-from vda5050_vehicle.drivers.driver import Pose
 from vda5050_vehicle.drivers.order_graph import Matching
 from vda5050_vehicle.drivers.pose_driver import CancelGoals, GoTo, PoseDriver
+from vda5050_vehicle.drivers.robot_view import Pose
 
 HALL = way(8, 10, 12, 14)
 PLACES = [(stop.x, stop.y) for stop in HALL.stops]
@@ -18,10 +18,10 @@ class MoveBaseLab(Lab):
     """The laboratory's vehicle with poses instead of routes."""
 
     def __init__(self) -> None:
-        super().__init__(driver=PoseDriver(abilities(), Matching()))
+        super().__init__(driver=lambda memory: PoseDriver(
+            memory, abilities(), Matching()))
 
     def at(self, x, y, velocity=DRIVING):
-        self.driver.see(Pose(x, y, 0.0))
         self.see(pose=Pose(x, y, 0.0), velocity=velocity)
 
     @property
@@ -29,7 +29,7 @@ class MoveBaseLab(Lab):
         return [command for command in self.robot.routes if isinstance(command, GoTo)]
 
     def end_goal(self, succeeded=True, text=''):
-        self.driver.on_goal_ended(self.goals[-1].number, succeeded, text)
+        self.driver.on_goal_ended(self.goals[-1].number, succeeded, text, self.now)
         self.see(velocity=STANDING)
 
 
@@ -48,7 +48,7 @@ def test_nodes_on_the_way_are_passed_without_a_stop(lab):
     lab.at(PLACES[1][0] - 0.3, PLACES[1][1])
     assert lab.state['lastNodeId'] == '10'
     assert (lab.goals[-1].x, lab.goals[-1].y) == PLACES[2]
-    lab.driver.on_goal_ended(lab.goals[0].number, False, 'preempted')
+    lab.driver.on_goal_ended(lab.goals[0].number, False, 'preempted', lab.now)
     lab.wait(0.1)
     assert lab.errors == [], 'the goal was replaced by our own'
     lab.at(PLACES[2][0], PLACES[2][1])
@@ -123,7 +123,6 @@ def test_a_node_without_a_position_cannot_be_driven_to(lab):
 
 def test_after_a_restart_the_goal_is_cancelled_and_the_vehicle_held(lab):
     lab.order(HALL.order('o'))
-    driver = PoseDriver(abilities(), Matching())
-    driver.restore(lab.driver.record, lab.now)
-    assert driver.take_commands() == (CancelGoals(),)
-    assert driver.progress.failure
+    lab = lab.restarted()
+    assert lab.robot.routes[-1] == CancelGoals()
+    assert lab.errors == ['driveError']

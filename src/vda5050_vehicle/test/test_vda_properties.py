@@ -56,10 +56,10 @@ class RandomMaster(RuleBasedStateMachine):
 
     def send(self, order):
         """Sends an order, and looks at what becomes of it."""
-        before = self.lab.record
+        before = self.lab.order_record
         message = self.lab.order(order)
         taken = (self.lab.state['orderId'], self.lab.state['orderUpdateId']) == (
-            order['orderId'], order['orderUpdateId']) and self.lab.record != before
+            order['orderId'], order['orderUpdateId']) and self.lab.order_record != before
         if taken:
             self.sent.append((order, message))
             for edge in order['edges']:
@@ -70,12 +70,11 @@ class RandomMaster(RuleBasedStateMachine):
 
     def nothing_has_changed(self, before):
         """The vehicle knows what it knew, but for what its robot may have told meanwhile."""
-        unchanged = {key: value for key, value in self.lab.record.items() if key != 'driver'}
-        assert unchanged == {key: before[key] for key in unchanged}
+        assert self.lab.order_record == before
 
     def here(self):
         """The node at which the master believes the vehicle, or it will be."""
-        return int(self.lab.vehicle.order.last_node[0] or 8)
+        return int(self.lab.vehicle.state.order.last_node[0] or 8)
 
     @rule(data=st.data(), number=st.integers(0, 3), update=st.sampled_from([0, 5]))
     def new_order(self, data, number, update):
@@ -89,7 +88,7 @@ class RandomMaster(RuleBasedStateMachine):
 
     @rule(data=st.data(), ahead=st.integers(-1, 2), shift=st.sampled_from([0, 0, 0, 2]))
     def update(self, data, ahead, shift):
-        order = self.lab.vehicle.order
+        order = self.lab.vehicle.state.order
         if not order.order_id:
             return
         node, sequence = order.decision_point
@@ -107,7 +106,7 @@ class RandomMaster(RuleBasedStateMachine):
         if late:
             self.a_master_that_sets_things_right(data)
             self.drive_and_act_to_the_end()
-        before = self.lab.record
+        before = self.lab.order_record
         self.lab.receive_order(data.draw(st.sampled_from(self.sent))[1])
         self.nothing_has_changed(before)
 
@@ -146,7 +145,7 @@ class RandomMaster(RuleBasedStateMachine):
         self.emergency_stop(False)
         self.lose(False)
         self.instant('stopPause')
-        if self.lab.vehicle.busy:
+        if self.lab.vehicle.state.busy:
             self.instant('cancelOrder')
             self.wait(1.5)
             self.finish_actions()
@@ -167,7 +166,7 @@ class RandomMaster(RuleBasedStateMachine):
                 self.finish_actions()
 
     def finish_actions(self):
-        for entry in self.lab.vehicle.actions.entries:
+        for entry in self.lab.vehicle.state.actions:
             if entry.is_active and entry.action.action_type == 'say':
                 self.lab.end_action(entry.action.action_id)
 
@@ -190,7 +189,7 @@ class RandomMaster(RuleBasedStateMachine):
     def wait(self, seconds):
         self.lab.see(velocity=DRIVING if self.lab.robot.drives else STANDING)
         self.lab.wait(seconds)
-        if seconds > 1.0 and self.lab.robot.answers and self.lab.vehicle.holds:
+        if seconds > 1.0 and self.lab.robot.answers and self.lab.vehicle.state.held:
             assert not self.lab.robot.drives, 'it drives though it is paused or has failed'
 
     @rule(pressed=st.booleans())
@@ -209,7 +208,7 @@ class RandomMaster(RuleBasedStateMachine):
 
     @rule()
     def the_adapter_is_killed(self):
-        if self.lab.record:
+        if self.lab.order_record:
             self.started.update(self.lab.started)
             self.lab = self.lab.restarted()
 
@@ -225,22 +224,22 @@ class RandomMaster(RuleBasedStateMachine):
 
     @invariant()
     def the_state_is_the_journal(self):
-        if hasattr(self, 'lab') and self.lab.record:
-            assert json.loads(json.dumps(self.lab.record)) == self.lab.record
+        if hasattr(self, 'lab') and self.lab.order_record:
+            assert json.loads(json.dumps(self.lab.order_record)) == self.lab.order_record
 
     @invariant()
     def the_vehicle_stands_where_an_action_needs_it(self):
         if not hasattr(self, 'lab'):
             return
         vehicle = self.lab.vehicle
-        for entry in vehicle.actions.entries:
+        for entry in vehicle.state.actions:
             if entry.is_active and entry.forbids_driving and entry.scope is Scope.NODE:
-                assert entry.sequence_id == vehicle.order.last_node[1], entry
+                assert entry.sequence_id == vehicle.state.order.last_node[1], entry
 
     @invariant()
     def nothing_runs_beside_what_runs_alone(self):
         if hasattr(self, 'lab'):
-            active = [entry for entry in self.lab.vehicle.actions.entries
+            active = [entry for entry in self.lab.vehicle.state.actions
                       if entry.is_active and entry.action.action_type == 'say']
             assert len(active) <= 1 or not any(
                 entry.action.blocking_type.forbids_others for entry in active), active
@@ -249,8 +248,8 @@ class RandomMaster(RuleBasedStateMachine):
     def no_action_comes_before_its_turn(self):
         if not hasattr(self, 'lab'):
             return
-        reached = self.lab.vehicle.order.last_node[1]
-        for entry in self.lab.vehicle.actions.entries:
+        reached = self.lab.vehicle.state.order.last_node[1]
+        for entry in self.lab.vehicle.state.actions:
             if entry.triggered and entry.belongs_to_order:
                 assert entry.sequence_id <= reached + (entry.scope is Scope.EDGE), entry
 
@@ -259,10 +258,10 @@ class RandomMaster(RuleBasedStateMachine):
         """Of a horizon that was replaced nothing is left."""
         if not hasattr(self, 'lab'):
             return
-        order = self.lab.vehicle.order
+        order = self.lab.vehicle.state.order
         left = {(element.sequence_id, action.action_id)
                 for element in (*order.nodes, *order.edges) for action in element.actions}
-        for entry in self.lab.vehicle.actions.entries:
+        for entry in self.lab.vehicle.state.actions:
             if entry.belongs_to_order and not entry.triggered and not entry.status.has_ended:
                 assert (entry.sequence_id, entry.action.action_id) in left, entry
 
@@ -270,7 +269,7 @@ class RandomMaster(RuleBasedStateMachine):
     def what_runs_was_started(self):
         """By this adapter, not by one that was killed."""
         if hasattr(self, 'lab'):
-            for entry in self.lab.vehicle.actions.entries:
+            for entry in self.lab.vehicle.state.actions:
                 if entry.is_active and entry.action.action_type == 'say':
                     assert entry.action.action_id in self.lab.started, entry
 
@@ -278,7 +277,7 @@ class RandomMaster(RuleBasedStateMachine):
     def what_has_ended_stays_as_it_ended(self):
         if not hasattr(self, 'lab'):
             return
-        for entry in self.lab.vehicle.actions.entries:
+        for entry in self.lab.vehicle.state.actions:
             if entry.status.has_ended:
                 ended = self.ended.setdefault(entry.action.action_id, entry)
                 assert (ended.status, ended.result) == (entry.status, entry.result), ended

@@ -1,16 +1,17 @@
 """The adapter is killed and comes back: the order is there, nothing is done twice."""
 from __future__ import annotations
 
-import pytest
-from vda_builders import STANDING, Lab, abilities, say, table, way
-from vda_builders import lab as laboratory
+import json
 
-from vda5050_vehicle.core.identity import Identity
+import pytest
+from vda_builders import STANDING, Lab, say, way
+
+from vda5050_vehicle.core import effects as fx
+from vda5050_vehicle.core import journal
 from vda5050_vehicle.core.journal import WrongRecord
-from vda5050_vehicle.core.vehicle import Vehicle
-from vda5050_vehicle.drivers.order_graph import Matching
-from vda5050_vehicle.drivers.route_driver import RESTART_PATIENCE, RouteDriver
-from vda5050_vehicle.protocol.codecs import VERSION_2_1
+from vda5050_vehicle.drivers.pose_driver import PoseDrive
+from vda5050_vehicle.drivers.route_driver import RESTART_PATIENCE, RouteDrive
+from vda5050_vehicle.nodes.files import JournalFile
 
 HALL = way(8, 10, 12, 14, 32)
 
@@ -75,14 +76,13 @@ def test_started_actions_have_failed_and_are_never_run_again():
 def test_an_extension_that_was_not_sent_any_more_is_sent():
     lab = Lab()
     lab.order(HALL.order('o', base=2))
-    lab.robot.answers = False
+    lab.robot.answers = False  # killed between the journal and the robot
     sent = lab.robot.routes.copy()
     lab.order(HALL.part(1).order('o', 1, first_sequence=2))
-    lab.record['driver']['route']['edges'] = [1]  # killed between the journal and the robot
     lab.robot.routes = sent
     lab.robot.answers = True
     lab = lab.restarted()
-    lab.wait(0.1)
+    lab.wait(1.5)
     assert lab.robot.route == (1, 2, 3, 4)
     assert lab.errors == []
 
@@ -163,17 +163,58 @@ def test_a_cancelled_order_stays_cancelled():
     assert lab.errors == ['orderUpdateError']
 
 
+def whole(lab):
+    """The journal of a vehicle, as one line."""
+    return json.loads(journal.line(None, lab.vehicle.state))
+
+
+def test_a_log_of_changes_is_the_state():
+    lab = Lab()
+    lab.order(HALL.order('o', base=3, actions={'10': [say('a', 'HARD')], '2': [say('b')]}))
+    lab.drive(1)
+    lab.end_action('a', False, 'no voice')
+    lab.act('stopPause')
+    lab.order(way(12, 14).order('o', 1, first_sequence=4))
+    lab.drive(2)
+    lab.act('fly')
+    lab.act('cancelOrder')
+    assert len(lab.journal) > 10
+    assert journal.read(lab.journal, RouteDrive) == lab.vehicle.state
+
+
 @pytest.mark.parametrize('damage', [
-    lambda record: record.pop('order'), lambda record: record.update(version=0),
-    lambda record: record['order'].update(nodes=5), lambda record: record.update(driver={}),
-    lambda record: record['order']['nodes'][0].pop('nodeId'),
-    lambda record: record['legs'][0].update(colour='red')])
+    lambda record: record['='].pop('order'), lambda record: record.update(version=0),
+    lambda record: record['=']['order'].update(nodes=5),
+    lambda record: record['='].update(drive={}),
+    lambda record: record['=']['order']['nodes'][0].pop('node_id'),
+    lambda record: record['=']['legs'][0].update(colour='red')])
 def test_a_journal_that_makes_no_sense_is_refused(damage):
     lab = Lab()
     lab.order(HALL.order('o'))
-    record = lab.record
+    record = whole(lab)
     damage(record)
-    vehicle = Vehicle(Identity('OMRON', 'lab'), VERSION_2_1, table(),
-                      RouteDriver(laboratory(), abilities(), Matching()), abilities())
     with pytest.raises(WrongRecord):
-        vehicle.restore(record, 0.0)
+        journal.read([json.dumps(record)], RouteDrive)
+
+
+def test_a_journal_of_another_driver_is_refused():
+    lab = Lab()
+    with pytest.raises(WrongRecord):
+        journal.read(lab.journal, PoseDrive)
+
+
+def test_a_journal_file_is_a_log_and_an_unfinished_line_is_of_nothing_that_was_done(tmp_path):
+    path = tmp_path / 'journal'
+    file, lab = JournalFile(path), Lab()
+    lab.order(HALL.order('o'))
+    for effect in lab.effects:
+        if isinstance(effect, fx.Keep):
+            file.write(effect.before, effect.now)
+            known = effect.now
+    assert len(path.read_text().splitlines()) > 1
+    with open(path, 'a') as log:
+        log.write('{"~": {"pau')
+    assert JournalFile(path).read(RouteDrive) == known
+    file = JournalFile(path)
+    file.write(known, known)
+    assert len(path.read_text().splitlines()) == 1, 'each run begins it anew'

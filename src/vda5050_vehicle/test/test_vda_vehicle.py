@@ -6,14 +6,12 @@ import math
 from dataclasses import replace
 
 import pytest
-from vda_builders import DRIVING, STANDING, Lab, abilities, action, payload, say, way
+from vda_builders import DRIVING, STANDING, Lab, abilities, action, payload, route_driver, say, way
 from vda_builders import lab as laboratory
 
 from trajectory_graph import Graph
 from vda5050_vehicle.core import effects as fx
-from vda5050_vehicle.drivers.driver import Pose
-from vda5050_vehicle.drivers.order_graph import Matching
-from vda5050_vehicle.drivers.route_driver import RouteDriver
+from vda5050_vehicle.drivers.robot_view import Pose
 from vda5050_vehicle.protocol.values import EStop
 
 HALL = way(8, 10, 12, 14, 32)
@@ -109,7 +107,8 @@ def test_a_new_base_is_asked_for_ten_metres_before_the_old_one_ends():
     asked = []
     while lab.robot.drives:
         lab.drive(1)
-        ahead = sum(leg.length for leg in lab.vehicle.legs[:lab.vehicle.order.base_end])
+        ahead = sum(leg.length for leg in lab.vehicle.state.legs[
+            :lab.vehicle.state.order.base_end])
         asked.append((ahead < 10.0, lab.state['newBaseRequest']))
     assert all(wanted == told for wanted, told in asked), asked
     assert {told for _, told in asked} == {True, False}
@@ -121,10 +120,10 @@ def test_a_new_base_is_asked_for_ten_metres_before_the_old_one_ends():
 def test_while_an_order_is_under_way(order, error, field):
     lab = Lab()
     lab.order(HALL.order('o', base=3))
-    before = lab.record
+    before = lab.order_record
     lab.order(order)
     assert lab.errors == ([error] if error else [])
-    assert lab.record == before
+    assert lab.order_record == before
 
 
 def test_rejections_stay_until_an_order_is_taken():
@@ -252,10 +251,10 @@ def test_a_direction_that_the_graph_forbids_is_refused():
     edges = [replace(edge, velocity_backwards=0.0) if edge.id == 1 else edge
              for edge in laboratory().edges.values()]
     graph = Graph(laboratory().vertices.values(), edges)
-    lab = Lab(driver=RouteDriver(graph, abilities(), Matching()))
+    lab = Lab(driver=route_driver(graph))
     lab.order(way(8, 10).order('there'))
     assert lab.robot.route == (1,)
-    lab = Lab(at=10, driver=RouteDriver(graph, abilities(), Matching()))
+    lab = Lab(at=10, driver=route_driver(graph))
     lab.order(way(10, 8).order('back'))
     assert lab.errors == ['noRouteError']
     assert not lab.robot.routes

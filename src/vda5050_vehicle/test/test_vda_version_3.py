@@ -145,10 +145,10 @@ def test_what_is_not_retriable_is_not_tried_again(lab):
 
 
 def test_2_1_has_none_of_these_actions():
-    table = Lab().vehicle.table
+    table = Lab().vehicle.context.table
     assert not {'retry', 'skipRetry', 'clearInstantActions'} & set(table.specs)
     assert {'retry', 'skipRetry', 'clearInstantActions'} <= set(
-        Lab(codec=VERSION_3_0).vehicle.table.specs)
+        Lab(codec=VERSION_3_0).vehicle.context.table.specs)
 
 
 # --- orders ---------------------------------------------------------------------------------------

@@ -17,13 +17,13 @@ from vda5050_vehicle.conformance.track import Track, action
 from vda5050_vehicle.conformance.version_3 import in_3
 from vda5050_vehicle.core import effects as fx
 from vda5050_vehicle.core import factsheet as sheet
+from vda5050_vehicle.core import journal
 from vda5050_vehicle.core.action_table import ActionTable, read_table
 from vda5050_vehicle.core.identity import Identity
-from vda5050_vehicle.core.robot_view import RobotView
-from vda5050_vehicle.core.vehicle import Vehicle
-from vda5050_vehicle.drivers.driver import Driver, Pose
+from vda5050_vehicle.core.vehicle import MakeDriver, Vehicle
 from vda5050_vehicle.drivers.order_fields import Abilities
 from vda5050_vehicle.drivers.order_graph import Matching
+from vda5050_vehicle.drivers.robot_view import Pose, RobotView
 from vda5050_vehicle.drivers.route_driver import SETTLING, RouteDriver
 from vda5050_vehicle.drivers.route_messages import RouteCommand, RouteReport
 from vda5050_vehicle.protocol.codecs import VERSION_2_1, Codec
@@ -59,6 +59,11 @@ def vehicle_document() -> Dict[str, Any]:
 def abilities(*ignored: str) -> Abilities:
     """The LD-90's."""
     return sheet.abilities(vehicle_document(), 'map', ignored)
+
+
+def route_driver(graph: Optional[Graph] = None, *ignored: str) -> MakeDriver:
+    """Makes drivers of the laboratory's routes."""
+    return lambda memory: RouteDriver(memory, graph or lab(), abilities(*ignored), Matching())
 
 
 def way(*vertices: int) -> Track:
@@ -118,21 +123,24 @@ class Lab:
     Every state that it sends is checked for the rules that a schema cannot tell.
     """
 
-    def __init__(self, at: Optional[int] = 8, driver: Optional[Driver] = None,
+    def __init__(self, at: Optional[int] = 8, driver: Optional[MakeDriver] = None,
                  codec: Codec = VERSION_2_1, abilities_: Optional[Abilities] = None) -> None:
         self.now = 100.0
         self.messages = 0  # of the master; each has a header of its own
         self.robot = RobotSide()
         can = abilities_ or abilities()
-        self.driver = driver or RouteDriver(lab(), can, Matching())
-        self.vehicle = Vehicle(IDENTITY, codec, table(), self.driver, can)
+        self.make_driver = driver or (
+            lambda memory: RouteDriver(memory, lab(), can, Matching()))
+        self.vehicle = Vehicle(IDENTITY, codec, table(), self.make_driver, can)
+        self.driver: Any = self.vehicle.driver
         self.codec = codec
         self.states: List[Dict[str, Any]] = []  # in the words of 2.1
         self.wire: Dict[str, Any] = {}          # the last one as it was sent
         self.started: List[str] = []
         self.cancelled: List[str] = []
         self.effects: List[fx.Effect] = []
-        self.record: Dict[str, Any] = {}
+        self.journal: List[str] = []
+        self.is_seen = True  # the robot tells its velocity all the time, if it tells it
         self.checker = VehicleChecker('OMRON', 'lab', codec.version)
         self.headers = Headers(codec.version, 'OMRON', 'lab', lambda: 1e9 + self.now)
         self.view = RobotView(velocity=STANDING, battery=BatteryState(80.0, False), lost='')
@@ -148,7 +156,7 @@ class Lab:
 
     def see(self, **changes: Any) -> None:
         """The robot is seen, with changes."""
-        self.view = replace(self.view, **changes)
+        self.view = replace(self.view, seen_at=self.now, **changes)
         self.do(self.vehicle.see(self.view, self.now))
 
     def order(self, order: Dict[str, Any]) -> bytes:
@@ -170,7 +178,7 @@ class Lab:
     def act(self, action_type: str, action_id: str = '', blocking: str = 'NONE',
             **parameters: Any) -> str:
         """An instant action comes; returns its id."""
-        action_id = action_id or f'{action_type}-{len(self.vehicle.actions.entries)}'
+        action_id = action_id or f'{action_type}-{self.messages}'
         self.messages += 1
         message = {'actions': [action(action_type, action_id, blocking, **parameters)]}
         self.receive_instant_actions(self.payload('instantActions', message))
@@ -187,6 +195,8 @@ class Lab:
             if isinstance(self.driver, RouteDriver) and self.robot.answers:
                 self.driver.on_report(self.robot.report(), self.now)
             self.do(self.vehicle.tick(self.now))
+            if self.is_seen:
+                self.see()
 
     def drive(self, edges: int = 1) -> None:
         """The robot drives so many edges of its route."""
@@ -214,11 +224,12 @@ class Lab:
         """The adapter is killed, and a new one takes over from its journal."""
         other = Lab.__new__(Lab)
         other.__dict__.update(self.__dict__)
-        other.driver = type(self.driver)(lab(), abilities(), Matching())
-        other.vehicle = Vehicle(IDENTITY, self.codec, table(), other.driver, abilities())
+        other.vehicle = Vehicle(IDENTITY, self.codec, table(), self.make_driver, abilities())
+        other.driver = other.vehicle.driver
         other.started, other.cancelled, other.effects = [], [], []
         other.checker.restarted()
-        other.vehicle.restore(json.loads(json.dumps(self.record)), self.now)
+        state = journal.read(self.journal, type(self.vehicle.state.drive))
+        other.vehicle.restore(state, self.now)
         other.see()
         return other
 
@@ -238,8 +249,15 @@ class Lab:
             elif isinstance(effect, fx.CancelAction):
                 self.cancelled.append(effect.action_id)
             elif isinstance(effect, fx.Keep):
-                self.record = effect.record
+                self.journal.append(journal.line(effect.before, effect.now))
         assert not self.checker.violations, self.checker.violations
+
+    @property
+    def order_record(self) -> Dict[str, Any]:
+        """What the vehicle knows of its order."""
+        state = self.vehicle.state
+        return {name: getattr(state, name) for name in (
+            'order', 'taken', 'legs', 'actions', 'paused', 'cancels', 'pauses', 'received')}
 
     # --- what the vehicle says --------------------------------------------------------------------
 

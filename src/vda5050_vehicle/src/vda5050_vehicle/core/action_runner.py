@@ -1,17 +1,14 @@
 """Runs the actions of an order and those that came at once: starts them, and ends each once."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import replace
 
 from vda5050_vehicle.core import effects as fx
 from vda5050_vehicle.core.action_table import WrongAction
-from vda5050_vehicle.core.error_list import Cause, Hold
+from vda5050_vehicle.core.context import Context
 from vda5050_vehicle.protocol import problems as e
 from vda5050_vehicle.protocol.action_queue import Entry
 from vda5050_vehicle.protocol.values import ActionStatus, Edge, Reference
-
-if TYPE_CHECKING:
-    from vda5050_vehicle.core.vehicle import Vehicle
 
 AWAY = 'the adapter was away when it was its turn'
 
@@ -19,34 +16,35 @@ AWAY = 'the adapter was away when it was its turn'
 class ActionRunner:
     """Runs actions for a vehicle."""
 
-    def __init__(self, vehicle: Vehicle) -> None:
-        self._vehicle = vehicle
+    def __init__(self, context: Context) -> None:
+        self._context = context
+        self._state = context.state
 
     def start(self) -> None:
         """Starts those whose turn it is."""
-        vehicle = self._vehicle
-        if Hold.PAUSE in vehicle.holds or vehicle.cancelling:
+        context = self._context
+        if self._state.paused or self._state.cancelling:
             return
-        for entry in vehicle.actions.startable(vehicle.standing):
+        for entry in self._state.actions.startable(context.standing):
             action_id, scope = entry.action.action_id, entry.scope
             try:
-                spec = vehicle.table.check(entry.action, scope)
+                spec = context.table.check(entry.action, scope)
                 if spec.call is None:
                     raise WrongAction('actionType', 'it is done at once or not at all')
             except WrongAction as wrong:
                 self.end(action_id, ActionStatus.FAILED, str(wrong))
                 continue
-            vehicle.actions.update(action_id, ActionStatus.RUNNING)
-            vehicle.do(fx.StartAction(action_id, spec, spec.arguments_of(entry.action)))
+            context.update_action(action_id, ActionStatus.RUNNING)
+            context.do(fx.StartAction(action_id, spec, spec.arguments_of(entry.action)))
 
     def leave_edge(self, edge: Edge) -> None:
         """The edge was driven: its actions end with it."""
-        for entry in self._vehicle.actions.of(edge.sequence_id):
+        for entry in self._state.actions.of(edge.sequence_id):
             action_id = entry.action.action_id
             if entry.status is ActionStatus.RETRIABLE:
                 self.end(action_id, ActionStatus.FAILED, 'the edge was left before it was retried')
             elif entry.is_active:
-                self._vehicle.do(fx.CancelAction(action_id))
+                self._context.do(fx.CancelAction(action_id))
                 self.end(action_id, ActionStatus.FINISHED, 'the edge was left')
             elif not entry.status.has_ended:
                 self.end(action_id, ActionStatus.FAILED,
@@ -54,41 +52,45 @@ class ActionRunner:
 
     def miss(self, sequence_id: int) -> None:
         """Nobody was there when the node was passed."""
-        for entry in self._vehicle.actions.of(sequence_id):
+        for entry in self._state.actions.of(sequence_id):
             self.end(entry.action.action_id, ActionStatus.FAILED, AWAY)
 
     def fail(self, action_id: str, text: str) -> None:
         """An action has failed; one that may be tried again waits until the master says so."""
-        vehicle = self._vehicle
-        entry = vehicle.actions[action_id]
-        if entry.action.retriable and entry.belongs_to_order and not vehicle.cancelling:
-            vehicle.actions.update(action_id, ActionStatus.RETRIABLE, text)
-            vehicle.note(f'action {action_id}, {entry.action.action_type}: RETRIABLE {text}')
+        entry = self._state.actions[action_id]
+        if entry.action.retriable and entry.belongs_to_order and not self._state.cancelling:
+            self._context.update_action(action_id, ActionStatus.RETRIABLE, text)
+            self._note(entry, ActionStatus.RETRIABLE, text)
         else:
             self.end(action_id, ActionStatus.FAILED, text)
 
     def end(self, action_id: str, status: ActionStatus, text: str) -> None:
         """An action has ended for good; a failed one of the order, for which the vehicle was to
         stand, holds it."""
-        vehicle = self._vehicle
-        entry = vehicle.actions[action_id]
+        entry = self._state.actions[action_id]
         if entry.status.has_ended:
             return
-        vehicle.actions.update(action_id, status, text)
-        vehicle.note(f'action {action_id}, {entry.action.action_type}: {status.value} {text}')
-        if vehicle.table.moves(entry.action):
-            vehicle.look_where_it_is()
-        if status is ActionStatus.FAILED and entry.belongs_to_order and not vehicle.cancelling:
+        self._context.update_action(action_id, status, text)
+        self._note(entry, status, text)
+        if self._context.table.moves(entry.action):
+            self._context.look_where_it_is()
+        if (status is ActionStatus.FAILED and entry.belongs_to_order
+                and not self._state.cancelling):
             self._tell_of_failure(entry, text)
 
+    def _note(self, entry: Entry, status: ActionStatus, text: str) -> None:
+        self._context.note(f'action {entry.action.action_id}, {entry.action.action_type}: '
+                           f'{status.value} {text}')
+
     def _tell_of_failure(self, entry: Entry, text: str) -> None:
-        action, vehicle = entry.action, self._vehicle
-        references = (Reference('topic', 'order'), Reference('orderId', vehicle.order.order_id),
-                      Reference('orderUpdateId', str(vehicle.order.order_update_id)),
+        action, state = entry.action, self._state
+        references = (Reference('topic', 'order'), Reference('orderId', state.order.order_id),
+                      Reference('orderUpdateId', str(state.order.order_update_id)),
                       Reference('actionId', action.action_id))
         description = f'action {action.action_type}: {text}'
         if action.blocking_type.forbids_driving:
-            vehicle.holds.add(Hold.FAILURE)
-            vehicle.errors.fail(Cause.ACTION, e.ACTION_ERROR.error(description, *references))
+            state.errors = replace(state.errors,
+                                   action=e.ACTION_ERROR.error(description, *references))
         else:
-            vehicle.errors.reject(e.ACTION_WARNING.error(description, *references))
+            state.errors = state.errors.with_rejection(
+                e.ACTION_WARNING.error(description, *references))

@@ -2,10 +2,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Dict, Mapping, Tuple, Union
+from typing import Any, Mapping, Optional, Tuple, Union
 
 from vda5050_vehicle.core.action_table import ActionSpec
-from vda5050_vehicle.drivers.driver import Pose
+from vda5050_vehicle.core.state import VehicleState
+from vda5050_vehicle.drivers.robot_view import Pose
 from vda5050_vehicle.protocol.values import State
 
 
@@ -55,9 +56,13 @@ class WriteLog:
 
 @dataclass(frozen=True)
 class Keep:
-    """Store what a restarted vehicle must know, before what comes after."""
+    """Store what a restarted vehicle must know, before what comes after.
 
-    record: Dict[str, Any]
+    before -- what was stored last; None: nothing was
+    """
+
+    before: Optional[VehicleState]
+    now: VehicleState
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,7 @@ import math
 from dataclasses import dataclass
 from typing import Optional, Tuple
 
-from vda5050_vehicle.core.robot_view import RobotView
-from vda5050_vehicle.drivers.driver import Pose
+from vda5050_vehicle.drivers.robot_view import Pose, RobotView
 
 WITHIN = (0.5, 0.3)  # m, rad: as far off a robot may be that has matched its surroundings
 SAME = (0.1, 0.1)    # m, rad: the pose told

@@ -1,92 +1,142 @@
-"""What a restarted vehicle must know, as JSON: order, actions, where it drives, why it does not."""
+"""What a restarted vehicle must know, as a log: one line of JSON for each change of its state.
+
+A value is written whole as `=`, a record as the changes of its fields `~`, a table as the entries
+that changed `+` and went `-`, a sequence as how much of its beginning went `<`, how much of the
+rest stayed `keep`, and what came behind that `+`.
+"""
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any, Dict, Tuple
+import json
+from dataclasses import fields, is_dataclass
+from enum import Enum
+from functools import lru_cache
+from typing import (
+    Any,
+    Dict,
+    FrozenSet,
+    Iterable,
+    Mapping,
+    Optional,
+    Type,
+    Union,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
 
-from vda5050_vehicle.drivers.driver import Leg
-from vda5050_vehicle.protocol.action_queue import ActionQueue, Entry, Scope
-from vda5050_vehicle.protocol.codec_3 import DEVIATION
-from vda5050_vehicle.protocol.codecs import ACTION, EDGE, NODE, NODE_POSITION
-from vda5050_vehicle.protocol.fields import BOOLEAN, Choice, Field, ListOf, Malformed
-from vda5050_vehicle.protocol.order_state import OrderState
-from vda5050_vehicle.protocol.received import ReceivedMessages
-from vda5050_vehicle.protocol.values import ActionStatus, BlockingType
+from vda5050_vehicle.core.state import VehicleState
+from vda5050_vehicle.drivers.driver import Drive
 
-if TYPE_CHECKING:
-    from vda5050_vehicle.core.vehicle import Vehicle
-
-VERSION = 2
-
-# What any version of the standard may have brought.
-_ACTION = ACTION.changed(
-    blocking_type=Field('blocking_type', 'blockingType', Choice(BlockingType), True),
-    retriable=Field('retriable', 'retriable', BOOLEAN, omitted=False))
-_ACTIONS = Field('actions', 'actions', ListOf(_ACTION), True)
-_NODE = NODE.changed(actions=_ACTIONS, position=Field(
-    'position', 'nodePosition', NODE_POSITION.changed(allowed_deviation_xy=Field(
-        'allowed_deviation_xy', 'allowedDeviationXY', DEVIATION))))
-_EDGE = EDGE.changed(actions=_ACTIONS)
+VERSION = 3
+_PLAIN: FrozenSet[type] = frozenset({str, int, float, bool})
 
 
 class WrongRecord(Exception):
-    """A record that cannot be used; the text says why."""
+    """A journal that cannot be used; the text says why."""
 
 
-@dataclass(frozen=True)
-class Kept:
-    """What a record holds."""
-
-    order: OrderState
-    actions: ActionQueue
-    legs: Tuple[Leg, ...]
-    holds: Tuple[str, ...]
-    failure: str
-    received: ReceivedMessages
-    driver: Dict[str, Any]
+def line(before: Optional[VehicleState], now: VehicleState) -> str:
+    """What changed; all of it where nothing was stored before."""
+    change = {'=': _json(now)} if before is None else _change(before, now)
+    return json.dumps({'version': VERSION, **change} if before is None else change)
 
 
-def write(vehicle: Vehicle) -> Dict[str, Any]:
-    """The record of a vehicle."""
-    order, failure = vehicle.order, vehicle.errors.failure
-    return {
-        'version': VERSION,
-        'order': {'orderId': order.order_id, 'orderUpdateId': order.order_update_id,
-                  'passed': order.passed, 'cancelled': order.cancelled,
-                  'nodes': [_NODE.write(node) for node in order.nodes],
-                  'edges': [_EDGE.write(edge) for edge in order.edges]},
-        'actions': [{'action': _ACTION.write(entry.action), 'scope': entry.scope.value,
-                     'sequenceId': entry.sequence_id, 'status': entry.status.value,
-                     'triggered': entry.triggered, 'result': entry.result}
-                    for entry in vehicle.actions.entries],
-        'triggered': list(vehicle.actions.triggered),
-        'legs': [asdict(leg) for leg in vehicle.legs],
-        'holds': sorted(hold.value for hold in vehicle.holds),
-        'failure': failure.description if failure else '',
-        'received': list(vehicle.received.digests),
-        'driver': vehicle.driver.record,
-    }
-
-
-def read(record: Dict[str, Any]) -> Kept:
-    """What a record holds; raises WrongRecord."""
+def read(lines: Iterable[str], drive: Type[Drive]) -> VehicleState:
+    """The state after all lines; `drive` is what the driver remembers. Raises WrongRecord."""
+    value: Any = None
     try:
-        if record['version'] != VERSION:
-            raise WrongRecord(f'it is of version {record["version"]}, not {VERSION}')
-        order = record['order']
-        return Kept(
-            OrderState(order['orderId'], order['orderUpdateId'],
-                       tuple(_NODE.read(node, 'nodes') for node in order['nodes']),
-                       tuple(_EDGE.read(edge, 'edges') for edge in order['edges']),
-                       order['passed'], order['cancelled']),
-            ActionQueue([_entry(entry) for entry in record['actions']], record['triggered']),
-            tuple(Leg(**leg) for leg in record['legs']), tuple(record['holds']),
-            record['failure'], ReceivedMessages(map(str, record['received'])), record['driver'])
-    except (KeyError, TypeError, ValueError, Malformed) as error:
+        for number, text in enumerate(lines):
+            change = json.loads(text)
+            if number == 0 and change.get('version') != VERSION:
+                raise WrongRecord(f'it is of version {change.get("version")}, not {VERSION}')
+            value = _changed(value, change)
+        state: VehicleState = _value(VehicleState, value, {'drive': drive})
+        return state
+    except (AttributeError, KeyError, IndexError, TypeError, ValueError,
+            RecursionError) as error:
         raise WrongRecord(f'{type(error).__name__}: {error}') from None
 
 
-def _entry(entry: Dict[str, Any]) -> Entry:
-    return Entry(_ACTION.read(entry['action'], 'action'), Scope(entry['scope']),
-                 entry['sequenceId'], ActionStatus(entry['status']), entry['triggered'],
-                 entry['result'])
+# --- changes --------------------------------------------------------------------------------------
+
+def _change(before: Any, now: Any) -> Dict[str, Any]:
+    if is_dataclass(now) and type(before) is type(now):
+        return {'~': {field.name: _change(getattr(before, field.name), getattr(now, field.name))
+                      for field in fields(now)
+                      if _differ(getattr(before, field.name), getattr(now, field.name))}}
+    if isinstance(now, dict) and isinstance(before, dict):
+        gone = [key for key in before if key not in now]
+        new = {key: item for key, item in now.items() if before.get(key) is not item}
+        kept = [key for key in before if key in now]
+        if list(now)[:len(kept)] == kept:  # what came is behind what stayed
+            return {'+': {key: _json(item) for key, item in new.items()}, '-': gone}
+    if isinstance(now, tuple) and isinstance(before, tuple):
+        begin = len(before) - len(now)
+        if begin > 0 and before[begin:] == now:
+            return {'<': begin, 'keep': len(now), '+': []}
+        keep = next((i for i, (old, new) in enumerate(zip(before, now)) if old != new),
+                    min(len(before), len(now)))
+        return {'<': 0, 'keep': keep, '+': [_json(item) for item in now[keep:]]}
+    return {'=': _json(now)}
+
+
+def _differ(before: Any, now: Any) -> bool:
+    return before is not now and before != now
+
+
+def _changed(value: Any, change: Mapping[str, Any]) -> Any:
+    """The JSON of a value after a change of it."""
+    if '=' in change:
+        return change['=']
+    if '~' in change:
+        return {**value, **{key: _changed(value[key], item) for key, item in change['~'].items()}}
+    if '-' in change:
+        return {**{key: item for key, item in value.items() if key not in change['-']},
+                **change['+']}
+    kept = value[change['<']:]
+    return kept[:change['keep']] + change['+']
+
+
+# --- values ---------------------------------------------------------------------------------------
+
+def _json(value: Any) -> Any:
+    if is_dataclass(value):
+        return {field.name: _json(getattr(value, field.name)) for field in fields(value)}
+    if isinstance(value, Enum):
+        return value.value
+    if isinstance(value, dict):
+        return {key: _json(item) for key, item in value.items()}
+    if isinstance(value, (tuple, list)):
+        return [_json(item) for item in value]
+    return value
+
+
+@lru_cache(maxsize=None)
+def _hints(kind: type) -> Dict[str, Any]:
+    return get_type_hints(kind)
+
+
+def _value(kind: Any, found: Any, instead: Mapping[str, type]) -> Any:
+    """The value of a type that some JSON means; `instead` names types of fields that are narrower
+    than what the class says. Raises TypeError, ValueError, KeyError."""
+    origin, arguments = get_origin(kind), get_args(kind)
+    if kind is Any:
+        return found
+    if origin is Union:  # Optional
+        return None if found is None else _value(arguments[0], found, {})
+    if origin is tuple:
+        return tuple(_value(arguments[0], item, {}) if arguments[1] is ...
+                     else _value(arguments[index], item, {}) for index, item in enumerate(found))
+    if origin is not None:
+        return {key: _value(arguments[1], item, {}) for key, item in found.items()}
+    if is_dataclass(kind):
+        make: Any = kind
+        hints = {**_hints(make), **instead}
+        if set(found) != {field.name for field in fields(make)}:
+            raise ValueError(f'{make.__name__} has other fields than {sorted(found)}')
+        return make(**{name: _value(hints[name], item, {}) for name, item in found.items()})
+    if kind in _PLAIN:
+        if not isinstance(found, (int, float) if kind is float else kind):
+            raise TypeError(f'{found!r:.40} is no {kind.__name__}')
+        return found
+    return kind(found)  # an enum

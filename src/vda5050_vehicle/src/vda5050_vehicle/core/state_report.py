@@ -1,57 +1,54 @@
 """The state of a vehicle as the master is told it."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Optional, Tuple
+from typing import Optional, Tuple
 
-from vda5050_vehicle.core.error_list import Hold
+from vda5050_vehicle.core.context import Context
 from vda5050_vehicle.protocol import problems as e
 from vda5050_vehicle.protocol import values as v
-
-if TYPE_CHECKING:
-    from vda5050_vehicle.core.vehicle import Vehicle
 
 BASE_REQUEST = 10.0  # m before the end of the base a new one is asked for
 
 
-def state_of(vehicle: Vehicle) -> v.State:
+def state_of(context: Context) -> v.State:
     """The state as it is now."""
-    order, robot, progress = vehicle.order, vehicle.robot, vehicle.driver.progress
+    state, robot = context.state, context.robot
+    order = state.order
     last_node, last_sequence = order.last_node
     if not last_node and robot.pose is not None:
-        last_node = vehicle.driver.node_at(robot.pose)
-    moves = robot.moves
-    if robot.velocity is None:
-        moves = not (progress.halted or progress.complete)
+        last_node = context.driver.node_at(robot.pose)
     return v.State(
-        order.order_id, order.order_update_id, last_node, last_sequence, order.node_states,
-        order.edge_states, vehicle.actions.states, driving=moves, battery=robot.battery,
-        operating_mode=v.OperatingMode.AUTOMATIC, errors=_errors(vehicle),
-        safety=v.SafetyState(robot.e_stop, robot.field_violation),
-        paused=Hold.PAUSE in vehicle.holds,
-        new_base_request=_wants_base(vehicle), distance_since_last_node=round(progress.along, 3),
-        position=position_of(vehicle), velocity=robot.velocity,
-        maps=(v.MapInformation(vehicle.identity.map_id, vehicle.identity.map_version),))
+        order.order_id, order.order_update_id, last_node, last_sequence, order.nodes[1:],
+        order.edges, state.actions.states,
+        driving=robot.moves if robot.velocity is not None else not state.drive.at_rest,
+        battery=robot.battery, operating_mode=v.OperatingMode.AUTOMATIC, errors=_errors(context),
+        safety=v.SafetyState(robot.e_stop, robot.field_violation), paused=state.paused,
+        new_base_request=_wants_base(context),
+        distance_since_last_node=round(state.drive.along, 3),
+        position=position_of(context), velocity=robot.velocity,
+        maps=(v.MapInformation(context.identity.map_id, context.identity.map_version),))
 
 
-def position_of(vehicle: Vehicle) -> Optional[v.AgvPosition]:
+def position_of(context: Context) -> Optional[v.AgvPosition]:
     """Where the robot is; None where that is not known."""
-    robot = vehicle.robot
+    robot = context.robot
     if robot.pose is None:
         return None
-    return v.AgvPosition(robot.pose.x, robot.pose.y, robot.pose.theta, vehicle.identity.map_id,
+    return v.AgvPosition(robot.pose.x, robot.pose.y, robot.pose.theta, context.identity.map_id,
                          robot.localized, robot.localization_score)
 
 
-def _errors(vehicle: Vehicle) -> Tuple[v.Error, ...]:
-    errors = vehicle.errors.all(vehicle.robot)
-    if vehicle.codec.is_3 and vehicle.actions.is_full:
+def _errors(context: Context) -> Tuple[v.Error, ...]:
+    errors = context.state.errors.all(context.robot)
+    if context.codec.is_3 and context.state.actions.is_full:
         errors += (e.INSTANT_ACTIONS_FULL.error(
             'the oldest instant actions are forgotten', v.Reference('topic', 'instantActions')),)
     return errors
 
 
-def _wants_base(vehicle: Vehicle) -> bool:
-    if not vehicle.order.has_horizon or vehicle.cancelling:
+def _wants_base(context: Context) -> bool:
+    state = context.state
+    if not state.order.has_horizon or state.cancelling:
         return False
-    ahead = sum(leg.length for leg in vehicle.legs[:vehicle.order.base_end])
-    return ahead - vehicle.driver.progress.along < BASE_REQUEST
+    ahead = sum(leg.length for leg in state.legs[:state.order.base_end])
+    return ahead - state.drive.along < BASE_REQUEST

@@ -1,20 +1,15 @@
 """What the vehicle needs of a driver, and the values that both use. Metres, radians, seconds."""
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
-from typing import Any, Dict, List, Optional, Sequence, Tuple
+from dataclasses import dataclass, replace
+from typing import Any, Generic, List, Optional, Protocol, Sequence, Tuple, TypeVar
 
+from vda5050_vehicle.drivers.robot_view import Pose, RobotView
 from vda5050_vehicle.protocol.values import Edge, ErrorKind, Node
 
-
-@dataclass(frozen=True)
-class Pose:
-    """Where the robot is on the map."""
-
-    x: float
-    y: float
-    theta: float
+SETTLING = 1.0  # s that what a robot tells of its motion may be older than what it was told
 
 
 class NotDrivable(Exception):
@@ -45,32 +40,63 @@ class Leg:
 
 
 @dataclass(frozen=True)
-class Progress:
-    """How far the robot is.
+class Drive:
+    """How far the robot is with what it was sent to drive: what a driver remembers.
 
-    passed   -- how many legs of the order were driven
-    along    -- m driven of the leg after these
-    halted   -- it was not sent anywhere, or has stopped as it was told to
-    complete -- it has driven all that it was sent to drive
-    failure  -- why it does not drive on; empty: it does, or has nothing to drive
+    passed     -- how many legs of the order were driven
+    along      -- m driven of the leg after these
+    failure    -- why it does not drive on; empty: it does, or has nothing to drive
+    rest_since -- s; what the robot told before says nothing about whether it stands
     """
 
     passed: int = 0
     along: float = 0.0
-    halted: bool = True
-    complete: bool = True
     failure: str = ''
+    rest_since: float = -math.inf
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether the robot drives nothing for us: it was not sent, has obeyed, or does not."""
+        raise NotImplementedError
+
+    @property
+    def in_order(self) -> bool:
+        """Whether it is at rest as it was to be: what it was sent to drive was driven."""
+        raise NotImplementedError
 
 
-class Driver(ABC):
+class Memory(Protocol):
+    """The vehicle's state, as far as it is a driver's affair."""
+
+    drive: Any
+
+    def leg(self, number: int) -> Optional[Leg]:
+        """The leg of the order with this number, counted from its beginning; None: driven."""
+
+
+D = TypeVar('D', bound=Drive)
+
+
+class Driver(ABC, Generic[D]):
     """Drives legs, numbered from the beginning of the order; a motion is never repeated by itself.
 
-    `commands` are collected by whoever runs the driver, in their order.
+    What it knows is in the vehicle's state. `commands` are collected by whoever runs the driver, in
+    their order.
     """
 
-    def __init__(self) -> None:
-        self.progress = Progress()
+    def __init__(self, memory: Memory, drive: D) -> None:
+        memory.drive = drive
+        self._memory = memory
         self._commands: List[Any] = []
+
+    @property
+    def drive_state(self) -> D:
+        """How far the robot is."""
+        drive: D = self._memory.drive
+        return drive
+
+    def _set(self, **changes: Any) -> None:
+        self._memory.drive = replace(self._memory.drive, **changes)
 
     def take_commands(self) -> Tuple[Any, ...]:
         """What is to be sent to the robot now."""
@@ -105,25 +131,24 @@ class Driver(ABC):
 
     @abstractmethod
     def halt(self, now: float) -> None:
-        """Stop, wherever the robot is."""
+        """Stops what the robot drives for us, unless it was told to."""
 
     @abstractmethod
+    def stop(self, now: float) -> None:
+        """Stops the robot, whatever it drives, and whether or not it is known to."""
+
     def forgive(self) -> None:
         """A failure was seen to: `drive` may be asked for again."""
+        self._set(failure='')
+
+    @abstractmethod
+    def see(self, robot: RobotView, now: float) -> None:
+        """The robot is seen."""
 
     @abstractmethod
     def tick(self, now: float) -> None:
         """Looks at what takes too long; several times a second."""
 
     @abstractmethod
-    def know_legs(self, first: int, legs: Sequence[Leg]) -> None:
-        """After `restore`: what the legs of the order are, from number `first` on."""
-
-    @property
-    @abstractmethod
-    def record(self) -> Dict[str, Any]:
-        """What a restarted driver must know, as JSON."""
-
-    @abstractmethod
-    def restore(self, record: Dict[str, Any], now: float) -> None:
-        """Goes on after a restart; raises KeyError, TypeError or ValueError on a wrong record."""
+    def restart(self, now: float) -> None:
+        """Goes on after a restart, with the state of before it."""

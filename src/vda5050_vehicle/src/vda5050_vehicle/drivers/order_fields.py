@@ -9,7 +9,8 @@ import math
 from dataclasses import dataclass
 from typing import Callable, Dict, FrozenSet, Optional, Sequence, Tuple
 
-from vda5050_vehicle.drivers.driver import NotDrivable, Pose
+from vda5050_vehicle.drivers.driver import NotDrivable
+from vda5050_vehicle.drivers.robot_view import Pose
 from vda5050_vehicle.protocol import problems as e
 from vda5050_vehicle.protocol.values import Edge, Node, NodePosition, Order
 

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import Dict, List, Mapping, Optional, Sequence, Tuple
 
 from trajectory_graph import Graph, Vertex
-from vda5050_vehicle.drivers.driver import Leg, NotDrivable, Pose
+from vda5050_vehicle.drivers.driver import Leg, NotDrivable
+from vda5050_vehicle.drivers.robot_view import Pose
 from vda5050_vehicle.protocol import problems as e
 from vda5050_vehicle.protocol.values import Edge, Node
 

@@ -6,12 +6,13 @@ passed within its deviation; the next pose is sent then, so that the robot need 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import Any, Dict, Optional, Sequence, Tuple, Union
+from dataclasses import dataclass
+from typing import Optional, Sequence, Tuple, Union
 
-from vda5050_vehicle.drivers.driver import Driver, Leg, NotDrivable, Pose, Progress
+from vda5050_vehicle.drivers.driver import SETTLING, Drive, Driver, Leg, Memory, NotDrivable
 from vda5050_vehicle.drivers.order_fields import Abilities, check_headings, heading_of, is_within
 from vda5050_vehicle.drivers.order_graph import Matching
+from vda5050_vehicle.drivers.robot_view import Pose, RobotView
 from vda5050_vehicle.protocol import problems as e
 from vda5050_vehicle.protocol.values import Edge, Node
 
@@ -36,16 +37,37 @@ class CancelGoals:
 PoseCommand = Union[GoTo, CancelGoals]
 
 
-class PoseDriver(Driver):
+@dataclass(frozen=True)
+class PoseDrive(Drive):
+    """What the pose driver remembers.
+
+    goal    -- number of the goal that is under way; negative: it is being cancelled; 0: none
+    numbers -- how many goals there were
+    until   -- number of the first leg that it was not told to drive
+    """
+
+    goal: int = 0
+    numbers: int = 0
+    until: int = 0
+
+    @property
+    def at_rest(self) -> bool:
+        """See Drive."""
+        return self.goal == 0
+
+    @property
+    def in_order(self) -> bool:
+        """See Drive."""
+        return self.goal == 0 and not self.failure
+
+
+class PoseDriver(Driver[PoseDrive]):
     """See the module's text."""
 
-    def __init__(self, abilities: Abilities, matching: Matching) -> None:
-        super().__init__()
+    def __init__(self, memory: Memory, abilities: Abilities, matching: Matching) -> None:
+        super().__init__(memory, PoseDrive())
         self._abilities = abilities
         self._matching = matching
-        self._legs: Dict[int, Leg] = {}
-        self._goal = 0  # number of the goal that is under way; negative: being cancelled; 0: none
-        self._numbers = 0
         self._pose: Optional[Pose] = None
 
     # --- planning ---------------------------------------------------------------------------------
@@ -82,101 +104,88 @@ class PoseDriver(Driver):
 
     def begin(self) -> None:
         """See Driver."""
-        self._legs = {}
-        self.progress = Progress(halted=self.progress.halted)
+        before = self.drive_state
+        self._memory.drive = PoseDrive(rest_since=before.rest_since, goal=before.goal,
+                                       numbers=before.numbers)
 
     def drive(self, first: int, legs: Sequence[Leg], now: float) -> None:
         """See Driver."""
-        if self.progress.failure or not legs or self._goal < 0:
+        drive = self.drive_state
+        if drive.failure or not legs or drive.goal < 0:
             return
-        self._legs.update(enumerate(legs, first))
-        if self._goal == 0:
-            self._go_to(self.progress.passed)
+        if drive.until != first + len(legs):
+            self._set(until=first + len(legs))
+        if drive.goal == 0:
+            self._go_to(drive.passed)
         else:
             self._look()
 
     def _go_to(self, number: int) -> None:
-        leg = self._legs[number]
-        self._numbers += 1
-        self._goal = self._numbers
-        self.progress = replace(self.progress, along=0.0, halted=False, complete=False)
-        self._commands.append(GoTo(self._goal, leg.x, leg.y, self._heading(leg)))
+        leg, goal = self._memory.leg(number), self.drive_state.numbers + 1
+        if leg is not None:
+            self._set(goal=goal, numbers=goal, along=0.0)
+            self._commands.append(GoTo(goal, leg.x, leg.y, self._heading(leg)))
 
     def _heading(self, leg: Leg) -> float:
         if leg.heading is not None or self._pose is None:
             return leg.heading or 0.0
         return math.atan2(leg.y - self._pose.y, leg.x - self._pose.x)
 
+    def stop(self, now: float) -> None:
+        """See Driver. The end of a goal of ours is awaited."""
+        self._commands.append(CancelGoals())
+        self._set(goal=-abs(self.drive_state.goal), rest_since=now + SETTLING)
+
     def halt(self, now: float) -> None:
         """See Driver."""
-        if self._goal > 0:
-            self._commands.append(CancelGoals())
-            self._goal = -self._goal  # its end is awaited
+        if self.drive_state.goal > 0:
+            self.stop(now)
 
-    def forgive(self) -> None:
+    def see(self, robot: RobotView, now: float) -> None:
         """See Driver."""
-        self.progress = replace(self.progress, failure='')
-
-    def see(self, pose: Optional[Pose]) -> None:
-        """Where the robot is; None where that is not known."""
-        self._pose = pose
+        self._pose = robot.pose
         self._look()
 
     def _look(self) -> None:
         """Passes nodes on the way."""
-        pose, leg = self._pose, self._legs.get(self.progress.passed)
-        if pose is None or leg is None or self._goal <= 0:
+        pose, drive = self._pose, self.drive_state
+        leg = self._memory.leg(drive.passed)
+        if pose is None or leg is None or drive.goal <= 0:
             return
         away = math.dist((pose.x, pose.y), (leg.x, leg.y))
-        along = max(self.progress.along, min(leg.length, leg.length - away))
-        self.progress = replace(self.progress, along=along)
-        following = self.progress.passed + 1
-        if following in self._legs and leg.heading is None and away <= leg.within:
-            self._pass()
+        along = max(drive.along, min(leg.length, leg.length - away))
+        if along != drive.along:
+            self._set(along=along)
+        following = drive.passed + 1
+        if following < drive.until and leg.heading is None and away <= leg.within:
+            self._set(passed=following)
             self._go_to(following)
 
-    def _pass(self) -> None:
-        self._legs.pop(self.progress.passed, None)
-        self.progress = replace(self.progress, passed=self.progress.passed + 1, along=0.0)
-
-    def on_goal_ended(self, number: int, succeeded: bool, text: str) -> None:
+    def on_goal_ended(self, number: int, succeeded: bool, text: str, now: float) -> None:
         """A goal has ended; of one that a later goal replaced nothing is to be learned."""
-        if number != abs(self._goal):
+        drive = self.drive_state
+        if number != abs(drive.goal):
             return
-        halting = self._goal < 0
-        self._goal = 0
+        self._set(goal=0, rest_since=now)
         if succeeded:
-            self._pass()
-            following = self.progress.passed
-            if following in self._legs and not halting:
+            following = drive.passed + 1
+            self._set(passed=following, along=0.0)
+            if following < drive.until and drive.goal > 0:
                 self._go_to(following)
-            else:
-                self.progress = replace(self.progress, halted=True, complete=True)
-        else:
-            self.progress = replace(self.progress, halted=True,
-                                    failure='' if halting else text or 'the goal was not reached')
+        elif drive.goal > 0:
+            self._set(failure=text or 'the goal was not reached')
 
     def tick(self, now: float) -> None:
         """See Driver: move_base has patience of its own."""
 
-    # --- restarts ---------------------------------------------------------------------------------
-
-    @property
-    def record(self) -> Dict[str, Any]:
-        """See Driver."""
-        return {'passed': self.progress.passed, 'failure': self.progress.failure,
-                'goal': self._goal != 0}
-
-    def restore(self, record: Dict[str, Any], now: float) -> None:
+    def restart(self, now: float) -> None:
         """See Driver. A goal that nobody follows any more is cancelled."""
-        failure = str(record['failure'])
-        if record['goal']:
-            self._commands.append(CancelGoals())
-            failure = failure or 'the adapter was restarted under way'
-        self.progress = Progress(int(record['passed']), failure=failure)
-
-    def know_legs(self, first: int, legs: Sequence[Leg]) -> None:
-        """See Driver: they are told again before anything is driven."""
+        drive = self.drive_state
+        if drive.goal > 0 and not drive.failure:
+            self._set(failure='the adapter was restarted under way')
+        if drive.goal != 0:
+            self.stop(now)
+        self._set(goal=0)
 
 
 def _passing(node: Node) -> float:

@@ -6,12 +6,12 @@ out. An extension has the id of the route that it extends, so the robot does not
 from __future__ import annotations
 
 import math
-from dataclasses import replace
-from typing import Any, Dict, Optional, Sequence, Tuple
+from dataclasses import dataclass, replace
+from typing import Optional, Sequence, Tuple
 
 from trajectory_graph import Graph
-from trajectory_graph.route_protocol import EdgeState, Reason
-from vda5050_vehicle.drivers.driver import Driver, Leg, Pose, Progress
+from trajectory_graph.route_protocol import EdgeState, Reason, ReasonCode
+from vda5050_vehicle.drivers.driver import SETTLING, Drive, Driver, Leg, Memory
 from vda5050_vehicle.drivers.order_fields import (
     Abilities,
     check_deviations,
@@ -21,38 +21,59 @@ from vda5050_vehicle.drivers.order_fields import (
     is_within,
 )
 from vda5050_vehicle.drivers.order_graph import Matching, OrderGraph
-from vda5050_vehicle.drivers.route_messages import (
-    RouteCommand,
-    RouteReport,
-    SentRoute,
-)
+from vda5050_vehicle.drivers.robot_view import Pose, RobotView
+from vda5050_vehicle.drivers.route_messages import RouteCommand, RouteReport, SentRoute
 from vda5050_vehicle.protocol.values import Edge, Node
 
 REPEAT = 1.0           # s between two sendings of what nobody has acknowledged
 PATIENCE = 10.0        # s until somebody must have
-SETTLING = 1.0         # s from the acknowledgement of a stop to a robot that may be seen to stand
 RESTART_PATIENCE = 25.0  # s in which the robot's side must be heard after our restart
 LARGEST_ID = 2 ** 31 - 1
+# Refusals because another program or person has the robot: it is not ours to stop unasked.
+_NOT_OURS = (ReasonCode.TAKEN_OVER, ReasonCode.OVERRULED, ReasonCode.EMERGENCY_STOP)
 
 
-class RouteDriver(Driver):
+@dataclass(frozen=True)
+class RouteDrive(Drive):
+    """What the route driver remembers.
+
+    route         -- the last one that was sent; None: the robot has obeyed a stop since
+    stop          -- id of a stop that the robot is not known to have obeyed
+    stopped_at    -- s; when it was acknowledged
+    waiting_since -- s; for an acknowledgement
+    restarted_at  -- s; the route's reports are awaited since a restart
+    """
+
+    next_id: int = 1
+    route: Optional[SentRoute] = None
+    stop: Optional[int] = None
+    stopped_at: Optional[float] = None
+    sent_at: float = 0.0
+    waiting_since: Optional[float] = None
+    restarted_at: Optional[float] = None
+
+    @property
+    def at_rest(self) -> bool:
+        """See Drive."""
+        route = self.route
+        return self.stop is None and (route is None or route.complete or route.lost)
+
+    @property
+    def in_order(self) -> bool:
+        """See Drive."""
+        return self.at_rest and (self.route is None or self.route.complete)
+
+
+class RouteDriver(Driver[RouteDrive]):
     """See the module's text. `first_id` is the id of the first route; later ones count on."""
 
-    def __init__(self, graph: Graph, abilities: Abilities, matching: Matching,
+    def __init__(self, memory: Memory, graph: Graph, abilities: Abilities, matching: Matching,
                  first_id: int = 1) -> None:
-        super().__init__()
+        super().__init__(memory, RouteDrive(next_id=first_id))
         self._graph = OrderGraph(graph, matching)
         self._matching = matching
         self._abilities = abilities
-        self._next_id = first_id
-        self._route: Optional[SentRoute] = None
-        self._legs: Dict[int, Leg] = {}       # by number, from the one being driven on
-        self._stop: Optional[int] = None      # id of a stop that is not acknowledged
-        self._stopped_at: Optional[float] = None  # when it was
-        self._sent_at = -math.inf
-        self._waiting_since = math.inf        # for an acknowledgement
-        self._refused: Optional[Tuple[int, ...]] = None  # edges of an extension tried under its id
-        self._restarted: Optional[float] = None
+        self._first_id = first_id
 
     # --- planning ---------------------------------------------------------------------------------
 
@@ -94,204 +115,175 @@ class RouteDriver(Driver):
 
     def begin(self) -> None:
         """See Driver."""
-        self._route = self._restarted = None
-        self._legs = {}
-        self.progress = Progress(halted=self._stop is None)
+        before = self.drive_state
+        self._memory.drive = RouteDrive(
+            rest_since=before.rest_since, next_id=before.next_id, stop=before.stop,
+            stopped_at=before.stopped_at, sent_at=before.sent_at,
+            waiting_since=before.waiting_since)
 
     def drive(self, first: int, legs: Sequence[Leg], now: float) -> None:
-        """See Driver."""
-        if self._restarted is not None or self.progress.failure or not legs:
+        """See Driver. First the robot stops, where it was told to."""
+        drive = self.drive_state
+        settled = drive.stopped_at is not None and now >= drive.stopped_at + SETTLING
+        if drive.failure or not legs or drive.restarted_at is not None or (
+                drive.stop is not None and not settled):
             return
-        if self._stop is not None or not self.progress.halted and self._route is None:
-            return  # first the robot stops, as it was told to
-        route, edges = self._route, tuple(leg.edge for leg in legs)
-        if route is None:
+        route, edges = drive.route, tuple(leg.edge for leg in legs)
+        if route is None or route.lost:
             self._begin(first, edges, now)
-        else:
-            whole = route.edges[:first - route.first] + edges
-            if whole == route.edges:
-                return
-            self._route = replace(route, edges=whole)
-            self._send(now)
-        self._legs.update(enumerate(legs, first))
-        self.progress = replace(self.progress, halted=False, complete=False)
+            return
+        edges = route.edges[:first - route.first] + edges
+        if edges != route.edges:
+            self._follow(replace(route, edges=edges, complete=False), now)
 
     def _begin(self, first: int, edges: Tuple[int, ...], now: float) -> None:
-        self._route = SentRoute(self._new_id(), edges, first)
+        self._follow(SentRoute(self._new_id(), edges, first), now)
+
+    def _follow(self, route: SentRoute, now: float) -> None:
+        self._set(route=route, stop=None, stopped_at=None, waiting_since=now)
         self._send(now)
 
     def halt(self, now: float) -> None:
         """See Driver."""
-        if self._stop is not None or self._route is None or self.progress.complete:
-            return
-        self._restarted = None
-        self._route = None
-        self._stop = self._new_id()
-        self._stopped_at = None
-        self.progress = replace(self.progress, halted=False, complete=False)
+        if self.drive_state.stop is None and not self.drive_state.at_rest:
+            self.stop(now)
+
+    def stop(self, now: float) -> None:
+        """See Driver."""
+        drive = self.drive_state
+        if drive.stop is None or drive.stopped_at is not None:
+            self._set(route=None, stop=self._new_id(), stopped_at=None, waiting_since=now,
+                      restarted_at=None)
         self._send(now)
 
-    def forgive(self) -> None:
-        """See Driver."""
-        self.progress = replace(self.progress, failure='')
-
     def _new_id(self) -> int:
-        number = self._next_id
-        self._next_id = number % LARGEST_ID + 1
+        number = self.drive_state.next_id
+        self._set(next_id=number % LARGEST_ID + 1)
         return number
 
-    def _send(self, now: float, again: bool = False) -> None:
-        if self._stop is not None:
-            self._commands.append(RouteCommand(self._stop, ()))
-        elif self._route is not None:
-            self._commands.append(RouteCommand(self._route.id, self._route.edges))
-        self._sent_at = now
-        if not again:
-            self._waiting_since = now
+    def _send(self, now: float) -> None:
+        drive = self.drive_state
+        if drive.stop is not None:
+            self._commands.append(RouteCommand(drive.stop, ()))
+        elif drive.route is not None:
+            self._commands.append(RouteCommand(drive.route.id, drive.route.edges))
+        self._set(sent_at=now)
 
     # --- hearing ----------------------------------------------------------------------------------
 
+    def see(self, robot: RobotView, now: float) -> None:
+        """See Driver. A stop is obeyed once the robot is known to stand after it."""
+        at = self.drive_state.stopped_at
+        if at is not None and robot.stands and min(now, robot.seen_at) >= at + SETTLING:
+            self._set(stop=None, stopped_at=None, rest_since=at)
+
     def on_report(self, report: RouteReport, now: float) -> None:
         """What execution_route_states tells."""
-        self._check_restart(report)
-        if self._stop is not None:
-            self._on_stop_report(report, now)
-        elif self._route is not None:
-            self._on_route_report(self._route, report, now)
-        else:
+        drive = self.drive_state
+        if drive.stop is not None and report.route_id == drive.stop:
+            at = None if report.reason else drive.stopped_at or now
+            self._set(stopped_at=at, waiting_since=now if at is None else None)
+        if drive.route is None or drive.route.lost:
             self._catch_up(report)
+        if drive.route is not None and report.route_id == drive.route.id:
+            self._on_route_report(drive.route, report, now)
+        elif drive.route is not None and not drive.route.lost:
+            self._on_other_report(drive.route, now)
 
-    def _on_stop_report(self, report: RouteReport, now: float) -> None:
-        if report.route_id == self._stop and not report.reason and self._stopped_at is None:
-            self._stopped_at = now
-        self._catch_up(report)
+    def _on_other_report(self, route: SentRoute, now: float) -> None:
+        if route.complete:  # others may use the robot now
+            self._set(route=None)
+        elif self.drive_state.restarted_at is not None:
+            self._fail('the adapter was restarted, and the robot does not drive its route any more',
+                       now)
+        elif route.taken:
+            self._fail('the robot drives another route', now)
 
     def _on_route_report(self, route: SentRoute, report: RouteReport, now: float) -> None:
-        if report.route_id != route.id:
-            if self.progress.complete:  # somebody else may use the robot now
-                self._route = None
-                self.progress = replace(self.progress, halted=True)
-            elif route.seen:
-                self._fail('the robot drives another route')
-            return
-        self._route = replace(route, seen=True)
-        if self._refused == route.edges:  # its own id was refused: what is left, under another
-            self._begin_anew(route, report, now)
-            return
         done = report.states.count(EdgeState.COMPLETE)
-        passed = route.first + done
-        leg = self._legs.get(passed)
+        failed = EdgeState.FAILED in report.states
+        leg = self._memory.leg(route.first + done)
         along = leg.length * report.percentage / 100.0 if leg and report.edge == leg.edge else 0.0
-        self._set_passed(passed, along)
-        if EdgeState.FAILED in report.states:
-            self._fail(report.reason.text or 'the route failed')
-        elif len(report.states) == len(route.edges):
-            self._waiting_since = math.inf
-            self.progress = replace(self.progress, complete=done == len(route.edges))
-
-    def _begin_anew(self, route: SentRoute, report: RouteReport, now: float) -> None:
-        done = report.states.count(EdgeState.COMPLETE)
-        self._set_passed(route.first + done, 0.0)
-        self._begin(route.first + done, route.edges[done:], now)
+        self._set_passed(route.first + done, along)
+        if route.lost:
+            if route.unwanted and not failed and done < len(report.states):
+                self.stop(now)
+            return
+        if self.drive_state.restarted_at is not None:  # what it lacks was not sent any more
+            self._set(restarted_at=None, waiting_since=now)
+        taken, complete = len(report.states), done == len(route.edges)
+        if (taken, complete) != (route.taken, route.complete):
+            self._set(route=replace(route, taken=taken, complete=complete),
+                      **({'rest_since': now} if complete else {}))
+        if failed:
+            self._fail(report.reason.text or 'the route failed', now)
+        elif taken == len(route.edges) and self.drive_state.waiting_since is not None:
+            self._set(waiting_since=None)
 
     def on_refused(self, refused_id: int, edges: Tuple[int, ...], reason: Reason,
                    now: float) -> None:
-        """What route_refused tells. An extension is tried once more, as a route of its own."""
-        route = self._route
-        if route is None or refused_id != route.id or edges != route.edges:
+        """What route_refused tells. A route that was driven to its end cannot be made longer where
+        the robot is elsewhere since: what is left is a route of its own."""
+        route, drive = self.drive_state.route, self.drive_state
+        if route is None or route.lost or (refused_id, edges) != (route.id, route.edges):
             return
-        if route.seen and self._refused != edges:
-            self._refused = edges
+        if (reason.code is ReasonCode.STARTS_ELSEWHERE and route.taken
+                and drive.passed == route.first + route.taken):
+            self._begin(drive.passed, edges[route.taken:], now)
             return
-        if route.seen:
-            self.halt(now)
-        self._fail(reason.text or 'the route was refused')
+        self._fail(reason.text or 'the route was refused', now,
+                   unwanted=route.taken > 0 and reason.code not in _NOT_OURS)
 
     def _set_passed(self, passed: int, along: float) -> None:
-        before = self.progress
+        before = self.drive_state
         if passed == before.passed:
             along = max(along, before.along)
-        if passed >= before.passed:
-            self.progress = replace(before, passed=passed, along=along)
-            self._legs = {number: leg for number, leg in self._legs.items() if number >= passed}
+        if passed >= before.passed and (passed, along) != (before.passed, before.along):
+            self._set(passed=passed, along=along)
 
     def _catch_up(self, report: RouteReport) -> None:
         """A robot that was stopped may have rolled on to a vertex, or past it onto the next leg."""
-        here, ahead = (self._legs.get(self.progress.passed + step) for step in (0, 1))
+        drive = self.drive_state
+        here, ahead = (self._memory.leg(drive.passed + step) for step in (0, 1))
         if here is None or not report.edge:
             return
         is_past = (ahead is not None and abs(report.edge) == abs(ahead.edge)
                    and abs(report.edge) != abs(here.edge))
-        if is_past or not self.progress.failure and self._is_at_end(here, report):
-            self._set_passed(self.progress.passed + 1, 0.0)
+        if is_past or not drive.failure and self._is_at_end(here, report):
+            self._set_passed(drive.passed + 1, 0.0)
 
     def _is_at_end(self, leg: Leg, report: RouteReport) -> bool:
         """From where the robot's side takes no route over the leg any more."""
         place = self._graph.place_on(report.edge, report.percentage)
         return place is not None and math.dist(place, (leg.x, leg.y)) <= self._abilities.passing
 
-    def _fail(self, reason: str) -> None:
-        self._route = None
-        self._waiting_since = math.inf
-        self.progress = replace(self.progress, failure=reason, halted=self._stop is None,
-                                complete=False)
+    def _fail(self, reason: str, now: float, unwanted: bool = False) -> None:
+        route = self.drive_state.route
+        if route is not None:
+            self._set(route=replace(route, lost=True, unwanted=unwanted), waiting_since=None)
+        self._set(failure=reason, restarted_at=None, rest_since=now)
 
     def tick(self, now: float) -> None:
         """See Driver."""
-        if self._stop is not None and self._stopped_at is not None:
-            if now - self._stopped_at >= SETTLING:
-                self._stop = self._stopped_at = None
-                self._waiting_since = math.inf
-                self.progress = replace(self.progress, halted=True)
-        elif self._restarted is not None:
-            if now - self._restarted > RESTART_PATIENCE:
-                self._restarted = None
-                self._fail('nothing was heard of the route since the adapter was restarted')
-        elif self._waiting_since < math.inf and now - self._sent_at >= REPEAT:
-            if self._stop is None and now - self._waiting_since > PATIENCE:
-                self.halt(now)  # should it take the route up after all
-                self._fail('the robot does not answer to its route')
+        drive = self.drive_state
+        if drive.restarted_at is not None:
+            if now - drive.restarted_at > RESTART_PATIENCE:
+                self._fail('nothing was heard of the route since the adapter was restarted', now)
+        elif drive.waiting_since is not None and now - drive.sent_at >= REPEAT:
+            if drive.stop is None and now - drive.waiting_since > PATIENCE:
+                self.stop(now)  # should it take the route up after all
+                self._fail('the robot does not answer to its route', now)
             else:
-                self._send(now, again=True)
+                self._send(now)
 
-    # --- restarts ---------------------------------------------------------------------------------
-
-    @property
-    def record(self) -> Dict[str, Any]:
-        """See Driver."""
-        route = self._route
-        return {'next_id': self._next_id, 'stop': self._stop,
-                'passed': self.progress.passed, 'failure': self.progress.failure,
-                'route': route and {'id': route.id, 'first': route.first,
-                                    'edges': list(route.edges)}}
-
-    def restore(self, record: Dict[str, Any], now: float) -> None:
+    def restart(self, now: float) -> None:
         """See Driver. Nothing is sent before the robot's side was heard, but a stop that is owed.
         """
-        route = record['route'] and SentRoute(
-            int(record['route']['id']), tuple(map(int, record['route']['edges'])),
-            int(record['route']['first']))
-        self._next_id = max(int(record['next_id']), self._next_id)
-        self._stop = record['stop']
-        self.progress = Progress(int(record['passed']), failure=str(record['failure']))
-        if self._stop is not None:
-            self.progress = replace(self.progress, halted=False, complete=False)
+        drive = self.drive_state
+        self._set(next_id=max(drive.next_id, self._first_id), stopped_at=None, rest_since=now,
+                  waiting_since=None)
+        if drive.stop is not None:
+            self._set(waiting_since=now)
             self._send(now)
-        elif route is not None and self.progress.passed < route.first + len(route.edges):
-            self._route = route  # one that was driven to its end is over
-            self._restarted = now
-            self.progress = replace(self.progress, halted=False, complete=False)
-
-    def know_legs(self, first: int, legs: Sequence[Leg]) -> None:
-        """See Driver."""
-        self._legs = dict(enumerate(legs, first))
-
-    def _check_restart(self, report: RouteReport) -> None:
-        route = self._route
-        if self._restarted is None or route is None:
-            return
-        self._restarted = None
-        if report.route_id != route.id:
-            self._fail('the adapter was restarted, and the robot does not drive its route any more')
-            return
-        self._route = replace(route, seen=True)
+        elif not drive.at_rest:
+            self._set(restarted_at=now)

@@ -34,10 +34,16 @@ class RouteReport:
 class SentRoute:
     """A route that was sent; its first edge is leg number `first`.
 
-    seen -- a report with its id came
+    taken    -- how many of its edges a report has acknowledged
+    complete -- all were driven
+    lost     -- it failed, or is not known to be driven
+    unwanted -- it may be driven though its extension was refused
     """
 
     id: int
     edges: Tuple[int, ...]
     first: int
-    seen: bool = False
+    taken: int = 0
+    complete: bool = False
+    lost: bool = False
+    unwanted: bool = False

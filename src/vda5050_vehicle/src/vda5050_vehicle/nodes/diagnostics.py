@@ -24,13 +24,13 @@ def show_state(settings: Settings, vehicle: Vehicle, link: MqttLink,
         return status
 
     def order(status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
-        failure = vehicle.errors.failure
+        failure = vehicle.state.errors.failure
         if failure:
             status.summary(DiagnosticStatus.ERROR, failure.description)
         else:
-            status.summary(DiagnosticStatus.OK, 'order under way' if vehicle.busy else 'idle')
-        status.add('order', vehicle.order.order_id)
-        status.add('nodes left', str(max(len(vehicle.order.nodes) - 1, 0)))
+            status.summary(DiagnosticStatus.OK, 'order under way' if vehicle.state.busy else 'idle')
+        status.add('order', vehicle.state.order.order_id)
+        status.add('nodes left', str(max(len(vehicle.state.order.nodes) - 1, 0)))
         return status
 
     publish_diagnostics(settings.prefix, {'broker': broker, 'order': order})

@@ -1,19 +1,19 @@
 """Files of the adapter: the journal and log reports. A file is replaced whole or not."""
 from __future__ import annotations
 
-import json
 import os
 import tempfile
 import time
 from pathlib import Path
-from typing import Any, Dict, Optional, Sequence
-
-import rospy
+from typing import Optional, Sequence, Type
 
 from node_lifecycle import ConfigurationError
+from vda5050_vehicle.core import journal
+from vda5050_vehicle.core.state import VehicleState
+from vda5050_vehicle.drivers.driver import Drive
 
 MAX_REPORTS = 20
-MAX_JOURNAL = 10_000_000  # bytes
+MAX_JOURNAL = 1_000_000  # bytes of changes, beyond which it is written anew
 
 
 def replace_file(path: Path, text: str) -> None:
@@ -29,7 +29,7 @@ def replace_file(path: Path, text: str) -> None:
 
 
 class JournalFile:
-    """Where the vehicle's record is kept over a restart.
+    """Where the vehicle's state is kept over a restart, as a log of changes.
 
     It is not forced to the disk: it must outlive this process, not the computer, after whose
     restart nobody drives the order's route any more.
@@ -37,29 +37,36 @@ class JournalFile:
 
     def __init__(self, path: Path) -> None:
         self._path = path
+        self._changes = MAX_JOURNAL  # bytes behind its first line; each run begins it anew
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise ConfigurationError(f'the folder of the journal {path} cannot be made: '
                                      f'{error.strerror}') from None
 
-    def read(self) -> Optional[Dict[str, Any]]:
-        """The record; None where there is none, or none that can be read."""
+    def read(self, drive: Type[Drive]) -> Optional[VehicleState]:
+        """The state; None where there is none. Raises WrongRecord. A line that was not finished is
+        of a change about which nothing was done."""
         try:
-            if self._path.stat().st_size > MAX_JOURNAL:
-                raise ValueError('it is too large')
-            record = json.loads(self._path.read_text(encoding='utf-8'))
+            *lines, _unfinished = self._path.read_text(encoding='utf-8').split('\n')
         except FileNotFoundError:
             return None
-        except (OSError, ValueError, RecursionError) as error:
-            rospy.logwarn('The journal %s cannot be read, the vehicle begins without an order: %s',
-                          self._path, error)
-            return None
-        return record if isinstance(record, dict) else None
+        except (OSError, ValueError) as error:
+            raise journal.WrongRecord(str(error)) from None
+        return journal.read(lines, drive) if lines else None
 
-    def write(self, record: Dict[str, Any]) -> None:
-        """Replaces the record; raises OSError."""
-        replace_file(self._path, json.dumps(record))
+    def write(self, before: Optional[VehicleState], now: VehicleState) -> None:
+        """Adds what changed; begins anew where that would be too much. Raises OSError."""
+        is_new = before is None or self._changes >= MAX_JOURNAL
+        text = journal.line(None if is_new else before, now) + '\n'
+        changes, self._changes = self._changes, MAX_JOURNAL  # should it fail
+        if is_new:
+            replace_file(self._path, text)
+            self._changes = 0
+        else:
+            with open(self._path, 'a', encoding='utf-8') as file:
+                file.write(text)
+            self._changes = changes + len(text)
 
 
 class LogReports:

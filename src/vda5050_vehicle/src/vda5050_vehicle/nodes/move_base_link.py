@@ -42,4 +42,4 @@ class MoveBaseLink:
         self._goals.check()
 
     def _on_end(self, name: str, succeeded: bool, text: str) -> None:
-        self._tell(lambda now: self._driver.on_goal_ended(int(name), succeeded, text))
+        self._tell(lambda now: self._driver.on_goal_ended(int(name), succeeded, text, now))

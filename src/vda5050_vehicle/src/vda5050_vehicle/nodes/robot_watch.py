@@ -21,12 +21,11 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState as BatteryMessage
 
 from node_lifecycle import ConfigurationError
-from vda5050_vehicle.core.robot_view import RobotView, silence
-from vda5050_vehicle.drivers.driver import Pose
+from vda5050_vehicle.drivers.robot_view import Pose, RobotView, silence
 from vda5050_vehicle.nodes.headings import heading
 from vda5050_vehicle.protocol.values import BatteryState, EStop, Velocity
 
-SIGNALS = ('emergency_stop', 'lost', 'field_violation', 'localization_score')
+SIGNALS = ('emergency_stop', 'lost', 'field_violation', 'localization_score', 'standing', 'epoch')
 TF_PERIOD = 0.2  # s between two looks at TF
 T = TypeVar('T')
 
@@ -41,19 +40,23 @@ class _Heard(Generic[T]):
 
 @dataclass(frozen=True)
 class Signal:
-    """A field of a topic; `wanted` are the values that mean yes, None: it is taken as it is."""
+    """A field of a topic; `wanted` are the values that mean yes, None: it is taken as it is.
+    `unknown` are those that tell nothing."""
 
     name: str
     topic: str
     type: str
     field: str
     wanted: Optional[Tuple[Any, ...]] = None
+    unknown: Tuple[Any, ...] = ()
 
     def read(self, message: Any) -> Any:
         """What the message says."""
         value = message
         for part in self.field.split('.'):
             value = getattr(value, part)
+        if value in self.unknown:
+            return None
         return value if self.wanted is None else value in self.wanted
 
 
@@ -62,7 +65,8 @@ def read_signals(document: Mapping[str, Any]) -> Tuple[Signal, ...]:
     signals = document.get('signals') or {}
     try:
         found = tuple(Signal(name, line['topic'], line['type'], line['field'],
-                             tuple(line['is']) if 'is' in line else None)
+                             tuple(line['is']) if 'is' in line else None,
+                             tuple(line.get('unknown', ())))
                       for name, line in signals.items())
     except (AttributeError, KeyError, TypeError) as error:
         raise ConfigurationError(f'signals of the vehicle file: {error} is missing; each has '
@@ -113,16 +117,21 @@ class RobotWatch:
             return (otherwise if item is None or now - item.at > self._timeout
                     else item.value)
 
-        battery = heard.get('battery')
+        def last(name: str) -> Any:
+            """Of what is told on a change only: it holds until the robot tells otherwise."""
+            item = heard.get(name)
+            return None if item is None else item.value
+
+        battery, velocity, standing = heard.get('battery'), fresh('velocity'), last('standing')
         score, pose = fresh('localization_score'), heard.get('pose')
         return RobotView(
-            pose=fresh('pose'), velocity=fresh('velocity'),
+            pose=fresh('pose'), velocity=velocity,
+            seen_at=now if velocity is None else heard['velocity'].at,
+            standing=standing, epoch=last('epoch') or 0,
             localization_score=score if score is not None and 0.0 <= score <= 1.0 else None,
             localized=not fresh('lost', False),
             battery=battery.value if battery else BatteryState(0.0, False),
-            # An emergency stop that was told holds until the robot tells otherwise.
-            e_stop=EStop.MANUAL if heard.get('emergency_stop', _Heard(False, 0.0)).value
-            else EStop.NONE,
+            e_stop=EStop.MANUAL if last('emergency_stop') else EStop.NONE,
             field_violation=bool(fresh('field_violation', False)),
             lost=silence(pose.at if pose else None, self._since, now, self._timeout))
 

@@ -16,7 +16,7 @@ from trajectory_graph.messages import graph_from_message
 from vda5050_vehicle.core import factsheet as sheet
 from vda5050_vehicle.core.action_table import ActionTable, WrongTable, read_table
 from vda5050_vehicle.core.identity import Identity
-from vda5050_vehicle.drivers.driver import Driver
+from vda5050_vehicle.core.vehicle import MakeDriver
 from vda5050_vehicle.drivers.order_fields import FIELDS, Abilities
 from vda5050_vehicle.drivers.order_graph import Matching
 from vda5050_vehicle.drivers.pose_driver import PoseDriver
@@ -55,7 +55,7 @@ class Settings:
         self.visualization_period = number('~visualization_period', 0.0, 0.0, 60.0)
         self._read_files()
         self.broker = self._broker()
-        self.driver = self._driver()
+        self.make_driver = self._driver()
         folder = Path(rospkg.get_ros_home()) / 'vda5050'
         name = f'{self.identity.manufacturer}_{self.identity.serial_number}'
         self.journal = JournalFile(Path(parameter('~journal', '') or folder / f'{name}.json'))
@@ -108,13 +108,14 @@ class Settings:
         return Broker(host, int(port), username, password, **files,
                       keepalive=int(number('~keepalive', 15, 1, 3600)))
 
-    def _driver(self) -> Driver:
+    def _driver(self) -> MakeDriver:
+        can = self.abilities
         matching = Matching(number('~match_radius', 0.3, 0.01, 5.0),
                             number('~start_radius', 0.5, 0.01, 5.0))
         if choice('~driver', 'route', ('route', 'move_base')) == 'move_base':
-            return PoseDriver(self.abilities, matching)
-        return RouteDriver(_graph(), self.abilities, matching,
-                           first_id=int(time.time()) - EPOCH)
+            return lambda memory: PoseDriver(memory, can, matching)
+        graph, first_id = _graph(), int(time.time()) - EPOCH
+        return lambda memory: RouteDriver(memory, graph, can, matching, first_id)
 
 
 def _graph() -> Graph:

@@ -46,7 +46,7 @@ import queue
 import threading
 import time
 import traceback
-from typing import Any, Callable, Dict, Optional, Tuple, Union
+from typing import Any, Callable, Optional, Tuple, Union
 
 import rospy
 from geometry_msgs.msg import PoseWithCovarianceStamped
@@ -56,8 +56,9 @@ from vda5050_vehicle.core import effects as fx
 from vda5050_vehicle.core import factsheet as sheet
 from vda5050_vehicle.core import journal
 from vda5050_vehicle.core.vehicle import Vehicle
-from vda5050_vehicle.drivers.driver import Driver, Pose
+from vda5050_vehicle.drivers.driver import Driver
 from vda5050_vehicle.drivers.pose_driver import PoseDriver
+from vda5050_vehicle.drivers.robot_view import Pose
 from vda5050_vehicle.drivers.route_driver import RouteDriver
 from vda5050_vehicle.mqtt.link import MqttLink
 from vda5050_vehicle.nodes.diagnostics import show_state
@@ -72,7 +73,6 @@ from vda5050_vehicle.protocol.headers import Headers
 from vda5050_vehicle.protocol.values import Connection, ConnectionState, Visualization
 
 TICK = 0.1         # s between two looks at the clock
-QUEUE_SIZE = 1000  # events; beyond that messages of the broker are dropped
 
 Call = Callable[[float], Optional[Tuple[fx.Effect, ...]]]
 
@@ -90,12 +90,12 @@ class VehicleNode:
         self._mqtt_problem = 'connecting'
         self._visualized = 0.0
         self._look_is_due = False
-        self._vehicle = Vehicle(identity, settings.codec, settings.table, settings.driver,
+        self._vehicle = Vehicle(identity, settings.codec, settings.table, settings.make_driver,
                                 settings.abilities)
-        self._factsheet = sheet.factsheet(settings.document, self._vehicle.table)
+        self._factsheet = sheet.factsheet(settings.document, self._vehicle.context.table)
         self._restore()
 
-        self._link = self._make_link(settings.driver)
+        self._link = self._make_link(self._vehicle.driver)
         self._actions = RosActions(lambda name, succeeded, text: self._calls.put(
             lambda now: self._vehicle.action_ended(name, succeeded, text, now)))
         self._actions.prepare(settings.table)
@@ -117,17 +117,18 @@ class VehicleNode:
         self._mqtt.close()
 
     def _restore(self) -> None:
-        record = self._settings.journal.read()
-        if record is None:
-            return
+        vehicle = self._vehicle
         try:
-            self._vehicle.restore(record, time.monotonic())
-            rospy.loginfo('Order "%s" is restored.', self._vehicle.order.order_id)
+            state = self._settings.journal.read(type(vehicle.state.drive))
         except journal.WrongRecord as problem:
             rospy.logwarn('The journal cannot be used, the vehicle begins without an order: %s',
                           problem)
+            return
+        if state is not None:
+            vehicle.restore(state, time.monotonic())
+            rospy.loginfo('Order "%s" is restored.', vehicle.state.order.order_id)
 
-    def _make_link(self, driver: Driver) -> Union[RouteLink, MoveBaseLink]:
+    def _make_link(self, driver: Driver[Any]) -> Union[RouteLink, MoveBaseLink]:
         if isinstance(driver, RouteDriver):
             return RouteLink(driver, self._tell_driver)
         assert isinstance(driver, PoseDriver)
@@ -151,8 +152,6 @@ class VehicleNode:
         if kept:
             rospy.logwarn('A message on %s that the broker had kept is left out: masters do not '
                           'retain %s, and a motion is not repeated by itself.', topic, topic)
-        elif self._calls.qsize() > QUEUE_SIZE:
-            rospy.logwarn_throttle(10.0, 'Messages on %s come too fast, some are left out.', topic)
         elif topic == 'order':
             self._calls.put(lambda now: self._vehicle.receive_order(payload, now))
         else:
@@ -194,10 +193,7 @@ class VehicleNode:
 
     def _look(self, now: float) -> Tuple[fx.Effect, ...]:
         self._look_is_due = False
-        driver, view = self._vehicle.driver, self._watch.view()
-        if isinstance(driver, PoseDriver):
-            driver.see(view.pose)
-        return self._vehicle.see(view, now)
+        return self._vehicle.see(self._watch.view(), now)
 
     def _tick(self, now: float) -> Tuple[fx.Effect, ...]:
         self._actions.check()
@@ -211,7 +207,7 @@ class VehicleNode:
         if period and now - self._visualized >= period:
             self._visualized = now
             self._send('visualization', Visualization(
-                self._vehicle.position(), self._vehicle.robot.velocity,
+                self._vehicle.position(), self._vehicle.context.robot.velocity,
                 self._headers.last('state')))
 
     def _perform(self, effect: fx.Effect) -> None:
@@ -220,7 +216,7 @@ class VehicleNode:
         elif isinstance(effect, fx.Command):
             self._link.carry_out(effect.command)
         elif isinstance(effect, fx.Keep):
-            self._keep(effect.record)
+            self._keep(effect)
         elif isinstance(effect, fx.StartAction):
             self._actions.start(effect.action_id, effect.spec, effect.arguments)
         elif isinstance(effect, fx.CancelAction):
@@ -239,9 +235,9 @@ class VehicleNode:
     def _payload(self, topic: str, message: Any) -> bytes:
         return write_json(self._settings.codec.write(topic, self._headers.make(topic), message))
 
-    def _keep(self, record: Dict[str, Any]) -> None:
+    def _keep(self, effect: fx.Keep) -> None:
         try:
-            self._settings.journal.write(record)
+            self._settings.journal.write(effect.before, effect.now)
         except OSError as error:
             rospy.logerr_throttle(10.0, 'The journal cannot be written, a restart will lose the '
                                         'order: %s', error)

@@ -5,9 +5,10 @@ standard says which of them may run beside each other, and which need the vehicl
 """
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import Enum
-from typing import Dict, Iterable, List, Optional, Sequence, Tuple
+from functools import cached_property
+from typing import Callable, Collection, Dict, Iterable, Iterator, List, Mapping, Optional, Tuple
 
 from vda5050_vehicle.protocol.values import Action, ActionState, ActionStatus
 
@@ -47,101 +48,97 @@ class Entry:
         """Whether it came with an order."""
         return self.scope is not Scope.INSTANT
 
-    @property
+    @cached_property
     def forbids_driving(self) -> bool:
         """Whether the vehicle must stand for it, once it is triggered and until it has ended."""
         return self.action.blocking_type.forbids_driving and not self.status.has_ended
 
+    @cached_property
+    def state(self) -> ActionState:
+        """What the master is told."""
+        return ActionState(self.action.action_id, self.action.action_type, self.status,
+                           self.action.description, self.result, not self.belongs_to_order)
 
+
+@dataclass(frozen=True)
 class ActionQueue:
-    """All actions that the state tells of."""
+    """All actions that the state tells of, by id, as they came.
 
-    def __init__(self, entries: Iterable[Entry] = (), triggered: Iterable[str] = ()) -> None:
-        """`triggered` are the ids of those triggered, in order."""
-        self._entries: Dict[str, Entry] = {entry.action.action_id: entry for entry in entries}
-        self._triggered: List[str] = list(triggered)
+    triggered -- ids of those triggered and not ended, in the order in which they are to run
+    """
+
+    by_id: Mapping[str, Entry] = field(default_factory=dict)
+    triggered: Tuple[str, ...] = ()
 
     def __contains__(self, action_id: str) -> bool:
-        return action_id in self._entries
+        return action_id in self.by_id
 
     def __getitem__(self, action_id: str) -> Entry:
-        return self._entries[action_id]
+        return self.by_id[action_id]
 
-    @property
-    def entries(self) -> Tuple[Entry, ...]:
-        """As they came."""
-        return tuple(self._entries.values())
+    def __iter__(self) -> Iterator[Entry]:
+        return iter(self.by_id.values())
 
-    @property
-    def triggered(self) -> Tuple[str, ...]:
-        """Ids of those triggered and not ended, in the order in which they are to run."""
-        return tuple(self._triggered)
-
-    @property
+    @cached_property
     def states(self) -> Tuple[ActionState, ...]:
         """What the master is told."""
-        return tuple(
-            ActionState(entry.action.action_id, entry.action.action_type, entry.status,
-                        entry.action.description, entry.result,
-                        not entry.belongs_to_order) for entry in self.entries)
+        return tuple(entry.state for entry in self)
 
     # --- coming and going -------------------------------------------------------------------------
 
-    def add(self, actions: Iterable[Action], scope: Scope, sequence_id: int = -1) -> None:
-        """Actions that came."""
-        for action in actions:
-            self._entries[action.action_id] = Entry(action, scope, sequence_id)
-        for action_id in self._ended_instant_actions[:-MAX_ENDED_INSTANT_ACTIONS]:
-            del self._entries[action_id]
-
-    @property
-    def _ended_instant_actions(self) -> List[str]:
-        return [entry.action.action_id for entry in self.entries
-                if not entry.belongs_to_order and entry.status.has_ended]
+    def with_entries(self, *new: Entry) -> ActionQueue:
+        """With actions that came."""
+        entries: Dict[str, Entry] = {**self.by_id,
+                                     **{entry.action.action_id: entry for entry in new}}
+        for action_id in _ended_instant_actions(entries.values())[:-MAX_ENDED_INSTANT_ACTIONS]:
+            del entries[action_id]
+        return replace(self, by_id=entries)
 
     @property
     def is_full(self) -> bool:
         """Whether the oldest of the instant actions that have ended is forgotten next."""
-        return len(self._ended_instant_actions) >= MAX_ENDED_INSTANT_ACTIONS
+        return len(_ended_instant_actions(self)) >= MAX_ENDED_INSTANT_ACTIONS
 
-    def begin_order(self, keep_instant: bool = False) -> None:
-        """Forgets the order before, and instant actions that have ended unless they are kept."""
-        self._keep(entry for entry in self.entries if not entry.belongs_to_order
-                   and (keep_instant or not entry.status.has_ended))
+    def without_order(self, keep_instant: bool = False) -> ActionQueue:
+        """Without the order's, and instant actions that have ended unless they are kept."""
+        return self._with_those(lambda entry: not entry.belongs_to_order and (
+            keep_instant or not entry.status.has_ended))
 
-    def clear_instant_actions(self) -> None:
-        """Forgets instant actions that have ended."""
-        ended = set(self._ended_instant_actions)
-        self._keep(entry for entry in self.entries if entry.action.action_id not in ended)
+    def without_ended_instant_actions(self) -> ActionQueue:
+        """Without instant actions that have ended."""
+        return self._with_those(
+            lambda entry: entry.belongs_to_order or not entry.status.has_ended)
 
-    def drop(self, sequence_ids: Iterable[int]) -> None:
-        """Forgets the actions of a horizon that is replaced."""
-        gone = set(sequence_ids)
-        self._keep(entry for entry in self.entries if entry.sequence_id not in gone)
+    def without(self, sequence_ids: Collection[int]) -> ActionQueue:
+        """Without the actions of a horizon that is replaced."""
+        return self._with_those(lambda entry: entry.sequence_id not in sequence_ids)
 
-    def _keep(self, entries: Iterable[Entry]) -> None:
-        self._entries = {entry.action.action_id: entry for entry in entries}
-        self._triggered = [action_id for action_id in self._triggered if action_id in self]
+    def _with_those(self, are_kept: Callable[[Entry], bool]) -> ActionQueue:
+        kept = {name: entry for name, entry in self.by_id.items() if are_kept(entry)}
+        return ActionQueue(kept, tuple(name for name in self.triggered if name in kept))
 
-    def trigger_element(self, sequence_id: int) -> None:
-        """The node was passed, or the edge entered."""
-        for entry in self.of(sequence_id):
-            if not entry.triggered and not entry.status.has_ended:
-                self.trigger(entry.action.action_id)
+    def with_element_triggered(self, sequence_id: int) -> ActionQueue:
+        """After the node was passed, or the edge entered."""
+        return self.with_triggered(*(
+            entry.action.action_id for entry in self.of(sequence_id)
+            if not entry.triggered and not entry.status.has_ended))
 
-    def trigger(self, action_id: str) -> None:
-        """It is this action's turn, as soon as those before it let it start."""
-        self._entries[action_id] = replace(self[action_id], triggered=True)
-        self._triggered.append(action_id)
+    def with_triggered(self, *action_ids: str) -> ActionQueue:
+        """It is the turn of these actions, as soon as those before let them start."""
+        if not action_ids:
+            return self
+        now = {name: replace(self[name], triggered=True) for name in action_ids}
+        return ActionQueue({**self.by_id, **now}, self.triggered + action_ids)
 
-    def update(self, action_id: str, status: ActionStatus, result: Optional[str] = None) -> None:
-        """An action is farther. One that has ended stays as it is."""
-        entry = self._entries.get(action_id)
+    def updated(self, action_id: str, status: ActionStatus,
+                result: Optional[str] = None) -> ActionQueue:
+        """With an action that is farther. One that has ended stays as it is."""
+        entry = self.by_id.get(action_id)
         if entry is None or entry.status.has_ended:
-            return
-        self._entries[action_id] = replace(entry, status=status, result=result or entry.result)
-        if status.has_ended and action_id in self._triggered:
-            self._triggered.remove(action_id)
+            return self
+        entry = replace(entry, status=status, result=result or entry.result)
+        return ActionQueue({**self.by_id, action_id: entry}, tuple(
+            name for name in self.triggered if name != action_id or not status.has_ended))
 
     # --- what may be done -------------------------------------------------------------------------
 
@@ -149,7 +146,7 @@ class ActionQueue:
         """Those that may start now: figure 17, going on while earlier ones run."""
         result: List[Entry] = []
         busy = False
-        for action_id in self._triggered:
+        for action_id in self.triggered:
             entry = self[action_id]
             kind = entry.action.blocking_type
             if kind.forbids_others and busy:
@@ -164,18 +161,28 @@ class ActionQueue:
     @property
     def forbid_driving(self) -> bool:
         """Whether a triggered action needs the vehicle to stand."""
-        return any(self[action_id].forbids_driving for action_id in self._triggered)
-
-    def stops_at(self, *sequence_ids: int) -> bool:
-        """Whether one of these elements has an action for which the vehicle must stand."""
-        return any(entry.forbids_driving for entry in self.entries
-                   if entry.sequence_id in sequence_ids)
-
-    def of(self, sequence_id: int) -> Sequence[Entry]:
-        """The actions of a node or edge."""
-        return [entry for entry in self.entries if entry.sequence_id == sequence_id]
+        return any(self[action_id].forbids_driving for action_id in self.triggered)
 
     @property
+    def hold_the_robot(self) -> bool:
+        """Whether an action runs for which the vehicle stands, or which moves it by itself."""
+        return any(self[name].is_active and self[name].forbids_driving for name in self.triggered)
+
+    def next_stop(self, after: int) -> Optional[int]:
+        """The first element behind this one with an action for which the vehicle must stand."""
+        return min((entry.sequence_id for entry in self
+                    if entry.sequence_id > after and entry.forbids_driving), default=None)
+
+    def of(self, sequence_id: int) -> List[Entry]:
+        """The actions of a node or edge."""
+        return [entry for entry in self if entry.sequence_id == sequence_id]
+
+    @cached_property
     def order_has_ended(self) -> bool:
         """Whether no action of the order is left to be done."""
-        return all(entry.status.has_ended for entry in self.entries if entry.belongs_to_order)
+        return all(entry.status.has_ended for entry in self if entry.belongs_to_order)
+
+
+def _ended_instant_actions(entries: Iterable[Entry]) -> List[str]:
+    return [entry.action.action_id for entry in entries
+            if not entry.belongs_to_order and entry.status.has_ended]

@@ -136,14 +136,14 @@ INSTANT_ACTIONS = Record(v.InstantActions, [
 REFERENCES = ListOf(Record(v.Reference, [
     Field('key', 'referenceKey', TEXT, True), Field('value', 'referenceValue', TEXT, True)]))
 
-NODE_STATE = Record(v.NodeState, [
+NODE_STATE = Record(v.Node, [
     Field('node_id', 'nodeId', TEXT, True),
     Field('sequence_id', 'sequenceId', UINT, True),
     Field('description', 'nodeDescription', TEXT),
     Field('released', 'released', BOOLEAN, True),
     Field('position', 'nodePosition', NODE_POSITION)])
 
-EDGE_STATE = Record(v.EdgeState, [
+EDGE_STATE = Record(v.Edge, [
     Field('edge_id', 'edgeId', TEXT, True),
     Field('sequence_id', 'sequenceId', UINT, True),
     Field('description', 'edgeDescription', TEXT),

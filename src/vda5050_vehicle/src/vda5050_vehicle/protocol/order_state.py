@@ -2,10 +2,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Set, Tuple
 
 from vda5050_vehicle.protocol.acceptance import Place
-from vda5050_vehicle.protocol.values import Edge, EdgeState, Element, Node, NodeState, Order
+from vda5050_vehicle.protocol.values import Edge, Element, Node, Order
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,7 @@ class OrderState:
         """After its cancellation: the ids and the last node stay."""
         return replace(self, nodes=self.nodes[:1], edges=(), cancelled=True)
 
-    @property
+    @cached_property
     def base_end(self) -> int:
         """Index of the last released node, the decision point."""
         return sum(node.released for node in self.nodes) - 1 if self.nodes else 0
@@ -80,18 +81,6 @@ class OrderState:
         """Of the nodes and edges that an update replaces."""
         elements: Tuple[Element, ...] = (*self.nodes, *self.edges)
         return {element.sequence_id for element in elements if not element.released}
-
-    @property
-    def node_states(self) -> Tuple[NodeState, ...]:
-        """The nodes still to be passed."""
-        return tuple(NodeState(node.node_id, node.sequence_id, node.released, node.position,
-                               node.description) for node in self.nodes[1:])
-
-    @property
-    def edge_states(self) -> Tuple[EdgeState, ...]:
-        """The edges still to be driven."""
-        return tuple(EdgeState(edge.edge_id, edge.sequence_id, edge.released, edge.description)
-                     for edge in self.edges)
 
 
 def _place(node: Node) -> Place:

@@ -6,31 +6,27 @@ that wants the same again sends a message of its own.
 """
 from __future__ import annotations
 
-from collections import deque
+from dataclasses import dataclass
 from hashlib import blake2b
-from typing import Deque, Iterable, Tuple
+from typing import Tuple
 
 REMEMBERED = 200  # messages, of all topics
 
 
+@dataclass(frozen=True)
 class ReceivedMessages:
-    """Remembers the newest messages by a digest of their bytes."""
+    """Remembers the newest messages by a digest of their bytes, oldest first."""
 
-    def __init__(self, digests: Iterable[str] = ()) -> None:
-        self._digests: Deque[str] = deque(digests, maxlen=REMEMBERED)
+    digests: Tuple[str, ...] = ()
 
     def __contains__(self, payload: bytes) -> bool:
-        return _digest(payload) in self._digests
+        return digest(payload) in self.digests
 
-    def add(self, payload: bytes) -> None:
-        """This message is acted upon."""
-        self._digests.append(_digest(payload))
-
-    @property
-    def digests(self) -> Tuple[str, ...]:
-        """What a restarted vehicle must know, oldest first."""
-        return tuple(self._digests)
+    def with_message(self, payload: bytes) -> ReceivedMessages:
+        """With a message that is acted upon."""
+        return ReceivedMessages((*self.digests, digest(payload))[-REMEMBERED:])
 
 
-def _digest(payload: bytes) -> str:
+def digest(payload: bytes) -> str:
+    """A short name of these bytes."""
     return blake2b(payload, digest_size=8).hexdigest()

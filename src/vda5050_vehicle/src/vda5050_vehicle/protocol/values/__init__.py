@@ -31,12 +31,10 @@ from vda5050_vehicle.protocol.values.states import (
     AgvPosition,
     BatteryState,
     Connection,
-    EdgeState,
     Error,
     ErrorKind,
     Information,
     MapInformation,
-    NodeState,
     Reference,
     SafetyState,
     State,
@@ -47,8 +45,8 @@ from vda5050_vehicle.protocol.values.states import (
 __all__ = [
     'Action', 'ActionParameter', 'ActionState', 'ActionStatus', 'AgvPosition', 'BatteryState',
     'BlockingType', 'Connection', 'ConnectionState', 'Corridor', 'Deviation', 'EStop', 'Edge',
-    'EdgeState', 'Element', 'Error', 'ErrorKind', 'ErrorLevel', 'Header', 'Information',
-    'InstantActions', 'MapInformation', 'Node', 'NodePosition', 'NodeState', 'OperatingMode',
+    'Element', 'Error', 'ErrorKind', 'ErrorLevel', 'Header', 'Information',
+    'InstantActions', 'MapInformation', 'Node', 'NodePosition', 'OperatingMode',
     'Order', 'Reference', 'SafetyState', 'State', 'Velocity', 'Visualization',
 ]
 

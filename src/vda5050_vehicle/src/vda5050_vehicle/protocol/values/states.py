@@ -11,28 +11,7 @@ from vda5050_vehicle.protocol.values.enums import (
     EStop,
     OperatingMode,
 )
-from vda5050_vehicle.protocol.values.orders import NodePosition
-
-
-@dataclass(frozen=True)
-class NodeState:
-    """A node that is still to be passed."""
-
-    node_id: str
-    sequence_id: int
-    released: bool
-    position: Optional[NodePosition] = None
-    description: Optional[str] = None
-
-
-@dataclass(frozen=True)
-class EdgeState:
-    """An edge that is still to be driven."""
-
-    edge_id: str
-    sequence_id: int
-    released: bool
-    description: Optional[str] = None
+from vda5050_vehicle.protocol.values.orders import Edge, Node
 
 
 @dataclass(frozen=True)
@@ -164,14 +143,14 @@ class MapInformation:
 
 @dataclass(frozen=True)
 class State:
-    """All that the master is told of the vehicle."""
+    """All that the master is told of the vehicle; nodes and edges are those still to be driven."""
 
     order_id: str
     order_update_id: int
     last_node_id: str
     last_node_sequence_id: int
-    node_states: Tuple[NodeState, ...]
-    edge_states: Tuple[EdgeState, ...]
+    node_states: Tuple[Node, ...]
+    edge_states: Tuple[Edge, ...]
     action_states: Tuple[ActionState, ...]
     driving: bool
     battery: BatteryState

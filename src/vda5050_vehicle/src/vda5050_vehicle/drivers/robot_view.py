@@ -1,10 +1,10 @@
 """What is known of the robot now. Metres, radians, percent, volts."""
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Optional
 
-from vda5050_vehicle.drivers.driver import Pose
 from vda5050_vehicle.protocol.values import BatteryState, EStop, Velocity
 
 STANDING_SPEED = 0.02     # m/s
@@ -12,14 +12,29 @@ STANDING_ROTATION = 0.03  # rad/s
 
 
 @dataclass(frozen=True)
+class Pose:
+    """Where the robot is on the map."""
+
+    x: float
+    y: float
+    theta: float
+
+
+@dataclass(frozen=True)
 class RobotView:
     """Nothing here is older than its limit: what is not known is None.
 
-    lost -- why nothing is heard of the robot; empty: it is heard, or its time is not over
+    seen_at  -- s; when the robot told what it tells here of its motion
+    standing -- whether it says that it stands, where it has words for that
+    epoch    -- another one since another program or person drove or stopped it; 0: not known
+    lost     -- why nothing is heard of the robot; empty: it is heard, or its time is not over
     """
 
     pose: Optional[Pose] = None
     velocity: Optional[Velocity] = None
+    seen_at: float = -math.inf
+    standing: Optional[bool] = None
+    epoch: int = 0
     localization_score: Optional[float] = None
     localized: bool = True
     battery: BatteryState = BatteryState(0.0, False)
@@ -39,6 +54,13 @@ class RobotView:
         return speed is not None and (
             max(abs(speed.vx), abs(speed.vy)) > STANDING_SPEED
             or abs(speed.omega) > STANDING_ROTATION)
+
+    @property
+    def stands(self) -> bool:
+        """Whether it is known to stand: nothing that it tells says otherwise, and one thing does.
+        """
+        return (not self.moves and self.standing is not False
+                and (self.velocity is not None or self.standing is True))
 
 
 def silence(heard_at: Optional[float], since: float, now: float, timeout: float) -> str:

@@ -1,0 +1,225 @@
+"""A cancel or a pause always reaches the robot, is FINISHED only where the robot is known to stand,
+and nothing is driven after somebody else's stop."""
+from __future__ import annotations
+
+import time
+
+import pytest
+from vda_builders import DRIVING, STANDING, Lab, payload, say, way
+
+from trajectory_graph.route_protocol import TAKEN_OVER, Reason, ReasonCode
+from vda5050_vehicle.conformance.track import action
+from vda5050_vehicle.drivers.route_driver import SETTLING
+from vda5050_vehicle.protocol.codec_3 import VERSION_3_0
+from vda5050_vehicle.protocol.codecs import VERSION_2_1
+
+HALL = way(8, 10, 12, 14, 32)
+WRONG_CHANGE = Reason(ReasonCode.WRONG_CHANGE, 'no')
+
+
+def under_way(**order):
+    """A vehicle that drives the second edge of an order."""
+    lab = Lab()
+    lab.order(HALL.order('o', **order))
+    lab.drive(1)
+    lab.see(velocity=DRIVING)
+    return lab
+
+
+def refuse_extension(lab, reason):
+    """The base grows, and the robot's side refuses the longer route."""
+    route, lab.robot.answers = lab.robot.route, False
+    lab.order(HALL.part(2).order('o', 1, first_sequence=4))
+    longer = lab.robot.routes[-1]
+    assert longer.edges[:len(route)] == route != longer.edges
+    lab.driver.on_refused(longer.route_id, longer.edges, reason, lab.now)
+    lab.robot.answers = True
+
+
+# --- B3: what is not known is not standing --------------------------------------------------------
+
+@pytest.mark.parametrize('kind', ['cancelOrder', 'startPause'])
+def test_a_robot_that_hides_its_velocity_is_not_known_to_stand(kind):
+    lab = under_way()
+    lab.see(velocity=None)
+    stop = lab.act(kind)
+    lab.wait(20.0)
+    assert lab.robot.routes[-1].edges == ()
+    assert (lab.status(stop), lab.state['driving']) == ('RUNNING', True)
+    lab.see(velocity=STANDING)
+    assert (lab.status(stop), lab.state['driving']) == ('FINISHED', False)
+
+
+@pytest.mark.parametrize('kind', ['cancelOrder', 'startPause'])
+def test_a_velocity_from_before_the_stop_tells_nothing(kind):
+    lab = Lab()
+    lab.order(HALL.order('o'))
+    lab.is_seen = False     # the last that was heard: it stands
+    stop = lab.act(kind)
+    lab.wait(2.0)
+    assert lab.status(stop) == 'RUNNING'
+    lab.see(velocity=STANDING)
+    assert lab.status(stop) == 'FINISHED'
+
+
+@pytest.mark.parametrize('kind', ['cancelOrder', 'startPause'])
+def test_a_stop_that_the_robot_owes_is_not_finished(kind):
+    lab = under_way()
+    stop = lab.act(kind)
+    lab.see(velocity=STANDING)
+    lab.robot.reason = 'the robot has not obeyed the stop yet: lost link'
+    lab.wait(5.0)
+    assert lab.status(stop) == 'RUNNING'
+    lab.robot.reason = ''
+    lab.wait(SETTLING + 0.3)
+    assert lab.status(stop) == 'FINISHED'
+
+
+# --- B4: every cancel and pause reaches the robot -------------------------------------------------
+
+@pytest.mark.parametrize('kind', ['cancelOrder', 'startPause'])
+def test_it_is_stopped_though_an_extension_of_its_route_was_refused(kind):
+    lab = under_way(base=3)
+    refuse_extension(lab, WRONG_CHANGE)
+    lab.robot.routes.clear()
+    stop = lab.act(kind)
+    assert [command.edges for command in lab.robot.routes][-1:] == [()]
+    assert lab.status(stop) == 'RUNNING'
+    lab.settle()
+    assert lab.status(stop) == 'FINISHED'
+
+
+@pytest.mark.parametrize('kind', ['cancelOrder', 'startPause'])
+@pytest.mark.parametrize('reason', ['taken over', 'no progress'])
+def test_it_is_stopped_though_its_route_failed(kind, reason):
+    lab = under_way()
+    lab.robot.reason = reason
+    lab.wait(0.2)
+    lab.robot.routes.clear()
+    lab.act(kind)
+    assert [command.edges for command in lab.robot.routes] == [()]
+
+
+@pytest.mark.parametrize('kind', ['cancelOrder', 'startPause'])
+def test_it_is_stopped_though_it_drives_another_route(kind):
+    lab = under_way()
+    lab.robot.route_id = 4711
+    lab.wait(0.1)
+    assert lab.errors == ['driveError']
+    assert lab.robot.routes[-1].edges, 'the other route is not ours to stop unasked'
+    lab.act(kind)
+    assert lab.robot.routes[-1].edges == ()
+
+
+def test_a_paused_vehicle_leaves_a_person_who_drives_it_alone():
+    lab = under_way()
+    lab.act('startPause')
+    lab.settle()
+    routes = len(lab.robot.routes)
+    lab.see(velocity=DRIVING)
+    lab.wait(5.0)
+    assert len(lab.robot.routes) == routes
+
+
+# --- B1: also after a crash -----------------------------------------------------------------------
+
+@pytest.mark.parametrize('kind', ['cancelOrder', 'startPause'])
+@pytest.mark.parametrize('answers', [True, False])
+def test_a_cancel_survives_a_crash(kind, answers):
+    lab = under_way(actions={'12': [say('later')]})
+    lab.robot.answers = answers
+    stop = lab.act(kind)
+    lab.robot.answers = True
+    lab.robot.routes.clear()
+    lab = lab.restarted()
+    lab.wait(0.2)
+    assert lab.status(stop) == 'RUNNING'
+    assert not lab.robot.drives
+    lab.settle()
+    assert lab.status(stop) == 'FINISHED'
+    assert lab.nodes == ([] if kind == 'cancelOrder' else ['12', '14', '32'])
+    lab.wait(30.0)
+    assert not [command for command in lab.robot.routes if command.edges]
+
+
+# --- B11: an actionId that is known ---------------------------------------------------------------
+
+@pytest.mark.parametrize('kind', ['cancelOrder', 'startPause'])
+@pytest.mark.parametrize('codec', [VERSION_2_1, VERSION_3_0])
+def test_a_stop_under_an_action_id_of_before_is_done(kind, codec):
+    lab = Lab(codec=codec)
+    lab.act(kind, 'x')
+    lab.settle()
+    lab.act('stopPause')
+    lab.order(way(8, 10).order('a'))
+    lab.drive(1)
+    lab.act(kind, 'x')
+    lab.settle()
+    lab.act('stopPause')
+    lab.order(way(10, 12).order('b'))
+    assert lab.robot.drives
+    lab.see(velocity=DRIVING)
+    lab.act(kind, 'x')
+    assert not lab.robot.drives
+    assert (lab.errors != []) is codec.is_3, 'it keeps actions that have ended, and their ids'
+    lab.settle()
+    assert (lab.nodes == []) is (kind == 'cancelOrder')
+
+
+def test_a_cancel_under_the_id_of_an_action_of_the_order_is_done_and_told():
+    lab = under_way(actions={'14': [say('x')]})
+    lab.act('cancelOrder', 'x')
+    assert not lab.robot.drives
+    lab.settle()
+    assert lab.nodes == []
+    assert lab.status('x') == 'FAILED', 'it is the action that was cancelled with its order'
+    assert 'instantActionError' in lab.errors
+
+
+def test_a_cancel_that_comes_twice_is_done_once():
+    lab = under_way()
+    message = payload({'actions': [action('cancelOrder', 'x')]}, 7)
+    lab.receive_instant_actions(message)
+    lab.settle()
+    stops = len(lab.robot.routes)
+    lab.receive_instant_actions(message)
+    assert (lab.status('x'), lab.errors, len(lab.robot.routes)) == ('FINISHED', [], stops)
+
+
+# --- B9: nothing is driven after a person's stop --------------------------------------------------
+
+@pytest.mark.parametrize('code', [
+    ReasonCode.TAKEN_OVER, ReasonCode.OVERRULED, ReasonCode.WRONG_CHANGE, ReasonCode.OTHER])
+def test_a_refusal_that_is_heard_before_the_failure_begins_no_route(code):
+    lab = under_way(base=3)
+    refuse_extension(lab, Reason(code, 'no'))
+    lab.robot.reason = str(TAKEN_OVER)
+    lab.see(velocity=STANDING)
+    routes = [command for command in lab.robot.routes if command.edges]
+    lab.wait(10.0)
+    assert [command for command in lab.robot.routes if command.edges] == routes
+    assert lab.errors == ['driveError']
+    lab.act('stopPause')
+    assert lab.robot.drives
+
+
+# --- B12: what an event costs ---------------------------------------------------------------------
+
+def test_an_event_in_an_order_of_a_thousand_nodes_costs_under_two_milliseconds():
+    lab = Lab()
+    track = way(8, *[10, 8] * 500)
+    lab.order(track.order('long', base=1000, actions={'10': []}))
+    assert len(lab.nodes) == 1000
+    costs = []
+    for _ in range(30):
+        lab.robot.percentage += 3.0
+        lab.now += 0.1
+        report = lab.robot.report()
+        begun = time.process_time()
+        lab.driver.on_report(report, lab.now)
+        lab.vehicle.tick(lab.now)
+        lab.vehicle.see(lab.view, lab.now)
+        costs.append(time.process_time() - begun)
+        if lab.robot.percentage > 80.0:
+            lab.robot.done, lab.robot.percentage = lab.robot.done + 1, 0.0
+    assert sorted(costs)[len(costs) // 2] < 2 * 0.002, costs
