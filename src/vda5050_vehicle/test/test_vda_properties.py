@@ -20,6 +20,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 from vda_builders import DRIVING, STANDING, Lab, lab, say, way
 
+from vda5050_vehicle.core import journal
 from vda5050_vehicle.protocol.action_queue import Scope
 from vda5050_vehicle.protocol.values import EStop
 
@@ -208,7 +209,7 @@ class RandomMaster(RuleBasedStateMachine):
 
     @rule()
     def the_adapter_is_killed(self):
-        if self.lab.order_record:
+        if self.lab.journal:
             self.started.update(self.lab.started)
             self.lab = self.lab.restarted()
 
@@ -223,9 +224,10 @@ class RandomMaster(RuleBasedStateMachine):
             assert set(command.edges) <= allowed, (command, allowed)
 
     @invariant()
-    def the_state_is_the_journal(self):
-        if hasattr(self, 'lab') and self.lab.order_record:
-            assert json.loads(json.dumps(self.lab.order_record)) == self.lab.order_record
+    def the_journal_is_the_state(self):
+        if hasattr(self, 'lab') and self.lab.journal:
+            state = self.lab.vehicle.state
+            assert journal.read(self.lab.journal, type(state.drive)) == state
 
     @invariant()
     def the_vehicle_stands_where_an_action_needs_it(self):

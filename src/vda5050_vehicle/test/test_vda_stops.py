@@ -203,6 +203,61 @@ def test_a_refusal_that_is_heard_before_the_failure_begins_no_route(code):
     assert lab.robot.drives
 
 
+def at_an_action():
+    """A vehicle that stands in an order, and drives on once an action of its first node ends."""
+    lab = Lab()
+    lab.see(epoch=7)
+    lab.order(HALL.order('o', actions={'10': [say('a', 'HARD'), say('b', 'HARD')]}))
+    lab.see(epoch=8, velocity=DRIVING)  # of its own drive
+    lab.drive(1)
+    assert lab.errors == []
+    lab.end_action('a')
+    return lab
+
+
+def test_a_robot_that_was_stopped_while_it_stood_is_not_driven_on():
+    lab = under_way(base=2)
+    lab.see(epoch=8, velocity=STANDING)
+    lab.see(epoch=9)
+    lab.order(HALL.part(1).order('o', 1, first_sequence=2))
+    lab.wait(5.0)
+    assert lab.errors == ['driveError']
+    assert lab.robot.route == (1,)
+    lab.act('stopPause')
+    assert (lab.errors, lab.robot.drives) == ([], True)
+
+
+def test_an_epoch_of_its_own_drive_or_action_holds_nothing():
+    lab = at_an_action()
+    lab.see(epoch=9)  # of the action
+    lab.end_action('b')
+    assert (lab.errors, lab.robot.route) == ([], (1, 2, 3, 4))
+    assert lab.robot.routes[-1].known_epoch == 9
+
+
+def test_a_route_that_is_repeated_has_the_epoch_of_its_first_message():
+    lab = Lab()
+    lab.see(epoch=7)
+    lab.robot.answers = False
+    lab.order(HALL.order('o'))
+    lab.see(epoch=8)
+    lab.wait(3.0)
+    assert len(lab.robot.routes) > 1
+    assert {command.known_epoch for command in lab.robot.routes} == {7}
+
+
+@pytest.mark.parametrize('standing, velocity, ended', [
+    (True, None, True), (True, STANDING, True), (False, STANDING, False),
+    (True, DRIVING, False), (None, None, False)])
+def test_a_robot_that_tells_of_its_motion_stands_where_nothing_says_otherwise(
+        standing, velocity, ended):
+    lab = under_way()
+    stop = lab.act('startPause')
+    lab.see(standing=standing, velocity=velocity)
+    lab.wait(3.0)
+    assert (lab.status(stop) == 'FINISHED') is ended
+
+
 # --- B12: what an event costs ---------------------------------------------------------------------
 
 def test_an_event_in_an_order_of_a_thousand_nodes_costs_under_two_milliseconds():
@@ -222,4 +277,4 @@ def test_an_event_in_an_order_of_a_thousand_nodes_costs_under_two_milliseconds()
         costs.append(time.process_time() - begun)
         if lab.robot.percentage > 80.0:
             lab.robot.done, lab.robot.percentage = lab.robot.done + 1, 0.0
-    assert sorted(costs)[len(costs) // 2] < 2 * 0.002, costs
+    assert sorted(costs)[len(costs) // 2] < 2 * 0.002, costs  # two events each

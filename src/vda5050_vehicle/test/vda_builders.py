@@ -222,7 +222,7 @@ class Lab:
 
     def restarted(self) -> Lab:
         """The adapter is killed, and a new one takes over from its journal."""
-        other = Lab.__new__(Lab)
+        other = type(self).__new__(type(self))
         other.__dict__.update(self.__dict__)
         other.vehicle = Vehicle(IDENTITY, self.codec, table(), self.make_driver, abilities())
         other.driver = other.vehicle.driver

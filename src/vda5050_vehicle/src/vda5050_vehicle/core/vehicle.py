@@ -116,12 +116,12 @@ class Vehicle:
 
     def _look_at_epoch(self) -> None:
         """A new epoch while nothing is done for us is another's: it drove or stopped the robot, and
-        only the master drives on after that."""
+        only the master drives on after that. While an action has the robot, it is the action's."""
         state, epoch = self.state, self.context.robot.epoch
         if not epoch or epoch == state.epoch:
             return
-        if (state.epoch and state.busy and not state.cancelling and state.drive.at_rest
-                and not any(entry.is_active for entry in state.actions)):
+        if (state.epoch and state.busy and not state.cancelling and not state.errors.failure
+                and state.drive.at_rest and not state.actions.hold_the_robot):
             self._fail_to_drive('another program or person has driven or stopped the robot')
         state.epoch = epoch
 

@@ -74,6 +74,7 @@ class RouteDriver(Driver[RouteDrive]):
         self._matching = matching
         self._abilities = abilities
         self._first_id = first_id
+        self._epoch = 0  # the robot's now
 
     # --- planning ---------------------------------------------------------------------------------
 
@@ -140,7 +141,8 @@ class RouteDriver(Driver[RouteDrive]):
         self._follow(SentRoute(self._new_id(), edges, first), now)
 
     def _follow(self, route: SentRoute, now: float) -> None:
-        self._set(route=route, stop=None, stopped_at=None, waiting_since=now)
+        self._set(route=replace(route, epoch=self._epoch), stop=None, stopped_at=None,
+                  waiting_since=now)
         self._send(now)
 
     def halt(self, now: float) -> None:
@@ -166,13 +168,15 @@ class RouteDriver(Driver[RouteDrive]):
         if drive.stop is not None:
             self._commands.append(RouteCommand(drive.stop, ()))
         elif drive.route is not None:
-            self._commands.append(RouteCommand(drive.route.id, drive.route.edges))
+            self._commands.append(RouteCommand(drive.route.id, drive.route.edges,
+                                               drive.route.epoch))
         self._set(sent_at=now)
 
     # --- hearing ----------------------------------------------------------------------------------
 
     def see(self, robot: RobotView, now: float) -> None:
         """See Driver. A stop is obeyed once the robot is known to stand after it."""
+        self._epoch = robot.epoch
         at = self.drive_state.stopped_at
         if at is not None and robot.stands and min(now, robot.seen_at) >= at + SETTLING:
             self._set(stop=None, stopped_at=None, rest_since=at)

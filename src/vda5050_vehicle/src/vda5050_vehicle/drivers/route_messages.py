@@ -9,10 +9,14 @@ from trajectory_graph.route_protocol import NO_REASON, Reason
 
 @dataclass(frozen=True)
 class RouteCommand:
-    """To be published: drive these edges, or stop where there are none."""
+    """To be published: drive these edges, or stop where there are none.
+
+    known_epoch -- the robot's, when the route was first sent; 0: not known
+    """
 
     route_id: int
     edges: Tuple[int, ...]
+    known_epoch: int = 0
 
 
 @dataclass(frozen=True)
@@ -34,6 +38,7 @@ class RouteReport:
 class SentRoute:
     """A route that was sent; its first edge is leg number `first`.
 
+    epoch    -- the robot's, when it was first sent as it is
     taken    -- how many of its edges a report has acknowledged
     complete -- all were driven
     lost     -- it failed, or is not known to be driven
@@ -43,6 +48,7 @@ class SentRoute:
     id: int
     edges: Tuple[int, ...]
     first: int
+    epoch: int = 0
     taken: int = 0
     complete: bool = False
     lost: bool = False

@@ -40,7 +40,8 @@ class RouteLink:
         """Publishes a route; the same one again has the same stamp, so that it counts once."""
         if command not in self._stamps:
             self._stamps = {command: rospy.Time.now()}
-        message = TargetRoute(route_id=command.route_id, edges=list(command.edges))
+        message = TargetRoute(route_id=command.route_id, edges=list(command.edges),
+                              known_epoch=command.known_epoch)
         message.header.stamp = self._stamps[command]
         self._routes.publish(message)
 

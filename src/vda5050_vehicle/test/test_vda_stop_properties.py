@@ -1,0 +1,291 @@
+"""Random stops: a robot that refuses, hides its velocity, loses its link, brakes late, obeys
+people, and an adapter that is killed at any step. Whatever happens:
+
+* no route is sent after cancelOrder without another order;
+* cancelOrder and startPause are FINISHED only while the robot stands;
+* after a person's stop no route is begun before the master's stopPause or another order;
+* a pause holds: nothing begins to drive before stopPause.
+"""
+from __future__ import annotations
+
+import os
+
+from hypothesis import settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
+from vda_builders import DRIVING, STANDING, Lab, RobotSide, lab, say, way
+
+from trajectory_graph.route_protocol import Reason, ReasonCode
+from vda5050_vehicle.drivers.robot_view import Pose
+
+VERTICES = sorted(lab().vertices)
+BRAKING = 1.2  # s from a stop that was taken to a robot that stands
+REFUSALS = st.sampled_from([
+    None, None, ReasonCode.WRONG_CHANGE, ReasonCode.STARTS_ELSEWHERE, ReasonCode.TAKEN_OVER,
+    ReasonCode.OTHER])
+
+
+class Killed(Exception):
+    """The adapter ends here."""
+
+
+class UnrulyRobot(RobotSide):
+    """Answers as the bridge does, and not always."""
+
+    def __init__(self):
+        super().__init__()
+        self.refuses = None
+        self.refusals = []
+        self.braking = 0.0  # s until it stands
+        self.by_hand = False  # a person drives it
+        self.sent = []      # all commands, heard or not
+
+    def take(self, command):
+        self.sent.append(command)
+        known = (command.route_id, command.edges) == (self.route_id, self.route)
+        if not self.answers or known:
+            super().take(command)
+            return
+        code = self.refuses
+        if command.edges and command.route_id == self.route_id and self.reason:
+            code = ReasonCode.WRONG_CHANGE  # a failed route has an end
+        if command.edges and code is not None:
+            self.refusals.append((command.route_id, command.edges, Reason(code, 'refused')))
+            return
+        if not command.edges:
+            self.braking = BRAKING if self.moves else 0.0
+            self.by_hand = False
+        super().take(command)
+
+    @property
+    def moves(self):
+        """Whether it moves in truth."""
+        return self.drives or self.braking > 0.0 or self.by_hand
+
+
+class UnrulyLab(Lab):
+    """The laboratory with this robot; it can be killed between two effects."""
+
+    hides = False
+    effects_left = None
+
+    def __init__(self):
+        super().__init__()
+        self.robot = UnrulyRobot()
+
+    def look(self):
+        """The robot is seen, as far as it can be."""
+        moves = self.robot.moves
+        velocity = DRIVING if moves else STANDING
+        if self.robot.answers:
+            self.see(velocity=None if self.hides else velocity)
+
+    def do(self, effects):
+        for effect in effects:
+            if self.effects_left is not None:
+                if self.effects_left == 0:
+                    raise Killed
+                self.effects_left -= 1
+            super().do([effect])
+
+    def step(self, refusal_first):
+        """A tenth of a second."""
+        self.now += 0.1
+        self.robot.braking = max(self.robot.braking - 0.1, 0.0)
+        if self.robot.answers:
+            refusals, self.robot.refusals = self.robot.refusals, []
+            if not refusal_first:
+                self.driver.on_report(self.robot.report(), self.now)
+            for refusal in refusals:
+                self.driver.on_refused(*refusal, self.now)
+            if refusal_first:
+                self.driver.on_report(self.robot.report(), self.now)
+        self.do(self.vehicle.tick(self.now))
+        self.look()
+
+
+class RandomStops(RuleBasedStateMachine):
+    """One run."""
+
+    @initialize()
+    def begin(self):
+        self.lab = UnrulyLab()
+        self.names = 0
+        self.cancelled_at = None  # number of commands sent when the cancel was taken
+        self.paused_at = None
+        self.overruled_at = None
+        self.known = {}           # status of each stop
+        self.stops = []
+
+    def name(self):
+        self.names += 1
+        return f'i{self.names}'
+
+    def here(self):
+        return int(self.lab.vehicle.state.order.last_node[0] or 8)
+
+    def attempt(self, call):
+        """Does it; the adapter may be killed meanwhile, and comes back from its journal."""
+        try:
+            call()
+        except Killed:
+            self.lab.effects_left = None
+            self.restart()
+
+    def restart(self):
+        self.lab.effects_left = None
+        self.lab = self.lab.restarted()
+        self.lab.look()
+
+    # --- the master -------------------------------------------------------------------------------
+
+    @rule(data=st.data(), base=st.integers(2, 4), acts=st.booleans())
+    def order(self, data, base, acts):
+        goal = data.draw(st.sampled_from([v for v in VERTICES if v != self.here()]))
+        track = way(self.here(), goal)
+        track = track.part(0, min(len(track.stops) - 1, 5))
+        name = self.name()
+        actions = {track.stops[1].node_id: [say(f'a{name}', 'HARD')]} if acts else None
+        sent = len(self.lab.robot.sent)
+        self.attempt(lambda: self.lab.order(track.order(
+            name, base=min(base, len(track.stops)), start_deviation=30.0, actions=actions)))
+        if self.lab.vehicle.state.order.order_id == name:
+            self.cancelled_at = self.overruled_at = None
+            self.paused_at = None if self.paused_at is None else sent
+
+    @rule()
+    def update(self):
+        order = self.lab.vehicle.state.order
+        if order.order_id and not order.cancelled and order.nodes:
+            node, sequence = order.decision_point
+            following = lab().end_vertex(lab().edges_from(int(node))[0]).id
+            self.attempt(lambda: self.lab.order(way(int(node), following).order(
+                order.order_id, order.order_update_id + 1, first_sequence=sequence)))
+
+    @rule()
+    def cancel(self):
+        sent, name = len(self.lab.robot.sent), self.name()
+        was_busy = self.lab.vehicle.state.busy
+        self.attempt(lambda: self.lab.act('cancelOrder', name))
+        if was_busy and name in self.lab.vehicle.state.actions:
+            self.stops.append(name)
+            self.cancelled_at = sent if self.cancelled_at is None else self.cancelled_at
+
+    @rule()
+    def pause(self):
+        sent, name = len(self.lab.robot.sent), self.name()
+        self.attempt(lambda: self.lab.act('startPause', name))
+        if self.lab.vehicle.state.paused:
+            self.stops.append(name)
+            self.paused_at = sent if self.paused_at is None else self.paused_at
+
+    @rule()
+    def resume(self):
+        self.attempt(lambda: self.lab.act('stopPause', self.name()))
+        if not self.lab.vehicle.state.paused:
+            self.paused_at = None
+        if not self.lab.vehicle.state.held:
+            self.overruled_at = None
+
+    # --- the robot --------------------------------------------------------------------------------
+
+    @rule(steps=st.sampled_from([1, 5, 15, 40]), refusal_first=st.booleans())
+    def wait(self, steps, refusal_first):
+        for _ in range(steps):
+            self.attempt(lambda: self.lab.step(refusal_first))
+            self.a_stop_is_finished_while_the_robot_stands()
+
+    @precondition(lambda self: self.lab.robot.drives)
+    @rule(edges=st.integers(1, 3))
+    def drive(self, edges):
+        robot = self.lab.robot
+        robot.done = min(robot.done + edges, len(robot.route))
+        x, y = lab().end_vertex(robot.route[robot.done - 1]).position
+        self.attempt(lambda: self.lab.see(pose=Pose(x, y, 0.0)))
+        self.wait(1, False)
+
+    @rule(code=REFUSALS)
+    def refuse(self, code):
+        self.lab.robot.refuses = code
+
+    @rule(hides=st.booleans())
+    def hide(self, hides):
+        self.lab.hides = hides
+
+    @rule(answers=st.booleans())
+    def link(self, answers):
+        self.lab.robot.answers = answers
+
+    @precondition(lambda self: self.lab.robot.drives)
+    @rule(drives_on=st.booleans())
+    def a_person_stops_it(self, drives_on):
+        """And perhaps drives it elsewhere."""
+        robot = self.lab.robot
+        robot.reason, robot.by_hand = 'taken over', drives_on
+        robot.braking = BRAKING
+        if self.lab.vehicle.state.busy:
+            self.overruled_at = len(robot.sent)
+
+    @rule()
+    def the_person_lets_go(self):
+        self.lab.robot.by_hand = False
+
+    @precondition(lambda self: self.lab.started)
+    @rule(data=st.data())
+    def an_action_ends(self, data):
+        name = data.draw(st.sampled_from(self.lab.started))
+        self.attempt(lambda: self.lab.end_action(name))
+
+    # --- the adapter ------------------------------------------------------------------------------
+
+    @rule(after=st.integers(0, 3))
+    def it_will_be_killed(self, after):
+        self.lab.effects_left = after
+
+    @rule()
+    def it_is_killed(self):
+        self.restart()
+
+    # --- what must hold ---------------------------------------------------------------------------
+
+    def begun_since(self, number):
+        """Ids of routes that were sent since then, and not before."""
+        sent = self.lab.robot.sent
+        before = {command.route_id for command in sent[:number]}
+        return [command for command in sent[number:]
+                if command.edges and command.route_id not in before]
+
+    @invariant()
+    def no_route_after_a_cancel(self):
+        if hasattr(self, 'lab') and self.cancelled_at is not None:
+            later = self.lab.robot.sent[self.cancelled_at:]
+            assert not [command for command in later if command.edges], later
+
+    @invariant()
+    def no_route_is_sent_while_paused(self):
+        if hasattr(self, 'lab') and self.paused_at is not None:
+            later = self.lab.robot.sent[self.paused_at:]
+            assert not [command for command in later if command.edges], later
+
+    @invariant()
+    def no_route_is_begun_after_a_persons_stop(self):
+        if hasattr(self, 'lab') and self.overruled_at is not None:
+            assert not self.begun_since(self.overruled_at)
+
+    @invariant()
+    def a_stop_is_finished_while_the_robot_stands(self):
+        if not hasattr(self, 'lab'):
+            return
+        for name in self.stops:
+            status = self.lab.status(name) if self.lab.states else None
+            if status == 'FINISHED' and self.known.get(name) != status:
+                assert not self.lab.robot.moves, name
+            self.known[name] = status
+
+
+RandomStops.TestCase.settings = settings(
+    max_examples=(2000 if os.environ.get('LD90_LONG_TESTS')
+                  else settings.default.max_examples * 3 // 10),
+    stateful_step_count=40,
+    deadline=None)
+TestRandomStops = RandomStops.TestCase
