@@ -60,8 +60,8 @@ def test_the_figure(is_new, busy, near, update, start, cancelled):
             assert verdict is wanted
         else:
             assert isinstance(verdict, Rejection)
-            assert wanted in (verdict.error.error_type, verdict.error.error_type_3)
-            assert verdict.error.level.value == 'WARNING'
+            assert wanted in (verdict.error.kind.name, verdict.error.kind.name_3)
+            assert verdict.error.kind.level.value == 'WARNING'
 
 
 @pytest.mark.parametrize('held, order_id, update, wanted', [
@@ -72,7 +72,7 @@ def test_the_figure(is_new, busy, near, update, start, cancelled):
     (Held(SAME, 5, moving='dock'), SAME, 5, Acceptance.DUPLICATE)])
 def test_an_instant_action_under_way(held, order_id, update, wanted):
     verdict = judge(held, order(order_id, update, LAST), True)
-    assert getattr(verdict, 'error', None) is None or verdict.error.error_type == wanted
+    assert getattr(verdict, 'error', None) is None or verdict.error.kind.name == wanted
     assert isinstance(verdict, Rejection) or verdict is wanted
     references = verdict.error.references if isinstance(verdict, Rejection) else ()
     assert 'actionId' not in [reference.key for reference in references], (

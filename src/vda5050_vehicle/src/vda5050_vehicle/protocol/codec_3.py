@@ -85,9 +85,9 @@ _STATE_POSITION = two.NODE_POSITION.changed(
 _ACTION_STATES = ListOf(two.ACTION_STATE.renamed(
     description='actionDescriptor', result_description='actionResult').changed(
     action_type=Field('action_type', 'actionType', _ActionType(), True)))
-_ERROR = two.ERROR.changed(
-    error_type=Field('error_type_3', 'errorType', TEXT, True),
-    level=Field('level_3', 'errorLevel', Choice(v.ErrorLevel), True))
+_ERROR = two.ERROR.changed(**{
+    'kind.name': Field('kind.name_3', 'errorType', TEXT, True),
+    'kind.level': Field('kind.level_3', 'errorLevel', Choice(v.ErrorLevel), True)})
 _E_STOP = Choice(v.EStop, spelling=((v.EStop.AUTOACK, 'MANUAL'),))
 _MAP = Record(v.MapInformation, [
     Field('map_id', 'mapId', TEXT, True), Field('map_version', 'mapVersion', TEXT, True),
@@ -110,8 +110,6 @@ _STATE = two.STATE.changed(
     operating_mode=Field('operating_mode', 'operatingMode', Choice(
         v.OperatingMode, ((v.OperatingMode.TEACHIN, 'TEACH_IN'),)), True),
     errors=Field('errors', 'errors', ListOf(_ERROR), True),
-    information=Field('information', 'information', ListOf(
-        two.INFORMATION.renamed(description='infoDescriptor')), True),
     safety=Field('safety', 'safetyState', two.SAFETY.changed(
         e_stop=Field('e_stop', 'activeEmergencyStop', _E_STOP, True)), True))
 

@@ -171,17 +171,11 @@ BATTERY = Record(v.BatteryState, [
     Field('charging', 'charging', BOOLEAN, True)])
 
 ERROR = Record(v.Error, [
-    Field('error_type', 'errorType', TEXT, True),
+    Field('kind.name', 'errorType', TEXT, True),
     Field('references', 'errorReferences', REFERENCES, omitted=()),
     Field('description', 'errorDescription', TEXT),
-    Field('hint', 'errorHint', TEXT),
-    Field('level', 'errorLevel', Choice(v.ErrorLevel), True)])
-
-INFORMATION = Record(v.Information, [
-    Field('info_type', 'infoType', TEXT, True),
-    Field('references', 'infoReferences', REFERENCES, omitted=()),
-    Field('description', 'infoDescription', TEXT),
-    Field('level', 'infoLevel', TEXT, True)])
+    Field('kind.hint', 'errorHint', TEXT),
+    Field('kind.level', 'errorLevel', Choice(v.ErrorLevel), True)])
 
 SAFETY = Record(v.SafetyState, [
     Field('e_stop', 'eStop', Choice(v.EStop), True),
@@ -212,7 +206,7 @@ STATE = Record(v.State, [
     Field('action_states', 'actionStates', ListOf(ACTION_STATE), True),
     Field('battery', 'batteryState', BATTERY, True),
     Field('errors', 'errors', ListOf(ERROR), True),
-    Field('information', 'information', ListOf(INFORMATION), True),
+    Field('information', 'information', ListOf(ANYTHING), True),
     Field('safety', 'safetyState', SAFETY, True)])
 
 VISUALIZATION = Record(v.Visualization, [

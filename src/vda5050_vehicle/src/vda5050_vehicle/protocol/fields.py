@@ -10,6 +10,7 @@ import json
 import math
 from dataclasses import dataclass, replace
 from enum import Enum
+from operator import attrgetter
 from typing import Any, Dict, Mapping, Optional, Sequence, Tuple, Type, Union
 
 MAX_MESSAGE = 1_000_000  # bytes
@@ -169,7 +170,7 @@ ANYTHING, OBJECT = Anything(), Object()
 
 @dataclass(frozen=True)
 class Field:
-    """One line of a table: attribute in Python, key on the wire, kind.
+    """One line of a table: attribute in Python (`a.b` where it is only written), key, kind.
 
     required -- must be there on reading
     aliases  -- other keys under which masters send it
@@ -216,7 +217,7 @@ class Record(Kind):
         """See Kind."""
         result: Dict[str, Any] = {}
         for field in self.fields:
-            item = getattr(value, field.attribute)
+            item = attrgetter(field.attribute)(value)
             if field.required or (item is not None and item != field.omitted):
                 result[field.key] = field.kind.write(item)
         return result

@@ -33,7 +33,6 @@ from vda5050_vehicle.protocol.values.states import (
     Connection,
     Error,
     ErrorKind,
-    Information,
     MapInformation,
     Reference,
     SafetyState,
@@ -45,7 +44,7 @@ from vda5050_vehicle.protocol.values.states import (
 __all__ = [
     'Action', 'ActionParameter', 'ActionState', 'ActionStatus', 'AgvPosition', 'BatteryState',
     'BlockingType', 'Connection', 'ConnectionState', 'Corridor', 'Deviation', 'EStop', 'Edge',
-    'Element', 'Error', 'ErrorKind', 'ErrorLevel', 'Header', 'Information',
+    'Element', 'Error', 'ErrorKind', 'ErrorLevel', 'Header',
     'InstantActions', 'MapInformation', 'Node', 'NodePosition', 'OperatingMode',
     'Order', 'Reference', 'SafetyState', 'State', 'Velocity', 'Visualization',
 ]

@@ -87,41 +87,6 @@ class Error:
     description: str
     references: Tuple[Reference, ...] = ()
 
-    @property
-    def error_type(self) -> str:
-        """Its name in 2.x."""
-        return self.kind.name
-
-    @property
-    def level(self) -> ErrorLevel:
-        """Its level in 2.x."""
-        return self.kind.level
-
-    @property
-    def error_type_3(self) -> str:
-        """Its name in 3.0."""
-        return self.kind.name_3
-
-    @property
-    def level_3(self) -> ErrorLevel:
-        """Its level in 3.0."""
-        return self.kind.level_3
-
-    @property
-    def hint(self) -> str:
-        """What to do about it."""
-        return self.kind.hint
-
-
-@dataclass(frozen=True)
-class Information:
-    """For people who watch; never for a master's logic."""
-
-    info_type: str
-    level: str
-    description: Optional[str] = None
-    references: Tuple[Reference, ...] = ()
-
 
 @dataclass(frozen=True)
 class SafetyState:
@@ -162,7 +127,7 @@ class State:
     distance_since_last_node: Optional[float] = None
     position: Optional[AgvPosition] = None
     velocity: Optional[Velocity] = None
-    information: Tuple[Information, ...] = ()
+    information: Tuple[()] = ()  # for people who watch; the errors tell it all
     maps: Tuple[MapInformation, ...] = ()
     zone_set_id: Optional[str] = None
 

@@ -1,0 +1,61 @@
+"""What is known of the robot's motion, from topics and signals of the vehicle file."""
+from __future__ import annotations
+
+import pytest
+import yaml
+from nav_msgs.msg import Odometry
+from vda_builders import PACKAGE
+
+from omron_ld90_msgs.msg import Motion
+from vda5050_vehicle.nodes import robot_watch
+from vda5050_vehicle.nodes.robot_watch import RobotWatch, read_signals
+
+
+@pytest.fixture
+def topics(monkeypatch):
+    """Callbacks by topic, and a clock, in place of ROS."""
+    callbacks = {}
+
+    def subscribe(topic, _type, callback, **_):
+        callbacks.setdefault(topic, []).append(callback)
+    monkeypatch.setattr(robot_watch.rospy, 'Subscriber', subscribe)
+    monkeypatch.setattr(robot_watch.time, 'monotonic', lambda: topics_now[0])
+    return callbacks
+
+
+topics_now = [100.0]
+
+
+def tell(topics, topic, message):
+    for callback in topics[topic]:
+        callback(message)
+
+
+@pytest.fixture
+def watch(topics):
+    topics_now[0] = 100.0
+    document = yaml.safe_load((PACKAGE / 'config' / 'ld90' / 'vehicle.yaml').read_text())
+    return RobotWatch(read_signals(document), 3.0, '', 'map', lambda: None)
+
+
+def test_nothing_is_known_before_anything_was_told(watch):
+    view = watch.view()
+    assert (view.velocity, view.standing, view.epoch, view.stands) == (None, None, 0, False)
+
+
+def test_motion_that_was_told_once_holds_until_another_is_told(watch, topics):
+    tell(topics, 'motion', Motion(epoch=7, state=Motion.STANDING))
+    topics_now[0] += 60.0
+    assert (watch.view().standing, watch.view().epoch) == (True, 7)
+    tell(topics, 'motion', Motion(epoch=8, state=Motion.DRIVING))
+    assert (watch.view().standing, watch.view().epoch) == (False, 8)
+    tell(topics, 'motion', Motion(epoch=8, state=Motion.UNKNOWN))
+    assert watch.view().standing is None, 'the velocity decides'
+
+
+def test_a_velocity_is_known_with_its_time_and_not_for_long(watch, topics):
+    tell(topics, 'odom', Odometry())
+    topics_now[0] += 2.0
+    assert (watch.view().seen_at, watch.view().stands) == (100.0, True)
+    topics_now[0] += 2.0
+    assert (watch.view().velocity, watch.view().stands) == (None, False)
