@@ -16,8 +16,8 @@ from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 from nav_msgs.msg import Odometry
 
 from system_support import kill_node
-from vda5050_vehicle.conformance.bench import OwnBroker
 from vda5050_vehicle.conformance.master import Master, Message
+from vda5050_vehicle.conformance.own_broker import OwnBroker
 from vda5050_vehicle.conformance.track import Stop, Track, node_ids
 from vda5050_vehicle.mqtt.link import Broker
 

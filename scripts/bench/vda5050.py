@@ -30,9 +30,9 @@ from std_msgs.msg import Bool
 
 from ports import free_port
 from trajectory_graph import load_graph
-from vda5050_vehicle.conformance.bench import OwnBroker
 from vda5050_vehicle.conformance.layout import track_on
 from vda5050_vehicle.conformance.master import Master
+from vda5050_vehicle.conformance.own_broker import OwnBroker
 from vda5050_vehicle.conformance.track import Track
 from vda5050_vehicle.mqtt.link import Broker, MqttLink, make_client
 

@@ -1,12 +1,14 @@
 """Looks at every message of a vehicle for what the JSON schemas let pass.
 
-Plain JSON in, sentences about broken rules out. Section numbers are those of VDA 5050 2.1.0.
+Plain JSON in, sentences about broken rules out. Section numbers are those of VDA 5050 2.1.0. What
+is odd and not forbidden is a remark.
 """
 from __future__ import annotations
 
 import json
+import math
 import re
-from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple
 
 from vda5050_vehicle.conformance.version_3 import in_2
 
@@ -21,6 +23,9 @@ _FOLLOWING: Mapping[str, Sequence[str]] = {
     'RETRIABLE': ('INITIALIZING', 'RUNNING', 'FINISHED', 'FAILED'),  # of 3.0
     'PAUSED': ('INITIALIZING', 'RUNNING', 'FINISHED', 'FAILED'),
     'FINISHED': (), 'FAILED': ()}
+_NEEDED = ('orderId', 'orderUpdateId', 'lastNodeId', 'lastNodeSequenceId', 'nodeStates',
+           'edgeStates', 'driving', 'actionStates', 'batteryState', 'operatingMode', 'errors',
+           'safetyState')
 _STATE_KEYS = frozenset((
     'headerId', 'timestamp', 'version', 'manufacturer', 'serialNumber', 'maps', 'orderId',
     'orderUpdateId', 'zoneSetId', 'lastNodeId', 'lastNodeSequenceId', 'driving', 'paused',
@@ -32,7 +37,10 @@ State = Dict[str, Any]
 
 
 class VehicleChecker:
-    """Follows one vehicle; `violations` collects what it did wrong, each once."""
+    """Follows one vehicle; collects what it did wrong as `violations`, what is odd as `remarks`.
+
+    Each is told once.
+    """
 
     def __init__(self, manufacturer: str, serial_number: str, version: str = '2.1.0') -> None:
         self._is_3 = version.startswith('3.')
@@ -41,6 +49,7 @@ class VehicleChecker:
         self._restarted: Dict[str, bool] = {}
         self._lost: Dict[str, bool] = {}
         self.violations: List[str] = []
+        self.remarks: List[str] = []
         self.messages = 0
 
     def feed(self, topic: str, payload: bytes) -> Optional[Dict[str, Any]]:
@@ -59,10 +68,17 @@ class VehicleChecker:
         last = self._last.get(topic)
         for problem in self._header_problems(topic, message, last):
             self._violate(topic, problem)
+        if topic in ('state', 'visualization'):
+            self._look(topic, pose_problems, message)
         if topic == 'state':
-            for problem in (*state_problems(message), *(step_problems(last, message) if last
-                                                       else ())):
-                self._violate(topic, problem)
+            missing = [key for key in _NEEDED if key not in message]
+            if missing:
+                self._violate(topic, f'there is no {", ".join(missing)} (6.10.6)')
+            else:
+                self._look(topic, state_problems, message)
+                if last and 'nodeStates' in last:
+                    self._look(topic, step_problems, last, message)
+            self._remark(topic, message, last)
         self._last[topic] = message
         return message
 
@@ -73,6 +89,21 @@ class VehicleChecker:
     def broker_lost(self) -> None:
         """The broker died, with messages on their way (QoS 0): header ids may jump on, once."""
         self._lost = dict.fromkeys(self._last, True)
+
+    def _look(self, topic: str, problems: Callable[..., Iterator[str]], *states: State) -> None:
+        try:
+            for problem in problems(*states):
+                self._violate(topic, problem)
+        except (AttributeError, KeyError, TypeError, ValueError) as error:
+            self._violate(topic, f'a field is missing or has another type: {error!r} (6.10.6)')
+
+    def _remark(self, topic: str, state: State, last: Optional[State]) -> None:
+        unknown = sorted(set(state) - _STATE_KEYS)
+        stamps = [message.get('timestamp') for message in (last or state, state)]
+        remarks = [f'{topic}: keys that the standard does not know: {unknown}'] if unknown else []
+        if all(isinstance(stamp, str) for stamp in stamps) and stamps != sorted(map(str, stamps)):
+            remarks.append(f'{topic}: timestamp goes back')
+        self.remarks += [remark for remark in remarks if remark not in self.remarks]
 
     def _violate(self, topic: str, problem: str) -> None:
         text = f'{topic}: {problem}'
@@ -90,38 +121,43 @@ class VehicleChecker:
         will = message.get('connectionState') == 'CONNECTIONBROKEN'  # its header is an old one
         if last is None or will or last.get('connectionState') == 'CONNECTIONBROKEN':
             return
-        if isinstance(stamp, str) and stamp < last.get('timestamp', ''):
-            yield 'timestamp goes back'
-        expected = last.get('headerId', -1) + 1
+        before = last.get('headerId')
+        if not isinstance(header_id, int) or not isinstance(before, int):
+            yield f'headerId {header_id!r} is no uint32 (6.4)'
+            return
+        expected = before + 1
         if header_id != expected and not self._restarted.pop(topic, False) and not (
                 header_id > expected and self._lost.pop(topic, False)):
             yield 'headerId does not count by one (6.4)'
 
 
+def pose_problems(message: State) -> Iterator[str]:
+    """What is wrong with the pose in a state or a visualization."""
+    pose = message.get('agvPosition')
+    if pose and not -math.pi <= pose['theta'] <= math.pi:
+        yield f'theta {pose["theta"]!r} is not within [-Pi ... Pi] (6.10.6)'
+
+
 def state_problems(state: State) -> Iterator[str]:
     """What is wrong with one state by itself."""
-    unknown = set(state) - _STATE_KEYS
-    if unknown:
-        yield f'unknown keys {sorted(unknown)}'
-    nodes, edges = state.get('nodeStates', []), state.get('edgeStates', [])
-    if len(nodes) != len(edges):
-        yield f'{len(nodes)} nodeStates beside {len(edges)} edgeStates (6.10.1)'
-    elements = [element for pair in zip(edges, nodes) for element in pair]
+    elements = _elements(state)
     ids = [element['sequenceId'] for element in elements]
-    if ids and ids != list(range(ids[0], ids[0] + len(ids))):
+    if ids and (ids != list(range(ids[0], ids[0] + len(ids))) or 'nodeId' not in elements[-1]):
         yield f'sequenceIds of edges and nodes are {ids}, with gaps (6.6.2)'
-    if ids and state.get('lastNodeSequenceId') != ids[0] - 1:
+    kinds = ['nodeId' in element for element in elements]
+    if any(one == other for one, other in zip(kinds, kinds[1:])):
+        yield 'nodes and edges do not take turns in sequenceId (6.6.2)'
+    # The first node may be listed until the vehicle counts it as traversed (6.10.2).
+    if ids and not kinds[0] and state['lastNodeSequenceId'] != ids[0] - 1:
         yield 'lastNodeSequenceId is not that before the first edge (6.10.2)'
     released = [element['released'] for element in elements]
     if released != sorted(released, reverse=True):
         yield 'a released element follows one that is not (6.6.1)'
-    action_ids = [action['actionId'] for action in state.get('actionStates', [])]
+    action_ids = [action['actionId'] for action in state['actionStates']]
     if len(action_ids) != len(set(action_ids)):
-        yield 'an action is in actionStates twice'
-    if not 0.0 <= state.get('batteryState', {}).get('batteryCharge', -1.0) <= 100.0:
-        yield 'batteryCharge is not within 0..100'
-    if state.get('newBaseRequest') and all(released):
-        yield 'newBaseRequest without a horizon'
+        yield 'an action is in actionStates twice (6.11)'
+    if not 0.0 <= state['batteryState']['batteryCharge'] <= 100.0:
+        yield 'batteryCharge is no percentage (6.10.6)'
 
 
 def step_problems(before: State, after: State) -> Iterator[str]:
@@ -150,11 +186,18 @@ def _element_problems(before: State, after: State) -> Iterator[str]:
         yield 'the base changes (6.6.2)'
 
 
+def _elements(state: State) -> List[State]:
+    return sorted([*state['nodeStates'], *state['edgeStates']], key=_sequence_id)
+
+
+def _sequence_id(element: State) -> int:
+    return int(element['sequenceId'])
+
+
 def _keys(state: State, only_base: bool = False) -> List[Tuple[str, int, bool]]:
     return [(element.get('edgeId', element.get('nodeId')), element['sequenceId'],
              element['released'])
-            for pair in zip(state['edgeStates'], state['nodeStates']) for element in pair
-            if element['released'] or not only_base]
+            for element in _elements(state) if element['released'] or not only_base]
 
 
 def _action_problems(before: State, after: State, same_order: bool) -> Iterator[str]:

@@ -6,7 +6,7 @@ import threading
 import time
 import uuid
 from datetime import datetime, timezone
-from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Set, Tuple
 
 import paho.mqtt.client as mqtt
 
@@ -33,14 +33,21 @@ class Master:
         self.checker = VehicleChecker(self.manufacturer, self.serial_number, version)
         self.messages: Dict[str, List[Message]] = {}
         self.arrivals: Dict[str, List[float]] = {}
+        self.qualities: Dict[str, Set[int]] = {}  # levels of QoS by topic
         self.sent: List[Tuple[str, bytes]] = []
         self._version = version
         self._on_payload = on_payload
         self._headers: Dict[str, int] = {}
+        self._retained: Set[Tuple[str, bytes]] = set()
         self._changed = threading.Condition()
+        self._broker = broker
+        self._connect(broker)
+
+    def _connect(self, broker: Broker) -> None:
         self._client = client = make_client(f'master_{uuid.uuid4().hex[:12]}')
         client.on_connect = self._subscribe
-        client.on_message = self._receive
+        client.on_message = lambda _client, _userdata, message: self.receive(
+            message.topic.rsplit('/', 1)[-1], message.payload, message.retain, message.qos)
         client.reconnect_delay_set(1, 1)
         secure(client, broker)
         client.connect_async(broker.host, broker.port, broker.keepalive)
@@ -55,19 +62,43 @@ class Master:
         client.subscribe([(f'{self.prefix}/{topic}', 1) for topic in (
             'connection', 'state', 'factsheet', 'visualization')])
 
-    def _receive(self, _client: mqtt.Client, _userdata: Any, message: mqtt.MQTTMessage) -> None:
-        moment = time.monotonic()
-        topic = message.topic.rsplit('/', 1)[-1]
+    def receive(self, topic: str, payload: bytes, retained: bool = False, qos: int = 1) -> None:
+        """A message of the vehicle; never raises, whatever it is."""
+        moment = self.now()
         if self._on_payload:
-            self._on_payload(topic, message.payload)
+            self._on_payload(topic, payload)
         with self._changed:
-            known = self.messages.setdefault(topic, [])
-            repeated = message.retain and known and json.loads(message.payload) in known
-            found = None if repeated else self.checker.feed(topic, message.payload)
-            if found is not None:
-                known.append(found)
-                self.arrivals.setdefault(topic, []).append(moment)
+            self.qualities.setdefault(topic, set()).add(qos)
+            if not (retained and (topic, payload) in self._retained):
+                found = self.checker.feed(topic, payload)
+                if found is not None:
+                    self.messages.setdefault(topic, []).append(found)
+                    self.arrivals.setdefault(topic, []).append(moment)
+            if topic in ('connection', 'factsheet'):  # a broker may give them once more
+                self._retained.add((topic, payload))
             self._changed.notify_all()
+
+    def now(self) -> float:
+        """The time (s) by which this master waits."""
+        return time.monotonic()
+
+    def rest(self, seconds: float) -> None:
+        """Until a message comes, at most so long; the caller holds the messages."""
+        self._changed.wait(seconds)
+
+    def is_retained(self, topic: str) -> bool:
+        """Whether a client that comes now gets the last message on a topic."""
+        got = threading.Event()
+        client = make_client(f'late_{uuid.uuid4().hex[:12]}')
+        client.on_connect = lambda *_: client.subscribe(f'{self.prefix}/{topic}')
+        client.on_message = lambda *_: got.set()
+        secure(client, self._broker)
+        client.connect(self._broker.host, self._broker.port)
+        client.loop_start()
+        found = got.wait(2.0)
+        client.disconnect()
+        client.loop_stop()
+        return found
 
     # --- what the vehicle says --------------------------------------------------------------------
 
@@ -86,7 +117,7 @@ class Master:
     def wait(self, predicate: Callable[[Message], Any], seconds: float, what: str,
              topic: str = 'state', after: Optional[int] = None) -> Message:
         """The first message from index `after` on (None: the last one) with `predicate`."""
-        deadline = time.monotonic() + seconds
+        deadline = self.now() + seconds
         with self._changed:
             seen = max(self.count(topic) - 1, 0) if after is None else after
             while True:
@@ -95,11 +126,11 @@ class Master:
                     if predicate(message):
                         return message
                     seen += 1
-                left = deadline - time.monotonic()
+                left = deadline - self.now()
                 if left <= 0.0:
                     raise TooLate(f'not within {seconds:g} s: {what}; '
                                   f'{summary(topic, self.messages.get(topic))}')
-                self._changed.wait(left)
+                self.rest(left)
 
     # --- what it is told --------------------------------------------------------------------------
 
@@ -120,8 +151,11 @@ class Master:
         """Sends whatever it is."""
         before = self.count()
         self.sent.append((topic, payload))
-        self._client.publish(f'{self.prefix}/{topic}', payload, 0)
+        self._publish(topic, payload)
         return before
+
+    def _publish(self, topic: str, payload: bytes) -> None:
+        self._client.publish(f'{self.prefix}/{topic}', payload, 0)
 
     def act(self, action_type: str, action_id: str = '', **parameters: Any) -> str:
         """Sends one instant action; returns its id."""
@@ -149,10 +183,11 @@ def summary(topic: str, messages: Optional[Sequence[Message]]) -> str:
         return f'last {topic}: {json.dumps(last)[:300]}'
     told = {key: last.get(key) for key in ('orderId', 'orderUpdateId', 'lastNodeId', 'driving',
                                            'paused')}
-    told['nodes left'] = len(last['nodeStates'])
-    told['errors'] = [f'{error["errorType"]}: {error.get("errorDescription")}'
-                      for error in last['errors']]
-    told['actions'] = {a['actionId']: a['actionStatus'] for a in last['actionStates']}
+    told['nodes left'] = len(last.get('nodeStates', ()))
+    told['errors'] = [f'{error.get("errorType")}: {error.get("errorDescription")}'
+                      for error in last.get('errors', ())]
+    told['actions'] = {a.get('actionId'): a.get('actionStatus')
+                       for a in last.get('actionStates', ())}
     return f'last state: {told}'
 
 

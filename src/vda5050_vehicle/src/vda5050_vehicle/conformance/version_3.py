@@ -71,7 +71,7 @@ def _all_actions(state: Json) -> Iterator[Json]:
 
 def _error(error: Json) -> Json:
     kind, level = error['errorType'], error['errorLevel']
-    return {**error, 'errorType': _ERRORS.get(kind, kind),
+    return {**error, 'errorType': _ERRORS.get(kind, kind), 'typeOf3': kind,
             'errorLevel': 'WARNING' if kind == _REFUSED_FIELD else _LEVELS.get(level, level)}
 
 

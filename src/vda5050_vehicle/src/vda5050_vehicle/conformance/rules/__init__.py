@@ -1,14 +1,24 @@
-"""The rules that a vehicle is tried against, in the order in which one run can try them all.
+"""The rules that a vehicle is tried against.
 
-Each rule is a function of the bench; it raises Broken, or TooLate, where the vehicle breaks it.
-Section numbers are those of VDA 5050 2.1.0. The order of these imports is that of the run.
+Each rule is a function of the trial. It raises Broken or TooLate where the vehicle breaks it, and
+NotTried where it cannot be tried. Rules do not build on each other. Section numbers are those of
+VDA 5050 2.1.0. The order of these imports is that of the run.
 """
 from vda5050_vehicle.conformance.rules import (  # isort: skip
     without_order,
-    with_order,
+    acceptance,
+    fields,
+    driving,
     over_all,
 )
-from vda5050_vehicle.conformance.rules.rule import QUIET, RULES, Broken, NotTried, Rule
+from vda5050_vehicle.conformance.rules.rule import (
+    Broken,
+    Level,
+    NotTried,
+    Rule,
+    Start,
+    rules_of,
+)
 
-__all__ = ['QUIET', 'RULES', 'Broken', 'NotTried', 'Rule', 'over_all', 'with_order',
-           'without_order']
+__all__ = ['Broken', 'Level', 'NotTried', 'Rule', 'Start', 'acceptance', 'driving', 'fields',
+           'over_all', 'rules_of', 'without_order']

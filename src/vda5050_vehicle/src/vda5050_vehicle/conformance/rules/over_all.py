@@ -1,30 +1,42 @@
 """Rules for all that a vehicle said in a run."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from vda5050_vehicle.conformance.rules.rule import NotTried, expect, rule
-
-if TYPE_CHECKING:
-    from vda5050_vehicle.conformance.bench import Bench
+from vda5050_vehicle.conformance.master import TooLate
+from vda5050_vehicle.conformance.rules.rule import NotTried, Start, expect, must
+from vda5050_vehicle.conformance.trial import INTERVAL, Trial
 
 
-@rule('6.2, 6.14', 'the broker is lost: the base is driven; then ONLINE and a fresh state')
-def _broker_lost(bench: Bench) -> None:
-    if bench.loss is None:
-        raise NotTried('needs --own-broker')
-    expect(bench.loss.back_after <= 5.0, f'ONLINE came after {bench.loss.back_after:.1f} s')
-    expect(bench.loss.drove_on, 'the vehicle did not drive on without the broker')
+@must('6.10', 'a state is published on events, or at the latest every 30 s', Start.NOTHING)
+def _interval(trial: Trial) -> None:
+    times = [*trial.master.arrivals.get('state', ()), trial.master.now()]
+    if len(times) == 1:
+        raise TooLate('no state came')
+    longest = max(after - before for before, after in zip(times, times[1:]))
+    expect(longest <= INTERVAL + 1.0, f'{longest:.1f} s went by without one')
 
 
-@rule('6.10', 'a state comes at least every 30 s')
-def _interval(bench: Bench) -> None:
-    times = bench.master.arrivals['state']
-    longest = max((after - before for before, after in zip(times, times[1:])), default=0.0)
-    expect(longest <= 30.0, f'{longest:.1f} s went by without one')
+@must('6.15.1', 'agvActions of the factsheet has all actions that the vehicle supports',
+      Start.NOTHING)
+def _all_actions(trial: Trial) -> None:
+    sheets = trial.master.messages.get('factsheet')
+    if not sheets:
+        raise NotTried('no factsheet came')
+    known = {found['actionType'] for found in sheets[-1]['protocolFeatures']['agvActions']}
+    done = {action.get('actionType') for state in trial.master.messages.get('state', ())
+            for action in state['actionStates'] if action['actionStatus'] == 'FINISHED'}
+    missing = sorted(found for found in done - known if found)
+    expect(not missing, f'it carried out, and does not list: {", ".join(missing)}')
 
 
-@rule('all', 'every message is as the standard has it')
-def _messages(bench: Bench) -> None:
-    violations = bench.master.checker.violations
-    expect(not violations, f'{len(violations)} broken: ' + '; '.join(violations[:5]))
+@must('6.2', 'connection is sent with QoS 1', Start.NOTHING)
+def _quality(trial: Trial) -> None:
+    found = trial.master.qualities.get('connection')
+    if not found:
+        raise NotTried('no message on connection came')
+    expect(found == {1}, f'QoS is {sorted(found)}')
+
+
+@must('6.4, 6.10', 'every message is as the standard has it', Start.NOTHING)
+def _messages(trial: Trial) -> None:
+    violations = trial.master.checker.violations
+    expect(not violations, f'{len(violations)} broken: ' + '; '.join(violations))

@@ -1,16 +1,12 @@
-"""What rules are made of: the list of them, their outcomes, and what several of them look at."""
+"""What rules are made of: the list of them, and their outcomes."""
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum
 from typing import TYPE_CHECKING, Any, Callable, List
 
-from vda5050_vehicle.conformance.master import Master, error_types
-
 if TYPE_CHECKING:
-    from vda5050_vehicle.conformance.bench import Bench
-
-QUICK = 3.0  # s in which a vehicle answers
-QUIET = 1.0  # s in which it must not
+    from vda5050_vehicle.conformance.trial import Trial
 
 
 class Broken(Exception):
@@ -21,22 +17,58 @@ class NotTried(Exception):
     """The rule could not be tried; the text says why."""
 
 
+class Level(Enum):
+    """How much the standard demands it."""
+
+    MUST = 'must'
+    SHOULD = 'should'
+
+
+class Start(Enum):
+    """What a rule needs before it is tried."""
+
+    NOTHING = 'nothing'    # it looks at what was said
+    ANYWHERE = 'anywhere'  # the vehicle is without an order if that can be had
+    AT_END = 'at an end'   # without an order, at an end of the track
+
+
 @dataclass(frozen=True)
 class Rule:
-    """A rule, where it stands in the standard, and how it is tried."""
+    """A rule: the sentence of the standard that it checks, where that stands, how it is tried."""
 
+    level: Level
     section: str
-    title: str
-    attempt: Callable[[Bench], None]
+    sentence: str
+    start: Start
+    majors: str
+    attempt: Callable[[Trial], None]
 
 
+Attempt = Callable[['Trial'], None]
 RULES: List[Rule] = []
 
 
-def rule(section: str, title: str) -> Callable[[Callable[[Bench], None]], Callable[[Bench], None]]:
-    """Adds a function to the rules."""
-    def add(attempt: Callable[[Bench], None]) -> Callable[[Bench], None]:
-        RULES.append(Rule(section, title, attempt))
+def must(section: str, sentence: str, start: Start = Start.AT_END, majors: str = '23',
+         ) -> Callable[[Attempt], Attempt]:
+    """Adds a function to the rules; `section` is of 2.1.0, or of 3.0.0 where only that has it."""
+    return _rule(Level.MUST, section, sentence, start, majors)
+
+
+def should(section: str, sentence: str, start: Start = Start.AT_END, majors: str = '23',
+           ) -> Callable[[Attempt], Attempt]:
+    """The same for what the standard recommends."""
+    return _rule(Level.SHOULD, section, sentence, start, majors)
+
+
+def rules_of(version: str) -> List[Rule]:
+    """Those that a version of the standard has."""
+    return [rule for rule in RULES if version[:1] in rule.majors]
+
+
+def _rule(level: Level, section: str, sentence: str, start: Start, majors: str,
+          ) -> Callable[[Attempt], Attempt]:
+    def add(attempt: Attempt) -> Attempt:
+        RULES.append(Rule(level, section, sentence, start, majors, attempt))
         return attempt
     return add
 
@@ -45,16 +77,3 @@ def expect(condition: Any, text: str) -> None:
     """Raises Broken unless the condition holds."""
     if not condition:
         raise Broken(text)
-
-
-def rejected(master: Master, before: int, kinds: str, what: str) -> None:
-    """An error of one of these kinds comes, and nothing else changes."""
-    was = master.messages['state'][before - 1]
-    names = kinds.split()
-    state = master.wait(lambda state: set(names) & set(error_types(state)), QUICK,
-                        f'{" or ".join(names)} for {what}', after=before)
-    for error in state['errors']:
-        if error['errorType'] in names:
-            expect(error['errorLevel'] == 'WARNING', f'{what}: the errorLevel is not WARNING')
-    for key in ('orderId', 'orderUpdateId'):
-        expect(state[key] == was[key], f'{what}: {key} has changed from {was[key]!r}')

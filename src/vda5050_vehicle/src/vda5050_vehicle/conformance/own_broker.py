@@ -1,0 +1,34 @@
+"""A broker that may be killed while a vehicle drives."""
+from __future__ import annotations
+
+import subprocess
+import tempfile
+from pathlib import Path
+
+from vda5050_vehicle.mqtt.embedded_broker import configuration, find_mosquitto
+
+
+class OwnBroker:
+    """A mosquitto that the bench may kill and start again."""
+
+    def __init__(self, port: int) -> None:
+        self._folder = tempfile.TemporaryDirectory()
+        self._file = Path(self._folder.name) / 'mosquitto.conf'
+        Path(self._folder.name).chmod(0o755)
+        self._file.write_text(configuration(port))
+        self.start()
+
+    def start(self) -> None:
+        """Starts it."""
+        self._process = subprocess.Popen([find_mosquitto(), '-c', str(self._file)],
+                                         stderr=subprocess.DEVNULL)
+
+    def kill(self) -> None:
+        """As if the power had failed."""
+        self._process.kill()
+        self._process.wait()
+
+    def close(self) -> None:
+        """Ends it for good."""
+        self.kill()
+        self._folder.cleanup()

@@ -1,0 +1,199 @@
+"""Rules for orders that are driven, paused, cancelled, and for a broker that dies meanwhile."""
+from __future__ import annotations
+
+from typing import Any, Dict
+
+from vda5050_vehicle.conformance.master import Message, status_of
+from vda5050_vehicle.conformance.rules.rule import NotTried, expect, must
+from vda5050_vehicle.conformance.trial import NEAR, REACH, Trial, has, has_order
+
+LOOK = 0.2  # s between two looks at where the vehicle is
+AWAY = 2.0  # s for which the broker is lost
+
+
+@must('6.10.2', 'a traversed node leaves nodeStates, its edge leaves edgeStates, lastNodeId is set')
+def _traversal(trial: Trial) -> None:
+    master, track = trial.master, trial.ahead.part(0, 2)
+    before = master.count()
+    trial.ordered(track)
+    node = track.stops[1].node_id
+    state = master.wait(lambda s: s['lastNodeId'] == node, trial.patience, f'lastNodeId {node}',
+                        after=before)
+    expect(state['lastNodeSequenceId'] == 2,
+           f'lastNodeSequenceId is {state["lastNodeSequenceId"]}')
+    expect(all(item['sequenceId'] > 2 for item in (*state['nodeStates'], *state['edgeStates'])),
+           'the node or its edge is still in the state')
+
+
+@must('6.10.6', 'driving is true while the vehicle drives')
+def _driving(trial: Trial) -> None:
+    before = trial.master.count()
+    trial.ordered(trial.ahead.part(0, 1))
+    trial.master.wait(lambda s: s['driving'], trial.patience, 'driving', after=before)
+
+
+@must('6.10.6', 'a vehicle that has driven its order is idle: no nodeStates, no edgeStates')
+def _end(trial: Trial) -> None:
+    track = trial.ahead.part(0, 1)
+    trial.ordered(track)
+    trial.at_end_of(track)
+
+
+@must('6.6.2', 'the vehicle stops at the decision point and does not drive the horizon')
+def _horizon(trial: Trial) -> None:
+    decision = trial.ahead.stops[1].node_id
+    trial.ordered(trial.ahead, base=2)
+    trial.master.wait(lambda s: s['lastNodeId'] == decision and not s['driving'], trial.patience,
+                      'standing at the decision point')
+    trial.stays(lambda s: s['lastNodeId'] == decision and not s['driving'], 'the decision point')
+    expect(len(trial.master.state['edgeStates']) == len(trial.ahead.edges) - 1,
+           'the horizon is not told any more')
+
+
+@must('6.6.2', 'an order whose base grows is driven on')
+def _driven_on(trial: Trial) -> None:
+    track = trial.ahead.part(0, 2)
+    order_id = trial.ordered(track, base=2)
+    trial.accepted(track.part(1).order(order_id, 1, first_sequence=2))
+    trial.at_end_of(track)
+
+
+@must('figure 8 (8)', 'an update that continues a completed order is accepted')
+def _continuation(trial: Trial) -> None:
+    track = trial.ahead.part(0, 2)
+    order_id = trial.ordered(track.part(0, 1))
+    trial.at_end_of(track.part(0, 1))
+    trial.taken(track.part(1).order(order_id, 1, first_sequence=2))
+    trial.at_end_of(track)
+
+
+@must('6.8.2', 'startPause: the vehicle stands still, keeps its order and tells paused')
+def _pause(trial: Trial) -> None:
+    _paused(trial)
+    state = trial.master.state
+    expect(state.get('paused'), 'paused is not true')
+    expect(not state['driving'], 'it still drives')
+    expect(state['nodeStates'], 'nodeStates are gone')
+    trial.stays(lambda s: not s['driving'], 'standing')
+
+
+@must('6.8.1', 'stopPause: the movement is resumed')
+def _resume(trial: Trial) -> None:
+    _paused(trial)
+    master, before = trial.master, trial.master.count()
+    status = master.ended(master.act('stopPause'), trial.patience)['actionStatus']
+    expect(status == 'FINISHED', f'stopPause is {status}')
+    master.wait(lambda s: s['driving'] and not s.get('paused'), trial.patience, 'driving on',
+                after=before)
+
+
+def _paused(trial: Trial) -> None:
+    _underway(trial)
+    status = trial.master.ended(trial.master.act('startPause'), trial.patience)['actionStatus']
+    expect(status == 'FINISHED', f'startPause is {status}')
+
+
+def _underway(trial: Trial) -> str:
+    before = trial.master.count()
+    order_id = trial.ordered(trial.ahead)
+    trial.master.wait(lambda s: s['driving'], trial.patience, 'driving', after=before)
+    return order_id
+
+
+# --- cancellation ---------------------------------------------------------------------------------
+
+@must('6.6.3', 'cancelOrder is FINISHED when all movement has stopped, and the order is deleted')
+def _cancel(trial: Trial) -> None:
+    _cancelled(trial)
+    state = trial.master.state
+    expect(not state['driving'], 'it still drives')
+    expect(not has_order(state), 'nodeStates or edgeStates are left')
+    trial.stays(lambda s: not s['driving'], 'standing')
+
+
+@must('6.6.3', 'a cancelled order keeps its orderId and orderUpdateId')
+def _cancel_keeps_ids(trial: Trial) -> None:
+    order_id = _cancelled(trial)
+    expect(has(trial.master.state, {'orderId': order_id, 'orderUpdateId': 0}),
+           f'they are {trial.master.state["orderId"]!r}, {trial.master.state["orderUpdateId"]}')
+
+
+@must('6.6.3', 'cancelOrder: actions that are scheduled are FAILED')
+def _cancel_actions(trial: Trial) -> None:
+    slow, last = trial.slow_action('HARD'), trial.ahead.stops[-1].node_id
+    trial.ordered(trial.ahead, base=1, actions={last: [slow]})
+    trial.master.ended(trial.master.act('cancelOrder'), trial.patience)
+    status = status_of(trial.master.state, slow['actionId'])
+    expect(status == 'FAILED', f'the action is {status}')
+
+
+@must('3.0: 6.1.3.1', 'an update of a cancelled order brings ORDER_UPDATE_FOLLOWING_CANCEL',
+      majors='3')
+def _update_after_cancel(trial: Trial) -> None:
+    order_id = trial.ordered(trial.ahead, base=1)
+    trial.master.ended(trial.master.act('cancelOrder'), trial.patience)
+    error = trial.refused(trial.ahead.order(order_id, 1, base=1), 'an update after cancelOrder')
+    expect(error.get('typeOf3') == 'ORDER_UPDATE_FOLLOWING_CANCEL',
+           f'the error is {error.get("typeOf3")}')
+
+
+@must('6.6.3.1', 'after a cancellation: an order from the last node, with a large deviation')
+def _order_after_cancel(trial: Trial) -> None:
+    _cancelled(trial)
+    last = trial.master.state['lastNodeId']
+    index = [stop.node_id for stop in trial.ahead.stops].index(last)
+    rest = trial.ahead.part(index)
+    if index + 1 == len(trial.ahead.stops):
+        raise NotTried('it stopped at the end of the track')
+    trial.taken(rest.order(trial.new_id(), start_deviation=REACH))
+    trial.at_end_of(rest)
+
+
+@must('6.6.3.1', 'after a cancellation: an order from a temporary node where the vehicle stands')
+def _order_from_temporary_node(trial: Trial) -> None:
+    _underway(trial)
+    deadline = trial.master.now() + trial.patience
+    while trial.nearest(trial.fetch()) <= 2.0 * NEAR and trial.master.now() < deadline:
+        trial.let_pass(LOOK)
+    trial.master.ended(trial.master.act('cancelOrder'), trial.patience)
+    state = trial.fetch()
+    index = [stop.node_id for stop in trial.ahead.stops].index(state['lastNodeId'])
+    if trial.nearest(state) <= NEAR or index + 1 == len(trial.ahead.stops):
+        raise NotTried('it stopped at a node')
+    pose = state['agvPosition']
+    rest = trial.ahead.part(index, index + 1)
+    order: Dict[str, Any] = rest.order(trial.new_id())
+    first = order['nodes'][0]
+    first['nodeId'] = order['edges'][0]['startNodeId'] = f'here-{trial.new_id()}'
+    first['nodePosition'] = {'x': pose['x'], 'y': pose['y'], 'mapId': pose['mapId']}
+    trial.taken(order)
+    trial.at_end_of(rest)
+
+
+def _cancelled(trial: Trial) -> str:
+    order_id = _underway(trial)
+    status = trial.master.ended(trial.master.act('cancelOrder'), trial.patience)['actionStatus']
+    expect(status == 'FINISHED', f'cancelOrder is {status}')
+    return order_id
+
+
+# --- the broker -----------------------------------------------------------------------------------
+
+@must('6.2', 'a vehicle that loses its broker fulfils its order up to the last released node')
+def _broker_lost(trial: Trial) -> None:
+    master, broker = trial.master, trial.own_broker
+    if broker is None:
+        raise NotTried('needs --own-broker')
+    _underway(trial)
+    before, states, connections = master.state, master.count(), master.count('connection')
+    broker.kill()
+    master.checker.broker_lost()
+    trial.let_pass(AWAY)
+    broker.start()
+    master.wait(lambda m: m.get('connectionState') == 'ONLINE', trial.patience, 'ONLINE',
+                'connection', connections)
+    after: Message = master.wait(lambda s: True, trial.patience, 'a state', after=states)
+    expect(after['lastNodeSequenceId'] > before['lastNodeSequenceId']
+           or after.get('agvPosition') != before.get('agvPosition'),
+           'it did not drive on without its broker')
+    trial.at_end_of(trial.ahead)

@@ -1,0 +1,277 @@
+"""What rules do with a vehicle: bring it back, give it orders, and see what it refuses."""
+from __future__ import annotations
+
+import json
+import math
+import uuid
+from dataclasses import dataclass, field
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence
+
+from vda5050_vehicle.conformance.master import Master, Message, TooLate
+from vda5050_vehicle.conformance.own_broker import OwnBroker
+from vda5050_vehicle.conformance.rules.rule import Broken, NotTried, expect
+from vda5050_vehicle.conformance.track import Track, action
+
+ANSWER = 5.0       # s for a state that an event brings (6.10)
+QUIET = 1.0        # s in which a vehicle must not do what is forbidden
+INTERVAL = 30.0    # s, the longest time between two states (6.10)
+AGAIN = 10.0       # s for bringing a vehicle back that could not be brought back before
+NEAR = 0.2         # m from a node at which a vehicle stands on it
+REACH = 1000.0     # m, a deviation that any vehicle on the track is within
+REJECTIONS = ('validationError', 'orderError', 'orderUpdateError', 'noRouteError')
+ENDED = ('FINISHED', 'FAILED')
+
+
+@dataclass(frozen=True)
+class SlowAction:
+    """An action of the vehicle that takes some seconds and harms nobody."""
+
+    kind: str
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+
+    def with_id(self, action_id: str, blocking: str = 'NONE') -> Dict[str, Any]:
+        """In JSON."""
+        return action(self.kind, action_id, blocking, **self.parameters)
+
+
+class Trial:
+    """One vehicle that is tried.
+
+    track    -- where it may be driven, from end to end
+    ahead    -- the same from the end at which the vehicle stands
+    patience -- s that driving from node to node may take
+    """
+
+    def __init__(self, master: Master, track: Track, patience: float,
+                 own_broker: Optional[OwnBroker] = None, slow: Optional[SlowAction] = None) -> None:
+        self.master = master
+        self.track = self.ahead = track
+        self.patience = patience
+        self.own_broker = own_broker
+        self._slow = slow
+        self._was_stuck = False
+
+    def new_id(self) -> str:
+        """An id that was not used before."""
+        return uuid.uuid4().hex[:12]
+
+    def slow_action(self, blocking: str = 'NONE') -> Dict[str, Any]:
+        """The action of --slow-action; raises NotTried where there is none."""
+        if self._slow is None:
+            raise NotTried('needs --slow-action')
+        return self._slow.with_id(self.new_id(), blocking)
+
+    # --- before a rule ----------------------------------------------------------------------------
+
+    def fetch(self) -> Message:
+        """A state from now; raises TooLate where the vehicle is silent for `INTERVAL`."""
+        before = self.master.count()
+        self.master.act('stateRequest')
+        return self.master.wait(lambda s: True, INTERVAL + 1.0, 'a state', after=before)
+
+    def bring_back(self) -> None:
+        """Cancels, ends a pause, drives to an end of the track; raises TooLate or NotTried."""
+        patience = AGAIN if self._was_stuck else self.patience
+        self._was_stuck = True
+        self._become_idle(patience)
+        self._drive_to_an_end(patience)
+        self._was_stuck = False
+
+    def _become_idle(self, patience: float) -> None:
+        master = self.master
+        if has_order(self.fetch()):
+            master.act('cancelOrder')
+            try:
+                master.wait(lambda s: not has_order(s), patience, 'no order after cancelOrder')
+            except TooLate:
+                self._release_the_rest(patience)
+        if master.state.get('paused'):
+            master.act('stopPause')
+            master.wait(lambda s: not s.get('paused'), patience, 'no pause after stopPause')
+        if not is_idle(master.state):
+            master.wait(is_idle, patience, 'an end of all actions')
+
+    def _release_the_rest(self, patience: float) -> None:
+        """Where cancelOrder does not help: the vehicle drives to the end of its order."""
+        state = self.master.state
+        base = [(node['nodeId'], node['sequenceId']) for node in state['nodeStates']
+                if node['released']]
+        last, sequence = base[-1] if base else (state['lastNodeId'], state['lastNodeSequenceId'])
+        ids = [stop.node_id for stop in self.ahead.stops]
+        if last not in ids:
+            raise NotTried(f'cancelOrder does not end an order to {last!r}')
+        if state.get('paused'):
+            self.master.act('stopPause')
+        self.master.send('order', self.ahead.part(ids.index(last)).order(
+            state['orderId'], state['orderUpdateId'] + 1, first_sequence=sequence))
+        self.master.wait(lambda s: not has_order(s), patience,
+                         'an end of the order, after cancelOrder and an update that releases it')
+
+    def _drive_to_an_end(self, patience: float) -> None:
+        state, stops = self.master.state, self.track.stops
+        index = self._index_of(state)
+        is_there = self._is_near(state, index)
+        last = len(stops) - 1
+        if not (is_there and index in (0, last)):
+            backwards = index == last or (index != 0 and index <= last - index)
+            way = self.track.reversed() if backwards else self.track
+            order = way.part(last - index if backwards else index)
+            self.ordered(order, patience, start_deviation=REACH if not is_there else 0.0)
+            self.at_end_of(order, patience)
+            index = 0 if backwards else last
+        self.ahead = self.track if index == 0 else self.track.reversed()
+
+    def _index_of(self, state: Message) -> int:
+        """Of the stop that the vehicle passed last, else of the nearest one."""
+        ids = [stop.node_id for stop in self.track.stops]
+        if state['lastNodeId'] in ids:
+            return ids.index(state['lastNodeId'])
+        distances = [self._distance(state, index) for index in range(len(ids))]
+        if None in distances:
+            raise NotTried(f'lastNodeId {state["lastNodeId"]!r} is not on the track, and there is '
+                           'no agvPosition')
+        return distances.index(min(distances, key=lambda found: found or 0.0))
+
+    def _distance(self, state: Message, index: int) -> Optional[float]:
+        pose, stop = state.get('agvPosition'), self.track.stops[index]
+        return None if not pose else math.hypot(pose['x'] - stop.x, pose['y'] - stop.y)
+
+    def nearest(self, state: Message) -> float:
+        """Distance of the nearest stop (m); raises NotTried where no agvPosition is told."""
+        found = [distance for distance in (self._distance(state, index) for index
+                                           in range(len(self.track.stops)))
+                 if distance is not None]
+        if not found:
+            raise NotTried('its states have no agvPosition')
+        return min(found)
+
+    def _is_near(self, state: Message, index: int) -> bool:
+        distance = self._distance(state, index)
+        return distance is None or distance <= NEAR
+
+    def clear_rejections(self) -> None:
+        """An order of one node where the vehicle stands: what it refused before is over."""
+        if self.master.state['errors'] and is_idle(self.master.state):
+            self.ordered(self.ahead.part(0, 0), ANSWER)
+            self.master.wait(is_idle, self.patience, 'an end of an order of one node')
+
+    # --- orders -----------------------------------------------------------------------------------
+
+    def ordered(self, track: Track, seconds: float = ANSWER, **order: Any) -> str:
+        """Sends an order over a track and returns its id; raises NotTried if it is refused."""
+        order_id = self.new_id()
+        self.accepted(track.order(order_id, **order), seconds)
+        return order_id
+
+    def accepted(self, order: Mapping[str, Any], seconds: float = ANSWER) -> Message:
+        """The first state with this order, or update, on the vehicle; else raises NotTried."""
+        try:
+            return self.taken(order, seconds)
+        except TooLate as error:
+            raise NotTried(f'an order that this rule needs is not accepted: {error}') from None
+
+    def taken(self, order: Mapping[str, Any], seconds: float = ANSWER) -> Message:
+        """The same, where taking it is what the rule demands; raises TooLate."""
+        before = self.master.send('order', order)
+        return self.master.wait(lambda s: has(s, order), seconds, 'the order in the state',
+                                after=before)
+
+    def at_end_of(self, track: Track, seconds: Optional[float] = None) -> Message:
+        """The state in which the vehicle has driven a track to its end."""
+        last = track.stops[-1].node_id
+        return self.master.wait(
+            lambda s: s['lastNodeId'] == last and not has_order(s), seconds or self.patience,
+            f'standing at {last}, without nodes left')
+
+    def refused(self, order: Mapping[str, Any], what: str) -> Dict[str, Any]:
+        """Sends an order that must be refused, and changes nothing; returns the error."""
+        return self.refused_bytes(lambda: self.master.send('order', order), what, order)
+
+    def refused_bytes(self, send: Callable[[], int], what: str,
+                      order: Optional[Mapping[str, Any]] = None) -> Dict[str, Any]:
+        """The same for what is no order."""
+        was = self.master.state
+        before = send()
+
+        def is_answer(state: Message) -> bool:
+            return bool(new_errors(was, state)) or (order is not None and has(state, order))
+
+        try:
+            state = self.master.wait(is_answer, ANSWER, 'a new error', after=before)
+        except TooLate as error:
+            if any(found['errorType'] in REJECTIONS for found in was['errors']):
+                raise NotTried(f'{what}: a new error cannot be told from one of before') from None
+            raise Broken(f'{what}: {error}') from None
+        if order is not None:
+            expect(not has(state, order), f'{what}: it is accepted')
+        for key in ('orderId', 'orderUpdateId'):
+            expect(state[key] == was[key], f'{what}: {key} changes from {was[key]!r}')
+        return new_errors(was, state)[0]
+
+    def stays(self, predicate: Callable[[Message], bool], what: str) -> None:
+        """Every state of the next second is so, and the one on request."""
+        before = self.master.count()
+        try:
+            self.master.wait(lambda s: not predicate(s), QUIET, what, after=before)
+        except TooLate:
+            if predicate(self.fetch()):
+                return
+        raise Broken(f'it does not stay so: {what}')
+
+    def let_pass(self, seconds: float) -> None:
+        """Time goes by, whatever the vehicle says."""
+        try:
+            self.master.wait(lambda s: False, seconds, 'nothing')
+        except TooLate:
+            return
+
+    def close(self) -> None:
+        """Leaves the vehicle."""
+        self.master.close()
+
+
+def has(state: Message, order: Mapping[str, Any]) -> bool:
+    """Whether a state tells that the vehicle has this order, or this update."""
+    return bool(state['orderId'] == order.get('orderId')
+                and state['orderUpdateId'] == order.get('orderUpdateId'))
+
+
+def has_order(state: Message) -> bool:
+    """Whether nodes or edges are left, or the vehicle drives."""
+    return bool(state['nodeStates'] or state['edgeStates'] or state['driving'])
+
+
+def is_idle(state: Message) -> bool:
+    """Whether a new order may be accepted: figure 8 (3)."""
+    return not has_order(state) and all(found['actionStatus'] in ENDED
+                                        for found in state['actionStates'])
+
+
+def new_errors(was: Message, state: Message) -> List[Dict[str, Any]]:
+    """Errors of a state that were not there before."""
+    rest = list(was['errors'])
+    found = []
+    for error in state['errors']:
+        if error in rest:
+            rest.remove(error)
+        else:
+            found.append(error)
+    return found
+
+
+def references(error: Mapping[str, Any]) -> Dict[str, str]:
+    """The errorReferences of an error by key."""
+    found: Sequence[Mapping[str, Any]] = error.get('errorReferences') or ()
+    return {str(item.get('referenceKey')): str(item.get('referenceValue')) for item in found}
+
+
+def changed(order: Mapping[str, Any], **changes: Any) -> Dict[str, Any]:
+    """A copy of an order with changes: `nodes__1__released=True` changes nodes[1].released."""
+    copy: Dict[str, Any] = json.loads(json.dumps(order))
+    for path, value in changes.items():
+        *parents, last = [int(part) if part.isdigit() else part for part in path.split('__')]
+        target: Any = copy
+        for parent in parents:
+            target = target[parent]
+        target[last] = value
+    return copy

@@ -1,0 +1,113 @@
+"""The bench: a right vehicle passes, each defect is found by its rule, none ends the run."""
+from __future__ import annotations
+
+from typing import Dict, List
+
+import pytest
+from vda_toy_vehicle import LINE, DirectMaster, ToyVehicle
+
+from vda5050_vehicle.conformance.bench import (
+    Outcome,
+    Verdict,
+    read_slow_action,
+    scorecard,
+    tried,
+)
+from vda5050_vehicle.conformance.rules import Level, rules_of
+from vda5050_vehicle.conformance.trial import SlowAction, Trial
+
+BLINK = SlowAction('blink')
+
+
+def verdicts_of(*defects: str, version: str = '2.1.0') -> List[Verdict]:
+    """Of a toy vehicle with defects."""
+    vehicle = ToyVehicle(*defects, version=version)
+    return tried(Trial(DirectMaster(vehicle), LINE, 30.0, None, BLINK), version)
+
+
+def found(verdicts: List[Verdict], *outcomes: Outcome) -> Dict[str, str]:
+    """Sentences with one of these outcomes, and what was seen."""
+    return {verdict.rule.sentence: verdict.text for verdict in verdicts
+            if verdict.outcome in outcomes}
+
+
+@pytest.mark.parametrize('version', ['2.0.0', '2.1.0', '3.0.0'])
+def test_a_vehicle_that_is_right_passes(version):
+    verdicts = verdicts_of(version=version)
+    assert not found(verdicts, Outcome.BROKEN, Outcome.NOT_FOLLOWED), scorecard(verdicts)
+    not_tried = found(verdicts, Outcome.NOT_TRIED)
+    assert set(not_tried.values()) == {'needs --own-broker'}, scorecard(verdicts)
+
+
+@pytest.mark.parametrize('version, defect, sentences', [
+    ('2.1.0', 'rounds pi', {'every message is as the standard has it'}),
+    ('2.1.0', 'refuses pi', {
+        'theta of an order may be anything within [-Pi ... Pi], both included'}),
+    ('2.1.0', 'accepts beside actions', {
+        'a new order is rejected while an action of actionStates has not ended',
+        'a new order is rejected while an action of the last order has not ended'}),
+    ('2.1.0', 'no references', {
+        'the rejection of an order update tells the orderUpdateId',
+        'the error of an erroneous order tells its orderId where that can be read',
+        'orderError has the wrong fields as error references'}),
+    ('2.1.0', 'ignores fields', {
+        f'a field of an order is honoured or the order is rejected: {field}'
+        for field in ('theta of the first node', 'theta of the last node', 'allowedDeviationXY')}),
+    ('3.0.0', 'any first update', {'the orderUpdateId of a new order is 0'}),
+    ('3.0.0', 'other error after cancel', {
+        'an update of a cancelled order brings ORDER_UPDATE_FOLLOWING_CANCEL'}),
+    ('3.0.0', 'keeps instant errors', {
+        'INVALID_INSTANT_ACTION stays until a new instant action is accepted'})])
+def test_the_rule_for_a_defect_finds_it_and_no_other_rule_does(version, defect, sentences):
+    verdicts = verdicts_of(defect, version=version)
+    broken = found(verdicts, Outcome.BROKEN, Outcome.NOT_FOLLOWED)
+    assert set(broken) == sentences, scorecard(verdicts)
+
+
+def test_advice_that_is_not_followed_is_no_broken_rule():
+    verdicts = verdicts_of('no references')
+    assert all(verdict.rule.level is Level.SHOULD for verdict in verdicts
+               if verdict.outcome is Outcome.NOT_FOLLOWED)
+    assert all(verdict.rule.level is Level.MUST for verdict in verdicts
+               if verdict.outcome is Outcome.BROKEN)
+
+
+def test_a_vehicle_that_falls_silent_is_reported_once():
+    verdicts = verdicts_of('silent')
+    broken = found(verdicts, Outcome.BROKEN)
+    assert list(broken) == ['a state is published on events, or at the latest every 30 s']
+    assert set(found(verdicts, Outcome.NOT_TRIED).values()) <= {'the vehicle is silent',
+                                                                'needs --own-broker'}
+
+
+def test_states_without_a_required_field_end_no_run():
+    verdicts = verdicts_of('no batteryState')
+    broken = found(verdicts, Outcome.BROKEN)
+    assert list(broken) == ['every message is as the standard has it']
+    assert 'there is no batteryState, safetyState' in broken[list(broken)[0]]
+
+
+def test_a_vehicle_that_no_cancellation_stops_is_still_tried_by_all_other_rules():
+    verdicts = verdicts_of('drives on')
+    assert 'cancelOrder is FINISHED when all movement has stopped, and the order is deleted' \
+        in found(verdicts, Outcome.BROKEN), scorecard(verdicts)
+    assert len(found(verdicts, Outcome.PASSED)) > 30, scorecard(verdicts)
+
+
+def test_a_missing_answer_to_stateRequest_is_one_broken_rule():
+    broken = found(verdicts_of('no stateRequest'), Outcome.BROKEN)
+    assert not broken, 'its actionState comes with a state'
+
+
+def test_every_rule_cites_a_section_and_a_sentence():
+    for rule in {*rules_of('2.1.0'), *rules_of('3.0.0')}:
+        assert rule.section[0].isdigit() or rule.section.startswith('figure'), rule
+    assert len({rule.sentence for rule in rules_of('3.0.0')}) == len(rules_of('3.0.0'))
+
+
+def test_a_slow_action_is_read_with_its_parameters():
+    assert read_slow_action('noop duration=5 text=hello') == SlowAction(
+        'noop', {'duration': 5, 'text': 'hello'})
+    assert read_slow_action('') is None
+    with pytest.raises(ValueError, match='KEY=VALUE'):
+        read_slow_action('noop duration')

@@ -1,0 +1,356 @@
+"""A vehicle of another make for the bench: small, right by the standard, with defects on request.
+
+It drives on a straight line, in a time of its own, and shares no code with the adapter.
+"""
+from __future__ import annotations
+
+import json
+import math
+from typing import Any, Callable, Dict, List, Optional, Tuple
+
+from vda5050_vehicle.conformance.master import Master
+from vda5050_vehicle.conformance.track import Stop, Track
+from vda5050_vehicle.mqtt.link import Broker
+
+LINE = Track(tuple(Stop(f'n{i}', 3.0 * i, 0.0) for i in range(4)),
+             ('e0', 'e1', 'e2'), ('b0', 'b1', 'b2'), 'hall')
+STEP = 0.1
+SLOW = 5.0  # s that `blink` takes
+QUICK = ('stateRequest', 'factsheetRequest', 'startPause', 'stopPause', 'cancelOrder')
+_IN_3 = {'validationError': 'VALIDATION_FAILURE', 'orderError': 'INVALID_ORDER',
+         'orderUpdateError': 'OUTDATED_ORDER_UPDATE', 'noOrderToCancel': 'NO_ORDER_TO_CANCEL'}
+
+Json = Dict[str, Any]
+
+
+class Refused(Exception):
+    """An order is refused: error type and references."""
+
+    def __init__(self, kind: str, **references: Any) -> None:
+        super().__init__(kind)
+        self.kind = kind
+        self.references = references
+
+
+class ToyVehicle:
+    """The vehicle; `send` gets what it publishes. `defects` are names that `wrong` asks for."""
+
+    def __init__(self, *defects: str, version: str = '2.1.0') -> None:
+        self.defects = set(defects)
+        self.is_3 = version.startswith('3')
+        self.version = version
+        self.send: Callable[[str, bytes], None] = lambda topic, payload: None
+        self.now = 0.0
+        self.x, self.theta = 0.0, 0.0
+        self.driving = self.paused = self.is_cancelled = False
+        self.order: Json = {'orderId': '', 'orderUpdateId': 0}
+        self.last: Tuple[str, int] = ('n0', 0)
+        self.nodes: List[Json] = []
+        self.edges: List[Json] = []
+        self.actions: Dict[str, Json] = {}
+        self.instant: Dict[str, Json] = {}
+        self.ends: Dict[str, float] = {}
+        self.errors: List[Json] = []
+        self._headers: Dict[str, int] = {}
+        self._told = ''
+        self._told_at = 0.0
+
+    def wrong(self, defect: str) -> bool:
+        """Whether it has this defect."""
+        return defect in self.defects
+
+    # --- what it says -----------------------------------------------------------------------------
+
+    def publish(self, topic: str, body: Json) -> None:
+        """With a header of its own."""
+        if self.wrong('silent') and self.now > 60.0:
+            return
+        number = self._headers.get(topic, 0)
+        self._headers[topic] = number + 1
+        stamp = f'2026-01-01T{int(self.now // 3600):02}:{int(self.now // 60) % 60:02}:' \
+                f'{self.now % 60:06.3f}Z'
+        self.send(topic, json.dumps({
+            'headerId': number, 'timestamp': stamp, 'version': self.version, 'manufacturer': 'Toy',
+            'serialNumber': '1', **body}).encode())
+
+    def tell(self, always: bool = False) -> None:
+        """A state where something has changed."""
+        told = json.dumps([self.order['orderId'], self.order['orderUpdateId'], self.last,
+                           self.nodes, self.errors, self.driving, self.paused,
+                           list(self.actions.values()), list(self.instant.values())])
+        if always or told != self._told or self.now >= self._told_at + 30.0:
+            self._told, self._told_at = told, self.now
+            self.publish('state', self._state())
+
+    def _state(self) -> Json:
+        theta = self.theta
+        if self.wrong('rounds pi'):
+            theta = round(theta, 6)
+        instant, actions = list(self.instant.values()), list(self.actions.values())
+        state: Json = {
+            'orderId': self.order['orderId'], 'orderUpdateId': self.order['orderUpdateId'],
+            'lastNodeId': self.last[0], 'lastNodeSequenceId': self.last[1],
+            'nodeStates': [{key: node[key] for key in ('nodeId', 'sequenceId', 'released')}
+                           for node in self.nodes],
+            'edgeStates': [{key: edge[key] for key in ('edgeId', 'sequenceId', 'released')}
+                           for edge in self.edges],
+            'driving': self.driving, 'actionStates': [*actions, *([] if self.is_3 else instant)],
+            'paused': self.paused, 'operatingMode': 'AUTOMATIC', 'errors': self.errors}
+        pose: Json = {'x': self.x, 'y': 0.0, 'theta': theta, 'mapId': 'hall'}
+        battery: Json = {'charging': False}
+        if self.wrong('no batteryState'):
+            return {**state, 'agvPosition': {**pose, 'positionInitialized': True}}
+        if self.is_3:
+            return {**state, 'instantActionStates': instant,
+                    'mobileRobotPosition': {**pose, 'localized': True},
+                    'powerSupply': {**battery, 'stateOfCharge': 80.0},
+                    'safetyState': {'activeEmergencyStop': 'NONE', 'fieldViolation': False}}
+        return {**state, 'agvPosition': {**pose, 'positionInitialized': True},
+                'batteryState': {**battery, 'batteryCharge': 80.0},
+                'safetyState': {'eStop': 'NONE', 'fieldViolation': False}}
+
+    def _complain(self, kind: str, is_instant: bool = False, **references: Any) -> None:
+        if self.is_3 and not is_instant:
+            kind = _IN_3.get(kind, kind)
+        self.errors.append({
+            'errorType': kind, 'errorLevel': 'WARNING', 'errorReferences': [
+                {'referenceKey': key, 'referenceValue': str(value)}
+                for key, value in references.items()]})
+
+    # --- what it is told --------------------------------------------------------------------------
+
+    def receive(self, topic: str, payload: bytes) -> None:
+        """A message of the master."""
+        if self.wrong('silent') and self.now > 60.0:
+            return
+        if topic == 'order':
+            self._receive_order(payload)
+        else:
+            for action in json.loads(payload)['actions']:
+                self._act(action)
+        self.tell()
+
+    def _receive_order(self, payload: bytes) -> None:
+        message: Json = {}
+        try:
+            message = self._read(payload)
+            self._check(message)
+            is_update = message['orderId'] == self.order['orderId']
+            if is_update and message['orderUpdateId'] == self.order['orderUpdateId']:
+                return
+            (self._check_update if is_update else self._check_new)(message)
+        except Refused as refused:
+            self._complain(refused.kind, **({} if self.wrong('no references')
+                                            else refused.references))
+            return
+        self._take(message, is_update)
+
+    def _read(self, payload: bytes) -> Json:
+        try:
+            message = json.loads(payload.decode())
+        except ValueError:
+            raise Refused('validationError') from None
+        if not isinstance(message, dict):
+            raise Refused('validationError')
+        return message
+
+    def _check(self, message: Json) -> None:
+        ids = {key: message.get(key) for key in ('orderId', 'orderUpdateId')}
+        try:
+            nodes, edges = message['nodes'], message['edges']
+            right = (nodes and len(edges) == len(nodes) - 1
+                     and all(isinstance(node['nodeId'], str) and isinstance(node['released'], bool)
+                             for node in nodes)
+                     and all(action['blockingType'] in ('NONE', 'SOFT', 'HARD')
+                             for node in nodes for action in node['actions']))
+            elements = sorted([*nodes, *edges], key=lambda element: int(element['sequenceId']))
+            ids_of = [element['sequenceId'] for element in elements]
+            released = [element['released'] for element in elements]
+            right = (right and ids_of == list(range(ids_of[0], ids_of[0] + len(ids_of)))
+                     and released == sorted(released, reverse=True)
+                     and all(edge['endNodeId'] == node['nodeId']
+                             for edge, node in zip(edges, nodes[1:])))
+            theta = nodes[0]['nodePosition'].get('theta', 0.0) if nodes else 0.0
+        except (AttributeError, IndexError, KeyError, TypeError):
+            right, theta = False, 0.0
+        if not right or abs(theta) > (3.0 if self.wrong('refuses pi') else math.pi):
+            raise Refused('validationError', **ids)
+        for node in nodes:
+            for action in node['actions']:
+                if action['actionType'] != 'blink':
+                    raise Refused('orderError', actionId=action['actionId'], **ids)
+            for key in ('theta', 'allowedDeviationXY'):
+                if key in node['nodePosition'] and not self._can(key, node):
+                    raise Refused('orderError', field=key, **ids)
+
+    def _can(self, key: str, node: Json) -> bool:
+        if self.wrong('ignores fields'):
+            return True
+        position = node['nodePosition']
+        if key == 'theta':
+            return abs(position['theta'] - self.theta) < 1e-5 and node['nodeId'] == self.last[0]
+        size = position[key]['a'] if self.is_3 else position[key]
+        return bool(size > 0.1)
+
+    @property
+    def is_busy(self) -> bool:
+        """Figure 8 (3)."""
+        actions = dict(self.actions) if self.is_3 else {**self.actions, **self.instant}
+        if self.wrong('accepts beside actions'):
+            actions = {}
+        return bool(self.nodes) or any(action['actionStatus'] not in ('FINISHED', 'FAILED')
+                                       for action in actions.values())
+
+    def _check_new(self, message: Json) -> None:
+        position = message['nodes'][0]['nodePosition']
+        allowed = position.get('allowedDeviationXY', 0.3)
+        ids = {key: message[key] for key in ('orderId', 'orderUpdateId')}
+        if self.is_busy:
+            raise Refused('orderError', **ids)
+        if self.is_3 and message['orderUpdateId'] and not self.wrong('any first update'):
+            raise Refused('INVALID_ORDER', **ids)
+        if abs(position['x'] - self.x) > (allowed['a'] if isinstance(allowed, dict) else allowed):
+            raise Refused('noRouteError', **ids)
+
+    def _check_update(self, message: Json) -> None:
+        first = message['nodes'][0]
+        ids = {key: message[key] for key in ('orderId', 'orderUpdateId')}
+        if self.is_3 and self.is_cancelled:
+            raise Refused('orderError' if self.wrong('other error after cancel')
+                          else 'ORDER_UPDATE_FOLLOWING_CANCEL', **ids)
+        base = [node for node in self.nodes if node['released']]
+        at = (base[-1]['nodeId'], base[-1]['sequenceId']) if base else self.last
+        if message['orderUpdateId'] < self.order['orderUpdateId'] \
+                or (first['nodeId'], first['sequenceId']) != at:
+            raise Refused('orderUpdateError', **ids)
+
+    def _take(self, message: Json, is_update: bool) -> None:
+        first = message['nodes'][0]
+        if not is_update:
+            self.nodes, self.edges, self.actions = [], [], {}
+            self.instant = self.instant if self.is_3 else {
+                key: value for key, value in self.instant.items() if key in self.ends}
+            self.last = (first['nodeId'], first['sequenceId'])
+        self.order, self.is_cancelled = message, False
+        self.nodes = [node for node in self.nodes if node['released']] + message['nodes'][1:]
+        self.edges = [edge for edge in self.edges if edge['released']] + message['edges']
+        new = message['nodes'][1:] if is_update else message['nodes']
+        for node in new:
+            for action in node['actions']:
+                self.actions[action['actionId']] = self._action_state(action, 'WAITING')
+        self.errors = [error for error in self.errors
+                       if error['errorType'] == 'INVALID_INSTANT_ACTION']
+        if not is_update:
+            self._begin_actions(first)
+
+    # --- actions ----------------------------------------------------------------------------------
+
+    def _action_state(self, action: Json, status: str) -> Json:
+        return {'actionId': action['actionId'], 'actionType': action['actionType'],
+                'actionStatus': status}
+
+    def _begin_actions(self, node: Json) -> None:
+        for action in node['actions']:
+            self.actions[action['actionId']]['actionStatus'] = 'RUNNING'
+            self.ends[action['actionId']] = self.now + SLOW
+
+    def _act(self, action: Json) -> None:
+        kind, name = action['actionType'], action['actionId']
+        known = self.instant[name] = self._action_state(action, 'FINISHED')
+        if kind == 'blink':
+            known['actionStatus'] = 'RUNNING'
+            self.ends[name] = self.now + SLOW
+        elif kind == 'cancelOrder' and not (self.nodes or self.is_busy and self.actions):
+            known['actionStatus'] = 'FAILED'
+            self._complain('noOrderToCancel', actionId=name)
+        elif kind == 'cancelOrder':
+            self._cancel()
+        elif kind in ('startPause', 'stopPause'):
+            self.paused = kind == 'startPause'
+            self.driving = False
+        elif kind == 'factsheetRequest':
+            key = 'mobileRobotActions' if self.is_3 else 'agvActions'
+            listed = [{'actionType': known} for known in (*QUICK, 'blink')]
+            self.publish('factsheet', {'protocolFeatures': {key: listed}})
+        elif kind == 'stateRequest':
+            if not self.wrong('no stateRequest'):
+                self.tell(always=True)
+        elif kind not in QUICK:
+            known['actionStatus'] = 'FAILED'
+            if self.is_3:
+                self._complain('INVALID_INSTANT_ACTION', True, actionId=name)
+        if kind in QUICK and not self.wrong('keeps instant errors'):
+            self.errors = [error for error in self.errors
+                           if error['errorType'] != 'INVALID_INSTANT_ACTION']
+
+    def _cancel(self) -> None:
+        self.is_cancelled = True
+        self.driving = self.wrong('drives on')
+        if not self.driving:
+            self.nodes, self.edges = [], []
+        for action in self.actions.values():
+            if action['actionStatus'] not in ('FINISHED', 'FAILED'):
+                action['actionStatus'] = 'FAILED'
+                self.ends.pop(action['actionId'], None)
+
+    # --- time -------------------------------------------------------------------------------------
+
+    def step(self) -> None:
+        """A tenth of a second."""
+        self.now += STEP
+        for name, end in list(self.ends.items()):
+            if self.now >= end:
+                del self.ends[name]
+                (self.actions if name in self.actions else self.instant)[name][
+                    'actionStatus'] = 'FINISHED'
+        target = next((node for node in self.nodes if node['released']), None)
+        self.driving = target is not None and not self.paused and not self.ends
+        if self.driving and target:
+            self._drive(target)
+        self.tell()
+
+    def _drive(self, target: Json) -> None:
+        to = target['nodePosition']['x'] - self.x
+        self.x += max(-STEP, min(STEP, to))
+        if abs(to) <= STEP:
+            if self.wrong('ignores fields'):
+                self.x += 0.05
+            self.theta = math.pi if target['nodeId'] == 'n0' and not self.wrong('refuses pi') \
+                else 0.0
+            self.last = (target['nodeId'], target['sequenceId'])
+            self.nodes.remove(target)
+            self.edges.pop(0)
+            self._begin_actions(target)
+            self.driving = bool(self.nodes and self.nodes[0]['released'])
+
+
+class DirectMaster(Master):
+    """A master beside the vehicle, without a broker, in the vehicle's time."""
+
+    def __init__(self, vehicle: ToyVehicle) -> None:
+        self.vehicle: Optional[ToyVehicle] = vehicle
+        major = vehicle.version[0]
+        super().__init__(Broker('nowhere', 0), f'uagv/v{major}/Toy/1', vehicle.version)
+
+    def _connect(self, broker: Broker) -> None:
+        assert self.vehicle
+        self.vehicle.send = self.receive
+        self.vehicle.publish('connection', {'connectionState': 'ONLINE'})
+        self.vehicle.tell()
+
+    def _publish(self, topic: str, payload: bytes) -> None:
+        assert self.vehicle
+        self.vehicle.receive(topic, payload)
+
+    def now(self) -> float:
+        return self.vehicle.now if self.vehicle else 0.0
+
+    def rest(self, seconds: float) -> None:
+        assert self.vehicle
+        self.vehicle.step()
+
+    def is_retained(self, topic: str) -> bool:
+        return True
+
+    def close(self) -> None:
+        self.vehicle = None
