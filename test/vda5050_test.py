@@ -88,7 +88,7 @@ class Vda5050(unittest.TestCase):
         """Acceptance, updates, pause, cancellation, and a broker that dies under way."""
         trial = Trial(self.master, track_on(self.graph, (DOCK, 8, 14), 'map'), 60,
                       self.own_broker, SlowAction('wait', {'seconds': 5}))
-        verdicts = tried(trial, '2.1.0')
+        verdicts = list(tried(trial, '2.1.0'))
         self.assertFalse([v for v in verdicts
                           if v.outcome in (Outcome.BROKEN, Outcome.NOT_FOLLOWED)],
                          scorecard(verdicts))

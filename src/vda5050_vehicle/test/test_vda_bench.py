@@ -22,7 +22,7 @@ BLINK = SlowAction('blink')
 def verdicts_of(*defects: str, version: str = '2.1.0') -> List[Verdict]:
     """Of a toy vehicle with defects."""
     vehicle = ToyVehicle(*defects, version=version)
-    return tried(Trial(DirectMaster(vehicle), LINE, 30.0, None, BLINK), version)
+    return list(tried(Trial(DirectMaster(vehicle), LINE, 30.0, None, BLINK), version))
 
 
 def found(verdicts: List[Verdict], *outcomes: Outcome) -> Dict[str, str]:

@@ -11,7 +11,7 @@ import json
 import sys
 from dataclasses import dataclass
 from enum import Enum
-from typing import List, Optional, Sequence
+from typing import Iterator, Optional, Sequence
 
 from vda5050_vehicle.conformance.layout import track_over
 from vda5050_vehicle.conformance.master import Master, TooLate
@@ -51,9 +51,9 @@ class Bench:
         self._rules = rules_of(version)
         self._is_silent = False
 
-    def run(self) -> List[Verdict]:
+    def run(self) -> Iterator[Verdict]:
         """Tries every rule."""
-        return [self._verdict(rule) for rule in self._rules]
+        return map(self._verdict, self._rules)
 
     def _verdict(self, rule: Rule) -> Verdict:
         if self._is_silent and rule.start is not Start.NOTHING:
@@ -95,17 +95,22 @@ class Bench:
         return self._is_silent
 
 
-def scorecard(verdicts: Sequence[Verdict], remarks: Sequence[str] = ()) -> str:
+def line(verdict: Verdict) -> str:
+    """A verdict's line of the scorecard; a second one tells what was seen."""
+    rule = verdict.rule
+    return (f'{verdict.outcome.value:12}  {rule.level.value:6}  {rule.section:22}  '
+            f'{rule.sentence}' + (f'\n{"":14}{verdict.text}' if verdict.text else ''))
+
+
+def total(verdicts: Sequence[Verdict]) -> str:
+    """The last line of the scorecard."""
+    return ', '.join(f'{sum(verdict.outcome is outcome for verdict in verdicts)} {outcome.value}'
+                     for outcome in Outcome)
+
+
+def scorecard(verdicts: Sequence[Verdict]) -> str:
     """One line per rule."""
-    width = max(len(verdict.rule.section) for verdict in verdicts)
-    lines = [f'{verdict.outcome.value:12}  {verdict.rule.level.value:6}  '
-             f'{verdict.rule.section:{width}}  {verdict.rule.sentence}'
-             + (f'\n{"":14}{verdict.text}' if verdict.text else '') for verdict in verdicts]
-    lines += [f'remark        {remark}' for remark in remarks]
-    counts = {outcome: sum(verdict.outcome is outcome for verdict in verdicts)
-              for outcome in Outcome}
-    return '\n'.join([*lines, ', '.join(f'{n} {outcome.value}' for outcome, n
-                                        in counts.items())])
+    return '\n'.join([*map(line, verdicts), total(verdicts)])
 
 
 def read_slow_action(text: str) -> Optional[SlowAction]:
@@ -142,6 +147,8 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     parser.add_argument('--graph', help='trajectory graph (YAML), in place of --track')
     parser.add_argument('--vertices', type=int, nargs='+', help='of the graph, the track')
     parser.add_argument('--map-id', default='map', help='mapId of the track made of a graph')
+    parser.add_argument('--actions-key', default='actions',
+                        help='of instantActions; drafts of 2.0 say instantActions')
     parser.add_argument('--slow-action', default='', metavar='"TYPE KEY=VALUE ..."',
                         help='an action of the vehicle, instant and at nodes, that takes 5 s or '
                              'more and harms nobody')
@@ -162,10 +169,13 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     own_broker = OwnBroker(broker.port) if options.own_broker else None
     major = 'v' + options.version.split('.')[0]
     prefix = f'{options.interface}/{major}/{options.manufacturer}/{options.serial}'
-    trial = Trial(Master(broker, prefix, options.version), track, options.patience, own_broker,
-                  slow)
+    master = Master(broker, prefix, options.version, actions_key=options.actions_key)
+    trial = Trial(master, track, options.patience, own_broker, slow)
+    verdicts = []
     try:
-        verdicts = tried(trial, options.version)
+        for verdict in tried(trial, options.version):
+            verdicts.append(verdict)
+            print(line(verdict), flush=True)
     except TooLate as error:
         print(f'The vehicle cannot be tried: {error}', file=sys.stderr)
         return 2
@@ -173,11 +183,13 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
         trial.close()
         if own_broker:
             own_broker.close()
-    print(scorecard(verdicts, trial.master.checker.remarks))
+    for remark in trial.master.checker.remarks:
+        print(f'remark        {remark}')
+    print(total(verdicts))
     return int(any(verdict.outcome is Outcome.BROKEN for verdict in verdicts))
 
 
-def tried(trial: Trial, version: str) -> List[Verdict]:
+def tried(trial: Trial, version: str) -> Iterator[Verdict]:
     """Waits for the vehicle, then tries every rule; raises TooLate where no state comes."""
     trial.master.wait(lambda s: True, 35.0, 'a state of the vehicle', after=0)
     return Bench(trial, version).run()

@@ -26,7 +26,8 @@ class Master:
     """One vehicle's master. `messages[topic]` has what came, oldest first, in the words of 2.1."""
 
     def __init__(self, broker: Broker, prefix: str, version: str = '2.1.0',
-                 on_payload: Optional[Callable[[str, bytes], None]] = None) -> None:
+                 on_payload: Optional[Callable[[str, bytes], None]] = None,
+                 actions_key: str = 'actions') -> None:
         """`on_payload` sees every payload, with its topic, before anything else does."""
         self.prefix = prefix
         self.manufacturer, self.serial_number = prefix.split('/')[-2:]
@@ -37,6 +38,7 @@ class Master:
         self.sent: List[Tuple[str, bytes]] = []
         self._version = version
         self._on_payload = on_payload
+        self._actions_key = actions_key  # drafts of 2.0 say instantActions
         self._headers: Dict[str, int] = {}
         self._retained: Set[Tuple[str, bytes]] = set()
         self._changed = threading.Condition()
@@ -165,7 +167,7 @@ class Master:
 
     def act_all(self, actions: Sequence[Message]) -> int:
         """Sends instant actions."""
-        return self.send('instantActions', {'actions': list(actions)})
+        return self.send('instantActions', {self._actions_key: list(actions)})
 
     def ended(self, action_id: str, seconds: float = 10.0) -> Message:
         """The state of an action once it has ended."""

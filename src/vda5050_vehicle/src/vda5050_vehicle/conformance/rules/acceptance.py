@@ -5,7 +5,7 @@ An order whose base is its first node keeps a vehicle busy, and nobody has to wa
 from __future__ import annotations
 
 from functools import partial
-from typing import Any, Dict
+from typing import Any, Dict, Tuple
 
 from vda5050_vehicle.conformance.master import error_types, status_of
 from vda5050_vehicle.conformance.rules.rule import Broken, NotTried, Start, expect, must, should
@@ -192,18 +192,28 @@ def _is_validation_error(what: str, error: Dict[str, Any]) -> None:
 
 @should('7.1', 'the error of an erroneous order tells its orderId where that can be read')
 def _reference_of_order(trial: Trial) -> None:
-    trial.clear_rejections()
-    order = changed(trial.ahead.order(trial.new_id()), nodes__0__released='yes')
-    found = references(trial.refused(order, 'released that is text'))
-    expect(found.get('orderId') == order['orderId'], f'errorReferences are {found}')
+    order_id, error = _rejection(trial)
+    found = references(error)
+    expect(found.get('orderId') == order_id, f'errorReferences are {found}')
 
 
 @must('6.6.4.1', 'the warning is reported until the vehicle accepts a new order')
 def _until_accepted(trial: Trial) -> None:
-    trial.clear_rejections()
-    order = changed(trial.ahead.order(trial.new_id()), nodes__0__released='yes')
-    error = trial.refused(order, 'released that is text')
+    _, error = _rejection(trial)
     trial.stays(lambda s: error in s['errors'], f'{error["errorType"]} before a new order')
     trial.ordered(trial.ahead.part(0, 0))
     trial.master.wait(lambda s: error not in s['errors'], ANSWER,
                       f'no {error["errorType"]} any more after a new order')
+
+
+def _rejection(trial: Trial) -> Tuple[str, Dict[str, Any]]:
+    """The orderId and the error of an order with a defect that this vehicle sees."""
+    for changes in ({'nodes__0__released': 'yes'}, {'edges': []}, {'nodes__1__sequenceId': 7}):
+        trial.bring_back()
+        trial.clear_rejections()
+        order_id = trial.new_id()
+        try:
+            return order_id, trial.refused(changed(trial.ahead.order(order_id), **changes), '')
+        except Broken:
+            continue
+    raise NotTried('it refuses no malformed order')

@@ -5,7 +5,7 @@ import math
 from typing import Any, Dict, Optional
 
 from vda5050_vehicle.conformance.master import Message
-from vda5050_vehicle.conformance.rules.rule import NotTried, expect, must
+from vda5050_vehicle.conformance.rules.rule import Broken, NotTried, expect, must
 from vda5050_vehicle.conformance.track import Track, action
 from vda5050_vehicle.conformance.trial import (
     ANSWER,
@@ -32,7 +32,11 @@ def _unknown_action(trial: Trial) -> None:
 @must('6.6.4.2', 'orderError has the wrong fields as error references')
 def _unknown_action_referred(trial: Trial) -> None:
     trial.clear_rejections()
-    expect(references(_refused_action(trial)), 'there are no errorReferences')
+    try:
+        error = _refused_action(trial)
+    except Broken as problem:
+        raise NotTried(str(problem)) from None
+    expect(references(error), 'there are no errorReferences')
 
 
 def _refused_action(trial: Trial) -> Dict[str, Any]:
@@ -111,8 +115,9 @@ def _driven(trial: Trial, track: Track, index: int, fields: Dict[str, Any]) -> O
                               'the order, or an error', after=before)
     if not has(state, order):
         return None
-    state = trial.master.wait(lambda s: new_errors(was, s) or not has_order(s), trial.patience,
-                              'the end of the order', after=before + 1)
+    state = trial.master.wait(
+        lambda s: has(s, order) and (new_errors(was, s) or not has_order(s)), trial.patience,
+        'the end of the order', after=before)
     if new_errors(was, state):
         return None
     return trial.fetch()
