@@ -34,6 +34,8 @@ ROOT = Path(__file__).resolve().parents[1]
 SCHEMAS = ROOT / 'build' / 'vda5050_schemas' / '2.1.0'  # scripts/run_tests.sh has them from PyPI
 PREFIX = 'uagv/v2/OMRON/omron_ld90'
 DOCK = 16
+# The robot has no instant action that takes its time and does not drive it.
+NOT_TRIED = {'a new order is rejected while an action of actionStates has not ended'}
 MISSION = (DOCK, 18, 39, 52, 6, DOCK)
 
 
@@ -89,9 +91,8 @@ class Vda5050(unittest.TestCase):
         trial = Trial(self.master, track_on(self.graph, (DOCK, 8, 14), 'map'), 60,
                       self.own_broker, SlowAction('wait', {'seconds': 5}))
         verdicts = list(tried(trial, '2.1.0'))
-        self.assertFalse([v for v in verdicts
-                          if v.outcome in (Outcome.BROKEN, Outcome.NOT_FOLLOWED)],
-                         scorecard(verdicts))
+        self.assertEqual({v.rule.sentence for v in verdicts if v.outcome is not Outcome.PASSED},
+                         NOT_TRIED, scorecard(verdicts))
         self.assertGreater(self.schemas.counts['state'], 50)
 
     def test_2_the_mission_with_adapter_and_controller_killed_under_way(self) -> None:

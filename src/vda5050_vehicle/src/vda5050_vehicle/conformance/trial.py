@@ -110,18 +110,35 @@ class Trial:
                          'an end of the order, after cancelOrder and an update that releases it')
 
     def _drive_to_an_end(self, patience: float) -> None:
-        state, stops = self.master.state, self.track.stops
+        state, last = self.master.state, len(self.track.stops) - 1
         index = self._index_of(state)
         is_there = self._is_near(state, index)
-        last = len(stops) - 1
         if not (is_there and index in (0, last)):
-            backwards = index == last or (index != 0 and index <= last - index)
-            way = self.track.reversed() if backwards else self.track
-            order = way.part(last - index if backwards else index)
-            self.ordered(order, patience, start_deviation=REACH if not is_there else 0.0)
-            self.at_end_of(order, patience)
-            index = 0 if backwards else last
+            self._drive(self._way_from(index, is_there), index, is_there, patience)
+            return
         self.ahead = self.track if index == 0 else self.track.reversed()
+
+    def _way_from(self, index: int, is_there: bool) -> Track:
+        """To the nearer end; from the middle of an edge as it was driving."""
+        last, back = len(self.track.stops) - 1, self.track.reversed()
+        if index in (0, last):
+            return self.track if index == 0 else back
+        if is_there:
+            return back if index <= last - index else self.track
+        return self.ahead
+
+    def _drive(self, way: Track, index: int, is_there: bool, patience: float) -> None:
+        self.ahead = way
+        rest = way.part(index if way == self.track else len(self.track.stops) - 1 - index)
+        self.ordered(rest, start_deviation=0.0 if is_there else REACH)
+        self.at_end_of(rest, patience)
+        self.ahead = way.reversed()
+
+    def bring_home(self) -> None:
+        """Without an order, at the beginning of the track; raises TooLate or NotTried."""
+        self.bring_back()
+        if self.ahead != self.track:
+            self._drive(self.ahead, len(self.track.stops) - 1, True, self.patience)
 
     def _index_of(self, state: Message) -> int:
         """Of the stop that the vehicle passed last, else of the nearest one."""

@@ -208,7 +208,9 @@ def _until_accepted(trial: Trial) -> None:
 
 def _rejection(trial: Trial) -> Tuple[str, Dict[str, Any]]:
     """The orderId and the error of an order with a defect that this vehicle sees."""
-    for changes in ({'nodes__0__released': 'yes'}, {'edges': []}, {'nodes__1__sequenceId': 7}):
+    damages: Tuple[Dict[str, Any], ...] = (
+        {'nodes__0__released': 'yes'}, {'edges': []}, {'nodes__1__sequenceId': 7})
+    for changes in damages:
         trial.bring_back()
         trial.clear_rejections()
         order_id = trial.new_id()
