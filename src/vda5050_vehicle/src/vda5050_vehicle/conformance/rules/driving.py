@@ -1,11 +1,11 @@
 """Rules for orders that are driven, paused, cancelled, and for a broker that dies meanwhile."""
 from __future__ import annotations
 
-from typing import Any, Dict
+from typing import Any, Dict, Tuple
 
 from vda5050_vehicle.conformance.master import Message, status_of
 from vda5050_vehicle.conformance.rules.rule import NotTried, expect, must
-from vda5050_vehicle.conformance.trial import NEAR, REACH, Trial, has, has_order
+from vda5050_vehicle.conformance.trial import ANSWER, NEAR, REACH, Trial, has, has_order
 
 LOOK = 0.2  # s between two looks at where the vehicle is
 AWAY = 2.0  # s for which the broker is lost
@@ -181,19 +181,32 @@ def _cancelled(trial: Trial) -> str:
 
 @must('6.2', 'a vehicle that loses its broker fulfils its order up to the last released node')
 def _broker_lost(trial: Trial) -> None:
-    master, broker = trial.master, trial.own_broker
-    if broker is None:
-        raise NotTried('needs --own-broker')
-    _underway(trial)
-    before, states, connections = master.state, master.count(), master.count('connection')
-    broker.kill()
-    master.checker.broker_lost()
-    trial.let_pass(AWAY)
-    broker.start()
-    master.wait(lambda m: m.get('connectionState') == 'ONLINE', trial.patience, 'ONLINE',
-                'connection', connections)
+    master = trial.master
+    before, states, _ = _lose_broker(trial)
     after: Message = master.wait(lambda s: True, trial.patience, 'a state', after=states)
     expect(after['lastNodeSequenceId'] > before['lastNodeSequenceId']
            or after.get('agvPosition') != before.get('agvPosition'),
            'it did not drive on without its broker')
     trial.at_end_of(trial.ahead)
+
+
+@must('6.14', 'a vehicle that comes online again sends ONLINE')
+def _online_again(trial: Trial) -> None:
+    _, states, connections = _lose_broker(trial)
+    trial.master.wait(lambda s: True, trial.patience, 'a state', after=states)
+    trial.master.wait(lambda m: m.get('connectionState') == 'ONLINE', ANSWER, 'ONLINE',
+                      'connection', connections)
+
+
+def _lose_broker(trial: Trial) -> Tuple[Message, int, int]:
+    """The state before that, and how many states and connection messages had come."""
+    master, broker = trial.master, trial.own_broker
+    if broker is None:
+        raise NotTried('needs --own-broker')
+    _underway(trial)
+    found = master.state, master.count(), master.count('connection')
+    broker.kill()
+    master.checker.broker_lost()
+    trial.let_pass(AWAY)
+    broker.start()
+    return found
