@@ -44,6 +44,7 @@ class VehicleChecker:
 
     def __init__(self, manufacturer: str, serial_number: str, version: str = '2.1.0') -> None:
         self._is_3 = version.startswith('3.')
+        self._is_2_0 = version.startswith('2.0')
         self._identity = {'manufacturer': manufacturer, 'serialNumber': serial_number}
         self._last: Dict[str, Dict[str, Any]] = {}
         self._restarted: Dict[str, bool] = {}
@@ -77,6 +78,8 @@ class VehicleChecker:
             else:
                 self._look(topic, state_problems, message)
                 if last and 'nodeStates' in last:
+                    if not self._is_2_0:
+                        self._look(topic, order_problems, last, message)
                     self._look(topic, step_problems, last, message)
             self._remark(topic, message, last)
         self._last[topic] = message
@@ -160,11 +163,15 @@ def state_problems(state: State) -> Iterator[str]:
         yield 'batteryCharge is no percentage (6.10.6)'
 
 
+def order_problems(before: State, after: State) -> Iterator[str]:
+    """What is wrong with another order; figure 8 of 2.0 can be read otherwise."""
+    if before['orderId'] != after['orderId'] and before['nodeStates']:
+        yield 'orderId changes while nodeStates are left (figure 8)'
+
+
 def step_problems(before: State, after: State) -> Iterator[str]:
     """What is wrong with a state after the one before it."""
     same_order = before['orderId'] == after['orderId']
-    if not same_order and before['nodeStates']:
-        yield 'orderId changes while nodeStates are left (figure 8)'
     if same_order:
         if after['orderUpdateId'] < before['orderUpdateId']:
             yield 'orderUpdateId goes back'

@@ -8,7 +8,16 @@ from functools import partial
 from typing import Any, Dict, Tuple
 
 from vda5050_vehicle.conformance.master import error_types, status_of
-from vda5050_vehicle.conformance.rules.rule import Broken, NotTried, Start, expect, must, should
+from vda5050_vehicle.conformance.rules.rule import (
+    ONLY_3,
+    SINCE_2_1,
+    Broken,
+    NotTried,
+    Start,
+    expect,
+    must,
+    should,
+)
 from vda5050_vehicle.conformance.track import node_ids
 from vda5050_vehicle.conformance.trial import (
     ANSWER,
@@ -33,14 +42,15 @@ def _new_order(trial: Trial) -> None:
                    if node['nodeId'] != wanted[0]), 'the horizon is told as released')
 
 
-@must('figure 8 (3)', 'another order while one is under way, or waits for an update, is rejected')
+@must('figure 8 (3)', 'another order while one is under way, or waits for an update, is rejected',
+      versions=SINCE_2_1)
 def _other_order(trial: Trial) -> None:
     trial.ordered(trial.ahead, base=1)
     trial.refused(trial.ahead.order(trial.new_id()), 'another order')
 
 
 @must('figure 8 (3)', 'a new order is rejected while an action of actionStates has not ended',
-      majors='2')
+      versions=('2.1',))
 def _order_beside_instant_action(trial: Trial) -> None:
     master, slow = trial.master, trial.slow_action()
     master.act_all([slow])
@@ -48,7 +58,8 @@ def _order_beside_instant_action(trial: Trial) -> None:
     trial.refused(trial.ahead.order(trial.new_id()), 'an order while an instant action runs')
 
 
-@must('figure 8 (3)', 'a new order is rejected while an action of the last order has not ended')
+@must('figure 8 (3)', 'a new order is rejected while an action of the last order has not ended',
+      versions=SINCE_2_1)
 def _order_beside_action(trial: Trial) -> None:
     slow = trial.slow_action('HARD')
     trial.ordered(trial.ahead.part(0, 0), actions={trial.ahead.stops[0].node_id: [slow]})
@@ -69,7 +80,7 @@ def _far_away(trial: Trial) -> None:
     trial.refused(trial.ahead.reversed().order(trial.new_id()), 'an order that begins far away')
 
 
-@must('3.0: figure 8 (4)', 'the orderUpdateId of a new order is 0', majors='3')
+@must('3.0: figure 8 (4)', 'the orderUpdateId of a new order is 0', versions=ONLY_3)
 def _new_order_with_update_id(trial: Trial) -> None:
     trial.refused(trial.ahead.order(trial.new_id(), update=5, base=1),
                   'a new order with orderUpdateId 5')

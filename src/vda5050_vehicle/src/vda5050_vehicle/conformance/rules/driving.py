@@ -4,7 +4,7 @@ from __future__ import annotations
 from typing import Any, Dict, Tuple
 
 from vda5050_vehicle.conformance.master import Message, status_of
-from vda5050_vehicle.conformance.rules.rule import NotTried, expect, must
+from vda5050_vehicle.conformance.rules.rule import ONLY_3, SINCE_2_1, NotTried, expect, must, should
 from vda5050_vehicle.conformance.trial import ANSWER, NEAR, REACH, Trial, has, has_order
 
 LOOK = 0.2  # s between two looks at where the vehicle is
@@ -118,7 +118,8 @@ def _cancel_keeps_ids(trial: Trial) -> None:
            f'they are {trial.master.state["orderId"]!r}, {trial.master.state["orderUpdateId"]}')
 
 
-@must('6.6.3', 'cancelOrder: actions that are scheduled are FAILED')
+@must('6.6.3', 'cancelOrder: actions that are scheduled are FAILED', versions=SINCE_2_1)
+@should('6.6.3', 'cancelOrder: actions that are scheduled are FAILED', versions=('2.0',))
 def _cancel_actions(trial: Trial) -> None:
     slow, last = trial.slow_action('HARD'), trial.ahead.stops[-1].node_id
     trial.ordered(trial.ahead, base=1, actions={last: [slow]})
@@ -128,7 +129,7 @@ def _cancel_actions(trial: Trial) -> None:
 
 
 @must('3.0: 6.1.3.1', 'an update of a cancelled order brings ORDER_UPDATE_FOLLOWING_CANCEL',
-      majors='3')
+      versions=ONLY_3)
 def _update_after_cancel(trial: Trial) -> None:
     order_id = trial.ordered(trial.ahead, base=1)
     trial.master.ended(trial.master.act('cancelOrder'), trial.patience)

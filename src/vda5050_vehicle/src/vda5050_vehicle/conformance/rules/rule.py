@@ -3,10 +3,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import TYPE_CHECKING, Any, Callable, List
+from typing import TYPE_CHECKING, Any, Callable, List, Tuple
 
 if TYPE_CHECKING:
     from vda5050_vehicle.conformance.trial import Trial
+
+
+ALL = ('2.', '3.')        # versions of the standard
+SINCE_2_1 = ('2.1', '3.')  # figure 8 of 2.0 asks for nodes and edges and actions that are left
+ONLY_3 = ('3.',)
 
 
 class Broken(Exception):
@@ -40,7 +45,7 @@ class Rule:
     section: str
     sentence: str
     start: Start
-    majors: str
+    versions: Tuple[str, ...]
     attempt: Callable[[Trial], None]
 
 
@@ -48,27 +53,27 @@ Attempt = Callable[['Trial'], None]
 RULES: List[Rule] = []
 
 
-def must(section: str, sentence: str, start: Start = Start.AT_END, majors: str = '23',
-         ) -> Callable[[Attempt], Attempt]:
+def must(section: str, sentence: str, start: Start = Start.AT_END,
+         versions: Tuple[str, ...] = ALL) -> Callable[[Attempt], Attempt]:
     """Adds a function to the rules; `section` is of 2.1.0, or of 3.0.0 where only that has it."""
-    return _rule(Level.MUST, section, sentence, start, majors)
+    return _rule(Level.MUST, section, sentence, start, versions)
 
 
-def should(section: str, sentence: str, start: Start = Start.AT_END, majors: str = '23',
-           ) -> Callable[[Attempt], Attempt]:
+def should(section: str, sentence: str, start: Start = Start.AT_END,
+           versions: Tuple[str, ...] = ALL) -> Callable[[Attempt], Attempt]:
     """The same for what the standard recommends."""
-    return _rule(Level.SHOULD, section, sentence, start, majors)
+    return _rule(Level.SHOULD, section, sentence, start, versions)
 
 
 def rules_of(version: str) -> List[Rule]:
     """Those that a version of the standard has."""
-    return [rule for rule in RULES if version[:1] in rule.majors]
+    return [rule for rule in RULES if version.startswith(rule.versions)]
 
 
-def _rule(level: Level, section: str, sentence: str, start: Start, majors: str,
-          ) -> Callable[[Attempt], Attempt]:
+def _rule(level: Level, section: str, sentence: str, start: Start,
+          versions: Tuple[str, ...]) -> Callable[[Attempt], Attempt]:
     def add(attempt: Attempt) -> Attempt:
-        RULES.append(Rule(level, section, sentence, start, majors, attempt))
+        RULES.append(Rule(level, section, sentence, start, versions, attempt))
         return attempt
     return add
 

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from vda5050_vehicle.conformance.master import status_of
-from vda5050_vehicle.conformance.rules.rule import Start, expect, must
+from vda5050_vehicle.conformance.rules.rule import ONLY_3, Start, expect, must
 from vda5050_vehicle.conformance.trial import ANSWER, Trial, new_errors, references
 
 
@@ -62,7 +62,7 @@ def _unknown_action(trial: Trial) -> None:
 
 
 @must('3.0: 6.6.5', 'INVALID_INSTANT_ACTION stays until a new instant action is accepted',
-      Start.ANYWHERE, majors='3')
+      Start.ANYWHERE, versions=ONLY_3)
 def _invalid_action(trial: Trial) -> None:
     master = trial.master
     action_id = master.act('noSuchAction')
