@@ -35,6 +35,7 @@ def found(verdicts: List[Verdict], *outcomes: Outcome) -> Dict[str, str]:
 def test_a_vehicle_that_is_right_passes(version):
     verdicts = verdicts_of(version=version)
     assert not found(verdicts, Outcome.BROKEN, Outcome.NOT_FOLLOWED), scorecard(verdicts)
+    assert len({verdict.rule.sentence for verdict in verdicts}) == len(verdicts)
     not_tried = found(verdicts, Outcome.NOT_TRIED)
     assert set(not_tried.values()) == {'needs --own-broker'}, scorecard(verdicts)
 
@@ -46,6 +47,8 @@ def test_a_vehicle_that_is_right_passes(version):
     ('2.1.0', 'accepts beside actions', {
         'a new order is rejected while an action of actionStates has not ended',
         'a new order is rejected while an action of the last order has not ended'}),
+    ('2.1.0', 'no actions at the first node', {
+        'as soon as a node is traversed, its actions are triggered'}),
     ('2.1.0', 'no references', {
         'the rejection of an order update tells the orderUpdateId',
         'the error of an erroneous order tells its orderId where that can be read',

@@ -240,7 +240,7 @@ class ToyVehicle:
                 self.actions[action['actionId']] = self._action_state(action, 'WAITING')
         self.errors = [error for error in self.errors
                        if error['errorType'] == 'INVALID_INSTANT_ACTION']
-        if not is_update:
+        if not is_update and not self.wrong('no actions at the first node'):
             self._begin_actions(first)
 
     # --- actions ----------------------------------------------------------------------------------

@@ -69,9 +69,8 @@ def _order_beside_action(trial: Trial) -> None:
 
 def _runs(trial: Trial, slow: Dict[str, Any]) -> None:
     name = slow['actionId']
-    state = trial.master.wait(lambda s: status_of(s, name) == 'RUNNING' or status_of(s, name)
-                              in ENDED, ANSWER, f'{slow["actionType"]} RUNNING')
-    if status_of(state, name) != 'RUNNING':
+    state = trial.master.wait(lambda s: status_of(s, name), ANSWER, f'{slow["actionType"]}')
+    if status_of(state, name) in ENDED:
         raise NotTried(f'{slow["actionType"]} is {status_of(state, name)} and did not run')
 
 

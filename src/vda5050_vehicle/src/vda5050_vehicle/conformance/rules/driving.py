@@ -25,6 +25,16 @@ def _traversal(trial: Trial) -> None:
            'the node or its edge is still in the state')
 
 
+@must('6.10.2', 'as soon as a node is traversed, its actions are triggered')
+def _triggered(trial: Trial) -> None:
+    slow, here = trial.slow_action('HARD'), trial.ahead.part(0, 0)
+    before = trial.master.count()
+    trial.ordered(here, actions={here.stops[0].node_id: [slow]})
+    trial.master.wait(lambda s: status_of(s, slow['actionId']) not in (None, 'WAITING'), ANSWER,
+                      f'{slow["actionType"]} at the node of an order of one node',
+                      after=before)
+
+
 @must('6.10.6', 'driving is true while the vehicle drives')
 def _driving(trial: Trial) -> None:
     before = trial.master.count()

@@ -21,6 +21,7 @@ def _all_actions(trial: Trial) -> None:
     sheets = trial.master.messages.get('factsheet')
     if not sheets:
         raise NotTried('no factsheet came')
+    expect('protocolFeatures' in sheets[-1], 'the factsheet has no protocolFeatures')
     known = {found['actionType'] for found in sheets[-1]['protocolFeatures']['agvActions']}
     done = {action.get('actionType') for state in trial.master.messages.get('state', ())
             for action in state['actionStates'] if action['actionStatus'] == 'FINISHED'}

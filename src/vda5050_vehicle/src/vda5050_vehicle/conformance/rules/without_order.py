@@ -1,8 +1,8 @@
 """Rules for a vehicle without an order: the connection, and instant actions."""
 from __future__ import annotations
 
-from vda5050_vehicle.conformance.master import status_of
-from vda5050_vehicle.conformance.rules.rule import ONLY_3, Start, expect, must
+from vda5050_vehicle.conformance.master import TooLate, status_of
+from vda5050_vehicle.conformance.rules.rule import ONLY_3, NotTried, Start, expect, must
 from vda5050_vehicle.conformance.trial import ANSWER, Trial, new_errors, references
 
 
@@ -57,7 +57,12 @@ def _every_action(trial: Trial) -> None:
 @must('6.11, table 2', 'an action that could not be finished for whatever reason is FAILED',
       Start.ANYWHERE)
 def _unknown_action(trial: Trial) -> None:
-    ended = trial.master.ended(trial.master.act('noSuchAction'), ANSWER)
+    action_id = trial.master.act('noSuchAction')
+    try:
+        trial.master.wait(lambda s: status_of(s, action_id), ANSWER, 'its actionState')
+    except TooLate as error:
+        raise NotTried(f'an unknown action has no actionState: {error}') from None
+    ended = trial.master.ended(action_id, ANSWER)
     expect(ended['actionStatus'] == 'FAILED', f'an unknown one is {ended["actionStatus"]}')
 
 
