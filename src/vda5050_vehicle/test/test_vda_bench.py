@@ -97,9 +97,18 @@ def test_a_vehicle_that_no_cancellation_stops_is_still_tried_by_all_other_rules(
     assert len(found(verdicts, Outcome.PASSED)) > 30, scorecard(verdicts)
 
 
-def test_a_missing_answer_to_stateRequest_is_one_broken_rule():
-    broken = found(verdicts_of('no stateRequest'), Outcome.BROKEN)
-    assert not broken, 'its actionState comes with a state'
+def test_a_stateRequest_that_is_only_finished_is_answered_by_its_own_actionState():
+    assert not found(verdicts_of('no stateRequest'), Outcome.BROKEN)
+
+
+@pytest.mark.parametrize('garbage', [None, 5, 'text', [5], {'a': 1}])
+@pytest.mark.parametrize('key', ['errors', 'nodeStates', 'actionStates', 'agvPosition', 'orderId',
+                                 'headerId', 'timestamp'])
+def test_no_state_ends_a_run_by_an_exception(key, garbage):
+    vehicle = ToyVehicle()
+    vehicle.garbage = {key: garbage}
+    verdicts = list(tried(Trial(DirectMaster(vehicle), LINE, 5.0, None, BLINK), '2.1.0'))
+    assert len(verdicts) == len(rules_of('2.1.0'))
 
 
 def test_every_rule_cites_a_section_and_a_sentence():

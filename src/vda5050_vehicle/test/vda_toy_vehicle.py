@@ -51,6 +51,7 @@ class ToyVehicle:
         self.instant: Dict[str, Json] = {}
         self.ends: Dict[str, float] = {}
         self.errors: List[Json] = []
+        self.garbage: Json = {}  # in each state
         self._headers: Dict[str, int] = {}
         self._told = ''
         self._told_at = 0.0
@@ -71,7 +72,7 @@ class ToyVehicle:
                 f'{self.now % 60:06.3f}Z'
         self.send(topic, json.dumps({
             'headerId': number, 'timestamp': stamp, 'version': self.version, 'manufacturer': 'Toy',
-            'serialNumber': '1', **body}).encode())
+            'serialNumber': '1', **body, **(self.garbage if topic == 'state' else {})}).encode())
 
     def tell(self, always: bool = False) -> None:
         """A state where something has changed."""

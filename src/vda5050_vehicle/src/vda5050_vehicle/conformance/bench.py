@@ -23,7 +23,8 @@ from vda5050_vehicle.conformance.trial import SlowAction, Trial
 from vda5050_vehicle.mqtt.credentials import WrongCredentials, read_credentials
 from vda5050_vehicle.mqtt.link import Broker
 
-_MALFORMED = (AttributeError, IndexError, KeyError, TypeError, ValueError)  # by its messages
+# By messages that are not as they must be; the last by a broker that is gone.
+_MALFORMED = (AttributeError, IndexError, KeyError, TypeError, ValueError, OSError)
 
 
 class Outcome(Enum):

@@ -58,7 +58,7 @@ class VehicleChecker:
         self.messages += 1
         try:
             message = json.loads(payload.decode('utf-8'), parse_constant=_refuse)
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             self._violate(topic, f'no JSON in UTF-8: {error}')
             return None
         if not isinstance(message, dict):

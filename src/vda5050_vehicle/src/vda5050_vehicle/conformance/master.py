@@ -183,6 +183,13 @@ def summary(topic: str, messages: Optional[Sequence[Message]]) -> str:
     last = messages[-1]
     if topic != 'state':
         return f'last {topic}: {json.dumps(last)[:300]}'
+    try:
+        return f'last state: {_told(last)}'
+    except (AttributeError, TypeError):  # another type than the standard has
+        return f'last state: {json.dumps(last)[:300]}'
+
+
+def _told(last: Message) -> Dict[str, Any]:
     told = {key: last.get(key) for key in ('orderId', 'orderUpdateId', 'lastNodeId', 'driving',
                                            'paused')}
     told['nodes left'] = len(last.get('nodeStates', ()))
@@ -190,7 +197,7 @@ def summary(topic: str, messages: Optional[Sequence[Message]]) -> str:
                       for error in last.get('errors', ())]
     told['actions'] = {a.get('actionId'): a.get('actionStatus')
                        for a in last.get('actionStates', ())}
-    return f'last state: {told}'
+    return told
 
 
 def status_of(state: Message, action_id: str) -> Optional[str]:
