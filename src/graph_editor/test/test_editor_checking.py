@@ -76,7 +76,13 @@ def test_a_part_that_nothing_leads_to_is_told_once_with_its_size():
     draft, second = editing.add_vertex(draft, 4.0, 5.0)
     draft, _ = editing.connect(draft, first, second)
     finding = only(found(draft), 'no edges lead from here and 1 more to vertex 1')
-    assert (finding.severity, finding.id) == (Severity.ERROR, first)
+    assert (finding.severity, finding.id) == (Severity.WARNING, first)
+
+
+def test_a_vertex_without_edges_is_an_error():
+    draft, vertex = editing.add_vertex(ring(), 4.0, 3.0)
+    finding = only(found(draft), 'no edges lead from here to vertex 1: connect it')
+    assert (finding.severity, finding.id) == (Severity.ERROR, vertex)
 
 
 @pytest.mark.parametrize('forward, backwards, words', [

@@ -106,7 +106,7 @@ def test_a_line_that_becomes_a_spline_and_a_line_again_is_where_it_was():
 
 def test_parts_that_do_not_hang_together_are_told():
     draft, id = editing.add_vertex(square(), 9.0, 9.0)
-    assert draft.parts() == [{1, 2, 3, 4}, {id}]
+    assert draft.parts() == ({1, 2, 3, 4}, {id})
 
 
 def test_places_are_snapped_to_the_grid():

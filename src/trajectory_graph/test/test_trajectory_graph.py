@@ -61,7 +61,7 @@ def test_a_graph_of_one_vertex_is_valid_and_has_no_nearest_edge():
     ({1: (0.0, 0.0), 2: (math.nan, 0.0)}, {3: (1, 2)}, 'vertex 2: x is nan'),
     ({1: (0.0, 0.0), 2: (math.inf, 0.0)}, {3: (1, 2)}, 'vertex 2: x is inf'),
     ({1: (1.0, 1.0), 2: (1.0, 1.0)}, {3: (1, 2)}, 'edge 3: .* at the same place'),
-    ({**TWO, 5: (9.0, 9.0)}, {3: (1, 2)}, 'vertex 5: cannot be reached from vertex 1'),
+    ({**TWO, 5: (9.0, 9.0)}, {3: (1, 2)}, 'vertex 5: cannot be reached: no edges touch it'),
 ])
 def test_a_graph_that_cannot_be_used_is_refused_by_name(vertices, edges, message):
     with pytest.raises(GraphError, match=message):

@@ -91,7 +91,7 @@ def test_a_graph_that_is_saved_and_read_again_is_the_same(tmp_path):
     (EDGE, '- 7\n', ', line 2: an entry of Edges must be a mapping of names to values.'),
     ('Edges:\n' + EDGE, 'Edges: 5\n', ', line 1: Edges must be a list.'),
     ('Edges:\n' + EDGE, '', ', line 1: Edges is missing.'),
-    ('Edges:\n' + EDGE, 'Edges: []\n', ', line 4: vertex 2: cannot be reached from vertex 1'),
+    ('Edges:\n' + EDGE, 'Edges: []\n', ', line 3: vertex 1: cannot be reached: no edges touch it'),
     ('Edges:', 'Edges: [', ', line 2: this is not YAML'),
 ])
 def test_what_is_wrong_is_named_with_its_line(refused, old, new, sentence):

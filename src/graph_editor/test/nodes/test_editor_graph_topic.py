@@ -33,7 +33,7 @@ def test_each_draft_is_told_whole(sent, draft):
     topic = GraphTopic('graph_editor/graph')
     for step in (draft, editing.move_vertex(draft, 3, 5.0, 1.0), editing.delete_edge(draft, 2)):
         topic.publish(step)
-    assert len(sent) == 2, 'a draft in two parts is not valid'
+    assert len(sent) == 2, 'a draft with a vertex without edges is not valid'
     for message, step in zip(sent, (draft, editing.move_vertex(draft, 3, 5.0, 1.0))):
         told = graph_from_message(message)
         assert dict(told.vertices) == dict(step.vertices)

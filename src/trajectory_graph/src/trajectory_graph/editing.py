@@ -1,6 +1,6 @@
 """Editing operations: pure functions from one draft of a graph to the next. Metres, radians, m/s.
 
-A draft may be what no graph may be: in two parts, say, while a vertex waits to be connected. What
+A draft may be what no graph may be: with a vertex, say, that waits to be connected. What
 an operation does not touch is the same object in both drafts. Operations raise EditError, and then
 nothing has happened.
 """
@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any, Dict, Iterable, List, Mapping, Set, Tuple
+from typing import Any, FrozenSet, Iterable, List, Mapping, Tuple
 
 import numpy as np
 
 from trajectory_graph.curves import Curve, bezier_arc_lengths, bezier_section
 from trajectory_graph.errors import GraphError, TrajectoryGraphError
-from trajectory_graph.graph import CurveType, Edge, Graph, Vertex
+from trajectory_graph.graph import CurveType, Edge, Graph, Vertex, parts_of
 
 LINE_PARAMETER = 0.25  # m; a line's parameters mean nothing, but the file has them
 DEFAULT_SPEED = 0.5  # m/s, of a new edge where none is near to go by
@@ -71,25 +71,9 @@ class Draft:
         """The curve of an edge; raises GraphError where the edge is invalid."""
         return self.edge_alone(id).curve(id)
 
-    def parts(self) -> List[Set[int]]:
+    def parts(self) -> Tuple[FrozenSet[int], ...]:
         """The sets of vertices that edges join, the largest first."""
-        neighbours: Dict[int, List[int]] = {id: [] for id in self.vertices}
-        for edge in self.edges.values():
-            neighbours[edge.origin].append(edge.destination)
-            neighbours[edge.destination].append(edge.origin)
-        parts: List[Set[int]] = []
-        left = set(self.vertices)
-        for start in self.vertices:
-            if start in left:
-                part, waiting = {start}, [start]
-                while waiting:
-                    for other in neighbours[waiting.pop()]:
-                        if other not in part:
-                            part.add(other)
-                            waiting.append(other)
-                left -= part
-                parts.append(part)
-        return sorted(parts, key=lambda part: (-len(part), min(part)))
+        return parts_of(self.vertices, self.edges.values())
 
     def with_vertices(self, vertices: Iterable[Vertex]) -> Draft:
         """The draft with these vertices changed or added."""

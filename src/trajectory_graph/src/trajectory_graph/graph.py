@@ -6,11 +6,21 @@ its destination to its origin.
 from __future__ import annotations
 
 import math
-from collections import deque
 from dataclasses import dataclass
 from enum import Enum
 from types import MappingProxyType
-from typing import Dict, Iterable, List, Mapping, Optional, Tuple, TypeVar, Union
+from typing import (
+    Dict,
+    FrozenSet,
+    Iterable,
+    List,
+    Mapping,
+    Optional,
+    Set,
+    Tuple,
+    TypeVar,
+    Union,
+)
 
 import numpy as np
 
@@ -71,7 +81,7 @@ _Element = TypeVar('_Element', Vertex, Edge)
 
 
 class Graph:
-    """A valid trajectory graph: ids are unique, every edge joins two vertices, all is connected.
+    """A valid trajectory graph: ids are unique, edges join two vertices, every vertex has edges.
 
     Raises GraphError, naming the element, when that is not so. A graph never changes.
     """
@@ -87,7 +97,8 @@ class Graph:
             self._check_edge(edge)
             self._edges_from[edge.origin].append(edge.id)
             self._edges_from[edge.destination].append(-edge.id)
-        self._check_connected()
+        self._check_edges_at_vertices()
+        self._parts: Optional[Tuple[FrozenSet[int], ...]] = None
 
     def vertex(self, id: int) -> Vertex:
         """The vertex `id`; raises UnknownVertex."""
@@ -120,6 +131,17 @@ class Graph:
         """Signed ids of the edges that touch the vertex, each driven away from it."""
         self.vertex(vertex_id)
         return tuple(self._edges_from[vertex_id])
+
+    @property
+    def parts(self) -> Tuple[FrozenSet[int], ...]:
+        """The sets of vertices that edges join, as of two halls or floors; the largest first."""
+        if self._parts is None:
+            self._parts = parts_of(self.vertices, self.edges.values())
+        return self._parts
+
+    def part_of(self, vertex_id: int) -> FrozenSet[int]:
+        """The vertices that edges join to this one, and itself."""
+        return next(part for part in self.parts if vertex_id in part)
 
     def is_end_vertex(self, vertex_id: int) -> bool:
         """Is the vertex touched by exactly one edge?"""
@@ -187,21 +209,32 @@ class Graph:
             raise GraphError(f'joins vertices {origin.id} and {destination.id}, '
                              'which are at the same place', 'edge', edge.id)
 
-    def _check_connected(self) -> None:
-        start = next(iter(self.vertices))
-        reached = {start}
-        queue = deque(reached)
-        while queue:
-            vertex = queue.popleft()
-            for edge in self._edges_from[vertex]:
-                other = self.end_vertex(edge).id
-                if other not in reached:
-                    reached.add(other)
-                    queue.append(other)
-        for vertex in self.vertices:
-            if vertex not in reached:
-                raise GraphError(f'cannot be reached from vertex {start} over any edges',
-                                 'vertex', vertex)
+    def _check_edges_at_vertices(self) -> None:
+        """A vertex without edges is a slip, but for a graph of one vertex."""
+        for vertex, edges in self._edges_from.items():
+            if not edges and len(self.vertices) > 1:
+                raise GraphError('cannot be reached: no edges touch it', 'vertex', vertex)
+
+
+def parts_of(vertices: Iterable[int], edges: Iterable[Edge]) -> Tuple[FrozenSet[int], ...]:
+    """The sets of vertices that edges join, the largest first."""
+    neighbours: Dict[int, List[int]] = {id: [] for id in vertices}
+    for edge in edges:
+        neighbours[edge.origin].append(edge.destination)
+        neighbours[edge.destination].append(edge.origin)
+    parts: List[FrozenSet[int]] = []
+    seen: Set[int] = set()
+    for start in neighbours:
+        if start not in seen:
+            part, waiting = {start}, [start]
+            while waiting:
+                for other in neighbours[waiting.pop()]:
+                    if other not in part:
+                        part.add(other)
+                        waiting.append(other)
+            seen |= part
+            parts.append(frozenset(part))
+    return tuple(sorted(parts, key=lambda part: (-len(part), min(part))))
 
 
 class _Segments:

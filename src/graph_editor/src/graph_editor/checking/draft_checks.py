@@ -92,12 +92,16 @@ def check_service(draft: Draft, curves: Curves, served: ServedFloor, places: Seq
 
 
 def _parts(draft: Draft) -> Iterable[Finding]:
+    """A vertex without edges is an error; two halls or floors in one graph may be meant."""
     first, *others = draft.parts()
     for part in others:
-        id = min(part)
-        more = f' and {len(part) - 1} more' if len(part) > 1 else ''
-        yield Finding(Severity.ERROR, f'no edges lead from here{more} to vertex {min(first)}: '
-                      'connect it', 'vertex', id, draft.vertices[id].position)
+        id, alone = min(part), len(part) == 1
+        more = '' if alone else f' and {len(part) - 1} more'
+        yield Finding(Severity.ERROR if alone else Severity.WARNING,
+                      f'no edges lead from here{more} to vertex {min(first)}: '
+                      + ('connect it' if alone else 'it is another part of the graph, and a '
+                         'mission stays in one part'),
+                      'vertex', id, draft.vertices[id].position)
 
 
 def _one_way(draft: Draft) -> Iterable[Finding]:
@@ -109,17 +113,18 @@ def _one_way(draft: Draft) -> Iterable[Finding]:
             ways.add_edge(edge.origin, edge.destination)
         if edge.velocity_backwards > 0.0:
             ways.add_edge(edge.destination, edge.origin)
-    core = max(nx.strongly_connected_components(ways), key=lambda part: (len(part), -min(part)))
-    start = min(core)
-    reached, left = nx.descendants(ways, start), nx.ancestors(ways, start)
-    together = next(part for part in draft.parts() if start in part)
-    for id in sorted(together - core):
-        problem = ('cannot come here' if id not in reached else
-                   'cannot leave here' if id not in left else None)
-        if problem:
-            yield Finding(Severity.ERROR, f'robots {problem}: one-way edges lead '
-                          f'{"away" if id not in reached else "here"} only', 'vertex', id,
-                          draft.vertices[id].position)
+    for part in draft.parts():
+        core = max(nx.strongly_connected_components(ways.subgraph(part)),
+                   key=lambda each: (len(each), -min(each)))
+        start = min(core)
+        reached, left = nx.descendants(ways, start), nx.ancestors(ways, start)
+        for id in sorted(part - core):
+            problem = ('cannot come here' if id not in reached else
+                       'cannot leave here' if id not in left else None)
+            if problem:
+                yield Finding(Severity.ERROR, f'robots {problem}: one-way edges lead '
+                              f'{"away" if id not in reached else "here"} only', 'vertex', id,
+                              draft.vertices[id].position)
 
 
 def _close(draft: Draft, rules: CheckRules) -> Iterable[Finding]:

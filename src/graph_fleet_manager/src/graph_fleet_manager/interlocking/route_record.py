@@ -100,6 +100,13 @@ class RouteRecord:
         return self.position.vertex if self.position else None
 
     @property
+    def some_vertex(self) -> Optional[int]:
+        """One that edges join to where the robot is; None: that is not known."""
+        if self.last_vertex is not None or self.position is None:
+            return self.last_vertex
+        return self.graph.end_vertex(self.position.edge).id
+
+    @property
     def near(self) -> float:
         """m from a vertex at which the robot stands on it."""
         return nearness(self.kind)

@@ -1,7 +1,7 @@
 """random_missions: keeps a fleet busy, for demonstrations and endurance tests.
 
 There are always as many open missions as robots that could serve one; each leads over some places
-of the graph, at random.
+of the part of the graph in which one of these robots is, at random.
 
 Subscribes
     /graph (itrci_nav_msgs/Graph), /fleet_state (itrci_nav_msgs/FleetState): latched
@@ -21,8 +21,10 @@ from typing import Dict, List
 
 import rospy
 
-from itrci_nav_msgs.msg import FleetRobot, FleetState, Graph, MissionRequest, MissionStatus
+from itrci_nav_msgs.msg import FleetRobot, FleetState, MissionRequest, MissionStatus
+from itrci_nav_msgs.msg import Graph as GraphMessage
 from node_lifecycle import parameter, run
+from trajectory_graph.messages import graph_from_message
 
 PERIOD = 1.0  # s between two looks
 REPEAT = 5.0  # s after which a request without any answer is sent again, unchanged
@@ -40,25 +42,27 @@ class RandomMissions:
         self._most = max(parameter('~destinations', 2, int), 1)
         self._left = parameter('~missions', 0, int) or -1
         self._lock = threading.Lock()
-        self._places: List[int] = []
-        self._robots = 0
+        self._places: Dict[int, List[int]] = {}
+        """By each edge the places that edges join to it."""
+        self._robots: List[int] = []
+        """The edge at which each robot is that could serve a mission."""
         self._open: Dict[int, MissionRequest] = {}
         self._acknowledged: Dict[int, bool] = {}
         self._ended: Dict[int, int] = dict.fromkeys(_OVER, 0)
         self._requests = rospy.Publisher('/mission_request', MissionRequest, queue_size=100)
-        rospy.Subscriber('/graph', Graph, self._on_graph, queue_size=1)
+        rospy.Subscriber('/graph', GraphMessage, self._on_graph, queue_size=1)
         rospy.Subscriber('/fleet_state', FleetState, self._on_state, queue_size=1)
         rospy.Subscriber('/mission_status', MissionStatus, self._on_status, queue_size=100)
         self._timer = rospy.Timer(rospy.Duration(PERIOD), self._tick)
 
-    def _on_graph(self, message: Graph) -> None:
+    def _on_graph(self, message: GraphMessage) -> None:
         with self._lock:
-            self._places = [vertex.id for vertex in message.vertices
-                            if not vertex.no_parking and not vertex.dock]
+            self._places = places_by_edge(message)
 
     def _on_state(self, message: FleetState) -> None:
         with self._lock:
-            self._robots = sum(robot.state in _WORKING for robot in message.robots)
+            self._robots = [abs(robot.pose.edge_id) for robot in message.robots
+                            if robot.state in _WORKING]
 
     def _on_status(self, message: MissionStatus) -> None:
         with self._lock:
@@ -75,25 +79,39 @@ class RandomMissions:
 
     def _tick(self, _event: rospy.timer.TimerEvent) -> None:
         with self._lock:
-            if not self._requests.get_num_connections() or len(self._places) < 2:
+            homes = [self._places[edge] for edge in self._robots if edge in self._places]
+            if not self._requests.get_num_connections() or not homes:
                 return
             now = rospy.Time.now()
             for request_id, request in self._open.items():
                 if not self._acknowledged.get(request_id) and (
                         now - request.header.stamp).to_sec() > REPEAT:
                     self._requests.publish(request)
-            while len(self._open) < self._robots and self._left:
-                request = self._request(now)
+            while len(self._open) < len(self._robots) and self._left:
+                request = self._request(self._random.choice(homes), now)
                 self._open[request.request_id] = request
                 self._requests.publish(request)
                 self._left -= 1
 
-    def _request(self, now: rospy.Time) -> MissionRequest:
-        count = self._random.randint(1, min(self._most, len(self._places)))
+    def _request(self, places: List[int], now: rospy.Time) -> MissionRequest:
+        count = self._random.randint(1, min(self._most, len(places)))
         request = MissionRequest(request_id=random.SystemRandom().randint(1, 2 ** 31 - 1),
-                                 destination_vertices_id=self._random.sample(self._places, count))
+                                 destination_vertices_id=self._random.sample(places, count))
         request.header.stamp = now
         return request
+
+
+def places_by_edge(message: GraphMessage) -> Dict[int, List[int]]:
+    """By the id of each edge the vertices that edges join to it, but for docks and vertices where
+    no robot may be parked; only where there are two or more to drive between."""
+    graph = graph_from_message(message)
+    free = {vertex.id for vertex in message.vertices if not vertex.no_parking and not vertex.dock}
+    found: Dict[int, List[int]] = {}
+    for part in graph.parts:
+        places = sorted(free & part)
+        if len(places) > 1:
+            found.update((edge.id, places) for edge in graph.edges.values() if edge.origin in part)
+    return found
 
 
 def main() -> None:

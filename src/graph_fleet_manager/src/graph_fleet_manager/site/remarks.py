@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from typing import Iterable, List, NamedTuple
+from typing import FrozenSet, Iterable, List, NamedTuple
 
 from graph_fleet_manager.fleet import Fleet
 from graph_fleet_manager.site.survey import Survey
@@ -21,6 +21,9 @@ class Remark(NamedTuple):
 def remarks(graph: Graph, fleet: Fleet, found: Survey) -> List[Remark]:
     """What a survey and the fleet file say, the most important first."""
     told = [Remark(True, text) for text in _wrong_in_fleet(graph, fleet)]
+    if len(graph.parts) > 1:
+        told.append(Remark(True, f'The graph has {len(graph.parts)} parts, which no edges join: '
+                           f'{"; ".join(map(_part, graph.parts))}. A mission stays in one part.'))
     told += _on_parking(fleet, found)
     for part in found.stranded:
         told.append(Remark(True, f'Robots of type {part.type} cannot come to, or not come back '
@@ -31,7 +34,7 @@ def remarks(graph: Graph, fleet: Fleet, found: Survey) -> List[Remark]:
                            'robot at a time may be on the two.'))
     if len(found.near_edges) > _NAMED:
         told.append(Remark(False, f'So do {len(found.near_edges) - _NAMED} more pairs of edges.'))
-    return [*told, *_on_dead_ends(found), *_on_long_edges(found)]
+    return [*told, *_on_dead_ends(graph, found), *_on_long_edges(found)]
 
 
 def _wrong_in_fleet(graph: Graph, fleet: Fleet) -> Iterable[str]:
@@ -73,7 +76,7 @@ def _on_parking(fleet: Fleet, found: Survey) -> Iterable[Remark]:
     yield Remark(False, f'Parking: {_all_of(sorted(found.parking))}.')
 
 
-def _on_dead_ends(found: Survey) -> Iterable[Remark]:
+def _on_dead_ends(graph: Graph, found: Survey) -> Iterable[Remark]:
     spurs = [end for end in found.dead_ends if end.entry is not None and len(end.vertices) == 1]
     if spurs:
         ids = sorted(end.vertices[0] for end in spurs)
@@ -82,7 +85,9 @@ def _on_dead_ends(found: Survey) -> Iterable[Remark]:
                      'way it went in.')
     for end in found.dead_ends:
         if end.entry is None:
-            yield Remark(True, 'The graph has no way round anywhere: robots that meet have to back '
+            where = 'The graph' if len(graph.parts) == 1 else (
+                f'The part of the graph with vertex {min(end.vertices)}')
+            yield Remark(True, f'{where} has no way round anywhere: robots that meet have to back '
                          'out; join some of its ends.')
         elif len(end.vertices) > 1:
             yield Remark(False, f'Behind vertex {end.entry} lies a dead end of {end.length:.1f} m '
@@ -109,6 +114,10 @@ def _named(one: str, many: str, ids: Iterable[int]) -> str:
     named = ', '.join(map(str, ids[:_NAMED]))
     more = f' and {len(ids) - _NAMED} more' if len(ids) > _NAMED else ''
     return f'{many} {named}{more}'
+
+
+def _part(vertices: FrozenSet[int]) -> str:
+    return _named('vertex', 'vertices', sorted(vertices))
 
 
 def _robots(count: int) -> str:

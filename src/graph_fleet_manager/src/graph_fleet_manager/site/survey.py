@@ -136,11 +136,13 @@ def dead_ends(network: RoadNetwork) -> Tuple[DeadEnd, ...]:
 
 
 def _stranded(network: RoadNetwork, kind: RobotType) -> Stranded:
-    """What lies outside of the largest part in which a robot comes from everywhere to everywhere.
-    """
+    """What lies outside of where a robot comes from everywhere to everywhere: the largest such set
+    of vertices in each part of the graph."""
     roads = _roads(network, kind)
-    home = max(nx.strongly_connected_components(roads), key=len)
-    return Stranded(kind.name, tuple(sorted(set(network.vertex_ids) - set(home))))
+    homes: Dict[FrozenSet[int], Set[int]] = {}
+    for home in sorted(nx.strongly_connected_components(roads), key=len):
+        homes[network.graph.part_of(min(home))] = home  # the last one counts
+    return Stranded(kind.name, tuple(sorted(set(network.vertex_ids).difference(*homes.values()))))
 
 
 def long_edges(network: RoadNetwork, kind: RobotType, distance: float) -> Tuple[LongEdge, ...]:

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Deque, Dict, Iterable, List, Mapping, Optional, Set, Tuple
 
@@ -169,10 +169,12 @@ class Acceptance:
     """What requests are judged by.
 
     robots -- type of each robot by its name
+    places -- vertices at which robots are, or from which they have driven, as far as known
     """
 
     graph: Graph
     robots: Mapping[str, RobotType]
+    places: Mapping[str, int] = field(default_factory=dict)
 
     def check(self, request: Request) -> None:
         """Raises RequestRefused for what no robot of the fleet can do."""
@@ -198,8 +200,23 @@ class Acceptance:
         if request.robot and request.robot_type not in ('', self.robots[request.robot].name):
             raise RequestRefused(f'robot {request.robot} is of type '
                                  f'{self.robots[request.robot].name}, not {request.robot_type}')
-        if not self.robots_for(request):
+        robots = self.robots_for(request)
+        if not robots:
             raise RequestRefused('no such robot may be sent to its dock')
+        self._check_part(request, robots)
+
+    def _check_part(self, request: Request, robots: Iterable[str]) -> None:
+        """Raises RequestRefused where no edges lead from one destination to another, or to it from
+        any of the robots."""
+        first, *others = request.destinations
+        part = self.graph.part_of(first)
+        for other in others:
+            if other not in part:
+                raise RequestRefused(f'vertices {first} and {other} are in different parts of the '
+                                     'graph, which no edges join')
+        if all(self.places.get(name, first) not in part for name in robots):
+            raise RequestRefused(f'vertex {first} is in another part of the graph than '
+                                 f'{request.robot or "each of its robots"}')
 
     def robots_for(self, request: Request) -> List[str]:
         """Robots that may serve a request as far as type, name and docks say."""

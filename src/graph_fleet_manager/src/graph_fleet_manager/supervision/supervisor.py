@@ -6,6 +6,7 @@ the answer is given; where the disk cannot be written, only stops and cuts are.
 """
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Dict, Iterable, List, Mapping, Optional, Tuple
 
 from graph_fleet_manager.fleet import Fleet
@@ -126,7 +127,9 @@ class Supervisor:
 
     def requests(self, requests: Iterable[Request], now: float) -> List[Action]:
         """The same for several requests, with one commit of the journal."""
-        acceptance = self.acceptance
+        acceptance = replace(self.acceptance, places={
+            robot.name: vertex for robot in self.robots.values()
+            for vertex in [robot.record.some_vertex] if vertex is not None})
         accepted: List[Tuple[Mission, Optional[Mission]]] = []
         for request in requests:
             before = self.book.find(request.id)
