@@ -15,6 +15,7 @@ import rospkg
 import rospy
 from rospy.impl.paramserver import get_param_server_cache
 
+_FILE_HANDLER = 'RotatingFileHandler'  # of logging.handlers: what rospy writes its log with
 _TOPICS_LEFT_OUT = '/rosout_disable_topics_generation'
 
 
@@ -24,10 +25,9 @@ def init_node(name: str, **options: Any) -> None:
         rospy.init_node(name, **options)
     _ask_once()
     for handler in logging.getLogger('rosout').handlers:
-        handler.emit = _harmless(handler.emit)  # type: ignore[assignment,method-assign]
+        _guard(handler, 'emit', _harmless)
     for handler in logging.getLogger().handlers:  # they print a traceback for each message
-        handler.handleError = _but_for_disks(  # type: ignore[assignment,method-assign]
-            handler.handleError)
+        _guard(handler, 'handleError', _but_for_disks)
 
 
 def _ask_once() -> None:
@@ -54,17 +54,22 @@ def _possible_log_file() -> Iterator[None]:
         yield  # rospy makes it, or says itself that it cannot
     except OSError as error:
         print(f'There is no log file in {folder} ({error.strerror}).', file=sys.stderr)
-        file_handler = logging.handlers.RotatingFileHandler
-        logging.handlers.RotatingFileHandler = _NoFile  # type: ignore[assignment,misc]
+        file_handler = getattr(logging.handlers, _FILE_HANDLER)
+        setattr(logging.handlers, _FILE_HANDLER, _NoFile)
         try:
             yield
         finally:
-            logging.handlers.RotatingFileHandler = file_handler  # type: ignore[misc]
+            setattr(logging.handlers, _FILE_HANDLER, file_handler)
     else:
         yield
 
 
 _Handle = Callable[[logging.LogRecord], None]
+
+
+def _guard(handler: logging.Handler, method: str, guard: Callable[[_Handle], _Handle]) -> None:
+    """Handlers are rospy's; so their methods are replaced, one by one."""
+    setattr(handler, method, guard(getattr(handler, method)))
 
 
 def _but_for_disks(handle_error: _Handle) -> _Handle:

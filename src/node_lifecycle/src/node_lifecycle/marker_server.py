@@ -10,7 +10,7 @@ from typing import Any
 from interactive_markers.interactive_marker_server import InteractiveMarkerServer
 
 
-class OrderedMarkerServer(InteractiveMarkerServer):  # type: ignore[misc]  # it has no types
+class OrderedMarkerServer(InteractiveMarkerServer):
     """Updates and keep-alives leave in the order of their numbers.
 
     The distribution's server sends keep-alives from a timer's thread. One that is numbered while

@@ -116,7 +116,7 @@ def status_message(status: Status) -> MissionStatus:
     return messages.status_message(status, rospy.Time.now())
 
 
-class _Newcomers(rospy.SubscribeListener):  # type: ignore[misc]  # rospy has no types
+class _Newcomers(rospy.SubscribeListener):
     """Calls `tell(publish)` for every new subscriber."""
 
     def __init__(self, tell: Callable[[TellStatuses], None]) -> None:

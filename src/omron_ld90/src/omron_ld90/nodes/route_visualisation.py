@@ -40,7 +40,6 @@ from nav_msgs.msg import MapMetaData, Path
 from visualization_msgs.msg import Marker, MarkerArray
 
 from node_lifecycle import ConfigurationError, number, parameter, run
-from omron_ld90.bridge.route_watch import EdgeProgress, RouteView
 from omron_ld90.nodes.driven_path import DrivenPath
 from omron_ld90.nodes.rviz import drawing
 from omron_ld90.nodes.rviz.body_markers import body_markers
@@ -52,6 +51,7 @@ from omron_ld90.nodes.support.followed_graph import FollowedGraph
 from omron_ld90.nodes.support.poses import is_plausible
 from omron_ld90.nodes.support.route_states import MAX_EDGES, RouteStates
 from omron_ld90.operator.goal_clicks import Target, TargetKind, target_named, targets_of
+from omron_ld90.operator.route_watch import EdgeProgress, RouteView
 from omron_ld90_msgs.msg import LinkState, RobotStatus
 from omron_map import MapDocument
 from trajectory_graph import Graph

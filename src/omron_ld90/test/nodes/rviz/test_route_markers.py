@@ -7,9 +7,9 @@ import math
 import pytest
 from marker_reader import drawn, of
 
-from omron_ld90.bridge.route_watch import EdgeProgress
 from omron_ld90.nodes.rviz import route_markers
 from omron_ld90.nodes.rviz.route_markers import GraphPicture
+from omron_ld90.operator.route_watch import EdgeProgress
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 from trajectory_graph.route_protocol import EdgeState
 

@@ -12,9 +12,9 @@ import numpy as np
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
-from omron_ld90.bridge.route_watch import EdgeProgress
 from omron_ld90.nodes.rviz import drawing
 from omron_ld90.nodes.rviz.fast_messages import PointsMarker
+from omron_ld90.operator.route_watch import EdgeProgress
 from trajectory_graph import Curve, Graph
 from trajectory_graph.route_protocol import EdgeState
 

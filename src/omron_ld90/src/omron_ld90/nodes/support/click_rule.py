@@ -9,7 +9,7 @@ import rospy
 
 from itrci_nav_msgs.msg import ExecutionRouteStates, FleetRobot, FleetState
 from node_lifecycle import parameter
-from omron_ld90.bridge.route_watch import RouteWatch
+from omron_ld90.operator.route_watch import RouteWatch
 
 SILENCE = 3.0  # s without /fleet_state after which nobody manages the robot any more
 WITH_A_PERSON = frozenset((FleetRobot.TAKEN_OVER, FleetRobot.FAILED, FleetRobot.OFF_GRAPH,

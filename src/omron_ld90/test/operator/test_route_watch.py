@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import pytest
 
-from omron_ld90.bridge.route_watch import (
+from omron_ld90.operator.route_watch import (
     SHOWN_AFTER_THE_END,
     SILENCE,
     EdgeProgress,
