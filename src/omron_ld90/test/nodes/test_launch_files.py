@@ -310,3 +310,25 @@ def test_both_ends_of_each_tool_have_one_name_in_the_full_stack():
 def test_rviz_on_another_computer_speaks_to_a_full_stack():
     assert tools_of('rviz.launch', 'tools:=/') == {'/omron_ld90/rviz': {
         '/clicked_point', '/move_base_simple/goal', '/initialpose'}}
+
+
+BRINGUP = ('full_stack', 'multimaster', 'sim', 'two_robots', 'vda5050')
+
+
+@pytest.mark.parametrize('file', LAUNCH_FILES, ids=lambda file: file.name)
+def test_the_package_of_a_launch_file_depends_on_all_that_it_starts(file):
+    owner = file.parents[1].name if 'src' in file.parts[-4:] else (
+        'ld90_bringup' if file.stem in BRINGUP else 'omron_ld90')
+    package = ElementTree.parse(ROOT / 'src' / owner / 'package.xml').getroot()
+    depends = {element.text for element in package.iter('exec_depend')} | {owner}
+    text = re.sub(r'<!--.*?-->', '', file.read_text(), flags=re.DOTALL)
+    started = set(re.findall(r'\$\(find (\w+)\)', text)) | set(re.findall(r'pkg="(\w+)"', text))
+    assert {name for name in started if (ROOT / 'src' / name).exists()} <= depends
+
+
+def test_the_driver_depends_neither_on_simulator_nor_on_adapter():
+    package = ElementTree.parse(ROOT / 'src' / 'omron_ld90' / 'package.xml').getroot()
+    depends = {element.text for element in package.iter('exec_depend')}
+    assert not depends & {'omron_ld90_sim', 'vda5050_vehicle', 'graph_fleet_manager'}
+    for file in (ROOT / 'src' / name / 'CMakeLists.txt' for name in ('omron_ld90', 'ld90_bringup')):
+        assert f'/({"|".join(BRINGUP)})[.]launch$' in file.read_text()
