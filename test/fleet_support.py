@@ -143,8 +143,8 @@ class Factory:
         first = first_port or free_fleet_ports()
         made = subprocess.run(
             ['rosrun', 'fleet_bringup', 'fleet_launch', f'fleet:={fleet}', 'rviz:=false',
-             f'arcl_port:={first}', f'outgoing_port:={first + 5}', f'control_port:={first + 2}',
-             *options],
+             'page:=false', f'arcl_port:={first}', f'outgoing_port:={first + 5}',
+             f'control_port:={first + 2}', *options],
             check=True, stdout=subprocess.PIPE, text=True)
         launch = made.stdout.strip()
         self.folder = os.path.dirname(launch)

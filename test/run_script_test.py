@@ -67,7 +67,7 @@ class RunScript(unittest.TestCase):
             wait_until(lambda: rosnode_ping('/path_supervisor', max_count=1), 30,
                        'a running fleet manager')
             first = free_fleet_ports()
-            script = self.start('fleet:=1', 'rviz:=false', f'control_port:={first}',
+            script = self.start('fleet:=1', 'rviz:=false', 'page:=false', f'control_port:={first}',
                                 f'arcl_port:={first + 2}', f'outgoing_port:={first + 3}')
             try:
                 self.assertEqual(script.wait(60), 1)

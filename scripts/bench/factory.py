@@ -124,6 +124,7 @@ def factory(*options: str) -> Callable[[str], List[str]]:
     """The user's command, on free ports."""
     first = free_ports_of_a_fleet()
     return lambda _port: [str(ROOT / 'scripts/run.sh'), f'fleet:={COUNT}', 'longest_edge:=1.5',
+                          'page:=false',
                           f'arcl_port:={first}', f'outgoing_port:={first + 5}',
                           f'control_port:={first + 2}', *options]
 

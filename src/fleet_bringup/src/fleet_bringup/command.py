@@ -81,6 +81,7 @@ def prepare(options: Options, folder: str, check: bool = True) -> Dict[str, str]
     if all(entry.is_simulated for entry in entries):  # simulated robots begin anew each time
         files['closed_edges'] = os.path.join(folder, 'closed_edges.json')
         files['journal'] = os.path.join(folder, 'fleet.sqlite')
+        files['page'] = os.path.join(folder, 'page')
     site = _site(options, folder, graph, entries, laboratory)
     if any(entry.robot.driver == LD90 and entry.is_simulated for entry in entries):
         files['robots'] = _write(folder, 'robots.yaml', simulated_robots(entries, graph))

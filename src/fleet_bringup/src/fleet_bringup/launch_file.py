@@ -44,6 +44,8 @@ def launch_text(entries: Sequence[Entry], site: Site, options: Options,
     if options.demo:
         _node(root, 'random_missions', 'graph_fleet_manager', 'random_missions', {}, RESPAWN)
     _pictures(root, site, options, files)
+    if options.fleet_manager and options.page:
+        _page(root, options, files)
     return minidom.parseString(ET.tostring(root)).toprettyxml('  ')
 
 
@@ -88,6 +90,15 @@ def _pictures(root: ET.Element, site: Site, options: Options, files: Dict[str, s
     if options.rviz:
         node = _node(root, 'rviz', 'omron_ld90', 'rviz_view', {})
         node.set('args', f"'{site.map_file}' '{files['rviz']}'")
+
+
+def _page(root: ET.Element, options: Options, files: Dict[str, str]) -> None:
+    _node(root, 'fleet_page', 'fleet_page', 'fleet_page', {
+        'fleet_file': files['fleet'], 'map_topic': f'/{MAP}/map', 'listen': options.listen,
+        'port': options.page_port, 'token_file': options.token_file,
+        'certificate': options.certificate_file, 'key': options.key_file,
+        **{name: files[key] for name, key in (('journal', 'journal'), ('folder', 'page'))
+           if key in files}}, RESPAWN)
 
 
 def _node(parent: ET.Element, name: str, package: str, kind: str, parameters: Dict[str, Any],

@@ -26,6 +26,13 @@ class Options:
     demo: bool = _option(False, 'true: send random missions')
     lasers: bool = _option(False, 'true: the simulated LD-90s also send their laser')
     rviz: bool = _option(bool(os.environ.get('DISPLAY')), 'true: open RViz')
+    page: bool = _option(True, 'true: show the fleet in browsers, with the fleet manager')
+    page_port: int = _option(8080, 'port of the page')
+    listen: str = _option('127.0.0.1', 'address at which browsers reach the page; another one '
+                                       'needs token_file')
+    token_file: str = _option('', 'who may see, operate or administer on the page')
+    certificate_file: str = _option('', 'PEM file; with key_file, the page is served by TLS')
+    key_file: str = _option('', 'PEM file')
     strategy: str = _option('rolling', 'how LD-90s drive routes')
     fleet_manager: bool = _option(True, 'false: start the robots only')
     arcl_port: int = _option(7171, 'ARCL port of the first simulated LD-90; the next has 10 more')

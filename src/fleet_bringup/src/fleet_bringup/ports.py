@@ -21,6 +21,8 @@ def needed_ports(entries: Sequence[Entry], options: Options) -> List[Tuple[int, 
         ports.append((options.control_port, 'control_port of the simulated LD-90s'))
     if any(entry.robot.driver == AGV for entry in entries):
         ports.append((options.control_port + 1, 'control_port of the simulated AGVs'))
+    if options.fleet_manager and options.page:
+        ports.append((options.page_port, 'page_port of the page for browsers'))
     return ports
 
 

@@ -12,6 +12,7 @@ Subscribes
 Publishes
     /mission_status (itrci_nav_msgs/MissionStatus); the open ones again to who comes late
     /fleet_state (itrci_nav_msgs/FleetState), /fleet_plan (FleetPlan), both latched
+    /fleet_poses (itrci_nav_msgs/FleetPoses), 5 Hz
     /plan_request (itrci_nav_msgs/PlanRequest), /<robot>/target_route (TargetRoute)
     /diagnostics
 Services (std_srvs/Trigger)
@@ -48,6 +49,7 @@ from graph_fleet_manager.nodes.early_stop import EarlyStop
 from graph_fleet_manager.nodes.event_loop import EventLoop
 from graph_fleet_manager.nodes.fleet_diagnosis import report_fleet, report_missions
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
+from graph_fleet_manager.nodes.fleet_poses import FleetPosesTopic
 from graph_fleet_manager.nodes.fleet_services import FleetServices, not_stored
 from graph_fleet_manager.nodes.fleet_topics import FleetTopics, TellStatuses, send, status_message
 from graph_fleet_manager.nodes.journal_file import JournalFile
@@ -94,6 +96,7 @@ class PathSupervisor:
         self._gate = StopGate()
         self._topics = FleetTopics(robots, self._rate, number('~improvement', 0.0, 0.0, 10.0),
                                    self._tell_open, self._gate)
+        self._poses = FleetPosesTopic(robots)
         self._services = FleetServices(
             robots, self._gate, self._events, self._stop_early,
             lambda now: self._topics.do(EarlyStop(robots).stop(now)))
@@ -246,6 +249,7 @@ class PathSupervisor:
         except WrongReport as wrong:
             rospy.logwarn_throttle(10.0, f'A report of {robot} is ignored: {wrong}.')
             return
+        self._poses.note(robot, message)
         self._events.put_report(
             lambda supervisor, now, arrived: supervisor.report(robot, report, now, arrived))
 

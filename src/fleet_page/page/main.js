@@ -1,0 +1,217 @@
+// What holds the page together: login, tabs, robots, edges, alarms, and what is said of acts.
+import { $, make, showRows, showTable } from './dom.js';
+import { all, entries, follow, get, heardAt, loadSite, post, site, unfollow } from './server.js';
+import { dateOf, duration, language, preferred, store, stored, t, timeOf, useLanguage } from './texts.js';
+import { chooseRobot, drawMoving, framesDrawn, knowsEdge, redraw, robotWords, showPast, siteChanged, startMap } from './map.js';
+import { chooseVertex, showMissions, showPlaces, startMissions } from './missions.js';
+import { leaveHistory, loadHistory, startHistory } from './history.js';
+import { enterReplay, leaveReplay, startReplay } from './replay.js';
+
+const TABS = ['missions', 'robots', 'edges', 'history', 'replay', 'audit'];
+const NEEDS_PERSON = ['STOPPED', 'TAKEN_OVER', 'FAILED', 'OFF_GRAPH', 'TOO_NEAR', 'CLOCK', 'DEAF'];
+const SILENT = 12000; // ms without a message after which the server counts as gone: it speaks every 5 s
+let me = { role: null, login: false }, chosen = '', tab = 'missions', shownSite = null, sayTimer = null, ageShown = 0;
+
+async function act(values) {
+  const outcome = await post('/api/act', values);
+  if (outcome.status === 401) showLogin();
+  say(`${t(`act_${values.act}`)}: ${outcome.ok ? outcome.text || t('done') : `${t('not_done')}: ${outcome.text}`}`);
+  return outcome.ok;
+}
+act.say = say;
+
+function say(text) {
+  $('said').hidden = false;
+  $('said').textContent = text;
+  clearTimeout(sayTimer);
+  sayTimer = setTimeout(() => { $('said').hidden = true; }, 12000);
+}
+
+// -- who is there ------------------------------------------------------------------------------
+
+function showLogin() {
+  unfollow();
+  $('fleet').hidden = $('alarms').hidden = $('logout').hidden = true;
+  $('stop').disabled = $('resume').disabled = true;
+  $('login').hidden = false;
+  $('token').focus();
+}
+
+function begin() {
+  $('login').hidden = true;
+  $('fleet').hidden = false;
+  $('logout').hidden = !me.login;
+  $('stop').disabled = $('resume').disabled = me.role === 'see';
+  for (const element of document.querySelectorAll('.operate')) element.hidden = me.role === 'see';
+  $('tab_button_audit').hidden = me.role === 'see';
+  follow(changed, showLogin);
+}
+
+async function login(event) {
+  event.preventDefault();
+  const answer = await post('/api/login', { token: $('token').value });
+  $('token').value = '';
+  if (answer.role) { me = answer; $('login_said').textContent = ''; begin(); }
+  else $('login_said').textContent = answer.text;
+}
+
+// -- what comes --------------------------------------------------------------------------------
+
+let pending = new Set(), listsDue = false;
+function changed(keys) {
+  if (keys === null) pending = null;
+  else if (pending) for (const key of keys) pending.add(key);
+  requestAnimationFrame(drawChanges);
+  if (!listsDue) { listsDue = true; setTimeout(() => { listsDue = false; showLists(); }, 250); }
+}
+
+function drawChanges() {
+  if (pending && !pending.size) return;
+  const keys = pending;
+  pending = new Set();
+  if (entries.get('site') !== shownSite) {
+    shownSite = entries.get('site');
+    loadSite().then(() => { siteChanged(); showPlaces(site.vertices); });
+  }
+  if (!keys || keys.has('closed')) redraw();
+  drawMoving(keys);
+  showLink();
+}
+
+function showLink() {
+  const fleet = entries.get('fleet') || {}, now = Date.now();
+  const isCut = now - heardAt > SILENT, isDead = !fleet.alive;
+  const since = isCut ? heardAt / 1000 : fleet.heard;
+  let words = t('connected');
+  if (isCut) words = t('no_server', { age: duration((now - heardAt) / 1000) });
+  else if (isDead) words = since ? t('dead', { time: timeOf(since), age: duration(now / 1000 - since) }) : t('never_heard');
+  if ($('link').textContent !== words) $('link').textContent = words;
+  $('link').className = isCut || isDead ? 'bad' : '';
+  $('moving').classList.toggle('stale', isCut || isDead);
+}
+
+function showLists() {
+  showMissions(me, language);
+  showRobots();
+  showEdges();
+  showAlarms();
+}
+
+function showRobots() {
+  const context = language + me.role + chosen;
+  const robots = all('robot:').map(([name, robot]) => ({ name, ...robot })).sort((a, b) => a.name.localeCompare(b.name, undefined, { numeric: true }));
+  showRows($('robots'), robots, robot => robot.name, robot => {
+    const battery = robot.battery === null ? '' : ` · ${Math.round(100 * robot.battery)} %`;
+    const row = make('li', { class: robot.name === chosen ? 'chosen' : null }, make('b', {}, robot.name), ` ${robot.type}${battery} · `, robotWords(robot),
+      robot.mission ? ` · ${t('mission')} ${robot.mission}` : '');
+    if (me.role === 'see') return row;
+    const button = kind => make('button', { 'data-act': kind, onclick: () => robotAct(kind, robot.name) }, t(`act_${kind}`));
+    row.append(make('p', { class: 'row' }, make('button', { 'data-act': 'choose', 'aria-pressed': String(robot.name === chosen), onclick: () => choose(robot.name) }, t('choose')),
+      robot.state === 'OUT_OF_SERVICE' ? '' : button('out'), button('in'), me.role === 'admin' ? button('absent') : ''));
+    return row;
+  }, context);
+}
+
+function robotAct(kind, robot) {
+  if (kind === 'absent' && !confirm(t('sure_absent', { robot }))) return;
+  act({ act: kind, robot });
+}
+
+function choose(name) {
+  chosen = chosen === name ? '' : name;
+  chooseRobot(chosen);
+  if ([...$('send_robot').options].some(option => option.value === chosen)) $('send_robot').value = chosen;
+  showRobots();
+}
+
+function showEdges() {
+  showRows($('closed'), entries.get('closed') || [], edge => edge, edge => make('li', { class: 'row' }, `${t('edge')} ${edge}`,
+    me.role === 'see' ? '' : make('button', { 'data-act': 'open', 'aria-label': `${t('open')} ${edge}`, onclick: () => act({ act: 'open', edges: [edge] }) }, t('open'))), language + me.role);
+}
+
+function edgesTyped() {
+  const edges = $('edge').value.split(/[\s,]+/).filter(Boolean).map(Number);
+  if (edges.length && edges.every(knowsEdge)) return edges;
+  say(t('no_edge'));
+  return null;
+}
+
+function showAlarms() {
+  const alarms = all('robot:').filter(([, robot]) => NEEDS_PERSON.includes(robot.outage) || robot.state === 'UNKNOWN' ||
+    (robot.outage === 'SILENT' && robot.mission)).map(([name, robot]) => ({ name, outage: robot.state === 'UNKNOWN' ? 'NEVER_HEARD' : robot.outage, why: robot.waits_for }));
+  showRows($('alarms').querySelector('ul'), alarms, alarm => alarm.name, alarm => make('li', {}, make('b', {}, alarm.name), ` ${alarm.why} `, make('span', {}, `→ ${t(`todo_${alarm.outage}`)}`)), language);
+  $('alarms').hidden = !alarms.length || !me.role;
+}
+
+// -- tabs --------------------------------------------------------------------------------------
+
+function makeTabs() {
+  for (const name of TABS) {
+    $('tabs').append(make('button', { role: 'tab', id: `tab_button_${name}`, 'data-t': `tab_${name}`, 'aria-controls': `tab_${name}`, onclick: () => openTab(name) }));
+  }
+  $('tabs').addEventListener('keydown', event => {
+    const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+    if (!step) return;
+    const there = TABS.filter(name => !$(`tab_button_${name}`).hidden);
+    openTab(there[(there.indexOf(tab) + step + there.length) % there.length]);
+    $(`tab_button_${tab}`).focus();
+  });
+}
+
+function openTab(name) {
+  if (tab === 'history' && name !== tab) leaveHistory();
+  if (tab === 'replay' && name !== tab) leaveReplay();
+  tab = name;
+  for (const other of TABS) {
+    $(`tab_${other}`).hidden = other !== name;
+    $(`tab_button_${other}`).setAttribute('aria-selected', String(other === name));
+    $(`tab_button_${other}`).tabIndex = other === name ? 0 : -1;
+  }
+  if (name === 'history') loadHistory();
+  if (name === 'replay') enterReplay();
+  if (name === 'audit') loadAudit();
+}
+
+async function loadAudit() {
+  const { rows } = await get('/api/audit').catch(() => ({ rows: [] }));
+  showTable($('audit'), [t('time'), t('person'), t('act'), t('details'), t('outcome')], rows.map(row => [
+    dateOf(row.time), row.person, t(`act_${row.act}`), Object.entries(row.details).map(([name, value]) => `${name} ${value}`).join(', '), `${row.ok ? '' : `${t('not_done')}: `}${row.outcome}`]));
+}
+
+function setTheme(name) {
+  const dark = name ? name === 'dark' : matchMedia('(prefers-color-scheme: dark)').matches;
+  document.documentElement.dataset.theme = dark ? 'dark' : 'light';
+  redraw();
+}
+
+async function setLanguage(name) {
+  await useLanguage(name);
+  $('language').value = language;
+  for (const element of [$('stop'), $('resume')]) element.title = element.textContent;
+  showLists(); drawMoving(null); showLink();
+}
+
+async function main() {
+  makeTabs();
+  openTab('missions');
+  startMissions(act); startHistory(); startReplay();
+  startMap({ vertex: vertex => { if (me.role !== 'see') { openTab('missions'); chooseVertex(vertex); } },
+    edge: edge => { openTab('edges'); $('edge').value = String(edge); }, robot: name => { openTab('robots'); choose(name); } });
+  $('stop').onclick = () => act({ act: 'stop' });
+  $('resume').onclick = () => act({ act: 'resume' });
+  $('edges').addEventListener('submit', event => { event.preventDefault(); const edges = edgesTyped(); if (edges) act({ act: 'close', edges }); });
+  $('open_edge').onclick = () => { const edges = edgesTyped(); if (edges) act({ act: 'open', edges }); };
+  $('load_audit').onclick = loadAudit;
+  $('login').addEventListener('submit', login);
+  $('logout').onclick = async () => { await post('/api/logout', {}); location.reload(); };
+  $('language').onchange = () => { store('language', $('language').value); setLanguage($('language').value); };
+  $('theme').onclick = () => { const name = document.documentElement.dataset.theme === 'dark' ? 'light' : 'dark'; store('theme', name); setTheme(name); };
+  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => setTheme(stored('theme')));
+  setTheme(stored('theme'));
+  await setLanguage(preferred());
+  setInterval(showLink, 1000);
+  me = await get('/api/me');
+  if (me.role) begin(); else showLogin();
+}
+
+main();

@@ -1,0 +1,296 @@
+// The map: what stands still on a canvas, what moves as SVG with names for screen readers.
+import { $, makeSvg } from './dom.js';
+import { entries, all, site } from './server.js';
+import { t } from './texts.js';
+
+const REACH = 16; // pixels around a vertex that belong to it
+const TROUBLE = ['STOPPED', 'TAKEN_OVER', 'FAILED', 'OFF_GRAPH', 'UNKNOWN'];
+const GONE = ['OFFLINE', 'OUT_OF_SERVICE', 'ABSENT'];
+const canvas = $('site'), svg = $('moving');
+const view = { x: 0, y: 0, scale: 20 }; // metres in the middle, pixels a metre
+const edgesById = new Map(), verticesById = new Map(), robots = new Map();
+let walls = null, handlers = {}, heat = null, chosen = [], chosenRobot = '', past = null, drawn = 0, fitted = false;
+
+const planLayer = makeSvg('g', { 'aria-hidden': 'true' }), robotLayer = makeSvg('g');
+svg.append(planLayer, robotLayer);
+
+export function startMap(given) {
+  handlers = given;
+  new ResizeObserver(() => redraw()).observe($('map'));
+  $('zoom_in').onclick = () => zoom(1.3);
+  $('zoom_out').onclick = () => zoom(1 / 1.3);
+  $('zoom_fit').onclick = () => { fit(); redraw(); };
+  $('map').addEventListener('wheel', event => { event.preventDefault(); zoom(event.deltaY < 0 ? 1.15 : 1 / 1.15, event); }, { passive: false });
+  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', redraw);
+  followPointers();
+}
+
+function followPointers() {
+  const held = new Map();
+  let moved = 0;
+  svg.addEventListener('pointerdown', event => {
+    if (!held.size) moved = 0;
+    held.set(event.pointerId, [event.clientX, event.clientY]);
+  });
+  svg.addEventListener('pointermove', event => {
+    const before = held.get(event.pointerId);
+    if (!before) return;
+    const now = [event.clientX, event.clientY], shift = [now[0] - before[0], now[1] - before[1]];
+    moved += Math.hypot(...shift);
+    if (moved < 6) return;
+    if (held.size === 2) {
+      const other = [...held].find(([id]) => id !== event.pointerId)[1];
+      const size = point => Math.hypot(point[0] - other[0], point[1] - other[1]);
+      view.scale *= size(now) / Math.max(1, size(before));
+    } else { view.x -= shift[0] / view.scale; view.y += shift[1] / view.scale; }
+    held.set(event.pointerId, now);
+    redraw();
+  });
+  for (const kind of ['pointerup', 'pointercancel', 'pointerleave']) {
+    svg.addEventListener(kind, event => {
+      if (held.delete(event.pointerId) && kind === 'pointerup' && moved < 6) click(event);
+    });
+  }
+}
+
+function click(event) {
+  const robot = event.target.closest('.robot');
+  if (robot) { handlers.robot(robot.dataset.name); return; }
+  const box = svg.getBoundingClientRect(), at = [event.clientX - box.left, event.clientY - box.top];
+  let best = null, least = REACH;
+  for (const [id, x, y, kind] of site.vertices) {
+    const [px, py] = pixel(x, y), away = Math.hypot(px - at[0], py - at[1]) + (kind === 'cut' ? 6 : 0);
+    if (away < least) { least = away; best = id; }
+  }
+  if (best !== null) { handlers.vertex(best); return; }
+  least = 10;
+  for (const [id, , , points] of site.edges) {
+    for (let k = 0; k + 3 < points.length; k += 2) {
+      const away = distance(at, pixel(points[k], points[k + 1]), pixel(points[k + 2], points[k + 3]));
+      if (away < least) { least = away; best = id; }
+    }
+  }
+  if (best !== null) handlers.edge(best);
+}
+
+function distance(p, a, b) {
+  const dx = b[0] - a[0], dy = b[1] - a[1], length = dx * dx + dy * dy;
+  const part = length ? Math.max(0, Math.min(1, ((p[0] - a[0]) * dx + (p[1] - a[1]) * dy) / length)) : 0;
+  return Math.hypot(p[0] - a[0] - part * dx, p[1] - a[1] - part * dy);
+}
+
+export function siteChanged() {
+  edgesById.clear(); verticesById.clear();
+  for (const edge of site.edges) edgesById.set(edge[0], edge);
+  for (const vertex of site.vertices) verticesById.set(vertex[0], vertex);
+  walls = null;
+  if (site.map) {
+    const image = new Image();
+    image.onload = () => { walls = image; redraw(); };
+    image.src = `/api/map.png?${entries.get('site')}`;
+  }
+  if (!fitted && site.vertices.length) { fit(); fitted = true; }
+  redraw();
+}
+
+export function vertexName(id) {
+  const vertex = verticesById.get(id);
+  return vertex && vertex[4] && vertex[4] !== 'pass' ? `${id} ${vertex[4]}` : String(id);
+}
+
+export const knowsVertex = id => verticesById.has(id);
+export const knowsEdge = id => edgesById.has(id);
+
+function fit() {
+  const box = $('map').getBoundingClientRect();
+  const xs = site.vertices.map(v => v[1]), ys = site.vertices.map(v => v[2]);
+  if (!xs.length || !box.width) return;
+  const [left, right, low, high] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
+  view.x = (left + right) / 2; view.y = (low + high) / 2;
+  view.scale = Math.min(box.width / (right - left + 3), box.height / (high - low + 3), 200);
+}
+
+function zoom(factor, event) {
+  const box = $('map').getBoundingClientRect();
+  const dx = event ? event.clientX - box.left - box.width / 2 : 0, dy = event ? event.clientY - box.top - box.height / 2 : 0;
+  const before = view.scale;
+  view.scale = Math.max(0.5, Math.min(500, view.scale * factor));
+  view.x += dx / before - dx / view.scale; view.y -= dy / before - dy / view.scale;
+  redraw();
+}
+
+function pixel(x, y) {
+  return [size.width / 2 + (x - view.x) * view.scale, size.height / 2 - (y - view.y) * view.scale];
+}
+
+// Where a vertex is drawn in the window; null: it is not there.
+export function screenPlace(id) {
+  const vertex = verticesById.get(id), box = svg.getBoundingClientRect();
+  if (!vertex || size.width < 2) return null;
+  const [x, y] = pixel(vertex[1], vertex[2]);
+  return [box.left + x, box.top + y];
+}
+
+const size = { width: 1, height: 1 };
+let waiting = false;
+export function redraw() {
+  if (waiting) return;
+  waiting = true;
+  requestAnimationFrame(() => { waiting = false; drawSite(); drawMoving(null); drawn += 1; });
+}
+export const framesDrawn = () => drawn;
+
+function drawSite() {
+  const box = $('map').getBoundingClientRect(), ratio = devicePixelRatio || 1;
+  size.width = box.width; size.height = box.height;
+  if (canvas.width !== Math.round(box.width * ratio) || canvas.height !== Math.round(box.height * ratio)) {
+    canvas.width = Math.round(box.width * ratio); canvas.height = Math.round(box.height * ratio);
+  }
+  const paint = canvas.getContext('2d'), style = getComputedStyle(document.documentElement);
+  const colour = name => style.getPropertyValue(`--${name}`).trim();
+  paint.setTransform(ratio, 0, 0, ratio, 0, 0);
+  paint.clearRect(0, 0, box.width, box.height);
+  if (walls) {
+    const [x, y, width, height] = site.map, [left, top] = pixel(x, y + height);
+    paint.imageSmoothingEnabled = false;
+    paint.drawImage(walls, left, top, width * view.scale, height * view.scale);
+  }
+  const closed = new Set(entries.get('closed') || []);
+  const lines = (edges, width, stroke) => {
+    paint.beginPath();
+    for (const [, , , points] of edges) {
+      paint.moveTo(...pixel(points[0], points[1]));
+      for (let k = 2; k < points.length; k += 2) paint.lineTo(...pixel(points[k], points[k + 1]));
+    }
+    paint.lineWidth = width; paint.strokeStyle = stroke; paint.stroke();
+  };
+  lines(site.edges.filter(edge => !closed.has(edge[0])), 1.5, colour('edge'));
+  if (heat && heat.length) {
+    const most = Math.max(...heat.map(([, seconds]) => seconds));
+    for (const [id, seconds] of heat) {
+      const edge = edgesById.get(id);
+      if (edge) lines([edge], 3 + 9 * seconds / most, `hsl(${60 - 60 * seconds / most} 95% 50% / .8)`);
+    }
+  }
+  lines(site.edges.filter(edge => closed.has(edge[0])), 5, colour('danger'));
+  const radius = Math.max(2, Math.min(8, view.scale * 0.16));
+  for (const [kind, fill] of [['cut', 'edge'], ['vertex', 'edge'], ['parking', 'parking'], ['dock', 'dock']]) {
+    paint.beginPath();
+    for (const [, x, y, own] of site.vertices) {
+      if (own !== kind) continue;
+      const [px, py] = pixel(x, y), r = kind === 'cut' ? radius / 2 : kind === 'vertex' ? radius : radius * 1.4;
+      if (kind === 'dock' || kind === 'parking') paint.rect(px - r, py - r, 2 * r, 2 * r);
+      else { paint.moveTo(px + r, py); paint.arc(px, py, r, 0, 7); }
+    }
+    paint.fillStyle = colour(fill); paint.fill();
+  }
+  paint.font = '12px system-ui, sans-serif'; paint.fillStyle = colour('soft');
+  if (view.scale > 12) {
+    for (const [id, x, y, kind] of site.vertices) {
+      if (kind !== 'cut') { const [px, py] = pixel(x, y); paint.fillText(vertexName(id), px + radius + 3, py + radius + 9); }
+    }
+  }
+  paint.strokeStyle = paint.fillStyle = colour('main'); paint.lineWidth = 3; paint.font = 'bold 14px system-ui, sans-serif';
+  chosen.forEach((id, k) => {
+    const vertex = verticesById.get(id);
+    if (!vertex) return;
+    const [px, py] = pixel(vertex[1], vertex[2]);
+    paint.beginPath(); paint.arc(px, py, radius + 6, 0, 7); paint.stroke();
+    paint.fillText(String(k + 1), px - 4, py - radius - 9);
+  });
+}
+
+export function showChosen(vertices) { chosen = vertices; redraw(); }
+export function showHeat(edges) { heat = edges; redraw(); }
+export function chooseRobot(name) { chosenRobot = name; drawMoving(null); }
+export function showPast(moment) { past = moment; drawMoving(null); }
+
+export const hueOf = name => {
+  let sum = 7;
+  for (const letter of name) sum = (sum * 31 + letter.codePointAt(0)) % 3600;
+  return (sum * 0.61803 * 360) % 360;
+};
+
+// Moves what moves; keys: entries that changed, null: all.
+export function drawMoving(keys) {
+  if (past) { drawPast(); return; }
+  const wanted = new Set();
+  for (const [name, robot] of all('robot:')) {
+    const pose = entries.get(`pose:${name}`);
+    if (!pose || robot.state === 'ABSENT') continue;
+    wanted.add(name);
+    if (keys && !keys.has(`pose:${name}`) && !keys.has(`robot:${name}`) && robots.has(name)) continue;
+    placeRobot(name, pose, robot);
+  }
+  dropRobots(wanted);
+  if (!keys || [...keys].some(key => key.startsWith('plan:'))) drawPlans();
+}
+
+function drawPast() {
+  const wanted = new Set();
+  for (const [name, [x, y, theta, state, waits]] of Object.entries(past.r)) {
+    wanted.add(name);
+    const known = entries.get(`robot:${name}`) || {};
+    placeRobot(name, [x, y, theta], { ...known, state, waits_for: waits, battery: null, destination: 0 });
+  }
+  dropRobots(wanted);
+  planLayer.replaceChildren();
+}
+
+function dropRobots(wanted) {
+  for (const [name, shapes] of robots) if (!wanted.has(name)) { shapes.group.remove(); robots.delete(name); }
+}
+
+function placeRobot(name, [x, y, theta], robot) {
+  const shapes = robots.get(name) || newRobot(name);
+  const [px, py] = pixel(x, y), radius = Math.max(7, (site.radii[robot.type] || 0.4) * view.scale);
+  const turn = theta === null ? 0 : -theta * 180 / Math.PI;
+  shapes.group.setAttribute('transform', `translate(${px.toFixed(1)} ${py.toFixed(1)})`);
+  shapes.body.setAttribute('transform', `rotate(${turn.toFixed(1)}) scale(${(radius / 10).toFixed(3)})`);
+  shapes.nose.style.display = theta === null ? 'none' : '';
+  shapes.ring.setAttribute('r', radius + 4);
+  shapes.text.setAttribute('y', -radius - 6);
+  const label = shapes.text.textContent = robot.battery === null || robot.battery === undefined ? name : `${name} ${Math.round(100 * robot.battery)} %`;
+  const kind = ['robot', TROUBLE.includes(robot.state) ? 'trouble' : '', GONE.includes(robot.state) ? 'gone' : '', name === chosenRobot ? 'chosen' : ''].filter(Boolean).join(' ');
+  if (shapes.group.getAttribute('class') !== kind) shapes.group.setAttribute('class', kind);
+  const words = `${label}: ${robotWords(robot)}`;
+  if (shapes.words !== words) { shapes.words = words; shapes.group.setAttribute('aria-label', words); shapes.title.textContent = words; }
+}
+
+export function robotWords(robot) {
+  const doing = robot.state === 'BUSY' && robot.destination ? t('drives_to', { vertex: vertexName(robot.destination) }) : t(`robot_${robot.state}`);
+  return robot.waits_for ? `${doing} (${t('waits_for')}: ${robot.waits_for})` : doing;
+}
+
+function newRobot(name) {
+  const group = makeSvg('g', { class: 'robot', role: 'button', tabindex: 0, 'data-name': name }), hue = hueOf(name);
+  const ring = makeSvg('circle', { class: 'ring', r: 14 }), body = makeSvg('g');
+  const nose = makeSvg('path', { d: 'M1,-4 L8,0 L1,4 z', fill: '#fff' }), text = makeSvg('text', { 'text-anchor': 'middle' }), title = makeSvg('title');
+  body.append(makeSvg('rect', { x: -10, y: -7, width: 20, height: 14, rx: 3, fill: `hsl(${hue} 60% 42%)` }), nose);
+  group.append(title, ring, body, text);
+  group.addEventListener('keydown', event => {
+    if (event.key === 'Enter' || event.key === ' ') { event.preventDefault(); handlers.robot(name); }
+  });
+  robotLayer.append(group);
+  const shapes = { group, ring, body, nose, text, title, words: '' };
+  robots.set(name, shapes);
+  return shapes;
+}
+
+function drawPlans() {
+  const shapes = [];
+  for (const [name, [edges, released]] of all('plan:')) {
+    const stroke = `hsl(${hueOf(name)} 60% 50%)`;
+    const line = part => part.map(signed => {
+      const edge = edgesById.get(Math.abs(signed));
+      if (!edge) return '';
+      const points = [];
+      for (let k = 0; k < edge[3].length; k += 2) points.push(pixel(edge[3][k], edge[3][k + 1]).map(v => v.toFixed(1)).join(' '));
+      if (signed < 0) points.reverse();
+      return `M${points.join('L')}`;
+    }).join('');
+    if (released) shapes.push(makeSvg('path', { class: 'released', d: line(edges.slice(0, released)), stroke, 'data-robot': name }));
+    if (edges.length > released) shapes.push(makeSvg('path', { class: 'plan', d: line(edges.slice(released)), stroke, 'data-robot': name }));
+  }
+  planLayer.replaceChildren(...shapes);
+}

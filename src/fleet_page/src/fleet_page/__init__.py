@@ -1,0 +1,1 @@
+"""The fleet in a browser: one node, one address, nothing from the internet."""

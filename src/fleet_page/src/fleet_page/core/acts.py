@@ -1,0 +1,189 @@
+"""What a client may ask for, checked: nothing from the network is trusted to be sane."""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any, Callable, Dict, Mapping, Tuple
+
+from fleet_page.core.roles import Role
+
+MOST_DESTINATIONS = 100
+MOST_EDGES = 1000
+LONGEST_STAY = 1e6  # s, as the fleet manager has it
+_LONGEST_NAME = 100
+_INT32 = 2 ** 31 - 1
+
+
+class ActKind(Enum):
+    """Every act; the value is its name in requests, texts and records."""
+
+    STOP = 'stop'
+    RESUME = 'resume'
+    SEND = 'send'
+    CANCEL = 'cancel'
+    PAUSE = 'pause'
+    CONTINUE = 'continue'
+    RELEASE = 'release'
+    MODIFY = 'modify'
+    CLOSE = 'close'
+    OPEN = 'open'
+    OUT = 'out'
+    IN = 'in'
+    ABSENT = 'absent'
+    ADD_FAVOURITE = 'add_favourite'
+    REMOVE_FAVOURITE = 'remove_favourite'
+
+
+@dataclass(frozen=True)
+class Act:
+    """One act; what it does not need is empty.
+
+    mission -- request id
+    robot   -- for which robot, or who must serve the mission
+    stays   -- s at each destination, negative: until released; empty: nowhere
+    name    -- of a favourite
+    """
+
+    kind: ActKind
+    mission: int = 0
+    robot: str = ''
+    robot_type: str = ''
+    priority: int = 0
+    destinations: Tuple[int, ...] = ()
+    stays: Tuple[float, ...] = ()
+    edges: Tuple[int, ...] = ()
+    name: str = ''
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of an act, in words; mission: the request id that a new one got."""
+
+    ok: bool
+    text: str
+    mission: int = 0
+
+
+class WrongAct(Exception):
+    """The request makes no sense; the text says what it must be."""
+
+
+def _whole(value: Any) -> int:
+    if isinstance(value, bool) or not isinstance(value, int) or not -_INT32 <= value <= _INT32:
+        raise WrongAct('must be a whole number')
+    return value
+
+
+def _ids(value: Any, most: int) -> Tuple[int, ...]:
+    if not isinstance(value, list) or not 0 < len(value) <= most:
+        raise WrongAct(f'must be a list of 1 to {most} ids')
+    ids = tuple(_whole(element) for element in value)
+    if any(element <= 0 for element in ids):
+        raise WrongAct('must be positive ids')
+    return ids
+
+
+def _destinations(value: Any) -> Tuple[int, ...]:
+    return _ids(value, MOST_DESTINATIONS)
+
+
+def _changed_destinations(value: Any) -> Tuple[int, ...]:
+    return () if value == [] else _destinations(value)
+
+
+def _edges(value: Any) -> Tuple[int, ...]:
+    return _ids(value, MOST_EDGES)
+
+
+def _text(value: Any) -> str:
+    if not isinstance(value, str) or len(value) > _LONGEST_NAME or not (
+            value.isprintable() and value.strip()):
+        raise WrongAct(f'must be a text of 1 to {_LONGEST_NAME} printable characters')
+    return value.strip()
+
+
+def _text_or_empty(value: Any) -> str:
+    return '' if value == '' else _text(value)
+
+
+def _stays(value: Any) -> Tuple[float, ...]:
+    if not isinstance(value, list) or len(value) > MOST_DESTINATIONS:
+        raise WrongAct(f'must be a list of at most {MOST_DESTINATIONS} numbers')
+    for element in value:
+        if isinstance(element, bool) or not isinstance(element, (int, float)) or not (
+                math.isfinite(element) and element <= LONGEST_STAY):
+            raise WrongAct(f'must be numbers of seconds up to {LONGEST_STAY:.0f}')
+    return tuple(float(element) for element in value)
+
+
+Field = Callable[[Any], Any]
+_MISSION: Dict[str, Field] = {'mission': _whole}
+_ROBOT: Dict[str, Field] = {'robot': _text}
+_EDGES: Dict[str, Field] = {'edges': _edges}
+
+
+@dataclass(frozen=True)
+class Rule:
+    """Who may do an act, and what it needs and may have."""
+
+    role: Role
+    needed: Mapping[str, Field]
+    optional: Mapping[str, Field]
+
+
+def _rule(role: Role, needed: Mapping[str, Field], **optional: Field) -> Rule:
+    return Rule(role, needed, optional)
+
+
+RULES: Dict[ActKind, Rule] = {
+    ActKind.STOP: _rule(Role.OPERATE, {}),
+    ActKind.RESUME: _rule(Role.OPERATE, {}),
+    ActKind.SEND: _rule(Role.OPERATE, {'destinations': _destinations}, robot=_text_or_empty,
+                        robot_type=_text_or_empty, priority=_whole, stays=_stays),
+    ActKind.CANCEL: _rule(Role.OPERATE, _MISSION),
+    ActKind.PAUSE: _rule(Role.OPERATE, _MISSION),
+    ActKind.CONTINUE: _rule(Role.OPERATE, _MISSION),
+    ActKind.RELEASE: _rule(Role.OPERATE, _MISSION),
+    ActKind.MODIFY: _rule(Role.OPERATE, {**_MISSION, 'priority': _whole},
+                          destinations=_changed_destinations),
+    ActKind.CLOSE: _rule(Role.OPERATE, _EDGES),
+    ActKind.OPEN: _rule(Role.OPERATE, _EDGES),
+    ActKind.OUT: _rule(Role.OPERATE, _ROBOT),
+    ActKind.IN: _rule(Role.OPERATE, _ROBOT),
+    ActKind.ABSENT: _rule(Role.ADMIN, _ROBOT),
+    ActKind.ADD_FAVOURITE: _rule(Role.OPERATE, {'name': _text, 'destinations': _destinations},
+                                 robot=_text_or_empty, robot_type=_text_or_empty,
+                                 priority=_whole, stays=_stays),
+    ActKind.REMOVE_FAVOURITE: _rule(Role.OPERATE, {'name': _text}),
+}
+
+
+def act_of(request: Any) -> Act:
+    """The act that a request describes; raises WrongAct."""
+    if not isinstance(request, dict):
+        raise WrongAct('The request must be a JSON object.')
+    try:
+        kind = ActKind(request.get('act'))
+    except ValueError:
+        raise WrongAct('There is no such act.') from None
+    rule = RULES[kind]
+    values: Dict[str, Any] = {}
+    for name, value in request.items():
+        check = rule.needed.get(name) or rule.optional.get(name)
+        if name == 'act':
+            continue
+        if check is None:
+            raise WrongAct(f'{kind.value} takes {", ".join((*rule.needed, *rule.optional))} only.'
+                           if rule.needed else f'{kind.value} takes nothing.')
+        try:
+            values[name] = check(value)
+        except WrongAct as wrong:
+            raise WrongAct(f'{name} {wrong}.') from None
+    for name in rule.needed:
+        if name not in values:
+            raise WrongAct(f'{name} is missing.')
+    act = Act(kind, **values)
+    if act.stays and len(act.stays) != len(act.destinations):
+        raise WrongAct('stays must be as many as destinations, or none.')
+    return act

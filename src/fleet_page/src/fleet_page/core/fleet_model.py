@@ -1,0 +1,228 @@
+"""What the page shows, made of what the fleet manager tells: the only writer of the live state.
+
+Keys of the live state: `fleet`, `site`, `closed`, `favourites`, `robot:NAME`, `pose:NAME`,
+`plan:NAME`, `mission:ID:STAMP`.
+"""
+from __future__ import annotations
+
+import math
+from dataclasses import asdict
+from typing import Any, Dict, Iterable, List, Mapping, Optional, Tuple
+
+from fleet_page.core.fleet import (
+    OPEN_STATES,
+    MissionRequest,
+    MissionStatus,
+    Place,
+    Plan,
+    Robot,
+)
+from fleet_page.core.live_state import LiveState
+from fleet_page.core.records import Sums
+from trajectory_graph import Graph
+
+DEAD_AFTER = 3.0      # s without /fleet_state, which comes twice a second
+MOST_ENDED = 200      # ended missions on the page
+MOST_REQUESTS = 6000  # requests that are remembered for their missions
+LONGEST_STEP = 5.0    # m between two locations; more is no drive
+LONGEST_GAP = 2.0     # s that count between two states
+
+Key = Tuple[int, int]
+
+
+class FleetModel:
+    """Takes what comes, tells it by `live`, and sums up what the history needs."""
+
+    def __init__(self) -> None:
+        self.live = LiveState()
+        self.graph: Optional[Graph] = None
+        self.robots: Dict[str, Robot] = {}
+        self.places: Dict[str, Place] = {}
+        self.missions: Dict[Key, MissionStatus] = {}
+        self.ended: Dict[str, int] = {}
+        """Missions that ended since the start, by state."""
+        self.distance: Dict[str, float] = {}
+        """m that each robot drove since the start."""
+        self._plans: Dict[str, Plan] = {}
+        self._requests: Dict[Key, MissionRequest] = {}
+        self._sums: Dict[str, Sums] = {}
+        self._edge_waiting: Dict[int, float] = {}
+        self._heard: Optional[float] = None
+        self._site = 0
+        self.live.put('fleet', {'alive': False, 'heard': None})
+        self.live.put('closed', [])
+
+    # -- the site ---------------------------------------------------------------------------------
+
+    def site_changed(self) -> None:
+        """Graph, map or places are others: pages fetch them anew."""
+        self._site += 1
+        self.live.put('site', self._site)
+
+    def close_edges(self, edges: Iterable[int]) -> None:
+        """These edges are closed."""
+        self.live.put('closed', sorted(edges))
+
+    def show_favourites(self, favourites: Mapping[str, Any]) -> None:
+        """These missions are kept under names."""
+        self.live.put('favourites', dict(favourites))
+
+    # -- robots -----------------------------------------------------------------------------------
+
+    def take_robots(self, robots: Iterable[Robot], now: float) -> None:
+        """The state of every robot."""
+        found = {robot.name: robot for robot in robots}
+        if self._heard is not None:
+            self._sum_up(found, min(max(now - self._heard, 0.0), LONGEST_GAP))
+        self._heard = now
+        self.robots = found
+        self.live.replace('robot:', {name: _robot_values(robot) for name, robot in found.items()})
+        for name in [name for name in self.places if name not in found]:
+            del self.places[name]
+            self.live.remove(f'pose:{name}')
+        for name, robot in found.items():
+            if name not in self.places:
+                place = self._place_on_graph(robot)
+                if place is not None:
+                    self._show_place(name, place)
+        self.tick(now)
+
+    def take_places(self, places: Mapping[str, Place]) -> None:
+        """Where robots are, by their locations."""
+        for name, place in places.items():
+            before = self.places.get(name)
+            if before is not None:
+                step = math.hypot(place.x - before.x, place.y - before.y)
+                if 0.0 < step < LONGEST_STEP:
+                    self.distance[name] = self.distance.get(name, 0.0) + step
+                    self._sums.setdefault(name, Sums()).distance += step
+            self.places[name] = place
+            self._show_place(name, place)
+
+    def tick(self, now: float) -> None:
+        """Looks whether the fleet manager is alive."""
+        alive = self._heard is not None and now - self._heard < DEAD_AFTER
+        # While it is alive the time is left out, as it would be a change each time.
+        self.live.put('fleet', {'alive': alive, 'heard': None if alive else self._heard})
+
+    def _show_place(self, name: str, place: Place) -> None:
+        self.live.put(f'pose:{name}', [
+            round(place.x, 2), round(place.y, 2),
+            None if place.theta is None else round(place.theta, 2)])
+
+    def _place_on_graph(self, robot: Robot) -> Optional[Place]:
+        if self.graph is None or abs(robot.edge) not in self.graph.edges:
+            return None
+        curve = self.graph.curve(robot.edge)
+        s = curve.length * min(max(robot.fraction, 0.0), 1.0)
+        return Place(*curve.point_at(s), curve.heading_at(s))
+
+    def _sum_up(self, robots: Mapping[str, Robot], seconds: float) -> None:
+        for name, robot in robots.items():
+            sums = self._sums.setdefault(name, Sums())
+            sums.watched += seconds
+            if robot.mission is not None:
+                sums.busy += seconds
+                if robot.waits_for:
+                    sums.waiting += seconds
+                    if robot.edge:
+                        edge = abs(robot.edge)
+                        self._edge_waiting[edge] = self._edge_waiting.get(edge, 0.0) + seconds
+
+    def take_sums(self) -> Tuple[Dict[str, Sums], Dict[int, float]]:
+        """What came together since the last call, by robot and by edge."""
+        sums, self._sums = self._sums, {}
+        edges, self._edge_waiting = self._edge_waiting, {}
+        return sums, edges
+
+    def moment(self) -> Dict[str, List[Any]]:
+        """Every robot as the replay keeps it."""
+        values: Dict[str, List[Any]] = {}
+        for name, robot in self.robots.items():
+            pose = self.live.get(f'pose:{name}')
+            if pose is not None:
+                values[name] = [*pose, robot.state, robot.waits_for]
+        return values
+
+    # -- plans and missions -----------------------------------------------------------------------
+
+    def take_plans(self, plans: Mapping[str, Plan]) -> None:
+        """Every robot's plan."""
+        self._plans = dict(plans)
+        self.live.replace('plan:', {name: [list(plan.edges), plan.released]
+                                    for name, plan in plans.items() if plan.edges})
+        for key, status in self.missions.items():
+            if status.robot and status.state in OPEN_STATES:
+                self._show_mission(key)
+
+    def take_request(self, request: MissionRequest) -> None:
+        """What a mission is to do; it may come before or after its first status."""
+        key = (request.id, request.stamp)
+        self._requests[key] = request
+        while len(self._requests) > MOST_REQUESTS:
+            del self._requests[next(iter(self._requests))]
+        if key in self.missions:
+            self._show_mission(key)
+
+    def knows_request(self, key: Key) -> bool:
+        """Is it known what this mission is to do?"""
+        return key in self._requests
+
+    def take_status(self, status: MissionStatus) -> None:
+        """What is told of a mission."""
+        key = (status.id, status.stamp)
+        before = self.missions.pop(key, None)
+        self.missions[key] = status
+        if status.state not in OPEN_STATES and (
+                before is None or before.state in OPEN_STATES):
+            self.ended[status.state] = self.ended.get(status.state, 0) + 1
+        self._show_mission(key)
+        ended = [key for key, known in self.missions.items() if known.state not in OPEN_STATES]
+        for old in ended[:-MOST_ENDED]:
+            del self.missions[old]
+            self.live.remove(_name_of(old))
+
+    def _show_mission(self, key: Key) -> None:
+        status, request = self.missions[key], self._requests.get(key)
+        values: Dict[str, Any] = {
+            'id': status.id, 'stamp': status.stamp // 10 ** 9, 'state': status.state,
+            'robot': status.robot, 'reached': status.reached, 'reason': status.reason}
+        if request is not None:
+            values.update(destinations=list(request.destinations), priority=request.priority,
+                          wanted_robot=request.robot, robot_type=request.robot_type,
+                          by=request.requested_by)
+            end = self._ends_at(status, request)
+            if end is not None:
+                values['ends_at'] = round(end)
+        self.live.put(_name_of(key), values)
+
+    def _ends_at(self, status: MissionStatus, request: MissionRequest) -> Optional[float]:
+        """When the plan reaches the last destination, stays left out; None: it does not."""
+        plan = self._plans.get(status.robot)
+        left = list(request.destinations[status.reached:])
+        if plan is None or self.graph is None or status.state not in OPEN_STATES:
+            return None
+        for edge, end in zip(plan.edges, plan.ends):
+            if abs(edge) not in self.graph.edges:
+                return None
+            vertex = self.graph.end_vertex(edge).id
+            while left and left[0] == vertex:
+                left.pop(0)
+            if not left:
+                return end
+        return None
+
+
+def _name_of(key: Key) -> str:
+    return f'mission:{key[0]}:{key[1]}'
+
+
+def _robot_values(robot: Robot) -> Dict[str, Any]:
+    """As pages get it: what changes with every report is left out, or made coarse."""
+    values = asdict(robot)
+    for name in ('name', 'edge', 'fraction', 'seen'):
+        del values[name]
+    values['battery'] = None if robot.battery is None else round(robot.battery, 2)
+    if robot.state in ('OFFLINE', 'ABSENT', 'UNKNOWN', 'OUT_OF_SERVICE'):
+        values['seen'] = round(robot.seen)
+    return values

@@ -1,0 +1,68 @@
+"""What happened: missions from the fleet manager's journal, sums from the page's own records."""
+from __future__ import annotations
+
+import csv
+import io
+from typing import Any, Dict, Iterable, List, Optional
+
+from fleet_page.core.records import HOUR, Records
+from graph_fleet_manager.supervision.journal import HistoryLine
+
+COLUMNS = ('request_id', 'destinations', 'robot_type', 'priority', 'state', 'robot', 'reached',
+           'accepted', 'started', 'ended', 'waited_s', 'took_s', 'reason')
+HOTTEST = 200  # edges in the heat map
+
+
+def history_values(lines: Iterable[HistoryLine], records: Records, since: float,
+                   now: float) -> Dict[str, Any]:
+    """Missions per hour, sums per robot and waiting per edge since a time (s since 1970)."""
+    hours = {hour: {'SUCCEEDED': 0, 'FAILED': 0, 'CANCELLED': 0}
+             for hour in range(int(since // HOUR), int(now // HOUR) + 1)}
+    waited: List[float] = []
+    missions: Dict[str, int] = {}
+    for line in lines:
+        if line.ended is None or line.ended < since:
+            continue
+        ended = hours.get(int(line.ended // HOUR), {})
+        if line.state.name in ended:
+            ended[line.state.name] += 1
+        if line.state.name == 'SUCCEEDED':
+            missions[line.robot] = missions.get(line.robot, 0) + 1
+        if line.started is not None:
+            waited.append(line.started - line.accepted)
+    sums = records.robot_sums(since)
+    robots = [{
+        'robot': name, 'missions': missions.get(name, 0),
+        'distance': round(own.distance, 1), 'waiting': round(own.waiting, 1),
+        'utilisation': round(own.busy / own.watched, 3) if own.watched else 0.0}
+        for name, own in sums.items()]
+    return {'hours': [{'begin': hour * HOUR, **counts} for hour, counts in hours.items()],
+            'robots': robots, 'edges': records.edge_waiting(since)[:HOTTEST],
+            'mean_waited': round(sum(waited) / len(waited), 1) if waited else None}
+
+
+def history_csv(lines: Iterable[HistoryLine], since: float) -> str:
+    """Every mission accepted since a time, with the columns of `mission history --csv`."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator='\n')
+    writer.writerow(COLUMNS)
+    for line in lines:
+        if line.accepted >= since:
+            begun = line.started if line.started is not None else line.ended
+            writer.writerow([
+                line.request_id, ' '.join(map(str, line.destinations)), _cell(line.robot_type),
+                line.priority, line.state.name, _cell(line.robot), line.reached,
+                _seconds(line.accepted), _seconds(line.started), _seconds(line.ended),
+                '' if begun is None else f'{begun - line.accepted:.1f}',
+                '' if line.started is None or line.ended is None
+                else f'{line.ended - line.started:.1f}', _cell(line.reason)])
+    return text.getvalue()
+
+
+def _cell(text: str) -> str:
+    """A text that no spreadsheet takes for a formula."""
+    return f"'{text}" if text[:1] in ('=', '+', '-', '@', '\t', '\r') else text
+
+
+def _seconds(time: Optional[float]) -> str:
+    return '' if time is None else f'{time:.3f}'

@@ -1,0 +1,56 @@
+"""How long planner and release take: counts in buckets, as Prometheus has them."""
+from __future__ import annotations
+
+from typing import Dict, List, Mapping
+
+from fleet_page.core.fleet import Plan
+
+BOUNDS = (0.05, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 30.0)  # s
+
+
+class Histogram:
+    """Counts of values up to each bound, their sum and number."""
+
+    def __init__(self) -> None:
+        self.counts = [0] * len(BOUNDS)
+        self.sum = 0.0
+        self.count = 0
+
+    def add(self, value: float) -> None:
+        """One more value."""
+        for k, bound in enumerate(BOUNDS):
+            if value <= bound:
+                self.counts[k] += 1
+        self.sum += value
+        self.count += 1
+
+    def lines(self, name: str) -> List[str]:
+        """In the text format of Prometheus."""
+        return [*(f'{name}_bucket{{le="{bound:g}"}} {count}'
+                  for bound, count in zip(BOUNDS, self.counts)),
+                f'{name}_bucket{{le="+Inf"}} {self.count}',
+                f'{name}_sum {self.sum:.3f}', f'{name}_count {self.count}']
+
+
+class ReleaseWatch:
+    """How long the next edge of a robot that has nothing released takes to be released.
+
+    It counts from the first plan in which the robot has edges, but may drive none of them, to the
+    first in which it may.
+    """
+
+    def __init__(self) -> None:
+        self.seconds = Histogram()
+        self._held: Dict[str, float] = {}  # since when
+
+    def take(self, plans: Mapping[str, Plan], now: float) -> None:
+        """The plans as they are now."""
+        for name in [name for name in self._held if name not in plans]:
+            del self._held[name]
+        for name, plan in plans.items():
+            if plan.edges and not plan.released:
+                self._held.setdefault(name, now)
+            else:
+                held = self._held.pop(name, None)
+                if held is not None and plan.released:
+                    self.seconds.add(max(now - held, 0.0))

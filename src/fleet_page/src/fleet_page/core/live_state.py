@@ -1,0 +1,87 @@
+"""The newest state, as entries with keys; a client is no more than the revision that it has seen.
+
+So there is no queue for anybody: a client that was slow gets what is newest once it reads again,
+and one that reads nothing costs nothing.
+"""
+from __future__ import annotations
+
+import json
+from collections import OrderedDict
+from typing import Any, Dict, Mapping, Optional, Tuple
+
+MOST_GONE = 5000  # removed keys that are remembered; who has seen less gets everything anew
+_KEPT_TEXTS = 8   # updates that are kept as text, as most clients have seen the same
+
+
+class LiveState:
+    """Entries of JSON values by key."""
+
+    def __init__(self) -> None:
+        self.revision = 1
+        self._entries: Dict[str, Tuple[int, Any]] = {}
+        self._gone: OrderedDict[str, int] = OrderedDict()
+        self._oldest = 0  # who has seen less than this revision may lack removals
+        self._texts: OrderedDict[Tuple[int, int], str] = OrderedDict()
+
+    def put(self, key: str, value: Any) -> None:
+        """Sets an entry; the same value again is no change."""
+        known = self._entries.get(key)
+        if known is not None and known[1] == value:
+            return
+        self.revision += 1
+        self._gone.pop(key, None)
+        # Moved to the end: the newest entries stand last, see `_update`.
+        self._entries.pop(key, None)
+        self._entries[key] = (self.revision, value)
+
+    def get(self, key: str) -> Optional[Any]:
+        """The value of an entry; None: there is none."""
+        known = self._entries.get(key)
+        return None if known is None else known[1]
+
+    def remove(self, key: str) -> None:
+        """Removes an entry, if it is there."""
+        if self._entries.pop(key, None) is None:
+            return
+        self.revision += 1
+        self._gone[key] = self.revision
+        while len(self._gone) > MOST_GONE:
+            self._oldest = self._gone.popitem(last=False)[1]
+
+    def replace(self, prefix: str, values: Mapping[str, Any]) -> None:
+        """Makes these all entries whose keys begin with a prefix; the keys come without it."""
+        for key in [key for key in self._entries
+                    if key.startswith(prefix) and key[len(prefix):] not in values]:
+            self.remove(key)
+        for name, value in values.items():
+            self.put(prefix + name, value)
+
+    def entries(self, prefix: str) -> Dict[str, Any]:
+        """All entries whose keys begin with a prefix, by the rest of their keys."""
+        return {key[len(prefix):]: value for key, (_, value) in self._entries.items()
+                if key.startswith(prefix)}
+
+    def update(self, seen: int) -> str:
+        """What a client that has seen a revision must be told, as JSON.
+
+        It holds `revision`, `full` (forget all else), `set` (values by key) and `gone` (keys).
+        """
+        is_full = not self._oldest <= seen <= self.revision or seen <= 0
+        wanted = (0 if is_full else seen, self.revision)
+        text = self._texts.get(wanted)
+        if text is None:
+            text = self._texts[wanted] = self._update(*wanted)
+            while len(self._texts) > _KEPT_TEXTS:
+                self._texts.popitem(last=False)
+        return text
+
+    def _update(self, seen: int, revision: int) -> str:
+        changed: Dict[str, Any] = {}
+        for key in reversed(self._entries):
+            since, value = self._entries[key]
+            if since <= seen:
+                break
+            changed[key] = value
+        gone = [] if not seen else [key for key, since in self._gone.items() if since > seen]
+        return json.dumps({'revision': revision, 'full': not seen, 'set': changed, 'gone': gone},
+                          separators=(',', ':'), allow_nan=False)

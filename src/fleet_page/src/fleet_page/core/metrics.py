@@ -1,0 +1,58 @@
+"""The fleet in the text format of Prometheus."""
+from __future__ import annotations
+
+from collections import Counter
+from typing import Dict, Iterable, List
+
+from fleet_page.core.fleet import MISSION_STATES, OPEN_STATES, ROBOT_STATES
+from fleet_page.core.fleet_model import FleetModel
+from fleet_page.core.latencies import Histogram
+
+CONTENT_TYPE = 'text/plain; version=0.0.4'
+
+
+def metrics_text(model: FleetModel, planner: Histogram, release: Histogram,
+                 clients: int) -> str:
+    """Everything that is measured now."""
+    robots = model.robots.values()
+    of_robots, of_missions = Counter(robot.state for robot in robots), Counter(
+        status.state for status in model.missions.values() if status.state in OPEN_STATES)
+    fleet = model.live.get('fleet') or {}
+    lines: List[str] = []
+
+    def family(name: str, kind: str, words: str, samples: Iterable[str]) -> None:
+        lines.extend((f'# HELP {name} {words}', f'# TYPE {name} {kind}', *samples))
+    family('fleet_manager_up', 'gauge', '1 while the fleet manager tells its state.',
+           [f'fleet_manager_up {int(bool(fleet.get("alive")))}'])
+    family('fleet_robots', 'gauge', 'Robots by state.', (
+        f'fleet_robots{{state="{state}"}} {of_robots[state]}' for state in ROBOT_STATES))
+    family('fleet_missions', 'gauge', 'Open missions by state.', (
+        f'fleet_missions{{state="{state}"}} {of_missions[state]}' for state in OPEN_STATES))
+    family('fleet_missions_ended_total', 'counter', 'Missions that ended while the page ran.', (
+        f'fleet_missions_ended_total{{state="{state}"}} {model.ended.get(state, 0)}'
+        for state in MISSION_STATES if state not in OPEN_STATES))
+    family('fleet_robot_waiting', 'gauge', '1 while a robot with a mission waits.', (
+        f'fleet_robot_waiting{{robot="{escaped(robot.name)}"}} '
+        f'{int(robot.mission is not None and bool(robot.waits_for))}' for robot in robots))
+    family('fleet_robot_battery_ratio', 'gauge', 'State of charge, 0 to 1.', (
+        f'fleet_robot_battery_ratio{{robot="{escaped(robot.name)}"}} {robot.battery:g}'
+        for robot in robots if robot.battery is not None))
+    family('fleet_robot_distance_metres_total', 'counter', 'Distance while the page ran.', (
+        f'fleet_robot_distance_metres_total{{robot="{escaped(name)}"}} {distance:.2f}'
+        for name, distance in _sorted(model.distance)))
+    family('fleet_planner_seconds', 'histogram', 'Time that the planner took for an answer.',
+           planner.lines('fleet_planner_seconds'))
+    family('fleet_release_seconds', 'histogram', 'Time that robots with a plan waited for their '
+           'next edge.', release.lines('fleet_release_seconds'))
+    family('fleet_page_clients', 'gauge', 'Browsers that follow the fleet.',
+           [f'fleet_page_clients {clients}'])
+    return '\n'.join(lines) + '\n'
+
+
+def escaped(text: str) -> str:
+    """A text as the value of a label."""
+    return text.replace('\\', '\\\\').replace('"', '\\"').replace('\n', '\\n')
+
+
+def _sorted(values: Dict[str, float]) -> Iterable[tuple]:
+    return sorted(values.items())

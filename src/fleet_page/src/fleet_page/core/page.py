@@ -1,0 +1,127 @@
+"""The page without its transport: what is shown, who is who, what is asked and what becomes of it.
+"""
+from __future__ import annotations
+
+import logging
+import sqlite3
+from dataclasses import dataclass, field
+from typing import Any, Callable, Dict, List, Optional
+
+from fleet_page.core.acts import Act, ActKind, Outcome
+from fleet_page.core.fleet import OPEN_STATES, MissionStatus, Plan
+from fleet_page.core.fleet_model import FleetModel
+from fleet_page.core.history import history_csv, history_values
+from fleet_page.core.latencies import Histogram, ReleaseWatch
+from fleet_page.core.metrics import metrics_text
+from fleet_page.core.records import Records, TooManyFavourites
+from fleet_page.core.replay import ReplayRing
+from fleet_page.core.roles import Person
+from fleet_page.core.site import WallMap, site_values
+from graph_fleet_manager.supervision.journal import HistoryLine
+
+Missions = Callable[[], List[HistoryLine]]
+"""Every mission in the journal; raises JournalError. It may take its time."""
+_LOG = logging.getLogger(__name__)
+REPLAY_PERIOD = 1.0   # s between two moments of the replay
+SUMS_PERIOD = 20.0    # s between two additions to the sums of the history
+
+
+@dataclass
+class Site:
+    """What of the site was told, beside the graph."""
+
+    parking: frozenset = frozenset()
+    docks: frozenset = frozenset()
+    walls: Optional[WallMap] = None
+    radii: Dict[str, float] = field(default_factory=dict)
+
+
+class Page:
+    """One owner of all that pages see. Everything but `missions` is used by one thread."""
+
+    def __init__(self, records: Records, replay: ReplayRing, missions: Missions) -> None:
+        self.model = FleetModel()
+        self.site = Site()
+        self.records, self.replay, self.missions = records, replay, missions
+        self.planner, self.release = Histogram(), ReleaseWatch()
+        self._recorded = self._summed = 0.0
+        self._troubles: Dict[str, str] = {}
+        self.model.site_changed()
+        self.model.show_favourites(records.favourites())
+
+    # -- what comes from the fleet ----------------------------------------------------------------
+
+    def tick(self, now: float) -> None:
+        """Several times a second: is the fleet manager alive; replay and history."""
+        self.model.tick(now)
+        if abs(now - self._recorded) >= REPLAY_PERIOD:
+            self._recorded = now
+            self._keep('replay', lambda: self.replay.add(now, self.model.moment()))
+        if abs(now - self._summed) >= SUMS_PERIOD:
+            self._summed = now
+            self._keep('history', lambda: self.records.add(now, *self.model.take_sums()))
+
+    def take_plans(self, plans: Dict[str, Plan], now: float) -> None:
+        """Every robot's plan."""
+        self.model.take_plans(plans)
+        self.release.take(plans, now)
+
+    def take_status(self, status: MissionStatus) -> None:
+        """What is told of a mission; one that was asked for here is followed in the audit list."""
+        self.model.take_status(status)
+        words = status.state + (f' {status.robot}' if status.robot else '') + (
+            f': {status.reason}' if status.reason else '')
+        if status.state not in OPEN_STATES or status.state == 'ACTIVE':
+            self._keep('audit list', lambda: self.records.mission_became(status.id, words))
+
+    def _keep(self, what: str, write: Callable[[], None]) -> None:
+        """Writes to the page's own files; the fleet is shown without them, too."""
+        try:
+            write()
+        except (OSError, sqlite3.Error) as error:
+            if self._troubles.get(what) != str(error):
+                _LOG.warning('The %s of the page is not kept: %s', what, error)
+            self._troubles[what] = str(error)
+        else:
+            self._troubles.pop(what, None)
+
+    # -- what pages ask ---------------------------------------------------------------------------
+
+    def done(self, person: Person, act: Act, outcome: Outcome, now: float) -> None:
+        """Something was asked for, and this came of it."""
+        self._keep('audit list', lambda: self.records.note(now, person.name, act, outcome))
+
+    def change_favourites(self, act: Act) -> Outcome:
+        """Keeps or removes a favourite."""
+        try:
+            if act.kind is ActKind.REMOVE_FAVOURITE:
+                found = self.records.remove_favourite(act.name)
+                outcome = Outcome(found, '' if found else f'There is no favourite {act.name}.')
+            else:
+                self.records.keep_favourite(act.name, {
+                    'destinations': act.destinations, 'robot': act.robot,
+                    'robot_type': act.robot_type, 'priority': act.priority, 'stays': act.stays})
+                outcome = Outcome(True, '')
+        except TooManyFavourites:
+            return Outcome(False, 'There are too many favourites: remove some.')
+        except sqlite3.Error as error:
+            return Outcome(False, f'The disk does not keep it: {error}.')
+        self.model.show_favourites(self.records.favourites())
+        return outcome
+
+    def site_values(self) -> Dict[str, Any]:
+        """Graph, places and map."""
+        site = self.site
+        return site_values(self.model.graph, site.parking, site.docks, site.walls, site.radii)
+
+    def history(self, lines: List[HistoryLine], hours: int, now: float) -> Dict[str, Any]:
+        """Of the last hours."""
+        return history_values(lines, self.records, now - 3600.0 * hours, now)
+
+    def history_csv(self, lines: List[HistoryLine], hours: int, now: float) -> str:
+        """The missions of the last hours."""
+        return history_csv(lines, now - 3600.0 * hours)
+
+    def metrics(self, clients: int) -> str:
+        """For Prometheus."""
+        return metrics_text(self.model, self.planner, self.release.seconds, clients)

@@ -1,0 +1,130 @@
+"""What the page itself keeps: who asked for what, favourites, and sums for the history."""
+from __future__ import annotations
+
+import json
+import sqlite3
+from dataclasses import asdict, dataclass
+from typing import Any, Dict, List, Mapping, Tuple
+
+from fleet_page.core.acts import Act, Outcome
+
+MOST_ROWS = 10000       # of the audit list; older ones go
+MOST_FAVOURITES = 100
+HOUR = 3600
+KEPT_HOURS = 24 * 90
+_TABLES = '''
+CREATE TABLE IF NOT EXISTS audit (
+    id INTEGER PRIMARY KEY, time REAL NOT NULL, person TEXT NOT NULL, act TEXT NOT NULL,
+    details TEXT NOT NULL, ok INTEGER NOT NULL, outcome TEXT NOT NULL, mission INTEGER NOT NULL);
+CREATE INDEX IF NOT EXISTS audit_by_mission ON audit (mission);
+CREATE TABLE IF NOT EXISTS favourite (name TEXT PRIMARY KEY, content TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS robot_hour (
+    hour INTEGER NOT NULL, robot TEXT NOT NULL, distance REAL NOT NULL, busy REAL NOT NULL,
+    waiting REAL NOT NULL, watched REAL NOT NULL, PRIMARY KEY (hour, robot));
+CREATE TABLE IF NOT EXISTS edge_hour (
+    hour INTEGER NOT NULL, edge INTEGER NOT NULL, waiting REAL NOT NULL, PRIMARY KEY (hour, edge));
+'''
+
+
+class TooManyFavourites(Exception):
+    """No more are kept."""
+
+
+@dataclass
+class Sums:
+    """Of one robot: m driven; s with a mission, s of these in which it waited, s watched."""
+
+    distance: float = 0.0
+    busy: float = 0.0
+    waiting: float = 0.0
+    watched: float = 0.0
+
+
+class Records:
+    """One SQLite file; `:memory:` for none. Used by one thread at a time."""
+
+    def __init__(self, path: str) -> None:
+        self._db = sqlite3.connect(path, isolation_level=None, timeout=1.0,
+                                   check_same_thread=False)
+        self._db.execute('PRAGMA journal_mode=WAL')
+        self._db.executescript(_TABLES)
+
+    def close(self) -> None:
+        """Ends its use."""
+        self._db.close()
+
+    # -- audit ------------------------------------------------------------------------------------
+
+    def note(self, time: float, person: str, act: Act, outcome: Outcome) -> None:
+        """Somebody asked for something, and this came of it."""
+        details = {name: value for name, value in asdict(act).items() if value and name != 'kind'}
+        self._db.execute('INSERT INTO audit VALUES (NULL, ?, ?, ?, ?, ?, ?, ?)', (
+            time, person, act.kind.value, json.dumps(details), outcome.ok, outcome.text,
+            outcome.mission))
+        self._db.execute('DELETE FROM audit WHERE id <= (SELECT MAX(id) FROM audit) - ?',
+                         (MOST_ROWS,))
+
+    def mission_became(self, mission: int, words: str) -> None:
+        """What became of a mission that was asked for here, in place of what was known before."""
+        self._db.execute('UPDATE audit SET outcome = ? WHERE id = '
+                         '(SELECT MAX(id) FROM audit WHERE mission = ?)', (words, mission))
+
+    def audit(self, most: int) -> List[Dict[str, Any]]:
+        """The newest rows first."""
+        rows = self._db.execute('SELECT time, person, act, details, ok, outcome FROM audit '
+                                'ORDER BY id DESC LIMIT ?', (most,))
+        return [{'time': time, 'person': person, 'act': act, 'details': json.loads(details),
+                 'ok': bool(ok), 'outcome': outcome}
+                for time, person, act, details, ok, outcome in rows]
+
+    # -- favourites -------------------------------------------------------------------------------
+
+    def keep_favourite(self, name: str, content: Mapping[str, Any]) -> None:
+        """In place of one with that name. Raises TooManyFavourites."""
+        if len(self.favourites()) >= MOST_FAVOURITES and name not in self.favourites():
+            raise TooManyFavourites
+        self._db.execute('INSERT OR REPLACE INTO favourite VALUES (?, ?)',
+                         (name, json.dumps(content)))
+
+    def remove_favourite(self, name: str) -> bool:
+        """Was there one?"""
+        return self._db.execute('DELETE FROM favourite WHERE name = ?', (name,)).rowcount > 0
+
+    def favourites(self) -> Dict[str, Any]:
+        """All of them by name."""
+        return {name: json.loads(content) for name, content in
+                self._db.execute('SELECT name, content FROM favourite ORDER BY name')}
+
+    # -- history ----------------------------------------------------------------------------------
+
+    def add(self, now: float, robots: Mapping[str, Sums], edges: Mapping[int, float]) -> None:
+        """Adds to the sums of the present hour."""
+        hour = int(now // HOUR)
+        self._db.execute('BEGIN')
+        for name, sums in robots.items():
+            self._db.execute('INSERT OR IGNORE INTO robot_hour VALUES (?, ?, 0, 0, 0, 0)',
+                             (hour, name))
+            self._db.execute(
+                'UPDATE robot_hour SET distance = distance + ?, busy = busy + ?, '
+                'waiting = waiting + ?, watched = watched + ? WHERE hour = ? AND robot = ?',
+                (sums.distance, sums.busy, sums.waiting, sums.watched, hour, name))
+        for edge, seconds in edges.items():
+            self._db.execute('INSERT OR IGNORE INTO edge_hour VALUES (?, ?, 0)', (hour, edge))
+            self._db.execute('UPDATE edge_hour SET waiting = waiting + ? '
+                             'WHERE hour = ? AND edge = ?', (seconds, hour, edge))
+        for table in ('robot_hour', 'edge_hour'):
+            self._db.execute(f'DELETE FROM {table} WHERE hour < ?', (hour - KEPT_HOURS,))
+        self._db.execute('COMMIT')
+
+    def robot_sums(self, since: float) -> Dict[str, Sums]:
+        """Of every robot, from the hour of a time on."""
+        rows = self._db.execute(
+            'SELECT robot, SUM(distance), SUM(busy), SUM(waiting), SUM(watched) FROM robot_hour '
+            'WHERE hour >= ? GROUP BY robot ORDER BY robot', (int(since // HOUR),))
+        return {name: Sums(*numbers) for name, *numbers in rows}
+
+    def edge_waiting(self, since: float) -> List[Tuple[int, float]]:
+        """Seconds that robots waited on each edge, the most first."""
+        return list(self._db.execute(
+            'SELECT edge, SUM(waiting) FROM edge_hour WHERE hour >= ? GROUP BY edge '
+            'ORDER BY 2 DESC', (int(since // HOUR),)))

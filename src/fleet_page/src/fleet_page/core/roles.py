@@ -1,0 +1,128 @@
+"""Who may do what: tokens in a file give roles, a token opens a session, a session is a cookie."""
+from __future__ import annotations
+
+import hashlib
+import hmac
+import os
+import re
+import secrets
+import stat
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Dict, List, Optional, Tuple
+
+SHORTEST_TOKEN = 16       # characters
+SESSION_TIME = 12 * 3600  # s without any request after which a session is over
+MOST_SESSIONS = 1000
+_NAME = re.compile(r'[A-Za-z0-9_.-]{1,40}')
+
+
+class Role(IntEnum):
+    """A higher one may do all that a lower one may."""
+
+    SEE = 1
+    OPERATE = 2
+    ADMIN = 3
+
+
+@dataclass(frozen=True)
+class Person:
+    """Who asks; the name goes into the records and into `requested_by`."""
+
+    name: str
+    role: Role
+
+
+LOCAL = Person('local', Role.ADMIN)
+"""On loopback without a token file, whoever reaches the page works on this computer."""
+
+
+class TokenFileError(Exception):
+    """The token file cannot be used; the text says why and what to do, never a token."""
+
+
+class Tokens:
+    """Persons by the digests of their tokens."""
+
+    def __init__(self, persons: Dict[bytes, Person]) -> None:
+        self._persons = persons
+
+    def person(self, token: str) -> Optional[Person]:
+        """Whose token it is; all are compared, in constant time."""
+        digest, found = _digest(token), None
+        for known, person in self._persons.items():
+            if hmac.compare_digest(known, digest):
+                found = person
+        return found
+
+
+def load_tokens(path: str) -> Tokens:
+    """The tokens in a file of lines `ROLE NAME TOKEN`; raises TokenFileError."""
+    try:
+        with open(path, encoding='utf-8') as stream:
+            status = os.fstat(stream.fileno())
+            lines = stream.read().splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise TokenFileError(f'The token file {path} cannot be read ({error}).') from None
+    if stat.S_IMODE(status.st_mode) & 0o077:
+        raise TokenFileError(f'Others may read the token file {path}: chmod 600 {path}')
+    persons: Dict[bytes, Person] = {}
+    for number, line in enumerate(lines, 1):
+        if line.strip() and not line.lstrip().startswith('#'):
+            digest, person = _person(line.split(), f'{path}, line {number}')
+            if digest in persons:
+                raise TokenFileError(f'{path}, line {number}: the token stands there twice.')
+            persons[digest] = person
+    if not persons:
+        raise TokenFileError(f'The token file {path} has no token: write lines ROLE NAME TOKEN.')
+    return Tokens(persons)
+
+
+def _person(words: List[str], where: str) -> Tuple[bytes, Person]:
+    if len(words) != 3:
+        raise TokenFileError(f'{where}: must be ROLE NAME TOKEN.')
+    role, name, token = words
+    if role.upper() not in Role.__members__:
+        raise TokenFileError(f'{where}: the role must be see, operate or admin.')
+    if not _NAME.fullmatch(name):
+        raise TokenFileError(f'{where}: the name must be of letters, digits, _ . and -.')
+    if len(token) < SHORTEST_TOKEN:
+        raise TokenFileError(f'{where}: the token must have {SHORTEST_TOKEN} characters or more: '
+                             'take one of `openssl rand -hex 16`.')
+    return _digest(token), Person(name, Role[role.upper()])
+
+
+class Sessions:
+    """Open sessions. Only digests of their ids are kept."""
+
+    def __init__(self) -> None:
+        self._sessions: Dict[bytes, Tuple[Person, float]] = {}
+
+    def open(self, person: Person, now: float) -> str:
+        """A new session; its id is the cookie."""
+        if len(self._sessions) >= MOST_SESSIONS:
+            oldest = min(self._sessions, key=lambda key: self._sessions[key][1])
+            del self._sessions[oldest]
+        session = secrets.token_urlsafe(32)
+        self._sessions[_digest(session)] = (person, now)
+        return session
+
+    def person(self, session: str, now: float) -> Optional[Person]:
+        """Whose session it is; None: of nobody, or it is over."""
+        key = _digest(session)
+        known = self._sessions.get(key)
+        if known is None:
+            return None
+        if now - known[1] > SESSION_TIME:
+            del self._sessions[key]
+            return None
+        self._sessions[key] = (known[0], now)
+        return known[0]
+
+    def close(self, session: str) -> None:
+        """Ends a session."""
+        self._sessions.pop(_digest(session), None)
+
+
+def _digest(text: str) -> bytes:
+    return hashlib.sha256(text.encode('utf-8', 'surrogatepass')).digest()

@@ -1,0 +1,76 @@
+"""The site as pages get it: vertices, edges as points of their curves, walls as a picture."""
+from __future__ import annotations
+
+import struct
+import zlib
+from dataclasses import dataclass
+from typing import Any, Collection, Dict, Optional
+
+import numpy as np
+
+from trajectory_graph import CurveType, Graph
+
+STEP = 0.25        # m between two points of a curve that is drawn
+MOST_STEPS = 40.0  # of a curve
+MOST_CELLS = 4_000_000
+_OCCUPIED = 50
+
+
+class WrongMap(Exception):
+    """The grid is none; the text says why."""
+
+
+@dataclass(frozen=True)
+class WallMap:
+    """An occupancy grid as a PNG; x, y (m) is its lower left corner."""
+
+    png: bytes
+    x: float
+    y: float
+    width: float
+    height: float
+
+
+def wall_map(cells: bytes, columns: int, rows: int, resolution: float, x: float,
+             y: float) -> WallMap:
+    """The walls of an occupancy grid, all else transparent; raises WrongMap."""
+    if not (columns > 0 and rows > 0 and columns * rows <= MOST_CELLS
+            and len(cells) == columns * rows and 0.0 < resolution < 100.0):
+        raise WrongMap(f'it has {len(cells)} cells in {columns} x {rows} of {resolution:g} m')
+    grid = np.frombuffer(cells, np.int8).reshape(rows, columns)[::-1] >= _OCCUPIED
+    return WallMap(_png(grid), x, y, columns * resolution, rows * resolution)
+
+
+def _png(walls: np.ndarray) -> bytes:
+    """One bit a pixel: 0 transparent, 1 grey, which is seen on light and dark."""
+    packed = np.packbits(walls, axis=1)
+    rows = np.hstack([np.zeros((packed.shape[0], 1), np.uint8), packed])
+
+    def chunk(kind: bytes, content: bytes) -> bytes:
+        return (struct.pack('>I', len(content)) + kind + content
+                + struct.pack('>I', zlib.crc32(kind + content)))
+    header = struct.pack('>IIBBBBB', walls.shape[1], walls.shape[0], 1, 3, 0, 0, 0)
+    return (b'\x89PNG\r\n\x1a\n' + chunk(b'IHDR', header)
+            + chunk(b'PLTE', bytes((0, 0, 0, 128, 132, 140))) + chunk(b'tRNS', bytes((0, 255)))
+            + chunk(b'IDAT', zlib.compress(rows.tobytes(), 6)) + chunk(b'IEND', b''))
+
+
+def site_values(graph: Optional[Graph], parking: Collection[int], docks: Collection[int],
+                walls: Optional[WallMap], radii: Dict[str, float]) -> Dict[str, Any]:
+    """Everything that seldom changes, as JSON values; metres to the centimetre."""
+    vertices, edges = [], []
+    if graph is not None:
+        for vertex in graph.vertices.values():
+            kind = ('dock' if vertex.id in docks or vertex.dock else
+                    'parking' if vertex.id in parking else
+                    'cut' if vertex.parking is False else 'vertex')
+            vertices.append([vertex.id, round(vertex.x, 2), round(vertex.y, 2), kind,
+                             vertex.label])
+        for id, edge in graph.edges.items():
+            curve = graph.curve(id)
+            is_line = edge.curve_type is CurveType.LINE
+            step = curve.length if is_line else max(STEP, curve.length / MOST_STEPS)
+            points = np.round(curve.sample(step), 2)
+            edges.append([id, edge.origin, edge.destination, points.ravel().tolist()])
+    return {'vertices': vertices, 'edges': edges, 'radii': radii,
+            'map': None if walls is None else [walls.x, walls.y, walls.width, walls.height]}

@@ -1,0 +1,241 @@
+"""The fleet in a browser: shows it live, and asks the fleet manager for what people want done.
+
+See docs/interface/fleet_page.md. It decides nothing about robots.
+
+Subscribes
+    /graph, /closed_edges_in_force, /parking, /docking_points (latched, of graph_server)
+    /fleet_state, /fleet_plan, /fleet_poses, /mission_status (of path_supervisor)
+    /mission_request: what missions are to do; /plan_answer: how long the planner takes
+    ~map_topic (nav_msgs/OccupancyGrid, latched): the walls
+Publishes
+    /mission_request, /mission_command, /edge_command
+    /<robot>/target_route: a stop past a fleet manager that does not answer
+Client of
+    /stop_fleet, /resume_fleet, /<robot>/leave_fleet, /<robot>/join_fleet, /<robot>/declare_absent
+Parameters
+    ~listen      string  127.0.0.1   address to listen at; another one needs ~token_file
+    ~port        int     8080
+    ~names       string  (empty)     further names of this computer in browsers, with commas
+    ~token_file  string  (empty)     lines ROLE NAME TOKEN, mode 600
+    ~certificate, ~key  string  (empty)  PEM files: the page is served by TLS
+    ~fleet_file  string  (empty)     how large the robots are; empty: 0.4 m in radius
+    ~journal     string  graph_fleet_manager/fleet.sqlite in ROS_HOME
+    ~folder      string  fleet_page in ROS_HOME: audit list, favourites, sums, replay
+    ~map_topic   string  /fleet/map
+"""
+from __future__ import annotations
+
+import asyncio
+import os
+import sqlite3
+import ssl
+import threading
+import time
+from typing import Any, Callable, List, Optional
+
+import rospkg
+import rospy
+from aiohttp import web
+from nav_msgs.msg import OccupancyGrid
+
+from fleet_page.core.page import Page
+from fleet_page.core.records import Records
+from fleet_page.core.replay import ReplayRing
+from fleet_page.core.roles import TokenFileError, load_tokens
+from fleet_page.core.site import WrongMap
+from fleet_page.nodes import messages
+from fleet_page.nodes.fleet_commands import FleetCommands
+from fleet_page.web.files import PageFiles
+from fleet_page.web.security import Addresses, is_loopback
+from fleet_page.web.server import Access, WebServer, serve
+from graph_fleet_manager.nodes.fleet_parameter import fleet_of
+from graph_fleet_manager.supervision.journal import HistoryLine, history
+from itrci_nav_msgs.msg import (
+    ClosedEdges,
+    DockingPoints,
+    FleetPlan,
+    FleetPoses,
+    FleetState,
+    MissionRequest,
+    MissionStatus,
+    ParkingPlaces,
+    PlanAnswer,
+)
+from itrci_nav_msgs.msg import Graph as GraphMessage
+from node_lifecycle import ConfigurationError, parameter, run
+from trajectory_graph import GraphError
+from trajectory_graph.messages import graph_from_message
+
+TICK = 0.2          # s between two looks at what has to be done without a message
+START_WITHIN = 5.0  # s until the page must listen
+
+
+class FleetPageNode:
+    """Callbacks leave what came to the one thread of the event loop, which owns the page."""
+
+    def __init__(self) -> None:
+        host, port = parameter('~listen', '127.0.0.1'), parameter('~port', 8080, int)
+        access, certificates = _access(host)
+        folder = _folder()
+        journal = _journal()
+        try:
+            self._records = Records(os.path.join(folder, 'page.sqlite'))
+            replay = ReplayRing(os.path.join(folder, 'replay'))
+        except (OSError, sqlite3.Error) as error:
+            raise ConfigurationError(f'The folder {folder} cannot be used ({error}); choose '
+                                     'another with ~folder.') from None
+
+        def missions() -> List[HistoryLine]:
+            return history(journal)
+        self._page = Page(self._records, replay, missions)
+        if parameter('~fleet_file', ''):
+            self._page.site.radii = messages.radii_of(fleet_of())
+        commands = FleetCommands(lambda name: name in self._page.model.robots)
+        files = PageFiles(os.path.join(rospkg.RosPack().get_path('fleet_page'), 'page'))
+        server = WebServer(self._page, commands.do, files, access)
+        self._loop = asyncio.new_event_loop()
+        self._runner: Optional[web.AppRunner] = None
+        self._thread = threading.Thread(target=self._work, name='page', daemon=True)
+        self._thread.start()
+        try:
+            self._runner = asyncio.run_coroutine_threadsafe(
+                serve(server, host, port, certificates), self._loop).result(START_WITHIN)
+        except OSError as error:
+            raise ConfigurationError(f'The page cannot listen at {host}, port {port} ({error}): '
+                                     'end what has it, or choose another with ~port.') from None
+        asyncio.run_coroutine_threadsafe(self._tick(), self._loop)
+        self._subscribers = self._subscribe(parameter('~map_topic', '/fleet/map'))
+        shown = 'localhost' if is_loopback(host) else host
+        rospy.loginfo('The fleet is shown at %s://%s:%d', access.addresses.scheme, shown, port)
+
+    def close(self) -> None:
+        """Ends all connections."""
+        if self._runner is not None:
+            asyncio.run_coroutine_threadsafe(self._runner.cleanup(), self._loop)
+
+    def _work(self) -> None:
+        asyncio.set_event_loop(self._loop)
+        self._loop.run_forever()
+
+    async def _tick(self) -> None:
+        while not rospy.is_shutdown():
+            self._page.tick(time.time())
+            await asyncio.sleep(TICK)
+
+    def _subscribe(self, map_topic: str) -> List[rospy.Subscriber]:
+        def listen(topic: str, kind: Any, handler: Callable[[Any], None],
+                   waiting: int = 1) -> rospy.Subscriber:
+            def take(message: Any) -> None:
+                self._loop.call_soon_threadsafe(handler, message)
+            return rospy.Subscriber(topic, kind, take, queue_size=waiting)
+        return [
+            listen('/graph', GraphMessage, self._on_graph),
+            listen('/closed_edges_in_force', ClosedEdges, self._on_closed),
+            listen('/parking', ParkingPlaces, self._on_parking),
+            listen('/docking_points', DockingPoints, self._on_docks),
+            listen('/fleet_state', FleetState, self._on_state),
+            listen('/fleet_plan', FleetPlan, self._on_plan),
+            listen('/fleet_poses', FleetPoses, self._on_poses),
+            listen('/mission_request', MissionRequest, self._on_request, 1000),
+            listen('/mission_status', MissionStatus, self._on_status, 1000),
+            listen('/plan_answer', PlanAnswer, self._on_answer, 10),
+            listen(map_topic, OccupancyGrid, self._on_map)]
+
+    # -- what the fleet manager tells, in the thread of the event loop ----------------------------
+
+    def _on_graph(self, message: GraphMessage) -> None:
+        try:
+            graph = graph_from_message(message)
+        except GraphError as error:
+            rospy.logerr('The graph of /graph is not shown: %s', error)
+            return
+        known = self._page.model.graph
+        if known is None or (known.vertices, known.edges) != (graph.vertices, graph.edges):
+            self._page.model.graph = graph
+            self._page.model.site_changed()
+
+    def _on_closed(self, message: ClosedEdges) -> None:
+        self._page.model.close_edges(message.edges)
+
+    def _on_parking(self, message: ParkingPlaces) -> None:
+        self._page.site.parking = frozenset(message.vertices)
+        self._page.model.site_changed()
+
+    def _on_docks(self, message: DockingPoints) -> None:
+        self._page.site.docks = frozenset(point.vertex_id for point in message.docking_points)
+        self._page.model.site_changed()
+
+    def _on_map(self, message: OccupancyGrid) -> None:
+        try:
+            self._page.site.walls = messages.walls_of(message)
+        except WrongMap as error:
+            rospy.logwarn('The map is not shown: %s.', error)
+            return
+        self._page.model.site_changed()
+
+    def _on_state(self, message: FleetState) -> None:
+        self._page.model.take_robots(map(messages.robot_of, message.robots), time.time())
+
+    def _on_poses(self, message: FleetPoses) -> None:
+        self._page.model.take_places(messages.places_of(message))
+
+    def _on_plan(self, message: FleetPlan) -> None:
+        self._page.take_plans(messages.plans_of(message), time.time())
+
+    def _on_request(self, message: MissionRequest) -> None:
+        self._page.model.take_request(messages.request_of(message))
+
+    def _on_status(self, message: MissionStatus) -> None:
+        self._page.take_status(messages.status_of(message))
+
+    def _on_answer(self, message: PlanAnswer) -> None:
+        if message.result == PlanAnswer.PLANNED:
+            self._page.planner.add(message.planning_time)
+
+
+def _access(host: str) -> Any:
+    """Who may do what, and the certificates; raises ConfigurationError."""
+    token_file = parameter('~token_file', '')
+    if not token_file and not is_loopback(host):
+        raise ConfigurationError(
+            f'Parameter ~listen is {host}, so others can reach the page: name a ~token_file, with '
+            'lines ROLE NAME TOKEN.')
+    try:
+        tokens = load_tokens(token_file) if token_file else None
+    except TokenFileError as error:
+        raise ConfigurationError(str(error)) from None
+    certificate, key = parameter('~certificate', ''), parameter('~key', '')
+    certificates: Optional[ssl.SSLContext] = None
+    if certificate or key:
+        try:
+            certificates = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
+            certificates.load_cert_chain(certificate, key or None)
+        except (OSError, ssl.SSLError) as error:
+            raise ConfigurationError(f'The certificate {certificate} with the key {key} cannot be '
+                                     f'used ({error}).') from None
+    elif not is_loopback(host):
+        rospy.logwarn('The page is served without TLS: whoever listens on the network reads its '
+                      'tokens. Name ~certificate and ~key.')
+    names = [name.strip() for name in parameter('~names', '').split(',') if name.strip()]
+    secure = certificates is not None
+    return Access(Addresses.of(host, names, secure), tokens, secure), certificates
+
+
+def _folder() -> str:
+    folder: str = parameter('~folder', '') or os.path.join(rospkg.get_ros_home(), 'fleet_page')
+    try:
+        os.makedirs(folder, mode=0o700, exist_ok=True)
+    except OSError as error:
+        raise ConfigurationError(f'The folder {folder} cannot be made ({error.strerror}); choose '
+                                 'another with ~folder.') from None
+    return folder
+
+
+def _journal() -> str:
+    journal: str = parameter('~journal', '')
+    return journal or os.path.join(rospkg.get_ros_home(), 'graph_fleet_manager', 'fleet.sqlite')
+
+
+def main() -> None:
+    """Runs the node."""
+    run('fleet_page', FleetPageNode)

@@ -1,0 +1,82 @@
+"""What the fleet manager's messages say, as the page's own values."""
+from __future__ import annotations
+
+import math
+from typing import Any, Dict, Iterable, Optional
+
+from fleet_page.core.fleet import (
+    MISSION_STATES,
+    ROBOT_STATES,
+    MissionRequest,
+    MissionStatus,
+    Place,
+    Plan,
+    Robot,
+)
+from fleet_page.core.site import WallMap, wall_map
+from itrci_nav_msgs import msg
+
+_OUTAGES: Dict[int, str] = {
+    value: name[len('OUTAGE_'):] for name, value in vars(msg.FleetRobot).items()
+    if name.startswith('OUTAGE_')}
+
+
+def robot_of(message: msg.FleetRobot) -> Robot:
+    """One robot of /fleet_state."""
+    return Robot(
+        message.name, message.type, _word(ROBOT_STATES, message.state),
+        _OUTAGES.get(message.outage_code, 'UNKNOWN'), message.pose.edge_id,
+        _finite(message.pose.percentage, 0.0) / 100.0, message.seen.to_sec(),
+        message.battery if math.isfinite(message.battery) else None,
+        message.request_id if message.has_mission else None, message.destination,
+        message.waits_for)
+
+
+def places_of(message: msg.FleetPoses) -> Dict[str, Place]:
+    """Robots whose place is known."""
+    return {pose.robot: Place(pose.x, pose.y,
+                              pose.theta if math.isfinite(pose.theta) else None)
+            for pose in message.poses if math.isfinite(pose.x) and math.isfinite(pose.y)}
+
+
+def plans_of(message: msg.FleetPlan) -> Dict[str, Plan]:
+    """Every robot's plan; what is released stands first."""
+    return {plan.robot: Plan(tuple(drive.edge_id for drive in plan.drives),
+                             sum(drive.released for drive in plan.drives),
+                             tuple(drive.end.to_sec() for drive in plan.drives))
+            for plan in message.plans}
+
+
+def status_of(message: msg.MissionStatus) -> MissionStatus:
+    """What is told of a mission."""
+    return MissionStatus(message.request_id, message.request_stamp.to_nsec(),
+                         _word(MISSION_STATES, message.state), message.robot,
+                         message.destinations_reached, message.reason)
+
+
+def request_of(message: msg.MissionRequest) -> MissionRequest:
+    """What a mission is to do."""
+    return MissionRequest(message.request_id, message.header.stamp.to_nsec(),
+                          tuple(message.destination_vertices_id), message.robot,
+                          message.robot_type, message.priority, message.requested_by)
+
+
+def walls_of(message: Any) -> WallMap:
+    """The walls of a nav_msgs/OccupancyGrid; raises WrongMap."""
+    info = message.info
+    cells = bytes(value & 0xff for value in message.data)
+    return wall_map(cells, info.width, info.height, info.resolution,
+                    info.origin.position.x, info.origin.position.y)
+
+
+def _word(words: Iterable[str], number: int) -> str:
+    return dict(enumerate(words)).get(number, 'UNKNOWN')
+
+
+def _finite(value: float, otherwise: float) -> float:
+    return value if math.isfinite(value) else otherwise
+
+
+def radii_of(fleet: Optional[Any]) -> Dict[str, float]:
+    """How large the robots of each type are."""
+    return {} if fleet is None else {kind.name: kind.radius for kind in fleet.types}

@@ -1,0 +1,1 @@
+"""The page over HTTP: thin, above the core."""

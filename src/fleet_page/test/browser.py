@@ -1,0 +1,148 @@
+"""A real headless Chromium, and a page that is served to it in a thread, without ROS."""
+from __future__ import annotations
+
+import asyncio
+import os
+import shutil
+import threading
+import time
+from pathlib import Path
+from typing import Any, Callable, Optional
+
+import pytest
+from page_builders import PAGE_FOLDER, FakeFleet, page, show_fleet, tokens
+
+from fleet_page.core.page import Page
+from fleet_page.web.files import CHART, PageFiles
+from fleet_page.web.security import Addresses
+from fleet_page.web.server import Access, WebServer, serve
+
+try:
+    from selenium import webdriver
+    from selenium.webdriver.chrome.service import Service
+except ImportError:
+    webdriver = None
+DRIVER = shutil.which('chromedriver')
+BROWSER = shutil.which('chromium')
+MISSING = '' if webdriver and DRIVER and BROWSER else (
+    'this distribution has no chromium, chromium-driver or python3-selenium')
+needs_browser = pytest.mark.skipif(bool(MISSING), reason=MISSING or 'there is a browser')
+PICTURES = Path(os.environ.get('SYSTEM_TEST_ARTEFACTS', ''))
+PATIENCE = 8.0  # s
+
+
+class ServedPage:
+    """A page on a free port, used by its own thread; `do` runs something there."""
+
+    def __init__(self, folder: Path, secured: bool = False, chart: str = CHART) -> None:
+        self.fleet = FakeFleet()
+        self.page: Page = page(str(folder))
+        self._loop = asyncio.new_event_loop()
+        threading.Thread(target=self._loop.run_forever, daemon=True).start()
+        self.web = WebServer(self.page, self.fleet.do, PageFiles(str(PAGE_FOLDER), chart), Access(
+            Addresses.of('127.0.0.1', (), False), tokens(folder) if secured else None))
+        self._alive = True
+        self._runner = asyncio.run_coroutine_threadsafe(
+            serve(self.web, '127.0.0.1', 0, None), self._loop).result(PATIENCE)
+        self.url = f'http://127.0.0.1:{self._runner.addresses[0][1]}/'
+        self.do(lambda: show_fleet(self.page))
+        asyncio.run_coroutine_threadsafe(self._tick(), self._loop)
+
+    async def _tick(self) -> None:
+        """The fleet manager tells its state, while it lives."""
+        while True:
+            if self._alive:
+                self.page.model.take_robots(self.page.model.robots.values(), time.time())
+            self.page.tick(time.time())
+            await asyncio.sleep(0.2)
+
+    def do(self, work: Callable[[], Any]) -> Any:
+        """Runs it in the page's thread; gives its result."""
+        async def run() -> Any:
+            return work()
+        return asyncio.run_coroutine_threadsafe(run(), self._loop).result(PATIENCE)
+
+    def die(self) -> None:
+        """The fleet manager falls silent."""
+        self._alive = False
+
+    def close(self) -> None:
+        asyncio.run_coroutine_threadsafe(self._runner.cleanup(), self._loop).result(PATIENCE)
+        self._loop.call_soon_threadsafe(self._loop.stop)
+
+
+class Browser:
+    """One window."""
+
+    def __init__(self, width: int = 1400, height: int = 900, language: str = 'en',
+                 profile: Optional[Path] = None) -> None:
+        options = webdriver.ChromeOptions()
+        options.binary_location = BROWSER
+        for word in ('--headless=new', '--no-sandbox', '--disable-gpu', '--disable-dev-shm-usage',
+                     '--disable-background-networking', '--no-first-run', f'--lang={language}',
+                     f'--window-size={width},{height}'):
+            options.add_argument(word)
+        options.add_experimental_option('prefs', {'intl.accept_languages': language})
+        options.set_capability('goog:loggingPrefs', {'browser': 'ALL', 'performance': 'ALL'})
+        self.driver = webdriver.Chrome(service=Service(DRIVER), options=options)
+
+    def resize(self, width: int, height: int) -> None:
+        """The size of what is seen, as on a phone, too."""
+        self.driver.execute_cdp_cmd('Emulation.setDeviceMetricsOverride', {
+            'width': width, 'height': height, 'deviceScaleFactor': 1, 'mobile': False})
+
+    def open(self, url: str) -> None:
+        self.driver.get(url)
+
+    def script(self, text: str, *values: Any) -> Any:
+        return self.driver.execute_script(text, *values)
+
+    def wait(self, condition: Callable[[], Any], what: str = 'it') -> Any:
+        """Until it holds; errors of elements that come and go count as not yet."""
+        from selenium.common.exceptions import WebDriverException
+        deadline = time.monotonic() + PATIENCE
+        while True:
+            try:
+                found = condition()
+                if found:
+                    return found
+            except WebDriverException as error:
+                found = error
+            assert time.monotonic() < deadline, f'{what} did not come: {found}'
+            time.sleep(0.03)
+
+    def one(self, selector: str) -> Any:
+        return self.wait(lambda: self.driver.find_elements('css selector', selector),
+                         selector)[0]
+
+    def click(self, selector: str) -> None:
+        def clicked() -> bool:
+            self.driver.find_element('css selector', selector).click()
+            return True
+        self.wait(clicked, selector)
+
+    def text(self, selector: str) -> str:
+        return self.script('return document.querySelector(arguments[0]).textContent', selector)
+
+    def picture(self, name: str) -> None:
+        """Kept where the test runner keeps artefacts."""
+        if PICTURES != Path(''):
+            self.driver.save_screenshot(str(PICTURES / f'fleet_page_{name}.png'))
+
+    def addresses(self) -> set:
+        """Every address that the window asked, of all requests since the last call."""
+        import json
+        found = set()
+        for entry in self.driver.get_log('performance'):
+            message = json.loads(entry['message'])['message']
+            if message['method'] == 'Network.requestWillBeSent':
+                found.add(message['params']['request']['url'])
+        return found
+
+    def problems(self) -> list:
+        """What the console says of errors and refused contents."""
+        return [entry['message'] for entry in self.driver.get_log('browser')
+                if entry['level'] == 'SEVERE']
+
+    def close(self) -> None:
+        self.driver.quit()

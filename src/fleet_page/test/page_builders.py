@@ -1,0 +1,114 @@
+"""A page with a small site, robots and missions, without ROS and without a fleet manager."""
+from __future__ import annotations
+
+import asyncio
+import os
+import threading
+import time
+from pathlib import Path
+from typing import Any, List, Optional, Tuple
+
+from fleet_page.core.acts import Act, ActKind, Outcome
+from fleet_page.core.fleet import MissionRequest, MissionStatus, Place, Plan, Robot
+from fleet_page.core.page import Page
+from fleet_page.core.records import Records
+from fleet_page.core.replay import ReplayRing
+from fleet_page.core.roles import Person, Tokens, load_tokens
+from trajectory_graph import CurveType, Edge, Graph, Vertex
+
+PAGE_FOLDER = Path(__file__).parents[1] / 'page'
+TOKENS = {'see': 'a-token-that-only-sees', 'operate': 'a-token-that-operates',
+          'admin': 'a-token-that-administers'}
+
+
+def graph(columns: int = 4, rows: int = 3) -> Graph:
+    """A grid of vertices 3 m apart, joined by lines along rows and columns."""
+    vertices = [Vertex(1 + x + y * columns, 3.0 * x, 3.0 * y, 0.0, dock=not x + y,
+                       label='dock' if not x + y else '') for y in range(rows) for x in range(columns)]
+    ends = [(v.id, v.id + 1) for v in vertices if v.id % columns] + [
+        (v.id, v.id + columns) for v in vertices if v.id + columns <= columns * rows]
+    return Graph(vertices, [Edge(k, a, b, CurveType.LINE, 0.0, 0.0, 1.0, 1.0)
+                            for k, (a, b) in enumerate(ends, 1)])
+
+
+def robot(name: str = 'a', **values: Any) -> Robot:
+    """A robot that drives along edge 1 to vertex 2, with nothing to wait for."""
+    known = {'type': 'agv', 'state': 'BUSY', 'outage': 'NONE', 'edge': 1, 'fraction': 0.5,
+             'seen': 100.0, 'battery': 0.75, 'mission': 7, 'destination': 2, 'waits_for': ''}
+    return Robot(name, **{**known, **values})
+
+
+def status(id: int = 7, state: str = 'ACTIVE', **values: Any) -> MissionStatus:
+    """What is told of a mission."""
+    known = {'stamp': id * 10 ** 9, 'robot': 'a', 'reached': 0, 'reason': ''}
+    return MissionStatus(id, state=state, **{**known, **values})
+
+
+def request(id: int = 7, *destinations: int) -> MissionRequest:
+    """What a mission is to do."""
+    return MissionRequest(id, id * 10 ** 9, destinations or (2, 3), '', '', 1, 'anna')
+
+
+def page(folder: str, journal: Any = list) -> Page:
+    """A page with nothing on it."""
+    return Page(Records(os.path.join(folder, 'page.sqlite')),
+                ReplayRing(os.path.join(folder, 'replay')), journal)
+
+
+def show_fleet(shown: Page, now: Optional[float] = None) -> None:
+    """A site, two robots, a plan and three missions."""
+    now = time.time() if now is None else now
+    model = shown.model
+    model.graph = graph()
+    shown.site.radii = {'agv': 0.4}
+    model.site_changed()
+    model.take_robots([robot(), robot('b', state='FAILED', outage='FAILED', mission=None, edge=2,
+                                      waits_for='wheel blocked', destination=0, battery=None)], now)
+    model.take_places({'a': Place(1.5, 0.0, 0.0), 'b': Place(4.5, 0.0, None)})
+    for id, state in ((7, 'ACTIVE'), (8, 'PENDING'), (9, 'SUCCEEDED')):
+        model.take_request(request(id))
+        shown.take_status(status(id, state, robot='' if state == 'PENDING' else 'a'))
+    shown.take_plans({'a': Plan((1, 2), 1, (now + 5.0, now + 90.0))}, now)
+
+
+class FakeFleet:
+    """Takes acts in place of the fleet manager, and keeps them with the persons' names."""
+
+    def __init__(self) -> None:
+        self.acts: List[Tuple[Act, Person]] = []
+        self.slow: Optional[threading.Event] = None
+        """Acts but stops wait for it."""
+
+    def do(self, act: Act, person: Person) -> Outcome:
+        """What `WebServer` calls."""
+        if self.slow is not None and act.kind is not ActKind.STOP:
+            self.slow.wait(10.0)
+        self.acts.append((act, person))
+        return Outcome(True, f'{act.kind.value} was asked', 77 if act.kind is ActKind.SEND else 0)
+
+    @property
+    def kinds(self) -> List[ActKind]:
+        """What was asked for, in order."""
+        return [act.kind for act, _ in self.acts]
+
+
+def token_file(folder: Path, mode: int = 0o600) -> str:
+    """Three persons, one of each role."""
+    path = folder / 'tokens'
+    path.write_text('# role name token\n' + ''.join(
+        f'{role} {role}r {token}\n' for role, token in TOKENS.items()))
+    path.chmod(mode)
+    return str(path)
+
+
+def tokens(folder: Path) -> Tokens:
+    """Their tokens, loaded."""
+    return load_tokens(token_file(folder))
+
+
+async def until(condition: Any, seconds: float = 5.0) -> None:
+    """Waits in an event loop."""
+    deadline = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < deadline, 'it did not come to that'
+        await asyncio.sleep(0.01)

@@ -1,0 +1,52 @@
+"""What a client may ask for: exactly what the table says, and nothing else passes."""
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fleet_page.core.acts import RULES, Act, ActKind, WrongAct, act_of
+from fleet_page.core.roles import Role
+
+JSON = st.recursive(st.none() | st.booleans() | st.integers() | st.floats() | st.text(),
+                    lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner))
+
+
+def test_a_mission_has_destinations_stays_and_a_robot():
+    assert act_of({'act': 'send', 'destinations': [3, 4], 'stays': [0, -1], 'robot': 'a',
+                   'robot_type': '', 'priority': 2}) == Act(
+        ActKind.SEND, robot='a', priority=2, destinations=(3, 4), stays=(0.0, -1.0))
+
+
+@pytest.mark.parametrize('request_, words', [
+    ([], 'JSON object'), ({}, 'no such act'), ({'act': []}, 'no such act'),
+    ({'act': 'stop', 'robot': 'a'}, 'takes nothing'),
+    ({'act': 'send'}, 'destinations is missing'),
+    ({'act': 'send', 'destinations': []}, 'list of 1 to 100 ids'),
+    ({'act': 'send', 'destinations': [True]}, 'whole number'),
+    ({'act': 'send', 'destinations': [2 ** 31]}, 'whole number'),
+    ({'act': 'send', 'destinations': [-1]}, 'positive'),
+    ({'act': 'send', 'destinations': [1], 'stays': [math.nan]}, 'seconds'),
+    ({'act': 'send', 'destinations': [1], 'stays': [1, 2]}, 'as many'),
+    ({'act': 'out', 'robot': 'a\n'}, 'printable'), ({'act': 'out', 'robot': ' '}, 'printable'),
+    ({'act': 'cancel', 'mission': '1'}, 'whole number'),
+    ({'act': 'close', 'edges': [1] * 1001}, 'list of 1 to 1000')])
+def test_a_wrong_request_is_refused_in_words(request_, words):
+    with pytest.raises(WrongAct, match=words):
+        act_of(request_)
+
+
+@given(JSON, st.sampled_from([kind.value for kind in ActKind]), JSON)
+def test_anything_else_is_refused_and_never_fails(content, kind, value):
+    for request in (content, {'act': kind, 'destinations': value}, {'act': kind, 'robot': value},
+                    {'act': kind, 'mission': value, 'stays': value}):
+        try:
+            act = act_of(request)
+        except WrongAct:
+            continue
+        assert isinstance(act, Act)
+
+
+def test_every_act_has_a_rule_and_no_act_is_for_those_who_only_see():
+    assert set(RULES) == set(ActKind)
+    assert all(rule.role > Role.SEE for rule in RULES.values())

@@ -1,0 +1,96 @@
+"""What the page shows, made of what the fleet manager tells."""
+from page_builders import graph, page, request, robot, show_fleet, status
+
+from fleet_page.core import fleet_model
+from fleet_page.core.fleet import Place, Plan
+from fleet_page.core.fleet_model import FleetModel
+
+
+def test_a_fleet_manager_that_falls_silent_counts_as_dead_with_the_time_of_its_last_word():
+    model = FleetModel()
+    assert model.live.get('fleet') == {'alive': False, 'heard': None}
+    model.take_robots([robot()], 100.0)
+    assert model.live.get('fleet')['alive']
+    model.tick(104.0)
+    assert model.live.get('fleet') == {'alive': False, 'heard': 100.0}
+    assert model.live.get('robot:a')
+
+
+def test_a_robot_without_a_location_stands_where_its_edge_says():
+    model = FleetModel()
+    model.graph = graph()
+    model.take_robots([robot(fraction=0.5)], 0.0)
+    assert model.live.get('pose:a') == [1.5, 0.0, 0.0]
+    model.take_places({'a': Place(1.0, 2.0, None)})
+    model.take_robots([robot(fraction=0.9)], 0.5)
+    assert model.live.get('pose:a') == [1.0, 2.0, None]
+
+
+def test_a_robot_that_leaves_the_fleet_leaves_the_page():
+    model = FleetModel()
+    model.take_robots([robot('a'), robot('b')], 0.0)
+    model.take_places({'a': Place(0.0, 0.0, 0.0)})
+    model.take_robots([robot('b')], 0.5)
+    assert model.live.entries('robot:').keys() == {'b'} and model.live.get('pose:a') is None
+
+
+def test_a_standing_robot_changes_nothing():
+    model = FleetModel()
+    model.take_robots([robot()], 0.0)
+    model.take_places({'a': Place(1.0, 1.0, 0.0)})
+    before = model.live.revision
+    model.take_robots([robot(seen=200.0, fraction=0.6)], 0.5)
+    model.take_places({'a': Place(1.001, 1.0, 0.0)})
+    assert model.live.revision == before
+
+
+def test_a_mission_shows_its_request_whichever_comes_first():
+    for first in (True, False):
+        model = FleetModel()
+        if first:
+            model.take_request(request(7, 2, 3))
+        model.take_status(status(7))
+        if not first:
+            model.take_request(request(7, 2, 3))
+        shown = model.live.get('mission:7:7000000000')
+        assert shown['destinations'] == [2, 3] and shown['by'] == 'anna'
+
+
+def test_the_plan_tells_when_the_last_destination_is_reached():
+    model = FleetModel()
+    model.graph = graph()
+    model.take_request(request(7, 2, 3))
+    model.take_status(status(7))
+    model.take_plans({'a': Plan((1, 2, 3), 1, (10.0, 20.0, 30.0))})
+    assert model.live.get('mission:7:7000000000')['ends_at'] == 20
+
+
+def test_only_the_last_ended_missions_stay(monkeypatch):
+    monkeypatch.setattr(fleet_model, 'MOST_ENDED', 2)
+    model = FleetModel()
+    for id in range(1, 6):
+        model.take_status(status(id, 'SUCCEEDED'))
+    assert [mission['id'] for mission in model.live.entries('mission:').values()] == [4, 5]
+    assert model.ended == {'SUCCEEDED': 5}
+
+
+def test_waiting_distance_and_work_are_summed_up():
+    model = FleetModel()
+    model.take_robots([robot(waits_for='b')], 0.0)
+    model.take_robots([robot(waits_for='b')], 0.5)
+    model.take_places({'a': Place(0.0, 0.0, 0.0)})
+    model.take_places({'a': Place(1.5, 0.0, 0.0)})
+    model.take_places({'a': Place(99.0, 0.0, 0.0)})  # carried, not driven
+    sums, edges = model.take_sums()
+    assert (sums['a'].distance, sums['a'].busy, sums['a'].waiting) == (1.5, 0.5, 0.5)
+    assert edges == {1: 0.5} and model.take_sums() == ({}, {})
+
+
+def test_the_page_records_what_became_of_a_mission(tmp_path):
+    from fleet_page.core.acts import Act, ActKind, Outcome
+    from fleet_page.core.roles import LOCAL
+    shown = page(str(tmp_path))
+    shown.done(LOCAL, Act(ActKind.SEND, destinations=(2,)), Outcome(True, 'sent', 9), 1.0)
+    assert shown.records.audit(1)[0]['outcome'] == 'sent'
+    show_fleet(shown)
+    assert shown.records.audit(1)[0]['outcome'] == 'SUCCEEDED a'

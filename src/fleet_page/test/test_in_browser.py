@@ -1,0 +1,295 @@
+"""The page in a real Chromium: each act from click to fleet, languages, sizes, keyboard."""
+from __future__ import annotations
+
+import time
+
+import pytest
+
+pytest.importorskip('aiohttp')
+
+from browser import Browser, ServedPage, needs_browser  # noqa: E402
+from page_builders import TOKENS, robot, status  # noqa: E402
+
+from fleet_page.core.acts import ActKind  # noqa: E402
+from fleet_page.core.fleet import Place  # noqa: E402
+
+pytestmark = needs_browser
+
+
+@pytest.fixture(scope='module')
+def browser():
+    window = Browser()
+    yield window
+    window.close()
+
+
+@pytest.fixture
+def served(tmp_path):
+    shown = ServedPage(tmp_path)
+    yield shown
+    shown.close()
+
+
+@pytest.fixture
+def window(browser, served):
+    browser.resize(1400, 900)
+    browser.open(served.url)
+    browser.script('localStorage.clear()')
+    browser.open(served.url)
+    browser.one('.robot[data-name=a]')
+    browser.addresses()
+    browser.problems()
+    yield browser
+    outside = [url for url in browser.addresses()
+               if not url.startswith((served.url, 'data:', 'chrome'))]
+    assert outside == [] and browser.problems() == []
+
+
+def asked(window, served, kind, **values):
+    """The act that came to the fleet."""
+    act = window.wait(lambda: next((act for act, _ in served.fleet.acts if act.kind is kind), None),
+                      kind.value)
+    for name, value in values.items():
+        assert getattr(act, name) == value
+    return act
+
+
+def click_vertex(window, vertex):
+    """As a finger does: on the map, where the vertex is drawn."""
+    x, y = window.wait(lambda: window.driver.execute_async_script('''
+        const [vertex, done] = arguments;
+        import('/page/map.js').then(map => done(map.screenPlace(vertex)));''', vertex), 'the site')
+    click_at(window, x, y)
+
+
+def click_at(window, x, y):
+    for kind, buttons in (('mousePressed', 1), ('mouseReleased', 0)):
+        window.driver.execute_cdp_cmd('Input.dispatchMouseEvent', {
+            'type': kind, 'x': x, 'y': y, 'button': 'left', 'buttons': buttons, 'clickCount': 1})
+
+
+def test_robots_missions_alarms_and_plans_are_shown(window, served):
+    assert 'a 75 %' in window.text('.robot[data-name=a]')
+    assert window.one('.released[data-robot=a]')
+    window.wait(lambda: 'wheel blocked' in window.text('#alarms'), 'the alarm')
+    window.wait(lambda: '▶2 → 3' in window.text('#open'), 'the mission')
+    assert window.one('#ended li')
+    window.picture('live')
+
+
+def test_a_robot_that_moves_is_drawn_where_it_is(window, served):
+    before = window.one('.robot[data-name=a]').get_attribute('transform')
+    served.do(lambda: served.page.model.take_places({'a': Place(2.5, 0.0, 0.0)}))
+    window.wait(lambda: window.one('.robot[data-name=a]').get_attribute('transform') != before)
+
+
+def test_the_stop_button_stops(window, served):
+    window.click('#stop')
+    asked(window, served, ActKind.STOP)
+    window.wait(lambda: 'stop was asked' in window.text('#said'))
+    window.click('#resume')
+    asked(window, served, ActKind.RESUME)
+
+
+def test_a_mission_is_sent_by_clicks_on_the_map(window, served):
+    for vertex in (3, 7, 6):
+        click_vertex(window, vertex)
+    window.wait(lambda: len(window.driver.find_elements('css selector', '#chosen li')) == 3)
+    window.one('#chosen li:nth-child(2) input[type=number]').send_keys('5')
+    window.click('#chosen li:nth-child(3) input[type=checkbox]')
+    window.one('#send_priority').clear()
+    window.one('#send_priority').send_keys('4')
+    window.wait(lambda: window.script("return document.querySelector('#send_robot').options.length") == 3)
+    window.script("document.querySelector('#send_robot').value = 'b'")
+    window.picture('mission')
+    window.click('#send_button')
+    act = asked(window, served, ActKind.SEND)
+    assert act.destinations == (3, 7, 6) and act.robot == 'b' and act.priority == 4
+    assert act.stays[0] == 0.0 and act.stays[1] > 0.0 and act.stays[2] == -1.0
+
+
+def test_favourites_are_kept_used_and_removed(window, served):
+    click_vertex(window, 3)
+    window.one('#favourite_name').send_keys('<b>tour</b>')
+    window.click('#keep')
+    window.wait(lambda: '<b>tour</b>: 3' in window.text('#favourites'))
+    window.click('#clear')
+    window.click('#favourites [data-act=use]')
+    window.click('#send_button')
+    asked(window, served, ActKind.SEND, destinations=(3,))
+    window.click('#favourites [data-act=remove]')
+    window.wait(lambda: window.text('#favourites') == '')
+
+
+@pytest.mark.parametrize('kind', [ActKind.CANCEL, ActKind.PAUSE, ActKind.RELEASE])
+def test_an_open_mission_is_changed_by_its_buttons(window, served, kind):
+    window.click(f'#open li[data-key^="7:"] [data-act={kind.value}]')
+    asked(window, served, kind, mission=7)
+
+
+def test_a_paused_mission_goes_on(window, served):
+    served.do(lambda: served.page.take_status(status(7, 'PAUSED')))
+    window.click('#open li[data-key^="7:"] [data-act=continue]')
+    asked(window, served, ActKind.CONTINUE, mission=7)
+
+
+def test_priority_and_destinations_of_a_mission_are_changed(window, served):
+    window.click('#open li[data-key^="7:"] [data-act=change]')
+    window.one('#open form input[type=number]').clear()
+    window.one('#open form input[type=number]').send_keys('9')
+    way = window.one('#open form input:not([type])')
+    way.clear()
+    way.send_keys('4 8')
+    window.click('#open form button')
+    asked(window, served, ActKind.MODIFY, mission=7, priority=9, destinations=(4, 8))
+
+
+def test_edges_are_closed_and_opened(window, served):
+    window.click('#tab_button_edges')
+    window.one('#edge').send_keys('3')
+    window.click('#close_edge')
+    asked(window, served, ActKind.CLOSE, edges=(3,))
+    served.do(lambda: served.page.model.close_edges([3]))
+    window.click('#closed [data-act=open]')
+    asked(window, served, ActKind.OPEN, edges=(3,))
+
+
+@pytest.mark.parametrize('kind', [ActKind.OUT, ActKind.IN, ActKind.ABSENT])
+def test_a_robot_is_taken_out_put_back_and_declared_absent(window, served, kind):
+    window.click('#tab_button_robots')
+    window.click(f'#robots li[data-key=a] [data-act={kind.value}]')
+    if kind is ActKind.ABSENT:
+        window.driver.switch_to.alert.accept()
+    asked(window, served, kind, robot='a')
+
+
+def test_a_dead_fleet_manager_is_told_with_the_age_and_the_stop_still_works(window, served):
+    served.die()
+    window.wait(lambda: 'does not answer' in window.text('#link'))
+    assert window.one('.robot[data-name=a]')
+    window.picture('dead')
+    window.click('#stop')
+    asked(window, served, ActKind.STOP)
+
+
+def test_history_replay_and_audit_list_are_shown(window, served):
+    window.click('#stop')
+    window.click('#tab_button_history')
+    window.wait(lambda: window.text('#hours_table').strip())
+    window.wait(lambda: window.script('return !document.querySelector("#hours_chart").hidden'))
+    window.picture('history')
+    window.click('#tab_button_audit')
+    window.wait(lambda: 'Stop all' in window.text('#audit'))
+    window.click('#tab_button_replay')
+    window.wait(lambda: served.do(lambda: served.page.replay.span))
+    window.click('#tab_button_replay')
+    window.wait(lambda: window.one('#moment').is_enabled())
+    window.script('''const slider = document.querySelector('#moment');
+        slider.value = slider.max; slider.dispatchEvent(new Event('input'));''')
+    window.wait(lambda: 'wheel blocked' in window.text('#past_robots'))
+    window.picture('replay')
+    window.click('#live')
+    window.wait(lambda: not window.one('#past').is_displayed())
+
+
+def test_words_of_robots_and_missions_never_become_html(window, served):
+    evil = '<img src=x onerror=document.title="taken">'
+    served.do(lambda: served.page.model.take_robots(
+        [robot(evil, waits_for=evil, outage='FAILED', state='FAILED')], time.time()))
+    served.do(lambda: served.page.take_status(status(7, 'FAILED', reason=evil, robot=evil)))
+    window.wait(lambda: evil in window.text('#alarms') and evil in window.text('#ended'))
+    assert window.driver.title == 'Fleet'
+    assert window.driver.find_elements('css selector', 'img') == []
+
+
+def test_german_and_dark_are_chosen_and_remembered(window, served):
+    window.script('''const language = document.querySelector('#language');
+        language.value = 'de'; language.dispatchEvent(new Event('change'));''')
+    window.wait(lambda: window.text('#stop') == 'ALLE ANHALTEN')
+    theme = window.script('return document.documentElement.dataset.theme')
+    window.click('#theme')
+    window.open(served.url)
+    window.wait(lambda: 'fährt zu 2' in window.one('.robot[data-name=a]').get_attribute('aria-label'))
+    assert window.script('return document.documentElement.dataset.theme') != theme
+    window.picture('german_dark')
+
+
+@pytest.mark.parametrize('width, height', [(360, 740), (2560, 1440)])
+def test_nothing_is_cut_off_from_phone_to_wall(window, served, width, height):
+    window.resize(width, height)
+    window.wait(lambda: window.script('return innerWidth') == width)
+    for tab in ('missions', 'robots', 'edges', 'history', 'replay', 'audit'):
+        window.click(f'#tab_button_{tab}')
+        wide = window.script('return document.documentElement.scrollWidth')
+        assert wide <= width, tab
+        assert window.one('#stop').is_displayed()
+    window.click('#tab_button_missions')
+    window.picture(f'{width}')
+
+
+def test_a_mission_is_sent_by_keyboard_alone(window, served):
+    from selenium.webdriver.common.keys import Keys
+
+    def focus_on(wanted):
+        for _ in range(60):
+            if window.script('return document.activeElement.id') == wanted:
+                return window.driver.switch_to.active_element
+            window.driver.switch_to.active_element.send_keys(Keys.TAB)
+        raise AssertionError(f'the focus never came to {wanted}')
+    focus_on('destination').send_keys('7', Keys.ENTER)
+    focus_on('destination').send_keys('3', Keys.ENTER)
+    focus_on('send_button').send_keys(Keys.ENTER)
+    asked(window, served, ActKind.SEND, destinations=(7, 3))
+    focus_on('tab_button_missions').send_keys(Keys.ARROW_RIGHT)
+    assert window.script('return document.activeElement.id') == 'tab_button_robots'
+
+
+def test_two_windows_see_the_same(window, served):
+    first = window.driver.current_window_handle
+    window.driver.switch_to.new_window('window')
+    try:
+        window.open(served.url)
+        window.one('.robot[data-name=a]')
+        served.do(lambda: served.page.model.take_robots(
+            [robot('a', waits_for='b')], time.time()))
+        window.wait(lambda: 'waits for: b' in window.text('#robots'))
+    finally:
+        window.driver.close()
+        window.driver.switch_to.window(first)
+    window.wait(lambda: 'waits for: b' in window.text('#robots'))
+
+
+def test_who_only_sees_logs_in_and_finds_nothing_to_press(browser, tmp_path):
+    shown = ServedPage(tmp_path, secured=True)
+    try:
+        browser.resize(1400, 900)
+        browser.open(shown.url)
+        browser.one('#token').send_keys('wrong')
+        browser.click('#login button')
+        browser.wait(lambda: 'opens nothing' in browser.text('#login_said'))
+        browser.one('#token').send_keys(TOKENS['see'])
+        browser.click('#login button')
+        browser.one('.robot[data-name=a]')
+        assert not browser.one('#stop').is_enabled()
+        assert not browser.one('#send_button').is_displayed()
+        assert TOKENS['see'] not in browser.driver.current_url
+        assert browser.script('return document.cookie') == ''
+        browser.picture('see')
+        browser.click('#logout')
+        browser.wait(lambda: browser.one('#login').is_displayed())
+    finally:
+        shown.close()
+
+
+def test_without_a_chart_library_tables_are_shown(browser, tmp_path):
+    shown = ServedPage(tmp_path, chart=str(tmp_path / 'none.js'))
+    try:
+        browser.resize(1400, 900)
+        browser.open(shown.url)
+        browser.one('.robot[data-name=a]')
+        browser.click('#tab_button_history')
+        browser.wait(lambda: browser.text('#robots_table').strip())
+        assert not browser.one('#hours_chart').is_displayed()
+    finally:
+        shown.close()
+

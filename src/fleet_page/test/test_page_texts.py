@@ -1,0 +1,57 @@
+"""Every text of the page is in both tables, and nothing is fetched from elsewhere."""
+import json
+import re
+
+import pytest
+from page_builders import PAGE_FOLDER
+
+from fleet_page.core.acts import ActKind
+from fleet_page.core.fleet import MISSION_STATES, ROBOT_STATES
+
+SOURCES = {path.name: path.read_text() for path in PAGE_FOLDER.iterdir()
+           if path.suffix in ('.js', '.html', '.css')}
+TABLES = {name: json.loads((PAGE_FOLDER / f'{name}.json').read_text()) for name in ('en', 'de')}
+
+
+def used_keys():
+    found = set()
+    for text in SOURCES.values():
+        found |= set(re.findall(r'data-(?:t|label)="(\w+)"', text))
+        found |= set(re.findall(r"\bt\('(\w+)'", text))
+    found |= set(re.findall(r"button\('(\w+)', '\w+'\)", SOURCES['missions.js']))
+    found |= {f'act_{kind.value}' for kind in ActKind}
+    found |= {f'robot_{state}' for state in ROBOT_STATES}
+    found |= {f'mission_{state}' for state in MISSION_STATES}
+    tabs = re.search(r'TABS = \[(.*?)\]', SOURCES['main.js']).group(1)
+    found |= {f'tab_{name}' for name in re.findall(r"'(\w+)'", tabs)}
+    needs = re.search(r'NEEDS_PERSON = \[(.*?)\]', SOURCES['main.js']).group(1)
+    return found | {f'todo_{name}' for name in re.findall(r"'(\w+)'", needs)}
+
+
+@pytest.mark.parametrize('language', TABLES)
+def test_no_text_is_missing_and_none_is_empty(language):
+    assert used_keys() - TABLES[language].keys() == set()
+    assert all(TABLES[language].values())
+
+
+def test_both_languages_have_the_same_texts_with_the_same_values():
+    assert TABLES['en'].keys() == TABLES['de'].keys()
+    for key, text in TABLES['en'].items():
+        names = set(re.findall(r'\{(\w+)\}', text))
+        assert set(re.findall(r'\{(\w+)\}', TABLES['de'][key])) == names, key
+
+
+def test_no_text_is_left_over():
+    text = ' '.join(SOURCES.values())
+    used = used_keys()
+    assert [key for key in TABLES['en'] if key not in used and f"'{key}'" not in text
+            and not key.startswith(('todo_', 'mission_', 'robot_'))] == []
+
+
+@pytest.mark.parametrize('name', SOURCES)
+def test_texts_never_become_html_and_nothing_comes_from_elsewhere(name):
+    text = SOURCES[name].replace('http://www.w3.org/2000/svg', '')
+    for word in ('innerHTML', 'outerHTML', 'insertAdjacentHTML', 'document.write', 'eval(',
+                 'http://', 'https://', '//cdn'):
+        assert word not in text
+    assert not re.search(r'<[^>]+ (style|on\w+)=', text) or name.endswith('.js')

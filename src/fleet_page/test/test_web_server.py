@@ -1,0 +1,400 @@
+"""The page over HTTP: who may do what, hostile requests, and streams that cost nothing."""
+from __future__ import annotations
+
+import asyncio
+import json
+import threading
+
+import pytest
+
+pytest.importorskip('aiohttp')
+
+from aiohttp import ClientSession  # noqa: E402
+from aiohttp.test_utils import TestServer  # noqa: E402
+from page_builders import (  # noqa: E402
+    PAGE_FOLDER,
+    TOKENS,
+    FakeFleet,
+    page,
+    show_fleet,
+    tokens,
+    until,
+)
+
+from fleet_page.core.acts import RULES, ActKind  # noqa: E402
+from fleet_page.core.roles import Role  # noqa: E402
+from fleet_page.web import server as server_module  # noqa: E402
+from fleet_page.web.files import PageFiles  # noqa: E402
+from fleet_page.web.security import Addresses  # noqa: E402
+from fleet_page.web.server import Access, WebServer  # noqa: E402
+from graph_fleet_manager.supervision.journal import JournalError  # noqa: E402
+
+TestServer.__test__ = False
+ROUTES = ('/', '/page/main.js', '/chart.js', '/api/me', '/api/events', '/api/site', '/api/map.png',
+          '/api/history', '/api/history.csv', '/api/replay', '/api/audit', '/metrics')
+NEED_LOGIN = ROUTES[4:]
+CONTENT = {'destinations': [2], 'mission': 7, 'priority': 1, 'edges': [1], 'robot': 'a',
+           'name': 'tour'}
+
+
+def body_of(kind: ActKind) -> dict:
+    return {'act': kind.value, **{name: CONTENT[name] for name in RULES[kind].needed}}
+
+
+class Client:
+    """One browser, with cookies of its own."""
+
+    def __init__(self, session: ClientSession, server: TestServer) -> None:
+        self._session, self._server = session, server
+        self.origin = str(server.make_url('')).rstrip('/')
+
+    def get(self, path: str, **more):
+        return self._session.get(self._server.make_url(path), **more)
+
+    def post(self, path: str, content, **more):
+        headers = {'Origin': self.origin, **more.pop('headers', {})}
+        return self._session.post(self._server.make_url(path), json=content, headers=headers,
+                                  **more)
+
+    async def act(self, content, **more):
+        async with self.post('/api/act', content, **more) as answer:
+            return answer.status, await answer.json()
+
+    async def login(self, role: str) -> int:
+        async with self.post('/api/login', {'token': TOKENS[role]}) as answer:
+            return answer.status
+
+
+class Site:
+    """A page that is served, with a fleet that takes all acts."""
+
+    def __init__(self, folder, secured: bool, journal=list) -> None:
+        self.page, self.fleet = page(str(folder), journal), FakeFleet()
+        access = Access(Addresses.of('127.0.0.1', (), False),
+                        tokens(folder) if secured else None)
+        self.web = WebServer(self.page, self.fleet.do, PageFiles(str(PAGE_FOLDER)), access)
+
+
+def served(folder, test, secured: bool = False, journal=list) -> None:
+    """Runs test(site, client, new_client) with a server on a free port."""
+    async def work() -> None:
+        site = Site(folder, secured, journal)
+        show_fleet(site.page)
+        sessions = []
+        server = TestServer(site.web.app)
+        await server.start_server()
+
+        def new_client() -> Client:
+            # Cookies of an address without a name are kept, too.
+            from aiohttp import CookieJar
+            sessions.append(ClientSession(cookie_jar=CookieJar(unsafe=True)))
+            return Client(sessions[-1], server)
+        try:
+            await test(site, new_client(), new_client)
+        finally:
+            for session in sessions:
+                await session.close()
+            await server.close()
+    asyncio.run(work())
+
+
+def test_every_route_has_the_headers_that_keep_others_out(tmp_path):
+    async def test(_site, client, _new):
+        for path in ROUTES:
+            async with client.get(path) as answer:
+                policy = answer.headers['Content-Security-Policy']
+                assert "default-src 'none'" in policy and 'unsafe' not in policy, path
+                assert answer.headers['X-Content-Type-Options'] == 'nosniff'
+                assert answer.headers['Referrer-Policy'] == 'no-referrer'
+                if path != '/api/events':
+                    await answer.read()
+    served(tmp_path, test)
+
+
+def test_a_client_gets_everything_and_then_what_changed(tmp_path):
+    async def test(site, client, _new):
+        async with client.get('/api/events') as answer:
+            assert answer.content_type == 'text/event-stream'
+            first = await event(answer)
+            assert first['full'] and first['set']['robot:b']['waits_for'] == 'wheel blocked'
+            site.page.model.close_edges([3])
+            second = await event(answer)
+            assert not second['full'] and second['set'] == {'closed': [3]}
+    served(tmp_path, test)
+
+
+async def event(answer) -> dict:
+    while True:
+        line = await asyncio.wait_for(answer.content.readline(), 5.0)
+        if line.startswith(b'data: '):
+            return json.loads(line[6:])
+
+
+async def event_id(answer) -> str:
+    while True:
+        line = await asyncio.wait_for(answer.content.readline(), 5.0)
+        if line.startswith(b'id: '):
+            return line[4:].decode().strip()
+
+
+def test_a_client_that_comes_again_gets_only_what_it_missed_of_this_server(tmp_path):
+    async def test(site, client, _new):
+        async with client.get('/api/events') as answer:
+            last = await event_id(answer)
+        site.page.model.close_edges([3])
+        for wanted, headers in ((False, {'Last-Event-ID': last}),
+                                (True, {'Last-Event-ID': 'other-5'}),
+                                (True, {'Last-Event-ID': f'{last}x'}),
+                                (True, {'Last-Event-ID': '\u0664'.encode().decode('latin1')})):
+            async with client.get('/api/events', headers=headers) as answer:
+                assert (await event(answer))['full'] is wanted
+    served(tmp_path, test)
+
+
+def test_a_client_that_reads_nothing_delays_no_other_and_is_let_go(tmp_path, monkeypatch):
+    monkeypatch.setattr(server_module, 'STALLED', 0.5)
+
+    async def test(site, client, new_client):
+        reader, writer = await asyncio.open_connection(
+            '127.0.0.1', int(client.origin.rpartition(':')[2]), limit=1)
+        writer.transport.pause_reading()
+        host = client.origin.partition('//')[2]
+        writer.write(f'GET /api/events HTTP/1.1\r\nHost: {host}\r\n\r\n'.encode())
+        await until(lambda: site.web.clients == 1)
+        async with new_client().get('/api/events') as answer:
+            await event(answer)
+            for number in range(60):
+                site.page.model.live.put('big', f'{number}' + 'x' * 100_000)
+                assert 'big' in (await event(answer))['set']
+            await until(lambda: site.web.clients == 1)
+        writer.close()
+        del reader
+    served(tmp_path, test)
+
+
+def test_loopback_needs_no_login_and_every_act_reaches_the_fleet(tmp_path):
+    async def test(site, client, _new):
+        for kind in ActKind:
+            status, answer = await client.act(body_of(kind))
+            assert status == 200, (kind, answer)
+        favourites = {ActKind.ADD_FAVOURITE, ActKind.REMOVE_FAVOURITE}
+        assert site.fleet.kinds == [kind for kind in ActKind if kind not in favourites]
+        acts = [row['act'] for row in site.page.records.audit(100)]
+        assert sorted(acts) == sorted(kind.value for kind in ActKind)
+    served(tmp_path, test)
+
+
+@pytest.mark.parametrize('role', TOKENS)
+def test_a_role_may_do_what_the_table_says(tmp_path, role):
+    async def test(site, client, _new):
+        assert await client.login(role) == 200
+        for kind in ActKind:
+            allowed = RULES[kind].role <= Role[role.upper()]
+            status, answer = await client.act(body_of(kind))
+            assert (status == 200) is allowed, (kind, answer)
+            assert status in (200, 403)
+        for path in ('/api/site', '/api/history', '/api/replay', '/metrics'):
+            async with client.get(path) as answer:
+                assert answer.status == 200
+        async with client.get('/api/audit') as answer:
+            assert answer.status == (403 if role == 'see' else 200)
+    served(tmp_path, test, secured=True)
+
+
+def test_without_a_login_nothing_is_shown_and_nothing_done(tmp_path):
+    async def test(site, client, _new):
+        for path in NEED_LOGIN:
+            async with client.get(path) as answer:
+                assert answer.status == 401, path
+        for kind in ActKind:
+            assert (await client.act(body_of(kind)))[0] == 401
+        async with client.get('/api/me') as answer:
+            assert await answer.json() == {'name': None, 'role': None, 'login': True}
+        assert site.fleet.acts == []
+    served(tmp_path, test, secured=True)
+
+
+def test_the_cookie_is_out_of_reach_for_scripts_and_other_sites(tmp_path):
+    async def test(_site, client, _new):
+        async with client.post('/api/login', {'token': TOKENS['see']}) as answer:
+            cookie = answer.headers['Set-Cookie']
+            assert 'HttpOnly' in cookie and 'SameSite=Strict' in cookie
+            assert TOKENS['see'] not in cookie
+        async with client.post('/api/logout', {}):
+            pass
+        async with client.get('/api/site') as answer:
+            assert answer.status == 401
+    served(tmp_path, test, secured=True)
+
+
+def test_a_logout_ends_a_stream_that_is_open(tmp_path):
+    async def test(site, client, _new):
+        await client.login('see')
+        async with client.get('/api/events') as answer:
+            await event(answer)
+            async with client.post('/api/logout', {}):
+                pass
+            await until(lambda: site.web.clients == 0)
+    served(tmp_path, test, secured=True)
+
+
+def test_tokens_cannot_be_guessed_quickly(tmp_path):
+    async def test(_site, client, _new):
+        seen = []
+        for number in range(10):
+            token = f'wrong-{number}-wrong-wrong'
+            async with client.post('/api/login', {'token': token}) as answer:
+                seen.append(answer.status)
+        assert seen[0] == 401 and seen[-1] == 429
+    served(tmp_path, test, secured=True)
+
+
+def test_a_monitor_shows_its_token_in_a_header(tmp_path):
+    async def test(_site, client, _new):
+        for token, status in ((TOKENS['see'], 200), ('wrong', 401)):
+            headers = {'Authorization': f'Bearer {token}'}
+            async with client.get('/metrics', headers=headers) as answer:
+                assert answer.status == status
+    served(tmp_path, test, secured=True)
+
+
+@pytest.mark.parametrize('headers', [
+    {'Origin': 'http://evil.example'}, {'Origin': 'null'}, {'Origin': ''},
+    {'Origin': 'https://127.0.0.1'}])
+def test_a_post_of_another_origin_is_refused(tmp_path, headers):
+    async def test(site, client, _new):
+        assert (await client.act({'act': 'stop'}, headers=headers))[0] == 403
+        assert site.fleet.acts == []
+    served(tmp_path, test)
+
+
+@pytest.mark.parametrize('host', ['evil.example', 'evil.example:80', '[::1', '', '127.0.0.1.evil'])
+def test_a_request_under_another_name_is_refused(tmp_path, host):
+    async def test(site, client, _new):
+        for path in ROUTES:
+            async with client.get(path, headers={'Host': host}) as answer:
+                assert answer.status == 421, path
+        assert (await client.act({'act': 'stop'}, headers={
+            'Host': host, 'Origin': f'http://{host}'}))[0] == 421
+        assert site.fleet.acts == []
+    served(tmp_path, test)
+
+
+@pytest.mark.parametrize('body', [
+    b'', b'{', b'[]', b'null', b'"stop"', b'\xff\xfe', b'[' * 15000, b'{"act": "stop", "x": 1}',
+    b'{"act": {}}', b'{"act": "send", "destinations": [1e999]}', b'1' * 10000,
+    b'{"act": "out", "robot": "a/../../b\\u0000"}', b'{"act": "cancel", "mission": NaN}'])
+def test_a_body_that_makes_no_sense_is_refused(tmp_path, body):
+    async def test(site, client, _new):
+        for path, allowed in (('/api/act', (400,)), ('/api/login', (400, 401))):
+            async with client._session.post(
+                    client._server.make_url(path), data=body,
+                    headers={'Origin': client.origin,
+                             'Content-Type': 'application/json'}) as answer:
+                assert answer.status in allowed, (path, await answer.text())
+                assert 'Traceback' not in await answer.text()
+        assert site.fleet.acts == []
+    served(tmp_path, test)
+
+
+def test_a_body_that_is_too_large_or_no_json_is_refused(tmp_path):
+    async def test(site, client, _new):
+        status, _ = await client.act({'act': 'add_favourite', 'name': 'x' * 100_000,
+                                      'destinations': [1]})
+        assert status == 413
+        async with client._session.post(
+                client._server.make_url('/api/act'), data='{"act": "stop"}',
+                headers={'Origin': client.origin, 'Content-Type': 'text/plain'}) as answer:
+            assert answer.status == 415
+        assert site.fleet.acts == []
+    served(tmp_path, test)
+
+
+@pytest.mark.parametrize('path', [
+    '/page/../package.xml', '/page/..%2f..%2fetc%2fpasswd', '/page/%2e%2e/package.xml', '/page/',
+    '/page/main.js%00', '/page//etc/passwd', '/nothing', '/api/replay?time=nan',
+    '/api/replay?time=-1', '/api/history?hours=x', '/api/history?hours=1e99',
+    '/api/history.csv?hours=0', '/api/map.png'])
+def test_a_path_or_value_that_is_not_there_is_refused(tmp_path, path):
+    from yarl import URL
+
+    async def test(_site, client, _new):
+        url = URL(client.origin + path, encoded=True)
+        async with client._session.get(url) as answer:
+            assert answer.status in (400, 404), answer.status
+            assert 'root:' not in await answer.text()
+    served(tmp_path, test)
+
+
+@pytest.mark.parametrize('method', ['PUT', 'DELETE', 'PATCH', 'OPTIONS', 'TRACE'])
+def test_other_methods_are_refused_on_every_route(tmp_path, method):
+    async def test(_site, client, _new):
+        for path in (*ROUTES, '/api/act'):
+            async with client._session.request(method, client._server.make_url(path)) as answer:
+                assert answer.status == 405
+    served(tmp_path, test)
+
+
+def test_a_flood_of_acts_is_held_back_and_a_stop_is_not(tmp_path):
+    async def test(site, client, _new):
+        seen = [(await client.act({'act': 'resume'}))[0] for _ in range(30)]
+        assert seen[0] == 200 and seen[-1] == 429
+        assert (await client.act({'act': 'stop'}))[0] == 200
+    served(tmp_path, test)
+
+
+def test_a_stop_does_not_wait_for_acts_that_take_their_time(tmp_path):
+    async def test(site, client, new_client):
+        site.fleet.slow = threading.Event()
+        others = [asyncio.ensure_future(new_client().act({'act': 'resume'})) for _ in range(12)]
+        await asyncio.sleep(0)
+        try:
+            answer = await asyncio.wait_for(client.act({'act': 'stop'}), 3.0)
+            assert answer[0] == 200 and site.fleet.kinds == [ActKind.STOP]
+        finally:
+            site.fleet.slow.set()
+            await asyncio.gather(*others)
+    served(tmp_path, test)
+
+
+def test_a_client_that_goes_leaves_its_act_recorded(tmp_path):
+    async def test(site, client, _new):
+        site.fleet.slow = threading.Event()
+        request = asyncio.ensure_future(client.act({'act': 'resume'}))
+        await asyncio.sleep(0.3)
+        request.cancel()
+        site.fleet.slow.set()
+        await until(lambda: site.page.records.audit(1))
+    served(tmp_path, test)
+
+
+def test_a_journal_that_cannot_be_read_is_told(tmp_path):
+    def journal():
+        raise JournalError('There is no journal.')
+
+    async def test(_site, client, _new):
+        async with client.get('/api/history') as answer:
+            assert (await answer.json())['trouble'] == 'There is no journal.'
+        async with client.get('/api/history.csv') as answer:
+            assert answer.status == 503
+    served(tmp_path, test, journal=journal)
+
+
+def test_files_come_compressed_and_only_once(tmp_path):
+    async def test(_site, client, _new):
+        async with client.get('/page/main.js') as answer:
+            assert answer.headers['Content-Encoding'] == 'gzip'
+            tag = answer.headers['ETag']
+        async with client.get('/page/main.js', headers={'If-None-Match': tag}) as answer:
+            assert answer.status == 304
+    served(tmp_path, test)
+
+
+def test_an_old_chart_library_counts_as_none(tmp_path):
+    (tmp_path / 'old.js').write_text('/*! Chart.js v2.9 */')
+
+    async def test(site, client, _new):
+        site.web._files = PageFiles(str(PAGE_FOLDER), str(tmp_path / 'old.js'))
+        async with client.get('/chart.js') as answer:
+            assert answer.status == 404
+    served(tmp_path, test)

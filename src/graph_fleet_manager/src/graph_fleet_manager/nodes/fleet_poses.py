@@ -1,0 +1,48 @@
+"""/fleet_poses: where all robots are, for displays that subscribe to no robot."""
+from __future__ import annotations
+
+import math
+from typing import Dict, Iterable
+
+import genpy
+import rospy
+
+from itrci_nav_msgs.msg import ExecutionRouteStates, FleetPose, FleetPoses
+
+PERIOD = 0.2  # s between two messages
+FRAME = 'map'
+
+
+class FleetPosesTopic:
+    """Keeps the last location of every robot, and tells them all while a program listens.
+
+    It has nothing to do with the thread that decides: a display costs the fleet nothing.
+    """
+
+    def __init__(self, robots: Iterable[str]) -> None:
+        self._poses: Dict[str, FleetPose] = {
+            robot: FleetPose(robot, math.nan, math.nan, math.nan, genpy.Time(0))
+            for robot in robots}
+        self._publisher = rospy.Publisher('/fleet_poses', FleetPoses, queue_size=1)
+        self._timer = rospy.Timer(rospy.Duration(PERIOD), self._tick)
+
+    def note(self, robot: str, report: ExecutionRouteStates) -> None:
+        """A report of a robot; one without a location changes nothing."""
+        if math.isfinite(report.x) and math.isfinite(report.y):
+            self._poses[robot] = FleetPose(robot, report.x, report.y, report.theta,
+                                           report.header.stamp)
+
+    def message(self, now: genpy.Time) -> FleetPoses:
+        """What is told now."""
+        message = FleetPoses(poses=list(self._poses.values()))
+        message.header.stamp, message.header.frame_id = now, FRAME
+        return message
+
+    def _tick(self, _event: rospy.timer.TimerEvent) -> None:
+        if not self._publisher.get_num_connections():
+            return
+        try:
+            self._publisher.publish(self.message(rospy.Time.now()))
+        except rospy.ROSException:
+            if not rospy.is_shutdown():  # then all topics are closed
+                raise
