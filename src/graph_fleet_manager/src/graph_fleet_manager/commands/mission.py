@@ -47,7 +47,7 @@ from trajectory_graph import Graph
 from trajectory_graph.messages import graph_from_message
 
 _RESEND = 0.5  # s after which a request that was not acknowledged is sent again
-_CHANGES = {command.name.lower(): command for command in Command}
+_CHANGES = {command.name.lower(): command for command in Command if command is not Command.MODIFY}
 _COLUMNS = ('request_id', 'destinations', 'robot_type', 'priority', 'state', 'robot', 'reached',
             'accepted', 'started', 'ended', 'waited_s', 'took_s', 'reason')
 

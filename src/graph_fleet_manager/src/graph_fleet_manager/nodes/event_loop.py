@@ -21,7 +21,7 @@ from typing import Callable, Deque, Dict, List, NamedTuple, Optional, Sequence
 
 from graph_fleet_manager.supervision.actions import Action, Note, TellStatus
 from graph_fleet_manager.supervision.mission_commands import refused
-from graph_fleet_manager.supervision.missions import MOST_OPEN, Command, Request
+from graph_fleet_manager.supervision.missions import MOST_OPEN, Change, Command, Request
 from graph_fleet_manager.supervision.supervisor import Supervisor
 
 TICK = 0.05       # s between two looks at the clock
@@ -113,12 +113,13 @@ class EventLoop:
             return ()
         self._put(when_ready, arrived)
 
-    def put_command(self, request_id: int, command: Command) -> None:
+    def put_command(self, request_id: int, command: Command,
+                    change: Optional[Change] = None) -> None:
         """A command came; requests with that id that still wait go before it."""
         def do(supervisor: Supervisor, now: float) -> Sequence[Action]:
             before = self._requests_with(request_id)
             return [*(supervisor.requests(before, now) if before else ()),
-                    *supervisor.command(request_id, command, now)]
+                    *supervisor.command(request_id, command, now, change)]
         self.put_order(do, f'The command {command.name} for mission {request_id} is ignored: '
                            f'{_TOO_EARLY}.')
 

@@ -55,7 +55,7 @@ from graph_fleet_manager.nodes.fleet_topics import FleetTopics, TellStatuses, se
 from graph_fleet_manager.nodes.journal_file import JournalFile
 from graph_fleet_manager.supervision.actions import Action, TellStatus
 from graph_fleet_manager.supervision.journal import STOPPED, JournalUnavailable
-from graph_fleet_manager.supervision.missions import Command, RequestRefused
+from graph_fleet_manager.supervision.missions import Change, Command, RequestRefused
 from graph_fleet_manager.supervision.outbox import AGAIN
 from graph_fleet_manager.supervision.supervisor import Supervisor
 from itrci_nav_msgs.msg import (
@@ -241,7 +241,9 @@ class PathSupervisor:
             rospy.logwarn('A mission command %d for mission %d is ignored: there is no such '
                           'command.', message.command, message.request_id)
             return
-        self._events.put_command(message.request_id, command)
+        change = (Change(message.priority, tuple(message.destination_vertices_id))
+                  if command is Command.MODIFY else None)
+        self._events.put_command(message.request_id, command, change)
 
     def _on_report(self, robot: str, message: ExecutionRouteStates) -> None:
         try:

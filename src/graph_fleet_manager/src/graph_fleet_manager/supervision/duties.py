@@ -38,15 +38,16 @@ class Errand:
     dock: Optional[int] = None
 
     @property
-    def key(self) -> Tuple[Duty, int, int]:
+    def key(self) -> Tuple[Duty, int, int, int]:
         """The same as long as a plan for it serves.
 
         A stay without an end is planned to last long, so its end makes another plan worth it.
         """
         if self.mission is None:
-            return self.duty, self.dock or 0, 0
+            return self.duty, self.dock or 0, 0, 0
         stays = self.mission.dwell_until == math.inf
-        return self.duty, self.mission.serial, self.mission.reached if stays else -1
+        return (self.duty, self.mission.serial, self.mission.reached if stays else -1,
+                self.mission.changes)
 
 
 def errand_of(mission: Optional[Mission], dock: Optional[int]) -> Errand:

@@ -5,12 +5,15 @@ from dataclasses import replace
 from typing import Mapping
 
 from graph_fleet_manager.supervision.missions import (
+    Acceptance,
+    Change,
     Command,
     CommandCode,
     Mission,
     MissionBook,
     MissionState,
     Request,
+    RequestRefused,
     Status,
 )
 from graph_fleet_manager.supervision.robots import ManagedRobot
@@ -36,6 +39,24 @@ def carry_out(command: Command, mission: Mission, book: MissionBook,
         book.reach(mission)
     if name and command in (Command.CANCEL, Command.PAUSE):
         robots[name].comes_to_rest = True
+    return ''
+
+
+def modify(mission: Mission, change: Change, book: MissionBook, acceptance: Acceptance,
+           robots: Mapping[str, ManagedRobot]) -> str:
+    """Another priority, other destinations from now on; returns why not, or nothing.
+
+    A robot that drives to others comes to rest, as it would for a cancelled mission, and goes on
+    by a plan for the new ones.
+    """
+    try:
+        acceptance.check_change(mission, change)
+    except RequestRefused as refusal:
+        return f'Mission {mission.request.id} is not changed: {refusal}.'
+    before = mission.left
+    book.change(mission, change)
+    if mission.robot and mission.state is MissionState.ACTIVE and mission.left != before:
+        robots[mission.robot].comes_to_rest = True
     return ''
 
 

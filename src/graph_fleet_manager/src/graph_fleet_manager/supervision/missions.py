@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from typing import Deque, Dict, Iterable, List, Mapping, Optional, Set, Tuple
 
@@ -41,6 +41,7 @@ class Command(IntEnum):
     PAUSE = 1
     RESUME = 2
     RELEASE = 3
+    MODIFY = 4
 
 
 class CommandCode(IntEnum):
@@ -85,6 +86,17 @@ class Request:
 
 
 @dataclass(frozen=True)
+class Change:
+    """What MODIFY makes of a request.
+
+    destinations -- to be visited from now on, without stays; empty: as before
+    """
+
+    priority: int
+    destinations: Tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
 class Status:
     """What is told of a request.
 
@@ -110,6 +122,7 @@ class Mission:
     reached     -- destinations visited, dwells included
     stays_since -- the supervisor's time since which it stays at a destination; None: it does not
     reason      -- why it ended, or what it waits for
+    changes     -- how often it got other destinations: plans for the ones before serve no more
     stored      -- its status as it is on the disk; None: it is not there yet
     """
 
@@ -120,6 +133,7 @@ class Mission:
     reached: int = 0
     stays_since: Optional[float] = None
     reason: str = ''
+    changes: int = 0
     stored: Optional[Status] = None
 
     @property
@@ -143,6 +157,16 @@ class Mission:
     def left(self) -> Tuple[int, ...]:
         """Destinations still to be visited; that of a dwell under way included."""
         return self.request.destinations[self.reached:]
+
+    def changed(self, change: Change) -> Request:
+        """What it is to do after a change; a stay under way ends with its destination."""
+        request = replace(self.request, priority=change.priority)
+        if not change.destinations:
+            return request
+        kept = self.reached + (self.stays_since is not None)
+        dwells = (*request.dwells[:kept], *(0.0 for _ in change.destinations))
+        return replace(request, destinations=(*request.destinations[:kept], *change.destinations),
+                       dwells=dwells if request.dwells else ())
 
     def visits(self, passed: Iterable[int]) -> int:
         """How many destinations a way along these vertices visits.
@@ -217,6 +241,15 @@ class Acceptance:
         if all(self.places.get(name, first) not in part for name in robots):
             raise RequestRefused(f'vertex {first} is in another part of the graph than '
                                  f'{request.robot or "each of its robots"}')
+
+    def check_change(self, mission: Mission, change: Change) -> None:
+        """Raises RequestRefused for a change after which no robot could do the rest, or not the
+        robot that serves the mission."""
+        if not change.destinations:
+            return
+        self.check(replace(mission.request, priority=change.priority, dwells=(),
+                           destinations=change.destinations,
+                           robot=mission.robot or mission.request.robot))
 
     def robots_for(self, request: Request) -> List[str]:
         """Robots that may serve a request as far as type, name and docks say."""
@@ -334,6 +367,20 @@ class MissionBook:
             (self.pending.add if state is MissionState.PENDING else self.pending.remove)(mission)
         mission.state, mission.reason, mission.robot = state, reason, robot
         self.changed.add(mission.serial)
+
+    def change(self, mission: Mission, change: Change) -> None:
+        """Another priority, and other destinations from now on."""
+        is_pending = mission in self.pending
+        if is_pending:
+            self.pending.remove(mission)
+        mission.request, stays = mission.changed(change), mission.stays_since is not None
+        if is_pending:
+            self.pending.add(mission)
+        self.changed.add(mission.serial)
+        if change.destinations:
+            mission.changes += 1
+            if stays:
+                self.reach(mission)
 
     def stay(self, mission: Mission, now: float) -> None:
         """It stays at a destination from now on."""

@@ -40,7 +40,7 @@ class Assumption(NamedTuple):
     base: int
     end: int
     places: Tuple[FrozenSet[int], FrozenSet[int], FrozenSet[Area]]
-    errand: Tuple[Duty, int, int]
+    errand: Tuple[Duty, int, int, int]
     reach: Optional[int] = None
 
 

@@ -28,6 +28,7 @@ from graph_fleet_manager.supervision.journal import STOPPED, Journal, JournalUna
 from graph_fleet_manager.supervision.liveness import SILENCE
 from graph_fleet_manager.supervision.missions import (
     Acceptance,
+    Change,
     Command,
     Mission,
     MissionBook,
@@ -169,19 +170,24 @@ class Supervisor:
     def _refuse(self, request: Request, reason: str) -> None:
         self._out.put(TellStatus(mission_commands.refused(request, reason)))
 
-    def command(self, request_id: int, command: Command, now: float) -> List[Action]:
-        """Cancels, pauses, resumes, or ends a dwell."""
+    def command(self, request_id: int, command: Command, now: float,
+                change: Optional[Change] = None) -> List[Action]:
+        """Cancels, pauses, resumes, ends a dwell, or modifies: that needs the `change`."""
         mission = self.book.find(request_id)
         if mission is None or not mission.state.is_open:
             self._out.note(f'There is no open mission {request_id} for {command.name}.', True)
             return self._out.take(now)
         before = mission.stored or mission.status
-        if self.trouble and command in (Command.RESUME, Command.RELEASE):
+        if self.trouble and command in (Command.RESUME, Command.RELEASE, Command.MODIFY):
             self._out.put(TellStatus(mission_commands.not_done(before, command, self.trouble)))
             return self._out.take(now)
-        problem = mission_commands.carry_out(command, mission, self.book, self.robots)
+        if change is None:
+            problem = mission_commands.carry_out(command, mission, self.book, self.robots)
+        else:
+            problem = mission_commands.modify(mission, change, self.book, self.acceptance,
+                                              self.robots)
         if problem:
-            self._out.note(problem)
+            self._out.note(problem, change is not None)
         if mission.robot:
             self._out.robot_changed(mission.robot)
         self._go_on(now)
