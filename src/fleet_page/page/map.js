@@ -9,17 +9,18 @@ const GONE = ['OFFLINE', 'OUT_OF_SERVICE', 'ABSENT'];
 const canvas = $('site'), svg = $('moving');
 const view = { x: 0, y: 0, scale: 20 }; // metres in the middle, pixels a metre
 const edgesById = new Map(), verticesById = new Map(), robots = new Map();
-let walls = null, handlers = {}, heat = null, chosen = [], chosenRobot = '', past = null, drawn = 0, fitted = false;
+let walls = null, handlers = {}, heat = null, chosen = [], chosenRobot = '', past = null, drawn = 0;
+let isFree = false; // moved by the user: it stays as it is when the window changes
 
 const planLayer = makeSvg('g', { 'aria-hidden': 'true' }), robotLayer = makeSvg('g');
 svg.append(planLayer, robotLayer);
 
 export function startMap(given) {
   handlers = given;
-  new ResizeObserver(() => redraw()).observe($('map'));
+  new ResizeObserver(() => { if (!isFree) fit(); redraw(); }).observe($('map'));
   $('zoom_in').onclick = () => zoom(1.3);
   $('zoom_out').onclick = () => zoom(1 / 1.3);
-  $('zoom_fit').onclick = () => { fit(); redraw(); };
+  $('zoom_fit').onclick = () => { isFree = false; fit(); redraw(); };
   $('map').addEventListener('wheel', event => { event.preventDefault(); zoom(event.deltaY < 0 ? 1.15 : 1 / 1.15, event); }, { passive: false });
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', redraw);
   followPointers();
@@ -38,6 +39,7 @@ function followPointers() {
     const now = [event.clientX, event.clientY], shift = [now[0] - before[0], now[1] - before[1]];
     moved += Math.hypot(...shift);
     if (moved < 6) return;
+    isFree = true;
     if (held.size === 2) {
       const other = [...held].find(([id]) => id !== event.pointerId)[1];
       const size = point => Math.hypot(point[0] - other[0], point[1] - other[1]);
@@ -89,7 +91,7 @@ export function siteChanged() {
     image.onload = () => { walls = image; redraw(); };
     image.src = `/api/map.png?${entries.get('site')}`;
   }
-  if (!fitted && site.vertices.length) { fit(); fitted = true; }
+  if (!isFree) fit();
   redraw();
 }
 
@@ -107,13 +109,14 @@ function fit() {
   if (!xs.length || !box.width) return;
   const [left, right, low, high] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
   view.x = (left + right) / 2; view.y = (low + high) / 2;
-  view.scale = Math.min(box.width / (right - left + 3), box.height / (high - low + 3), 200);
+  view.scale = Math.min((box.width - 90) / (right - left + 1), (box.height - 70) / (high - low + 1), 200);
 }
 
 function zoom(factor, event) {
   const box = $('map').getBoundingClientRect();
   const dx = event ? event.clientX - box.left - box.width / 2 : 0, dy = event ? event.clientY - box.top - box.height / 2 : 0;
   const before = view.scale;
+  isFree = true;
   view.scale = Math.max(0.5, Math.min(500, view.scale * factor));
   view.x += dx / before - dx / view.scale; view.y -= dy / before - dy / view.scale;
   redraw();
@@ -266,7 +269,7 @@ function newRobot(name) {
   const group = makeSvg('g', { class: 'robot', role: 'button', tabindex: 0, 'data-name': name }), hue = hueOf(name);
   const ring = makeSvg('circle', { class: 'ring', r: 14 }), body = makeSvg('g');
   const nose = makeSvg('path', { d: 'M1,-4 L8,0 L1,4 z', fill: '#fff' }), text = makeSvg('text', { 'text-anchor': 'middle' }), title = makeSvg('title');
-  body.append(makeSvg('rect', { x: -10, y: -7, width: 20, height: 14, rx: 3, fill: `hsl(${hue} 60% 42%)` }), nose);
+  body.append(makeSvg('rect', { class: 'body', x: -10, y: -7, width: 20, height: 14, rx: 3, fill: `hsl(${hue} 60% 42%)` }), nose);
   group.append(title, ring, body, text);
   group.addEventListener('keydown', event => {
     if (event.key === 'Enter' || event.key === ' ') { event.preventDefault(); handlers.robot(name); }

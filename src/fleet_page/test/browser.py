@@ -46,7 +46,7 @@ class ServedPage:
             serve(self.web, '127.0.0.1', 0, None), self._loop).result(PATIENCE)
         self.url = f'http://127.0.0.1:{self._runner.addresses[0][1]}/'
         self.do(lambda: show_fleet(self.page))
-        asyncio.run_coroutine_threadsafe(self._tick(), self._loop)
+        self._ticking = asyncio.run_coroutine_threadsafe(self._tick(), self._loop)
 
     async def _tick(self) -> None:
         """The fleet manager tells its state, while it lives."""
@@ -67,6 +67,7 @@ class ServedPage:
         self._alive = False
 
     def close(self) -> None:
+        self._ticking.cancel()
         asyncio.run_coroutine_threadsafe(self._runner.cleanup(), self._loop).result(PATIENCE)
         self._loop.call_soon_threadsafe(self._loop.stop)
 
@@ -126,7 +127,7 @@ class Browser:
 
     def picture(self, name: str) -> None:
         """Kept where the test runner keeps artefacts."""
-        if PICTURES != Path(''):
+        if Path('') != PICTURES:
             self.driver.save_screenshot(str(PICTURES / f'fleet_page_{name}.png'))
 
     def addresses(self) -> set:

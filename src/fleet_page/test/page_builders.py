@@ -24,7 +24,8 @@ TOKENS = {'see': 'a-token-that-only-sees', 'operate': 'a-token-that-operates',
 def graph(columns: int = 4, rows: int = 3) -> Graph:
     """A grid of vertices 3 m apart, joined by lines along rows and columns."""
     vertices = [Vertex(1 + x + y * columns, 3.0 * x, 3.0 * y, 0.0, dock=not x + y,
-                       label='dock' if not x + y else '') for y in range(rows) for x in range(columns)]
+                       label='dock' if not x + y else '')
+                for y in range(rows) for x in range(columns)]
     ends = [(v.id, v.id + 1) for v in vertices if v.id % columns] + [
         (v.id, v.id + columns) for v in vertices if v.id + columns <= columns * rows]
     return Graph(vertices, [Edge(k, a, b, CurveType.LINE, 0.0, 0.0, 1.0, 1.0)

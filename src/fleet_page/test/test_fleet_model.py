@@ -4,6 +4,8 @@ from page_builders import graph, page, request, robot, show_fleet, status
 from fleet_page.core import fleet_model
 from fleet_page.core.fleet import Place, Plan
 from fleet_page.core.fleet_model import FleetModel
+from graph_fleet_manager.supervision.journal import HistoryLine
+from graph_fleet_manager.supervision.missions import MissionState
 
 
 def test_a_fleet_manager_that_falls_silent_counts_as_dead_with_the_time_of_its_last_word():
@@ -54,6 +56,18 @@ def test_a_mission_shows_its_request_whichever_comes_first():
             model.take_request(request(7, 2, 3))
         shown = model.live.get('mission:7:7000000000')
         assert shown['destinations'] == [2, 3] and shown['by'] == 'anna'
+
+
+def test_a_mission_of_before_the_start_is_found_in_the_journal():
+    model = FleetModel()
+    model.take_status(status(7))
+    assert model.unknown == {7}
+    line = HistoryLine(7, (4, 5), 'agv', 2, MissionState.ACTIVE, 'a', 0, 1.0, 2.0, None, '')
+    model.take_history([line])
+    assert model.unknown == set()
+    assert model.live.get('mission:7:7000000000')['destinations'] == [4, 5]
+    model.forget_request(7)
+    assert model.unknown == {7}
 
 
 def test_the_plan_tells_when_the_last_destination_is_reached():

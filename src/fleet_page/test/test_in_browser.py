@@ -34,8 +34,6 @@ def served(tmp_path):
 def window(browser, served):
     browser.resize(1400, 900)
     browser.open(served.url)
-    browser.script('localStorage.clear()')
-    browser.open(served.url)
     browser.one('.robot[data-name=a]')
     browser.addresses()
     browser.problems()
@@ -99,7 +97,8 @@ def test_a_mission_is_sent_by_clicks_on_the_map(window, served):
     window.click('#chosen li:nth-child(3) input[type=checkbox]')
     window.one('#send_priority').clear()
     window.one('#send_priority').send_keys('4')
-    window.wait(lambda: window.script("return document.querySelector('#send_robot').options.length") == 3)
+    options = "return document.querySelector('#send_robot').options.length"
+    window.wait(lambda: window.script(options) == 3)
     window.script("document.querySelector('#send_robot').value = 'b'")
     window.picture('mission')
     window.click('#send_button')
@@ -209,9 +208,11 @@ def test_german_and_dark_are_chosen_and_remembered(window, served):
     theme = window.script('return document.documentElement.dataset.theme')
     window.click('#theme')
     window.open(served.url)
-    window.wait(lambda: 'fährt zu 2' in window.one('.robot[data-name=a]').get_attribute('aria-label'))
+    window.wait(lambda: 'fährt zu 2' in window.one('.robot[data-name=a]').get_attribute(
+        'aria-label'))
     assert window.script('return document.documentElement.dataset.theme') != theme
     window.picture('german_dark')
+    window.script('localStorage.clear()')
 
 
 @pytest.mark.parametrize('width, height', [(360, 740), (2560, 1440)])

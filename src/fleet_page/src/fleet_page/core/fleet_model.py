@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict
-from typing import Any, Dict, Iterable, List, Mapping, Optional, Tuple
+from typing import Any, Dict, Iterable, List, Mapping, Optional, Set, Tuple
 
 from fleet_page.core.fleet import (
     OPEN_STATES,
@@ -19,6 +19,7 @@ from fleet_page.core.fleet import (
 )
 from fleet_page.core.live_state import LiveState
 from fleet_page.core.records import Sums
+from graph_fleet_manager.supervision.journal import HistoryLine
 from trajectory_graph import Graph
 
 DEAD_AFTER = 3.0      # s without /fleet_state, which comes twice a second
@@ -164,9 +165,26 @@ class FleetModel:
         if key in self.missions:
             self._show_mission(key)
 
-    def knows_request(self, key: Key) -> bool:
-        """Is it known what this mission is to do?"""
-        return key in self._requests
+    @property
+    def unknown(self) -> Set[int]:
+        """Ids of open missions of which nothing is known but what became of them."""
+        return {status.id for key, status in self.missions.items()
+                if key not in self._requests and status.state in OPEN_STATES}
+
+    def take_history(self, lines: Iterable[HistoryLine]) -> None:
+        """What the journal has of missions that were asked for before the page listened."""
+        last = {line.request_id: line for line in lines}
+        for key, status in list(self.missions.items()):
+            line = last.get(status.id)
+            if key not in self._requests and line is not None:
+                self.take_request(MissionRequest(*key, line.destinations, '', line.robot_type,
+                                                 line.priority))
+
+    def forget_request(self, id: int) -> None:
+        """A mission may have been changed: what it is to do is read in the journal."""
+        for key in [key for key, status in self.missions.items()
+                    if key[0] == id and status.state in OPEN_STATES]:
+            self._requests.pop(key, None)
 
     def take_status(self, status: MissionStatus) -> None:
         """What is told of a mission."""

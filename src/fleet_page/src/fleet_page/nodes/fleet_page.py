@@ -5,7 +5,8 @@ See docs/interface/fleet_page.md. It decides nothing about robots.
 Subscribes
     /graph, /closed_edges_in_force, /parking, /docking_points (latched, of graph_server)
     /fleet_state, /fleet_plan, /fleet_poses, /mission_status (of path_supervisor)
-    /mission_request: what missions are to do; /plan_answer: how long the planner takes
+    /mission_request, /mission_command: what missions are to do
+    /plan_answer: how long the planner takes
     ~map_topic (nav_msgs/OccupancyGrid, latched): the walls
 Publishes
     /mission_request, /mission_command, /edge_command
@@ -49,13 +50,14 @@ from fleet_page.web.files import PageFiles
 from fleet_page.web.security import Addresses, is_loopback
 from fleet_page.web.server import Access, WebServer, serve
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
-from graph_fleet_manager.supervision.journal import HistoryLine, history
+from graph_fleet_manager.supervision.journal import HistoryLine, JournalError, history
 from itrci_nav_msgs.msg import (
     ClosedEdges,
     DockingPoints,
     FleetPlan,
     FleetPoses,
     FleetState,
+    MissionCommand,
     MissionRequest,
     MissionStatus,
     ParkingPlaces,
@@ -67,6 +69,7 @@ from trajectory_graph import GraphError
 from trajectory_graph.messages import graph_from_message
 
 TICK = 0.2          # s between two looks at what has to be done without a message
+LOOK_UP = 3.0       # s between two readings of the journal, where missions are not known
 START_WITHIN = 5.0  # s until the page must listen
 
 
@@ -118,9 +121,23 @@ class FleetPageNode:
         self._loop.run_forever()
 
     async def _tick(self) -> None:
+        looked = 0.0
         while not rospy.is_shutdown():
-            self._page.tick(time.time())
+            now = time.time()
+            self._page.tick(now)
+            if self._page.model.unknown and abs(now - looked) >= LOOK_UP:
+                looked = now
+                await self._look_up()
             await asyncio.sleep(TICK)
+
+    async def _look_up(self) -> None:
+        """Missions of before the page's start, and changed ones, stand in the journal."""
+        try:
+            lines = await self._loop.run_in_executor(None, self._page.missions)
+        except JournalError as error:
+            rospy.logwarn_throttle(600.0, f'What missions are to do is not shown: {error}')
+        else:
+            self._page.model.take_history(lines)
 
     def _subscribe(self, map_topic: str) -> List[rospy.Subscriber]:
         def listen(topic: str, kind: Any, handler: Callable[[Any], None],
@@ -137,6 +154,7 @@ class FleetPageNode:
             listen('/fleet_plan', FleetPlan, self._on_plan),
             listen('/fleet_poses', FleetPoses, self._on_poses),
             listen('/mission_request', MissionRequest, self._on_request, 1000),
+            listen('/mission_command', MissionCommand, self._on_command, 1000),
             listen('/mission_status', MissionStatus, self._on_status, 1000),
             listen('/plan_answer', PlanAnswer, self._on_answer, 10),
             listen(map_topic, OccupancyGrid, self._on_map)]
@@ -184,6 +202,10 @@ class FleetPageNode:
 
     def _on_request(self, message: MissionRequest) -> None:
         self._page.model.take_request(messages.request_of(message))
+
+    def _on_command(self, message: MissionCommand) -> None:
+        if message.command == MissionCommand.MODIFY:
+            self._loop.call_later(1.0, self._page.model.forget_request, message.request_id)
 
     def _on_status(self, message: MissionStatus) -> None:
         self._page.take_status(messages.status_of(message))

@@ -1,0 +1,144 @@
+"""What the fleet manager's messages become on the page, and what the page asks it for."""
+from __future__ import annotations
+
+import json
+import math
+from typing import Any, List
+
+import pytest
+import rospy
+from genpy import Time
+from nav_msgs.msg import OccupancyGrid
+from std_srvs.srv import Trigger, TriggerResponse
+
+from fleet_page.core.acts import Act, ActKind
+from fleet_page.core.fleet import MISSION_STATES, ROBOT_STATES, Place
+from fleet_page.core.fleet_model import FleetModel
+from fleet_page.core.roles import Person, Role
+from fleet_page.nodes import fleet_commands, messages
+from itrci_nav_msgs import msg
+from itrci_nav_msgs.srv import DeclareAbsent, DeclareAbsentResponse
+
+ANNA = Person('anna', Role.ADMIN)
+
+
+@pytest.mark.parametrize('kind, words', [
+    (msg.FleetRobot, ROBOT_STATES), (msg.MissionStatus, MISSION_STATES)])
+def test_the_words_are_those_of_the_messages(kind, words):
+    assert [getattr(kind, word) for word in words] == list(range(len(words)))
+
+
+def test_whatever_numbers_a_robot_has_the_page_can_tell_them():
+    state = msg.FleetRobot(name='a', state=200, outage_code=msg.FleetRobot.OUTAGE_TOO_NEAR,
+                           battery=math.nan, pose=msg.SymbolicPose(1, math.inf))
+    robot = messages.robot_of(state)
+    assert (robot.state, robot.outage, robot.battery) == ('UNKNOWN', 'TOO_NEAR', None)
+    model = FleetModel()
+    model.take_robots([robot], 0.0)
+    model.take_places(messages.places_of(msg.FleetPoses(poses=[
+        msg.FleetPose('a', 1.0, 2.0, math.nan, Time(0)),
+        msg.FleetPose('b', math.nan, 2.0, 0.0, Time(0))])))
+    assert model.places == {'a': Place(1.0, 2.0, None)}
+    json.loads(model.live.update(0))
+
+
+def test_a_plan_says_how_much_of_it_is_released():
+    drives = [msg.PlannedDrive(1, Time(1), Time(2), True),
+              msg.PlannedDrive(-2, Time(2), Time(3), False)]
+    plan = messages.plans_of(msg.FleetPlan(plans=[msg.RobotPlan('a', drives)]))['a']
+    assert plan.edges == (1, -2) and plan.released == 1 and plan.ends == (2.0, 3.0)
+
+
+def test_a_grid_becomes_walls():
+    grid = OccupancyGrid(data=[0, 100, -1, 0])
+    grid.info.width = grid.info.height = 2
+    grid.info.resolution = 0.5
+    assert messages.walls_of(grid).width == 1.0
+
+
+class Topic:
+    """A publisher that keeps what it sends."""
+
+    listeners = 1
+
+    def __init__(self, *_: Any, **__: Any) -> None:
+        self.sent: List[Any] = []
+
+    def publish(self, message: Any) -> None:
+        self.sent.append(message)
+
+    def get_num_connections(self) -> int:
+        return self.listeners
+
+
+@pytest.fixture
+def commands(monkeypatch):
+    monkeypatch.setattr(rospy, 'Publisher', Topic)
+    monkeypatch.setattr(rospy.Time, 'now', lambda: Time(5))
+    return fleet_commands.FleetCommands(lambda name: name == 'a')
+
+
+def test_a_mission_is_sent_with_the_name_of_the_person(commands):
+    act = Act(ActKind.SEND, destinations=(2, 3), stays=(0.0, -1.0), priority=4, robot='a')
+    outcome = commands.do(act, ANNA)
+    sent = commands._requests.sent[0]
+    assert outcome.ok and outcome.mission == sent.request_id > 0
+    assert list(sent.destination_vertices_id) == [2, 3] and list(sent.dwell) == [0.0, -1.0]
+    assert (sent.priority, sent.robot) == (4, 'a') and 'anna' in sent.requested_by
+
+
+@pytest.mark.parametrize('kind, command', [
+    (ActKind.CANCEL, msg.MissionCommand.CANCEL), (ActKind.PAUSE, msg.MissionCommand.PAUSE),
+    (ActKind.CONTINUE, msg.MissionCommand.RESUME), (ActKind.RELEASE, msg.MissionCommand.RELEASE),
+    (ActKind.MODIFY, msg.MissionCommand.MODIFY)])
+def test_a_mission_is_changed_by_its_command(commands, kind, command):
+    assert commands.do(Act(kind, mission=7, priority=2, destinations=(3,)), ANNA).ok
+    sent = commands._commands.sent[0]
+    assert (sent.request_id, sent.command, sent.priority) == (7, command, 2)
+
+
+@pytest.mark.parametrize('kind, command', [
+    (ActKind.CLOSE, msg.EdgeCommand.CLOSE), (ActKind.OPEN, msg.EdgeCommand.OPEN)])
+def test_edges_are_closed_and_opened_by_a_command(commands, kind, command):
+    assert commands.do(Act(kind, edges=(3, 2, 3)), ANNA).ok
+    sent = commands._edges.sent[0]
+    assert (list(sent.edges), sent.command) == ([2, 3], command)
+
+
+@pytest.mark.parametrize('act', [
+    Act(ActKind.SEND, destinations=(2,)), Act(ActKind.CANCEL, mission=1),
+    Act(ActKind.CLOSE, edges=(1,))])
+def test_what_no_program_takes_is_told_as_not_done(commands, monkeypatch, act):
+    monkeypatch.setattr(Topic, 'listeners', 0)
+    assert not commands.do(act, ANNA).ok
+
+
+@pytest.mark.parametrize('kind, service, type_, answer', [
+    (ActKind.RESUME, '/resume_fleet', Trigger, TriggerResponse),
+    (ActKind.OUT, '/a/leave_fleet', Trigger, TriggerResponse),
+    (ActKind.IN, '/a/join_fleet', Trigger, TriggerResponse),
+    (ActKind.ABSENT, '/a/declare_absent', DeclareAbsent, DeclareAbsentResponse)])
+def test_robots_and_fleet_are_asked_by_their_services(commands, monkeypatch, kind, service, type_,
+                                                      answer):
+    called = []
+    monkeypatch.setattr(rospy, 'wait_for_service', lambda *_: None)
+    monkeypatch.setattr(rospy, 'ServiceProxy', lambda name, of: called.append((name, of)) or (
+        lambda *_: answer(False, 'it stands in the way')))
+    robot = '' if kind is ActKind.RESUME else 'a'
+    outcome = commands.do(Act(kind, robot=robot), ANNA)
+    assert called == [(service, type_)]
+    assert not outcome.ok and outcome.text == 'it stands in the way'
+
+
+@pytest.mark.parametrize('name', ['nobody', '../stop_fleet', '/', 'a/b'])
+def test_a_name_that_is_no_robot_calls_no_service(commands, monkeypatch, name):
+    monkeypatch.setattr(rospy, 'wait_for_service', None)
+    assert not commands.do(Act(ActKind.OUT, robot=name), ANNA).ok
+
+
+def test_a_stop_that_did_not_work_is_told_with_its_reason(commands, monkeypatch):
+    def stop() -> str:
+        raise fleet_commands.CommandError('NO ROBOT WAS TOLD TO STOP')
+    monkeypatch.setattr(fleet_commands, 'stop', stop)
+    outcome = commands.do(Act(ActKind.STOP), ANNA)
+    assert not outcome.ok and 'NO ROBOT' in outcome.text
