@@ -3,8 +3,8 @@ from __future__ import annotations
 
 import pytest
 from fleet_builders import AGV, corridor
-from supervised_fleet import SupervisedFleet
 
+from fleet_simulation.supervised_fleet import SupervisedFleet
 from graph_fleet_manager.supervision.missions import Change, Command, MissionState
 
 
