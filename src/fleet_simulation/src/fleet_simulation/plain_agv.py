@@ -72,6 +72,19 @@ class Agv:
         """Has it anything to drive?"""
         return self.phase is Phase.RUNNING
 
+    @property
+    def news(self) -> object:
+        """What of its report is told at once where it changes."""
+        return self.route_id, self.edges, self.current, self.phase, self.reason
+
+    def late_refusals(self) -> List[RouteRefusal]:
+        """It thinks about no order: it refuses at once."""
+        return []
+
+    def __str__(self) -> str:
+        return (f'edge {self.edge} at {self.arc:.2f}, route {self.route_id} {self.edges} '
+                f'{self.current} {self.phase.value}')
+
     # -- orders -----------------------------------------------------------------------------------
 
     def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[RouteRefusal]:

@@ -1,29 +1,38 @@
-"""A supervisor, the real planner and simulated AGVs in one process, with all that can go wrong.
+"""The virtual world: a supervisor, the real planner and simulated robots in one process.
 
-Messages are carried by this module: they may come late, twice, or not at all. Time is simulated.
+Messages are carried by this module: they may come late, twice, or not at all. Time is virtual: the
+planner answers after a stated latency and is bounded by rounds, so a run depends on its seed only.
 """
 from __future__ import annotations
 
 import math
 import os
 import tempfile
+import time
 from dataclasses import replace
+from itertools import chain
 from random import Random
 from typing import (
     Any,
     Callable,
     Dict,
+    Generic,
     Iterable,
     List,
     Mapping,
+    NamedTuple,
     Optional,
     Protocol,
     Sequence,
     Tuple,
+    TypeVar,
+    Union,
 )
 
+import numpy as np
+
 from fleet_simulation.plain_agv import Agv, LostLink
-from graph_fleet_manager.fleet import Fleet, Robot, RobotType
+from graph_fleet_manager.fleet import DOCK_APPROACH, Fleet, Robot, RobotType
 from graph_fleet_manager.interlocking.reports import Report
 from graph_fleet_manager.planning.planner import FleetPlanner
 from graph_fleet_manager.planning.tasks import Outcome
@@ -73,20 +82,100 @@ class Watcher(Protocol):
         """The supervisor has begun anew."""
 
 
-class SupervisedFleet:
-    """Robots {name: (type, vertex)} on a graph; `parking` ids of vertices, None: all of them."""
+class VirtualRobot(Protocol):
+    """What the world asks of a robot, whichever it is."""
+
+    graph: Graph
+    kind: RobotType
+
+    @property
+    def position(self) -> Tuple[float, float]:
+        """x, y in m."""
+
+    @property
+    def is_driving(self) -> bool:
+        """Has it anything to drive?"""
+
+    def drive(self, seconds: float) -> None:
+        """Lets time pass."""
+
+    def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[RouteRefusal]:
+        """Takes up a route, or refuses it at once."""
+
+    def late_refusals(self) -> List[RouteRefusal]:
+        """The orders that it refused since the last call, after some thought."""
+
+    def report(self, stamp: float) -> Report:
+        """What it tells."""
+
+    @property
+    def news(self) -> object:
+        """What of its report is told at once where it changes."""
+
+
+class LinkedRobot(Protocol):
+    """What reaches the robot, or its computer, through the network."""
+
+    def order(self, route_id: int, edges: Tuple[int, ...]) -> Optional[RouteRefusal]:
+        """Takes up a route, or refuses it at once."""
+
+    def report(self, now: float) -> Report:
+        """What is told of the robot."""
+
+
+class Rhythm(NamedTuple):
+    """How often things happen, in virtual s; 0: in every step.
+
+    driving, standing -- between two reports of a robot without news
+    supervisor        -- between two looks at the clock while nothing comes
+    room              -- between two looks at how near robots are to each other
+    """
+
+    driving: float = 0.0
+    standing: float = 0.0
+    supervisor: float = 0.0
+    room: float = 0.0
+
+
+class Spent(NamedTuple):
+    """Seconds of this computer's time, by what they were used for."""
+
+    world: float
+    supervisor: float
+    planner: float
+
+
+Body = TypeVar('Body', bound=VirtualRobot)
+_PLANNERS_KEPT = 4  # closures and learned times come and go
+_TOGETHER = 1e-6    # s: what is nearer than that in time happens at once
+
+
+class VirtualFleet(Generic[Body]):
+    """Robots {name: (type, vertex)} on a graph; `parking` ids of vertices, None: all of them.
+
+    make     -- a robot of a name, a type and a vertex
+    settings -- of all robots, or of each by its name
+    """
 
     def __init__(self, graph: Graph, robots: Mapping[str, Tuple[RobotType, int]],
+                 make: Callable[[str, RobotType, int], Body],
                  clearance: float = 0.1, seed: int = 0, loss: float = 0.0, repeats: float = 0.0,
-                 planning: float = 0.1, settings: Optional[RobotSettings] = None,
-                 parking: Optional[Sequence[int]] = None) -> None:
+                 planning: float = 0.1,
+                 settings: Union[None, RobotSettings, Mapping[str, RobotSettings]] = None,
+                 parking: Optional[Sequence[int]] = None, dock_approach: float = DOCK_APPROACH,
+                 rhythm: Optional[Rhythm] = None) -> None:
         kinds = tuple(dict.fromkeys(kind for kind, _ in robots.values()))
         self.graph, self.clearance = graph, clearance
-        self._told = (f'seed {seed}, loss {loss}, repeats {repeats}, planning {planning}, '
+        self._described = (f'seed {seed}, loss {loss}, repeats {repeats}, planning {planning}, '
                       f'{settings}, ' + ', '.join(f'{n}: {k}' for n, (k, _) in robots.items()))
-        self.fleet = Fleet(kinds, tuple(Robot(n, k, v) for n, (k, v) in robots.items()), clearance)
-        self.agvs = {name: Agv(graph, kind, vertex) for name, (kind, vertex) in robots.items()}
-        self.settings = {name: settings or RobotSettings(release_ahead=0.0) for name in robots}
+        self.fleet = Fleet(kinds, tuple(Robot(n, k, v) for n, (k, v) in robots.items()), clearance,
+                           dock_approach)
+        self.agvs: Dict[str, Body] = {name: make(name, kind, vertex)
+                                      for name, (kind, vertex) in robots.items()}
+        self.settings: Dict[str, RobotSettings] = (
+            dict(settings) if isinstance(settings, Mapping) else
+            {name: settings or RobotSettings(release_ahead=0.0) for name in robots})
+        self.rhythm = rhythm or Rhythm()
         self.random = Random(seed)
         self.loss, self.repeats, self.planning = loss, repeats, planning
         self.rounds = 0
@@ -101,7 +190,7 @@ class SupervisedFleet:
         """s that reports of a robot are under way."""
         self.orders_late: Dict[str, float] = {}
         """s that orders to a robot are under way; none overtakes another."""
-        self.lost: Dict[str, LostLink] = {}
+        self.lost: Dict[str, LinkedRobot] = {}
         """Robots to which their computers have lost the link."""
         self.closed: Tuple[int, ...] = ()
         self.crash_at: Optional[int] = None
@@ -125,10 +214,15 @@ class SupervisedFleet:
         self._refusals: List[Tuple[float, str, RouteRefusal, float]] = []
         self._answers: List[Tuple[float, int, Outcome]] = []
         self._planners: Dict[Tuple[frozenset, frozenset], FleetPlanner] = {}
+        self.plans: List[float] = []
+        """s of this computer's time that each plan took."""
+        self._supervising = self._stepping = self._planning_time = 0.0
+        self._told: Dict[str, Tuple[float, object]] = {}
+        self._ticks_at = self._looks_at = 0.0
         self._begin()
 
     def __repr__(self) -> str:
-        return f'<a fleet: {self._told}>'
+        return f'<a fleet: {self._described}>'
 
     def _begin(self) -> None:
         self.journal = _CountingJournal(os.path.join(self._folder.name, 'journal.sqlite'),
@@ -137,6 +231,11 @@ class SupervisedFleet:
         self.is_disk_full = False
         self.supervisor = Supervisor(self.graph, self.fleet, self.settings, self.journal, self.now)
         self.do(self.supervisor.close_edges(self.closed, self.now))
+
+    def end(self) -> None:
+        """Ends the world; its journal goes with it."""
+        self.journal.close()
+        self._folder.cleanup()
 
     def disk_fails(self, fails: bool = True) -> None:
         """From now on nothing can be written, or everything again."""
@@ -206,18 +305,6 @@ class SupervisedFleet:
         return [order for order in (*(late for _, late in self._under_way), *self._to_robots)
                 if order.robot == name]
 
-    def lose_link(self, name: str, commands_only: bool = False) -> None:
-        """A robot's computer loses the link to it: it drives on as it was told, and nobody knows
-        where. Its route fails; a stop is obeyed once the link is back."""
-        if name not in self.lost:
-            self.lost[name] = LostLink(self.agvs[name], self.now, commands_only)
-
-    def find_link(self, name: str) -> None:
-        """The link is there again."""
-        link = self.lost.pop(name, None)
-        if link is not None:
-            link.end()
-
     # -- time -------------------------------------------------------------------------------------
 
     def run(self, seconds: float) -> None:
@@ -242,13 +329,18 @@ class SupervisedFleet:
 
     def step(self) -> None:
         """One step of everybody."""
+        begun, before = time.thread_time(), self._supervising + self._planning_time
         self.now += STEP
         self._deliver_orders()
-        for agv in self.agvs.values():
-            agv.drive(STEP)
-        self._check_room()
         for name, agv in self.agvs.items():
-            if self.silent.get(name, 0.0) <= self.now:
+            agv.drive(STEP)
+            for refusal in agv.late_refusals():
+                self._refuse(name, refusal)
+        if self.now >= self._looks_at:
+            self._looks_at = self.now + self.rhythm.room - _TOGETHER
+            self._check_room()
+        for name, agv in self.agvs.items():
+            if self.silent.get(name, 0.0) <= self.now and self._has_to_tell(name, agv):
                 at = self.now + self.late.get(name, 0.0)
                 told = self.lost.get(name, agv).report(self.now)
                 self._reports += [(at, name, told)] * self._copies()
@@ -256,9 +348,31 @@ class SupervisedFleet:
             self._supervise()
         if self.watcher is not None:
             self.watcher.stepped()
+        self._stepping += (time.thread_time() - begun) - (
+            self._supervising + self._planning_time - before)
+
+    @property
+    def spent(self) -> Spent:
+        """What the run took so far of this computer's time."""
+        return Spent(self._stepping, self._supervising, self._planning_time)
+
+    def _has_to_tell(self, name: str, robot: Body) -> bool:
+        """Has a robot news, or has it told nothing for long?"""
+        news = robot.news
+        last, before = self._told.get(name, (-math.inf, None))
+        pause = self.rhythm.driving if robot.is_driving else self.rhythm.standing
+        if news == before and self.now < last + pause - _TOGETHER:
+            return False
+        self._told[name] = self.now, news
+        return True
 
     def _supervise(self) -> None:
         """The supervisor hears what has arrived by now, and looks at the clock."""
+        arrivals = chain((at for at, *_ in self._refusals), (at for at, *_ in self._reports),
+                         (at for at, *_ in self._answers))
+        if self.now < self._ticks_at and all(at > self.now for at in arrivals):
+            return
+        self._ticks_at = self.now + self.rhythm.supervisor - _TOGETHER
         refusals, self._refusals = self._refusals, []
         for refused in refusals:
             at, name, refusal, stamp = refused
@@ -269,17 +383,24 @@ class SupervisedFleet:
         reports, self._reports = self._reports, []
         for at, name, report in reports:
             if at <= self.now:
-                self.do(self.supervisor.report(name, replace(report, age=self.now - report.stamp),
-                                               self.now))
+                aged = replace(report, age=self.now - report.stamp)
+                self.do(self._timed(self.supervisor.report, name, aged, self.now))
             else:
                 self._reports.append((at, name, report))
         answers, self._answers = self._answers, []
         for at, number, outcome in answers:
             if at <= self.now:
-                self.do(self.supervisor.plan_made(number, outcome, self.now))
+                self.do(self._timed(self.supervisor.plan_made, number, outcome, self.now))
             else:
                 self._answers.append((at, number, outcome))
-        self.do(self.supervisor.tick(self.now))
+        self.do(self._timed(self.supervisor.tick, self.now))
+
+    def _timed(self, act: Callable[..., List[Action]], *arguments: Any) -> List[Action]:
+        """What the supervisor answers; the time that it takes is counted."""
+        begun = time.thread_time()
+        actions = act(*arguments)
+        self._supervising += time.thread_time() - begun
+        return actions
 
     def _copies(self) -> int:
         if self.random.random() < self.loss:
@@ -305,9 +426,12 @@ class SupervisedFleet:
         for _ in range(self._copies()):
             refusal = robot.order(order.route_id, order.edges)
             if refusal is not None:
-                self.refused[order.robot] += 1
-                at = self.now + self.late.get(order.robot, 0.0)
-                self._refusals += [(at, order.robot, refusal, self.now)] * self._copies()
+                self._refuse(order.robot, refusal)
+
+    def _refuse(self, name: str, refusal: RouteRefusal) -> None:
+        self.refused[name] += 1
+        at = self.now + self.late.get(name, 0.0)
+        self._refusals += [(at, name, refusal, self.now)] * self._copies()
 
     def do(self, actions: Sequence[Action]) -> None:
         """Does what the supervisor wants done, unless it dies first."""
@@ -335,23 +459,35 @@ class SupervisedFleet:
                 self._answers.append((self.now + self.planning, action.number, self._plan(action)))
 
     def _plan(self, question: AskPlanner) -> Outcome:
+        begun = time.thread_time()
         networks = question.closed, frozenset(question.edge_times.items())
-        planner = self._planners.get(networks)
+        planner = self._planners.pop(networks, None)
         if planner is None:
-            planner = self._planners[networks] = FleetPlanner(
+            planner = FleetPlanner(
                 self.supervisor.network.with_closed(question.closed, question.edge_times),
                 self.clearance, self.fleet.types, self._parking)
-        return planner.plan(question.tasks, question.obstacles, rounds=self.rounds,
-                            seed=question.seed)
+            while len(self._planners) >= _PLANNERS_KEPT:
+                del self._planners[next(iter(self._planners))]
+        self._planners[networks] = planner
+        outcome = planner.plan(question.tasks, question.obstacles, rounds=self.rounds,
+                               seed=question.seed)
+        self.plans.append(time.thread_time() - begun)
+        self._planning_time += self.plans[-1]
+        return outcome
 
     def _check_room(self) -> None:
-        places = [(name, agv.kind.radius, *agv.position) for name, agv in self.agvs.items()]
-        for k, (name, radius, x, y) in enumerate(places):
-            for other, other_radius, other_x, other_y in places[:k]:
-                room = math.hypot(x - other_x, y - other_y) - radius - other_radius - self.clearance
-                self.nearest = min(self.nearest, room)
-                assert room > -1e-6, (f'{self.now:.1f} s: {name} and {other} are {-room:.3f} m too '
-                                      f'near: {self.picture()}')
+        robots = list(self.agvs.items())
+        at = np.array([agv.position for _, agv in robots])
+        radii = np.array([agv.kind.radius for _, agv in robots])
+        one, other = np.triu_indices(len(robots), 1)
+        room = np.hypot(*(at[one] - at[other]).T) - radii[one] - radii[other] - self.clearance
+        if not len(room):
+            return
+        least = int(room.argmin())
+        self.nearest = min(self.nearest, float(room[least]))
+        assert room[least] > -1e-6, (
+            f'{self.now:.1f} s: {robots[one[least]][0]} and {robots[other[least]][0]} are '
+            f'{-room[least]:.3f} m too near: {self.picture()}')
 
     def picture(self) -> str:
         """Everything that a failing test should show."""
@@ -359,8 +495,7 @@ class SupervisedFleet:
         for name, agv in self.agvs.items():
             robot = self.supervisor.robots[name]
             client, record = robot.client, robot.record
-            lines.append(f'{name}: edge {agv.edge} at {agv.arc:.2f}, route {agv.route_id} '
-                         f'{agv.edges} {agv.current} {agv.phase.value}; known: {robot.outage} '
+            lines.append(f'{name}: {agv}; known: {robot.outage} '
                          f'{robot.why} place {record.position} ahead {record.ahead} order '
                          f'{client.order} waits '
                          f'{self.supervisor.plan_executor.waits_for.get(name)!r}')
@@ -374,7 +509,27 @@ class SupervisedFleet:
         return '\n'.join(lines)
 
 
-def blocked(fleet: SupervisedFleet, name: str) -> Tuple[Tuple[int, ...], Tuple[int, ...]]:
+class SupervisedFleet(VirtualFleet[Agv]):
+    """The world of the tests: plain AGVs, and what can be done to them."""
+
+    def __init__(self, graph: Graph, robots: Mapping[str, Tuple[RobotType, int]],
+                 **more: Any) -> None:
+        super().__init__(graph, robots, lambda _, kind, vertex: Agv(graph, kind, vertex), **more)
+
+    def lose_link(self, name: str, commands_only: bool = False) -> None:
+        """A robot's computer loses the link to it: it drives on as it was told, and nobody knows
+        where. Its route fails; a stop is obeyed once the link is back."""
+        if name not in self.lost:
+            self.lost[name] = LostLink(self.agvs[name], self.now, commands_only)
+
+    def find_link(self, name: str) -> None:
+        """The link is there again."""
+        link = self.lost.pop(name, None)
+        if isinstance(link, LostLink):
+            link.end()
+
+
+def blocked(fleet: VirtualFleet, name: str) -> Tuple[Tuple[int, ...], Tuple[int, ...]]:
     """Ids of the vertices and edges on which a robot may be, by its allocation."""
     allocation = fleet.supervisor.robots[name].client.allocation
     vertices = {vertex for vertex in (allocation.vertex,) if vertex is not None}

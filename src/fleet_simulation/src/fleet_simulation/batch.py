@@ -1,0 +1,78 @@
+"""Many runs on all cores: fleet sizes x seeds, with progress, and what is done when it is ended."""
+from __future__ import annotations
+
+import multiprocessing
+import signal
+import sys
+import time
+from typing import Callable, List, NamedTuple, Sequence, Tuple
+
+from fleet_simulation.figures import Figures
+from fleet_simulation.simulation import simulate
+from fleet_simulation.site import Site
+
+
+class Job(NamedTuple):
+    """One run; `site` counts the sites of the batch."""
+
+    site: int
+    robots: int
+    seed: int
+    hours: float
+
+
+Done = Tuple[Job, Figures]
+_sites: Tuple[Site, ...] = ()
+
+
+def _begin(sites: Tuple[Site, ...]) -> None:
+    global _sites
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the batch ends its workers itself
+    _sites = sites
+
+
+def _work(job: Job) -> Done:
+    return job, simulate(_sites[job.site], job.robots, job.seed, job.hours)
+
+
+def run_all(sites: Sequence[Site], jobs: Sequence[Job], processes: int,
+            tell: Callable[[int, int], None]) -> Tuple[List[Done], bool]:
+    """The runs that came to their end, in the order of the jobs; and whether Ctrl-C ended it.
+
+    tell -- is told after each run how many are done, and how many there are
+    """
+    done: List[Done] = []
+    pool = multiprocessing.Pool(min(processes, len(jobs)), _begin, (tuple(sites),))
+    try:
+        tell(0, len(jobs))
+        for one in pool.imap_unordered(_work, jobs):
+            done.append(one)
+            tell(len(done), len(jobs))
+        is_whole = True
+    except KeyboardInterrupt:
+        is_whole = False
+    finally:
+        pool.terminate()
+        pool.join()
+    order = {job: number for number, job in enumerate(jobs)}
+    return sorted(done, key=lambda one: order[one[0]]), not is_whole
+
+
+class Progress:
+    """A bar on a terminal, else a line for each tenth."""
+
+    def __init__(self, what: str) -> None:
+        self._what, self._begun, self._tenth = what, time.monotonic(), -1
+
+    def __call__(self, done: int, whole: int) -> None:
+        """So many of all are done."""
+        spent = time.monotonic() - self._begun
+        left = f'{spent / done * (whole - done):.0f} s to go' if done else ''
+        if sys.stderr.isatty():
+            bar = '#' * (30 * done // whole)
+            print(f'\r{self._what} [{bar:<30}] {done}/{whole} {left:<20}', end='', file=sys.stderr)
+            if done == whole:
+                print(file=sys.stderr)
+        elif 10 * done // whole > self._tenth:
+            self._tenth = 10 * done // whole
+            print(f'{self._what}: {done} of {whole} {left}', file=sys.stderr)

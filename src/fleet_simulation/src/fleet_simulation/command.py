@@ -1,0 +1,182 @@
+"""The command `simulate_fleet`: how many robots a site needs, without a ROS master.
+
+Exit status 0: the report is written; 1: wrong input, one sentence on stderr; 3: Ctrl-C, the report
+is of the runs that were done; 130: Ctrl-C before any run was done.
+"""
+from __future__ import annotations
+
+import argparse
+import math
+import multiprocessing
+import shlex
+import sys
+from dataclasses import replace
+from math import inf
+from pathlib import Path
+from typing import Dict, List, NoReturn, Optional, Sequence, Tuple
+
+from fleet_simulation.batch import Done, Job, Progress, run_all
+from fleet_simulation.demand_file import load_demand
+from fleet_simulation.figures import Figures
+from fleet_simulation.proposals import Proposal, proposals
+from fleet_simulation.report import Proposed, Study, in_words, write
+from fleet_simulation.site import Site, WrongSite, site_of
+from fleet_simulation.statistics import band, knee, sizes, waiting_by_edge
+from graph_fleet_manager.files.errors import FileError
+from graph_fleet_manager.files.fleet_file import load_fleet
+from graph_fleet_manager.files.robot_settings import load_settings
+from trajectory_graph import Graph, GraphError, load_graph, save_graph, split_edges
+
+_PROPOSED_EDGES = 4
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        self.exit(1, f'{self.prog}: {message}; see {self.prog} --help.\n')
+
+
+def main(arguments: Optional[Sequence[str]] = None) -> int:
+    """Runs the command; returns its exit status."""
+    words = sys.argv[1:] if arguments is None else list(arguments)
+    options = _parser().parse_args(words)
+    try:
+        site = _site(options, None)
+        counts = options.robots or (max(len(site.fleet.robots), 1),)
+        for count in counts:
+            site.robots(count)
+        runs, ended = _runs(site, counts, options)
+        if not runs:
+            print('Nothing was done.', file=sys.stderr)
+            return 130
+        proposed: List[Proposed] = []
+        if options.proposals and not ended and sizes(runs):
+            proposed, ended = _try_proposals(site, runs, options)
+        study = Study(site, runs, options.hours, 'simulate_fleet ' + shlex.join(words), ended,
+                      proposed)
+        path = write(study, options.output)
+    except (GraphError, FileError, WrongSite) as error:
+        print(error, file=sys.stderr)
+        return 1
+    except OSError as error:
+        print(f'{options.output} cannot be written: {error.strerror}.', file=sys.stderr)
+        return 1
+    print(in_words(study))
+    print(path)
+    return 3 if ended else 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(prog='simulate_fleet',
+                     description='Simulates a fleet of each size on a site, with the supervisor, '
+                                 'interlocking and planner that will run there, and reports what '
+                                 'it gets done.')
+    parser.add_argument('--graph', required=True, help='trajectory graph (YAML)')
+    parser.add_argument('--fleet', required=True, help='robot types and robots (YAML)')
+    parser.add_argument('--demand', required=True, help='missions (YAML)')
+    parser.add_argument('--output', required=True, type=Path, help='folder of the report')
+    parser.add_argument('--robots', type=_counts, metavar='N|N..M|N,M', default=(),
+                        help='sizes of fleets (as many robots as the fleet file has)')
+    parser.add_argument('--hours', type=_positive, default=8.0, help='of each run (8)')
+    parser.add_argument('--seeds', type=_whole, default=5, help='runs of each size (5)')
+    parser.add_argument('--longest-edge', type=_positive, metavar='M',
+                        help='longer edges are cut into sections, as by fleet_launch')
+    parser.add_argument('--latency', type=_positive, default=0.1, metavar='S',
+                        help='virtual s until the planner answers (0.1)')
+    parser.add_argument('--rounds', type=int, default=0,
+                        help='in which the planner makes a plan better (0)')
+    parser.add_argument('--proposals', type=int, default=0, metavar='N',
+                        help='try at most so many changes of the graph, on the same seeds (0)')
+    parser.add_argument('--jobs', type=_whole, default=multiprocessing.cpu_count(),
+                        help='runs at once (one for each core)')
+    return parser
+
+
+def _counts(text: str) -> Tuple[int, ...]:
+    try:
+        if '..' in text:
+            first, last = map(int, text.split('..'))
+            found = tuple(range(first, last + 1))
+        else:
+            found = tuple(sorted(set(map(int, text.split(',')))))
+    except ValueError:
+        found = ()
+    if not found or found[0] < 1 or found[-1] > 1000:
+        raise argparse.ArgumentTypeError(f'{text!r} is no number of robots, as 6, 2..20 or 2,4,8')
+    return found
+
+
+def _positive(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0.0 < value < inf:
+        raise argparse.ArgumentTypeError(f'{text!r} is not a number above 0')
+    return value
+
+
+def _whole(text: str) -> int:
+    if not text.isdigit() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f'{text!r} is not a whole number above 0')
+    return int(text)
+
+
+def _site(options: argparse.Namespace, graph: Optional[Graph]) -> Site:
+    """The site of the files, or the same with another graph."""
+    if graph is None:
+        graph = load_graph(options.graph)
+        if options.longest_edge:
+            graph = split_edges(graph, options.longest_edge)
+    return site_of(graph, load_fleet(options.fleet), load_settings(options.fleet),
+                   load_demand(options.demand, graph), options.latency, options.rounds)
+
+
+def _runs(site: Site, counts: Sequence[int],
+          options: argparse.Namespace) -> Tuple[List[Figures], bool]:
+    jobs = [Job(0, count, seed, options.hours)
+            for seed in range(1, options.seeds + 1) for count in counts]
+    done, ended = run_all([site], jobs, options.jobs, Progress('runs'))
+    return [figures for _, figures in done], ended
+
+
+def _try_proposals(site: Site, runs: Sequence[Figures],
+                   options: argparse.Namespace) -> Tuple[List[Proposed], bool]:
+    """Changes of the graph, ranked by gain on the same seeds with the fleet at the knee."""
+    best = knee(sizes(runs))
+    room = 2.0 * max(kind.reach for kind in site.fleet.types) + site.fleet.clearance
+    edges = list(waiting_by_edge(best))[:_PROPOSED_EDGES]
+    tried: List[Tuple[Proposal, Site]] = []
+    for proposal in proposals(site.graph, edges, room):
+        try:
+            changed = _site(options, proposal.graph)
+            changed.robots(best.robots)
+        except (WrongSite, FileError):
+            continue  # the demand cannot be served, or the robots not be parked, with this change
+        same = site.robots(best.robots)
+        tried.append((proposal, replace(changed, starts=site.starts)
+                      if all(one.vertex in changed.graph.vertices for one in same.values())
+                      else changed))
+        if len(tried) == options.proposals:
+            break
+    if not tried:
+        return [], False
+    jobs = [Job(number, best.robots, run.seed, options.hours)
+            for run in best.runs for number in range(len(tried))]
+    done, ended = run_all([changed for _, changed in tried], jobs, options.jobs,
+                          Progress('proposals'))
+    return _ranked(tried, done, {run.seed: run.per_hour for run in best.runs},
+                   options.output), ended
+
+
+def _ranked(tried: Sequence[Tuple[Proposal, Site]], done: Sequence[Done],
+            before: Dict[int, float], folder: Path) -> List[Proposed]:
+    folder.mkdir(parents=True, exist_ok=True)
+    found = []
+    for number, (proposal, _) in enumerate(tried):
+        gains = [figures.per_hour - before[job.seed] for job, figures in done
+                 if job.site == number and not figures.trouble]
+        if gains:
+            name = f'{proposal.name}.yaml'
+            save_graph(proposal.graph, folder / name)
+            found.append(Proposed(proposal.what, band(gains), name))
+    return sorted(found, key=lambda one: -one.gain.mean)

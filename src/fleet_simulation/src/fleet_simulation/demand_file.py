@@ -1,0 +1,213 @@
+"""The demand file: what a site wants, in YAML.
+
+    groups: {stations: [6, 18, 27]}
+    delays: {slower: 1.1, stall: {every: 3600, seconds: 20}, people: {every: 900, seconds: 5}}
+    flows:
+    - {name: supply, from: 16, to: stations, per_hour: 40, priority: 1, stay: 10, scatter: 0.3}
+    - {to: stations, timetable: [{begin: 0, end: 2, per_hour: 20}]}  # hours
+    - {to: stations, saturated: 1.0}
+    csv: day.csv
+
+`csv` has the columns `time` (s from the beginning), `destinations` (vertex ids, blanks between),
+and may have `priority` and `stay`.
+"""
+from __future__ import annotations
+
+import csv
+import difflib
+import math
+import os
+from pathlib import Path
+from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
+
+import yaml
+
+from fleet_simulation.demand import Demand, Flow, Recorded, Saturated, Shift
+from fleet_simulation.driven_robot import Delays, Standstill
+from graph_fleet_manager.files.errors import FileError
+from trajectory_graph import Graph, strict_yaml
+from trajectory_graph.strict_yaml import Field, WrongYaml
+
+_FILE = ('groups', 'delays', 'flows', 'csv')
+_FLOW = ('name', 'from', 'to', 'per_hour', 'timetable', 'saturated', 'priority', 'stay', 'scatter')
+_COLUMNS = ('time', 'destinations', 'priority', 'stay')
+_LONGEST_DAY = 1e4  # hours
+Groups = Dict[str, Tuple[int, ...]]
+
+
+class Wanted(NamedTuple):
+    """What a demand file says, and the lines of its flows."""
+
+    demand: Demand
+    delays: Delays
+    lines: Dict[Tuple[int, int], Tuple[str, int]]
+    """File and line of each pair of vertices that are visited one after the other."""
+
+
+def load_demand(path: Union[str, os.PathLike], graph: Graph) -> Wanted:
+    """The demand in a file, for a graph; raises FileError."""
+    try:
+        root = strict_yaml.compose(path)
+        fields = _known(root, 'the file', _FILE)
+        groups = _groups(fields, graph)
+        lines: Dict[Tuple[int, int], Tuple[str, int]] = {}
+        flows: List[Flow] = []
+        for number, node in enumerate(strict_yaml.items(('flows', fields['flows']))
+                                      if 'flows' in fields else (), 1):
+            flows.append(_flow(node, number, groups, graph))
+            for pair in Demand((flows[-1],)).pairs():
+                lines.setdefault(pair, (os.fspath(path), strict_yaml.line_of(node)))
+        recorded: Tuple[Recorded, ...] = ()
+        if 'csv' in fields:
+            name = Path(path).parent / strict_yaml.text(('csv', fields['csv']))
+            recorded = _recorded(name, graph, lines)
+        if not flows and not recorded:
+            raise WrongYaml('the demand is empty: give flows or csv', root)
+        return Wanted(Demand(tuple(flows), recorded), _delays(fields), lines)
+    except WrongYaml as wrong:
+        raise FileError.of(path, wrong) from None
+
+
+def _known(node: yaml.Node, what: str, known: Sequence[str]) -> Dict[str, yaml.Node]:
+    fields = strict_yaml.mapping(node, what, known)
+    for key in fields:
+        if key not in known:
+            line = next(name for name, _ in node.value if name.value == key)
+            near = difflib.get_close_matches(key, known, 1)
+            meant = f'did you mean {near[0]}?' if near else f'there are: {", ".join(known)}'
+            raise WrongYaml(f'{what} has a key {key!r} that is not known; {meant}', line)
+    return fields
+
+
+def _groups(fields: Dict[str, yaml.Node], graph: Graph) -> Groups:
+    if 'groups' not in fields:
+        return {}
+    found: Groups = {}
+    for name, node in strict_yaml.mapping(fields['groups'], 'groups').items():
+        vertices = tuple(_vertex((f'an entry of group {name}', item), graph)
+                         for item in strict_yaml.items((f'group {name}', node)))
+        if not vertices:
+            raise WrongYaml(f'group {name} is empty', node)
+        found[name] = vertices
+    return found
+
+
+def _vertex(one: Field, graph: Graph) -> int:
+    id = strict_yaml.whole(one)
+    if id not in graph.vertices:
+        raise WrongYaml(f'{one[0]} is {id}, but the graph has no vertex {id}', one[1])
+    return id
+
+
+def _flow(node: yaml.Node, number: int, groups: Groups, graph: Graph) -> Flow:
+    fields = _known(node, 'a flow', _FLOW)
+
+    def places(key: str) -> Tuple[int, ...]:
+        value = strict_yaml.text((key, fields[key]))
+        if value in groups:
+            return groups[value]
+        if not value.lstrip('-').isdigit():
+            told = f'there are: {", ".join(groups)}' if groups else 'there are no groups'
+            raise WrongYaml(f'{key} is {value!r}, which is neither a vertex nor a group; {told}',
+                            fields[key])
+        return (_vertex((key, fields[key]), graph),)
+    strict_yaml.field(fields, 'to', node)
+    sources = places('from') if 'from' in fields else ()
+    targets = places('to')
+    if sources and any(set(targets) == {source} for source in sources):
+        raise WrongYaml(f'a flow leads from vertex {sources[0]} to itself', node)
+    scatter = strict_yaml.optional(fields, 'scatter', _number(1.0), 0.0)
+    return Flow(strict_yaml.optional(fields, 'name', strict_yaml.text, f'flow {number}'),
+                sources, targets, _arrivals(fields, node),
+                strict_yaml.optional(fields, 'priority', strict_yaml.whole, 0),
+                strict_yaml.optional(fields, 'stay', _number(1e6), 0.0), scatter)
+
+
+def _arrivals(fields: Dict[str, yaml.Node],
+              node: yaml.Node) -> Union[Tuple[Shift, ...], Saturated]:
+    given = [key for key in ('per_hour', 'timetable', 'saturated') if key in fields]
+    if len(given) != 1:
+        raise WrongYaml('a flow needs one of per_hour, timetable and saturated'
+                        + (f', but has {" and ".join(given)}' if given else ''), node)
+    one = given[0], fields[given[0]]
+    if given == ['per_hour']:
+        return (Shift(0.0, _LONGEST_DAY, _number(1e5)(one)),)
+    if given == ['saturated']:
+        return Saturated(_number(100.0)(one))
+    shifts = []
+    for item in strict_yaml.items(one):
+        shift = _known(item, 'a shift', ('begin', 'end', 'per_hour'))
+        begin, end = (_number(_LONGEST_DAY)(strict_yaml.field(shift, key, item))
+                      for key in ('begin', 'end'))
+        if end <= begin:
+            raise WrongYaml(f'a shift ends at {end:g} h, but begins at {begin:g} h', item)
+        shifts.append(Shift(begin, end,
+                            _number(1e5)(strict_yaml.field(shift, 'per_hour', item))))
+    return tuple(shifts)
+
+
+def _delays(fields: Dict[str, yaml.Node]) -> Delays:
+    if 'delays' not in fields:
+        return Delays()
+    known = _known(fields['delays'], 'delays', ('slower', 'stall', 'people'))
+    usual = Delays()
+
+    def standstill(one: Field) -> Standstill:
+        entry = _known(one[1], one[0], ('every', 'seconds'))
+        return Standstill(*(_number(1e6)(strict_yaml.field(entry, key, one[1]))
+                            for key in ('every', 'seconds')))
+    slower = strict_yaml.optional(known, 'slower', _number(100.0), usual.slower)
+    if slower < 1.0:
+        raise WrongYaml(f'slower is {slower:g}, but must be 1 or more', known['slower'])
+    return Delays(slower, strict_yaml.optional(known, 'stall', standstill, usual.stall),
+                  strict_yaml.optional(known, 'people', standstill, usual.people))
+
+
+def _number(most: float) -> Callable[[Field], float]:
+    def read(one: Field) -> float:
+        value = strict_yaml.real(one)
+        if not (math.isfinite(value) and 0.0 <= value <= most):
+            raise WrongYaml(f'{one[0]} is {value:g}, but must be a number from 0 to {most:g}',
+                            one[1])
+        return value
+    return read
+
+
+def _recorded(path: Path, graph: Graph,
+              lines: Dict[Tuple[int, int], Tuple[str, int]]) -> Tuple[Recorded, ...]:
+    try:
+        text = strict_yaml.read_file(path).decode()
+    except WrongYaml as wrong:
+        raise FileError.of(path, wrong) from None
+    except UnicodeDecodeError:
+        raise FileError(path, 'this is not UTF-8 text') from None
+    rows = csv.DictReader(text.splitlines())
+    unknown = [name for name in rows.fieldnames or () if name not in _COLUMNS]
+    missing = [name for name in _COLUMNS[:2] if name not in (rows.fieldnames or ())]
+    if unknown or missing:
+        raise FileError(path, f'the columns are {", ".join(rows.fieldnames or ())}, but must be '
+                              f'{", ".join(_COLUMNS)}, the last two of them optional', 1)
+    found = []
+    for row in rows:
+        line = rows.line_num
+
+        def number(name: str, row: Dict[str, Optional[str]] = row, line: int = line) -> float:
+            value = row.get(name) or '0'
+            try:
+                parsed = float(value)
+            except ValueError:
+                parsed = math.nan
+            if not 0.0 <= parsed < 1e8:
+                raise FileError(path, f'{name} is {value!r}, but must be a number from 0 on', line)
+            return parsed
+        places = (row['destinations'] or '').split()
+        for place in places:
+            if not place.isdigit() or int(place) not in graph.vertices:
+                raise FileError(path, f'the graph has no vertex {place}', line)
+        if not places:
+            raise FileError(path, 'a mission has no destinations', line)
+        vertices = tuple(map(int, places))
+        found.append(Recorded(number('time'), vertices, int(number('priority')), number('stay')))
+        for pair in zip(vertices, vertices[1:]):
+            lines.setdefault(pair, (os.fspath(path), line))
+    return tuple(found)

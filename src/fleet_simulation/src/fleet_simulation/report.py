@@ -1,0 +1,321 @@
+"""The report: one HTML file that opens without a network, and CSV files with every figure."""
+from __future__ import annotations
+
+import csv
+import math
+import os
+from html import escape
+from pathlib import Path
+from typing import Dict, Iterable, List, NamedTuple, Sequence, Tuple
+
+from fleet_simulation import svg
+from fleet_simulation.figures import Cause, Figures, Use
+from fleet_simulation.site import Site
+from fleet_simulation.statistics import (
+    Band,
+    Size,
+    keeps_up,
+    knee,
+    quantile,
+    sizes,
+    waiting_by_cause,
+    waiting_by_edge,
+)
+
+_WORDS = ('no', 'one', 'two', 'three', 'four', 'five', 'six', 'seven', 'eight', 'nine', 'ten',
+          'eleven', 'twelve')
+_TOLD_EDGES = 10
+_STYLE = '''
+body { font: 15px/1.45 sans-serif; max-width: 960px; margin: 2em auto; padding: 0 1em;
+       color: #222; }
+svg { font: 12px sans-serif; max-width: 100%; height: auto; }
+table { border-collapse: collapse; margin: 0.6em 0; }
+th, td { border-bottom: 1px solid #ddd; padding: 3px 10px; text-align: right; }
+th:first-child, td:first-child { text-align: left; }
+.words { font-size: 1.15em; background: #f2f5f8; padding: 0.8em 1em; border-radius: 6px; }
+.warning { background: #fff0e8; padding: 0.6em 1em; border-radius: 6px; }
+'''
+
+
+class Proposed(NamedTuple):
+    """A changed site: what is changed, missions an hour more than before, the changed graph."""
+
+    what: str
+    gain: Band
+    file: str
+
+
+class Study(NamedTuple):
+    """All that a report is of.
+
+    command      -- that asked for it
+    ended_early  -- whether Ctrl-C left runs out
+    proposals    -- the best first
+    """
+
+    site: Site
+    runs: Sequence[Figures]
+    hours: float
+    command: str
+    ended_early: bool = False
+    proposals: Sequence[Proposed] = ()
+
+
+def write(study: Study, folder: Path) -> Path:
+    """Writes all files, each replaced only by a complete one; the HTML file's path."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, rows in _tables(study).items():
+        part = folder / f'{name}.part'
+        with open(part, 'w', newline='', encoding='utf-8') as stream:
+            csv.writer(stream).writerows(rows)
+        os.replace(part, folder / name)
+    part, path = folder / 'report.html.part', folder / 'report.html'
+    part.write_text(html(study), encoding='utf-8')
+    os.replace(part, path)
+    return path
+
+
+# -- words ----------------------------------------------------------------------------------------
+
+
+def in_words(study: Study) -> str:
+    """What the runs came to, a paragraph."""
+    found = sizes(study.runs)
+    if not found:
+        return 'No run came to its end.'
+    best = knee(found)
+    told = [f'{_count(best.robots, "robot")} {"serve" if best.robots != 1 else "serves"} '
+            f'{best.per_hour} missions an hour'
+            + (f', 95 % within {_time(quantile(best.leads, 0.95))}' if best.leads else '') + '.']
+    if not study.site.demand.saturated:
+        if keeps_up(best):
+            told.append(f'That is the demand of {best.requested:.0f} an hour.')
+        else:
+            told.append(f'The demand is {best.requested:.0f} an hour: '
+                        f'{100 * (1 - best.served):.0f} % of it is not served.')
+    following = [size for size in found if size.robots > best.robots]
+    if following:
+        more, number = following[0], following[0].robots - best.robots
+        gain = 100 * (more.per_hour.mean / max(best.per_hour.mean, 1e-9) - 1)
+        who = 'One more' if number == 1 else f'{_count(number, "more")}'
+        told.append(f'{who} {"adds" if number == 1 else "add"} {gain:.0f} %.' if gain >= 0.5 else
+                    f'{who} {"adds" if number == 1 else "add"} nothing.')
+    elif len(found) > 1:
+        told.append('It is the largest fleet that was tried: a larger one may serve more.')
+    edges = list(waiting_by_edge(best).items())[:2]
+    if edges and best.use[Use.WAITING] > 0.01:
+        share = 100 * sum(part for _, part in edges)
+        ids = ' and '.join(str(id) for id, _ in edges)
+        told.append(f'A robot waits {100 * best.use[Use.WAITING]:.0f} % of its time; '
+                    f'{"edges" if len(edges) > 1 else "edge"} {ids} '
+                    f'{"cause" if len(edges) > 1 else "causes"} {share:.0f} % of that.')
+    good = [one for one in study.proposals if one.gain.mean - one.gain.half > 0.0]
+    if good:
+        told.append(f'To {good[0].what} adds {good[0].gain} missions an hour.')
+    failed = sum(sum(run.failures.values()) for run in best.runs)
+    if failed:
+        told.append(f'{_count(failed, "mission")} failed.')
+    return ' '.join(told)
+
+
+def _count(number: int, what: str) -> str:
+    word = _WORDS[number] if number < len(_WORDS) else str(number)
+    return f'{word[0].upper()}{word[1:]} {what}' + ('s' if number != 1 and what != 'more' else '')
+
+
+def _time(seconds: float) -> str:
+    if not math.isfinite(seconds):
+        return '-'
+    return f'{seconds:.0f} s' if seconds < 100.0 else f'{seconds / 60.0:.1f} minutes'
+
+
+# -- the page -------------------------------------------------------------------------------------
+
+
+def html(study: Study) -> str:
+    """The whole page."""
+    found = sizes(study.runs)
+    parts = ['<!DOCTYPE html><html lang="en"><head><meta charset="utf-8">',
+             f'<title>How many robots does this site need?</title><style>{_STYLE}</style></head>',
+             '<body><h1>How many robots does this site need?</h1>',
+             f'<p class="words">{escape(in_words(study))}</p>', _warnings(study)]
+    if found:
+        best = knee(found)
+        parts += [_throughput(study, found, best), _times(found), _use(found),
+                  _waiting(study, best), _proposals(study), _needs(found), _planner(found),
+                  _failures(found)]
+    parts.append(_method(study))
+    return '\n'.join(parts) + '</body></html>\n'
+
+
+def _warnings(study: Study) -> str:
+    told = []
+    if study.ended_early:
+        told.append('The simulation was ended early: only the runs that were done are told.')
+    told += [f'{run.robots} robots, seed {run.seed}: the run broke off. {run.trouble}'
+             for run in study.runs if run.trouble]
+    return ''.join(f'<p class="warning">{escape(one)}</p>' for one in told)
+
+
+def _throughput(study: Study, found: Sequence[Size], best: Size) -> str:
+    lines = [svg.Line('missions an hour, with 95 % band',
+                      [(size.robots, size.per_hour.mean) for size in found],
+                      [size.per_hour.half for size in found])]
+    bounded, is_largest = not study.site.demand.saturated, best is found[-1]
+    if bounded:
+        lines.append(svg.Line('demand', [(size.robots, size.requested) for size in found]))
+    rows = [(str(size.robots), str(size.per_hour), f'{size.per_hour.mean / size.robots:.1f}',
+             f'{100 * size.served:.0f} %' if bounded else 'as much as it can') for size in found]
+    told = ('Every further robot that was tried adds 5 % or more: there is no knee.' if is_largest
+            else f'The dashed line is the knee: {best.robots} robots. It is the smallest fleet to '
+                 'which a further robot adds less than 5 %.')
+    mark = math.nan if is_largest else best.robots
+    return (f'<h2>Throughput</h2>{svg.chart(lines, "robots", "missions an hour", mark)}'
+            + _table(('robots', 'missions an hour', 'for each robot', 'of the demand'), rows)
+            + (f'<p>{told}</p>' if len(found) > 1 else ''))
+
+
+def _times(found: Sequence[Size]) -> str:
+    lines = [svg.Line(f'{name}, {label}',
+                      [(size.robots, quantile(getattr(size, field), share)) for size in found])
+             for name, field in (('request to success', 'leads'), ('request to start', 'waits'))
+             for share, label in ((0.5, 'p50'), (0.95, 'p95'))]
+    rows = [(str(size.robots), *(_time(quantile(values, share))
+                                 for values in (size.waits, size.leads) for share in (0.5, 0.95)))
+            for size in found]
+    return (f'<h2>Waiting and lead time</h2>{svg.chart(lines, "robots", "s")}'
+            + _table(('robots', 'to the start, p50', 'p95', 'to success, p50', 'p95'), rows))
+
+
+def _use(found: Sequence[Size]) -> str:
+    names = [use.value for use in Use]
+    columns = {size.robots: [size.use[use] for use in Use] for size in found}
+    return ("<h2>Where a robot's time goes</h2>"
+            + svg.stacks(names, columns, 'robots', 'share of the time')
+            + _table(('robots', *names), [
+                (str(size.robots), *(f'{100 * size.use[use]:.1f} %' for use in Use))
+                for size in found]))
+
+
+def _waiting(study: Study, best: Size) -> str:
+    edges = waiting_by_edge(best)
+    told = list(edges)[:_TOLD_EDGES]
+    rows = []
+    for edge in told:
+        causes = waiting_by_cause(best, edge)
+        rows.append((str(edge), f'{100 * edges[edge]:.1f} %', ', '.join(
+            f'{cause.value} {100 * share:.0f} %' for cause, share in causes.items())))
+    told_causes = ', '.join(f'{cause.value} {100 * share:.0f} %'
+                       for cause, share in waiting_by_cause(best).items())
+    return (f'<h2>Where {best.robots} robots wait</h2>'
+            f'<p>By the edge that is waited for. All causes: {escape(told_causes or "none")}.</p>'
+            + svg.site_map(study.site.graph, edges, told)
+            + _table(('edge', 'of all waiting', 'for'), rows))
+
+
+def _proposals(study: Study) -> str:
+    if not study.proposals:
+        return ''
+    return '<h2>Proposals</h2><p>Each was simulated on the same seeds.</p>' + _table(
+        ('change', 'missions an hour more, 95 % band', 'graph'),
+        [(one.what, f'{one.gain.mean:+.1f} ± {one.gain.half:.1f}', one.file)
+         for one in study.proposals])
+
+
+def _needs(found: Sequence[Size]) -> str:
+    return '<h2>Docks and parking that are needed</h2>' + _table(
+        ('robots', 'at docks at once, most', 'idle elsewhere at once, most', 'km an hour, each'),
+        [(str(size.robots), str(max(run.docks for run in size.runs)),
+          str(max(run.parked for run in size.runs)),
+          f'{_mean(3.6 * run.travelled / run.simulated / run.robots for run in size.runs):.2f}')
+         for size in found])
+
+
+def _planner(found: Sequence[Size]) -> str:
+    rows = []
+    for size in found:
+        times = [1e3 * one for run in size.runs for one in run.planning]
+        rows.append((str(size.robots), f'{len(times) / len(size.runs):.0f}',
+                     *(f'{quantile(times, share):.0f} ms' for share in (0.5, 0.95, 1.0)),
+                     f'{_mean(run.speed for run in size.runs):.0f} x'))
+    return '<h2>The planner, on this computer</h2>' + _table(
+        ('robots', 'plans a run', 'p50', 'p95', 'longest', 'real time, for each core'), rows)
+
+
+def _failures(found: Sequence[Size]) -> str:
+    rows = []
+    for size in found:
+        why: Dict[str, int] = {}
+        for run in size.runs:
+            for reason, count in run.failures.items():
+                why[reason] = why.get(reason, 0) + count
+        rows += [(str(size.robots), str(count), reason) for reason, count in why.items()]
+    return '<h2>Failures</h2>' + (
+        _table(('robots', 'missions', 'why'), rows) if rows else '<p>No mission failed.</p>')
+
+
+def _method(study: Study) -> str:
+    delays = study.site.delays
+    seeds = len({run.seed for run in study.runs})
+    return (
+        f'<h2>How this was found</h2><p>{len(study.runs)} runs of {study.hours:g} h each over '
+        f'{seeds} seeds, by the supervisor, interlocking and planner of the fleet manager on a '
+        'virtual clock. The first ten minutes, at most a tenth, do not count. The planner answers '
+        f'after {study.site.latency:g} s; a drive takes up to {delays.slower:g} times as long as '
+        f'it might; a robot stands about every {delays.stall.every:g} s of driving for '
+        f'{delays.stall.seconds:g} s, and every {delays.people.every:g} s for '
+        f'{delays.people.seconds:g} s as a person is in the way.</p>'
+        f'<p><code>{escape(study.command)}</code></p>')
+
+
+def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    def line(cells: Sequence[str], tag: str) -> str:
+        return '<tr>' + ''.join(f'<{tag}>{escape(cell)}</{tag}>' for cell in cells) + '</tr>'
+    return ('<table>' + line(head, 'th') + ''.join(line(row, 'td') for row in rows) + '</table>')
+
+
+def _mean(values: Iterable[float]) -> float:
+    listed = list(values)
+    return sum(listed) / len(listed) if listed else 0.0
+
+
+# -- tables ---------------------------------------------------------------------------------------
+
+
+def _tables(study: Study) -> Dict[str, List[Tuple[object, ...]]]:
+    """Rows of each CSV file, heads first; times in s."""
+    runs: List[Tuple[object, ...]] = [(
+        'robots', 'seed', 'measured_s', 'requested', 'succeeded', 'per_hour', 'open_at_end',
+        'failed', 'wait_p50', 'wait_p95', 'lead_p50', 'lead_p95',
+        *(f'{use.name.lower()}_robot_s' for use in Use), 'docks', 'parked', 'travelled_m', 'plans',
+        'plan_p50', 'plan_p95', 'plan_longest', 'world_cpu_s', 'supervisor_cpu_s', 'planner_cpu_s',
+        'times_real_time', 'trouble')]
+    waiting: List[Tuple[object, ...]] = [('robots', 'seed', 'edge', 'cause', 'robot_s')]
+    missions: List[Tuple[object, ...]] = [('robots', 'seed', 'what', 'seconds')]
+    failures: List[Tuple[object, ...]] = [('robots', 'seed', 'missions', 'why')]
+    for run in study.runs:
+        key = run.robots, run.seed
+        runs.append((
+            *key, f'{run.seconds:.1f}', run.requested, run.succeeded, f'{run.per_hour:.2f}',
+            run.open_at_end, sum(run.failures.values()),
+            *(f'{quantile(values, share):.2f}' for values in (run.waits, run.leads)
+              for share in (0.5, 0.95)),
+            *(f'{run.use[use]:.0f}' for use in Use), run.docks, run.parked,
+            f'{run.travelled:.0f}', len(run.planning),
+            *(f'{quantile(run.planning, share):.4f}' for share in (0.5, 0.95, 1.0)),
+            *(f'{seconds:.2f}' for seconds in run.spent), f'{run.speed:.1f}', run.trouble))
+        waiting += [(*key, edge, cause.value, f'{seconds:.0f}')
+                    for (edge, cause), seconds in sorted(run.waiting.items(), key=_by_edge)]
+        missions += [(*key, 'request to start', f'{one:.2f}') for one in run.waits]
+        missions += [(*key, 'request to success', f'{one:.2f}') for one in run.leads]
+        failures += [(*key, count, why) for why, count in run.failures.items()]
+    proposals: List[Tuple[object, ...]] = [('change', 'gain_per_hour', 'half_band', 'graph')]
+    proposals += [(one.what, f'{one.gain.mean:.2f}', f'{one.gain.half:.2f}', one.file)
+                  for one in study.proposals]
+    return {'runs.csv': runs, 'waiting.csv': waiting, 'missions.csv': missions,
+            'failures.csv': failures, 'proposals.csv': proposals}
+
+
+def _by_edge(item: Tuple[Tuple[int, Cause], float]) -> Tuple[int, str]:
+    (edge, cause), _ = item
+    return edge, cause.value

@@ -1,0 +1,189 @@
+"""One run: a fleet of a size on a site, its demand drawn from a seed, watched by a recorder."""
+from __future__ import annotations
+
+from random import Random
+from typing import Dict, List, Set
+
+from fleet_simulation.demand import HOUR, Saturated
+from fleet_simulation.driven_robot import AGV, LD90, DrivenRobot
+from fleet_simulation.figures import Cause, Figures, Use
+from fleet_simulation.site import Site
+from fleet_simulation.supervised_fleet import STEP, Rhythm, VirtualFleet
+from graph_fleet_manager.fleet import RobotType
+from graph_fleet_manager.supervision.actions import SendRoute
+from graph_fleet_manager.supervision.missions import MissionState, Request, Status
+from graph_fleet_manager.supervision.robots import ManagedRobot
+
+RHYTHM = Rhythm(driving=0.5, standing=2.0, supervisor=0.5, room=1.0)
+WARM_UP = 600.0     # s that do not count, at most a tenth of a run
+_LOOK = 10          # steps between two looks at what robots do
+_BATTERY = 100      # steps between two reports of batteries
+_MOVES = 0.01       # m/s
+_FIRST_SATURATED = 1_000_000  # id of the first mission that is asked for to keep robots busy
+
+
+def simulate(site: Site, robots: int, seed: int, hours: float) -> Figures:
+    """What so many robots come to; a run that fails tells why in its figures."""
+    return Run(site, robots, seed).run(hours)
+
+
+class Run:
+    """A fleet at work in virtual time."""
+
+    def __init__(self, site: Site, robots: int, seed: int) -> None:
+        self._site = site
+        self._random = Random(f'run {seed}')
+        fleet = site.robots(robots)
+        self._drivers = {name: robot.driver for name, robot in fleet.items()}
+        self.world: VirtualFleet[DrivenRobot] = VirtualFleet(
+            site.graph, {name: (robot.type, robot.vertex) for name, robot in fleet.items()},
+            self._make, site.fleet.clearance, seed, planning=site.latency,
+            settings=site.settings_of(fleet), parking=site.parking,
+            dock_approach=site.fleet.dock_approach, rhythm=RHYTHM)
+        self.world.rounds = site.rounds
+        self.figures = Figures(robots, seed)
+        self._seed = seed
+        self._warm_up = 0.0
+        self._steps = 0
+        self._next_id = _FIRST_SATURATED
+        self._requested: Dict[int, float] = {}
+        self._saturating: Dict[int, int] = {}
+        """By mission the saturated flow that asked for it."""
+        self._begun: Set[int] = set()
+        self._ready: List[Request] = []
+        self.world.watcher = self
+
+    def _make(self, name: str, kind: RobotType, vertex: int) -> DrivenRobot:
+        mechanics = AGV if kind.obeys_edge_speed or self._drivers[name] == 'agv' else LD90
+        return DrivenRobot(name, self._site.graph, kind, vertex, mechanics, self._site.delays,
+                           Random(f'{name} {self._random.random()}'),
+                           self._random.uniform(0.5, 1.0))
+
+    def run(self, hours: float) -> Figures:
+        """Lets so much time pass."""
+        world, figures, end = self.world, self.figures, hours * HOUR
+        self._warm_up = min(WARM_UP, 0.1 * end)
+        self._ready = self._site.demand.draw(self._seed, hours)[::-1]
+        try:
+            self._tell_batteries()
+            while world.now < end - STEP / 2:
+                self._request()
+                world.step()
+        except AssertionError as failure:
+            figures.trouble = str(failure).splitlines()[0]
+        figures.seconds = max(world.now - self._warm_up, 0.0)
+        figures.open_at_end = len(world.supervisor.book.open)
+        figures.travelled = sum(robot.travelled for robot in world.agvs.values())
+        figures.planning = world.plans
+        figures.spent, figures.simulated = world.spent, world.now
+        world.end()
+        return figures
+
+    # -- demand -----------------------------------------------------------------------------------
+
+    def _request(self) -> None:
+        world = self.world
+        while self._ready and self._ready[-1].stamp <= world.now:
+            self._ask(self._ready.pop())
+        for number, flow in enumerate(self._site.demand.saturated):
+            assert isinstance(flow.arrivals, Saturated)
+            wanted = max(1, round(flow.arrivals.open * len(world.agvs)))
+            while sum(one == number for one in self._saturating.values()) < wanted:
+                self._saturating[self._next_id] = number
+                self._ask(flow.draw(self._random, self._next_id, world.now + STEP))
+                self._next_id += 1
+
+    def _ask(self, request: Request) -> None:
+        self._requested[request.id] = self.world.now
+        if self.world.now >= self._warm_up:
+            self.figures.requested += 1
+        self.world.do(self.world.supervisor.request(request, self.world.now))
+
+    # -- what is watched --------------------------------------------------------------------------
+
+    def sends(self, order: SendRoute) -> None:
+        """An order goes out now: of no interest."""
+
+    def restarted(self) -> None:
+        """The supervisor has begun anew, which does not happen here."""
+
+    def tells(self, status: Status) -> None:
+        """A mission begins, or ends."""
+        id, now, figures = status.request_id, self.world.now, self.figures
+        counts = now >= self._warm_up
+        if id not in self._requested:
+            return
+        if status.state is MissionState.ACTIVE and id not in self._begun:
+            self._begun.add(id)
+            if counts:
+                figures.waits.append(now - self._requested[id])
+        elif not status.state.is_open:
+            if counts and status.state is MissionState.SUCCEEDED:
+                figures.succeeded += 1
+                figures.leads.append(now - self._requested[id])
+            elif counts:
+                why = status.reason or status.state.name
+                figures.failures[why] = figures.failures.get(why, 0) + 1
+            del self._requested[id]
+            self._begun.discard(id)
+            self._saturating.pop(id, None)
+
+    def stepped(self) -> None:
+        """One step of time is over."""
+        self._steps += 1
+        if self._steps % _BATTERY == 0:
+            self._tell_batteries()
+        if self._steps % _LOOK == 0 and self.world.now >= self._warm_up:
+            self._look()
+
+    def _tell_batteries(self) -> None:
+        for name, robot in self.world.agvs.items():
+            self.world.do(self.world.supervisor.battery(name, robot.charge, self.world.now))
+
+    def _look(self) -> None:
+        seconds, figures = _LOOK * STEP, self.figures
+        docks = parked = 0
+        for name, body in self.world.agvs.items():
+            robot = self.world.supervisor.robots[name]
+            use = self._use(name, body, robot)
+            figures.use[use] += seconds
+            docks += use is Use.CHARGING
+            parked += use is Use.IDLE
+            if use is Use.WAITING:
+                what = self._wanted_edge(name, robot), self._cause(name)
+                figures.waiting[what] = figures.waiting.get(what, 0.0) + seconds
+        figures.docks, figures.parked = max(figures.docks, docks), max(figures.parked, parked)
+
+    def _use(self, name: str, body: DrivenRobot, robot: ManagedRobot) -> Use:
+        mission = self.world.supervisor.book.of_robot(name)
+        if not robot.works:
+            return Use.OUT
+        if body.is_held:
+            return Use.HELD
+        if body.is_driving and not body.vehicle.drive.at_rest:
+            return Use.LOADED if mission is not None else Use.EMPTY
+        if mission is not None:
+            return Use.STAY if mission.stays_since is not None else Use.WAITING
+        if robot.dock is not None:
+            return Use.CHARGING if body.vehicle.battery.charging else Use.WAITING
+        return Use.CHARGING if body.vehicle.battery.charging else Use.IDLE
+
+    def _cause(self, name: str) -> Cause:
+        executor = self.world.supervisor.plan_executor
+        waits_for = executor.waits_for.get(name, '')
+        if executor.plan is not None and name in executor.plan.unserved:
+            return Cause.NO_PLAN
+        if waits_for in self.world.agvs:
+            return Cause.ROBOT
+        if waits_for.startswith('edge '):
+            return Cause.CLOSED
+        return Cause.PLANNER if executor.is_planning else Cause.OWN
+
+    def _wanted_edge(self, name: str, robot: ManagedRobot) -> int:
+        """The edge that its plan has next, else the one on which it is."""
+        plan = self.world.supervisor.plan_executor.plan
+        if plan is not None and name in plan.plans:
+            ahead = plan.plans[name].behind(robot.record.end)
+            if ahead:
+                return abs(ahead[0].edge)
+        return abs(self.world.agvs[name].report(0.0).pose.edge)

@@ -1,0 +1,108 @@
+"""What many runs come to: means with confidence bands, quantiles, the knee, what is needed."""
+from __future__ import annotations
+
+import math
+from typing import Dict, Iterable, List, NamedTuple, Sequence
+
+import numpy as np
+from scipy.stats import t as students_t
+
+from fleet_simulation.figures import Cause, Figures, Use
+
+_WORTH = 0.05  # a further robot is worth it while it adds so much of what the fleet serves
+_KEPT_UP = 0.97  # of the requests: then the fleet serves the demand
+
+
+class Band(NamedTuple):
+    """A mean, and half the width of its 95 % confidence band (infinite of one run)."""
+
+    mean: float
+    half: float
+
+    def __str__(self) -> str:
+        return f'{self.mean:.0f}' + (f' ± {self.half:.0f}' if self.half < math.inf else '')
+
+
+def band(values: Sequence[float]) -> Band:
+    """Mean and band of independent runs."""
+    if len(values) < 2:
+        return Band(values[0] if values else 0.0, math.inf)
+    deviation = float(np.std(values, ddof=1)) / math.sqrt(len(values))
+    return Band(float(np.mean(values)), float(students_t.ppf(0.975, len(values) - 1)) * deviation)
+
+
+def quantile(values: Sequence[float], share: float) -> float:
+    """NaN of no values."""
+    return float(np.quantile(values, share)) if values else math.nan
+
+
+class Size(NamedTuple):
+    """A fleet of one size over all seeds; times in s."""
+
+    robots: int
+    runs: List[Figures]
+    per_hour: Band
+    requested: float
+    waits: List[float]
+    leads: List[float]
+    use: Dict[Use, float]
+    """Share (0..1) of the robots' time."""
+
+    @property
+    def served(self) -> float:
+        """Which part of the requests was served in time."""
+        return min(self.per_hour.mean / self.requested, 1.0) if self.requested else 1.0
+
+
+def sizes(runs: Iterable[Figures]) -> List[Size]:
+    """The runs by fleet size, the smallest first; runs that broke off do not count."""
+    by_size: Dict[int, List[Figures]] = {}
+    for run in runs:
+        if not run.trouble:
+            by_size.setdefault(run.robots, []).append(run)
+    found = []
+    for robots, group in sorted(by_size.items()):
+        whole = sum(sum(run.use.values()) for run in group) or 1.0
+        found.append(Size(
+            robots, group, band([run.per_hour for run in group]),
+            float(np.mean([3600.0 * run.requested / run.seconds for run in group])),
+            [wait for run in group for wait in run.waits],
+            [lead for run in group for lead in run.leads],
+            {use: sum(run.use[use] for run in group) / whole for use in Use}))
+    return found
+
+
+def knee(all_sizes: Sequence[Size]) -> Size:
+    """The smallest fleet that serves the demand, or to which further robots add little."""
+    for size, following in zip(all_sizes, all_sizes[1:]):
+        more = following.robots - size.robots
+        gain = (following.per_hour.mean - size.per_hour.mean) / max(size.per_hour.mean, 1e-9)
+        if gain / more < _WORTH:
+            return size
+    return all_sizes[-1]
+
+
+def keeps_up(size: Size) -> bool:
+    """Does a fleet serve what is requested?"""
+    return size.served >= _KEPT_UP
+
+
+def waiting_by_edge(size: Size) -> Dict[int, float]:
+    """Share (0..1) of all waiting, by edge, the most first."""
+    return _shares((edge, seconds) for run in size.runs
+                   for (edge, _), seconds in run.waiting.items())
+
+
+def waiting_by_cause(size: Size, edge: int = 0) -> Dict[Cause, float]:
+    """Share (0..1) of all waiting, or of that for one edge, by cause, the most first."""
+    return _shares((cause, seconds) for run in size.runs
+                   for (one, cause), seconds in run.waiting.items() if edge in (0, one))
+
+
+def _shares(pairs: Iterable) -> Dict:
+    sums: Dict = {}
+    for key, seconds in pairs:
+        sums[key] = sums.get(key, 0.0) + seconds
+    whole = sum(sums.values()) or 1.0
+    return {key: seconds / whole
+            for key, seconds in sorted(sums.items(), key=lambda item: -item[1])}

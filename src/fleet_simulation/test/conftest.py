@@ -1,0 +1,45 @@
+"""A small site that the tests of this package share."""
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Callable, Dict
+
+import pytest
+
+from trajectory_graph import Edge, Graph, Vertex, save_graph
+
+FLEET = '''
+clearance: 0.1
+robot_types:
+- {name: agv, radius: 0.4, speed: 1.0, release_ahead: 3.0}
+robots:
+- {name: one, type: agv, vertex: 21}
+- {name: two, type: agv, vertex: 22}
+'''
+DEMAND = 'flows:\n- {to: 25, from: 21, per_hour: 60}\n'
+
+
+@pytest.fixture
+def yard() -> Graph:
+    """Two rows of vertices joined like a ladder, with a spur at each of the upper ones."""
+    places, ends = {}, {}
+    for k in range(5):
+        for row in range(3):
+            places[1 + k + 10 * row] = 2.0 * k, 2.0 * row
+        ends[100 + k], ends[200 + k] = (k + 1, k + 11), (k + 11, k + 21)
+        if k:
+            ends[k], ends[k + 10] = (k, k + 1), (k + 10, k + 11)
+    return Graph([Vertex(id, *place, 0.0) for id, place in places.items()],
+                 [Edge(id, *pair, velocity_forward=1.0, velocity_backwards=1.0)
+                  for id, pair in ends.items()])
+
+
+@pytest.fixture
+def files(yard: Graph, tmp_path: Path) -> Callable[..., Dict[str, str]]:
+    """Writes graph, fleet and demand; their paths by name."""
+    def write(demand: str = DEMAND, fleet: str = FLEET) -> Dict[str, str]:
+        save_graph(yard, tmp_path / 'graph.yaml')
+        (tmp_path / 'fleet.yaml').write_text(fleet)
+        (tmp_path / 'demand.yaml').write_text(demand)
+        return {name: str(tmp_path / f'{name}.yaml') for name in ('graph', 'fleet', 'demand')}
+    return write
