@@ -71,3 +71,15 @@ def test_a_missing_password_file_is_named(tmp_path):
 def test_without_any_password_both_ways_are_named():
     with pytest.raises(ConfigurationError, match=f'~password_file.*{PASSWORD_VARIABLE}'):
         read_password('')
+
+
+@pytest.mark.parametrize('mode, is_simulated, is_told', [
+    (0o600, False, False), (0o640, False, True), (0o604, False, True), (0o644, True, False)])
+def test_a_password_that_others_can_read_is_told_for_a_real_robot(
+        tmp_path, warnings, mode, is_simulated, is_told):
+    path = tmp_path / 'password'
+    path.write_text('secret')
+    path.chmod(mode)
+    read_password(str(path), is_simulated)
+    assert [words[1:] for words in warnings] == (
+        [('ARCL password file', str(path))] if is_told else [])

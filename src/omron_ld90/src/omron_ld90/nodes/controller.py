@@ -86,6 +86,7 @@ from omron_ld90.nodes.support.robot_health import RobotHealth
 from omron_ld90.nodes.support.shared_parameters import map_sources
 from omron_ld90_msgs.msg import LinkState
 
+LOOPBACK = ('127.0.0.1', 'localhost', '::1')  # there is a simulated robot
 STOP_WITHIN = 1.5  # s that a stop may take at shutdown
 
 
@@ -199,7 +200,7 @@ def start() -> Controller:
     """Reads the parameters and builds the node."""
     host = robot_host()
     port = int(number('~port', 7171, 1, 65535))
-    password = read_password(parameter('~password_file', ''))
+    password = read_password(parameter('~password_file', ''), is_simulated=host in LOOPBACK)
     backoff = Backoff(number('~reconnect_first', 0.5, 0.05, 600.0),
                       number('~reconnect_most', 10.0, 0.05, 600.0),
                       number('~reconnect_jitter', 0.2, 0.0, 1.0),

@@ -7,16 +7,18 @@ import stat
 import rospy
 
 from node_lifecycle import ConfigurationError
+from node_lifecycle.secret_files import warn_if_exposed
 
 PASSWORD_VARIABLE = 'OMRON_LD90_PASSWORD'
 _MAXIMUM_BYTES = 1000
 
 
-def read_password(path: str) -> bytes:
+def read_password(path: str, is_simulated: bool = False) -> bytes:
     """The password from `path`, or from the environment; raises ConfigurationError.
 
     No message ever holds it. The variable is taken out of this process's environment, so that no
-    program inherits it from here; but roslaunch has written it into its own log by then.
+    program inherits it from here; but roslaunch has written it into its own log by then. That of a
+    simulated robot is in the repository, so no secret.
     """
     variable = os.environb.pop(PASSWORD_VARIABLE.encode(), b'')
     source = f'file {path}' if path else f'environment variable {PASSWORD_VARIABLE}'
@@ -30,6 +32,8 @@ def read_password(path: str) -> bytes:
         raise ConfigurationError(
             f'There is no usable ARCL password: {source} {what}. Set ~password_file to a file '
             f'that holds nothing but the password, or set {PASSWORD_VARIABLE}.')
+    if path and not is_simulated:
+        warn_if_exposed('ARCL password file', path)
     if not path:
         rospy.logwarn('The ARCL password was taken from the environment variable %s. roslaunch '
                       'writes its whole environment into its log, where others may read it: name '

@@ -1,7 +1,6 @@
 """User name and password for a broker, from a file: in no parameter, log or process list."""
 from __future__ import annotations
 
-import os
 from typing import Tuple
 
 import yaml
@@ -27,8 +26,3 @@ def read_credentials(path: str) -> Tuple[str, str]:
         raise WrongCredentials(f'the credentials file {path} must hold two lines, "username: ..." '
                                'and "password: ...", in quotes where they look like numbers')
     return document['username'], document['password']
-
-
-def is_readable_by_others(path: str) -> bool:
-    """Whether others than its owner can read a file."""
-    return bool(os.stat(path).st_mode & 0o077)

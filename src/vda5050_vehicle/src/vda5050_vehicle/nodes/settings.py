@@ -11,6 +11,7 @@ import rospy
 
 from itrci_nav_msgs.msg import Graph as GraphMessage
 from node_lifecycle import ConfigurationError, choice, number, parameter
+from node_lifecycle.secret_files import warn_if_exposed
 from trajectory_graph import Graph, TrajectoryGraphError, load_graph
 from trajectory_graph.messages import graph_from_message
 from vda5050_vehicle.core import factsheet as sheet
@@ -21,11 +22,7 @@ from vda5050_vehicle.drivers.order_fields import FIELDS, Abilities
 from vda5050_vehicle.drivers.order_graph import Matching
 from vda5050_vehicle.drivers.pose_driver import PoseDriver
 from vda5050_vehicle.drivers.route_driver import RouteDriver
-from vda5050_vehicle.mqtt.credentials import (
-    WrongCredentials,
-    is_readable_by_others,
-    read_credentials,
-)
+from vda5050_vehicle.mqtt.credentials import WrongCredentials, read_credentials
 from vda5050_vehicle.mqtt.link import Broker
 from vda5050_vehicle.nodes.files import JournalFile, LogReports
 from vda5050_vehicle.nodes.parameters import topic_level, yaml_file
@@ -101,8 +98,8 @@ class Settings:
             username, password = read_credentials(path)
         except WrongCredentials as error:
             raise ConfigurationError(f'{error}.') from None
-        if path and is_readable_by_others(path):
-            rospy.logwarn('The credentials file %s can be read by others: chmod 600.', path)
+        if path:
+            warn_if_exposed('credentials file', path)
         if username and not files['ca_file'] and not _is_local(host):
             rospy.logwarn('The password goes to the broker at %s unencrypted: set ~ca_file.', host)
         return Broker(host, int(port), username, password, **files,
