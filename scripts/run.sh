@@ -53,6 +53,11 @@ start_fleet() {
   say "Starting: roslaunch $launch"
   exec roslaunch "$launch"
 }
+
+# limit_files: so many open files that no fleet meets the limit, and so few that no node reserves gigabytes for them:
+# roscpp does for every file that may be open, which are a thousand million in some containers.
+limit_files() { ulimit -Sn 16384 2>/dev/null || ulimit -Sn "$(ulimit -Hn)"; }
+limit_files
 for arg in "$@"; do
   case "$arg" in fleet:=*) start_fleet "$@" ;; esac
 done

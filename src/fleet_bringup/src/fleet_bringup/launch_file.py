@@ -19,6 +19,11 @@ ROUTE_FILE = 'omron_ld90/{}_route.json'
 SCREEN = "$(eval optenv('ROSCONSOLE_FORMAT', '[${severity}] [${time}] ${node}: ${message}'))"
 #: Namespace of the one node that shows the LD-90s' map.
 MAP = 'fleet'
+#: What makes a node a fork of the node host.
+HOSTED = {'launch-prefix': '$(find node_host)/hosted'}
+#: What the fleet manager's nodes import, which all forks share.
+MODULES = tuple(f'graph_fleet_manager.nodes.{node}' for node in (
+    'graph_server', 'path_planner', 'path_supervisor', 'fleet_visualisation'))
 
 
 def launch_text(entries: Sequence[Entry], site: Site, options: Options,
@@ -27,6 +32,8 @@ def launch_text(entries: Sequence[Entry], site: Site, options: Options,
     root = ET.Element('launch')
     root.append(ET.Comment(f' Made by scripts/run.sh fleet:={options.fleet} '))
     ET.SubElement(root, 'env', name='ROSCONSOLE_FORMAT', value=SCREEN)
+    if options.hosted:
+        _include(root, 'omron_ld90', 'node_host', {'more_modules': ' '.join(MODULES)})
     ld90s = [entry for entry in entries if entry.robot.driver == LD90]
     if any(entry.is_simulated for entry in ld90s):
         _ld90_simulator(root, site, options, files)
@@ -35,14 +42,16 @@ def launch_text(entries: Sequence[Entry], site: Site, options: Options,
     if any(entry.robot.driver == AGV for entry in entries):
         _node(root, 'agv_sim', 'graph_fleet_manager', 'agv_sim', {
             'fleet_file': files['fleet'], 'graph_file': site.graph_file,
-            'sim_speed': options.sim_speed, 'control_port': options.control_port + 1})
+            'sim_speed': options.sim_speed, 'control_port': options.control_port + 1},
+            _hosted(options, {}))
     if options.fleet_manager:
         _include(root, 'graph_fleet_manager', 'fleet_manager', {
             'graph_file': site.graph_file, 'fleet_file': files['fleet'],
-            'sim_speed': options.sim_speed, **_memory(files),
+            'sim_speed': options.sim_speed, 'hosted': _xml(options.hosted), **_memory(files),
             **({'multimaster': 'true'} if any(entry.computer for entry in entries) else {})})
     if options.demo:
-        _node(root, 'random_missions', 'graph_fleet_manager', 'random_missions', {}, RESPAWN)
+        _node(root, 'random_missions', 'graph_fleet_manager', 'random_missions', {},
+              _hosted(options, RESPAWN))
     _pictures(root, site, options, files)
     if options.fleet_manager and options.page:
         _page(root, options, files)
@@ -71,22 +80,22 @@ def _ld90(root: ET.Element, entry: Entry, site: Site, options: Options,
         'password_file': entry.password_file or files['simulator_password'],
         'map_file': site.map_file, 'graph_file': site.graph_file, 'dock_vertex': site.dock,
         'route_file': '' if entry.is_simulated else ROUTE_FILE.format(entry.name),
-        'strategy': options.strategy})
+        'strategy': options.strategy, 'hosted': _xml(options.hosted), 'node_host': 'false'})
     group = ET.SubElement(root, 'group', ns=entry.name)
     if entry.is_simulated:  # what an older run under the same ROS master left means nothing to it
         group.set('clear_params', 'true')
     _node(group, 'robot_state_publisher', 'omron_ld90', 'robot_state_publisher', {
         'base_frame': f'{entry.name}/base_link', 'laser_frame': f'{entry.name}/laser_link'},
-        RESPAWN)
+        _hosted(options, RESPAWN))
 
 
 def _pictures(root: ET.Element, site: Site, options: Options, files: Dict[str, str]) -> None:
     if site.map_file:
         group = ET.SubElement(root, 'group', ns=MAP)
         _node(group, 'map_visualisation', 'omron_ld90', 'map_visualisation',
-              {'map_file': site.map_file}, RESPAWN)
+              {'map_file': site.map_file}, _hosted(options, RESPAWN))
     _node(root, 'fleet_visualisation', 'graph_fleet_manager', 'fleet_visualisation',
-          {'fleet_file': files['fleet']}, RESPAWN)
+          {'fleet_file': files['fleet']}, _hosted(options, RESPAWN))
     if options.rviz:
         node = _node(root, 'rviz', 'omron_ld90', 'rviz_view', {})
         node.set('args', f"'{site.map_file}' '{files['rviz']}'")
@@ -99,6 +108,14 @@ def _page(root: ET.Element, options: Options, files: Dict[str, str]) -> None:
         'certificate': options.certificate_file, 'key': options.key_file,
         **{name: files[key] for name, key in (('journal', 'journal'), ('folder', 'page'))
            if key in files}}, RESPAWN)
+
+
+def _hosted(options: Options, more: Dict[str, str]) -> Dict[str, str]:
+    return {**HOSTED, **more} if options.hosted else more
+
+
+def _xml(value: bool) -> str:
+    return str(value).lower()
 
 
 def _node(parent: ET.Element, name: str, package: str, kind: str, parameters: Dict[str, Any],

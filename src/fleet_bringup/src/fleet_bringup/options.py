@@ -35,6 +35,8 @@ class Options:
     key_file: str = _option('', 'PEM file')
     strategy: str = _option('rolling', 'how LD-90s drive routes')
     fleet_manager: bool = _option(True, 'false: start the robots only')
+    hosted: bool = _option(True, 'false: each node is a program of its own, which needs three '
+                                 'times the memory')
     arcl_port: int = _option(7171, 'ARCL port of the first simulated LD-90; the next has 10 more')
     outgoing_port: int = _option(7179, 'port on which this computer awaits the first LD-90; the '
                                        'next has 10 more')

@@ -19,6 +19,7 @@ import rosgraph
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 
+import node_program
 from node_lifecycle import log_file
 from node_lifecycle.diagnostics import Task, publish_diagnostics
 from node_lifecycle.kept_parameters import KEPT
@@ -58,6 +59,7 @@ def run(name: str, start: Callable[[], Any],
     else:
         if hasattr(node, 'close'):
             rospy.on_shutdown(node.close)
+    node_program.tell_started()
     _wait_for_end(ending)
 
 

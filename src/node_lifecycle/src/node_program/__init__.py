@@ -8,8 +8,21 @@ import os
 import signal
 import sys
 from importlib import import_module
+from typing import Callable, List
 
 INTERRUPTED = 130  # the exit status of what was ended by Ctrl-C, as shells have it
+_when_started: List[Callable[[], None]] = []
+
+
+def when_started(then: Callable[[], None]) -> None:
+    """Calls `then` once, as soon as the node of this process has started."""
+    _when_started.append(then)
+
+
+def tell_started() -> None:
+    """The node of this process has started: it has registered with the ROS master."""
+    while _when_started:
+        _when_started.pop()()
 
 
 def run_main(module: str) -> None:

@@ -1,0 +1,79 @@
+"""What a fork has to change before it is the program that was asked for."""
+from __future__ import annotations
+
+import ctypes
+import gc
+import io
+import os
+import runpy
+import signal
+import sys
+import time
+from typing import Iterable, Sequence
+
+from node_host.start_request import StartRequest
+
+PR_SET_PDEATHSIG, PR_SET_NAME = 1, 15
+M_ARENA_MAX = -8
+_LIBC = ctypes.CDLL(None)
+ENDS = (signal.SIGINT, signal.SIGTERM)
+"""Signals that the host takes, and that must not be lost between a fork and its own handlers."""
+
+
+def end_with(host: int) -> None:
+    """From now on the kernel ends this process when the process `host` ends, however it does."""
+    _LIBC.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+    if os.getppid() != host:
+        os._exit(1)  # it ended before
+
+
+def take_signals(mask: Iterable[int]) -> None:
+    """Signals do again what they do in a new process; one that came meanwhile does it now."""
+    for number in (*ENDS, signal.SIGCHLD):
+        signal.signal(number, signal.SIG_DFL)
+    signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def become(request: StartRequest, streams: Sequence[int]) -> None:
+    """Takes on streams, folder, environment and arguments, and a session of its own."""
+    os.setsid()
+    for target, stream in enumerate(streams):
+        os.dup2(stream, target)
+        os.close(stream)
+    os.chdir(request.folder)
+    os.environ.clear()
+    os.environ.update(request.environment)
+    sys.argv[:] = request.arguments
+    time.tzset()
+    for output in (sys.stdout, sys.stderr):
+        assert isinstance(output, io.TextIOWrapper)
+        output.reconfigure(line_buffering=output.isatty() or output is sys.stderr,
+                           write_through='PYTHONUNBUFFERED' in os.environ)
+    _LIBC.prctl(PR_SET_NAME, os.fsencode(os.path.basename(request.arguments[0])))
+    _LIBC.mallopt(M_ARENA_MAX, 2)  # a node has a dozen threads, and little to store
+    _draw_other_random_numbers()
+    _take_ros_names()
+    gc.enable()
+
+
+def _draw_other_random_numbers() -> None:
+    """Python's own generator does so by itself when a process forks."""
+    numpy_random = sys.modules.get('numpy.random')
+    if numpy_random is not None:
+        numpy_random.seed()
+
+
+def _take_ros_names() -> None:
+    """rospy reads remappings and namespace when it is imported, which was in the host."""
+    names = sys.modules.get('rospy.names')
+    if names is not None:
+        names.reload_mappings(sys.argv)
+        names._set_caller_id(names.get_ros_namespace() + 'unnamed')
+
+
+def run_program() -> None:
+    """Runs the program of `sys.argv` as Python would."""
+    program = sys.argv[0]
+    sys.path[0] = os.path.dirname(os.path.realpath(program))
+    runpy.run_path(program, run_name='__main__')

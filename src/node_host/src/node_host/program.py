@@ -1,0 +1,52 @@
+"""`node_host MODULE...`: imports these modules once, then forks programs for `hosted`.
+
+It is no ROS node itself. A module that cannot be imported is told and left out: a program that
+needs it tries again.
+"""
+from __future__ import annotations
+
+import gc
+import importlib
+import os
+import socket
+import sys
+from typing import Optional, Sequence
+
+ONE_THREAD = {'OPENBLAS_NUM_THREADS': '1', 'OMP_NUM_THREADS': '1', 'MKL_NUM_THREADS': '1'}
+
+
+def main() -> Optional[int]:
+    """Runs the host; in a fork it runs the program that was asked for."""
+    gc.disable()  # a fork shares what the collector does not touch
+    os.environ.update(ONE_THREAD)  # threads do not come along when a process forks
+    _import([one for one in sys.argv[1:] if ':=' not in one])
+    gc.collect()
+    gc.freeze()
+    return serve()
+
+
+def serve() -> Optional[int]:
+    """From the first request to the end."""
+    from node_host import child  # noqa: PLC0415
+    from node_host.address import host_address
+    from node_host.host import Host
+    from node_host.start_queue import StartQueue
+
+    listener = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    try:
+        listener.bind(host_address())
+    except OSError:
+        print('This launch has a node host already: name one only.', file=sys.stderr)
+        return 1
+    listener.listen(socket.SOMAXCONN)
+    if Host(listener, StartQueue()).serve():
+        child.run_program()
+    return None
+
+
+def _import(modules: Sequence[str]) -> None:
+    for module in modules:
+        try:
+            importlib.import_module(module)
+        except ImportError as error:
+            print(f'[node_host] {module} is not there ({error}).', file=sys.stderr, flush=True)

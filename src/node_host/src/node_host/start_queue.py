@@ -1,0 +1,92 @@
+"""Which of the programs that are asked for may start now.
+
+Few at a time, so that the ROS master keeps up; and a program that ends soon after its start waits
+longer each time. Without processes and clock.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Dict, Generic, Hashable, List, Optional, TypeVar
+
+AT_A_TIME = 6
+START_WITHIN = 5.0  # s; a program that does not tell that it has started counts as started then
+SOON = 10.0  # s from start to end
+FIRST_DELAY = 1.0  # s, after the second end in a row that came soon; then doubled
+LONGEST_DELAY = 30.0  # s
+
+Key = TypeVar('Key', bound=Hashable)
+
+
+@dataclass(frozen=True)
+class _Waiting(Generic[Key]):
+    key: Key
+    identity: Hashable
+    not_before: float
+
+
+class StartQueue(Generic[Key]):
+    """Keys stand for single runs, identities for programs. Times are monotonic, in s."""
+
+    def __init__(self, at_a_time: int = AT_A_TIME) -> None:
+        self._at_a_time = at_a_time
+        self._waiting: List[_Waiting[Key]] = []
+        self._starting: Dict[Key, float] = {}  # until when
+        self._running: Dict[Key, _Run] = {}
+        self._early_ends: Dict[Hashable, int] = {}
+
+    def ask(self, key: Key, identity: Hashable, now: float) -> float:
+        """A program is to be started; returns the delay (s) that its early ends have earned."""
+        delay = delay_after(self._early_ends.get(identity, 0))
+        self._waiting.append(_Waiting(key, identity, now + delay))
+        return delay
+
+    def next(self, now: float) -> Optional[Key]:
+        """The program that starts now, if any does."""
+        self._starting = {key: until for key, until in self._starting.items() if until > now}
+        if len(self._starting) >= self._at_a_time:
+            return None
+        for one in self._waiting:
+            if one.not_before <= now:
+                self._waiting.remove(one)
+                self._starting[one.key] = now + START_WITHIN
+                self._running[one.key] = _Run(one.identity, now)
+                return one.key
+        return None
+
+    def seconds_to_next(self, now: float) -> Optional[float]:
+        """When `next` is worth another look though nothing has happened; None: never."""
+        if not self._waiting:
+            return None
+        times = [one.not_before for one in self._waiting]
+        if len(self._starting) >= self._at_a_time:
+            times = [max(min(times), min(self._starting.values()))]
+        return max(0.0, min(times) - now)
+
+    def started(self, key: Key) -> None:
+        """The program has registered with the master."""
+        self._starting.pop(key, None)
+
+    def ended(self, key: Key, failed: bool, now: float) -> None:
+        """The program has ended, or is not wanted any more."""
+        self._waiting = [one for one in self._waiting if one.key != key]
+        self.started(key)
+        run = self._running.pop(key, None)
+        if run is None:
+            return
+        if failed and now - run.since < SOON:
+            self._early_ends[run.identity] = self._early_ends.get(run.identity, 0) + 1
+        else:
+            self._early_ends.pop(run.identity, None)
+
+
+@dataclass(frozen=True)
+class _Run:
+    identity: Hashable
+    since: float
+
+
+def delay_after(early_ends: int) -> float:
+    """Seconds before the next start of a program that has ended soon so many times in a row."""
+    if early_ends < 2:
+        return 0.0
+    return min(LONGEST_DELAY, FIRST_DELAY * 2.0 ** min(early_ends - 2, 10))
