@@ -218,6 +218,15 @@ def test_a_program_that_cannot_be_read_is_told_with_its_name(launch, tmp_path):
     assert 'program1' in errors
 
 
+def test_a_program_is_listed_with_its_own_command_line(launch):
+    launch.host(*['json'] * 40)
+    program = launch.run(RUNS_ON, '__name:=controller')
+    process = Path(f'/proc/{pid_of(program)}')
+    own = str(launch.folder / 'program1')
+    assert (process / 'cmdline').read_text().rstrip('\0').split('\0') == [own, '__name:=controller']
+    assert (process / 'comm').read_text() == 'program1\n'
+
+
 def test_a_launch_has_one_host_only(launch):
     launch.host()
     assert result(launch.run("print('up')"))[0] == 0

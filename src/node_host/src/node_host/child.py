@@ -50,11 +50,20 @@ def become(request: StartRequest, streams: Sequence[int]) -> None:
         assert isinstance(output, io.TextIOWrapper)
         output.reconfigure(line_buffering=output.isatty() or output is sys.stderr,
                            write_through='PYTHONUNBUFFERED' in os.environ)
-    _LIBC.prctl(PR_SET_NAME, os.fsencode(os.path.basename(request.arguments[0])))
+    _show_as(request.arguments)
     _LIBC.mallopt(M_ARENA_MAX, 2)  # a node has a dozen threads, and little to store
     _draw_other_random_numbers()
     _take_ros_names()
     gc.enable()
+
+
+def _show_as(arguments: Sequence[str]) -> None:
+    """The process is listed with its own command line, as far as that of the host has room."""
+    _LIBC.prctl(PR_SET_NAME, os.fsencode(os.path.basename(arguments[0])))
+    with open('/proc/self/stat', encoding='utf-8') as stat:
+        begin, end = map(int, stat.read().rsplit(')', 1)[1].split()[45:47])
+    text = b'\0'.join(map(os.fsencode, arguments))[:end - begin - 1]
+    ctypes.memmove(begin, text.ljust(end - begin, b'\0'), end - begin)
 
 
 def _draw_other_random_numbers() -> None:
