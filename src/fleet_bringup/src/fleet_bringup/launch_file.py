@@ -33,7 +33,7 @@ def launch_text(entries: Sequence[Entry], site: Site, options: Options,
     root.append(ET.Comment(f' Made by scripts/run.sh fleet:={options.fleet} '))
     ET.SubElement(root, 'env', name='ROSCONSOLE_FORMAT', value=SCREEN)
     if options.hosted:
-        _include(root, 'omron_ld90', 'node_host', {'more_modules': ' '.join(MODULES)})
+        _include(root, 'omron_ld90', 'robot_host', {'more_modules': ' '.join(MODULES)})
     ld90s = [entry for entry in entries if entry.robot.driver == LD90]
     if any(entry.is_simulated for entry in ld90s):
         _ld90_simulator(root, site, options, files)

@@ -11,6 +11,7 @@ import sys
 import time
 from typing import Iterable, Sequence
 
+from node_host import ros_state
 from node_host.start_request import StartRequest
 
 PR_SET_PDEATHSIG, PR_SET_NAME = 1, 15
@@ -42,8 +43,9 @@ def become(request: StartRequest, streams: Sequence[int]) -> None:
         os.dup2(stream, target)
         os.close(stream)
     os.chdir(request.folder)
+    prepared = {key: os.environ[key] for key in (ros_state.CONFIGURATION,) if key in os.environ}
     os.environ.clear()
-    os.environ.update(request.environment)
+    os.environ.update({**prepared, **request.environment})
     sys.argv[:] = request.arguments
     time.tzset()
     for output in (sys.stdout, sys.stderr):
@@ -53,7 +55,7 @@ def become(request: StartRequest, streams: Sequence[int]) -> None:
     _show_as(request.arguments)
     _LIBC.mallopt(M_ARENA_MAX, 2)  # a node has a dozen threads, and little to store
     _draw_other_random_numbers()
-    _take_ros_names()
+    ros_state.take_names()
     gc.enable()
 
 
@@ -71,14 +73,6 @@ def _draw_other_random_numbers() -> None:
     numpy_random = sys.modules.get('numpy.random')
     if numpy_random is not None:
         numpy_random.seed()
-
-
-def _take_ros_names() -> None:
-    """rospy reads remappings and namespace when it is imported, which was in the host."""
-    names = sys.modules.get('rospy.names')
-    if names is not None:
-        names.reload_mappings(sys.argv)
-        names._set_caller_id(names.get_ros_namespace() + 'unnamed')
 
 
 def run_program() -> None:

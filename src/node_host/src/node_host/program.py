@@ -12,6 +12,11 @@ import socket
 import sys
 from typing import Optional, Sequence
 
+from node_host import child, ros_state
+from node_host.address import host_address
+from node_host.host import Host
+from node_host.start_queue import StartQueue
+
 ONE_THREAD = {'OPENBLAS_NUM_THREADS': '1', 'OMP_NUM_THREADS': '1', 'MKL_NUM_THREADS': '1'}
 
 
@@ -20,6 +25,7 @@ def main() -> Optional[int]:
     gc.disable()  # a fork shares what the collector does not touch
     os.environ.update(ONE_THREAD)  # threads do not come along when a process forks
     _import([one for one in sys.argv[1:] if ':=' not in one])
+    ros_state.prepare()
     gc.collect()
     gc.freeze()
     return serve()
@@ -27,11 +33,6 @@ def main() -> Optional[int]:
 
 def serve() -> Optional[int]:
     """From the first request to the end."""
-    from node_host import child  # noqa: PLC0415
-    from node_host.address import host_address
-    from node_host.host import Host
-    from node_host.start_queue import StartQueue
-
     listener = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     try:
         listener.bind(host_address())

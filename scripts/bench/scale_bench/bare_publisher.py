@@ -1,0 +1,19 @@
+#!/usr/bin/env python3
+"""A node with one publisher at 2 Hz, and nothing else: the floor of what a node costs."""
+from __future__ import annotations
+
+import rospy
+from std_msgs.msg import String
+
+import node_program
+
+rospy.init_node('bare')
+publisher = rospy.Publisher(f'/bare/{rospy.get_name().strip("/")}', String, queue_size=1)
+node_program.tell_started()
+rate = rospy.Rate(2.0)
+while not rospy.is_shutdown():
+    publisher.publish('x')
+    try:
+        rate.sleep()
+    except rospy.ROSInterruptException:
+        break

@@ -1,0 +1,77 @@
+"""What the processes of a fleet are for, and what they use."""
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Dict, Iterable, List
+
+from measuring.processes import arguments, cpu_seconds, descendants, node_name, proportional
+
+STACK = ('omron_controller', 'omron_connection_receiver', 'omron_edges_to_vertices',
+         'robot_state_publisher')
+MANAGER = ('graph_server', 'path_planner', 'path_supervisor')
+HOST = 'node host'
+PARTS = ('stacks', 'fleet manager', HOST, 'simulators', 'roslaunch and roscore', 'pictures')
+
+
+@dataclass(frozen=True)
+class Part:
+    """Processes with one purpose."""
+
+    pids: List[int]
+
+    @property
+    def memory(self) -> float:
+        """MB, what is shared counted once (PSS)."""
+        return sum(map(proportional, self.pids)) / 2 ** 20
+
+    @property
+    def threads(self) -> int:
+        """Of all."""
+        return sum(len(os.listdir(f'/proc/{pid}/task')) for pid in self.pids)
+
+    @property
+    def sockets(self) -> int:
+        """Of all, by open file."""
+        return sum(os.readlink(link).startswith('socket:') for pid in self.pids
+                   for link in Path(f'/proc/{pid}/fd').iterdir())
+
+    @property
+    def cpu(self) -> float:
+        """Seconds so far."""
+        return sum(map(cpu_seconds, self.pids))
+
+
+def parts_of(launch: int) -> Dict[str, Part]:
+    """What runs below a roslaunch, itself included."""
+    found: Dict[str, List[int]] = {part: [] for part in PARTS}
+    for pid in [launch, *descendants(launch)]:
+        found[part_of(pid)].append(pid)
+    return {part: Part(pids) for part, pids in found.items()}
+
+
+def part_of(pid: int) -> str:
+    """The part that a process belongs to."""
+    name, words = node_name(pid), arguments(pid)
+    programs = {Path(word).name for word in words[:3]}
+    if programs & {'hosted', 'node_host'}:
+        return HOST
+    if name in STACK:
+        return 'stacks'
+    if name in MANAGER:
+        return 'fleet manager'
+    if name == 'ld90_sim':
+        return 'simulators'
+    return 'pictures' if name and name != 'rosout' else 'roslaunch and roscore'
+
+
+def cpu_shares(parts: Dict[str, Part], before: Dict[str, float],
+               seconds: float) -> Dict[str, float]:
+    """Cores that each part used since it had used `before`."""
+    return {name: (parts[name].cpu - used) / seconds for name, used in before.items()}
+
+
+def used(parts: Dict[str, Part], names: Iterable[str] = PARTS) -> Dict[str, float]:
+    """CPU seconds so far."""
+    return {name: parts[name].cpu for name in names}

@@ -1,0 +1,52 @@
+"""From the robot's byte to the subscriber: the benchmark plays one robot and listens to it."""
+from __future__ import annotations
+
+import socket
+import threading
+import time
+from typing import Dict, List
+
+import rospy
+from std_msgs.msg import String
+
+PERIOD = 0.1  # s
+
+
+class Probe:
+    """Sends numbered locations until it is closed, and notes when each is heard."""
+
+    def __init__(self, robot: str, port: int) -> None:
+        self._sent: Dict[str, float] = {}
+        self.delays: List[float] = []
+        self._closed = threading.Event()
+        self._topic = rospy.Subscriber(f'/{robot}/status/location', String, self._hear)
+        self._socket = socket.create_connection(('127.0.0.1', port))
+        self._thread = threading.Thread(target=self._send, daemon=True)
+
+    def start(self) -> None:
+        """As soon as the subscriber is connected."""
+        while not self._topic.get_num_connections():
+            time.sleep(0.01)
+        self._thread.start()
+
+    def close(self) -> int:
+        """Ends it; returns how many lines were not heard."""
+        self._closed.set()
+        self._thread.join()
+        time.sleep(1.0)  # what is on its way
+        self._socket.close()
+        return len(self._sent)
+
+    def _send(self) -> None:
+        number = 0
+        while not self._closed.wait(PERIOD):
+            number += 1
+            line = f'Location: {number} 0 0'
+            self._sent[line] = time.monotonic()
+            self._socket.sendall(line.encode() + b'\r\n')
+
+    def _hear(self, message: String) -> None:
+        heard = time.monotonic()
+        begun = self._sent.pop(message.data, None)
+        if begun is not None:
+            self.delays.append(1e3 * (heard - begun))
