@@ -12,13 +12,8 @@ from fleet_builders import AGV, corridor
 from graph_fleet_manager.interlocking.orders import Memory
 from graph_fleet_manager.interlocking.reports import GraphPosition
 from graph_fleet_manager.supervision import missions
-from graph_fleet_manager.supervision.journal import (
-    Journal,
-    JournalError,
-    JournalUnavailable,
-    RobotMemory,
-    history,
-)
+from graph_fleet_manager.supervision.journal import Journal, RobotMemory, history
+from graph_fleet_manager.supervision.journal_file import JournalError, JournalUnavailable
 from graph_fleet_manager.supervision.missions import (
     REMEMBERED,
     Acceptance,
@@ -136,11 +131,11 @@ def test_a_journal_is_safe_against_power_loss(tmp_path):
 def test_files_that_are_no_journals_are_named(tmp_path):
     path = tmp_path / 'notes.txt'
     path.write_text('no database, but long enough to be looked at closely by SQLite' * 20)
-    for use in (Journal, history):
+    for use in (Journal, lambda path: list(history(path))):
         with pytest.raises(JournalError, match='notes.txt'):
             use(str(path))
     with pytest.raises(JournalError, match='There is no journal'):
-        history(str(tmp_path / 'none.sqlite'))
+        list(history(str(tmp_path / 'none.sqlite')))
 
 
 @contextmanager
@@ -162,7 +157,9 @@ def test_on_a_full_disk_all_of_it_is_stored_or_nothing(tmp_path):
         journal.store(values={'first': 1, **many})
     assert journal.value('first') == 0
     journal.store(values={'second': 2})
-    assert (Journal(path).value('first'), Journal(path).value('second')) == (0, 2)
+    journal.close()
+    again = Journal(path)
+    assert (again.value('first'), again.value('second')) == (0, 2)
 
 
 def test_a_file_that_another_program_holds_is_waited_for_only_shortly(tmp_path):
@@ -179,9 +176,11 @@ def test_a_file_that_another_program_holds_is_waited_for_only_shortly(tmp_path):
 
 def test_route_ids_never_repeat_though_the_disk_was_full_as_they_were_given(tmp_path):
     path = str(tmp_path / 'fleet.sqlite')
-    ids = RouteIds(Journal(path))
+    journal = Journal(path)
+    ids = RouteIds(journal)
     first = [ids() for _ in range(100)]
     assert first == list(range(1, 101))
+    journal.close()
     again = RouteIds(Journal(path))
     assert again() > first[-1]
 

@@ -5,7 +5,6 @@ believes must never be less than that.
 """
 from __future__ import annotations
 
-import json
 import math
 import os
 import sqlite3
@@ -235,9 +234,9 @@ class Promises:
     # -- the journal ------------------------------------------------------------------------------
 
     def _serials(self, id: int, stamp: float) -> List[int]:
-        rows = self._db.execute('SELECT serial, request FROM mission WHERE request_id = ? '
-                                'ORDER BY serial', (id,))
-        return [serial for serial, text in rows if json.loads(text)[-1] == stamp]
+        return [serial for serial, in self._db.execute(
+            'SELECT serial FROM mission WHERE request_id = ? AND stamp = ? ORDER BY serial',
+            (id, stamp))]
 
     def _history(self, id: int, stamp: float) -> List[Tuple[int, str, int]]:
         """States, robots and destinations reached that a mission ever had on the disk."""

@@ -50,7 +50,8 @@ from fleet_page.web.files import PageFiles
 from fleet_page.web.security import Addresses, is_loopback
 from fleet_page.web.server import Access, WebServer, serve
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
-from graph_fleet_manager.supervision.journal import HistoryLine, JournalError, history
+from graph_fleet_manager.supervision.journal import HistoryLine, history
+from graph_fleet_manager.supervision.journal_file import JournalError
 from itrci_nav_msgs.msg import (
     ClosedEdges,
     DockingPoints,
@@ -89,7 +90,7 @@ class FleetPageNode:
                                      'another with ~folder.') from None
 
         def missions() -> List[HistoryLine]:
-            return history(journal)
+            return list(history(journal))
         self._page = Page(self._records, replay, missions)
         if parameter('~fleet_file', ''):
             self._page.site.radii = messages.radii_of(fleet_of())

@@ -12,7 +12,6 @@ import argparse
 import csv
 import os
 import random
-import sqlite3
 import sys
 import time
 from datetime import datetime
@@ -33,7 +32,8 @@ from graph_fleet_manager.commands.fleet_client import (
 )
 from graph_fleet_manager.commands.progress import ProgressLine, line_of
 from graph_fleet_manager.messages.missions import is_about
-from graph_fleet_manager.supervision.journal import HistoryLine, JournalError, history
+from graph_fleet_manager.supervision.journal import HistoryLine, history
+from graph_fleet_manager.supervision.journal_file import JournalError
 from graph_fleet_manager.supervision.missions import Command, MissionState
 from itrci_nav_msgs.msg import (
     FleetPlan,
@@ -248,18 +248,17 @@ def _history(arguments: List[str]) -> int:
     options = parser.parse_args(arguments[1:])
     path = options.journal or os.path.join(
         rospkg.get_ros_home(), _journal_in_use() or 'graph_fleet_manager/fleet.sqlite')
+    rows = map(_row, history(path))
     try:
-        lines = history(path)
-    except (JournalError, sqlite3.Error) as error:
+        if options.csv:
+            writer = csv.writer(sys.stdout, lineterminator='\n')
+            writer.writerow(_COLUMNS)
+            writer.writerows(rows)
+        else:
+            shown = (0, 1, 4, 5, 7, 11, 12)
+            print(table([[_COLUMNS[k] for k in shown], *([row[k] for k in shown] for row in rows)]))
+    except JournalError as error:
         raise CommandError(str(error)) from None
-    rows = [_row(line) for line in lines]
-    if options.csv:
-        writer = csv.writer(sys.stdout, lineterminator='\n')
-        writer.writerow(_COLUMNS)
-        writer.writerows(rows)
-    else:
-        shown = (0, 1, 4, 5, 7, 11, 12)
-        print(table([[_COLUMNS[k] for k in shown], *([row[k] for k in shown] for row in rows)]))
     return OK
 
 

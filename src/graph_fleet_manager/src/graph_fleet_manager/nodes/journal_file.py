@@ -1,15 +1,20 @@
-"""The parameter ~journal, and the journal in that file as soon as its disk lets it be opened."""
+"""The journal that ~journal names, as soon as it can be opened; it keeps ~keep_days of history."""
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from typing import Optional
 
 import rospkg
 import rospy
 
-from graph_fleet_manager.supervision.journal import Journal, JournalError, JournalUnavailable
+from graph_fleet_manager.supervision.journal import Journal
+from graph_fleet_manager.supervision.journal_file import JournalError, JournalUnavailable
 from graph_fleet_manager.supervision.outbox import AGAIN
-from node_lifecycle import ConfigurationError, parameter
+from node_lifecycle import ConfigurationError, number, parameter
+
+DAY = 86400.0          # s
+FORGET_PERIOD = 10.0   # s between two looks for missions that ended long ago
 
 
 class JournalFile:
@@ -22,7 +27,8 @@ class JournalFile:
         self.journal: Optional[Journal] = None
         self.trouble = ''
         self._path = _path()
-        self._try_at = 0.0
+        self._keep = DAY * number('~keep_days', 90.0, 1.0, 36500.0)
+        self._try_at = self._forget_at = 0.0
         self.open(0.0)
 
     def open(self, now: float) -> None:
@@ -38,6 +44,14 @@ class JournalFile:
             raise ConfigurationError(str(error)) from None
         else:
             self.trouble = ''
+
+    def forget(self, now: float) -> None:
+        """Deletes what ended long ago, a little at a time; a disk that is full does not matter."""
+        if self.journal is None or now < self._forget_at:
+            return
+        self._forget_at = now + FORGET_PERIOD
+        with suppress(JournalUnavailable):  # whatever is to be stored next tells of it
+            self.journal.forget(self._keep)
 
     def fail(self, unavailable: JournalUnavailable) -> None:
         """It turned out that it cannot be used now."""

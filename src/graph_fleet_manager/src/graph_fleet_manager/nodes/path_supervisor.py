@@ -21,6 +21,7 @@ Services (std_srvs/Trigger)
 Parameters
     ~fleet_file   string  (required)  fleet file (YAML)
     ~journal      string  graph_fleet_manager/fleet.sqlite in ROS_HOME
+    ~keep_days    float   90.0   for which the journal keeps missions that have ended
     ~improvement  float   0.0 s  in which the planner makes a plan better before it answers
     ~sim_speed    float   1.0    simulated robots are so many times faster
 """
@@ -54,7 +55,8 @@ from graph_fleet_manager.nodes.fleet_services import FleetServices, not_stored
 from graph_fleet_manager.nodes.fleet_topics import FleetTopics, TellStatuses, send, status_message
 from graph_fleet_manager.nodes.journal_file import JournalFile
 from graph_fleet_manager.supervision.actions import Action, TellStatus
-from graph_fleet_manager.supervision.journal import STOPPED, JournalUnavailable
+from graph_fleet_manager.supervision.journal import STOPPED
+from graph_fleet_manager.supervision.journal_file import JournalUnavailable
 from graph_fleet_manager.supervision.missions import Change, Command, RequestRefused
 from graph_fleet_manager.supervision.outbox import AGAIN
 from graph_fleet_manager.supervision.supervisor import Supervisor
@@ -139,6 +141,7 @@ class PathSupervisor:
                 self._topics.do(event(self._supervisor, time.monotonic()))
                 self._topics.do(self._begin(time.monotonic()))
                 self._publish_views()
+                self._file.forget(time.monotonic())
             except Exception:  # a fleet manager that decides nothing must not look alive
                 try:
                     rospy.logfatal('A defect; the robots go on with what they were given, and '

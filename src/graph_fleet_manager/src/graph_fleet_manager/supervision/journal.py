@@ -11,12 +11,13 @@ import os
 import sqlite3
 import time
 from contextlib import suppress
-from dataclasses import astuple
+from dataclasses import asdict, astuple
 from typing import (
     Any,
     Callable,
     Dict,
     Iterable,
+    Iterator,
     List,
     Mapping,
     NamedTuple,
@@ -31,6 +32,12 @@ from graph_fleet_manager.geometry.areas import Area
 from graph_fleet_manager.interlocking.evidence import EvidenceMemory, Outlier
 from graph_fleet_manager.interlocking.orders import Memory
 from graph_fleet_manager.interlocking.reports import GraphPosition
+from graph_fleet_manager.supervision.journal_file import (
+    JournalError,
+    JournalFile,
+    JournalUnavailable,
+    UnknownLayout,
+)
 from graph_fleet_manager.supervision.missions import (
     REMEMBERED,
     Mission,
@@ -40,40 +47,9 @@ from graph_fleet_manager.supervision.missions import (
 from graph_fleet_manager.supervision.outages import Outage
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 
-_TABLES = '''
-CREATE TABLE IF NOT EXISTS mission (
-    serial INTEGER PRIMARY KEY, request_id INTEGER NOT NULL, request TEXT NOT NULL,
-    state INTEGER NOT NULL, robot TEXT NOT NULL, reached INTEGER NOT NULL, reason TEXT NOT NULL);
-CREATE INDEX IF NOT EXISTS mission_by_id ON mission (request_id);
-CREATE INDEX IF NOT EXISTS mission_by_state ON mission (state);
-CREATE TABLE IF NOT EXISTS change (
-    time REAL NOT NULL, serial INTEGER NOT NULL, state INTEGER NOT NULL, robot TEXT NOT NULL,
-    reached INTEGER NOT NULL, reason TEXT NOT NULL);
-CREATE INDEX IF NOT EXISTS change_by_serial ON change (serial);
-CREATE TABLE IF NOT EXISTS stay (serial INTEGER PRIMARY KEY, began REAL NOT NULL);
-CREATE TABLE IF NOT EXISTS robot (name TEXT PRIMARY KEY, memory TEXT NOT NULL);
-CREATE TABLE IF NOT EXISTS value (name TEXT PRIMARY KEY, number INTEGER NOT NULL);
-CREATE TABLE IF NOT EXISTS graph (one INTEGER PRIMARY KEY CHECK (one = 1), elements TEXT NOT NULL);
-'''
 STOPPED = 'fleet_is_stopped'  # the name of the number that tells whether it is
-_BUSY = 0.5  # s to wait where another program holds the file
+_PAGE = 1000  # missions that the history reads at a time
 _OPEN = tuple(state for state in MissionState if state.is_open)
-
-
-class JournalError(Exception):
-    """The journal cannot be used; the text is one sentence that says what to do."""
-
-
-class JournalUnavailable(JournalError):
-    """The journal cannot be used now, but may be later: the disk is full, or cannot be written.
-
-    reason -- the same as a clause
-    """
-
-    def __init__(self, path: str, error: sqlite3.Error) -> None:
-        self.reason = (f'the journal {os.path.abspath(path)} cannot be written ({error}): free '
-                       'space on its disk, or mend that')
-        super().__init__(f'{self.reason[0].upper()}{self.reason[1:]}.')
 
 
 class RobotMemory(NamedTuple):
@@ -109,23 +85,23 @@ class Journal:
     """The file, open for one supervisor. `clock` gives s since 1970."""
 
     def __init__(self, path: str, clock: Callable[[], float] = time.time) -> None:
+        """Raises JournalUnavailable, or JournalError where the file can never be used."""
         self._clock = clock
         self._path = path
+        self._file = JournalFile(path)
+        self._db = self._file.database
         try:
-            self._db = sqlite3.connect(path, isolation_level=None, timeout=_BUSY,
-                                       check_same_thread=False)
-            self._db.execute('PRAGMA journal_mode=WAL')
-            self._db.execute('PRAGMA synchronous=FULL')
-            self._db.executescript(_TABLES)
-        except sqlite3.OperationalError as error:
-            raise JournalUnavailable(path, error) from None
-        except sqlite3.Error as error:
-            raise JournalError(f'The journal {os.path.abspath(path)} cannot be opened ({error}): '
-                               'choose another file or mend this one.') from None
+            self.graph(), self.robots(), self.missions()
+        except (KeyError, ValueError, TypeError) as error:
+            self.close()
+            raise UnknownLayout(path, f'an entry cannot be read ({error!r})') from None
+        except JournalError:
+            self.close()
+            raise
 
     def close(self) -> None:
         """Ends its use."""
-        self._db.close()
+        self._file.close()
 
     # -- writing ----------------------------------------------------------------------------------
 
@@ -139,6 +115,7 @@ class Journal:
 
         Raises JournalUnavailable, and has put nothing there.
         """
+        self._file.check()
         try:
             self._run('BEGIN IMMEDIATE')
             for mission in missions:
@@ -157,6 +134,7 @@ class Journal:
             for name, number in (values or {}).items():
                 self._run('INSERT OR REPLACE INTO value VALUES (?, ?)', (name, number))
             self._run('COMMIT')
+            self._file.committed()
         finally:
             with suppress(sqlite3.Error):  # where even that fails, the next BEGIN does, too
                 if self._db.in_transaction:
@@ -165,12 +143,32 @@ class Journal:
     def _write_mission(self, mission: Mission) -> None:
         """As it is now, and in the history."""
         now = (int(mission.state), mission.robot, mission.reached, mission.reason)
-        self._run('INSERT OR REPLACE INTO mission VALUES (?, ?, ?, ?, ?, ?, ?)',
-                  (mission.serial, mission.request.id, _request_text(mission.request), *now))
-        self._run('INSERT INTO change VALUES (?, ?, ?, ?, ?, ?)',
-                  (self._clock(), mission.serial, *now))
+        request, moment = mission.request, self._clock()
+        self._run('INSERT OR REPLACE INTO mission VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)',
+                  (mission.serial, request.id, _request_text(request), *now, request.stamp, moment))
+        self._run('INSERT INTO change VALUES (?, ?, ?, ?, ?, ?)', (moment, mission.serial, *now))
         if mission.stays_since is None or not mission.state.is_open:
             self._run('DELETE FROM stay WHERE serial = ?', (mission.serial,))
+
+    def forget(self, age: float, most: int = 200) -> int:
+        """Deletes missions that ended more than `age` s ago, so many at most; tells how many.
+
+        The last mission stays, so that no serial is given twice. Raises JournalUnavailable.
+        """
+        marks = ', '.join(str(int(state)) for state in _OPEN)
+        serials = [row[0] for row in self._run(
+            f'SELECT serial FROM mission WHERE changed < ? AND state NOT IN ({marks}) '
+            'AND serial < (SELECT MAX(serial) FROM mission) ORDER BY changed LIMIT ?',
+            (self._clock() - age, most))]
+        if serials:
+            self._file.check()
+            self._run('BEGIN IMMEDIATE')
+            for table in ('change', 'mission'):
+                for serial in serials:
+                    self._run(f'DELETE FROM {table} WHERE serial = ?', (serial,))
+            self._run('COMMIT')
+            self._file.committed()
+        return len(serials)
 
     def _run(self, statement: str, values: Tuple[object, ...] = ()) -> sqlite3.Cursor:
         try:
@@ -211,11 +209,11 @@ class Journal:
 
         Raises JournalUnavailable.
         """
-        row = self._run(
+        rows = self._run(
             'SELECT serial, request, state, robot, reached, reason FROM mission '
-            'WHERE request_id = ? AND request = ? ORDER BY serial DESC LIMIT 1',
-            (request.id, _request_text(request))).fetchone()
-        return _mission(row) if row else None
+            'WHERE request_id = ? AND stamp = ? ORDER BY serial DESC', (request.id, request.stamp))
+        return next((mission for mission in map(_mission, rows)
+                     if mission.request.identity == request.identity), None)
 
     def last_serial(self) -> int:
         """Serial of the last mission that was accepted, 0 before any."""
@@ -226,8 +224,8 @@ class Journal:
         return {name: _memory(text) for name, text in self._run('SELECT name, memory FROM robot')}
 
 
-def history(path: str) -> List[HistoryLine]:
-    """Every mission that was ever accepted; the supervisor may be writing meanwhile.
+def history(path: str) -> Iterator[HistoryLine]:
+    """Every mission that is remembered, page by page; the supervisor may be writing meanwhile.
 
     Raises JournalError where there is no such file, or it is no journal.
     """
@@ -237,16 +235,22 @@ def history(path: str) -> List[HistoryLine]:
     try:
         db = sqlite3.connect(f'file:{quote(os.path.abspath(path))}?mode=ro', uri=True, timeout=2.0)
         try:
-            rows = db.execute(
-                'SELECT m.request, m.state, m.robot, m.reached, m.reason, MIN(c.time), '
-                'MIN(CASE WHEN c.state = ? THEN c.time END), MAX(c.time) FROM mission m '
-                'JOIN change c USING (serial) GROUP BY serial ORDER BY serial',
-                (int(MissionState.ACTIVE),)).fetchall()
+            last = 0
+            while True:
+                rows = db.execute(
+                    'SELECT m.serial, m.request, m.state, m.robot, m.reached, m.reason, '
+                    'MIN(c.time), MIN(CASE WHEN c.state = ? THEN c.time END), MAX(c.time) '
+                    'FROM (SELECT * FROM mission WHERE serial > ? ORDER BY serial LIMIT ?) m '
+                    'JOIN change c USING (serial) GROUP BY serial ORDER BY serial',
+                    (int(MissionState.ACTIVE), last, _PAGE)).fetchall()
+                yield from (_history_line(*row[1:]) for row in rows)
+                if len(rows) < _PAGE:
+                    return
+                last = rows[-1][0]
         finally:
             db.close()
     except sqlite3.Error as error:
         raise JournalError(f'The journal {path} cannot be read ({error}).') from None
-    return [_history_line(*row) for row in rows]
 
 
 def _history_line(text: str, number: int, robot: str, reached: int, reason: str, accepted: float,
@@ -258,7 +262,7 @@ def _history_line(text: str, number: int, robot: str, reached: int, reason: str,
 
 
 def _request_text(request: Request) -> str:
-    return json.dumps(astuple(request))
+    return json.dumps(asdict(request))
 
 
 def _mission(row: Tuple[int, str, int, str, int, str]) -> Mission:
@@ -268,8 +272,12 @@ def _mission(row: Tuple[int, str, int, str, int, str]) -> Mission:
 
 
 def _request(text: str) -> Request:
-    id, destinations, robot_type, robot, priority, dwells, stamp = json.loads(text)
-    return Request(id, tuple(destinations), robot_type, robot, priority, tuple(dwells), stamp)
+    """Version 0.2 stored a list, in the order of the fields that there were."""
+    stored = json.loads(text)
+    values: Dict[str, Any] = stored if isinstance(stored, dict) else dict(zip(
+        ('id', 'destinations', 'robot_type', 'robot', 'priority', 'dwells', 'stamp'), stored))
+    return Request(**{**values, 'destinations': tuple(values['destinations']),
+                      'dwells': tuple(values['dwells'])})
 
 
 def _graph_text(graph: Graph) -> str:

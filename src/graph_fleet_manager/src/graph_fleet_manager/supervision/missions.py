@@ -75,14 +75,19 @@ class Request:
         """Seconds to stay at a destination."""
         return self.dwells[index] if self.dwells else 0.0
 
+    @property
+    def identity(self) -> Tuple[object, ...]:
+        """Two requests that are equal in this are the same one, sent twice.
+
+        Fields that messages get later do not belong to it, or an update would repeat missions. A
+        stamp tells them apart, also after MODIFY; without one all that was asked for does.
+        """
+        asked = () if self.stamp else (self.destinations, self.priority, self.dwells)
+        return (self.id, self.stamp, self.robot_type, self.robot, *asked)
+
     def is_repeat_of(self, other: Request, other_is_open: bool) -> bool:
         """Is it the same request, sent again?"""
-        same = (self.id, self.destinations, self.robot_type, self.robot, self.priority,
-                self.dwells) == (other.id, other.destinations, other.robot_type, other.robot,
-                                 other.priority, other.dwells)
-        if self.stamp or other.stamp:
-            return same and self.stamp == other.stamp
-        return same and other_is_open
+        return self.identity == other.identity and (bool(self.stamp) or other_is_open)
 
 
 @dataclass(frozen=True)

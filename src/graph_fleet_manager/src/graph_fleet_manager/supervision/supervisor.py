@@ -24,7 +24,8 @@ from graph_fleet_manager.supervision import mission_commands, mission_progress
 from graph_fleet_manager.supervision.actions import Action, TellStatus
 from graph_fleet_manager.supervision.charging import ChargeQueue
 from graph_fleet_manager.supervision.duties import Errand, errand_of
-from graph_fleet_manager.supervision.journal import STOPPED, Journal, JournalUnavailable
+from graph_fleet_manager.supervision.journal import STOPPED, Journal
+from graph_fleet_manager.supervision.journal_file import JournalUnavailable
 from graph_fleet_manager.supervision.liveness import SILENCE
 from graph_fleet_manager.supervision.missions import (
     Acceptance,
@@ -157,7 +158,7 @@ class Supervisor:
 
         before -- the last mission with its id
         """
-        if request.stamp and (before is None or before.request != request):
+        if request.stamp and (before is None or before.request.identity != request.identity):
             ended = self._journal.find(request)
             if ended is not None:  # latched, or under way for long
                 self._out.put(TellStatus(ended.status))

@@ -1,0 +1,191 @@
+"""The SQLite file of a journal: its layout and how older ones become it, and who may write it."""
+from __future__ import annotations
+
+import fcntl
+import os
+import sqlite3
+from typing import Dict, NamedTuple, Optional, Set, Tuple
+
+_BUSY = 0.5  # s to wait where another program holds the file
+_VERSION_0_2 = '''
+CREATE TABLE IF NOT EXISTS mission (
+    serial INTEGER PRIMARY KEY, request_id INTEGER NOT NULL, request TEXT NOT NULL,
+    state INTEGER NOT NULL, robot TEXT NOT NULL, reached INTEGER NOT NULL, reason TEXT NOT NULL);
+CREATE INDEX IF NOT EXISTS mission_by_id ON mission (request_id);
+CREATE INDEX IF NOT EXISTS mission_by_state ON mission (state);
+CREATE TABLE IF NOT EXISTS change (
+    time REAL NOT NULL, serial INTEGER NOT NULL, state INTEGER NOT NULL, robot TEXT NOT NULL,
+    reached INTEGER NOT NULL, reason TEXT NOT NULL);
+CREATE INDEX IF NOT EXISTS change_by_serial ON change (serial);
+CREATE TABLE IF NOT EXISTS robot (name TEXT PRIMARY KEY, memory TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS value (name TEXT PRIMARY KEY, number INTEGER NOT NULL);
+'''
+_MIGRATIONS: Tuple[str, ...] = (
+    _VERSION_0_2 + '''
+    CREATE TABLE IF NOT EXISTS stay (serial INTEGER PRIMARY KEY, began REAL NOT NULL);
+    CREATE TABLE IF NOT EXISTS graph (
+        one INTEGER PRIMARY KEY CHECK (one = 1), elements TEXT NOT NULL);
+    ''', '''
+    ALTER TABLE mission ADD COLUMN stamp REAL NOT NULL DEFAULT 0.0;
+    ALTER TABLE mission ADD COLUMN changed REAL NOT NULL DEFAULT 0.0;
+    UPDATE mission SET stamp = json_extract(request, '$[6]'), changed = coalesce(
+        (SELECT MAX(time) FROM change WHERE change.serial = mission.serial), 0.0);
+    DROP INDEX mission_by_id;
+    CREATE INDEX mission_by_request ON mission (request_id, stamp);
+    CREATE INDEX mission_by_change ON mission (changed);
+    ''')
+"""What makes a file of version k one of version k + 1; version 0 has no number of its own."""
+LAYOUT: Dict[str, Tuple[str, ...]] = {
+    'mission': ('serial', 'request_id', 'request', 'state', 'robot', 'reached', 'reason', 'stamp',
+                'changed'),
+    'change': ('time', 'serial', 'state', 'robot', 'reached', 'reason'),
+    'stay': ('serial', 'began'), 'robot': ('name', 'memory'), 'value': ('name', 'number'),
+    'graph': ('one', 'elements')}
+"""The columns of every table of the newest version."""
+
+
+class JournalError(Exception):
+    """The journal cannot be used; the text is one sentence that says what to do."""
+
+
+class UnknownLayout(JournalError):
+    """The file is a database, but no journal that this version can read."""
+
+    def __init__(self, path: str, what: str) -> None:
+        super().__init__(f'The journal {os.path.abspath(path)} cannot be used: {what}. Choose '
+                         'another file with ~journal, or use the version that wrote this one.')
+
+
+class JournalUnavailable(JournalError):
+    """The journal cannot be used now, but may be later: the disk is full, or cannot be written.
+
+    reason -- the same as a clause
+    """
+
+    def __init__(self, path: str, what: object, remedy: str = 'free space on its disk, or mend that'
+                 ) -> None:
+        self.reason = (f'the journal {os.path.abspath(path)} cannot be written ({what}): {remedy}')
+        super().__init__(f'{self.reason[0].upper()}{self.reason[1:]}.')
+
+
+class _Identity(NamedTuple):
+    """Which file it is, and what it begins with: 100 bytes, in which SQLite counts changes."""
+
+    device: int
+    inode: int
+    head: bytes = b''
+
+
+class JournalFile:
+    """The file, open and locked for one supervisor.
+
+    Raises JournalUnavailable, also where another supervisor uses it, and JournalError.
+    """
+
+    def __init__(self, path: str) -> None:
+        self._path = path
+        self._lock = _locked(path)
+        self._head: Optional[int] = None
+        try:
+            self.database = sqlite3.connect(path, isolation_level=None, timeout=_BUSY,
+                                            check_same_thread=False)
+            self.database.execute('PRAGMA journal_mode=WAL')
+            self.database.execute('PRAGMA synchronous=FULL')
+            _migrate(self.database, path)
+            # It is closed with the database only: closing it ends the locks of SQLite, too.
+            self._head = os.open(path, os.O_RDONLY)
+            self._expected = self._identities()
+        except JournalError:
+            self.close()
+            raise
+        except (sqlite3.OperationalError, OSError) as error:
+            self.close()
+            raise JournalUnavailable(path, error) from None
+        except sqlite3.Error as error:
+            self.close()
+            raise JournalError(f'The journal {os.path.abspath(path)} cannot be opened ({error}): '
+                               'choose another file or mend this one.') from None
+
+    def close(self) -> None:
+        """Ends its use."""
+        if hasattr(self, 'database'):
+            self.database.close()
+        for descriptor in (self._head, self._lock):
+            if descriptor is not None:
+                os.close(descriptor)
+        self._head = None
+
+    def check(self) -> None:
+        """Raises JournalUnavailable where the file is another one than after the last commit.
+
+        What is written to a file that was deleted or replaced is lost.
+        """
+        try:
+            identities = self._identities()
+        except OSError as error:
+            raise self._replaced(str(error)) from None
+        if identities != self._expected:
+            raise self._replaced('another program has replaced or overwritten it')
+
+    def committed(self) -> None:
+        """Notes what the file is after a commit of its own."""
+        try:
+            self._expected = self._identities()
+        except OSError as error:
+            raise self._replaced(str(error)) from None
+
+    def _replaced(self, what: str) -> JournalUnavailable:
+        return JournalUnavailable(self._path, what, 'put the file back, or end path_supervisor, '
+                                                    'which then begins as with a lost journal')
+
+    def _identities(self) -> Tuple[_Identity, ...]:
+        """Of the database, and of the log in which its last commits are."""
+        assert self._head is not None
+        found = os.stat(self._path)
+        log = self._path + '-wal'
+        identities = [_Identity(found.st_dev, found.st_ino, os.pread(self._head, 100, 0))]
+        if os.path.exists(log):
+            found = os.stat(log)
+            identities.append(_Identity(found.st_dev, found.st_ino))
+        return tuple(identities)
+
+
+def _locked(path: str) -> int:
+    """A file beside the journal, locked: locks of the journal itself are SQLite's."""
+    try:
+        lock = os.open(f'{path}.lock', os.O_RDWR | os.O_CREAT, 0o644)
+    except OSError as error:
+        raise JournalUnavailable(path, error.strerror) from None
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        os.close(lock)
+        raise JournalUnavailable(path, 'another path_supervisor uses it', 'end that one, or give '
+                                 'this one a file of its own with ~journal') from None
+    return lock
+
+
+def _migrate(database: sqlite3.Connection, path: str) -> None:
+    """Brings a file to the newest version, or leaves it as it is and raises."""
+    version = int(database.execute('PRAGMA user_version').fetchone()[0])
+    if version > len(_MIGRATIONS):
+        raise UnknownLayout(path, f'it has version {version}, newer than {len(_MIGRATIONS)}')
+    for number in range(version, len(_MIGRATIONS)):
+        try:
+            database.executescript(f'BEGIN IMMEDIATE;{_MIGRATIONS[number]};'
+                                   f'PRAGMA user_version = {number + 1};COMMIT')
+        except sqlite3.OperationalError as error:
+            if database.in_transaction:
+                database.execute('ROLLBACK')
+            if number == version and _columns(database, 'mission') - set(LAYOUT['mission']):
+                raise UnknownLayout(path, str(error)) from None
+            raise
+    for table, columns in LAYOUT.items():
+        found = _columns(database, table)
+        if found != set(columns):
+            wrong = ', '.join(sorted(found ^ set(columns)))
+            raise UnknownLayout(path, f'table {table} has other columns ({wrong})')
+
+
+def _columns(database: sqlite3.Connection, table: str) -> Set[str]:
+    return {row[1] for row in database.execute(f'PRAGMA table_info({table})')}
