@@ -39,8 +39,8 @@ class Part:
 
     @property
     def cpu(self) -> float:
-        """Seconds so far."""
-        return sum(map(cpu_seconds, self.pids))
+        """Seconds so far: of threads that run now, or in ticks those of all that ever ran."""
+        return sum(max(cpu_seconds(pid), _whole_ticks(pid)) for pid in self.pids)
 
 
 def parts_of(launch: int) -> Dict[str, Part]:
@@ -64,6 +64,11 @@ def part_of(pid: int) -> str:
     if name == 'ld90_sim':
         return 'simulators'
     return 'pictures' if name and name != 'rosout' else 'roslaunch and roscore'
+
+
+def _whole_ticks(pid: int) -> float:
+    times = Path(f'/proc/{pid}/stat').read_text().rsplit(')', 1)[1].split()[11:13]
+    return sum(map(int, times)) / os.sysconf('SC_CLK_TCK')
 
 
 def cpu_shares(parts: Dict[str, Part], before: Dict[str, float],

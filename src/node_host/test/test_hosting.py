@@ -207,6 +207,13 @@ os.fork = fails_once""")
     assert host.poll() is None
 
 
+def test_a_low_limit_of_open_files_limits_no_host(launch):
+    launch.host(before="""
+import resource
+resource.setrlimit(resource.RLIMIT_NOFILE, (16, resource.getrlimit(resource.RLIMIT_NOFILE)[1]))""")
+    assert all(pid_of(program) for program in [launch.run(RUNS_ON) for _ in range(12)])
+
+
 def test_a_program_that_cannot_be_read_is_told_with_its_name(launch, tmp_path):
     launch.host()
     program = launch.run('pass')

@@ -139,14 +139,15 @@ class Host:
         host = os.getpid()
         sys.stdout.flush()
         sys.stderr.flush()
-        start_pipe, start_pipe_end = os.pipe()
+        pipe: Tuple[int, ...] = ()
         blocked = signal.pthread_sigmask(signal.SIG_BLOCK, child.ENDS)  # for the fork, not for us
         try:
+            start_pipe, start_pipe_end = pipe = os.pipe()
             pid = os.fork()
         except OSError as error:
             signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
-            os.close(start_pipe)
-            os.close(start_pipe_end)
+            for end in pipe:
+                os.close(end)
             reason = f'{request.arguments[0]} cannot be started: fork: {error.strerror}.\n'
             _say(reason.rstrip())
             os.write(program.streams[2], reason.encode())

@@ -8,6 +8,7 @@ from __future__ import annotations
 import gc
 import importlib
 import os
+import resource
 import socket
 import sys
 from typing import Optional, Sequence
@@ -17,18 +18,28 @@ from node_host.address import host_address
 from node_host.host import Host
 from node_host.start_queue import StartQueue
 
+OPEN_FILES = 16384
 ONE_THREAD = {'OPENBLAS_NUM_THREADS': '1', 'OMP_NUM_THREADS': '1', 'MKL_NUM_THREADS': '1'}
 
 
 def main() -> Optional[int]:
     """Runs the host; in a fork it runs the program that was asked for."""
     gc.disable()  # a fork shares what the collector does not touch
+    _allow_files()
     os.environ.update(ONE_THREAD)  # threads do not come along when a process forks
     _import([one for one in sys.argv[1:] if ':=' not in one])
     ros_state.prepare()
     gc.collect()
     gc.freeze()
     return serve()
+
+
+def _allow_files() -> None:
+    """The host holds two files open for each of its programs."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    wanted = OPEN_FILES if hard == resource.RLIM_INFINITY else min(OPEN_FILES, hard)
+    if soft != resource.RLIM_INFINITY and soft < wanted:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (wanted, hard))
 
 
 def serve() -> Optional[int]:
