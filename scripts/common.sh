@@ -218,6 +218,9 @@ provide_vda5050_schemas() {
   ln -sfn "$found" "$folder/2.1.0"
 }
 
+# provide_axe: axe-core, which judges whether everybody can use a page, as build/axe. Its tests are skipped where it cannot be had.
+provide_axe() { virtual_environment axe /usr/bin/python3 --no-deps axe-playwright-python==0.1.8 || true; }
+
 # record RESULTS passed|failed|skipped NAME [REASON]: the result of something that is no test of pytest or rostest
 record() { /usr/bin/python3 "$root/scripts/test_results.py" record "$@"; }
 

@@ -72,6 +72,7 @@ lint() {
 
 export TEST_JOBS="${TEST_JOBS:-$(($(nproc) < 2 ? 1 : 2))}"
 if [ ${#system_tests[@]} = 0 ]; then
+  [ -z "${LD90_LONG_TESTS:-}" ] || provide_axe
   provide_vda5050_schemas  # before those that run beside each other
   # Lint and Python 3.8 take what the unit tests leave: those often wait for sockets and robots.
   { lint; scripts/run_tests.sh "$results" python3.8; } >"$results/beside.log" 2>&1 &

@@ -17,7 +17,7 @@ from fleet_page.core.acts import RULES, Act, ActKind, Outcome, WrongAct, act_of
 from fleet_page.core.metrics import CONTENT_TYPE
 from fleet_page.core.page import Page
 from fleet_page.core.rate_limits import RateLimit
-from fleet_page.core.roles import LOCAL, SESSION_TIME, Person, Role, Sessions, Tokens
+from fleet_page.core.roles import LOCAL, Person, Role, Sessions, Tokens
 from fleet_page.web.files import PageFiles
 from fleet_page.web.security import HEADERS, Addresses
 from graph_fleet_manager.supervision.journal_file import JournalError
@@ -149,7 +149,7 @@ class WebServer:
         _LOG.info('%s logged in from %s.', person.name, request.remote)
         answer = web.json_response(_me_values(person, True))
         answer.set_cookie(COOKIE, self._sessions.open(person, time.time()), httponly=True,
-                          max_age=SESSION_TIME, secure=self._access.secure, path='/')
+                          secure=self._access.secure, path='/')
         answer.cookies[COOKIE]['samesite'] = 'Strict'  # aiohttp 3.6 has no argument for it
         return answer
 

@@ -1,0 +1,45 @@
+"""axe-core finds nothing on any tab, light or dark: only in `scripts/test.sh --long`, which fetches
+it into build/axe."""
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip('aiohttp')
+
+from browser import Browser, ServedPage, needs_browser  # noqa: E402
+
+AXE = next(Path(__file__).resolve().parents[3].glob('build/axe/lib/*/site-packages/*/axe.min.js'),
+           None)
+pytestmark = [needs_browser, pytest.mark.skipif(
+    AXE is None or os.environ.get('LD90_LONG_TESTS') != '1',
+    reason='needs scripts/test.sh --long, which fetches axe-core')]
+RUN = '''const done = arguments[0];
+axe.run().then(found => done([found.passes.length, found.violations.map(
+  one => [one.id, one.nodes.map(node => node.html)])]));'''
+JUDGED = 10  # rules at least, or it did not look
+
+
+@pytest.fixture(scope='module')
+def window(tmp_path_factory):
+    shown, window = ServedPage(tmp_path_factory.mktemp('page')), Browser()
+    window.open(shown.url)
+    window.one('.robot[data-name=a]')
+    window.click('#stop')
+    window.driver.set_script_timeout(30)
+    window.driver.execute_cdp_cmd('Page.setBypassCSP', {'enabled': True})
+    window.script(AXE.read_text())
+    yield window
+    window.close()
+    shown.close()
+
+
+@pytest.mark.parametrize('theme', ['light', 'dark'])
+@pytest.mark.parametrize('tab', ['missions', 'robots', 'edges', 'history', 'replay', 'audit'])
+def test_axe_finds_nothing(window, tab, theme):
+    window.click(f'#tab_button_{tab}')
+    window.script(f'document.documentElement.dataset.theme = "{theme}"')
+    judged, found = window.driver.execute_async_script(RUN)
+    assert judged >= JUDGED and found == []
