@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import time
 from collections import deque
+from math import inf
 from random import Random
 from typing import Deque, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
@@ -36,14 +37,14 @@ class _Node(NamedTuple):
 
 
 def search_lacam(reservations: ReservationTable, given: Sequence[Agent], deadline: float,
-                 random: Random) -> Optional[List[Tuple[str, int]]]:
+                 random: Random, most_steps: float = inf) -> Optional[List[Tuple[str, int]]]:
     """The drives of all robots (robot, drive) in an order that leads each robot to its end.
 
     given -- robots that are not booked; more urgent ones come first
 
     It begins where the fixed drives end. Robots that may rest in several places rest in the
     one that each has been given by the order of the agents: the nearest that is still free.
-    None where there is no path, or the deadline (monotonic s) came first.
+    None where there is no path, or the deadline (monotonic s) or so many steps came first.
     """
     rests = choose_rests(reservations, given)
     if rests is None:
@@ -58,7 +59,9 @@ def search_lacam(reservations: ReservationTable, given: Sequence[Agent], deadlin
     root.order.extend(_order(root.waiting))
     known: Dict[Configuration, _Node] = {first: root}
     stack = [root]
-    while stack and time.monotonic() < deadline:
+    steps = 0
+    while stack and time.monotonic() < deadline and steps < most_steps:
+        steps += 1
         node = stack[-1]
         if pibt.is_end(node.configuration):
             return _drives(node, agents)

@@ -33,6 +33,7 @@ _QUICKLY_BOOKED = 20000  # drives, after the time limit
 _TO_EXPLAIN = 0.05  # s after the time limit until which it is looked for who is in the way
 _TO_FINISH = 0.002  # s that are left at the end, and so many times what an outcome took before:
 _SLOWER = 1.5
+_MOST_STEPS = 3000  # of that search where there is no deadline: then only counts bound it
 
 
 class PlanningPipeline:
@@ -259,7 +260,8 @@ class PlanningPipeline:
 
     def _through_configurations(self, order: Sequence[Agent],
                                 deadline: float) -> Optional[Paths]:
-        moves = search_lacam(self._reservations, order, deadline, self._random)
+        moves = search_lacam(self._reservations, order, deadline, self._random,
+                             inf if deadline < inf else _MOST_STEPS)
         if moves is None:
             return None
         agents = {t.name: t for t in order}

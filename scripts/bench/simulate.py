@@ -1,0 +1,99 @@
+#!/usr/bin/env python3
+"""The fleet in virtual time: how many times real time on one core, split by what takes the time.
+
+Fleets that are always busy; times are those of the processor, in one process. `--only SECTION` runs
+a part (see SECTIONS); `--profile` prints where the time goes.
+"""
+from __future__ import annotations
+
+import argparse
+import cProfile
+import pstats
+from pathlib import Path
+from typing import Callable, Dict, NamedTuple
+
+from fleet_bench.instances import aisles
+from measuring.tables import print_table
+
+from fleet_simulation.demand import Demand, Flow, Saturated
+from fleet_simulation.demand_file import Wanted
+from fleet_simulation.driven_robot import Delays
+from fleet_simulation.figures import Figures
+from fleet_simulation.simulation import simulate
+from fleet_simulation.site import Site, site_of
+from graph_fleet_manager.fleet import Fleet, Robot, RobotType
+from graph_fleet_manager.supervision.settings import RobotSettings
+from trajectory_graph import load_graph, split_edges
+
+ROOT = Path(__file__).resolve().parents[2]
+LD90 = RobotType('ld90', 0.43, 1.35, 0.25, False, docks=frozenset((16,)))
+AGV = RobotType('agv', 0.35, 1.0, 0.0, False)
+SETTINGS = {'ld90': RobotSettings(release_ahead=8.0, stopping=3.5),
+            'agv': RobotSettings(release_ahead=2.0)}
+
+
+class Case(NamedTuple):
+    """A site, a fleet on it, the virtual hours of a run, and the aim (times real time)."""
+
+    site: Callable[[], Site]
+    robots: int
+    hours: float
+    aim: int
+
+
+def laboratory() -> Site:
+    """The factory's laboratory: edges cut at 1.5 m, LD-90s and AGVs in turn."""
+    graph = split_edges(load_graph(ROOT / 'maps/lab_graph.yaml'), 1.5)
+    robots = (Robot('ld90', LD90, 8, 'ld90'), Robot('agv', AGV, 10, 'agv'))
+    return site_of(graph, Fleet((LD90, AGV), robots, 0.1), SETTINGS, busy((6, 18, 27, 39, 52)))
+
+
+def warehouse(vertices: int) -> Site:
+    """Aisles with stations, AGVs."""
+    graph, stations = aisles(vertices)
+    return site_of(graph, Fleet((AGV,), (Robot('agv', AGV, stations[0], 'agv'),), 0.1),
+                   SETTINGS, busy(tuple(stations)))
+
+
+def busy(targets: tuple) -> Wanted:
+    """One open mission for each robot, all the time."""
+    return Wanted(Demand((Flow('all', (), targets, Saturated()),)), Delays(), {})
+
+
+SECTIONS: Dict[str, Case] = {
+    'laboratory': Case(laboratory, 8, 0.5, 300),
+    '50': Case(lambda: warehouse(500), 50, 0.05, 50),
+    '200': Case(lambda: warehouse(2000), 200, 0.01, 2),
+}
+
+
+def measured(name: str, profile: bool) -> Figures:
+    """One run of a case."""
+    case = SECTIONS[name]
+    site, watch = case.site(), cProfile.Profile()
+    figures = (watch.runcall if profile else lambda act, *a: act(*a))(
+        simulate, site, case.robots, 1, case.hours)
+    if profile:
+        pstats.Stats(watch).sort_stats('tottime').print_stats(30)
+    return figures
+
+
+def main() -> None:
+    """Prints the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument('--only', choices=SECTIONS, help='run only this section')
+    parser.add_argument('--profile', action='store_true', help='print where the time goes')
+    options = parser.parse_args()
+    rows = []
+    for name in [options.only] if options.only else list(SECTIONS):
+        figures = measured(name, options.profile)
+        whole = sum(figures.spent)
+        rows.append((f'{SECTIONS[name].robots} robots, {name}', f'{figures.speed:.1f} x',
+                     *(f'{100 * part / whole:.0f} %' for part in figures.spent),
+                     f'{figures.per_hour:.0f}', f'{SECTIONS[name].aim} x', figures.trouble))
+    print_table(rows, ('case', 'times real time, one core', 'world', 'supervisor', 'planner',
+                       'missions an hour', 'aim', 'trouble'))
+
+
+if __name__ == '__main__':
+    main()
