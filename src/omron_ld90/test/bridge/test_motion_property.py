@@ -3,7 +3,7 @@ passed by one who does not know of it, and no stop is forgotten."""
 from __future__ import annotations
 
 from contextlib import suppress
-from typing import Dict, List, NamedTuple, Optional
+from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from bridge_builders import yard
 from delayed_drive import PERSON, DelayedDrive
@@ -25,7 +25,7 @@ from omron_ld90.bridge import events as p
 YARD = yard()
 SECONDS = st.sampled_from([0.0, 0.05, 0.2, 1.0])
 GOALS = st.sampled_from(['3', '4', '5', '6'])
-PROGRAMS = [Giver('/adapter', 'a'), Giver('/joystick', 'b')]
+PROGRAMS = ['/adapter', '/joystick']
 SETTLED = 20.0  # s in which a robot that can be reached has obeyed, in any dialect
 
 
@@ -123,8 +123,9 @@ class Robots(RuleBasedStateMachine):
     def begin(self, strategy: str, interruption: str, braking: float, delays: Delays) -> None:
         self.world = Witness(YARD, 1, strategy, delays, interruption, braking)
         self.known = dict.fromkeys(PROGRAMS, self.world._controller.motion.memory.epoch)
+        self.starts = dict.fromkeys(PROGRAMS, 1)
         self.route_id = 6
-        self.last: List[tuple] = []  # commands of programs, that may come again
+        self.last: List[Tuple[Giver, str, int]] = []  # commands of programs, that may come again
 
     # --- what happens -----------------------------------------------------------------------------
 
@@ -148,15 +149,20 @@ class Robots(RuleBasedStateMachine):
         self.world.order(self.route_id)
 
     @rule(program=st.sampled_from(PROGRAMS))
-    def reads(self, program: Giver) -> None:
+    def reads(self, program: str) -> None:
         self.known[program] = self.world._controller.motion.memory.epoch
 
+    @rule(program=st.sampled_from(PROGRAMS))
+    def program_restarts(self, program: str) -> None:
+        """It knows what the one before it knew; what that gave may still come."""
+        self.starts[program] += 1
+
     @rule(program=st.sampled_from(PROGRAMS), goal=GOALS, late=SECONDS)
-    def program_drives(self, program: Giver, goal: str, late: float) -> None:
+    def program_drives(self, program: str, goal: str, late: float) -> None:
         self.give(program, f'goto {goal}', late)
 
     @rule(program=st.sampled_from(PROGRAMS), late=SECONDS)
-    def program_stops(self, program: Giver, late: float) -> None:
+    def program_stops(self, program: str, late: float) -> None:
         self.give(program, 'stop', late)
 
     @precondition(lambda self: self.last)
@@ -196,10 +202,10 @@ class Robots(RuleBasedStateMachine):
         if self.world.up[p.Link.COMMANDS]:
             self.world.restart_controller()
 
-    def give(self, program: Giver, command: str, late: float) -> None:
-        known = self.known[program]
-        self.last.append((program, command, known))
-        self.world.later(late, lambda: self.take(program, command, known))
+    def give(self, program: str, command: str, late: float) -> None:
+        giver, known = Giver(program, str(self.starts[program])), self.known[program]
+        self.last.append((giver, command, known))
+        self.world.later(late, lambda: self.take(giver, command, known))
 
     def take(self, giver: Giver, command: str, known_epoch: int) -> None:
         with suppress(ArclError):
