@@ -6,7 +6,12 @@ import math
 import pytest
 
 from omron_ld90.bridge.events import CommandEnded, Ending, Motion, RobotSeen
-from omron_ld90.bridge.goal_tracker import GoalTracker, Knowledge, TakenOver
+from omron_ld90.bridge.goal_tracker import (
+    REASON_DELAY,
+    GoalTracker,
+    Knowledge,
+    TakenOver,
+)
 from omron_ld90.bridge.own_goals import DOCK
 
 HERE, THERE = (0.0, 0.0), (3.0, 0.0)
@@ -86,7 +91,17 @@ class TestOutcomes:
     def test_a_drive_that_was_overruled_is_somebody_elses_robot(self):
         tracker = sent()
         tracker.ended(CommandEnded(1, Ending.OVERRULED, 'another command came first'), 4.0)
+        assert tracker.is_doubtful
+        tracker.check_clock(4.0 + 2 * REASON_DELAY)
         assert isinstance(tracker.failure, TakenOver)
+
+    def test_unless_its_epoch_ended_with_the_controllers_last_process(self):
+        tracker = sent()
+        tracker.ended(CommandEnded(1, Ending.OVERRULED, 'the controller was started'), 4.0)
+        tracker.goes_on(4.1)
+        tracker.check_clock(9.0)
+        assert tracker.failure is None
+        assert tracker.knowledge is Knowledge.DOUBTFUL
 
 
 class TestLostOutcome:

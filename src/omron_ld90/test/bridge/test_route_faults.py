@@ -77,6 +77,7 @@ class TestWhatSomebodyElseDoes:
     def test_a_drive_that_the_controller_refuses_because_of_it_ends_the_route(self):
         bench = under_way()
         end_of_drive(bench, Ending.OVERRULED, 'Not sent, another command came first.')
+        bench.wait(1.0)
         assert_failed(bench, 'taken over', stopped=False)
 
     def test_a_stop_that_the_controller_has_taken_is_told_until_the_robot_has_obeyed(self):

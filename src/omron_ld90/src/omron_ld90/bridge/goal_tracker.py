@@ -105,7 +105,7 @@ class GoalTracker:
     def given(self, number: int) -> None:
         """The command was given with this number."""
         self.number = number
-        self.give_again = False
+        self.give_again = self._never_sent = False
         self.knowledge = Knowledge.AWAITED
 
     def resume(self, goal: Optional[str], now: float) -> None:
@@ -147,7 +147,8 @@ class GoalTracker:
         elif event.ending in (Ending.INTERRUPTED, Ending.CANCELLED):
             self.interrupted(now, event.text)
         elif event.ending is Ending.OVERRULED:
-            self.failure = TakenOver(event.text)
+            self._never_sent = True
+            self.interrupted(now, event.text)
         elif event.ending is Ending.EMERGENCY_STOPPED:
             self.failure = RouteFailed(EMERGENCY_STOP)
         elif event.ending is Ending.FAILED:
@@ -179,6 +180,12 @@ class GoalTracker:
         """The robot does something else, perhaps for an emergency stop that is told next."""
         self.give_again = False
         self._interruption = self._interruption or (now, words)
+
+    def goes_on(self, now: float) -> None:
+        """Nobody else did anything: a drive that was refused for its epoch can be given again."""
+        if self._never_sent and self._interruption is not None:
+            self._interruption = None
+            self._doubt(now)
 
     def check_clock(self, now: float) -> None:
         """An interruption whose cause was not told in time was somebody's doing."""

@@ -145,9 +145,11 @@ class RobotMonitor:
         if event.epoch == self.epoch:
             return
         goes_on = event.is_ours or event.goes_on and event.previous_epoch == self.epoch
-        if self.epoch and not goes_on and event.by_robot:
+        if goes_on:
+            self.tracker.goes_on(now)
+        elif self.epoch and event.by_robot:
             self.tracker.interrupted(now, event.reason)
-        elif self.epoch and not goes_on:
+        elif self.epoch:
             self._taken_over = TakenOver(f'{event.reason or "Another command"} came first.')
         self._own_epochs = (*(self._own_epochs if goes_on else ()), event.epoch)[-_KEPT_EPOCHS:]
         self.epoch = event.epoch
