@@ -107,8 +107,8 @@ class UnrulyLab(Lab):
 class RandomStops(RuleBasedStateMachine):
     """One run."""
 
-    @initialize()
-    def begin(self):
+    @initialize(data=st.data(), base=st.integers(3, 5))
+    def begin(self, data, base):
         self.lab = UnrulyLab()
         self.names = 0
         self.cancelled_at = None  # number of commands sent when the cancel was taken
@@ -116,6 +116,8 @@ class RandomStops(RuleBasedStateMachine):
         self.overruled_at = None
         self.known = {}           # status of each stop
         self.stops = []
+        self.order(data, base, False)
+        self.wait(1, False)
 
     def name(self):
         self.names += 1
@@ -139,6 +141,7 @@ class RandomStops(RuleBasedStateMachine):
 
     # --- the master -------------------------------------------------------------------------------
 
+    @precondition(lambda self: not self.lab.vehicle.state.busy)
     @rule(data=st.data(), base=st.integers(2, 4), acts=st.booleans())
     def order(self, data, base, acts):
         goal = data.draw(st.sampled_from([v for v in VERTICES if v != self.here()]))
@@ -208,13 +211,13 @@ class RandomStops(RuleBasedStateMachine):
     def refuse(self, code):
         self.lab.robot.refuses = code
 
-    @rule(hides=st.booleans())
-    def hide(self, hides):
-        self.lab.hides = hides
+    @rule()
+    def hide(self):
+        self.lab.hides = not self.lab.hides
 
-    @rule(answers=st.booleans())
-    def link(self, answers):
-        self.lab.robot.answers = answers
+    @rule()
+    def link(self):
+        self.lab.robot.answers = not self.lab.robot.answers
 
     @precondition(lambda self: self.lab.robot.drives)
     @rule(drives_on=st.booleans())
@@ -226,6 +229,15 @@ class RandomStops(RuleBasedStateMachine):
         if self.lab.vehicle.state.busy:
             self.overruled_at = len(robot.sent)
 
+    @precondition(lambda self: self.lab.robot.drives)
+    @rule(drives_on=st.booleans())
+    def a_person_stops_it_while_the_base_grows(self, drives_on):
+        """The refusal of the longer route may be heard before the failure of the shorter one."""
+        self.a_person_stops_it(drives_on)
+        self.update()
+        self.wait(1, True)
+
+    @precondition(lambda self: self.lab.robot.by_hand)
     @rule()
     def the_person_lets_go(self):
         self.lab.robot.by_hand = False
@@ -285,7 +297,7 @@ class RandomStops(RuleBasedStateMachine):
 
 RandomStops.TestCase.settings = settings(
     max_examples=(2000 if os.environ.get('LD90_LONG_TESTS')
-                  else settings.default.max_examples * 3 // 10),
+                  else settings.default.max_examples),
     stateful_step_count=40,
     deadline=None)
 TestRandomStops = RandomStops.TestCase
