@@ -158,7 +158,8 @@ class PlanExecutor:
             return
         if self._failures and now - self._asked_at < AGAIN:
             return
-        question = question_of(world, self.plan, self._failures, now)
+        kept = None if self._useless else self.plan  # one that cannot be carried out is not kept
+        question = question_of(world, kept, self._failures, now)
         self._asked_at = now
         self._number += 1
         if not question.tasks:
