@@ -51,14 +51,16 @@ robots:
 PASSWORD = 'Kestrel-31'
 REAL, ABSENT = 'real', 'switched_off'
 STOPPED, LOST, BLOCKED = 'ld90_1', 'ld90_2', 'ld90_3'
-FAULTS = {STOPPED: ('estop press',), LOST: ('refuse on', 'drop', 'outgoing off')}
-AROUND = 1200  # mm, radius of an obstacle that leaves a robot inside it no path
+FAULTS = {STOPPED: ('estop press',), LOST: ('refuse on', 'drop', 'outgoing off'),
+          BLOCKED: ('block',)}
 REMEDIES = {STOPPED: ('estop release',), LOST: ('refuse off', 'outgoing on'),
             BLOCKED: ('unblock',)}
 
 
 class FactoryTest(unittest.TestCase):
     """Starts a fleet with scripts/run.sh's own command, and sends it missions."""
+
+    next_try = 0.0
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -134,8 +136,6 @@ class FactoryTest(unittest.TestCase):
         own = [self.factory.send(self.factory.home_of(name), robot=name) for name in REMEDIES]
         places = self.factory.places()
         wait_until(lambda: STOPPED in self.factory.moved(places), 60.0, f'{STOPPED} drives')
-        x, y = self.factory.places()[BLOCKED]
-        self.factory.simulators.fault(BLOCKED, f'block {1e3 * x:.0f} {1e3 * y:.0f} {AROUND}')
         for name, faults in FAULTS.items():
             for fault in faults:
                 self.factory.simulators.fault(name, fault)
@@ -150,8 +150,10 @@ class FactoryTest(unittest.TestCase):
                 self.factory.simulators.fault(name, fault)
         connected_publisher(f'/{STOPPED}/send_command', String, to='omron_controller').publish(
             'enableMotors')
-        wait_until(self.is_back, 60.0, f'{BLOCKED} works again')
-        self.all_succeed([*own, *others])
+        everything = [*own, *others]
+        self.factory.run_until(
+            lambda: self.factory.succeeded(everything) == len(everything) or self.put_back(),
+            180.0, 'all missions', everything)
 
     def all_others_are_blocked(self) -> bool:
         """Does every robot that works wait for one that is out of order, as the fleet tells?"""
@@ -159,12 +161,17 @@ class FactoryTest(unittest.TestCase):
                    if robot.state in READY]
         return all(any(name in robot.waits_for for name in REMEDIES) for robot in working)
 
-    def is_back(self) -> bool:
-        """Whether the robot that was blocked works; one that gave up, a person puts back."""
-        state = self.factory.robot(BLOCKED).state
-        if state == FleetRobot.FAILED:
-            self.menus.choose(f'robot {BLOCKED}', Act.IN.value)
-        return state in READY
+    def put_back(self) -> bool:
+        """A person puts the robot that was blocked back into service, if it gave up; False.
+
+        An LD-90 may leave its corridor around an obstacle, now or once the obstacle is gone.
+        """
+        for name in REMEDIES:
+            if self.factory.robot(name).state in (FleetRobot.FAILED, FleetRobot.TAKEN_OVER) and (
+                    time.monotonic() > self.next_try):
+                type(self).next_try = time.monotonic() + 3.0
+                self.menus.choose(f'robot {name}', Act.IN.value)
+        return False
 
     def test_4_the_menu_of_a_robot(self) -> None:
         graph, here = self.factory.graph, self.factory.places()['agv_1']
