@@ -45,8 +45,9 @@ def test_a_client_that_reconnects_a_thousand_times_leaks_nothing():
             tracemalloc.start()
             start = memory()
             wait_for(lambda: len(lost.all) >= RECONNECTS, 'the end of every command', 60.0)
-        assert {result.outcome for result in lost.all} == {Outcome.LOST}
-        assert robot.heard.count(b'goto 12') in (len(lost.all), len(lost.all) - 1)
+        outcomes = [result.outcome for result in lost.all]
+        assert set(outcomes) <= {Outcome.LOST, Outcome.NEVER_SENT}
+        assert robot.heard.count(b'goto 12') - outcomes.count(Outcome.LOST) in (-1, 0, 1)
         lost.all.clear()
         robot.heard.clear()
         wait_for(lambda: all(c.fileno() < 0 for c in robot.connections), 'the robot to close all')
