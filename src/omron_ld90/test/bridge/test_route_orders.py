@@ -438,3 +438,14 @@ def test_the_old_graph_again_takes_a_refused_one_back():
     bench.follower.use_graph(dissertation_graph(), bench.now)
     bench.order(7)
     assert bench.follower.graph is before
+
+
+def test_a_complete_route_gets_longer_after_another_program_used_the_robot_meanwhile():
+    """As the VDA 5050 adapter does with an action at a vertex, for which the robot stands."""
+    bench = Bench(dissertation_graph(), 1)
+    bench.order(7, 1)
+    bench.run()
+    bench.overrule('"doTask wait 30" of /vda5050_vehicle')
+    bench.order(7, 1, 4)
+    bench.run()
+    assert bench.states() == [2, 2]

@@ -57,6 +57,11 @@ class RobotMonitor:
         self._taken_over = None
         self.tracker.forget()
 
+    def go_on(self) -> None:
+        """A route that was complete gets longer: who drove the robot meanwhile took nothing over.
+        """
+        self._taken_over = None
+
     def due_commands(self, now: float) -> List[p.Give]:
         """The commands to give now; each counts as given."""
         given: List[p.Give] = []

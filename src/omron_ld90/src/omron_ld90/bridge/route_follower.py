@@ -221,6 +221,8 @@ class RouteFollower:
         check_edges(here.graph, order.edges)
         if route and is_change(route, order):
             check_change(route, order, here)
+            if not route.running:
+                self.robot.go_on()
             route.replace(order, now)
         else:
             check_start(order, route, here)
