@@ -143,6 +143,10 @@ class Graph:
         """The vertices that edges join to this one, and itself."""
         return next(part for part in self.parts if vertex_id in part)
 
+    def is_same(self, other: Optional[Graph]) -> bool:
+        """Has the other graph the same vertices and edges? No graph has not."""
+        return other is not None and (self.vertices, self.edges) == (other.vertices, other.edges)
+
     def is_end_vertex(self, vertex_id: int) -> bool:
         """Is the vertex touched by exactly one edge?"""
         return len(self.edges_at(vertex_id)) == 1

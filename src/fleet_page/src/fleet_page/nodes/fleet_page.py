@@ -51,7 +51,7 @@ from fleet_page.web.security import Addresses, is_loopback
 from fleet_page.web.server import Access, WebServer, serve
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
 from graph_fleet_manager.supervision.journal import HistoryLine, history
-from graph_fleet_manager.supervision.journal_file import JournalError
+from graph_fleet_manager.supervision.journal_database import JournalError
 from itrci_nav_msgs.msg import (
     ClosedEdges,
     DockingPoints,
@@ -168,8 +168,7 @@ class FleetPageNode:
         except GraphError as error:
             rospy.logerr('The graph of /graph is not shown: %s', error)
             return
-        known = self._page.model.graph
-        if known is None or (known.vertices, known.edges) != (graph.vertices, graph.edges):
+        if not graph.is_same(self._page.model.graph):
             self._page.model.graph = graph
             self._page.model.site_changed()
 

@@ -104,9 +104,7 @@ class FleetVisualisation:
             rospy.logerr('The graph of /graph is not shown: %s', error)
             return
         with self._lock:
-            known = self._graph
-            if known is not None and (known.vertices, known.edges) == (
-                    graph.vertices, graph.edges):
+            if graph.is_same(self._graph):
                 return
             self._graph = graph
             self._menus.show_graph(graph)

@@ -187,7 +187,7 @@ class PathSupervisor:
     def _use_graph(self, graph: Graph, stamp: rospy.Time, now: float) -> Sequence[Action]:
         self._topics.graph_stamp = stamp
         before, self._graph = self._graph, graph
-        if before is not None and (before.vertices, before.edges) == (graph.vertices, graph.edges):
+        if graph.is_same(before):
             return ()
         self._begin_at = now
         return ()

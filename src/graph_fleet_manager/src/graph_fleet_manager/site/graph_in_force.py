@@ -41,7 +41,7 @@ class GraphInForce:
         if before is None:
             return False
         try:
-            return not _equal(load_graph(file), before)
+            return not load_graph(file).is_same(before)
         except GraphError:
             return True
 
@@ -54,7 +54,7 @@ class GraphInForce:
             trouble = str(error)
         if self.graph is None:
             return self._load_first(file, new, trouble)
-        if new is None or _equal(new, self.graph):
+        if new is None or new.is_same(self.graph):
             return Loaded(False, trouble)
         broken = what_breaks(self.graph, new, self.routes)
         if broken is not None:
@@ -96,7 +96,3 @@ class GraphInForce:
 
 def _origin(file: str) -> str:
     return f'The graph in force, of {os.path.abspath(file)!r}.'
-
-
-def _equal(one: Graph, other: Graph) -> bool:
-    return (one.vertices, one.edges) == (other.vertices, other.edges)

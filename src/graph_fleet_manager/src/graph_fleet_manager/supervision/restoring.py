@@ -88,17 +88,12 @@ def _restore(robot: ManagedRobot, memory: RobotMemory, graph: Graph, before: Opt
         robot.battery.charge = memory.charge
 
 
-def is_same(one: Graph, other: Graph) -> bool:
-    """Do two graphs have the same vertices and edges?"""
-    return (one.vertices, one.edges) == (other.vertices, other.edges)
-
-
 def lost_areas(memory: Memory, graph: Graph, before: Optional[Graph]) -> List[Area]:
     """Where a robot may be that a new graph has elsewhere, or not at all.
 
     before -- the graph on which the memory was stored; None: nothing was
     """
-    if before is None or is_same(graph, before):
+    if before is None or graph.is_same(before):
         return []
     kept = memory.on(graph)
     held = {abs(edge) for edge in kept.held if _is_kept(abs(edge), graph, before)}

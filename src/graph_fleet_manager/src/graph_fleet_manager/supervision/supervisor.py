@@ -45,7 +45,6 @@ from graph_fleet_manager.supervision.plan_executor import PlanExecutor
 from graph_fleet_manager.supervision.questions import World
 from graph_fleet_manager.supervision.restoring import (
     RemovedRobot,
-    is_same,
     removed_of,
     robots_of,
 )
@@ -93,7 +92,7 @@ class Supervisor:
         if journal.value(STOPPED):
             self._close_gate()
             self._halt(robot for robot in self.robots.values() if not robot.is_halted)
-        if before is None or not is_same(graph, before):
+        if not graph.is_same(before):
             self._keep_graph(graph)
         for mission, why in mission_progress.no_longer_possible(self.book, self.acceptance):
             self.book.set(mission, MissionState.FAILED, why)

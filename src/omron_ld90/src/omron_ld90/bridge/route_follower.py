@@ -21,7 +21,6 @@ from omron_ld90.bridge.route_orders import (
     check_start,
     first_change,
     is_change,
-    is_equal,
 )
 from omron_ld90.bridge.route_progress import RouteProgress
 from omron_ld90.bridge.route_restart import go_on
@@ -302,7 +301,7 @@ class RouteFollower:
 
     def _use_graph(self, graph: Graph, now: float) -> None:
         self._next_graph = None
-        if self.graph is not None and is_equal(graph, self.graph):
+        if graph.is_same(self.graph):
             return
         route = self.route
         changed = route and route.is_on_graph and first_change(

@@ -47,11 +47,6 @@ def _refused(code: ReasonCode, text: str) -> RouteRefused:
     return RouteRefused(Reason(code, text))
 
 
-def is_equal(graph: Graph, other: Graph) -> bool:
-    """Do the graphs have the same vertices and edges?"""
-    return dict(graph.vertices) == dict(other.vertices) and dict(graph.edges) == dict(other.edges)
-
-
 def first_change(graph: Graph, other: Graph, edges: Tuple[int, ...]) -> str:
     """How the first of these edges of `other` that `graph` changes is another one, a clause;
     empty: they are the same, but for their speeds."""

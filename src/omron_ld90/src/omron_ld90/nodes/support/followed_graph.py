@@ -53,13 +53,9 @@ class FollowedGraph:
         except GraphError as error:
             _refuse(str(error))
             return
-        if self.graph is None or not _equal(graph, self.graph):
+        if not graph.is_same(self.graph):
             self.graph = graph
             self._on_graph(graph)
-
-
-def _equal(graph: Graph, other: Graph) -> bool:
-    return graph.vertices == other.vertices and graph.edges == other.edges
 
 
 def _refuse(problem: str) -> None:
