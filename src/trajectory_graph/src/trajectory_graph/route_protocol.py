@@ -19,6 +19,10 @@ class RouteOrder:
     received: int = field(default=0, compare=False)  # when it came
     known_epoch: int = field(default=0, compare=False)  # of the motion; 0: the stamp decides
 
+    def is_repeat_of(self, other: RouteOrder) -> bool:
+        """Does it order the same route once more, whenever it was sent?"""
+        return (self.route_id, self.edges) == (other.route_id, other.edges)
+
 
 ANSWERED_WITHIN = 4.0
 """s after its first arrival within which a robot takes an order up, or refuses it."""

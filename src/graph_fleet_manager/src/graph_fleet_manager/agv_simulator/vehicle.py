@@ -85,12 +85,11 @@ class Vehicle:
             self._waiting = None
             self.route = Route(order, Phase.STOPPED)
         elif route and (0 < order.stamp < route.order.stamp
-                        or (order.route_id, order.edges) == (route.order.route_id, route.edges)):
+                        or order.is_repeat_of(route.order)):
             return  # late, or what it drives already
         elif order.stamp and self._refused and order == self._refused[0]:
             self._refuse(*self._refused)
-        elif not self._waiting or (order.route_id, order.edges) != (
-                self._waiting[0].route_id, self._waiting[0].edges):
+        elif not (self._waiting and order.is_repeat_of(self._waiting[0])):
             self._waiting = order, self._time + ANSWERED_WITHIN
             self._consider()
         self._report_change()

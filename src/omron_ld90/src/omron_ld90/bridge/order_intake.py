@@ -64,7 +64,7 @@ class OrderIntake:
         if route and 0 < order.stamp < route.order.stamp:
             self._note(f'Route {order.route_id} came late and was left out: route '
                        f'{route.order.route_id} was sent after it.')
-        elif route and (order.route_id, order.edges) == (route.order.route_id, route.edges):
+        elif route and order.is_repeat_of(route.order):
             self._explain_duplicate(route)
         elif key_of(order) in self.past and not (route and is_change(route, order)):
             self._note(f'Route {order.route_id} was ordered again and is ignored: another drive '
@@ -75,8 +75,7 @@ class OrderIntake:
             self.refuse(order, OVERRULED)
         elif not order.known_epoch and self._is_overruled(order, now):
             self.refuse(order, TAKEN_OVER)
-        elif self._waiting and (order.route_id, order.edges) == (
-                self._waiting[0].route_id, self._waiting[0].edges):
+        elif self._waiting and order.is_repeat_of(self._waiting[0]):
             return True  # a repeated order waits no longer than the first one
         else:
             self._waiting = (order, now + self._patience)
