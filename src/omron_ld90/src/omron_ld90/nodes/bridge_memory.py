@@ -19,6 +19,7 @@ import rospy
 
 from omron_ld90.bridge.events import RouteRecord
 from omron_ld90.nodes.support.boot_clock import Moment
+from omron_ld90.nodes.support.kept_files import replace_json
 from omron_ld90.nodes.support.worker import start_worker
 from trajectory_graph.route_protocol import Phase, reason_of
 
@@ -93,7 +94,7 @@ class RouteMemory:
     def _write(self, content: Dict[str, Any]) -> None:
         if self._file:
             try:
-                _replace(self._file, json.dumps(content))
+                replace_json(self._file, content)
             except OSError as error:
                 rospy.logwarn_throttle(60.0, 'The route is not remembered over a restart of the '
                                              'ROS master: %s cannot be written (%s).', self._file,
@@ -111,15 +112,6 @@ class RouteMemory:
                 return json.load(stream)
         except (OSError, ValueError):
             return None
-
-
-def _replace(path: str, text: str) -> None:
-    """Writes a file that is complete at any time; raises OSError."""
-    os.makedirs(os.path.dirname(os.path.abspath(path)), exist_ok=True)
-    part = f'{path}.part'
-    with open(part, 'w', encoding='utf-8') as stream:
-        stream.write(text)
-    os.replace(part, path)
 
 
 def _content_of(record: RouteRecord) -> Dict[str, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import os
-from typing import Any, Dict, Optional
+from typing import Optional
 
 import rospkg
 import rospy
@@ -12,6 +12,7 @@ import rospy
 from node_lifecycle import warn
 from omron_arcl.execution import Giver
 from omron_arcl.motion_authority import Cause, Memory, Motion
+from omron_ld90.nodes.support.kept_files import replace_json
 from omron_ld90_msgs import msg
 
 
@@ -47,17 +48,10 @@ class MotionFile:
             return
         self._kept = memory
         try:
-            self._write(dataclasses.asdict(memory))
+            replace_json(self._path, dataclasses.asdict(memory))
         except OSError as error:
             warn('motion_file', f'{self._path} cannot be written ({error.strerror}): after a '
                  'restart omron_controller would not know who drove the robot.')
-
-    def _write(self, content: Dict[str, Any]) -> None:
-        os.makedirs(os.path.dirname(self._path), exist_ok=True)
-        part = f'{self._path}.part'
-        with open(part, 'w', encoding='utf-8') as stream:
-            json.dump(content, stream)
-        os.replace(part, self._path)
 
 
 class MotionTopic:
