@@ -27,7 +27,7 @@ from fleet_page.web import server as server_module  # noqa: E402
 from fleet_page.web.files import PageFiles  # noqa: E402
 from fleet_page.web.security import Addresses  # noqa: E402
 from fleet_page.web.server import Access, WebServer  # noqa: E402
-from graph_fleet_manager.supervision.journal_file import JournalError  # noqa: E402
+from graph_fleet_manager.supervision.journal_database import JournalError  # noqa: E402
 
 TestServer.__test__ = False
 ROUTES = ('/', '/page/main.js', '/chart.js', '/api/me', '/api/events', '/api/site', '/api/map.png',

@@ -1,17 +1,22 @@
-"""The file of the journal: other layouts, a second user, a file that vanishes, its growth."""
+"""The journal: all or nothing is stored; other layouts, a second user, its file, its growth."""
 from __future__ import annotations
 
 import json
 import os
+import resource
 import shutil
 import sqlite3
+import time
+from contextlib import contextmanager
 from dataclasses import replace
 
 import pytest
 from fleet_builders import AGV, corridor
 
-from graph_fleet_manager.supervision.journal import Journal, history
-from graph_fleet_manager.supervision.journal_file import (
+from graph_fleet_manager.interlocking.orders import Memory
+from graph_fleet_manager.interlocking.reports import GraphPosition
+from graph_fleet_manager.supervision.journal import Journal, RobotMemory, history
+from graph_fleet_manager.supervision.journal_database import (
     JournalError,
     JournalUnavailable,
     UnknownLayout,
@@ -23,8 +28,9 @@ from graph_fleet_manager.supervision.missions import (
     MissionState,
     Request,
 )
+from graph_fleet_manager.supervision.outages import Outage
 
-ACCEPTANCE = Acceptance(corridor(5), {'a': AGV})
+ACCEPTANCE = Acceptance(corridor(5), {'a': AGV, 'b': AGV})
 DAY = 86400.0
 TABLES_0_2 = '''
 CREATE TABLE mission (
@@ -58,6 +64,81 @@ class Clock:
 @pytest.fixture
 def path(tmp_path) -> str:
     return str(tmp_path / 'fleet.sqlite')
+
+
+def test_the_journal_gives_back_what_was_committed(tmp_path):
+    path = str(tmp_path / 'fleet.sqlite')
+    journal = Journal(path, clock=lambda: 1000.0)
+    book = MissionBook()
+    mission = book.add(Request(7, (2, 3), 'agv', 'a', 4, (1.0, -1.0), 9.5), ACCEPTANCE)
+    book.set(mission, MissionState.ACTIVE, robot='a')
+    position = GraphPosition(edge=1, fraction=0.25)
+    memory = RobotMemory(Memory(5, (1, -2), 1, {5: 0}, position, False, (4,)),
+                         Outage.TAKEN_OVER, 'why', True)
+    journal.store([mission], {'a': memory}, {'number': 7})
+    journal.close()
+
+    again = Journal(path)
+    stored, = again.missions()
+    assert (stored.request, stored.state, stored.robot, stored.reached) == (
+        mission.request, MissionState.ACTIVE, 'a', 0)
+    assert again.robots() == {'a': memory}
+    assert again.value('number') == 7
+    assert again.last_serial() == 1
+    line, = history(path)
+    assert (line.request_id, line.accepted, line.started, line.ended) == (7, 1000.0, 1000.0, None)
+
+
+def test_a_journal_is_safe_against_power_loss(tmp_path):
+    journal = Journal(str(tmp_path / 'fleet.sqlite'))
+    assert journal._db.execute('PRAGMA journal_mode').fetchone() == ('wal',)
+    assert journal._db.execute('PRAGMA synchronous').fetchone() == (2,)  # FULL
+
+
+def test_files_that_are_no_journals_are_named(tmp_path):
+    path = tmp_path / 'notes.txt'
+    path.write_text('no database, but long enough to be looked at closely by SQLite' * 20)
+    for use in (Journal, lambda path: list(history(path))):
+        with pytest.raises(JournalError, match='notes.txt'):
+            use(str(path))
+    with pytest.raises(JournalError, match='There is no journal'):
+        list(history(str(tmp_path / 'none.sqlite')))
+
+
+@contextmanager
+def full_disk():
+    """No file of this process gets any longer."""
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, limits[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+
+
+def test_on_a_full_disk_all_of_it_is_stored_or_nothing(tmp_path):
+    path = str(tmp_path / 'fleet.sqlite')
+    journal = Journal(path)
+    many = {f'{k}' * 100: k for k in range(1000)}
+    with full_disk(), pytest.raises(JournalUnavailable, match='fleet.sqlite cannot be written'):
+        journal.store(values={'first': 1, **many})
+    assert journal.value('first') == 0
+    journal.store(values={'second': 2})
+    journal.close()
+    again = Journal(path)
+    assert (again.value('first'), again.value('second')) == (0, 2)
+
+
+def test_a_file_that_another_program_holds_is_waited_for_only_shortly(tmp_path):
+    path = str(tmp_path / 'fleet.sqlite')
+    journal, other = Journal(path), sqlite3.connect(path, isolation_level=None)
+    other.execute('BEGIN IMMEDIATE')
+    begun = time.monotonic()
+    with pytest.raises(JournalUnavailable, match='locked'):
+        journal.store(values={'first': 1})
+    assert time.monotonic() - begun < 5.0
+    other.execute('ROLLBACK')
+    journal.store(values={'first': 1})
 
 
 def write_0_2(path: str) -> None:
@@ -155,11 +236,9 @@ def test_a_file_that_is_not_the_one_that_was_opened_is_noticed_before_a_commit(p
 
 def test_commits_and_checkpoints_of_its_own_are_no_foreign_changes(path):
     journal = Journal(path)
+    journal._db.execute('PRAGMA wal_autocheckpoint = 2')  # pages
     for number in range(30):
         journal.store(values={f'{number}' * 200: number})
-        if number % 10 == 9:
-            journal._db.execute('PRAGMA wal_checkpoint(PASSIVE)')
-            journal._file.committed()
     assert len(list(history(path))) == 0
     journal.store(values={'last': 1})
 
@@ -181,6 +260,17 @@ def test_missions_are_forgotten_when_they_ended_long_ago_but_never_open_ones(pat
     assert [line.request_id for line in history(path)] == [1, 6]
 
 
+def test_what_cannot_be_forgotten_leaves_no_transaction_open(path):
+    clock = Clock()
+    journal = Journal(path, clock)
+    journal.store([ended(serial) for serial in range(1, 300)])
+    clock.now += 91 * DAY
+    with full_disk(), pytest.raises(JournalUnavailable):
+        journal.forget(90 * DAY)
+    journal.store(values={'number': 1})
+    assert journal.value('number') == 1 and len(list(history(path))) == 299
+
+
 def test_the_history_is_read_page_by_page(path, monkeypatch):
     monkeypatch.setattr('graph_fleet_manager.supervision.journal._PAGE', 4)
     journal = Journal(path)
@@ -197,9 +287,3 @@ def test_a_resent_request_is_found_by_its_fields(path):
     assert journal.find(replace(sent, robot='b')) is None
     assert journal.find(replace(sent, destinations=(3,), priority=9)), 'MODIFY may have changed it'
 
-
-def test_errors_name_the_file_and_the_way_out(path):
-    with open(path, 'w') as stream:
-        stream.write('no database' * 500)
-    with pytest.raises(JournalError, match='fleet.sqlite'):
-        Journal(path)

@@ -1,19 +1,11 @@
-"""What requests become: accepted, refused, a repeat; and the journal that outlives everything."""
+"""What requests become: accepted, refused, a repeat; ids of routes; what reasons tell of robots."""
 from __future__ import annotations
-
-import resource
-import sqlite3
-import time
-from contextlib import contextmanager
 
 import pytest
 from fleet_builders import AGV, corridor
 
-from graph_fleet_manager.interlocking.orders import Memory
-from graph_fleet_manager.interlocking.reports import GraphPosition
 from graph_fleet_manager.supervision import missions
-from graph_fleet_manager.supervision.journal import Journal, RobotMemory, history
-from graph_fleet_manager.supervision.journal_file import JournalError, JournalUnavailable
+from graph_fleet_manager.supervision.journal import Journal
 from graph_fleet_manager.supervision.missions import (
     REMEMBERED,
     Acceptance,
@@ -97,81 +89,6 @@ def test_driving_through_counts_as_a_visit_but_not_where_it_is_to_stay():
     assert through.visits((2, 3, 4)) == 3
     staying = book.add(Request(2, (2, 3, 5), dwells=(0.0, 4.0, 0.0)), ACCEPTANCE)
     assert staying.visits((2, 3, 4, 5)) == 1
-
-
-def test_the_journal_gives_back_what_was_committed(tmp_path):
-    path = str(tmp_path / 'fleet.sqlite')
-    journal = Journal(path, clock=lambda: 1000.0)
-    book = MissionBook()
-    mission = book.add(Request(7, (2, 3), 'agv', 'a', 4, (1.0, -1.0), 9.5), ACCEPTANCE)
-    book.set(mission, MissionState.ACTIVE, robot='a')
-    position = GraphPosition(edge=1, fraction=0.25)
-    memory = RobotMemory(Memory(5, (1, -2), 1, {5: 0}, position, False, (4,)),
-                         Outage.TAKEN_OVER, 'why', True)
-    journal.store([mission], {'a': memory}, {'number': 7})
-    journal.close()
-
-    again = Journal(path)
-    stored, = again.missions()
-    assert (stored.request, stored.state, stored.robot, stored.reached) == (
-        mission.request, MissionState.ACTIVE, 'a', 0)
-    assert again.robots() == {'a': memory}
-    assert again.value('number') == 7
-    assert again.last_serial() == 1
-    line, = history(path)
-    assert (line.request_id, line.accepted, line.started, line.ended) == (7, 1000.0, 1000.0, None)
-
-
-def test_a_journal_is_safe_against_power_loss(tmp_path):
-    journal = Journal(str(tmp_path / 'fleet.sqlite'))
-    assert journal._db.execute('PRAGMA journal_mode').fetchone() == ('wal',)
-    assert journal._db.execute('PRAGMA synchronous').fetchone() == (2,)  # FULL
-
-
-def test_files_that_are_no_journals_are_named(tmp_path):
-    path = tmp_path / 'notes.txt'
-    path.write_text('no database, but long enough to be looked at closely by SQLite' * 20)
-    for use in (Journal, lambda path: list(history(path))):
-        with pytest.raises(JournalError, match='notes.txt'):
-            use(str(path))
-    with pytest.raises(JournalError, match='There is no journal'):
-        list(history(str(tmp_path / 'none.sqlite')))
-
-
-@contextmanager
-def full_disk():
-    """No file of this process gets any longer."""
-    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (0, limits[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
-
-
-def test_on_a_full_disk_all_of_it_is_stored_or_nothing(tmp_path):
-    path = str(tmp_path / 'fleet.sqlite')
-    journal = Journal(path)
-    many = {f'{k}' * 100: k for k in range(1000)}
-    with full_disk(), pytest.raises(JournalUnavailable, match='fleet.sqlite cannot be written'):
-        journal.store(values={'first': 1, **many})
-    assert journal.value('first') == 0
-    journal.store(values={'second': 2})
-    journal.close()
-    again = Journal(path)
-    assert (again.value('first'), again.value('second')) == (0, 2)
-
-
-def test_a_file_that_another_program_holds_is_waited_for_only_shortly(tmp_path):
-    path = str(tmp_path / 'fleet.sqlite')
-    journal, other = Journal(path), sqlite3.connect(path, isolation_level=None)
-    other.execute('BEGIN IMMEDIATE')
-    begun = time.monotonic()
-    with pytest.raises(JournalUnavailable, match='locked'):
-        journal.store(values={'first': 1})
-    assert time.monotonic() - begun < 5.0
-    other.execute('ROLLBACK')
-    journal.store(values={'first': 1})
 
 
 def test_route_ids_never_repeat_though_the_disk_was_full_as_they_were_given(tmp_path):

@@ -20,7 +20,7 @@ from fleet_page.core.rate_limits import RateLimit
 from fleet_page.core.roles import LOCAL, Person, Role, Sessions, Tokens
 from fleet_page.web.files import PageFiles
 from fleet_page.web.security import HEADERS, Addresses
-from graph_fleet_manager.supervision.journal_file import JournalError
+from graph_fleet_manager.supervision.journal_database import JournalError
 
 Do = Callable[[Act, Person], Outcome]
 """Does an act of the fleet; called by threads of its own, and may take seconds."""

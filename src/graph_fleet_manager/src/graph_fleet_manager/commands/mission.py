@@ -33,7 +33,7 @@ from graph_fleet_manager.commands.fleet_client import (
 from graph_fleet_manager.commands.progress import ProgressLine, line_of
 from graph_fleet_manager.messages.missions import is_about
 from graph_fleet_manager.supervision.journal import HistoryLine, history
-from graph_fleet_manager.supervision.journal_file import JournalError
+from graph_fleet_manager.supervision.journal_database import JournalError
 from graph_fleet_manager.supervision.missions import Command, MissionState
 from itrci_nav_msgs.msg import (
     FleetPlan,

@@ -9,7 +9,7 @@ import rospkg
 import rospy
 
 from graph_fleet_manager.supervision.journal import Journal
-from graph_fleet_manager.supervision.journal_file import JournalError, JournalUnavailable
+from graph_fleet_manager.supervision.journal_database import JournalError, JournalUnavailable
 from graph_fleet_manager.supervision.outbox import AGAIN
 from node_lifecycle import ConfigurationError, number, parameter
 

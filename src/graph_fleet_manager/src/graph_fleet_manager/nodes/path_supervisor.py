@@ -56,7 +56,7 @@ from graph_fleet_manager.nodes.fleet_topics import FleetTopics, TellStatuses, se
 from graph_fleet_manager.nodes.journal_file import JournalFile
 from graph_fleet_manager.supervision.actions import Action, TellStatus
 from graph_fleet_manager.supervision.journal import STOPPED
-from graph_fleet_manager.supervision.journal_file import JournalUnavailable
+from graph_fleet_manager.supervision.journal_database import JournalUnavailable
 from graph_fleet_manager.supervision.missions import Change, Command, RequestRefused
 from graph_fleet_manager.supervision.outbox import AGAIN
 from graph_fleet_manager.supervision.supervisor import Supervisor

@@ -10,7 +10,6 @@ import json
 import os
 import sqlite3
 import time
-from contextlib import suppress
 from dataclasses import asdict, astuple
 from typing import (
     Any,
@@ -32,9 +31,9 @@ from graph_fleet_manager.geometry.areas import Area
 from graph_fleet_manager.interlocking.evidence import EvidenceMemory, Outlier
 from graph_fleet_manager.interlocking.orders import Memory
 from graph_fleet_manager.interlocking.reports import GraphPosition
-from graph_fleet_manager.supervision.journal_file import (
+from graph_fleet_manager.supervision.journal_database import (
+    JournalDatabase,
     JournalError,
-    JournalFile,
     JournalUnavailable,
     UnknownLayout,
 )
@@ -88,7 +87,7 @@ class Journal:
         """Raises JournalUnavailable, or JournalError where the file can never be used."""
         self._clock = clock
         self._path = path
-        self._file = JournalFile(path)
+        self._file = JournalDatabase(path)
         self._db = self._file.database
         try:
             self.graph(), self.robots(), self.missions()
@@ -115,9 +114,7 @@ class Journal:
 
         Raises JournalUnavailable, and has put nothing there.
         """
-        self._file.check()
-        try:
-            self._run('BEGIN IMMEDIATE')
+        with self._file.transaction():
             for mission in missions:
                 self._write_mission(mission)
             for serial, seconds in (stays or {}).items():
@@ -133,12 +130,6 @@ class Journal:
                 self._run('INSERT OR REPLACE INTO graph VALUES (1, ?)', (_graph_text(graph),))
             for name, number in (values or {}).items():
                 self._run('INSERT OR REPLACE INTO value VALUES (?, ?)', (name, number))
-            self._run('COMMIT')
-            self._file.committed()
-        finally:
-            with suppress(sqlite3.Error):  # where even that fails, the next BEGIN does, too
-                if self._db.in_transaction:
-                    self._db.execute('ROLLBACK')
 
     def _write_mission(self, mission: Mission) -> None:
         """As it is now, and in the history."""
@@ -161,13 +152,10 @@ class Journal:
             'AND serial < (SELECT MAX(serial) FROM mission) ORDER BY changed LIMIT ?',
             (self._clock() - age, most))]
         if serials:
-            self._file.check()
-            self._run('BEGIN IMMEDIATE')
-            for table in ('change', 'mission'):
-                for serial in serials:
-                    self._run(f'DELETE FROM {table} WHERE serial = ?', (serial,))
-            self._run('COMMIT')
-            self._file.committed()
+            with self._file.transaction():
+                for table in ('change', 'mission'):
+                    for serial in serials:
+                        self._run(f'DELETE FROM {table} WHERE serial = ?', (serial,))
         return len(serials)
 
     def _run(self, statement: str, values: Tuple[object, ...] = ()) -> sqlite3.Cursor:

@@ -12,7 +12,7 @@ from typing import Dict, List, Mapping, Optional, Set
 from graph_fleet_manager.interlocking.interlocking import InterlockedRobot, Interlocking
 from graph_fleet_manager.supervision.actions import Action, Note, SendRoute, TellStatus
 from graph_fleet_manager.supervision.journal import Journal, RobotMemory
-from graph_fleet_manager.supervision.journal_file import JournalUnavailable
+from graph_fleet_manager.supervision.journal_database import JournalUnavailable
 from graph_fleet_manager.supervision.missions import MissionBook
 from graph_fleet_manager.supervision.robots import ManagedRobot
 from graph_fleet_manager.supervision.route_ids import RouteIds

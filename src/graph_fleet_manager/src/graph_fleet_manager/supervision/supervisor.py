@@ -25,7 +25,7 @@ from graph_fleet_manager.supervision.actions import Action, TellStatus
 from graph_fleet_manager.supervision.charging import ChargeQueue
 from graph_fleet_manager.supervision.duties import Errand, errand_of
 from graph_fleet_manager.supervision.journal import STOPPED, Journal
-from graph_fleet_manager.supervision.journal_file import JournalUnavailable
+from graph_fleet_manager.supervision.journal_database import JournalUnavailable
 from graph_fleet_manager.supervision.liveness import SILENCE
 from graph_fleet_manager.supervision.missions import (
     Acceptance,

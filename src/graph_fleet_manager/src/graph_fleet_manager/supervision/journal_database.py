@@ -4,7 +4,8 @@ from __future__ import annotations
 import fcntl
 import os
 import sqlite3
-from typing import Dict, NamedTuple, Optional, Set, Tuple
+from contextlib import contextmanager, suppress
+from typing import Dict, Iterator, NamedTuple, Optional, Set, Tuple
 
 _BUSY = 0.5  # s to wait where another program holds the file
 _VERSION_0_2 = '''
@@ -76,7 +77,7 @@ class _Identity(NamedTuple):
     head: bytes = b''
 
 
-class JournalFile:
+class JournalDatabase:
     """The file, open and locked for one supervisor.
 
     Raises JournalUnavailable, also where another supervisor uses it, and JournalError.
@@ -115,24 +116,33 @@ class JournalFile:
                 os.close(descriptor)
         self._head = None
 
-    def check(self) -> None:
-        """Raises JournalUnavailable where the file is another one than after the last commit.
+    @contextmanager
+    def transaction(self) -> Iterator[sqlite3.Connection]:
+        """All that is done in it is on the disk at its end, or nothing of it.
 
-        What is written to a file that was deleted or replaced is lost.
+        Raises JournalUnavailable, also where the file is another one than after the last commit:
+        what is written to a file that was deleted or replaced is lost.
         """
+        self._check()
+        try:
+            self.database.execute('BEGIN IMMEDIATE')
+            yield self.database
+            self.database.execute('COMMIT')
+            self._expected = self._identities()
+        except (sqlite3.Error, OSError) as error:
+            raise JournalUnavailable(self._path, error) from None
+        finally:
+            with suppress(sqlite3.Error):  # where even that fails, the next BEGIN does, too
+                if self.database.in_transaction:
+                    self.database.execute('ROLLBACK')
+
+    def _check(self) -> None:
         try:
             identities = self._identities()
         except OSError as error:
             raise self._replaced(str(error)) from None
         if identities != self._expected:
             raise self._replaced('another program has replaced or overwritten it')
-
-    def committed(self) -> None:
-        """Notes what the file is after a commit of its own."""
-        try:
-            self._expected = self._identities()
-        except OSError as error:
-            raise self._replaced(str(error)) from None
 
     def _replaced(self, what: str) -> JournalUnavailable:
         return JournalUnavailable(self._path, what, 'put the file back, or end path_supervisor, '
