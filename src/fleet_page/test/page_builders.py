@@ -10,10 +10,11 @@ from typing import Any, List, Optional, Tuple
 
 from fleet_page.core.acts import Act, ActKind, Outcome
 from fleet_page.core.fleet import MissionRequest, MissionStatus, Place, Plan, Robot
-from fleet_page.core.page import Page
+from fleet_page.core.page import Missions, Page
 from fleet_page.core.records import Records
 from fleet_page.core.replay import ReplayRing
 from fleet_page.core.roles import Person, Tokens, load_tokens
+from graph_fleet_manager.supervision.journal import HistoryLine
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 
 PAGE_FOLDER = Path(__file__).parents[1] / 'page'
@@ -50,7 +51,12 @@ def request(id: int = 7, *destinations: int) -> MissionRequest:
     return MissionRequest(id, id * 10 ** 9, destinations or (2, 3), '', '', 1, 'anna')
 
 
-def page(folder: str, journal: Any = list) -> Page:
+def no_missions(since: float) -> List[HistoryLine]:
+    """A journal that remembers none."""
+    return []
+
+
+def page(folder: str, journal: Missions = no_missions) -> Page:
     """A page with nothing on it."""
     return Page(Records(os.path.join(folder, 'page.sqlite')),
                 ReplayRing(os.path.join(folder, 'replay')), journal)

@@ -15,6 +15,7 @@ from page_builders import (  # noqa: E402
     PAGE_FOLDER,
     TOKENS,
     FakeFleet,
+    no_missions,
     page,
     show_fleet,
     tokens,
@@ -68,14 +69,14 @@ class Client:
 class Site:
     """A page that is served, with a fleet that takes all acts."""
 
-    def __init__(self, folder, secured: bool, journal=list) -> None:
+    def __init__(self, folder, secured: bool, journal=no_missions) -> None:
         self.page, self.fleet = page(str(folder), journal), FakeFleet()
         access = Access(Addresses.of('127.0.0.1', (), False),
                         tokens(folder) if secured else None)
         self.web = WebServer(self.page, self.fleet.do, PageFiles(str(PAGE_FOLDER)), access)
 
 
-def served(folder, test, secured: bool = False, journal=list) -> None:
+def served(folder, test, secured: bool = False, journal=no_missions) -> None:
     """Runs test(site, client, new_client) with a server on a free port."""
     async def work() -> None:
         site = Site(folder, secured, journal)
@@ -369,7 +370,7 @@ def test_a_client_that_goes_leaves_its_act_recorded(tmp_path):
 
 
 def test_a_journal_that_cannot_be_read_is_told(tmp_path):
-    def journal():
+    def journal(since):
         raise JournalError('There is no journal.')
 
     async def test(_site, client, _new):

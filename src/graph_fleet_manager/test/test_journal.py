@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import resource
 import shutil
@@ -287,3 +288,13 @@ def test_a_resent_request_is_found_by_its_fields(path):
     assert journal.find(replace(sent, robot='b')) is None
     assert journal.find(replace(sent, destinations=(3,), priority=9)), 'MODIFY may have changed it'
 
+
+
+def test_the_history_since_a_time_has_what_changed_and_what_is_open(path):
+    clock = Clock()
+    journal = Journal(path, clock)
+    journal.store([MissionBook().add(replace(REQUEST, id=1), ACCEPTANCE), ended(2)])
+    clock.now += 50.0
+    journal.store([ended(3)])
+    assert [line.request_id for line in history(path, clock.now)] == [1, 3]
+    assert [line.request_id for line in history(path, math.inf)] == [1]

@@ -6,10 +6,8 @@ import io
 from typing import Any, Dict, Iterable, List, Optional
 
 from fleet_page.core.records import HOUR, Records
-from graph_fleet_manager.supervision.journal import HistoryLine
+from graph_fleet_manager.supervision.journal import HISTORY_COLUMNS, HistoryLine
 
-COLUMNS = ('request_id', 'destinations', 'robot_type', 'priority', 'state', 'robot', 'reached',
-           'accepted', 'started', 'ended', 'waited_s', 'took_s', 'reason')
 HOTTEST = 200  # edges in the heat map
 
 
@@ -45,17 +43,14 @@ def history_csv(lines: Iterable[HistoryLine], since: float) -> str:
     """Every mission accepted since a time, with the columns of `mission history --csv`."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator='\n')
-    writer.writerow(COLUMNS)
+    writer.writerow(HISTORY_COLUMNS)
     for line in lines:
         if line.accepted >= since:
-            begun = line.started if line.started is not None else line.ended
             writer.writerow([
                 line.request_id, ' '.join(map(str, line.destinations)), _cell(line.robot_type),
                 line.priority, line.state.name, _cell(line.robot), line.reached,
-                _seconds(line.accepted), _seconds(line.started), _seconds(line.ended),
-                '' if begun is None else f'{begun - line.accepted:.1f}',
-                '' if line.started is None or line.ended is None
-                else f'{line.ended - line.started:.1f}', _cell(line.reason)])
+                _seconds(line.accepted, 3), _seconds(line.started, 3), _seconds(line.ended, 3),
+                _seconds(line.waited, 1), _seconds(line.took, 1), _cell(line.reason)])
     return text.getvalue()
 
 
@@ -64,5 +59,5 @@ def _cell(text: str) -> str:
     return f"'{text}" if text[:1] in ('=', '+', '-', '@', '\t', '\r') else text
 
 
-def _seconds(time: Optional[float]) -> str:
-    return '' if time is None else f'{time:.3f}'
+def _seconds(time: Optional[float], digits: int) -> str:
+    return '' if time is None else f'{time:.{digits}f}'

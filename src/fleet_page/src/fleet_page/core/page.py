@@ -10,7 +10,7 @@ from typing import Any, Callable, Dict, List, Optional
 from fleet_page.core.acts import Act, ActKind, Outcome
 from fleet_page.core.fleet import OPEN_STATES, MissionStatus, Plan
 from fleet_page.core.fleet_model import FleetModel
-from fleet_page.core.history import history_csv, history_values
+from fleet_page.core.history import history_values
 from fleet_page.core.latencies import Histogram, ReleaseWatch
 from fleet_page.core.metrics import metrics_text
 from fleet_page.core.records import Records, TooManyFavourites
@@ -19,8 +19,9 @@ from fleet_page.core.roles import Person
 from fleet_page.core.site import WallMap, site_values
 from graph_fleet_manager.supervision.journal import HistoryLine
 
-Missions = Callable[[], List[HistoryLine]]
-"""Every mission in the journal; raises JournalError. It may take its time."""
+Missions = Callable[[float], List[HistoryLine]]
+"""Missions in the journal that have changed since a time (s since 1970), and the open ones; raises
+JournalError. It may take its time."""
 _LOG = logging.getLogger(__name__)
 REPLAY_PERIOD = 1.0   # s between two moments of the replay
 SUMS_PERIOD = 20.0    # s between two additions to the sums of the history
@@ -114,13 +115,9 @@ class Page:
         site = self.site
         return site_values(self.model.graph, site.parking, site.docks, site.walls, site.radii)
 
-    def history(self, lines: List[HistoryLine], hours: int, now: float) -> Dict[str, Any]:
-        """Of the last hours."""
-        return history_values(lines, self.records, now - 3600.0 * hours, now)
-
-    def history_csv(self, lines: List[HistoryLine], hours: int, now: float) -> str:
-        """The missions of the last hours."""
-        return history_csv(lines, now - 3600.0 * hours)
+    def history(self, lines: List[HistoryLine], since: float, now: float) -> Dict[str, Any]:
+        """Of the time since then."""
+        return history_values(lines, self.records, since, now)
 
     def metrics(self, clients: int) -> str:
         """For Prometheus."""

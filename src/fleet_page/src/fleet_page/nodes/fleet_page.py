@@ -27,6 +27,7 @@ Parameters
 from __future__ import annotations
 
 import asyncio
+import math
 import os
 import sqlite3
 import ssl
@@ -89,8 +90,8 @@ class FleetPageNode:
             raise ConfigurationError(f'The folder {folder} cannot be used ({error}); choose '
                                      'another with ~folder.') from None
 
-        def missions() -> List[HistoryLine]:
-            return list(history(journal))
+        def missions(since: float) -> List[HistoryLine]:
+            return list(history(journal, since))
         self._page = Page(self._records, replay, missions)
         if parameter('~fleet_file', ''):
             self._page.site.radii = messages.radii_of(fleet_of())
@@ -134,7 +135,7 @@ class FleetPageNode:
     async def _look_up(self) -> None:
         """Missions of before the page's start, and changed ones, stand in the journal."""
         try:
-            lines = await self._loop.run_in_executor(None, self._page.missions)
+            lines = await self._loop.run_in_executor(None, self._page.missions, math.inf)
         except JournalError as error:
             rospy.logwarn_throttle(600.0, f'What missions are to do is not shown: {error}')
         else:

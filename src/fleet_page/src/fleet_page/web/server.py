@@ -14,9 +14,11 @@ from typing import Any, Awaitable, Callable, Dict, Optional
 from aiohttp import web
 
 from fleet_page.core.acts import RULES, Act, ActKind, Outcome, WrongAct, act_of
+from fleet_page.core.history import history_csv
 from fleet_page.core.metrics import CONTENT_TYPE
 from fleet_page.core.page import Page
 from fleet_page.core.rate_limits import RateLimit
+from fleet_page.core.records import HOUR
 from fleet_page.core.roles import LOCAL, Person, Role, Sessions, Tokens
 from fleet_page.web.files import PageFiles
 from fleet_page.web.security import HEADERS, Addresses
@@ -232,24 +234,26 @@ class WebServer:
     async def _history(self, request: web.Request) -> web.StreamResponse:
         self._may(request, Role.SEE)
         hours = _number(request, 'hours', 24, 1, MOST_HOURS)
-        lines, trouble = await self._missions()
-        values = self._page.history(lines, int(hours), time.time())
+        since = time.time() - HOUR * int(hours)
+        lines, trouble = await self._missions(since)
+        values = self._page.history(lines, since, time.time())
         return _compressed(web.json_response({**values, 'trouble': trouble}))
 
     async def _history_csv(self, request: web.Request) -> web.StreamResponse:
         self._may(request, Role.SEE)
         hours = _number(request, 'hours', 24, 1, MOST_HOURS)
-        lines, trouble = await self._missions()
+        since = time.time() - HOUR * int(hours)
+        lines, trouble = await self._missions(since)
         if trouble:
             return _refused(503, trouble)
         return web.Response(
-            text=self._page.history_csv(lines, int(hours), time.time()), content_type='text/csv',
+            text=history_csv(lines, since), content_type='text/csv',
             headers={'Content-Disposition': 'attachment; filename="missions.csv"'})
 
-    async def _missions(self) -> Any:
+    async def _missions(self, since: float) -> Any:
         try:
             return await asyncio.get_event_loop().run_in_executor(
-                self._threads, self._page.missions), ''
+                self._threads, self._page.missions, since), ''
         except JournalError as error:
             return [], str(error)
 

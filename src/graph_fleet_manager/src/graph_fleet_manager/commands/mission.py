@@ -32,7 +32,7 @@ from graph_fleet_manager.commands.fleet_client import (
 )
 from graph_fleet_manager.commands.progress import ProgressLine, line_of
 from graph_fleet_manager.messages.missions import is_about
-from graph_fleet_manager.supervision.journal import HistoryLine, history
+from graph_fleet_manager.supervision.journal import HISTORY_COLUMNS, HistoryLine, history
 from graph_fleet_manager.supervision.journal_database import JournalError
 from graph_fleet_manager.supervision.missions import Command, MissionState
 from itrci_nav_msgs.msg import (
@@ -48,8 +48,6 @@ from trajectory_graph.messages import graph_from_message
 
 _RESEND = 0.5  # s after which a request that was not acknowledged is sent again
 _CHANGES = {command.name.lower(): command for command in Command if command is not Command.MODIFY}
-_COLUMNS = ('request_id', 'destinations', 'robot_type', 'priority', 'state', 'robot', 'reached',
-            'accepted', 'started', 'ended', 'waited_s', 'took_s', 'reason')
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
@@ -252,11 +250,12 @@ def _history(arguments: List[str]) -> int:
     try:
         if options.csv:
             writer = csv.writer(sys.stdout, lineterminator='\n')
-            writer.writerow(_COLUMNS)
+            writer.writerow(HISTORY_COLUMNS)
             writer.writerows(rows)
         else:
             shown = (0, 1, 4, 5, 7, 11, 12)
-            print(table([[_COLUMNS[k] for k in shown], *([row[k] for k in shown] for row in rows)]))
+            print(table([[HISTORY_COLUMNS[k] for k in shown],
+                         *([row[k] for k in shown] for row in rows)]))
     except JournalError as error:
         raise CommandError(str(error)) from None
     return OK
@@ -277,14 +276,14 @@ def _journal_in_use() -> str:
 
 
 def _row(line: HistoryLine) -> List[str]:
-    begun = line.started if line.started is not None else line.ended
-    took = None if line.started is None or line.ended is None else line.ended - line.started
     return [str(line.request_id), ' '.join(map(str, line.destinations)), line.robot_type,
             str(line.priority), line.state.name, line.robot, str(line.reached),
             _moment(line.accepted), _moment(line.started), _moment(line.ended),
-            '' if begun is None else f'{begun - line.accepted:.1f}',
-            '' if took is None else f'{took:.1f}',
-            line.reason]
+            _duration(line.waited), _duration(line.took), line.reason]
+
+
+def _duration(seconds: Optional[float]) -> str:
+    return '' if seconds is None else f'{seconds:.1f}'
 
 
 def _moment(seconds: Optional[float]) -> str:

@@ -7,6 +7,7 @@ beside them.
 from __future__ import annotations
 
 import json
+import math
 import os
 import sqlite3
 import time
@@ -78,6 +79,22 @@ class HistoryLine(NamedTuple):
     started: Optional[float]
     ended: Optional[float]
     reason: str
+
+    @property
+    def waited(self) -> Optional[float]:
+        """s from its acceptance to its start, or to its end without one; None: it waits yet."""
+        begun = self.started if self.started is not None else self.ended
+        return None if begun is None else begun - self.accepted
+
+    @property
+    def took(self) -> Optional[float]:
+        """s from its start to its end; None where it did not come to both."""
+        return None if self.started is None or self.ended is None else self.ended - self.started
+
+
+HISTORY_COLUMNS = ('request_id', 'destinations', 'robot_type', 'priority', 'state', 'robot',
+                   'reached', 'accepted', 'started', 'ended', 'waited_s', 'took_s', 'reason')
+"""Of the history as CSV."""
 
 
 class Journal:
@@ -212,11 +229,15 @@ class Journal:
         return {name: _memory(text) for name, text in self._run('SELECT name, memory FROM robot')}
 
 
-def history(path: str) -> Iterator[HistoryLine]:
+def history(path: str, since: float = -math.inf) -> Iterator[HistoryLine]:
     """Every mission that is remembered, page by page; the supervisor may be writing meanwhile.
 
     Raises JournalError where there is no such file, or it is no journal.
+
+    since -- s since 1970: missions that have not changed since then and have ended are left out
     """
+    marks = ', '.join(str(int(state)) for state in _OPEN)
+    wanted = '' if since == -math.inf else f'AND (changed >= :since OR state IN ({marks}))'
     if not os.path.isfile(path):
         raise JournalError(f'There is no journal {path}: no mission was ever accepted on this '
                            'computer, or it is kept elsewhere.')
@@ -227,10 +248,12 @@ def history(path: str) -> Iterator[HistoryLine]:
             while True:
                 rows = db.execute(
                     'SELECT m.serial, m.request, m.state, m.robot, m.reached, m.reason, '
-                    'MIN(c.time), MIN(CASE WHEN c.state = ? THEN c.time END), MAX(c.time) '
-                    'FROM (SELECT * FROM mission WHERE serial > ? ORDER BY serial LIMIT ?) m '
+                    'MIN(c.time), MIN(CASE WHEN c.state = :active THEN c.time END), MAX(c.time) '
+                    f'FROM (SELECT * FROM mission WHERE serial > :last {wanted} '
+                    'ORDER BY serial LIMIT :page) m '
                     'JOIN change c USING (serial) GROUP BY serial ORDER BY serial',
-                    (int(MissionState.ACTIVE), last, _PAGE)).fetchall()
+                    {'active': int(MissionState.ACTIVE), 'last': last, 'since': since,
+                     'page': _PAGE}).fetchall()
                 yield from (_history_line(*row[1:]) for row in rows)
                 if len(rows) < _PAGE:
                     return
