@@ -28,8 +28,8 @@ def told(found: Optional[Found]) -> str:
 
 
 @pytest.mark.parametrize('robots, limits, most', [
-    (2, Limits(1, 1), None), (2, Limits(2, 1), None if LONG else 15_000),
-    (3, Limits(2, 2), 1_000_000 if LONG else 8_000)])
+    (2, Limits(1, 1), None), (2, Limits(2, 1), 300_000 if LONG else 6_000),
+    (3, Limits(2, 2), 300_000 if LONG else 4_000)])
 def test_nothing_that_can_happen_in_a_small_yard_brings_robots_too_near(robots, limits, most,
                                                                         capsys):
     yard = Yard(STAR, AGV, dict(list(BEGINS.items())[:robots]), limits, spare=3)
