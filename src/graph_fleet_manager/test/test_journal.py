@@ -22,13 +22,8 @@ from graph_fleet_manager.supervision.journal_database import (
     JournalUnavailable,
     UnknownLayout,
 )
-from graph_fleet_manager.supervision.missions import (
-    Acceptance,
-    Mission,
-    MissionBook,
-    MissionState,
-    Request,
-)
+from graph_fleet_manager.supervision.mission_book import MissionBook
+from graph_fleet_manager.supervision.missions import Acceptance, Mission, MissionState, Request
 from graph_fleet_manager.supervision.outages import Outage
 
 ACCEPTANCE = Acceptance(corridor(5), {'a': AGV, 'b': AGV})

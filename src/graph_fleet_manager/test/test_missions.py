@@ -4,12 +4,11 @@ from __future__ import annotations
 import pytest
 from fleet_builders import AGV, corridor
 
-from graph_fleet_manager.supervision import missions
+from graph_fleet_manager.supervision import mission_book
 from graph_fleet_manager.supervision.journal import Journal
+from graph_fleet_manager.supervision.mission_book import REMEMBERED, MissionBook
 from graph_fleet_manager.supervision.missions import (
-    REMEMBERED,
     Acceptance,
-    MissionBook,
     MissionState,
     Request,
     RequestRefused,
@@ -45,7 +44,7 @@ def test_a_repeat_of_an_open_mission_changes_nothing(stamp):
 
 
 def test_so_many_missions_are_open_and_no_more(monkeypatch):
-    monkeypatch.setattr(missions, 'MOST_OPEN', 2)
+    monkeypatch.setattr(mission_book, 'MOST_OPEN', 2)
     book = MissionBook()
     first = book.add(Request(1, (2,)), ACCEPTANCE)
     book.add(Request(2, (2,)), ACCEPTANCE)

@@ -9,7 +9,8 @@ from fleet_builders import AGV, corridor
 from fleet_simulation.supervised_fleet import SupervisedFleet
 from graph_fleet_manager.nodes.event_loop import BATCH, EventLoop
 from graph_fleet_manager.supervision import assignment
-from graph_fleet_manager.supervision.missions import MissionBook, MissionState, Request
+from graph_fleet_manager.supervision.mission_book import MissionBook
+from graph_fleet_manager.supervision.missions import MissionState, Request
 from graph_fleet_manager.supervision.waiting_missions import AT_ONCE
 
 MANY = 2000

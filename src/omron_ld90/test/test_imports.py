@@ -1,13 +1,15 @@
-"""Every module can be imported, whichever Python version runs this.
+"""Every module can be imported, whichever Python version runs this, and imports run in no circle.
 
 Where ROS is not installed, a module that needs it is compiled only.
 """
 from __future__ import annotations
 
+import ast
+import re
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from typing import List
+from typing import Dict, List, Set
 
 import pytest
 
@@ -41,3 +43,57 @@ def is_of_missing_ros(module: str) -> bool:
 def test_every_package_is_there():
     assert {package.parents[1].name for package in PACKAGES} == {
         folder.parent.name for folder in SOURCES.glob('*/setup.py')}
+
+
+def module_of(file: Path, package: Path) -> str:
+    return re.sub(r'\.__init__$', '', '.'.join(
+        file.relative_to(package.parent).with_suffix('').parts))
+
+
+MODULES = {module_of(file, package): file
+           for package in PACKAGES for file in package.rglob('*.py')}
+
+
+def imported(file: Path) -> Set[str]:
+    """Modules of the workspace that a module names in its imports, those for types included."""
+    names: Set[str] = set()
+    for node in ast.walk(ast.parse(file.read_bytes())):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f'{file}: a relative import'
+            members = {f'{node.module}.{alias.name}' for alias in node.names}
+            names |= members & set(MODULES) or {str(node.module)}
+    return names & set(MODULES)
+
+
+IMPORTS = {module: imported(file) for module, file in MODULES.items()}
+
+
+def in_circles(imports: Dict[str, Set[str]]) -> Set[str]:
+    """The modules of circles, and what lies between two circles."""
+    left = set(imports)
+    while True:
+        used = {name for module in left for name in imports[module]}
+        inner = {module for module in left if module in used and imports[module] & left}
+        if inner == left:
+            return left
+        left = inner
+
+
+def test_imports_run_in_no_circle():
+    assert in_circles({module: names - {module} for module, names in IMPORTS.items()}) == set()
+
+
+def test_a_circle_of_imports_is_found():
+    imports = {'a': {'b'}, 'b': {'c'}, 'c': {'a', 'e'}, 'd': {'a'}, 'e': set()}
+    assert in_circles(imports) == {'a', 'b', 'c'}
+
+
+@pytest.mark.parametrize('package', PACKAGES, ids=lambda package: package.name)
+def test_a_package_declares_what_it_imports(package: Path):
+    source = package.parents[1]
+    declared = set(re.findall(r'<(?:exec_)?depend>(\w+)<', (source / 'package.xml').read_text()))
+    owners = {MODULES[name].relative_to(SOURCES).parts[0]
+              for file in package.rglob('*.py') for name in IMPORTS[module_of(file, package)]}
+    assert owners - {source.name} <= declared

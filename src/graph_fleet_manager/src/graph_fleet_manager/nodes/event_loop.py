@@ -20,8 +20,9 @@ from collections import OrderedDict, deque
 from typing import Callable, Deque, Dict, List, NamedTuple, Optional, Sequence
 
 from graph_fleet_manager.supervision.actions import Action, Note, TellStatus
+from graph_fleet_manager.supervision.mission_book import MOST_OPEN
 from graph_fleet_manager.supervision.mission_commands import refused
-from graph_fleet_manager.supervision.missions import MOST_OPEN, Change, Command, Request
+from graph_fleet_manager.supervision.missions import Change, Command, Request
 from graph_fleet_manager.supervision.supervisor import Supervisor
 
 TICK = 0.05       # s between two looks at the clock

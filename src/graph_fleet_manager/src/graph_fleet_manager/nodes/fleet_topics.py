@@ -18,7 +18,8 @@ from graph_fleet_manager.supervision.actions import (
     TellStatus,
 )
 from graph_fleet_manager.supervision.fleet_view import plan_views, robot_views
-from graph_fleet_manager.supervision.missions import MOST_OPEN, Status
+from graph_fleet_manager.supervision.mission_book import MOST_OPEN
+from graph_fleet_manager.supervision.missions import Status
 from graph_fleet_manager.supervision.supervisor import Supervisor
 from itrci_nav_msgs.msg import FleetPlan, FleetState, MissionStatus, TargetRoute
 from itrci_nav_msgs.msg import PlanRequest as PlanRequestMessage

@@ -8,7 +8,7 @@ from typing import NamedTuple, Optional, Sequence, Tuple
 
 from graph_fleet_manager.planning.tasks import PlannedDrive
 from graph_fleet_manager.supervision.missions import Mission, MissionState
-from graph_fleet_manager.supervision.plan_in_force import RobotPlan
+from graph_fleet_manager.supervision.robot_plan import RobotPlan
 from graph_fleet_manager.supervision.robots import ManagedRobot
 from trajectory_graph import Graph
 

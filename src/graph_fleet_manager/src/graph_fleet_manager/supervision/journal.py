@@ -38,12 +38,8 @@ from graph_fleet_manager.supervision.journal_database import (
     JournalUnavailable,
     UnknownLayout,
 )
-from graph_fleet_manager.supervision.missions import (
-    REMEMBERED,
-    Mission,
-    MissionState,
-    Request,
-)
+from graph_fleet_manager.supervision.mission_book import REMEMBERED
+from graph_fleet_manager.supervision.missions import Mission, MissionState, Request
 from graph_fleet_manager.supervision.outages import Outage
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 

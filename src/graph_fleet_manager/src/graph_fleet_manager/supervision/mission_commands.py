@@ -4,13 +4,13 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Mapping
 
+from graph_fleet_manager.supervision.mission_book import MissionBook
 from graph_fleet_manager.supervision.missions import (
     Acceptance,
     Change,
     Command,
     CommandCode,
     Mission,
-    MissionBook,
     MissionState,
     Request,
     RequestRefused,

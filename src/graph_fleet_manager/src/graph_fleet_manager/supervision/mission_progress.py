@@ -4,10 +4,10 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Iterator, Tuple
 
+from graph_fleet_manager.supervision.mission_book import MissionBook
 from graph_fleet_manager.supervision.missions import (
     Acceptance,
     Mission,
-    MissionBook,
     MissionState,
     RequestRefused,
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 from typing import Dict, Mapping, Optional
 
 from graph_fleet_manager.supervision import mission_progress
-from graph_fleet_manager.supervision.missions import MissionBook
+from graph_fleet_manager.supervision.mission_book import MissionBook
 from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.outbox import Outbox
 from graph_fleet_manager.supervision.robots import ManagedRobot

@@ -13,7 +13,7 @@ from graph_fleet_manager.interlocking.interlocking import InterlockedRobot, Inte
 from graph_fleet_manager.supervision.actions import Action, Note, SendRoute, TellStatus
 from graph_fleet_manager.supervision.journal import Journal, RobotMemory
 from graph_fleet_manager.supervision.journal_database import JournalUnavailable
-from graph_fleet_manager.supervision.missions import MissionBook
+from graph_fleet_manager.supervision.mission_book import MissionBook
 from graph_fleet_manager.supervision.robots import ManagedRobot
 from graph_fleet_manager.supervision.route_ids import RouteIds
 from trajectory_graph import Graph

@@ -5,10 +5,9 @@ There may be thousands: what is done for each event must not depend on how many.
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right, insort
-from typing import TYPE_CHECKING, Dict, List, Mapping, Tuple
+from typing import Dict, List, Mapping, Tuple
 
-if TYPE_CHECKING:
-    from graph_fleet_manager.supervision.missions import Mission
+from graph_fleet_manager.supervision.missions import Mission
 
 Key = Tuple[int, int]
 """Priority, negative, and serial: the least goes first."""

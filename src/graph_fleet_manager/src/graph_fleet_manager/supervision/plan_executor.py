@@ -8,10 +8,11 @@ from typing import Dict, Mapping, NamedTuple, Optional
 from graph_fleet_manager.interlocking.interlocking import Gate, Interlocking, Refusal
 from graph_fleet_manager.planning.tasks import Outcome
 from graph_fleet_manager.supervision.actions import AskPlanner
+from graph_fleet_manager.supervision.assumptions import World
 from graph_fleet_manager.supervision.duties import Duty, goes_until
 from graph_fleet_manager.supervision.outbox import Outbox
 from graph_fleet_manager.supervision.plan_in_force import PlanInForce
-from graph_fleet_manager.supervision.questions import Question, World, question_of
+from graph_fleet_manager.supervision.questions import Question, question_of
 from graph_fleet_manager.supervision.release import due_edges
 from graph_fleet_manager.supervision.robots import ManagedRobot
 

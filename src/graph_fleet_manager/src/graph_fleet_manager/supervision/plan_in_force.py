@@ -1,24 +1,12 @@
 """The plan by which robots are released: whose turn it is, whatever runs late."""
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Dict, Iterable, List, Mapping, NamedTuple, Optional, Set, Tuple
+from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Set, Tuple
 
 from graph_fleet_manager.interlocking.route_record import RouteRecord
-from graph_fleet_manager.planning.tasks import Outcome, PlannedDrive
-
-if TYPE_CHECKING:  # a question makes a plan
-    from graph_fleet_manager.supervision.questions import Assumptions
-
-
-class RobotPlan(NamedTuple):
-    """One robot's drives; drive k is edge number `base` + k of its record."""
-
-    drives: Tuple[PlannedDrive, ...]
-    base: int
-
-    def behind(self, number: int) -> Tuple[PlannedDrive, ...]:
-        """What is planned from an edge of the record on."""
-        return self.drives[max(number - self.base, 0):]
+from graph_fleet_manager.planning.tasks import Outcome
+from graph_fleet_manager.supervision.assumptions import Assumptions
+from graph_fleet_manager.supervision.robot_plan import RobotPlan
 
 
 class _Turn(NamedTuple):

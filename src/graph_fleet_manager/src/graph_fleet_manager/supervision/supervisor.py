@@ -22,17 +22,18 @@ from graph_fleet_manager.planning.road_network import RoadNetwork
 from graph_fleet_manager.planning.tasks import Outcome
 from graph_fleet_manager.supervision import mission_commands, mission_progress
 from graph_fleet_manager.supervision.actions import Action, TellStatus
+from graph_fleet_manager.supervision.assumptions import World
 from graph_fleet_manager.supervision.charging import ChargeQueue
 from graph_fleet_manager.supervision.duties import Errand, errand_of
 from graph_fleet_manager.supervision.journal import STOPPED, Journal
 from graph_fleet_manager.supervision.journal_database import JournalUnavailable
 from graph_fleet_manager.supervision.liveness import SILENCE
+from graph_fleet_manager.supervision.mission_book import MissionBook
 from graph_fleet_manager.supervision.missions import (
     Acceptance,
     Change,
     Command,
     Mission,
-    MissionBook,
     MissionState,
     Request,
     RequestRefused,
@@ -42,7 +43,6 @@ from graph_fleet_manager.supervision.outage_watch import OutageWatch
 from graph_fleet_manager.supervision.outages import Outage, Sign
 from graph_fleet_manager.supervision.outbox import Outbox
 from graph_fleet_manager.supervision.plan_executor import PlanExecutor
-from graph_fleet_manager.supervision.questions import World
 from graph_fleet_manager.supervision.restoring import (
     RemovedRobot,
     removed_of,

@@ -5,12 +5,8 @@ from math import inf
 from typing import Dict, FrozenSet, List, Mapping, Optional, Tuple
 
 from graph_fleet_manager.supervision.assignment import assign
-from graph_fleet_manager.supervision.missions import (
-    Acceptance,
-    Mission,
-    MissionBook,
-    MissionState,
-)
+from graph_fleet_manager.supervision.mission_book import MissionBook
+from graph_fleet_manager.supervision.missions import Acceptance, Mission, MissionState
 from graph_fleet_manager.supervision.networks import Networks
 from graph_fleet_manager.supervision.pending_missions import FIRST, Key, key_of
 from graph_fleet_manager.supervision.robots import ManagedRobot

@@ -9,8 +9,8 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence
 
 from vda5050_vehicle.conformance.master import Master, Message, TooLate
 from vda5050_vehicle.conformance.own_broker import OwnBroker
-from vda5050_vehicle.conformance.rules.rule import Broken, NotTried, expect
 from vda5050_vehicle.conformance.track import Track, action
+from vda5050_vehicle.conformance.verdicts import Broken, NotTried, expect
 
 ANSWER = 5.0       # s for a state that an event brings (6.10)
 QUIET = 1.0        # s in which a vehicle must not do what is forbidden

@@ -11,14 +11,8 @@ from vda5050_vehicle.conformance.rules import (  # isort: skip
     driving,
     over_all,
 )
-from vda5050_vehicle.conformance.rules.rule import (
-    Broken,
-    Level,
-    NotTried,
-    Rule,
-    Start,
-    rules_of,
-)
+from vda5050_vehicle.conformance.rules.rule import Level, Rule, Start, rules_of
+from vda5050_vehicle.conformance.verdicts import Broken, NotTried
 
 __all__ = ['Broken', 'Level', 'NotTried', 'Rule', 'Start', 'acceptance', 'driving', 'fields',
            'over_all', 'rules_of', 'without_order']

@@ -8,16 +8,7 @@ from functools import partial
 from typing import Any, Dict, Tuple
 
 from vda5050_vehicle.conformance.master import error_types, status_of
-from vda5050_vehicle.conformance.rules.rule import (
-    ONLY_3,
-    SINCE_2_1,
-    Broken,
-    NotTried,
-    Start,
-    expect,
-    must,
-    should,
-)
+from vda5050_vehicle.conformance.rules.rule import ONLY_3, SINCE_2_1, Start, must, should
 from vda5050_vehicle.conformance.track import node_ids
 from vda5050_vehicle.conformance.trial import (
     ANSWER,
@@ -28,6 +19,7 @@ from vda5050_vehicle.conformance.trial import (
     is_idle,
     references,
 )
+from vda5050_vehicle.conformance.verdicts import Broken, NotTried, expect
 
 
 @must('6.6.2, figure 8', 'a new order is accepted: the state has its orderId, nodes and edges')

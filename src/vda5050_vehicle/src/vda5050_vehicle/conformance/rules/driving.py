@@ -4,8 +4,9 @@ from __future__ import annotations
 from typing import Any, Dict, Tuple
 
 from vda5050_vehicle.conformance.master import Message, status_of
-from vda5050_vehicle.conformance.rules.rule import ONLY_3, SINCE_2_1, NotTried, expect, must, should
+from vda5050_vehicle.conformance.rules.rule import ONLY_3, SINCE_2_1, must, should
 from vda5050_vehicle.conformance.trial import ANSWER, NEAR, REACH, Trial, has, has_order
+from vda5050_vehicle.conformance.verdicts import NotTried, expect
 
 LOOK = 0.2  # s between two looks at where the vehicle is
 AWAY = 2.0  # s for which the broker is lost

@@ -5,7 +5,7 @@ import math
 from typing import Any, Dict, Optional
 
 from vda5050_vehicle.conformance.master import Message
-from vda5050_vehicle.conformance.rules.rule import Broken, NotTried, expect, must
+from vda5050_vehicle.conformance.rules.rule import must
 from vda5050_vehicle.conformance.track import Track, action
 from vda5050_vehicle.conformance.trial import (
     ANSWER,
@@ -16,6 +16,7 @@ from vda5050_vehicle.conformance.trial import (
     new_errors,
     references,
 )
+from vda5050_vehicle.conformance.verdicts import Broken, NotTried, expect
 
 TURN = 0.1     # rad that a heading may be off
 POINT = 0.001  # m, an allowedDeviationXY that hardly a vehicle can keep

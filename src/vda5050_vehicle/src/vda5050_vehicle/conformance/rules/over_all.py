@@ -2,8 +2,9 @@
 from __future__ import annotations
 
 from vda5050_vehicle.conformance.master import TooLate
-from vda5050_vehicle.conformance.rules.rule import NotTried, Start, expect, must
+from vda5050_vehicle.conformance.rules.rule import Start, must
 from vda5050_vehicle.conformance.trial import INTERVAL, Trial
+from vda5050_vehicle.conformance.verdicts import NotTried, expect
 
 
 @must('6.10', 'a state is published on events, or at the latest every 30 s', Start.NOTHING)

@@ -1,25 +1,15 @@
-"""What rules are made of: the list of them, and their outcomes."""
+"""What rules are made of, and the list of them."""
 from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import TYPE_CHECKING, Any, Callable, List, Tuple
+from typing import Callable, List, Tuple
 
-if TYPE_CHECKING:
-    from vda5050_vehicle.conformance.trial import Trial
-
+from vda5050_vehicle.conformance.trial import Trial
 
 ALL = ('2.', '3.')        # versions of the standard
 SINCE_2_1 = ('2.1', '3.')  # figure 8 of 2.0 asks for nodes and edges and actions that are left
 ONLY_3 = ('3.',)
-
-
-class Broken(Exception):
-    """The vehicle broke a rule; the text says what was seen."""
-
-
-class NotTried(Exception):
-    """The rule could not be tried; the text says why."""
 
 
 class Level(Enum):
@@ -49,7 +39,7 @@ class Rule:
     attempt: Callable[[Trial], None]
 
 
-Attempt = Callable[['Trial'], None]
+Attempt = Callable[[Trial], None]
 RULES: List[Rule] = []
 
 
@@ -76,9 +66,3 @@ def _rule(level: Level, section: str, sentence: str, start: Start,
         RULES.append(Rule(level, section, sentence, start, versions, attempt))
         return attempt
     return add
-
-
-def expect(condition: Any, text: str) -> None:
-    """Raises Broken unless the condition holds."""
-    if not condition:
-        raise Broken(text)

@@ -2,8 +2,9 @@
 from __future__ import annotations
 
 from vda5050_vehicle.conformance.master import TooLate, status_of
-from vda5050_vehicle.conformance.rules.rule import ONLY_3, NotTried, Start, expect, must
+from vda5050_vehicle.conformance.rules.rule import ONLY_3, Start, must
 from vda5050_vehicle.conformance.trial import ANSWER, Trial, new_errors, references
+from vda5050_vehicle.conformance.verdicts import NotTried, expect
 
 
 @must('6.14', 'a vehicle that comes online sends ONLINE', Start.NOTHING)
