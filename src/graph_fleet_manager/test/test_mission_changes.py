@@ -5,12 +5,20 @@ import pytest
 from fleet_builders import AGV, corridor
 
 from fleet_simulation.supervised_fleet import SupervisedFleet
-from graph_fleet_manager.supervision.missions import Change, Command, MissionState
+from graph_fleet_manager.supervision.actions import TellStatus
+from graph_fleet_manager.supervision.missions import (
+    Change,
+    Command,
+    CommandCode,
+    MissionState,
+)
 
 
 def modify(fleet, mission, priority=0, *destinations):
-    fleet.do(fleet.supervisor.command(mission, Command.MODIFY, fleet.now,
-                                      Change(priority, destinations)))
+    actions = fleet.supervisor.command(mission, Command.MODIFY, fleet.now,
+                                       Change(priority, destinations))
+    fleet.do(actions)
+    return [action.status for action in actions if isinstance(action, TellStatus)]
 
 
 def test_a_robot_under_way_goes_to_the_new_destinations():
@@ -50,7 +58,8 @@ def test_a_change_that_no_robot_can_do_changes_nothing(vertex):
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
     fleet.request(1, 4)
     fleet.run(1.0)
-    modify(fleet, 1, 0, vertex)
+    told, = modify(fleet, 1, 0, vertex)
+    assert told.command_code is CommandCode.NOT_DONE and f'no vertex {vertex}' in told.reason
     fleet.run_until_done(1)
     assert fleet.state(1) is MissionState.SUCCEEDED and fleet.agvs['a'].visited[-1] == 4
 

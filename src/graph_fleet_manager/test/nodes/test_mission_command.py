@@ -8,9 +8,9 @@ import rospy
 from graph_fleet_manager.commands import mission
 from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandError
 from graph_fleet_manager.messages.missions import request_of, status_message
-from graph_fleet_manager.supervision.mission_commands import not_stored
+from graph_fleet_manager.supervision.mission_commands import not_done, not_stored
 from graph_fleet_manager.supervision.missions import Command, MissionState, RequestRefused, Status
-from itrci_nav_msgs.msg import MissionRequest, MissionStatus
+from itrci_nav_msgs.msg import MissionCommand, MissionRequest, MissionStatus
 
 MINE, OTHER = 1.7e9 + 0.123456789, 1.7e9 - 60.0
 
@@ -88,12 +88,13 @@ def test_the_stamp_of_a_request_survives_the_way_through_the_fleet_manager():
     assert not mission.is_about(told, sent)
 
 
-def change(monkeypatch, word: str, *statuses: MissionStatus) -> None:
-    """Carries out `mission WORD 7` while this is told."""
+def change(monkeypatch, word: str, *statuses: MissionStatus, more: tuple = ()) -> None:
+    """Carries out `mission WORD 7 MORE` while this is told."""
     monkeypatch.setattr(mission, 'connect', lambda name: None)
     monkeypatch.setattr(mission, 'Listener', lambda *_: Told(*statuses))
     monkeypatch.setattr('rospy.rostime.get_rostime', lambda: rospy.Time(5))
-    mission._change(word, [word, '7'])
+    more = more or (('--priority', '3') if word == 'modify' else ())
+    mission._change(word, [word, '7', *more])
 
 
 def test_what_is_told_of_other_missions_with_its_id_is_no_answer_to_a_command(monkeypatch, capsys):
@@ -108,12 +109,30 @@ def test_what_is_told_of_other_missions_with_its_id_is_no_answer_to_a_command(mo
     ('cancel', status_message(not_stored(
         Status(7, MissionState.ACTIVE, stamp=MINE), Command.CANCEL, 'a full disk'), rospy.Time(5))),
     ('cancel', status(MissionState.SUCCEEDED)), ('pause', status(MissionState.PAUSED)),
-    ('resume', status(MissionState.PENDING)), ('release', status(MissionState.ACTIVE))])
+    ('resume', status(MissionState.PENDING)), ('release', status(MissionState.ACTIVE)),
+    ('modify', status(MissionState.ACTIVE))])
 def test_the_first_status_that_shows_a_command_answers_it(monkeypatch, capsys, word, last):
     other = MissionState.PAUSED if word == 'resume' else MissionState.ACTIVE
-    on_the_way = [] if word == 'release' else [status(other, MINE, 'a: it does not report')]
+    on_the_way = [] if word in ('release', 'modify') else [status(other, MINE, 'a: it does not report')]
     change(monkeypatch, word, status(other), *on_the_way, last)
     assert MissionState(last.state).name in capsys.readouterr().out
+
+
+def test_priority_and_destinations_are_changed_on_request_of_a_user(monkeypatch):
+    sent = []
+    monkeypatch.setattr(Nobody, 'publish', lambda _, message: sent.append(message))
+    change(monkeypatch, 'modify', status(MissionState.ACTIVE), status(MissionState.ACTIVE),
+           more=('18', '39', '--priority', '-2'))
+    assert sent[0].command == MissionCommand.MODIFY and sent[0].priority == -2
+    assert list(sent[0].destination_vertices_id) == [18, 39] and '@' in sent[0].requested_by
+
+
+def test_a_change_that_is_refused_is_told_with_its_reason(monkeypatch):
+    refused = status_message(not_done(Status(7, MissionState.ACTIVE, stamp=MINE), Command.MODIFY,
+                                      'the graph has no vertex 99'), rospy.Time(5))
+    with pytest.raises(CommandError, match='7: MODIFY is not done: .* no vertex 99') as failed:
+        change(monkeypatch, 'modify', status(MissionState.ACTIVE), refused)
+    assert failed.value.status == NOT_DONE
 
 
 @pytest.mark.parametrize('word, state', [

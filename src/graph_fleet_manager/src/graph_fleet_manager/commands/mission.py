@@ -2,6 +2,7 @@
 
     mission 18 39 52 6 16 --type omron_ld90 --wait
     mission list | cancel ID | pause ID | resume ID | release ID | history [--csv]
+    mission modify ID --priority 3 [VERTEX ...]
 
 Exit status 0: done, with --wait only when the mission succeeded; 1: wrong input, or no fleet
 manager; 2: the mission was refused or did not succeed.
@@ -10,7 +11,9 @@ from __future__ import annotations
 
 import argparse
 import csv
+import getpass
 import os
+import platform
 import random
 import sys
 import time
@@ -47,7 +50,7 @@ from trajectory_graph import Graph
 from trajectory_graph.messages import graph_from_message
 
 _RESEND = 0.5  # s after which a request that was not acknowledged is sent again
-_CHANGES = {command.name.lower(): command for command in Command if command is not Command.MODIFY}
+_CHANGES = {command.name.lower(): command for command in Command}
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
@@ -72,6 +75,12 @@ def _options(name: str, what: str, arguments: List[str]) -> argparse.Namespace:
     parser = Parser(f'mission {name}', description=what)
     if name in _CHANGES:
         parser.add_argument('id', type=int, help='id of the mission')
+    if name == 'modify':
+        parser.add_argument('destinations', nargs='*', metavar='VERTEX',
+                            help='where it is to go from now on, in order, without stays: id of a '
+                                 'vertex, or a label that only one vertex has; none: as before')
+        parser.add_argument('--priority', type=int, required=True,
+                            help='the higher goes first; give the present one to keep it')
     return parser.parse_args(arguments[1:])
 
 
@@ -80,7 +89,8 @@ def _options(name: str, what: str, arguments: List[str]) -> argparse.Namespace:
 
 def _send(arguments: List[str]) -> int:
     parser = Parser('mission', description='Sends a robot to vertices, in order. Other uses: '
-                    'mission list, mission cancel|pause|resume|release ID, mission history.')
+                    'mission list, mission cancel|pause|resume|release|modify ID, '
+                    'mission history.')
     parser.add_argument('destinations', nargs='+', metavar='VERTEX',
                         help='id of a vertex, or a label that only one vertex has')
     parser.add_argument('--type', default='', help='robot type that must do it')
@@ -93,13 +103,13 @@ def _send(arguments: List[str]) -> int:
     parser.add_argument('--wait', action='store_true', help='show the progress until the end')
     options = parser.parse_args(arguments)
     connect('mission_command')
-    graph = graph_from_message(Listener('/graph', GraphMessage).last())
+    graph = _graph()
     destinations = [_vertex(word, graph) for word in options.destinations]
     dwells = options.dwell * len(destinations) if len(options.dwell) == 1 else options.dwell
     request = MissionRequest(
         request_id=random.randint(1, 2 ** 31 - 1) if options.id is None else options.id,
         destination_vertices_id=destinations, robot_type=options.type, robot=options.robot,
-        priority=options.priority, dwell=dwells)
+        priority=options.priority, dwell=dwells, requested_by=_requested_by())
     request.header.stamp = rospy.Time.now()
     listener = Listener('/mission_status', MissionStatus)
     status = _acknowledged(request, listener)
@@ -107,6 +117,25 @@ def _send(arguments: List[str]) -> int:
         raise CommandError(f'The mission was refused: {status.reason}.', NOT_DONE)
     print(f'Mission {request.request_id} is accepted.', flush=True)
     return _follow(request, status, listener, graph) if options.wait else OK
+
+
+def _requested_by() -> str:
+    """Who asks, for the records: the user and the computer."""
+    try:
+        user = getpass.getuser()
+    except (KeyError, OSError):  # a user without a name, as in containers
+        user = str(os.getuid())
+    return f'{user}@{platform.node()} (mission)'
+
+
+def _graph() -> Graph:
+    return graph_from_message(Listener('/graph', GraphMessage).last())
+
+
+def _vertices(words: List[str]) -> List[int]:
+    """Ids need no graph."""
+    graph = None if all(word.isdecimal() for word in words) else _graph()
+    return [int(word) if graph is None else _vertex(word, graph) for word in words]
 
 
 def _vertex(word: str, graph: Graph) -> int:
@@ -193,7 +222,11 @@ def _change(word: str, arguments: List[str]) -> int:
     connect('mission_command')
     listener = Listener('/mission_status', MissionStatus)
     publisher = connected_publisher('/mission_command', MissionCommand)
-    message = MissionCommand(request_id=options.id, command=int(_CHANGES[word]))
+    message = MissionCommand(request_id=options.id, command=int(_CHANGES[word]),
+                             requested_by=_requested_by())
+    if word == 'modify':
+        message.priority = options.priority
+        message.destination_vertices_id = _vertices(options.destinations)
     message.header.stamp = rospy.Time.now()
     deadline = time.monotonic() + 2.0
     known: Optional[MissionStatus] = None
@@ -215,6 +248,8 @@ def _change(word: str, arguments: List[str]) -> int:
             if status.request_id == options.id and status.request_stamp == known.request_stamp and (
                     _shows(status, _CHANGES[word])):
                 reason = f': {status.reason}' if status.reason else ''
+                if status.command_code == MissionStatus.COMMAND_NOT_DONE:
+                    raise CommandError(f'Mission {options.id}{reason}.', NOT_DONE)
                 print(f'Mission {options.id}: {MissionState(status.state).name}{reason}')
                 return OK
     raise CommandError(f'Nothing changed about mission {options.id}; see mission list.', NOT_DONE)
@@ -233,7 +268,7 @@ def _shows(status: MissionStatus, command: Command) -> bool:
     is_answer = status.command_code != MissionStatus.COMMAND_NONE and status.command == command
     if not state.is_open or is_answer:
         return True
-    if command is Command.RELEASE:
+    if command in (Command.RELEASE, Command.MODIFY):
         return True
     return _is_so(status, command)
 

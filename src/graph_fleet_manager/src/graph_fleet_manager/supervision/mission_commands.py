@@ -44,7 +44,7 @@ def carry_out(command: Command, mission: Mission, book: MissionBook,
 
 def modify(mission: Mission, change: Change, book: MissionBook, acceptance: Acceptance,
            robots: Mapping[str, ManagedRobot]) -> str:
-    """Another priority, other destinations from now on; returns why not, or nothing.
+    """Another priority, other destinations from now on; returns why not, a clause, or nothing.
 
     A robot that drives to others comes to rest, as it would for a cancelled mission, and goes on
     by a plan for the new ones.
@@ -52,7 +52,7 @@ def modify(mission: Mission, change: Change, book: MissionBook, acceptance: Acce
     try:
         acceptance.check_change(mission, change)
     except RequestRefused as refusal:
-        return f'Mission {mission.request.id} is not changed: {refusal}.'
+        return str(refusal)
     before = mission.left
     book.change(mission, change)
     if mission.robot and mission.state is MissionState.ACTIVE and mission.left != before:
@@ -66,7 +66,7 @@ def refused(request: Request, reason: str) -> Status:
 
 
 def not_done(before: Status, command: Command, trouble: str) -> Status:
-    """What is told of a command that waits for the disk: the mission is as it was."""
+    """What is told of a command that cannot be carried out: the mission is as it was."""
     return replace(before, command=command, command_code=CommandCode.NOT_DONE,
                    reason=f'{command.name} is not done: {trouble}')
 

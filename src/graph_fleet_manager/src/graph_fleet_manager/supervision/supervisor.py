@@ -184,8 +184,11 @@ class Supervisor:
         if change is None:
             problem = mission_commands.carry_out(command, mission, self.book, self.robots)
         else:
-            problem = mission_commands.modify(mission, change, self.book, self.acceptance,
+            refusal = mission_commands.modify(mission, change, self.book, self.acceptance,
                                               self.robots)
+            problem = refusal and f'Mission {request_id} is not changed: {refusal}.'
+            if refusal:
+                self._out.put(TellStatus(mission_commands.not_done(before, command, refusal)))
         if problem:
             self._out.note(problem, change is not None)
         if mission.robot:
