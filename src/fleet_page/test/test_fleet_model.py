@@ -2,6 +2,7 @@
 from page_builders import graph, page, request, robot, show_fleet, status
 
 from fleet_page.core import fleet_model
+from fleet_page.core.acts import Act, ActKind
 from fleet_page.core.fleet import Place, Plan
 from fleet_page.core.fleet_model import FleetModel
 from graph_fleet_manager.supervision.journal import HistoryLine
@@ -108,3 +109,22 @@ def test_the_page_records_what_became_of_a_mission(tmp_path):
     assert shown.records.audit(1)[0]['outcome'] == 'sent'
     show_fleet(shown)
     assert shown.records.audit(1)[0]['outcome'] == 'SUCCEEDED a'
+
+
+def test_what_others_ask_for_stands_in_the_audit_list_once(tmp_path):
+    shown = page(str(tmp_path))
+    for _ in range(2):  # a request is sent again until it is acknowledged
+        shown.take_request(request(7), 'boris@hall (mission)', 5.0)
+    shown.take_request(request(8), '', 6.0)
+    row, = shown.records.audit(9)
+    assert (row['person'], row['act'], row['details']['destinations']) == (
+        'boris@hall (mission)', 'send', [2, 3])
+
+
+def test_an_act_that_was_not_done_says_so_in_the_audit_list(tmp_path):
+    shown = page(str(tmp_path))
+    shown.noticed('boris', Act(ActKind.MODIFY, mission=7, destinations=(99,)), 5.0)
+    shown.noticed('boris', Act(ActKind.MODIFY, mission=8), 6.0)
+    shown.take_status(status(7, not_done='modify', reason='the graph has no vertex 99'))
+    other, row = shown.records.audit(9)
+    assert not row['ok'] and row['outcome'] == 'the graph has no vertex 99' and other['ok']

@@ -45,7 +45,7 @@ def test_sums_of_an_hour_add_up():
 def line(**values):
     known = {'request_id': 1, 'destinations': (2, 3), 'robot_type': '', 'priority': 0,
              'state': MissionState.SUCCEEDED, 'robot': 'a', 'reached': 2, 'accepted': 100.0,
-             'started': 110.0, 'ended': 200.0, 'reason': ''}
+             'started': 110.0, 'ended': 200.0, 'reason': '', 'requested_by': 'anna (page)'}
     return HistoryLine(**{**known, **values})
 
 
@@ -63,6 +63,7 @@ def test_the_history_counts_missions_by_hour_and_robot():
 def test_no_spreadsheet_takes_a_cell_of_the_csv_for_a_formula():
     text = history_csv([line(reason='=HYPERLINK("http://evil")', robot='@x')], 0.0)
     assert "'=HYPERLINK" in text and ",'@x," in text
+    assert ',anna (page)' in text
 
 
 def moment(x, state='IDLE'):

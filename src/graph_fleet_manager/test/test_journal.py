@@ -172,6 +172,23 @@ def test_a_file_of_version_0_2_is_migrated_and_loses_nothing(path):
     Journal(path).close()  # a second time there is nothing left to migrate
 
 
+def test_each_change_keeps_who_requested_it(path):
+    journal, book = Journal(path), MissionBook()
+    mission = book.add(replace(REQUEST, requested_by='anna (page)'), ACCEPTANCE)
+    journal.store(book.changes)
+    book.stored()
+    for state, person in ((MissionState.ACTIVE, ''), (MissionState.CANCELLED, 'boris (page)')):
+        book.set(mission, state)
+        mission.changed_by = person
+        journal.store(book.changes)
+    rows = sqlite3.connect(path).execute('SELECT requested_by FROM change ORDER BY rowid')
+    assert [row[0] for row in rows] == ['anna (page)', '', 'boris (page)']
+    line, = history(path)
+    assert line.requested_by == 'anna (page)'
+    assert journal.missions()[0].request.requested_by == 'anna (page)'
+    journal.close()
+
+
 @pytest.mark.parametrize('change, says', [
     ('ALTER TABLE mission ADD COLUMN colour TEXT', 'colour'),
     ('PRAGMA user_version = 99', 'version 99'),

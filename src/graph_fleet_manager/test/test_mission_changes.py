@@ -5,12 +5,13 @@ import pytest
 from fleet_builders import AGV, corridor
 
 from fleet_simulation.supervised_fleet import SupervisedFleet
-from graph_fleet_manager.supervision.actions import TellStatus
+from graph_fleet_manager.supervision.actions import Note, TellStatus
 from graph_fleet_manager.supervision.missions import (
     Change,
     Command,
     CommandCode,
     MissionState,
+    Request,
 )
 
 
@@ -72,3 +73,16 @@ def test_a_change_outlives_a_restart():
     fleet.restart()
     fleet.run_until_done(1)
     assert fleet.state(1) is MissionState.SUCCEEDED and fleet.agvs['a'].visited[-1] == 5
+
+
+def test_who_requested_a_mission_and_its_end_is_told_and_kept():
+    fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
+    notes = [action.text for action in fleet.supervisor.request(
+        Request(1, (6,), requested_by='anna (page)'), fleet.now) if isinstance(action, Note)]
+    assert notes == ['anna (page) requests mission 1 to 6.']
+    actions = fleet.supervisor.command(1, Command.CANCEL, fleet.now, requested_by='boris (page)')
+    fleet.do(actions)
+    assert any(isinstance(action, Note) and action.text == 'boris (page) requests CANCEL of '
+               'mission 1.' for action in actions)
+    told, = (action.status for action in actions if isinstance(action, TellStatus))
+    assert told.reason == 'cancelled on request of boris (page)'

@@ -142,3 +142,30 @@ def test_a_stop_that_did_not_work_is_told_with_its_reason(commands, monkeypatch)
     monkeypatch.setattr(fleet_commands, 'stop', stop)
     outcome = commands.do(Act(ActKind.STOP), ANNA)
     assert not outcome.ok and 'NO ROBOT' in outcome.text
+
+
+def asked_by(name: str, message: Any) -> Any:
+    """The message as it comes from a node with this name."""
+    message._connection_header = {'callerid': name}
+    return message
+
+
+def test_what_others_ask_for_is_told_with_their_names_and_the_own_acts_are_not_told_twice():
+    command = msg.MissionCommand(request_id=7, command=msg.MissionCommand.PAUSE,
+                                 requested_by='boris')
+    assert messages.sender_of(asked_by('/mission', command), '/fleet_page') == 'boris'
+    assert messages.sender_of(asked_by('/fleet_page', command), '/fleet_page') == ''
+    assert messages.command_of(command) == Act(ActKind.PAUSE, mission=7)
+    closing = msg.EdgeCommand(command=msg.EdgeCommand.CLOSE, edges=[3])
+    assert messages.edges_of(closing) == Act(ActKind.CLOSE, edges=(3,))
+    for unknown in (msg.MissionCommand(command=200), msg.EdgeCommand(command=200)):
+        unknown_act = messages.command_of if hasattr(unknown, 'request_id') else messages.edges_of
+        assert unknown_act(unknown) is None
+
+
+def test_an_act_that_the_fleet_manager_did_not_carry_out_is_told():
+    told = msg.MissionStatus(request_id=7, command=msg.MissionCommand.MODIFY,
+                             command_code=msg.MissionStatus.COMMAND_NOT_DONE)
+    assert messages.status_of(told).not_done == 'modify'
+    told.command_code = msg.MissionStatus.COMMAND_NOT_STORED
+    assert messages.status_of(told).not_done == ''

@@ -113,7 +113,8 @@ def test_what_is_told_of_other_missions_with_its_id_is_no_answer_to_a_command(mo
     ('modify', status(MissionState.ACTIVE))])
 def test_the_first_status_that_shows_a_command_answers_it(monkeypatch, capsys, word, last):
     other = MissionState.PAUSED if word == 'resume' else MissionState.ACTIVE
-    on_the_way = [] if word in ('release', 'modify') else [status(other, MINE, 'a: it does not report')]
+    is_answered_at_once = word in ('release', 'modify')
+    on_the_way = [] if is_answered_at_once else [status(other, MINE, 'a: it does not report')]
     change(monkeypatch, word, status(other), *on_the_way, last)
     assert MissionState(last.state).name in capsys.readouterr().out
 

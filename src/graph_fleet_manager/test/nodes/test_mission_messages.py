@@ -114,3 +114,10 @@ def test_a_moment_that_no_message_can_carry_is_the_nearest_one_that_it_can(secon
     plan = plan_message([('a', [DriveView(1, -seconds, seconds, True)])],
                         lambda moment: moment_of(moment, NOW), NOW)
     plan.serialize(io.BytesIO())
+
+
+def test_who_requests_a_mission_is_kept_short_and_printable():
+    message = msg.MissionRequest(request_id=1, destination_vertices_id=[2],
+                                 requested_by='anna\n' + 'x' * 1000)
+    by = request_of(message).requested_by
+    assert by.startswith('anna?x') and len(by) == 256

@@ -57,7 +57,10 @@ class Plan:
 
 @dataclass(frozen=True)
 class MissionStatus:
-    """What was told of a mission; `stamp`, in ns, tells missions with one id apart."""
+    """What was told of a mission; `stamp`, in ns, tells missions with one id apart.
+
+    not_done -- the act that the reason says was not carried out; empty: the reason is the mission's
+    """
 
     id: int
     stamp: int
@@ -65,6 +68,7 @@ class MissionStatus:
     robot: str
     reached: int
     reason: str
+    not_done: str = ''
 
 
 @dataclass(frozen=True)

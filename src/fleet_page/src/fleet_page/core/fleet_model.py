@@ -165,6 +165,10 @@ class FleetModel:
         if key in self.missions:
             self._show_mission(key)
 
+    def knows(self, request: MissionRequest) -> bool:
+        """Did exactly this request come before?"""
+        return self._requests.get((request.id, request.stamp)) == request
+
     @property
     def unknown(self) -> Set[int]:
         """Ids of open missions of which nothing is known but what became of them."""
@@ -178,7 +182,7 @@ class FleetModel:
             line = last.get(status.id)
             if key not in self._requests and line is not None:
                 self.take_request(MissionRequest(*key, line.destinations, '', line.robot_type,
-                                                 line.priority))
+                                                 line.priority, line.requested_by))
 
     def forget_request(self, id: int) -> None:
         """A mission may have been changed: what it is to do is read in the journal."""

@@ -50,7 +50,8 @@ def history_csv(lines: Iterable[HistoryLine], since: float) -> str:
                 line.request_id, ' '.join(map(str, line.destinations)), _cell(line.robot_type),
                 line.priority, line.state.name, _cell(line.robot), line.reached,
                 _seconds(line.accepted, 3), _seconds(line.started, 3), _seconds(line.ended, 3),
-                _seconds(line.waited, 1), _seconds(line.took, 1), _cell(line.reason)])
+                _seconds(line.waited, 1), _seconds(line.took, 1), _cell(line.reason),
+                _cell(line.requested_by)])
     return text.getvalue()
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, Callable, Dict, List, Optional
 
 from fleet_page.core.acts import Act, ActKind, Outcome
-from fleet_page.core.fleet import OPEN_STATES, MissionStatus, Plan
+from fleet_page.core.fleet import OPEN_STATES, MissionRequest, MissionStatus, Plan
 from fleet_page.core.fleet_model import FleetModel
 from fleet_page.core.history import history_values
 from fleet_page.core.latencies import Histogram, ReleaseWatch
@@ -70,10 +70,28 @@ class Page:
     def take_status(self, status: MissionStatus) -> None:
         """What is told of a mission; one that was asked for here is followed in the audit list."""
         self.model.take_status(status)
+        if status.not_done:
+            self._keep('audit list', lambda: self.records.was_not_done(
+                status.not_done, status.id, status.reason))
+            return
         words = status.state + (f' {status.robot}' if status.robot else '') + (
             f': {status.reason}' if status.reason else '')
         if status.state not in OPEN_STATES or status.state == 'ACTIVE':
             self._keep('audit list', lambda: self.records.mission_became(status.id, words))
+
+    def take_request(self, request: MissionRequest, sender: str, now: float) -> None:
+        """A mission is asked for; `sender`: by whom, past this page; empty: not to be kept."""
+        is_new = not self.model.knows(request)
+        self.model.take_request(request)
+        if sender and is_new:
+            act = Act(ActKind.SEND, robot=request.robot, robot_type=request.robot_type,
+                      priority=request.priority, destinations=request.destinations)
+            self.noticed(sender, act, now, request.id)
+
+    def noticed(self, name: str, act: Act, now: float, mission: int = 0) -> None:
+        """A person or program asked for this past the page."""
+        self._keep('audit list', lambda: self.records.note(now, name, act, Outcome(
+            True, '', mission)))
 
     def _keep(self, what: str, write: Callable[[], None]) -> None:
         """Writes to the page's own files; the fleet is shown without them, too."""

@@ -8,7 +8,7 @@ from typing import Any, Dict, List, Mapping, Tuple
 
 from fleet_page.core.acts import Act, Outcome
 
-MOST_ROWS = 10000       # of the audit list; older ones go
+MOST_ROWS = 50000       # of the audit list; older ones go
 MOST_FAVOURITES = 100
 HOUR = 3600
 KEPT_HOURS = 24 * 90
@@ -65,9 +65,15 @@ class Records:
                          (MOST_ROWS,))
 
     def mission_became(self, mission: int, words: str) -> None:
-        """What became of a mission that was asked for here, in place of what was known before."""
+        """What became of a mission that was asked for, in place of what was known before."""
         self._db.execute('UPDATE audit SET outcome = ? WHERE id = '
                          '(SELECT MAX(id) FROM audit WHERE mission = ?)', (words, mission))
+
+    def was_not_done(self, act: str, mission: int, words: str) -> None:
+        """The fleet manager did not carry out the last such act for a mission."""
+        self._db.execute(
+            'UPDATE audit SET ok = 0, outcome = ? WHERE id = (SELECT MAX(id) FROM audit WHERE '
+            "act = ? AND json_extract(details, '$.mission') = ?)", (words, act, mission))
 
     def audit(self, most: int) -> List[Dict[str, Any]]:
         """The newest rows first."""

@@ -16,11 +16,11 @@ from itrci_nav_msgs.msg import EdgeCommand, MissionCommand, MissionRequest
 from itrci_nav_msgs.srv import DeclareAbsent
 
 WAIT = 1.0  # s for a service that may not be there
-_COMMANDS: Dict[ActKind, int] = {
+COMMANDS: Dict[ActKind, int] = {
     ActKind.CANCEL: MissionCommand.CANCEL, ActKind.PAUSE: MissionCommand.PAUSE,
     ActKind.CONTINUE: MissionCommand.RESUME, ActKind.RELEASE: MissionCommand.RELEASE,
     ActKind.MODIFY: MissionCommand.MODIFY}
-_EDGES: Dict[ActKind, int] = {ActKind.CLOSE: EdgeCommand.CLOSE, ActKind.OPEN: EdgeCommand.OPEN}
+EDGES: Dict[ActKind, int] = {ActKind.CLOSE: EdgeCommand.CLOSE, ActKind.OPEN: EdgeCommand.OPEN}
 _SERVICES: Dict[ActKind, Tuple[str, Type[Any]]] = {
     ActKind.RESUME: ('/resume_fleet', Trigger), ActKind.OUT: ('/{}/leave_fleet', Trigger),
     ActKind.IN: ('/{}/join_fleet', Trigger), ActKind.ABSENT: ('/{}/declare_absent', DeclareAbsent)}
@@ -46,9 +46,9 @@ class FleetCommands:
             return self._stop()
         if act.kind is ActKind.SEND:
             return self._send(act, by)
-        if act.kind in _COMMANDS:
+        if act.kind in COMMANDS:
             return self._command(act, by)
-        if act.kind in _EDGES:
+        if act.kind in EDGES:
             return self._edge(act, by)
         return self._call(act, by)
 
@@ -75,7 +75,7 @@ class FleetCommands:
         if not self._commands.get_num_connections():
             return Outcome(False, 'No program takes commands: is path_supervisor running?')
         command = MissionCommand(
-            request_id=act.mission, command=_COMMANDS[act.kind], priority=act.priority,
+            request_id=act.mission, command=COMMANDS[act.kind], priority=act.priority,
             destination_vertices_id=list(act.destinations), requested_by=by)
         command.header.stamp = rospy.Time.now()
         self._commands.publish(command)
@@ -84,7 +84,7 @@ class FleetCommands:
     def _edge(self, act: Act, by: str) -> Outcome:
         if not self._edges.get_num_connections():
             return Outcome(False, 'No program takes commands for edges: is graph_server running?')
-        command = EdgeCommand(command=_EDGES[act.kind], edges=sorted(set(act.edges)),
+        command = EdgeCommand(command=EDGES[act.kind], edges=sorted(set(act.edges)),
                               requested_by=by)
         command.header.stamp = rospy.Time.now()
         self._edges.publish(command)

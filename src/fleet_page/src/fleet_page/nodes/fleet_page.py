@@ -5,7 +5,7 @@ See docs/interface/fleet_page.md. It decides nothing about robots.
 Subscribes
     /graph, /closed_edges_in_force, /parking, /docking_points (latched, of graph_server)
     /fleet_state, /fleet_plan, /fleet_poses, /mission_status (of path_supervisor)
-    /mission_request, /mission_command: what missions are to do
+    /mission_request, /mission_command, /edge_command: what was asked for, by whom
     /plan_answer: how long the planner takes
     ~map_topic (nav_msgs/OccupancyGrid, latched): the walls
 Publishes
@@ -40,6 +40,7 @@ import rospy
 from aiohttp import web
 from nav_msgs.msg import OccupancyGrid
 
+from fleet_page.core.acts import Act
 from fleet_page.core.page import Page
 from fleet_page.core.records import Records
 from fleet_page.core.replay import ReplayRing
@@ -56,6 +57,7 @@ from graph_fleet_manager.supervision.journal_database import JournalError
 from itrci_nav_msgs.msg import (
     ClosedEdges,
     DockingPoints,
+    EdgeCommand,
     FleetPlan,
     FleetPoses,
     FleetState,
@@ -157,6 +159,7 @@ class FleetPageNode:
             listen('/fleet_poses', FleetPoses, self._on_poses),
             listen('/mission_request', MissionRequest, self._on_request, 1000),
             listen('/mission_command', MissionCommand, self._on_command, 1000),
+            listen('/edge_command', EdgeCommand, self._on_edges, 1000),
             listen('/mission_status', MissionStatus, self._on_status, 1000),
             listen('/plan_answer', PlanAnswer, self._on_answer, 10),
             listen(map_topic, OccupancyGrid, self._on_map)]
@@ -202,11 +205,22 @@ class FleetPageNode:
         self._page.take_plans(messages.plans_of(message), time.time())
 
     def _on_request(self, message: MissionRequest) -> None:
-        self._page.model.take_request(messages.request_of(message))
+        self._page.take_request(messages.request_of(message),
+                                messages.sender_of(message, rospy.get_name()), time.time())
 
     def _on_command(self, message: MissionCommand) -> None:
         if message.command == MissionCommand.MODIFY:
             self._loop.call_later(1.0, self._page.model.forget_request, message.request_id)
+        self._notice(message, messages.command_of(message))
+
+    def _on_edges(self, message: EdgeCommand) -> None:
+        self._notice(message, messages.edges_of(message))
+
+    def _notice(self, message: Any, act: Optional[Act]) -> None:
+        """What others ask for stands in the audit list, too."""
+        sender = messages.sender_of(message, rospy.get_name())
+        if sender and act is not None:
+            self._page.noticed(sender, act, time.time())
 
     def _on_status(self, message: MissionStatus) -> None:
         self._page.take_status(messages.status_of(message))

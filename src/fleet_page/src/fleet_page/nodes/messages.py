@@ -4,6 +4,7 @@ from __future__ import annotations
 import math
 from typing import Any, Dict, Iterable, Optional
 
+from fleet_page.core.acts import Act, ActKind
 from fleet_page.core.fleet import (
     MISSION_STATES,
     ROBOT_STATES,
@@ -14,11 +15,17 @@ from fleet_page.core.fleet import (
     Robot,
 )
 from fleet_page.core.site import WallMap, wall_map
+from fleet_page.nodes.fleet_commands import COMMANDS, EDGES
+from graph_fleet_manager.messages.missions import person_of
 from itrci_nav_msgs import msg
 
 _OUTAGES: Dict[int, str] = {
     value: name[len('OUTAGE_'):] for name, value in vars(msg.FleetRobot).items()
     if name.startswith('OUTAGE_')}
+
+
+_COMMANDS: Dict[int, ActKind] = {number: kind for kind, number in COMMANDS.items()}
+_EDGES: Dict[int, ActKind] = {number: kind for kind, number in EDGES.items()}
 
 
 def robot_of(message: msg.FleetRobot) -> Robot:
@@ -51,14 +58,41 @@ def status_of(message: msg.MissionStatus) -> MissionStatus:
     """What is told of a mission."""
     return MissionStatus(message.request_id, message.request_stamp.to_nsec(),
                          _word(MISSION_STATES, message.state), message.robot,
-                         message.destinations_reached, message.reason)
+                         message.destinations_reached, message.reason,
+                         _not_done(message))
+
+
+def _not_done(message: msg.MissionStatus) -> str:
+    kind = _COMMANDS.get(message.command)
+    is_not_done = message.command_code == msg.MissionStatus.COMMAND_NOT_DONE
+    return kind.value if kind is not None and is_not_done else ''
+
+
+def command_of(message: msg.MissionCommand) -> Optional[Act]:
+    """What is asked for an open mission; None: there is no such command."""
+    kind = _COMMANDS.get(message.command)
+    return None if kind is None else Act(
+        kind, mission=message.request_id, priority=message.priority,
+        destinations=tuple(message.destination_vertices_id))
+
+
+def edges_of(message: msg.EdgeCommand) -> Optional[Act]:
+    """What is asked for edges; None: there is no such command."""
+    kind = _EDGES.get(message.command)
+    return None if kind is None else Act(kind, edges=tuple(message.edges))
+
+
+def sender_of(message: Any, own: str) -> str:
+    """Who asks past this page, which has the name `own`; empty: the page itself, or not said."""
+    sender = (message._connection_header or {}).get('callerid', '')
+    return '' if sender == own else person_of(message.requested_by)
 
 
 def request_of(message: msg.MissionRequest) -> MissionRequest:
     """What a mission is to do."""
     return MissionRequest(message.request_id, message.header.stamp.to_nsec(),
                           tuple(message.destination_vertices_id), message.robot,
-                          message.robot_type, message.priority, message.requested_by)
+                          message.robot_type, message.priority, person_of(message.requested_by))
 
 
 def walls_of(message: Any) -> WallMap:

@@ -288,7 +288,7 @@ def _history(arguments: List[str]) -> int:
             writer.writerow(HISTORY_COLUMNS)
             writer.writerows(rows)
         else:
-            shown = (0, 1, 4, 5, 7, 11, 12)
+            shown = (0, 1, 4, 5, 7, 11, 12, 13)
             print(table([[HISTORY_COLUMNS[k] for k in shown],
                          *([row[k] for k in shown] for row in rows)]))
     except JournalError as error:
@@ -314,7 +314,7 @@ def _row(line: HistoryLine) -> List[str]:
     return [str(line.request_id), ' '.join(map(str, line.destinations)), line.robot_type,
             str(line.priority), line.state.name, line.robot, str(line.reached),
             _moment(line.accepted), _moment(line.started), _moment(line.ended),
-            _duration(line.waited), _duration(line.took), line.reason]
+            _duration(line.waited), _duration(line.took), line.reason, line.requested_by]
 
 
 def _duration(seconds: Optional[float]) -> str:

@@ -43,7 +43,12 @@ def request_of(message: msg.MissionRequest) -> Request:
             raise RequestRefused(f'its {name} has more than {_LONGEST_NAME} letters')
     return Request(message.request_id, tuple(message.destination_vertices_id), message.robot_type,
                    message.robot, message.priority, tuple(message.dwell),
-                   message.header.stamp.to_sec())
+                   message.header.stamp.to_sec(), person_of(message.requested_by))
+
+
+def person_of(text: str) -> str:
+    """Who asks, as it is kept: short, and what can be printed."""
+    return _words(text[:_LONGEST_NAME])
 
 
 def refusal_status(message: msg.MissionRequest, reason: str) -> Status:

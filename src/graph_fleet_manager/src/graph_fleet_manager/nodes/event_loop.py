@@ -115,12 +115,12 @@ class EventLoop:
         self._put(when_ready, arrived)
 
     def put_command(self, request_id: int, command: Command,
-                    change: Optional[Change] = None) -> None:
+                    change: Optional[Change] = None, requested_by: str = '') -> None:
         """A command came; requests with that id that still wait go before it."""
         def do(supervisor: Supervisor, now: float) -> Sequence[Action]:
             before = self._requests_with(request_id)
             return [*(supervisor.requests(before, now) if before else ()),
-                    *supervisor.command(request_id, command, now, change)]
+                    *supervisor.command(request_id, command, now, change, requested_by)]
         self.put_order(do, f'The command {command.name} for mission {request_id} is ignored: '
                            f'{_TOO_EARLY}.')
 

@@ -61,7 +61,8 @@ class FleetActs:
 
     def _send(self, vertex: int, robot: str) -> None:
         request = MissionRequest(request_id=random.randint(1, 2 ** 31 - 1),
-                                 destination_vertices_id=[vertex], robot=robot)
+                                 destination_vertices_id=[vertex], robot=robot,
+                                 requested_by=rospy.get_name())
         request.header.stamp = rospy.Time.now()
         if not self._requests.get_num_connections():
             self._say('Nobody takes missions: is path_supervisor running?')
@@ -75,7 +76,8 @@ class FleetActs:
         if robot is None or not robot.has_mission:
             self._say(f'{name} has no mission')
             return
-        command = MissionCommand(request_id=robot.request_id, command=_COMMANDS[act])
+        command = MissionCommand(request_id=robot.request_id, command=_COMMANDS[act],
+                                 requested_by=rospy.get_name())
         command.header.stamp = rospy.Time.now()
         self._commands.publish(command)
         self._say(f'{act.value}: {name}, mission {robot.request_id}')

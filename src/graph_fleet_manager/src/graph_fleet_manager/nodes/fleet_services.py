@@ -10,6 +10,7 @@ import rospy
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from graph_fleet_manager.interlocking.stop_gate import StopGate
+from graph_fleet_manager.messages.missions import person_of
 from graph_fleet_manager.nodes.event_loop import EventLoop
 from graph_fleet_manager.supervision.actions import Action
 from graph_fleet_manager.supervision.supervisor import Supervisor
@@ -52,7 +53,9 @@ class FleetServices:
     def _offer_absence(self, robot: str, done: str) -> rospy.Service:
         name = f'/{robot}/declare_absent'
 
-        def answer(_: DeclareAbsentRequest) -> DeclareAbsentResponse:
+        def answer(request: DeclareAbsentRequest) -> DeclareAbsentResponse:
+            by = person_of(request.requested_by)
+            rospy.loginfo('%s is requested%s.', name, f' by {by}' if by else '')
             told = self._called(name, _absent(robot), done)
             return DeclareAbsentResponse(told.success, told.message)
         return rospy.Service(name, DeclareAbsent, answer)

@@ -246,7 +246,8 @@ class PathSupervisor:
             return
         change = (Change(message.priority, tuple(message.destination_vertices_id))
                   if command is Command.MODIFY else None)
-        self._events.put_command(message.request_id, command, change)
+        self._events.put_command(message.request_id, command, change,
+                                 messages.person_of(message.requested_by))
 
     def _on_report(self, robot: str, message: ExecutionRouteStates) -> None:
         try:

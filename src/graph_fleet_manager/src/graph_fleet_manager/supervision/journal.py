@@ -75,6 +75,7 @@ class HistoryLine(NamedTuple):
     started: Optional[float]
     ended: Optional[float]
     reason: str
+    requested_by: str = ''
 
     @property
     def waited(self) -> Optional[float]:
@@ -89,7 +90,8 @@ class HistoryLine(NamedTuple):
 
 
 HISTORY_COLUMNS = ('request_id', 'destinations', 'robot_type', 'priority', 'state', 'robot',
-                   'reached', 'accepted', 'started', 'ended', 'waited_s', 'took_s', 'reason')
+                   'reached', 'accepted', 'started', 'ended', 'waited_s', 'took_s', 'reason',
+                   'requested_by')
 """Of the history as CSV."""
 
 
@@ -150,7 +152,8 @@ class Journal:
         request, moment = mission.request, self._clock()
         self._run('INSERT OR REPLACE INTO mission VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)',
                   (mission.serial, request.id, _request_text(request), *now, request.stamp, moment))
-        self._run('INSERT INTO change VALUES (?, ?, ?, ?, ?, ?)', (moment, mission.serial, *now))
+        self._run('INSERT INTO change VALUES (?, ?, ?, ?, ?, ?, ?)',
+                  (moment, mission.serial, *now, mission.changed_by))
         if mission.stays_since is None or not mission.state.is_open:
             self._run('DELETE FROM stay WHERE serial = ?', (mission.serial,))
 
@@ -265,7 +268,7 @@ def _history_line(text: str, number: int, robot: str, reached: int, reason: str,
     request, state = _request(text), MissionState(number)
     return HistoryLine(request.id, request.destinations, request.robot_type, request.priority,
                        state, robot, reached, accepted, started, None if state.is_open else last,
-                       reason)
+                       reason, request.requested_by)
 
 
 def _request_text(request: Request) -> str:

@@ -34,12 +34,14 @@ _MIGRATIONS: Tuple[str, ...] = (
     DROP INDEX mission_by_id;
     CREATE INDEX mission_by_request ON mission (request_id, stamp);
     CREATE INDEX mission_by_change ON mission (changed);
+    ''', '''
+    ALTER TABLE change ADD COLUMN requested_by TEXT NOT NULL DEFAULT '';
     ''')
 """What makes a file of version k one of version k + 1; version 0 has no number of its own."""
 LAYOUT: Dict[str, Tuple[str, ...]] = {
     'mission': ('serial', 'request_id', 'request', 'state', 'robot', 'reached', 'reason', 'stamp',
                 'changed'),
-    'change': ('time', 'serial', 'state', 'robot', 'reached', 'reason'),
+    'change': ('time', 'serial', 'state', 'robot', 'reached', 'reason', 'requested_by'),
     'stay': ('serial', 'began'), 'robot': ('name', 'memory'), 'value': ('name', 'number'),
     'graph': ('one', 'elements')}
 """The columns of every table of the newest version."""

@@ -93,7 +93,7 @@ class MissionBook:
         acceptance.check(request)
         if len(self._by_serial) >= MOST_OPEN:
             raise RequestRefused(f'{MOST_OPEN} missions are open; cancel some, or wait')
-        mission = Mission(self._next, request)
+        mission = Mission(self._next, request, changed_by=request.requested_by)
         self._next += 1
         self._by_serial[mission.serial] = self._last[request.id] = mission
         self.pending.add(mission)
@@ -170,7 +170,7 @@ class MissionBook:
         self._begun_stays.clear()
         changes, self.changed = self.changes, set()
         for mission in changes:
-            mission.stored = mission.status
+            mission.stored, mission.changed_by = mission.status, ''
             if not mission.state.is_open:
                 self._by_serial.pop(mission.serial, None)
                 self._ended.append(mission)

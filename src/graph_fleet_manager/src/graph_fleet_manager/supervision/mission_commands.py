@@ -20,11 +20,12 @@ from graph_fleet_manager.supervision.robots import ManagedRobot
 
 
 def carry_out(command: Command, mission: Mission, book: MissionBook,
-              robots: Mapping[str, ManagedRobot]) -> str:
+              robots: Mapping[str, ManagedRobot], requested_by: str = '') -> str:
     """Cancels, pauses, resumes, or ends a dwell; returns why not, or nothing."""
     name = mission.robot
     if command is Command.CANCEL:
-        book.set(mission, MissionState.CANCELLED, 'cancelled on request')
+        by = f' of {requested_by}' if requested_by else ''
+        book.set(mission, MissionState.CANCELLED, f'cancelled on request{by}')
     elif command is Command.PAUSE:
         book.set(mission, MissionState.PAUSED)
     elif command is Command.RESUME:

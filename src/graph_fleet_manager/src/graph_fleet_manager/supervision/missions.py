@@ -57,6 +57,7 @@ class Request:
     priority   -- the higher goes first
     dwells     -- s to stay at each destination, negative: until released; empty: nowhere
     stamp      -- s, when it was sent; 0 where the sender did not say
+    requested_by -- person or program, for the records; empty: the sender did not say
     """
 
     id: int
@@ -66,6 +67,7 @@ class Request:
     priority: int = 0
     dwells: Tuple[float, ...] = ()
     stamp: float = 0.0
+    requested_by: str = ''
 
     def dwell(self, index: int) -> float:
         """Seconds to stay at a destination."""
@@ -125,6 +127,7 @@ class Mission:
     reason      -- why it ended, or what it waits for
     changes     -- how often it got other destinations: plans for the ones before serve no more
     stored      -- its status as it is on the disk; None: it is not there yet
+    changed_by  -- who requested what is not stored of it yet; empty: no one, or it was not said
     """
 
     serial: int
@@ -136,6 +139,7 @@ class Mission:
     reason: str = ''
     changes: int = 0
     stored: Optional[Status] = None
+    changed_by: str = ''
 
     @property
     def status(self) -> Status:

@@ -163,6 +163,9 @@ class Supervisor:
                 self._out.put(TellStatus(ended.status))
                 return None
         mission = self.book.add(request, acceptance)
+        if mission is not None and request.requested_by:
+            self._out.note(f'{request.requested_by} requests mission {request.id} to '
+                           f'{", ".join(map(str, request.destinations))}.')
         if mission is None and before is not None and before.serial not in self.book.changed:
             self._out.put(TellStatus(before.status))
         return mission
@@ -171,8 +174,10 @@ class Supervisor:
         self._out.put(TellStatus(mission_commands.refused(request, reason)))
 
     def command(self, request_id: int, command: Command, now: float,
-                change: Optional[Change] = None) -> List[Action]:
+                change: Optional[Change] = None, requested_by: str = '') -> List[Action]:
         """Cancels, pauses, resumes, ends a dwell, or modifies: that needs the `change`."""
+        if requested_by:
+            self._out.note(f'{requested_by} requests {command.name} of mission {request_id}.')
         mission = self.book.find(request_id)
         if mission is None or not mission.state.is_open:
             self._out.note(f'There is no open mission {request_id} for {command.name}.', True)
@@ -182,13 +187,16 @@ class Supervisor:
             self._out.put(TellStatus(mission_commands.not_done(before, command, self.trouble)))
             return self._out.take(now)
         if change is None:
-            problem = mission_commands.carry_out(command, mission, self.book, self.robots)
+            problem = mission_commands.carry_out(command, mission, self.book, self.robots,
+                                                 requested_by)
         else:
             refusal = mission_commands.modify(mission, change, self.book, self.acceptance,
                                               self.robots)
             problem = refusal and f'Mission {request_id} is not changed: {refusal}.'
             if refusal:
                 self._out.put(TellStatus(mission_commands.not_done(before, command, refusal)))
+        if mission.serial in self.book.changed:
+            mission.changed_by = requested_by
         if problem:
             self._out.note(problem, change is not None)
         if mission.robot:
