@@ -49,7 +49,7 @@ from fleet_page.core.site import WrongMap
 from fleet_page.nodes import messages
 from fleet_page.nodes.fleet_commands import FleetCommands
 from fleet_page.web.files import PageFiles
-from fleet_page.web.security import Addresses, is_loopback
+from fleet_page.web.security import Addresses, WrongCertificate, certificates_of, is_loopback
 from fleet_page.web.server import Access, WebServer, serve
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
 from graph_fleet_manager.supervision.journal import HistoryLine, history
@@ -245,11 +245,9 @@ def _access(host: str) -> Any:
     certificates: Optional[ssl.SSLContext] = None
     if certificate or key:
         try:
-            certificates = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
-            certificates.load_cert_chain(certificate, key or None)
-        except (OSError, ssl.SSLError) as error:
-            raise ConfigurationError(f'The certificate {certificate} with the key {key} cannot be '
-                                     f'used ({error}).') from None
+            certificates = certificates_of(certificate, key)
+        except WrongCertificate as wrong:
+            raise ConfigurationError(str(wrong)) from None
     elif not is_loopback(host):
         rospy.logwarn('The page is served without TLS: whoever listens on the network reads its '
                       'tokens. Name ~certificate and ~key.')

@@ -1,6 +1,7 @@
 """Headers of every answer, and where requests may come from."""
 from __future__ import annotations
 
+import ssl
 from dataclasses import dataclass
 from typing import FrozenSet, Iterable, Optional
 from urllib.parse import urlsplit
@@ -17,6 +18,25 @@ HEADERS = {
     'Cache-Control': 'no-store',
 }
 LOOPBACK = ('127.0.0.1', 'localhost', '::1')
+
+
+class WrongCertificate(Exception):
+    """The page cannot be served with it; the text is one sentence."""
+
+
+def certificates_of(certificate: str, key: str) -> ssl.SSLContext:
+    """What the page is served with by TLS, from PEM files; no key: the certificate's file has it.
+
+    Raises WrongCertificate, also for a key with a password: no person is there to type it.
+    """
+    context = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
+    context.minimum_version = ssl.TLSVersion.TLSv1_2
+    try:
+        context.load_cert_chain(certificate, key or None, password=lambda: '')
+    except (OSError, ValueError) as error:  # ssl.SSLError is an OSError
+        raise WrongCertificate(f'The certificate {certificate!r} with the key {key!r} cannot be '
+                               f'used ({error}): name PEM files that belong together.') from None
+    return context
 
 
 def is_loopback(host: str) -> bool:

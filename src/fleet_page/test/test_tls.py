@@ -1,0 +1,96 @@
+"""The page by TLS: tokens and cookies are never sent in the clear."""
+from __future__ import annotations
+
+import asyncio
+import shutil
+import ssl
+import subprocess
+
+import pytest
+
+pytest.importorskip('aiohttp')
+
+from aiohttp import ClientError, ClientSession, CookieJar  # noqa: E402
+from page_builders import PAGE_FOLDER, TOKENS, FakeFleet, page, tokens  # noqa: E402
+
+from fleet_page.web.files import PageFiles  # noqa: E402
+from fleet_page.web.security import (  # noqa: E402
+    Addresses,
+    WrongCertificate,
+    certificates_of,
+)
+from fleet_page.web.server import COOKIE, Access, WebServer, serve  # noqa: E402
+
+pytestmark = pytest.mark.skipif(shutil.which('openssl') is None, reason='openssl is not installed')
+
+
+def make_certificate(folder, name: str = 'page', *more: str):
+    """A certificate for this computer and its key, as docs/interface/fleet_page.md has it."""
+    certificate, key = folder / f'{name}.pem', folder / f'{name}.key'
+    subprocess.run(
+        ['openssl', 'req', '-x509', '-newkey', 'ec', '-pkeyopt', 'ec_paramgen_curve:prime256v1',
+         '-days', '2', '-subj', '/CN=localhost', '-addext',
+         'subjectAltName=DNS:localhost,IP:127.0.0.1', '-out', str(certificate), '-keyout', str(key),
+         *(more or ('-nodes',))], check=True, stderr=subprocess.DEVNULL)
+    return str(certificate), str(key)
+
+
+@pytest.fixture(scope='module')
+def pair(tmp_path_factory):
+    return make_certificate(tmp_path_factory.mktemp('certificate'))
+
+
+def served(folder, pair, test) -> None:
+    """Runs test(port, client_context) with a page that wants a login, by TLS."""
+    async def work() -> None:
+        web = WebServer(page(str(folder)), FakeFleet().do, PageFiles(str(PAGE_FOLDER)), Access(
+            Addresses.of('127.0.0.1', (), True), tokens(folder), True))
+        runner = await serve(web, '127.0.0.1', 0, certificates_of(*pair))
+        try:
+            await test(runner.addresses[0][1], ssl.create_default_context(cafile=pair[0]))
+        finally:
+            await runner.cleanup()
+    asyncio.run(work())
+
+
+def test_a_login_by_tls_gets_a_cookie_that_is_sent_by_tls_only(tmp_path, pair):
+    async def test(port, trust):
+        url = f'https://127.0.0.1:{port}'
+        async with ClientSession(cookie_jar=CookieJar(unsafe=True)) as session:
+            async with session.post(f'{url}/api/login', json={'token': TOKENS['operate']},
+                                    headers={'Origin': url}, ssl=trust) as answer:
+                assert answer.status == 200
+                cookie = answer.cookies[COOKIE]
+                assert cookie['secure'] and cookie['httponly'] and cookie['samesite'] == 'Strict'
+            async with session.get(f'{url}/api/site', ssl=trust) as answer:
+                assert answer.status == 200
+            async with session.post(f'{url}/api/act', json={'act': 'stop'}, ssl=trust, headers={
+                    'Origin': f'http://127.0.0.1:{port}'}) as answer:
+                assert answer.status == 403  # a page that came in the clear is another origin
+    served(tmp_path, pair, test)
+
+
+def test_in_the_clear_nothing_is_served(tmp_path, pair):
+    async def test(port, _trust):
+        async with ClientSession() as session:
+            with pytest.raises(ClientError):
+                await session.get(f'http://127.0.0.1:{port}/api/me')
+    served(tmp_path, pair, test)
+
+
+def test_a_certificate_of_another_is_not_trusted(tmp_path, pair):
+    async def test(port, _trust):
+        async with ClientSession() as session:
+            with pytest.raises(ClientError):
+                await session.get(f'https://127.0.0.1:{port}/api/me')
+    served(tmp_path, pair, test)
+
+
+def test_files_that_make_no_certificate_are_told_in_one_sentence(tmp_path, pair):
+    other = make_certificate(tmp_path, 'other')
+    locked = make_certificate(tmp_path, 'locked', '-passout', 'pass:secret')
+    (tmp_path / 'words').write_text('no certificate')
+    for certificate, key in ((pair[0], other[1]), locked, (str(tmp_path / 'none'), ''),
+                             (str(tmp_path / 'words'), ''), ('', pair[1])):
+        with pytest.raises(WrongCertificate, match='cannot be used .*belong together'):
+            certificates_of(certificate, key)
