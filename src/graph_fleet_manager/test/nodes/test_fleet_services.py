@@ -3,7 +3,9 @@ from __future__ import annotations
 
 import threading
 
+import genpy
 import pytest
+import rospy
 from fleet_builders import AGV, corridor
 from std_srvs.srv import TriggerRequest
 
@@ -13,7 +15,9 @@ from graph_fleet_manager.interlocking.stop_gate import StopGate
 from graph_fleet_manager.nodes import fleet_services
 from graph_fleet_manager.nodes.early_stop import EarlyStop
 from graph_fleet_manager.nodes.event_loop import EventLoop
+from graph_fleet_manager.supervision.missions import MissionState
 from graph_fleet_manager.supervision.outages import Outage
+from itrci_nav_msgs.srv import GetMissionStatusRequest
 
 
 class Services:
@@ -30,11 +34,16 @@ class Services:
                                      lambda now: (' Early.', self.early.stop(now)),
                                      self.past.append)
 
-    def call(self, name, supervisor=None, hangs=False):
+    def call(self, name, supervisor=None, hangs=False, request=None):
         """The answer, and what the supervisor's thread is to do."""
         answers, actions = [], []
-        caller = threading.Thread(
-            target=lambda: answers.append(self.handlers[name](TriggerRequest())))
+
+        def ask():
+            try:
+                answers.append(self.handlers[name](request or TriggerRequest()))
+            except rospy.ServiceException as error:
+                answers.append(error)
+        caller = threading.Thread(target=ask)
         caller.start()
         while not hangs and not answers:
             actions += self.loop.take()(supervisor, 0.0)
@@ -195,3 +204,27 @@ def test_a_robot_that_was_not_taken_out_in_time_is_taken_out_later(services, mon
     assert not answer.success and 'but it will be' in answer.message
     assert services.loop.take()(fleet.supervisor, fleet.now)
     assert fleet.supervisor.robots['a'].outage is Outage.OUT_OF_SERVICE
+
+
+def test_the_stored_status_of_a_mission_is_told_to_a_program_that_asks(services, monkeypatch):
+    monkeypatch.setattr(fleet_services.rospy, 'Time', FixedTime)
+    fleet = SupervisedFleet(corridor(3), {'a': (AGV, 1), 'b': (AGV, 3)})
+    fleet.request(7, 2)
+    ask = GetMissionStatusRequest(request_id=7)
+    answer, _ = services.call('/get_mission_status', fleet.supervisor, request=ask)
+    assert (answer.found, answer.status.request_id) == (True, 7)
+    assert MissionState(answer.status.state).is_open
+    ask.request_id = 8
+    answer, _ = services.call('/get_mission_status', fleet.supervisor, request=ask)
+    assert not answer.found
+
+
+def test_before_the_fleet_manager_has_begun_no_mission_is_called_unknown(services):
+    answer, _ = services.call('/get_mission_status', request=GetMissionStatusRequest(request_id=7))
+    assert isinstance(answer, rospy.ServiceException) and 'no graph yet' in str(answer)
+
+
+class FixedTime:
+    """A clock for messages where there is no ROS."""
+
+    now = staticmethod(lambda: genpy.Time(5))

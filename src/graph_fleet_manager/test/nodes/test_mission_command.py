@@ -27,6 +27,9 @@ class Told:
     def take(self):
         return [self.statuses.pop(0)] if self.statuses else []
 
+    def publishers(self):
+        return frozenset((1,))
+
 
 class Nobody:
     """A topic of which nothing comes, or to which nobody needs to listen."""
@@ -45,6 +48,7 @@ class Nobody:
 def no_topics(monkeypatch):
     monkeypatch.setattr(mission, 'Listener', Nobody)
     monkeypatch.setattr(mission, 'connected_publisher', Nobody)
+    monkeypatch.setattr(mission, 'ask_for', lambda request: lambda: None)
 
 
 def request(id: int = 7) -> MissionRequest:

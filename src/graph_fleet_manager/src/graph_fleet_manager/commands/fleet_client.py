@@ -4,7 +4,7 @@ from __future__ import annotations
 import sys
 import threading
 import time
-from typing import Any, Callable, List, Optional, Sequence, Type
+from typing import Any, Callable, FrozenSet, List, Optional, Sequence, Type
 
 import rosgraph
 import rospy
@@ -62,6 +62,10 @@ class Listener:
         with self._changed:
             if not self.messages:
                 self._changed.wait(seconds)
+
+    def publishers(self) -> FrozenSet[int]:
+        """One number for each connection to a publisher; a new connection has a new one."""
+        return frozenset(id for id, *_ in self._subscriber.impl.get_stats_info())
 
     def last(self) -> Any:
         """The last message; raises CommandError where none comes."""

@@ -33,6 +33,7 @@ from graph_fleet_manager.commands.fleet_client import (
     run,
     table,
 )
+from graph_fleet_manager.commands.mission_watch import MissionWatch, ask_for
 from graph_fleet_manager.commands.progress import ProgressLine, line_of
 from graph_fleet_manager.messages.missions import is_about
 from graph_fleet_manager.supervision.journal import HISTORY_COLUMNS, HistoryLine, history
@@ -176,13 +177,13 @@ def _follow(request: MissionRequest, status: MissionStatus, listener: Listener,
     plan: Optional[FleetPlan] = None
     line = ProgressLine()
     id = status.request_id
+    watch = MissionWatch(request, status, listener, ask_for(request))
     try:
         while MissionState(status.state).is_open:
             state, plan = (states.take() or [state])[-1], (plans.take() or [plan])[-1]
             about = (status.state, status.robot, status.destinations_reached, status.reason)
             line.show(line_of(status, destinations, state, plan, graph), about)
-            listener.wait(0.5)
-            status = ([s for s in listener.take() if is_about(s, request)] or [status])[-1]
+            status = watch.wait(0.5)
     except KeyboardInterrupt:
         line.end()
         print(f'The mission goes on. To end it: mission cancel {id}', file=sys.stderr)

@@ -1,4 +1,6 @@
-"""The services of the fleet: stop all, resume, and one robot out of service and back."""
+"""The services of the fleet: stop all, resume, one robot out of service and back, and what became
+of a mission.
+"""
 from __future__ import annotations
 
 import queue
@@ -10,11 +12,19 @@ import rospy
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from graph_fleet_manager.interlocking.stop_gate import StopGate
-from graph_fleet_manager.messages.missions import person_of
+from graph_fleet_manager.messages.missions import person_of, status_message
 from graph_fleet_manager.nodes.event_loop import EventLoop
 from graph_fleet_manager.supervision.actions import Action
+from graph_fleet_manager.supervision.journal_database import JournalUnavailable
 from graph_fleet_manager.supervision.supervisor import Supervisor
-from itrci_nav_msgs.srv import DeclareAbsent, DeclareAbsentRequest, DeclareAbsentResponse
+from itrci_nav_msgs.srv import (
+    DeclareAbsent,
+    DeclareAbsentRequest,
+    DeclareAbsentResponse,
+    GetMissionStatus,
+    GetMissionStatusRequest,
+    GetMissionStatusResponse,
+)
 
 PATIENCE = 5.0       # s that a call waits for its turn
 STOP_PATIENCE = 0.5  # s that a stop does, before it goes past a supervisor that hangs
@@ -39,7 +49,8 @@ class FleetServices:
         self._services: List[rospy.Service] = [
             rospy.Service('/stop_fleet', Trigger, lambda request: _logged(
                 '/stop_fleet', self.stop(request))),
-            rospy.Service('/resume_fleet', Trigger, self._resume)]
+            rospy.Service('/resume_fleet', Trigger, self._resume),
+            rospy.Service('/get_mission_status', GetMissionStatus, self._mission_status)]
         for robot in robots:
             self._services += [
                 self._offer_absence(robot, f'{robot} is absent until it reports again.'),
@@ -90,6 +101,25 @@ class FleetServices:
             problems, actions = supervisor.resume_fleet(now, ticket)
             return '; '.join(problems), actions
         return self._called('/resume_fleet', resume, 'The fleet goes on.')
+
+    def _mission_status(self, request: GetMissionStatusRequest) -> GetMissionStatusResponse:
+        """What is stored of a mission. Raises ServiceException where that is not known now."""
+        found: List[GetMissionStatusResponse] = []
+
+        def look(supervisor: Supervisor, now: float) -> Tuple[str, Sequence[Action]]:
+            try:
+                status = supervisor.stored_status(request.request_id,
+                                                  request.request_stamp.to_sec())
+            except JournalUnavailable as unavailable:
+                return unavailable.reason, ()
+            found.append(GetMissionStatusResponse() if status is None else
+                         GetMissionStatusResponse(True, status_message(status, rospy.Time.now())))
+            return '', ()
+        answer = self._answer(look, '')
+        if not found:
+            raise rospy.ServiceException(
+                answer.message if answer else f'no answer within {PATIENCE:.0f} s')
+        return found[0]
 
     def offer_removed(self, robots: Iterable[str]) -> None:
         """Robots that are not in the fleet file, but may be on the site: they can be absent only.

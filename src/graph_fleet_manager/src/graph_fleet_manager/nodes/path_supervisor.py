@@ -18,6 +18,7 @@ Publishes
 Services (std_srvs/Trigger)
     /stop_fleet, /resume_fleet; /<robot>/leave_fleet, /<robot>/join_fleet; /<robot>/declare_absent,
     also of robots that the fleet file does not have any more
+    /get_mission_status (itrci_nav_msgs/GetMissionStatus): what is stored of a mission
 Parameters
     ~fleet_file   string  (required)  fleet file (YAML)
     ~journal      string  graph_fleet_manager/fleet.sqlite in ROS_HOME

@@ -8,6 +8,8 @@ Subscribes
     /mission_status (itrci_nav_msgs/MissionStatus)
 Publishes
     /mission_request (itrci_nav_msgs/MissionRequest)
+Calls
+    /get_mission_status (itrci_nav_msgs/GetMissionStatus), where a mission has no news for long
 Parameters
     ~seed          int  0  of all that is random; 0: another one each time
     ~destinations  int  2  most destinations of a mission
@@ -17,10 +19,12 @@ from __future__ import annotations
 
 import random
 import threading
+import time
 from typing import Dict, List
 
 import rospy
 
+from graph_fleet_manager.commands.mission_watch import SILENCE, ask_for
 from itrci_nav_msgs.msg import FleetRobot, FleetState, MissionRequest, MissionStatus
 from itrci_nav_msgs.msg import Graph as GraphMessage
 from node_lifecycle import parameter, run
@@ -47,7 +51,8 @@ class RandomMissions:
         self._robots: List[int] = []
         """The edge at which each robot is that could serve a mission."""
         self._open: Dict[int, MissionRequest] = {}
-        self._acknowledged: Dict[int, bool] = {}
+        self._heard: Dict[int, float] = {}
+        """When the last status of an open mission came; without an entry: no status came yet."""
         self._ended: Dict[int, int] = dict.fromkeys(_OVER, 0)
         self._requests = rospy.Publisher('/mission_request', MissionRequest, queue_size=100)
         rospy.Subscriber('/graph', GraphMessage, self._on_graph, queue_size=1)
@@ -68,9 +73,9 @@ class RandomMissions:
         with self._lock:
             if message.request_id not in self._open:
                 return
-            self._acknowledged[message.request_id] = True
+            self._heard[message.request_id] = time.monotonic()
             if message.state in _OVER:
-                del self._open[message.request_id], self._acknowledged[message.request_id]
+                del self._open[message.request_id], self._heard[message.request_id]
                 self._ended[message.state] += 1
                 rospy.loginfo('Missions: %d succeeded, %d failed, %d refused, %d cancelled.',
                               *(self._ended[state] for state in (
@@ -78,13 +83,14 @@ class RandomMissions:
                                   MissionStatus.REFUSED, MissionStatus.CANCELLED)))
 
     def _tick(self, _event: rospy.timer.TimerEvent) -> None:
+        self._ask()
         with self._lock:
             homes = [self._places[edge] for edge in self._robots if edge in self._places]
             if not self._requests.get_num_connections() or not homes:
                 return
             now = rospy.Time.now()
             for request_id, request in self._open.items():
-                if not self._acknowledged.get(request_id) and (
+                if request_id not in self._heard and (
                         now - request.header.stamp).to_sec() > REPEAT:
                     self._requests.publish(request)
             while len(self._open) < len(self._robots) and self._left:
@@ -92,6 +98,16 @@ class RandomMissions:
                 self._open[request.request_id] = request
                 self._requests.publish(request)
                 self._left -= 1
+
+    def _ask(self) -> None:
+        """About acknowledged missions without news: their end may have been missed."""
+        silent = time.monotonic() - SILENCE
+        with self._lock:
+            requests = [self._open[id] for id, heard in self._heard.items() if heard < silent]
+        for request in requests:
+            status = ask_for(request)()
+            if status is not None:
+                self._on_status(status)
 
     def _request(self, places: List[int], now: rospy.Time) -> MissionRequest:
         count = self._random.randint(1, min(self._most, len(places)))

@@ -39,7 +39,7 @@ from graph_fleet_manager.supervision.journal_database import (
     UnknownLayout,
 )
 from graph_fleet_manager.supervision.mission_book import REMEMBERED
-from graph_fleet_manager.supervision.missions import Mission, MissionState, Request
+from graph_fleet_manager.supervision.missions import Mission, MissionState, Request, Status
 from graph_fleet_manager.supervision.outages import Outage
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 
@@ -218,6 +218,17 @@ class Journal:
             'WHERE request_id = ? AND stamp = ? ORDER BY serial DESC', (request.id, request.stamp))
         return next((mission for mission in map(_mission, rows)
                      if mission.request.identity == request.identity), None)
+
+    def status(self, request_id: int, stamp: float) -> Optional[Status]:
+        """What is stored of the last mission with this id and stamp; of any stamp where it is 0.
+
+        Raises JournalUnavailable.
+        """
+        row = self._run(
+            'SELECT serial, request, state, robot, reached, reason FROM mission WHERE '
+            'request_id = ? AND (? = 0.0 OR stamp = ?) ORDER BY serial DESC LIMIT 1',
+            (request_id, stamp, stamp)).fetchone()
+        return None if row is None else _mission(row).status
 
     def last_serial(self) -> int:
         """Serial of the last mission that was accepted, 0 before any."""

@@ -37,6 +37,7 @@ from graph_fleet_manager.supervision.missions import (
     MissionState,
     Request,
     RequestRefused,
+    Status,
 )
 from graph_fleet_manager.supervision.networks import Networks
 from graph_fleet_manager.supervision.outage_watch import OutageWatch
@@ -172,6 +173,13 @@ class Supervisor:
 
     def _refuse(self, request: Request, reason: str) -> None:
         self._out.put(TellStatus(mission_commands.refused(request, reason)))
+
+    def stored_status(self, request_id: int, stamp: float) -> Optional[Status]:
+        """What the disk says of a mission (stamp 0: the last with this id); None: nothing.
+
+        So it is never taken back. Raises JournalUnavailable.
+        """
+        return self._journal.status(request_id, stamp)
 
     def command(self, request_id: int, command: Command, now: float,
                 change: Optional[Change] = None, requested_by: str = '') -> List[Action]:

@@ -1,0 +1,18 @@
+# A simulated robot, a fleet, or the stack of a real robot in a container: Debian 12 and an unprivileged user.
+#
+#   docker build -t omron_ld90 .
+#   docker run --rm --read-only --tmpfs /tmp -v omron_ld90:/data --network host omron_ld90 fleet:=4 longest_edge:=1.5 demo:=true
+#
+# Arguments are those of scripts/run.sh. What outlives a restart (journals, logs, maps) is written to /data only.
+# ROS nodes and robots open connections to each other: they need the network of the host.
+FROM debian:12-slim
+WORKDIR /opt/omron_ld90
+COPY . .
+RUN scripts/build.sh && \
+    apt-get clean && rm -rf /var/lib/apt/lists/* && \
+    python3 -m compileall -q src devel && \
+    useradd --uid 900 --create-home --home-dir /data ld90
+ENV HOME=/data ROS_HOME=/data/ros
+VOLUME /data
+USER 900
+ENTRYPOINT ["/opt/omron_ld90/scripts/run.sh"]
