@@ -1,6 +1,7 @@
 """Orders are due, wait, or are refused with a reason that people read once."""
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import List, Tuple
 
 import pytest
@@ -139,6 +140,27 @@ def test_one_without_a_stamp_may_be_a_new_one_and_is_judged_again(bench):
     for now in (100.0, 101.0):
         assert bench.take(order(sent=0.0), now)
         bench.intake.refuse(bench.due(now), OFF_GRAPH)
+
+
+def test_but_not_when_its_latching_publisher_only_connects_again(bench):
+    bench.take(order(sent=0.0), 100.0)
+    bench.intake.refuse(bench.due(100.0), OFF_GRAPH)
+    assert not bench.take(replace(order(sent=0.0), comes_again=True), 101.0)
+    assert [route_id for route_id, _ in bench.refusals] == [7, 7]
+    assert bench.due(101.0) is None
+
+
+@pytest.mark.parametrize('latched', [
+    order(), replace(order(sent=0.0), known_epoch=5)], ids=['stamp', 'epoch'])
+def test_a_latched_order_that_says_when_it_was_given_may_come_with_a_connection(bench, latched):
+    bench.robot.resume(5)
+    assert bench.take(replace(latched, comes_again=True), 100.0)
+
+
+def test_a_latched_order_that_is_driven_already_is_no_refusal(bench):
+    again = replace(order(sent=0.0), comes_again=True)
+    assert not bench.intake.take(again, driven(order(sent=0.0)), 100.0)
+    assert not bench.refusals
 
 
 def test_an_order_without_a_stamp_that_comes_after_a_take_over_is_not_passed_by_it(bench):

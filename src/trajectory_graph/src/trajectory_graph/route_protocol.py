@@ -18,6 +18,8 @@ class RouteOrder:
     stamp: int = 0  # when it was sent; 0 where the sender did not say
     received: int = field(default=0, compare=False)  # when it came
     known_epoch: int = field(default=0, compare=False)  # of the motion; 0: the stamp decides
+    comes_again: bool = field(default=False, compare=False)
+    """Whether a connection began with it, to a publisher that latches and was there before."""
 
     def is_repeat_of(self, other: RouteOrder) -> bool:
         """Does it order the same route once more, whenever it was sent?"""

@@ -20,12 +20,13 @@ from trajectory_graph.route_protocol import (
     OVERRULED,
     TAKEN_OVER,
     Reason,
+    ReasonCode,
     RouteOrder,
 )
 
 LATE_ORDER = 2.0  # s that an order may be on its way
-
-
+_LATCHED = Reason(ReasonCode.OTHER, 'it has no stamp, and was published before its connection '
+                                    'began: give it again')
 _KEPT_ORDERS = 200
 
 
@@ -71,6 +72,8 @@ class OrderIntake:
                        'needs another id.')
         elif order.stamp and self._refused and order == self._refused[0]:
             self.refuse(*self._refused)
+        elif order.comes_again and not order.stamp and not order.known_epoch:
+            self.refuse(order, _LATCHED)
         elif order.known_epoch and not self._robot.knows(order.known_epoch):
             self.refuse(order, OVERRULED)
         elif not order.known_epoch and self._is_overruled(order, now):

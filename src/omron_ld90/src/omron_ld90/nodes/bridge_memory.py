@@ -9,17 +9,15 @@ from __future__ import annotations
 import http.client
 import json
 import math
-import os
 import threading
 import xmlrpc.client
 from typing import Any, Dict, List, Optional, Tuple
 
-import rospkg
 import rospy
 
 from omron_ld90.bridge.events import RouteRecord
 from omron_ld90.nodes.support.boot_clock import Moment
-from omron_ld90.nodes.support.kept_files import replace_json
+from omron_ld90.nodes.support.kept_files import hold, in_ros_home, replace_json
 from omron_ld90.nodes.support.worker import start_worker
 from trajectory_graph.route_protocol import Phase, reason_of
 
@@ -40,11 +38,15 @@ class RouteMemory:
         relative path begins in ROS_HOME.
         """
         self._launch = launch
-        self._file = os.path.join(rospkg.get_ros_home(), file) if file else ''
+        self._file = in_ros_home(file)
         self._record: Optional[RouteRecord] = None
         self._changed = threading.Condition()
         self._closing = False
         self._thread = start_worker('route-memory', self._run)
+
+    def hold(self) -> None:
+        """Raises ConfigurationError where another bridge keeps its route in that file."""
+        hold(self._file, '~route_file')
 
     def recall(self) -> Tuple[Optional[RouteRecord], float]:
         """The record left by the program before this one, and its age in s; None without one.

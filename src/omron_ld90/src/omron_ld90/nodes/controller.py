@@ -219,6 +219,7 @@ def start() -> Controller:
 
     namespace = rospy.get_namespace().strip('/').replace('/', '_')
     kept = MotionFile(parameter('~motion_file', f'omron_ld90/{namespace}_motion.json'))
+    kept.hold()
     authority = MotionAuthority(kept.read(), kept.keep)
 
     def make_client(**callbacks: Any) -> Client:

@@ -3,16 +3,14 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import os
 from typing import Optional
 
-import rospkg
 import rospy
 
 from node_lifecycle import warn
 from omron_arcl.execution import Giver
 from omron_arcl.motion_authority import Cause, Memory, Motion
-from omron_ld90.nodes.support.kept_files import replace_json
+from omron_ld90.nodes.support.kept_files import hold, in_ros_home, replace_json
 from omron_ld90_msgs import msg
 
 
@@ -20,8 +18,12 @@ class MotionFile:
     """Keeps a `Memory`; a relative path begins in ROS_HOME, an empty one means no file."""
 
     def __init__(self, path: str) -> None:
-        self._path = os.path.join(rospkg.get_ros_home(), path) if path else ''
+        self._path = in_ros_home(path)
         self._kept: Optional[Memory] = None
+
+    def hold(self) -> None:
+        """Raises ConfigurationError where another controller keeps its memory there."""
+        hold(self._path, '~motion_file')
 
     def read(self) -> Optional[Memory]:
         """What was kept; None where nothing was, or nothing that can be read."""

@@ -41,6 +41,7 @@ from __future__ import annotations
 import queue
 import threading
 import time
+from dataclasses import replace
 from typing import Callable, Dict, Iterable, Tuple
 
 import rospy
@@ -63,6 +64,7 @@ from omron_ld90.nodes.bridge_settings import read_settings
 from omron_ld90.nodes.support import shared_parameters
 from omron_ld90.nodes.support.command_client import CommandClient
 from omron_ld90.nodes.support.followed_graph import FollowedGraph
+from omron_ld90.nodes.support.old_messages import OldMessages, publishers_by_master
 from omron_ld90.nodes.support.worker import start_worker
 from omron_ld90_msgs.msg import (
     ExecuteCommandResult,
@@ -95,6 +97,7 @@ class EdgesToVertices:
         settings = read_settings(graph)
         self._follower = RouteFollower(settings, graph, links=tuple(p.Link))
         self._memory = RouteMemory(parameter('~launch_id', ''), parameter('~route_file', ''))
+        self._memory.hold()
         record, age = self._memory.recall()
         if record:
             self._follower.restore(record, age < settings.restart_timeout, self._clock.read())
@@ -108,6 +111,8 @@ class EdgesToVertices:
         self._refusals = rospy.Publisher('route_refused', msg.RouteRefused, queue_size=10,
                                          tcp_nodelay=True)
         self._commands = CommandClient(self._on_end)
+        self._old = OldMessages(publishers_by_master)
+        self._old.watch('target_route')
         for topic, kind, callback in (
                 ('link_state', LinkState, self._on_link),
                 ('robot_status', RobotStatus, self._on_status),
@@ -141,7 +146,8 @@ class EdgesToVertices:
         self._calls.put(lambda now: self._follower.handle(event, now))
 
     def _on_route(self, message: msg.TargetRoute) -> None:
-        self._tell(order_of(message, rospy.Time.now().to_nsec()))
+        self._tell(replace(order_of(message, rospy.Time.now().to_nsec()),
+                           comes_again=self._old.comes_again(message, 'target_route')))
 
     def _on_status(self, message: RobotStatus) -> None:
         self._tell(robot_seen(message))

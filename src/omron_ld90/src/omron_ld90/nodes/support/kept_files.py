@@ -1,9 +1,54 @@
 """JSON files in which a node keeps what must outlive its process."""
 from __future__ import annotations
 
+import fcntl
 import json
 import os
+import threading
 from typing import Any
+
+import rospkg
+
+from node_lifecycle import ConfigurationError
+
+PATIENCE = 4.0  # s in which the node that this one replaces has ended
+
+
+def in_ros_home(path: str) -> str:
+    """Where a file lies: a relative path begins in ROS_HOME; an empty one means none."""
+    return os.path.join(rospkg.get_ros_home(), path) if path else ''
+
+
+def hold(path: str, parameter: str) -> None:
+    """Keeps a file for this process until its end, by a locked one beside it.
+
+    Raises ConfigurationError where another process holds it. Where nothing can be written or
+    locked, nothing is held: to keep nothing is no reason not to drive.
+    """
+    if not path:
+        return
+    try:
+        os.makedirs(os.path.dirname(os.path.abspath(path)), exist_ok=True)
+        lock = os.open(f'{path}.lock', os.O_RDWR | os.O_CREAT, 0o644)
+    except OSError:
+        return
+    given_up = threading.Event()
+    waiting = threading.Thread(target=_lock, args=(lock, given_up), name='file-lock', daemon=True)
+    waiting.start()
+    waiting.join(PATIENCE)
+    if waiting.is_alive():
+        given_up.set()
+        raise ConfigurationError(f'Another node keeps its memory in {path}: end that node, or give '
+                                 f'this one a file of its own with {parameter}.')
+
+
+def _lock(descriptor: int, given_up: threading.Event) -> None:
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX)
+    except OSError:  # a file system without locks
+        given_up.set()
+    if given_up.is_set():
+        os.close(descriptor)
 
 
 def replace_json(path: str, content: Any) -> None:

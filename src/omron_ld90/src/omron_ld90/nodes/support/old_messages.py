@@ -61,13 +61,15 @@ class OldMessages:
         """Why a message is too old; None where it is not. A stop never waited too long."""
         now = self._clock()
         self.tick(now)
-        if header_of(message).get('latching') == '1' and self._comes_again(message, topic):
+        if self.comes_again(message, topic):
             return LATCHED
         return WAITED if now < self._waited_until and not is_stop else None
 
-    def _comes_again(self, message: rospy.Message, topic: str) -> bool:
-        """Whether a connection begins with it, to a publisher that was there before."""
+    def comes_again(self, message: rospy.Message, topic: str) -> bool:
+        """Whether a connection begins with it, to a publisher that latches and was there before."""
         header = header_of(message)
+        if header.get('latching') != '1':
+            return False
         caller = header.get('callerid', '')
         last = self._connections.get((topic, caller))
         if last is not None and last.header is header:
