@@ -18,7 +18,7 @@ def write_hall(folder: Path, robots: int, probe_port: int, password_file: Path) 
     is declared absent, so that the fleet manager does not wait for it."""
     graph, stations = aisles(max(150, 6 * robots))
     save_graph(graph, folder / 'graph.yaml')
-    (folder / 'base.map').write_text(_map_text(graph))
+    (folder / 'base.map').write_text(map_text(graph))
     step = len(stations) // robots
     rows = [f'- {{name: ld90_{k}, type: ld90, vertex: {vertex}, driver: ld90}}'
             for k, vertex in enumerate(stations[:robots * step:step], 1)]
@@ -34,7 +34,7 @@ def write_hall(folder: Path, robots: int, probe_port: int, password_file: Path) 
             'base_map': str(folder / 'base.map')}
 
 
-def _map_text(graph: Graph) -> str:
+def map_text(graph: Graph) -> str:
     """An empty hall."""
     xs = [vertex.x for vertex in graph.vertices.values()]
     ys = [vertex.y for vertex in graph.vertices.values()]

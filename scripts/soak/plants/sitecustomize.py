@@ -1,0 +1,75 @@
+"""Plants a defect in the programs of a fleet, so that a soak can show that it would be found.
+
+Python imports this module at its start where its folder is in PYTHONPATH. SOAK_PLANT names the
+defect; it is planted into its module as soon as that is imported.
+"""
+from __future__ import annotations
+
+import importlib.abc
+import importlib.machinery
+import os
+import sys
+from types import ModuleType
+from typing import Any, Callable, Dict, Optional, Sequence, Tuple
+
+
+def _without_places(module: Any) -> None:
+    """The interlocking grants edges that another robot's allocation excludes."""
+    module.CONDITIONS = tuple(one for one in module.CONDITIONS if one is not module._place_is_free)
+    module.GATES = tuple(one for one in module.GATES if one is not module._robot_is_clear_of_others)
+
+
+def _without_owed_stop(module: Any) -> None:
+    """A stop that could not be sent is forgotten."""
+    module.MotionAuthority.stop_due = lambda self, now: False
+
+
+def _forgetful(module: Any) -> None:
+    """A supervisor that starts anew does not know that the fleet is stopped."""
+    value = module.Journal.value
+    module.Journal.value = lambda self, name: 0 if name == module.STOPPED else value(self, name)
+
+
+def _lossy(module: Any) -> None:
+    """A supervisor that starts anew does not know any open mission."""
+    module.Journal.missions = lambda self: []
+
+
+PLANTS: Dict[str, Tuple[str, Callable[[Any], None]]] = {
+    'interlocking': ('graph_fleet_manager.interlocking.interlocking', _without_places),
+    'owed-stop': ('omron_arcl.motion_authority', _without_owed_stop),
+    'restart': ('graph_fleet_manager.supervision.journal', _forgetful),
+    'restart-missions': ('graph_fleet_manager.supervision.journal', _lossy)}
+
+
+class _Planter(importlib.abc.MetaPathFinder, importlib.abc.Loader):
+    """Loads the module as always, then plants the defect."""
+
+    def __init__(self, module: str, plant: Callable[[Any], None]) -> None:
+        self._module, self._plant = module, plant
+        self._loader: Any = None
+
+    def find_spec(self, name: str, path: Optional[Sequence[str]],
+                  target: Optional[ModuleType] = None) -> Optional[importlib.machinery.ModuleSpec]:
+        """Of the one module only."""
+        if name != self._module:
+            return None
+        spec = importlib.machinery.PathFinder.find_spec(name, path, target)
+        if spec is not None:
+            self._loader, spec.loader = spec.loader, self
+        return spec
+
+    def create_module(self, spec: importlib.machinery.ModuleSpec) -> Optional[ModuleType]:
+        """As always."""
+        module: Optional[ModuleType] = self._loader.create_module(spec)
+        return module
+
+    def exec_module(self, module: ModuleType) -> None:
+        """As always, with the defect at the end."""
+        self._loader.exec_module(module)
+        self._plant(module)
+        print(f'planted: {os.environ["SOAK_PLANT"]}', file=sys.stderr)
+
+
+if os.environ.get('SOAK_PLANT'):
+    sys.meta_path.insert(0, _Planter(*PLANTS[os.environ['SOAK_PLANT']]))

@@ -1,0 +1,224 @@
+#!/usr/bin/env python3
+"""A simulated fleet for hours, while all sorts of things go wrong; a witness judges it.
+
+Robots are several times as fast as real ones; all software runs in real time. The same seed draws
+the same missions, faults and waits; when they happen depends on the machine. Prints a report.
+"""
+from __future__ import annotations
+
+import argparse
+import os
+import shutil
+import sys
+import tempfile
+import threading
+import time
+from pathlib import Path
+from random import Random
+from typing import Callable, Dict, List
+
+from soaking.disturbances import Disturbances
+from soaking.fleet import Fleet
+from soaking.hall import CLEARANCE, Hall, write_hall
+from soaking.launch import PLANTS, Launch, RosMaster, resources
+from soaking.simulators import Simulators
+
+from fleet_simulation.witness import Witness, growth
+from itrci_nav_msgs.msg import FleetRobot
+
+ROOT = Path(__file__).resolve().parents[2]
+LOG = ROOT / 'build/soak.log'
+READY = (FleetRobot.IDLE, FleetRobot.BUSY)
+READY_WITHIN = 150.0  # s
+LOOK = 0.04  # s between two looks
+GRACE = 6.0  # s until a robot that can be reached stands
+SAMPLE = 5.0  # s between two looks at memory
+LAST = 240.0  # s for open missions to end, once nothing goes wrong any more
+KINDS = ('memory, MB', 'threads', 'sockets', 'files')
+GROWTH = {'memory, MB': (0.15, 40.0), 'threads': (0.1, 20.0), 'sockets': (0.1, 20.0),
+          'files': (0.1, 20.0)}
+JOURNAL = 1e6, 10e3  # bytes: at most so many, and so many for each mission
+
+
+class Soak:
+    """One run."""
+
+    def __init__(self, given: argparse.Namespace, folder: Path, master: RosMaster) -> None:
+        self._given = given
+        self._chance = Random(given.seed)
+        self._lock = threading.RLock()
+        self._ended = threading.Event()
+        self._over = threading.Event()
+        self._samples: Dict[str, List[float]] = {kind: [] for kind in KINDS}
+        self.hall: Hall = write_hall(folder, given.ld90s, given.agvs)
+        self.witness = Witness(self.hall.radii, CLEARANCE, self.hall.places, GRACE)
+        self.launch = Launch(self.hall.words, given.speed, folder, LOG, given.plant)
+        self.fleet = Fleet(self.witness, self._lock, given.seed, given.corrupted)
+        self._master = master
+        self._errors: List[str] = []
+        self._sent = 0
+
+    def run(self) -> bool:
+        """Whether every promise held; raises SystemExit where the fleet does not start."""
+        names = set(self.hall.radii)
+        if not self.fleet.wait_for(lambda: self.fleet.is_connected and names <= {
+                name for name, robot in self.fleet.robots().items() if robot.state in READY},
+                READY_WITHIN):
+            print(f'The fleet is not ready within {READY_WITHIN:.0f} s; its log: {LOG}')
+            sys.exit(2)
+        port = self.launch.control_port
+        self.simulators = Simulators(port, port + 1)
+        self.disturbances = Disturbances(
+            self.hall, self.simulators, self.fleet, self.witness, self._lock, self.launch,
+            self._master, self._given.speed, self._given.seed, self._ended)
+        threads = [threading.Thread(target=self._guarded, args=(work,), daemon=True)
+                   for work in (self._look, self._send, self._help, self._sample, self._disturb)]
+        begun = time.monotonic()
+        for thread in threads:
+            thread.start()
+        self._wait_until_over(begun + 3600.0 * self._given.hours)
+        self._ended.set()
+        threads[-1].join(120.0)
+        self._end(begun)
+        self._over.set()
+        for thread in threads[:-1]:
+            thread.join(30.0)
+        self._judge_growth()
+        self._report(time.monotonic() - begun)
+        return not self.witness.broken and not self._errors
+
+    def _wait_until_over(self, deadline: float) -> None:
+        while time.monotonic() < deadline and self.launch.is_running and not self._errors:
+            if self.witness.broken and self._given.until_broken:
+                return
+            time.sleep(0.2)
+
+    def _end(self, begun: float) -> None:
+        """Nothing goes wrong any more: all missions end."""
+        if self.witness.broken and self._given.until_broken:
+            return
+        self.disturbances.remedy_all()
+        self.fleet.wait_for(lambda: not self.witness.open_missions, LAST)
+        with self._lock:
+            self.witness.end()
+
+    # -- threads -----------------------------------------------------------------------------------
+
+    def _guarded(self, work: Callable[[], None]) -> None:
+        try:
+            work()
+        except Exception as error:  # it ends the run, and stands in the report
+            self._errors.append(f'{work.__name__}: {type(error).__name__}: {error}')
+            raise
+
+    def _look(self) -> None:
+        while not self._over.wait(LOOK):
+            first, second = self.simulators.look_twice()
+            with self._lock:
+                self.witness.see(time.monotonic(), first, second)
+
+    def _send(self) -> None:
+        while not self._ended.wait(0.3):
+            with self._lock:
+                is_due = len(self.witness.open_missions) < len(self.hall.radii)
+            if is_due:
+                count = self._chance.choice((1, 1, 2))
+                more = {}
+                if self._chance.random() < 0.2:
+                    more['robot'] = self._chance.choice(sorted(self.hall.radii))
+                if self._chance.random() < 0.3:
+                    more['dwell'] = [self._chance.choice((0.0, 0.5, 2.0))] * count
+                self.fleet.send(self._chance.sample(self.hall.stations, count),
+                                priority=self._chance.choice((0, 0, 0, 5)), **more)
+                self._sent += 1
+            self.fleet.repeat_unanswered()
+        while not self._over.wait(1.0):
+            self.fleet.repeat_unanswered()
+
+    def _help(self) -> None:
+        while not self._over.wait(2.0):
+            self.disturbances.help_robots()
+
+    def _sample(self) -> None:
+        while not self._over.wait(SAMPLE):
+            for kind, value in zip(KINDS, resources(self.launch.pids())):
+                self._samples[kind].append(value)
+
+    def _disturb(self) -> None:
+        self.disturbances.run(self._given.only)
+
+    # -- the end -----------------------------------------------------------------------------------
+
+    def _judge_growth(self) -> None:
+        for kind, (share, least) in GROWTH.items():
+            grown = growth(self._samples[kind], share, least)
+            if grown:
+                self.witness.broken.append(
+                    f'{kind} grew from {grown[0]:.0f} to {grown[1]:.0f}')
+        most, each = JOURNAL
+        size = self.journal_size
+        if size > most + each * self._sent:
+            self.witness.broken.append(f'the journal has {size} bytes after {self._sent} missions')
+
+    @property
+    def journal_size(self) -> int:
+        """With what belongs to it."""
+        return sum(file.stat().st_size for file in self.launch.folder.glob('fleet.sqlite*'))
+
+    def _report(self, seconds: float) -> None:
+        print(f'{self._given.ld90s} LD-90s and {self._given.agvs} AGVs at {self._given.speed:g} x, '
+              f'seed {self._given.seed}, {seconds / 60.0:.1f} minutes; '
+              f'driven {sum(self.witness.driven.values()) / 1000.0:.1f} km')
+        ends = ', '.join(f'{count} {state.name.lower()}'
+                         for state, count in self.witness.ends().items())
+        print(f'missions: {self._sent} sent; {ends}')
+        print(f'what went wrong: {dict(sorted(self.disturbances.done.items()))}')
+        print(f'plan answers: {self.fleet.answers}, corrupted {self.fleet.wrong_answers}')
+        print(f'looks: {self.witness.looks}; least room beyond what two robots must keep: '
+              f'{self.witness.nearest:.2f} m')
+        for kind, values in self._samples.items():
+            if values:
+                print(f'{kind}: at first {values[0]:.0f}, most {max(values):.0f}, '
+                      f'at the end {values[-1]:.0f}')
+        print(f'journal: {self.journal_size / 1e6:.2f} MB')
+        if self._given.verbose:
+            print('\n'.join(self.disturbances.notes))
+        for words in [*self._errors, *self.witness.broken]:
+            print(f'BROKEN: {words}')
+        print('every promise held' if not self.witness.broken + self._errors else 'not all held')
+
+
+def main() -> None:
+    """Runs the command."""
+    parser = argparse.ArgumentParser(prog='scripts/soak.sh', description=__doc__)
+    parser.add_argument('hours', nargs='?', type=float, default=1.0)
+    parser.add_argument('--seed', type=int, default=1, help='of all that is random')
+    parser.add_argument('--ld90s', type=int, default=10)
+    parser.add_argument('--agvs', type=int, default=10)
+    parser.add_argument('--speed', type=float, default=5.0, help='of the robots, 1: as real ones')
+    parser.add_argument('--corrupted', type=float, default=0.1, help='share of plan answers')
+    parser.add_argument('--only', nargs='+', default=[], help='these kinds of disturbances')
+    parser.add_argument('--plant', default='', help=f'a defect of {PLANTS}/sitecustomize.py')
+    parser.add_argument('--until-broken', action='store_true', help='ends with the first finding')
+    parser.add_argument('--verbose', action='store_true', help='names all that went wrong')
+    given = parser.parse_args()
+    LOG.parent.mkdir(exist_ok=True)
+    folder = Path(tempfile.mkdtemp(prefix='soak_'))
+    os.environ['ROS_HOME'] = str(folder / 'ros_home')
+    master = RosMaster()
+    os.environ['ROS_MASTER_URI'] = master.uri
+    soak = None
+    try:
+        soak = Soak(given, folder, master)
+        held = soak.run()
+    finally:
+        if soak is not None:
+            soak.launch.stop()
+            shutil.rmtree(soak.launch.folder, ignore_errors=True)
+        master.kill()
+        shutil.rmtree(folder, ignore_errors=True)
+    sys.exit(0 if held else 1)
+
+
+if __name__ == '__main__':
+    main()

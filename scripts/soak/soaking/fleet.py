@@ -1,0 +1,129 @@
+"""The fleet as its users see it by topics and services."""
+from __future__ import annotations
+
+import itertools
+import threading
+import time
+from random import Random
+from typing import Any, Callable, Dict, List, Optional, Tuple
+
+import rospy
+from std_srvs.srv import Trigger
+
+from fleet_simulation.witness import State, Witness
+from itrci_nav_msgs.msg import (
+    EdgeCommand,
+    FleetState,
+    MissionCommand,
+    MissionRequest,
+    MissionStatus,
+    PlanAnswer,
+)
+from node_lifecycle.master_watch import watch_master
+from soaking.corruption import CORRUPTIONS, corrupted
+from soaking.launch import TRUE_ANSWERS
+
+REPEAT = 5.0  # s after which a request that nobody answered is sent again, unchanged
+SERVICE = 3.0  # s within which a service is found
+
+
+class Fleet:
+    """Asks and listens; the witness is told of all of it. One lock holds whatever tells it."""
+
+    def __init__(self, witness: Witness, lock: threading.RLock, seed: int, share: float) -> None:
+        rospy.init_node('soak', disable_signals=True)
+        self.state: Optional[FleetState] = None
+        self.told_at = 0.0
+        self.answers = self.wrong_answers = 0
+        self._witness, self._lock = witness, lock
+        self._chance, self._share = Random(seed), share
+        self._ids = itertools.count(1)
+        self._unanswered: Dict[int, Tuple[float, MissionRequest]] = {}
+        self._requests = rospy.Publisher('/mission_request', MissionRequest, queue_size=100)
+        self._commands = rospy.Publisher('/mission_command', MissionCommand, queue_size=100)
+        self._edges = rospy.Publisher('/edge_command', EdgeCommand, queue_size=10)
+        self._plans = rospy.Publisher('/plan_answer', PlanAnswer, queue_size=10)
+        self._subscribers = [
+            rospy.Subscriber('/fleet_state', FleetState, self._on_state, queue_size=5),
+            rospy.Subscriber('/mission_status', MissionStatus, self._on_status, queue_size=1000),
+            rospy.Subscriber(TRUE_ANSWERS, PlanAnswer, self._on_answer, queue_size=10)]
+        watch_master()
+
+    @property
+    def is_connected(self) -> bool:
+        """Whether the fleet manager hears what is asked."""
+        return bool(self._requests.get_num_connections() and self._plans.get_num_connections()
+                    and self._commands.get_num_connections() and self._edges.get_num_connections())
+
+    def send(self, destinations: List[int], **more: Any) -> int:
+        """A mission."""
+        request = MissionRequest(request_id=next(self._ids), destination_vertices_id=destinations,
+                                 **more)
+        request.header.stamp = rospy.Time.now()
+        with self._lock:
+            self._witness.ask(request.request_id, destinations, time.monotonic())
+            self._unanswered[request.request_id] = time.monotonic(), request
+        self._requests.publish(request)
+        return request.request_id
+
+    def repeat_unanswered(self) -> None:
+        """A message may be lost with the fleet manager's process."""
+        with self._lock:
+            due = [request for since, request in self._unanswered.values()
+                   if time.monotonic() > since + REPEAT]
+            for request in due:
+                self._unanswered[request.request_id] = time.monotonic(), request
+        for request in due:
+            self._requests.publish(request)
+
+    def command(self, mission: int, command: int) -> None:
+        """Cancels, pauses ... a mission."""
+        if command == MissionCommand.CANCEL:
+            with self._lock:
+                self._witness.cancel(mission)
+        message = MissionCommand(request_id=mission, command=command)
+        message.header.stamp = rospy.Time.now()
+        self._commands.publish(message)
+
+    def edges(self, command: int, edges: List[int]) -> None:
+        """Opens or closes them."""
+        message = EdgeCommand(command=command, edges=edges)
+        message.header.stamp = rospy.Time.now()
+        self._edges.publish(message)
+
+    def call(self, service: str) -> bool:
+        """Whether the service did it."""
+        try:
+            rospy.wait_for_service(service, SERVICE)
+            return bool(rospy.ServiceProxy(service, Trigger)().success)
+        except (rospy.ROSException, rospy.ServiceException, OSError):
+            return False
+
+    def robots(self) -> Dict[str, Any]:
+        """What is told of each."""
+        return {} if self.state is None else {robot.name: robot for robot in self.state.robots}
+
+    def wait_for(self, condition: Callable[[], bool], timeout: float) -> bool:
+        """Whether it became true."""
+        deadline = time.monotonic() + timeout
+        while not condition():
+            if time.monotonic() > deadline:
+                return False
+            time.sleep(0.1)
+        return True
+
+    def _on_state(self, state: FleetState) -> None:
+        self.state, self.told_at = state, time.monotonic()
+
+    def _on_status(self, status: MissionStatus) -> None:
+        with self._lock:
+            self._unanswered.pop(status.request_id, None)
+            self._witness.hear(status.request_id, State(status.state), status.robot,
+                               status.destinations_reached, status.reason)
+
+    def _on_answer(self, answer: PlanAnswer) -> None:
+        self.answers += 1
+        if self._chance.random() < self._share:
+            self.wrong_answers += 1
+            answer = corrupted(answer, self._chance.choice(sorted(CORRUPTIONS)), self._chance)
+        self._plans.publish(answer)

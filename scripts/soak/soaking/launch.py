@@ -1,0 +1,161 @@
+"""Starts a ROS master and the fleet, and knows their processes."""
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import time
+import xml.etree.ElementTree as ET
+from pathlib import Path
+from typing import List
+from xmlrpc.client import ServerProxy
+
+import rosgraph
+import rospkg
+from measuring.processes import arguments, descendants, proportional
+
+from ports import free_port
+
+PLANTS = Path(__file__).resolve().parents[1] / 'plants'
+TRUE_ANSWERS = '/plan_answer_of_planner'
+FAST = 5.0  # s after which a call to a process that hangs is given up
+
+
+class RosMaster:
+    """A ROS master that may be killed and started anew on its port."""
+
+    def __init__(self) -> None:
+        self.port = free_port()
+        self.uri = f'http://127.0.0.1:{self.port}'
+        self.start()
+
+    def start(self) -> None:
+        """Returns once it answers."""
+        self._process = subprocess.Popen(['rosmaster', '--core', '-p', str(self.port)],
+                                         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        while not rosgraph.is_master_online(self.uri):
+            time.sleep(0.05)
+
+    @property
+    def pid(self) -> int:
+        """Of its process."""
+        return self._process.pid
+
+    def kill(self) -> None:
+        """Without a word."""
+        self._process.kill()
+        self._process.wait()
+
+
+class Launch:
+    """roslaunch of the fleet's launch file, in which plan answers go another way."""
+
+    def __init__(self, words: List[str], speed: float, folder: Path, log: Path, plant: str) -> None:
+        first = _free_ports(60)
+        self.control_port = first + 2
+        made = subprocess.run(
+            ['rosrun', 'fleet_bringup', 'fleet_launch', *words, f'sim_speed:={speed:g}',
+             'rviz:=false', 'page:=false', 'hosted:=true', f'arcl_port:={first}',
+             f'outgoing_port:={first + 5}', f'control_port:={self.control_port}'],
+            check=True, stdout=subprocess.PIPE, text=True).stdout.strip()
+        self.folder = Path(made).parent
+        self._edit(Path(made), folder)
+        environment = dict(os.environ)
+        if plant:
+            environment['SOAK_PLANT'] = plant
+            environment['PYTHONPATH'] = f'{PLANTS}:{environment["PYTHONPATH"]}'
+        with log.open('w', encoding='utf-8') as output:
+            self._process = subprocess.Popen(['roslaunch', made], stdout=output, stderr=output,
+                                             start_new_session=True, env=environment)
+
+    @staticmethod
+    def _edit(launch: Path, folder: Path) -> None:
+        """Answers of the planner go through the soak, and bridges keep their routes as on real
+        robots."""
+        manager = folder / 'fleet_manager.launch'
+        original = Path(rospkg.RosPack().get_path('graph_fleet_manager'),
+                        'launch/fleet_manager.launch')
+        tree = ET.parse(original)
+        planner = next(node for node in tree.iter('node') if node.get('name') == 'path_planner')
+        ET.SubElement(planner, 'remap', {'from': '/plan_answer', 'to': TRUE_ANSWERS})
+        tree.write(manager)
+        tree = ET.parse(launch)
+        for include in tree.iter('include'):
+            file = include.get('file', '')
+            if file.endswith('/fleet_manager.launch'):
+                include.set('file', str(manager))
+            for argument in include.iter('arg'):
+                if argument.get('name') == 'route_file':
+                    name = next(other.get('value') for other in include.iter('arg')
+                                if other.get('name') == 'robot_name')
+                    argument.set('value', str(folder / f'{name}_route.json'))
+        tree.write(launch)
+
+    @property
+    def is_running(self) -> bool:
+        """Whether roslaunch has not ended."""
+        return self._process.poll() is None
+
+    def pids(self) -> List[int]:
+        """All processes of the fleet but the simulators."""
+        return [pid for pid in descendants(self._process.pid)
+                if not any(_is_called(pid, name) for name in ('ld90_sim', 'agv_sim'))]
+
+    def host(self) -> int:
+        """The process of the node host."""
+        return next(pid for pid in descendants(self._process.pid)
+                    if any(Path(word).name == 'node_host' for word in _words(pid)[:3]))
+
+    def stop(self) -> None:
+        """As Ctrl-C does."""
+        self._process.send_signal(signal.SIGINT)
+        try:
+            self._process.wait(60)
+        except subprocess.TimeoutExpired:
+            os.killpg(self._process.pid, signal.SIGKILL)
+
+
+def process_of(node: str) -> int:
+    """The process of a node, by the ROS master; raises OSError, rosgraph's or xmlrpc's errors."""
+    _, _, pid = ServerProxy(rosgraph.Master('/soak').lookupNode(node)).getPid('/soak')
+    return int(pid)
+
+
+def resources(pids: List[int]) -> List[float]:
+    """MB (PSS), threads, sockets, other files, of all processes together."""
+    memory = threads = sockets = files = 0
+    for pid in pids:
+        try:
+            memory += proportional(pid)
+            threads += len(os.listdir(f'/proc/{pid}/task'))
+            links = [os.readlink(link) for link in Path(f'/proc/{pid}/fd').iterdir()]
+        except (OSError, StopIteration):  # it has ended meanwhile
+            continue
+        open_sockets = sum(link.startswith('socket:') for link in links)
+        sockets, files = sockets + open_sockets, files + len(links) - open_sockets
+    return [memory / 2 ** 20, threads, sockets, files]
+
+
+def _words(pid: int) -> List[str]:
+    try:
+        return arguments(pid)
+    except OSError:
+        return []
+
+
+def _is_called(pid: int, program: str) -> bool:
+    return any(Path(word).name == program for word in _words(pid)[:4])
+
+
+def _free_ports(count: int) -> int:
+    """The first of so many that are free."""
+    while True:
+        first = free_port()
+        try:
+            for port in range(first, first + count):
+                with socket.socket() as probe:
+                    probe.bind(('', port))
+        except OSError:
+            continue
+        return first

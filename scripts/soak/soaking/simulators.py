@@ -1,0 +1,74 @@
+"""The control sockets of the simulators: true places, and faults."""
+from __future__ import annotations
+
+import json
+import socket
+import threading
+from typing import IO, Dict, Optional, Tuple
+
+Place = Tuple[float, float]
+Pose = Tuple[float, float, float]
+
+
+class Simulator:
+    """One simulator's control socket, opened anew where it broke."""
+
+    def __init__(self, port: int) -> None:
+        self._port = port
+        self._stream: Optional[IO[bytes]] = None
+        self._lock = threading.Lock()
+
+    def ask(self, line: str) -> str:
+        """One line, answered."""
+        with self._lock:
+            for _ in range(2):
+                try:
+                    if self._stream is None:
+                        self._stream = socket.create_connection(
+                            ('127.0.0.1', self._port), 30.0).makefile('rwb', 0)
+                    self._stream.write(line.encode() + b'\n')
+                    answer = self._stream.readline()
+                except OSError:
+                    answer = b''
+                if answer:
+                    return answer.decode().strip()
+                self._stream = None
+        raise ConnectionError(f'the simulator on port {self._port} does not answer')
+
+    def poses(self) -> Dict[str, Pose]:
+        """Where its robots truly are: m, m, degrees."""
+        return {name: (robot['x'], robot['y'], robot['heading'])
+                for name, robot in json.loads(self.ask('where'))['robots'].items()}
+
+    def places(self) -> Dict[str, Place]:
+        """Without headings."""
+        return {name: (x, y) for name, (x, y, _) in self.poses().items()}
+
+
+class Simulators:
+    """That of the LD-90s and that of the AGVs, looked at by one thread and driven by others."""
+
+    def __init__(self, ld90_port: int, agv_port: int) -> None:
+        self._eyes = Simulator(ld90_port), Simulator(agv_port)
+        self._hands = {'ld90': Simulator(ld90_port), 'agv': Simulator(agv_port)}
+
+    def look_twice(self) -> Tuple[Dict[str, Place], Dict[str, Place]]:
+        """All robots: the LD-90s just before the AGVs, and just after them."""
+        ld90s, agvs = self._eyes
+        before, between, after = ld90s.places(), agvs.places(), ld90s.places()
+        return {**before, **between}, {**after, **between}
+
+    def poses(self) -> Dict[str, Pose]:
+        """All robots, for those that disturb."""
+        return {name: pose for simulator in self._hands.values()
+                for name, pose in simulator.poses().items()}
+
+    def fault(self, robot: str, words: str) -> None:
+        """Brings a fault upon a robot."""
+        answer = self._hands[robot.split('_')[0]].ask(f'@{robot} {words}')
+        if answer != 'ok':
+            raise ValueError(f'{words} of {robot}: {answer}')
+
+    def ld90_speed(self, factor: float) -> None:
+        """How fast the clock of all LD-90s runs."""
+        self._hands['ld90'].ask(f'speed {factor}')

@@ -1,0 +1,269 @@
+"""An independent witness of a running fleet: it judges by where the robots truly are.
+
+It imports nothing of the fleet manager and knows nothing of its decisions. The caller tells it the
+true places of all robots, what was asked of the fleet, what the fleet told, and what was done to
+robots. `broken` names each promise that did not hold. Seconds are those of the caller's clock.
+"""
+from __future__ import annotations
+
+import enum
+import itertools
+import math
+import statistics
+from dataclasses import dataclass, field
+from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple
+
+Place = Tuple[float, float]
+
+SKEW = 0.06  # m that robots move between the answers of two simulators
+NEAR = 0.6  # m from a vertex within which a robot has visited it
+STANDS = 0.15  # m that a robot moves while it comes to rest
+
+
+class State(enum.IntEnum):
+    """Of a mission, with the numbers of `itrci_nav_msgs/MissionStatus`."""
+
+    PENDING = 0
+    ACTIVE = 1
+    SUCCEEDED = 2
+    FAILED = 3
+    REFUSED = 4
+    CANCELLED = 5
+    PAUSED = 6
+
+    @property
+    def is_end(self) -> bool:
+        """Whether nothing may follow."""
+        return self in (State.SUCCEEDED, State.FAILED, State.REFUSED, State.CANCELLED)
+
+
+@dataclass
+class _Mission:
+    destinations: Sequence[int]
+    since: float
+    state: Optional[State] = None  # none was told yet
+    robot: str = ''
+    reached: int = 0
+    is_cancelled: bool = False  # somebody asked for it
+    served_by: Set[str] = field(default_factory=set)
+
+    @property
+    def is_open(self) -> bool:
+        return self.state is None or not self.state.is_end
+
+
+class Witness:
+    """See the module's text.
+
+    radii -- of the robots by name, m
+    vertices -- the graph's places by id
+    grace -- s after which a robot that can be reached stands, once it was told to stop
+    """
+
+    def __init__(self, radii: Mapping[str, float], clearance: float,
+                 vertices: Mapping[int, Place], grace: float) -> None:
+        self._radii, self._clearance, self._vertices = radii, clearance, vertices
+        self._grace = grace
+        self.broken: List[str] = []
+        self.nearest = math.inf
+        """The least room that two robots had beyond what they must keep, m."""
+        self.looks = 0
+        self.driven: Dict[str, float] = dict.fromkeys(radii, 0.0)
+        self._named: Set[Tuple[str, ...]] = set()
+        self._missions: Dict[int, _Mission] = {}
+        self._trails: Dict[str, List[Tuple[float, Place]]] = {name: [] for name in radii}
+        self._carried: Set[str] = set()
+        self._returned: Set[str] = set()
+        self._stopped: Dict[str, float] = {}
+        self._rest: Dict[str, Place] = {}
+        self._cut: Dict[str, int] = {}
+        self._troubled: Dict[str, float] = {}
+
+    # -- what is done ------------------------------------------------------------------------------
+
+    def ask(self, mission: int, destinations: Sequence[int], now: float) -> None:
+        """A mission that the fleet can serve was sent."""
+        self._missions[mission] = _Mission(destinations, now)
+
+    def cancel(self, mission: int) -> None:
+        """It may end as cancelled from now on."""
+        self._missions[mission].is_cancelled = True
+
+    def stop(self, names: Iterable[str], now: float) -> None:
+        """The fleet manager said that these robots are stopped."""
+        for name in names:
+            self._stopped.setdefault(name, now)
+
+    def go_on(self, names: Iterable[str]) -> None:
+        """They may drive again."""
+        for name in names:
+            self._stopped.pop(name, None)
+            self._rest.pop(name, None)
+
+    def cut(self, names: Iterable[str]) -> None:
+        """They cannot be reached, until `mend` was called as often."""
+        for name in names:
+            self._cut[name] = self._cut.get(name, 0) + 1
+            self._rest.pop(name, None)
+
+    def mend(self, names: Iterable[str], now: float) -> None:
+        """They can be reached again, and have the whole grace to come to rest."""
+        for name in names:
+            self._cut[name] -= 1
+            if name in self._stopped:
+                self._stopped[name] = now
+
+    def trouble(self, name: str, now: float) -> None:
+        """Something was done to the robot for which its mission may fail."""
+        self._troubled[name] = now
+
+    def carry(self, name: str, now: float) -> None:
+        """A person moves the robot: its distance counts again once it is back and clear."""
+        self._carried.add(name)
+        self._returned.discard(name)
+        self.trouble(name, now)
+
+    def bring_back(self, name: str) -> None:
+        """The person is done with it."""
+        self._returned.add(name)
+
+    # -- what is seen ------------------------------------------------------------------------------
+
+    def see(self, now: float, first: Mapping[str, Place], second: Mapping[str, Place]) -> None:
+        """Where all robots are, looked at twice in a row.
+
+        Robots of one simulator are seen at one moment, those of another one a little later. Two
+        are too near only if they are in both looks.
+        """
+        self.looks += 1
+        self._check_distances(first, second)
+        for name, place in second.items():
+            self._follow(name, place, now)
+            self._check_rest(name, place, now)
+
+    def hear(self, mission: int, state: State, robot: str, reached: int, reason: str) -> None:
+        """A status was told; one of a mission that the caller did not ask for means nothing."""
+        asked = self._missions.get(mission)
+        if asked is None:
+            return
+        before = asked.state
+        if before is not None and before.is_end:
+            if state is not before:
+                self._break(f'mission {mission} ended as {before.name}, then it was {state.name}',
+                            'end', str(mission))
+            return
+        if robot == asked.robot and reached < asked.reached:
+            self._break(f'mission {mission} of {robot} had reached {asked.reached} destinations, '
+                        f'then {reached}', 'reached', str(mission))
+        asked.state, asked.robot, asked.reached = state, robot or asked.robot, reached
+        if asked.robot:
+            asked.served_by.add(asked.robot)
+        self._check_end(mission, asked, reason)
+
+    def end(self) -> None:
+        """Nothing is done any more, and all missions had time to end."""
+        for mission, asked in self._missions.items():
+            if asked.is_open:
+                told = 'nothing' if asked.state is None else asked.state.name
+                self._break(f'mission {mission} over {list(asked.destinations)} never ended; '
+                            f'told was {told}, robot {asked.robot or "none"}', 'open', str(mission))
+
+    @property
+    def open_missions(self) -> List[int]:
+        """Asked for, and not ended."""
+        return [mission for mission, asked in self._missions.items() if asked.is_open]
+
+    def ends(self) -> Dict[State, int]:
+        """How many missions ended how."""
+        states = [asked.state for asked in self._missions.values() if not asked.is_open]
+        return {state: states.count(state) for state in State if state.is_end}
+
+    # -- judgements --------------------------------------------------------------------------------
+
+    def _check_distances(self, first: Mapping[str, Place], second: Mapping[str, Place]) -> None:
+        near: Set[str] = set()
+        for one, other in itertools.combinations(sorted(second), 2):
+            apart = self._radii[one] + self._radii[other] + self._clearance
+            room = max(math.dist(look[one], look[other]) for look in (first, second)) - apart
+            if room < 0.0:
+                near.update((one, other))
+            if self._carried.isdisjoint((one, other)):
+                self.nearest = min(self.nearest, room)
+                if room < -SKEW:
+                    self._break(f'{one} and {other} are too near by {-room:.2f} m, at '
+                                f'{second[one]} and {second[other]}', 'near', one, other)
+        self._carried -= self._returned - near
+
+    def _follow(self, name: str, place: Place, now: float) -> None:
+        trail = self._trails[name]
+        step = math.dist(trail[-1][1], place) if trail else math.inf
+        if step > 0.02:
+            trail.append((now, place))
+            self.driven[name] += step if math.isfinite(step) else 0.0
+        oldest = min((self._missions[one].since for one in self.open_missions), default=now)
+        while len(trail) > 2 and trail[1][0] < oldest - 1.0:
+            del trail[0]
+
+    def _check_rest(self, name: str, place: Place, now: float) -> None:
+        since = self._stopped.get(name)
+        if since is None or self._cut.get(name) or now < since + self._grace:
+            return
+        rest = self._rest.setdefault(name, place)
+        if math.dist(rest, place) > STANDS:
+            self._break(f'{name} drives {now - since:.1f} s after it was stopped: from {rest} to '
+                        f'{place}', 'stop', name)
+
+    def _check_end(self, mission: int, asked: _Mission, reason: str) -> None:
+        if asked.state is State.SUCCEEDED:
+            missed = self._missed(asked)
+            if missed:
+                self._break(f'mission {mission} over {list(asked.destinations)} succeeded, but '
+                            f'{asked.robot} never was at {missed} in this order',
+                            'missed', str(mission))
+        elif asked.state is State.CANCELLED and not asked.is_cancelled:
+            self._break(f'nobody cancelled mission {mission}: {reason}', 'cancel', str(mission))
+        elif asked.state is State.REFUSED:
+            self._break(f'mission {mission} was refused: {reason}', 'refused', str(mission))
+        elif asked.state is State.FAILED and not any(
+                self._troubled.get(name, -math.inf) >= asked.since for name in asked.served_by):
+            self._break(f'mission {mission} of {asked.robot} failed, to which nothing was done: '
+                        f'{reason}', 'failed', str(mission))
+
+    def _missed(self, asked: _Mission) -> List[int]:
+        """The destinations that the robot did not visit, from the first such on."""
+        trail = [place for _, place in self._trails.get(asked.robot, [])]
+        left = list(asked.destinations)
+        for before, place in zip(trail[:1] + trail, trail):
+            while left and _distance(self._vertices[left[0]], before, place) <= (
+                    NEAR + math.dist(before, place) / 2.0):
+                del left[0]
+        return left
+
+    def _break(self, words: str, *name: str) -> None:
+        if name not in self._named:
+            self._named.add(name)
+            self.broken.append(words)
+
+
+def growth(samples: Sequence[float], share: float, least: float) -> Optional[Tuple[float, float]]:
+    """The medians of the second and the last quarter, if the last is larger by `share` and `least`.
+
+    The first quarter is left out: in it caches fill.
+    """
+    quarter = len(samples) // 4
+    if not quarter:
+        return None
+    early = statistics.median(samples[quarter:2 * quarter])
+    late = statistics.median(samples[-quarter:])
+    return (early, late) if late > early * (1.0 + share) and late > early + least else None
+
+
+def _distance(point: Place, start: Place, end: Place) -> float:
+    """From a point to the straight piece between two others."""
+    length = math.dist(start, end)
+    if length == 0.0:
+        return math.dist(point, start)
+    share = sum((p - s) * (e - s) for p, s, e in zip(point, start, end)) / length ** 2
+    share = min(1.0, max(0.0, share))
+    return math.dist(point, (start[0] + share * (end[0] - start[0]),
+                             start[1] + share * (end[1] - start[1])))

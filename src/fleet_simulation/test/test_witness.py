@@ -1,0 +1,164 @@
+"""The witness names what is broken, and nothing else."""
+from __future__ import annotations
+
+from typing import Dict, Sequence, Tuple
+
+import pytest
+
+from fleet_simulation.witness import State, Witness, growth
+
+GRACE = 2.0
+VERTICES = {1: (0.0, 0.0), 2: (5.0, 0.0), 3: (5.0, 5.0)}
+FAR = (50.0, 50.0)
+
+
+@pytest.fixture
+def witness() -> Witness:
+    return Witness({'a': 0.4, 'b': 0.4}, 0.1, VERTICES, GRACE)
+
+
+def look(witness: Witness, now: float, a: Tuple[float, float],
+         b: Tuple[float, float] = FAR) -> None:
+    places: Dict[str, Tuple[float, float]] = {'a': a, 'b': b}
+    witness.see(now, places, places)
+
+
+def drive(witness: Witness, *places: Tuple[float, float], since: float = 0.0) -> None:
+    for count, place in enumerate(places):
+        look(witness, since + 0.1 * count, place)
+
+
+def is_told(witness: Witness, state: State, robot: str = 'a', reached: int = 0) -> None:
+    witness.hear(7, state, robot, reached, 'for some reason')
+
+
+def test_it_names_two_robots_that_are_too_near_once(witness: Witness) -> None:
+    for now in (0.0, 0.1):
+        look(witness, now, (0.0, 0.0), (0.8, 0.0))
+    assert len(witness.broken) == 1
+    assert 'a and b are too near by 0.10 m' in witness.broken[0]
+
+
+def test_robots_are_too_near_in_both_looks_or_not_at_all(witness: Witness) -> None:
+    witness.see(0.0, {'a': (0.0, 0.0), 'b': (0.8, 0.0)}, {'a': (0.0, 0.0), 'b': (1.0, 0.0)})
+    assert witness.broken == []
+
+
+def test_distances_of_a_carried_robot_count_again_once_it_is_back_and_clear(
+        witness: Witness) -> None:
+    witness.carry('a', 0.0)
+    look(witness, 0.0, (0.0, 0.0), (0.5, 0.0))
+    witness.bring_back('a')
+    look(witness, 0.1, (0.0, 0.0), (0.5, 0.0))
+    assert witness.broken == []
+    look(witness, 0.2, (0.0, 0.0), (2.0, 0.0))
+    look(witness, 0.3, (0.0, 0.0), (0.5, 0.0))
+    assert len(witness.broken) == 1
+
+
+def test_a_stopped_robot_may_come_to_rest_and_not_drive_on(witness: Witness) -> None:
+    witness.stop(['a'], 0.0)
+    look(witness, 1.0, (1.0, 0.0))
+    look(witness, 2.1, (2.0, 0.0))
+    assert witness.broken == []
+    look(witness, 3.0, (2.5, 0.0))
+    assert 'a drives 3.0 s after it was stopped' in witness.broken[0]
+
+
+def test_a_robot_that_was_let_go_may_drive(witness: Witness) -> None:
+    witness.stop(['a'], 0.0)
+    look(witness, 2.1, (2.0, 0.0))
+    witness.go_on(['a'])
+    look(witness, 9.0, (3.0, 0.0))
+    assert witness.broken == []
+
+
+def test_a_stop_counts_once_the_robot_can_be_reached(witness: Witness) -> None:
+    witness.cut(['a'])
+    witness.stop(['a'], 0.0)
+    look(witness, 5.0, (2.0, 0.0))
+    look(witness, 6.0, (3.0, 0.0))
+    witness.mend(['a'], 6.0)
+    look(witness, 7.0, (4.0, 0.0))
+    assert witness.broken == []
+    look(witness, 8.1, (5.0, 0.0))
+    look(witness, 8.2, (5.5, 0.0))
+    assert len(witness.broken) == 1
+
+
+def test_a_mission_succeeds_where_its_robot_was_everywhere_in_order(witness: Witness) -> None:
+    witness.ask(7, [2, 3], 0.0)
+    drive(witness, (0.0, 0.0), (2.5, 0.0), (5.0, 0.0), (5.0, 2.5), (5.0, 5.0))
+    is_told(witness, State.ACTIVE)
+    is_told(witness, State.SUCCEEDED)
+    assert witness.broken == []
+    assert witness.ends()[State.SUCCEEDED] == 1
+
+
+@pytest.mark.parametrize('destinations, missed', [([3, 2], '[2]'), ([1, 2], '[1, 2]')])
+def test_a_success_without_the_visits_is_named(witness: Witness, destinations: Sequence[int],
+                                               missed: str) -> None:
+    drive(witness, (0.0, 0.0), (1.0, 0.0), (2.0, 0.0))
+    witness.ask(7, destinations, 5.0)
+    drive(witness, (4.0, 0.0), (5.0, 0.0), (5.0, 2.5), (5.0, 5.0), since=5.0)
+    is_told(witness, State.SUCCEEDED)
+    assert missed in witness.broken[0]
+
+
+def test_an_end_is_told_again_and_no_other_end(witness: Witness) -> None:
+    witness.ask(7, [1], 0.0)
+    look(witness, 0.0, (0.0, 0.0))
+    for _ in range(2):
+        is_told(witness, State.SUCCEEDED)
+    assert witness.broken == []
+    is_told(witness, State.ACTIVE)
+    assert 'ended as SUCCEEDED, then it was ACTIVE' in witness.broken[0]
+
+
+def test_destinations_that_were_reached_stay_so(witness: Witness) -> None:
+    witness.ask(7, [1, 2], 0.0)
+    is_told(witness, State.ACTIVE, reached=1)
+    is_told(witness, State.ACTIVE)
+    assert len(witness.broken) == 1
+
+
+@pytest.mark.parametrize('state', [State.REFUSED, State.CANCELLED, State.FAILED])
+def test_an_end_without_a_cause_is_named(witness: Witness, state: State) -> None:
+    witness.trouble('a', 0.0)
+    witness.ask(7, [1], 1.0)
+    is_told(witness, State.ACTIVE)
+    is_told(witness, state)
+    assert len(witness.broken) == 1
+    assert 'for some reason' in witness.broken[0]
+
+
+def test_an_end_with_a_cause_is_right(witness: Witness) -> None:
+    witness.ask(7, [1], 0.0)
+    is_told(witness, State.ACTIVE)
+    witness.trouble('a', 1.0)
+    is_told(witness, State.FAILED)
+    witness.ask(8, [1], 2.0)
+    witness.cancel(8)
+    witness.hear(8, State.CANCELLED, '', 0, '')
+    assert witness.broken == []
+
+
+def test_a_mission_that_never_ends_is_named(witness: Witness) -> None:
+    witness.ask(7, [1], 0.0)
+    is_told(witness, State.ACTIVE)
+    assert witness.open_missions == [7]
+    witness.end()
+    assert 'mission 7 over [1] never ended; told was ACTIVE, robot a' in witness.broken[0]
+
+
+def test_of_a_mission_of_somebody_else_nothing_is_known(witness: Witness) -> None:
+    is_told(witness, State.FAILED)
+    assert witness.broken == []
+
+
+@pytest.mark.parametrize('samples, grown', [
+    ([1.0, 5.0, 5.0, 5.0], None), ([1.0, 5.0, 8.0, 9.0], (5.0, 9.0)), ([5.0, 5.0, 5.0, 5.5], None),
+    ([], None)])
+def test_growth_is_what_comes_after_the_first_quarter(
+        samples: Sequence[float], grown: object) -> None:
+    assert growth(samples, 0.2, 1.0) == grown
