@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
 import node_program
-from node_host import child
+from node_host import child, shared_memory
 from node_host.start_queue import StartQueue
 from node_host.start_request import BadRequest, StartRequest, read_request
 
@@ -160,6 +160,7 @@ class Host:
             self._close()
             child.take_signals(blocked)
             child.become(request, streams)
+            node_program.when_started(shared_memory.give_back)
             node_program.when_started(lambda: os.close(start_pipe_end))
             return True
         signal.pthread_sigmask(signal.SIG_SETMASK, blocked)

@@ -13,7 +13,7 @@ import socket
 import sys
 from typing import Optional, Sequence
 
-from node_host import child, ros_state
+from node_host import child, ros_state, shared_memory
 from node_host.address import host_address
 from node_host.host import Host
 from node_host.start_queue import StartQueue
@@ -30,6 +30,7 @@ def main() -> Optional[int]:
     _import([one for one in sys.argv[1:] if ':=' not in one])
     ros_state.prepare()
     gc.collect()
+    shared_memory.fill_holes()
     gc.freeze()
     return serve()
 

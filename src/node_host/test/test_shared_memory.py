@@ -1,0 +1,36 @@
+"""What a fork makes lies on pages of its own."""
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SOURCES = Path(__file__).resolve().parents[1] / 'src'
+PROGRAM = '''
+import sys
+from node_host import shared_memory
+size = int(sys.argv[1]) - sys.getsizeof(b'')
+shared = [bytes(size) for _ in range(20000)]
+del shared[::100]
+if sys.argv[2:]:
+    shared_memory.fill_holes()
+pages = {id(one) >> 12 for one in shared}
+made = [bytes(size) for _ in range(150)]
+print(sum(id(one) >> 12 in pages for one in made))
+'''
+
+
+def on_shared_pages(size: int, *options: str) -> int:
+    """How many of 150 new objects lie on pages with older ones, between which there are 200 holes.
+    """
+    return int(subprocess.run([sys.executable, '-c', PROGRAM, str(size), *options], check=True,
+                              env={'PYTHONPATH': str(SOURCES)}, stdout=subprocess.PIPE,
+                              text=True).stdout)
+
+
+@pytest.mark.parametrize('size', [48, 64, 96, 256, 512])
+def test_new_objects_do_not_lie_between_older_ones(size: int) -> None:
+    assert on_shared_pages(size) > 100, 'without a cure they do'
+    assert on_shared_pages(size, 'filled') < 50
