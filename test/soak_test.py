@@ -16,7 +16,8 @@ MINUTE = 1.0 / 60.0
 
 def soak(minutes: float, *options: str) -> subprocess.CompletedProcess:
     return subprocess.run([str(SOAK), f'{minutes * MINUTE:.4f}', *FLEET, *options], text=True,
-                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=900, check=False)
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=900,
+                          check=False)
 
 
 def test_every_promise_holds_for_five_minutes() -> None:

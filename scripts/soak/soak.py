@@ -37,7 +37,7 @@ LAST = 240.0  # s for open missions to end, once nothing goes wrong any more
 KINDS = ('memory, MB', 'threads', 'sockets', 'files')
 GROWTH = {'memory, MB': (0.15, 40.0), 'threads': (0.1, 20.0), 'sockets': (0.1, 20.0),
           'files': (0.1, 20.0)}
-JOURNAL = 12e6, 10e3  # bytes: at most so many with the write-ahead log, and so many for each mission
+JOURNAL = 12e6, 10e3  # bytes, the write-ahead log included; and so many for each mission
 
 
 class Soak:

@@ -24,6 +24,8 @@ from soaking.simulators import Simulators
 
 RECOVERS = 8.0  # s after which a robot whose program or link was away is reached again
 MASTER_RECOVERS = 15.0  # s after which all nodes are known to a new ROS master
+SLOW = 0.15  # factor on the clock of LD-90s that are to drive for long
+OWED = 15.0  # s in which a robot must not drive on, once its stop reached it
 CLEAR = 1.6  # m between a place to which a robot is carried, and all others
 ON_GRAPH = 0.35  # m
 NEEDS_PERSON = (FleetRobot.TAKEN_OVER, FleetRobot.FAILED, FleetRobot.OFF_GRAPH,
@@ -274,40 +276,43 @@ class Disturbances:
         self._resume()
 
     def _stop_without_link(self) -> None:
-        """The robot cannot hear the stop; it is slow, so that it still drives when it can again."""
-        self._simulators.ld90_speed(0.3)
+        """A robot on a long way cannot hear the stop. From then on it is slow, so that it still
+        drives when it can hear again."""
+        name = self._sent_far()
+        if not name:
+            return
+        self._simulators.ld90_speed(SLOW)
         try:
-            name = self._driving_ld90()
-            if not name:
-                return
             with self._affected([name], Effect.CUT | Effect.FAILS):
                 self._inject(name, ('refuse on', 'drop'), 0)
-                self._wait(1.5)
+                self._wait(1.0)
                 if not self._is_stopped():
                     return
                 if self._chance.random() < 0.5:
                     self._kill_node(f'/{name}/omron_controller')
                 self._wait(0.5)
                 self._inject(name, ('refuse off',), 0)
-            self._wait(15.0)
+            self._wait(OWED)
         finally:
-            self._simulators.ld90_speed(self._speed)
             self._simulators_allow(self._ld90s)
+            self._simulators.ld90_speed(self._speed)
             self._resume()
 
     def _simulators_allow(self, names: Sequence[str]) -> None:
         for name in names:
             self._inject(name, ('refuse off',), 0)
 
-    def _driving_ld90(self) -> str:
-        """The LD-90 that moves fastest now; empty: none."""
-        for _ in range(20):
-            before = self._simulators.poses()
-            self._wait(0.5)
-            after = self._simulators.poses()
-            far = {name: math.dist(before[name][:2], after[name][:2]) for name in self._ld90s}
-            name = max(far, key=lambda one: far[one])
-            if far[name] > 0.15:
+    def _sent_far(self) -> str:
+        """An LD-90 that drives a mission over the whole hall by now; empty: none does."""
+        name = self._chance.choice(self._ld90s)
+        start = self._simulators.poses()[name][:2]
+        places = self._hall.places
+        far = max(self._hall.stations, key=lambda id: math.dist(places[id], start))
+        self._fleet.send([far], robot=name, priority=9)
+        for _ in range(40):
+            before = self._simulators.poses()[name][:2]
+            self._wait(0.2)
+            if math.dist(before, self._simulators.poses()[name][:2]) > 0.3:
                 return name
         return ''
 
