@@ -1,8 +1,8 @@
 // What holds the page together: login, tabs, robots, edges, alarms, and what is said of acts.
-import { $, make, showRows, showTable } from './dom.js';
+import { $, make, showRows } from './dom.js';
 import { all, entries, follow, get, heardAt, loadSite, post, site, unfollow } from './server.js';
-import { dateOf, duration, language, preferred, store, stored, t, timeOf, useLanguage } from './texts.js';
-import { chooseRobot, drawMoving, framesDrawn, knowsEdge, redraw, robotWords, showPast, siteChanged, startMap } from './map.js';
+import { dateOf, duration, language, preferred, said, store, stored, t, timeOf, useLanguage } from './texts.js';
+import { chooseRobot, drawMoving, framesDrawn, knowsEdge, outageWords, redraw, robotWords, showPast, siteChanged, startMap } from './map.js';
 import { chooseVertex, showMissions, showPlaces, startMissions } from './missions.js';
 import { leaveHistory, loadHistory, startHistory } from './history.js';
 import { enterReplay, leaveReplay, startReplay } from './replay.js';
@@ -15,7 +15,7 @@ let me = { role: null, login: false }, chosen = '', tab = 'missions', shownSite 
 async function act(values) {
   const outcome = await post('/api/act', values);
   if (outcome.status === 401) showLogin();
-  say(`${t(`act_${values.act}`)}: ${outcome.ok ? outcome.text || t('done') : `${t('not_done')}: ${outcome.text}`}`);
+  say(`${t(`act_${values.act}`)}: ${outcome.ok ? said(outcome.text) || t('done') : `${t('not_done')}: ${said(outcome.text)}`}`);
   return outcome.ok;
 }
 act.say = say;
@@ -57,12 +57,12 @@ async function login(event) {
 
 // -- what comes --------------------------------------------------------------------------------
 
-let pending = new Set(), listsDue = false;
+let pending = new Set(), listsDue = false, isShown = false;
 function changed(keys) {
   if (keys === null) pending = null;
   else if (pending) for (const key of keys) pending.add(key);
   requestAnimationFrame(drawChanges);
-  if (!listsDue) { listsDue = true; setTimeout(() => { listsDue = false; showLists(); }, 250); }
+  if (!listsDue) { listsDue = true; setTimeout(() => { listsDue = false; isShown = true; showLists(); }, isShown ? 250 : 0); }
 }
 
 function drawChanges() {
@@ -138,7 +138,7 @@ function edgesTyped() {
 
 function showAlarms() {
   const alarms = all('robot:').filter(([, robot]) => NEEDS_PERSON.includes(robot.outage) || robot.state === 'UNKNOWN' ||
-    (robot.outage === 'SILENT' && robot.mission)).map(([name, robot]) => ({ name, outage: robot.state === 'UNKNOWN' ? 'NEVER_HEARD' : robot.outage, why: robot.waits_for }));
+    (robot.outage === 'SILENT' && robot.mission)).map(([name, robot]) => ({ name, outage: robot.state === 'UNKNOWN' ? 'NEVER_HEARD' : robot.outage, why: outageWords(robot) }));
   showRows($('alarms').querySelector('ul'), alarms, alarm => alarm.name, alarm => make('li', {}, make('b', {}, alarm.name), ` ${alarm.why} `, make('span', {}, `→ ${t(`todo_${alarm.outage}`)}`)), language);
   $('alarms').hidden = !alarms.length || !me.role;
 }
@@ -174,8 +174,20 @@ function openTab(name) {
 
 async function loadAudit() {
   const { rows } = await get('/api/audit').catch(() => ({ rows: [] }));
-  showTable($('audit'), [t('time'), t('person'), t('act'), t('details'), t('outcome')], rows.map(row => [
-    dateOf(row.time), row.person, t(`act_${row.act}`), Object.entries(row.details).map(([name, value]) => `${name} ${value}`).join(', '), `${row.ok ? '' : `${t('not_done')}: `}${row.outcome}`]));
+  $('audit').replaceChildren(...rows.map(row => make('li', {},
+    make('b', {}, row.person), ` · ${[dateOf(row.time), t(`act_${row.act}`), detailWords(row.details)].filter(Boolean).join(' · ')}`,
+    make('p', { class: row.ok ? 'soft' : 'bad' }, `${row.ok ? '' : `${t('not_done')}: `}${becameWords(row.outcome)}`))));
+}
+
+const DETAILS = { mission: 'mission', destinations: 'add_destination', stays: 'stay', edges: 'edge', robot: 'robot', robot_type: 'robot_type', priority: 'priority' };
+function detailWords(details) {
+  return Object.entries(details).map(([name, value]) => `${DETAILS[name] ? `${t(DETAILS[name])} ` : ''}${[value].flat().join(' ')}`).join(', ');
+}
+
+// What became of a mission is told as STATE robot: reason.
+function becameWords(outcome) {
+  const [, state, robot, reason] = /^([A-Z]{4,})(?: ([^\s:]+))?(?:: (.*))?$/s.exec(outcome) || [];
+  return state && t(`mission_${state}`) !== `mission_${state}` ? [t(`mission_${state}`), robot, reason && said(reason)].filter(Boolean).join(' · ') : said(outcome);
 }
 
 function setTheme(name) {

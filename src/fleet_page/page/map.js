@@ -1,7 +1,7 @@
 // The map: what stands still on a canvas, what moves as SVG with names for screen readers.
 import { $, makeSvg } from './dom.js';
 import { entries, all, site } from './server.js';
-import { t } from './texts.js';
+import { language, said, t } from './texts.js';
 
 const REACH = 16; // pixels around a vertex that belong to it
 const TROUBLE = ['STOPPED', 'TAKEN_OVER', 'FAILED', 'OFF_GRAPH', 'UNKNOWN'];
@@ -187,13 +187,14 @@ function drawSite() {
     }
     paint.fillStyle = colour(fill); paint.fill();
   }
-  paint.font = '12px system-ui, sans-serif'; paint.fillStyle = colour('soft');
+  const rem = parseFloat(style.fontSize); // larger on a wall screen
+  paint.font = `${0.75 * rem}px system-ui, sans-serif`; paint.fillStyle = colour('soft');
   if (view.scale > 12) {
     for (const [id, x, y, kind] of site.vertices) {
-      if (kind !== 'cut') { const [px, py] = pixel(x, y); paint.fillText(vertexName(id), px + radius + 3, py + radius + 9); }
+      if (kind !== 'cut') { const [px, py] = pixel(x, y); paint.fillText(vertexName(id), px + radius + 3, py + radius + 0.6 * rem); }
     }
   }
-  paint.strokeStyle = paint.fillStyle = colour('main'); paint.lineWidth = 3; paint.font = 'bold 14px system-ui, sans-serif';
+  paint.strokeStyle = paint.fillStyle = colour('main'); paint.lineWidth = 3; paint.font = `bold ${0.875 * rem}px system-ui, sans-serif`;
   chosen.forEach((id, k) => {
     const vertex = verticesById.get(id);
     if (!vertex) return;
@@ -252,7 +253,7 @@ function placeRobot(name, [x, y, theta], robot) {
   shapes.body.setAttribute('transform', `rotate(${turn.toFixed(1)}) scale(${(radius / 10).toFixed(3)})`);
   shapes.nose.style.display = theta === null ? 'none' : '';
   shapes.ring.setAttribute('r', radius + 4);
-  shapes.text.setAttribute('y', -radius - 6);
+  shapes.text.setAttribute('y', -radius - 10);
   const label = shapes.text.textContent = robot.battery === null || robot.battery === undefined ? name : `${name} ${Math.round(100 * robot.battery)} %`;
   const kind = ['robot', TROUBLE.includes(robot.state) ? 'trouble' : '', GONE.includes(robot.state) ? 'gone' : '', name === chosenRobot ? 'chosen' : ''].filter(Boolean).join(' ');
   if (shapes.group.getAttribute('class') !== kind) shapes.group.setAttribute('class', kind);
@@ -262,7 +263,17 @@ function placeRobot(name, [x, y, theta], robot) {
 
 export function robotWords(robot) {
   const doing = robot.state === 'BUSY' && robot.destination ? t('drives_to', { vertex: vertexName(robot.destination) }) : t(`robot_${robot.state}`);
-  return robot.waits_for ? `${doing} (${t('waits_for')}: ${robot.waits_for})` : doing;
+  if (!robot.waits_for) return doing;
+  const why = outageWords(robot);
+  if (why.toLowerCase() === doing.toLowerCase()) return doing;
+  return [...TROUBLE, ...GONE].includes(robot.state) ? `${doing}: ${why}` : `${doing} (${t('waits_for')}: ${why})`;
+}
+
+// Why a robot does not work or drive: by its code where its words are its own.
+export function outageWords(robot) {
+  const words = said(robot.waits_for), code = robot.outage;
+  const isForeign = language !== 'en' && words === robot.waits_for && code && !['NONE', 'UNKNOWN'].includes(code);
+  return isForeign ? `${t(`outage_${code}`)} („${words}“)` : words;
 }
 
 function newRobot(name) {

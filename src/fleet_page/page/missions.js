@@ -1,7 +1,7 @@
 // Missions: a new one by clicks, favourites, open and ended ones.
 import { $, make, showRows } from './dom.js';
 import { entries, all } from './server.js';
-import { t, duration } from './texts.js';
+import { t, duration, said } from './texts.js';
 import { knowsVertex, showChosen, vertexName } from './map.js';
 
 const OPEN = ['PENDING', 'ACTIVE', 'PAUSED'];
@@ -103,7 +103,7 @@ function missionRow(mission) {
   const words = [mission.robot || mission.wanted_robot || mission.robot_type || t('any'), way,
     mission.left ? t('to_go', { time: mission.left }) : '', mission.priority ? `${t('priority')} ${mission.priority}` : '', mission.by ? t('by', { person: mission.by }) : ''].filter(Boolean).join(' · ');
   const row = make('li', {}, make('span', { class: ['FAILED', 'REFUSED'].includes(mission.state) ? 'state bad' : 'state' }, t(`mission_${mission.state}`)), ` ${mission.id} · ${words}`,
-    mission.reason ? make('p', { class: 'soft' }, mission.reason) : '');
+    mission.reason ? make('p', { class: 'soft' }, said(mission.reason)) : '');
   if (isOpen && me.role !== 'see') {
     const button = (name, kind) => make('button', { 'data-act': kind, onclick: () => act({ act: kind, mission: mission.id }) }, t(name));
     row.append(make('p', { class: 'row' }, button('cancel', 'cancel'),

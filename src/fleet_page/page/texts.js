@@ -1,11 +1,13 @@
 // The texts of the page in one language; a text that is missing shows its key.
 const LANGUAGES = ['en', 'de'];
-let table = {};
+let table = {}, patterns = [];
 export let language = 'en';
 
 export async function useLanguage(wanted) {
   language = LANGUAGES.includes(wanted) ? wanted : 'en';
-  table = await (await fetch(`/page/${language}.json`)).json();
+  const texts = async name => (await fetch(`/page/${name}.json`)).json();
+  table = await texts(language);
+  patterns = language === 'en' ? [] : patternsOf(await texts('en'));
   document.documentElement.lang = language;
   for (const element of document.querySelectorAll('[data-t]')) element.textContent = t(element.dataset.t);
   for (const element of document.querySelectorAll('[data-label]')) element.setAttribute('aria-label', t(element.dataset.label));
@@ -18,6 +20,23 @@ export function preferred() {
 
 export function t(key, values = {}) {
   return (table[key] || key).replace(/\{(\w+)\}/g, (_, name) => String(values[name] ?? ''));
+}
+
+// What the fleet manager says stands in the English table: each text that begins so tells how to know it again.
+function patternsOf(english) {
+  return Object.entries(english).filter(([key]) => /^(words|outage)_/.test(key)).map(([key, text]) => ({
+    key, names: [...text.matchAll(/\{(\w+)\}/g)].map(found => found[1]),
+    form: new RegExp(`^${text.replace(/[.*+?^$()|[\]\\]/g, '\\$&').replace(/\{why\}/g, '(.+)').replace(/\{\w+\}/g, '([^:]+?)')}$`, 's') }));
+}
+
+// Words of the fleet manager in the language of the page; words that it has from robots stay as they are.
+export function said(words) {
+  for (const { key, names, form } of patterns) {
+    const found = form.exec(words);
+    if (found) return t(key, Object.fromEntries(names.map((name, k) => [name, name === 'why' ? said(found[k + 1]) : found[k + 1]])));
+  }
+  const [, subject, rest] = /^([^\s:]+): (.+)$/s.exec(words) || [];
+  return subject && patterns.length ? `${subject}: ${said(rest)}` : words;
 }
 
 export function stored(name) {

@@ -35,6 +35,7 @@ def window(browser, served):
     browser.resize(1400, 900)
     browser.open(served.url)
     browser.one('.robot[data-name=a]')
+    browser.wait(lambda: 'wheel blocked' in browser.text('#alarms'))  # it moves the map
     browser.addresses()
     browser.problems()
     yield browser
@@ -211,31 +212,45 @@ def test_german_and_dark_are_chosen_and_remembered(window, served):
     window.wait(lambda: 'fährt zu 2' in window.one('.robot[data-name=a]').get_attribute(
         'aria-label'))
     assert window.script('return document.documentElement.dataset.theme') != theme
+    window.wait(lambda: 'seine Fahrt ist gescheitert („wheel blocked“)' in window.text('#alarms'))
+    for id, reason, words in ((8, 'it waits for a to be free', 'er wartet, bis a frei ist'),
+                              (9, 'a: it does not report', 'a: er meldet sich nicht')):
+        served.do(lambda: served.page.take_status(status(id, 'FAILED', reason=reason)))  # noqa: B023
+        window.wait(lambda: words in window.text('#ended'), words)  # noqa: B023
+    for reason in ('the disk: a.b*(c', 'x'):
+        served.do(lambda: served.page.take_status(status(7, 'PAUSED', reason=reason)))  # noqa: B023
+    window.wait(lambda: window.text('#open li p') == 'x')
     window.picture('german_dark')
     window.script('localStorage.clear()')
 
 
-@pytest.mark.parametrize('width, height', [(360, 740), (2560, 1440)])
-def test_nothing_is_cut_off_from_phone_to_wall(window, served, width, height):
+@pytest.mark.parametrize('width, height, language', [(360, 740, 'de'), (2560, 1440, 'en')])
+def test_nothing_is_cut_off_from_phone_to_wall(window, served, width, height, language):
+    window.script('''const language = document.querySelector('#language');
+        language.value = arguments[0]; language.dispatchEvent(new Event('change'));''', language)
     window.resize(width, height)
     window.wait(lambda: window.script('return innerWidth') == width)
     for tab in ('missions', 'robots', 'edges', 'history', 'replay', 'audit'):
         window.click(f'#tab_button_{tab}')
+        if tab == 'history':
+            window.wait(lambda: window.text('#robots_table').strip())
         wide = window.script('return document.documentElement.scrollWidth')
-        assert wide <= width, tab
+        assert wide <= window.script('return document.documentElement.clientWidth'), tab
         assert window.one('#stop').is_displayed()
     window.click('#tab_button_missions')
     window.picture(f'{width}')
+    window.script('localStorage.clear()')
 
 
 def test_a_mission_is_sent_by_keyboard_alone(window, served):
+    from selenium.webdriver.common.action_chains import ActionChains
     from selenium.webdriver.common.keys import Keys
 
     def focus_on(wanted):
         for _ in range(60):
             if window.script('return document.activeElement.id') == wanted:
                 return window.driver.switch_to.active_element
-            window.driver.switch_to.active_element.send_keys(Keys.TAB)
+            ActionChains(window.driver).send_keys(Keys.TAB).perform()
         raise AssertionError(f'the focus never came to {wanted}')
     focus_on('destination').send_keys('7', Keys.ENTER)
     focus_on('destination').send_keys('3', Keys.ENTER)

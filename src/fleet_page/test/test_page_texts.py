@@ -1,12 +1,14 @@
 """Every text of the page is in both tables, and nothing is fetched from elsewhere."""
 import json
 import re
+from pathlib import Path
 
 import pytest
 from page_builders import PAGE_FOLDER
 
 from fleet_page.core.acts import ActKind
 from fleet_page.core.fleet import MISSION_STATES, ROBOT_STATES
+from graph_fleet_manager.supervision.outages import Outage
 
 SOURCES = {path.name: path.read_text() for path in PAGE_FOLDER.iterdir()
            if path.suffix in ('.js', '.html', '.css')}
@@ -45,7 +47,7 @@ def test_no_text_is_left_over():
     text = ' '.join(SOURCES.values())
     used = used_keys()
     assert [key for key in TABLES['en'] if key not in used and f"'{key}'" not in text
-            and not key.startswith(('todo_', 'mission_', 'robot_'))] == []
+            and not key.startswith(('todo_', 'mission_', 'robot_', 'words_', 'outage_'))] == []
 
 
 @pytest.mark.parametrize('name', SOURCES)
@@ -55,3 +57,30 @@ def test_texts_never_become_html_and_nothing_comes_from_elsewhere(name):
                  'http://', 'https://', '//cdn'):
         assert word not in text
     assert not re.search(r'<[^>]+ (style|on\w+)=', text) or name.endswith('.js')
+
+
+def said_by_the_fleet_manager():
+    """All texts in its sources and in the page's commands, with {} for what is put in."""
+    packages = Path(__file__).parents[2]
+    paths = [*packages.glob('graph_fleet_manager/src/*/supervision/*.py'),
+             *packages.glob('graph_fleet_manager/src/*/nodes/fleet_services.py'),
+             *packages.glob('fleet_page/src/*/nodes/fleet_commands.py')]
+    text = '\n'.join(path.read_text() for path in paths)
+    text = re.sub(r"'\s*\n?\s*f?'", '', text).replace("\\'", "'")
+    return re.sub(r'\{[^{}]*(\{.*?\})?[^{}]*\}', '{}', text)
+
+
+PUT_TOGETHER = ('words_busy', 'words_any_busy', 'words_all_charge', 'words_cancelled_by')
+
+
+def test_every_text_that_is_translated_is_still_said_by_the_fleet_manager():
+    said = said_by_the_fleet_manager()
+    missing = {key: text for key, text in TABLES['en'].items() if key.startswith('words_')
+               and re.sub(r'\{\w+\}', '{}', text) not in said}
+    assert missing.keys() <= set(PUT_TOGETHER), missing
+
+
+@pytest.mark.parametrize('outage', Outage)
+def test_every_outage_is_told_in_every_language(outage):
+    assert TABLES['en'][f'outage_{outage.name}'] == outage.value
+    assert TABLES['de'][f'outage_{outage.name}'] != outage.value
