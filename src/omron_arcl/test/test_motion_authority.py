@@ -175,6 +175,12 @@ class TestEpochs:
         bench.give(text, giver=PERSON)
         assert bench.memory == before
 
+    def test_the_next_emergency_stop_begins_one_before_any_status_is_seen(self, bench):
+        bench.robot('EStop pressed')
+        first = bench.epoch
+        bench.robot('EStop relieved but motors still disabled', 'Motors enabled', 'EStop pressed')
+        assert bench.epoch != first
+
     def test_an_emergency_stop_begins_one_each_time(self, bench):
         bench.drive(ROUTE)
         bench.robot('Going to 12')

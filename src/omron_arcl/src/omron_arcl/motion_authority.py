@@ -275,6 +275,7 @@ class MotionAuthority:
             self._replaces_since = -math.inf
         elif isinstance(reply, Motors) and reply.enabled:
             self._powered_at = now
+            self._emergency = False
         elif isinstance(reply, EStop) and reply.pressed:
             self._see_emergency('emergency stop')
 

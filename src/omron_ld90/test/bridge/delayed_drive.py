@@ -6,14 +6,15 @@ every line and message takes as long as it is told to. A person may stop the rob
 from __future__ import annotations
 
 from functools import partial
-from typing import Callable, List, Optional, Sequence, Tuple
+from typing import Callable, List, Optional, Sequence, Tuple, Union
 
 from bridge_builders import DOCK_VERTEX, ENDINGS, NANOSECONDS, GraphRobot
 from modelled_controller import Delays, ModelledController
+from simulated_robot import SimulatedRobot
 from speaking_robot import SpeakingRobot
 from timeline import Timeline
 
-from omron_arcl import ArclError, Execution, Giver, NotConnected, read_activity
+from omron_arcl import ActivityKind, ArclError, Execution, Giver, NotConnected, read_activity
 from omron_arcl.motion_authority import Cause, Motion, Overruled
 from omron_arcl.replies import DockingStatus
 from omron_ld90.bridge import events as p
@@ -25,6 +26,7 @@ from trajectory_graph.route_protocol import RouteOrder, RouteReport
 
 BRIDGE, PERSON = '/bridge', Giver('/rviz', 'process 1')
 TICK = 0.1
+AnyRobot = Union[SpeakingRobot, SimulatedRobot]
 
 
 class DelayedDrive:
@@ -56,9 +58,8 @@ class DelayedDrive:
         self._drives: List[Execution] = []  # of the route
         self.bridge: Optional[RouteFollower] = None
         self._told: Optional[Motion] = None  # by the controller, latched
-        self._controller = ModelledController(
-            self._time, delays, self._reach_robot, self._on_motion)
-        self.robot = SpeakingRobot(graph, vertex, self._say, self.later, interruption, braking)
+        self._controller = self.make_controller(delays)
+        self.robot = self.make_robot(vertex, interruption, braking)
         self.bridge = RouteFollower(
             Settings(dock_vertex=DOCK_VERTEX, strategy=STRATEGIES[strategy]), graph,
             tuple(p.Link))
@@ -67,6 +68,14 @@ class DelayedDrive:
         self._time.every(GraphRobot.STATUS_PERIOD, self._show_status)
         self._hear_latched()
         self.run(1.5)
+
+    def make_controller(self, delays: Delays) -> ModelledController:
+        """The controller that drives the robot."""
+        return ModelledController(self._time, delays, self._reach_robot, self._on_motion)
+
+    def make_robot(self, vertex: int, interruption: str, braking: float) -> AnyRobot:
+        """The robot that is driven."""
+        return SpeakingRobot(self._graph, vertex, self._say, self.later, interruption, braking)
 
     # --- time -------------------------------------------------------------------------------------
 
@@ -146,7 +155,7 @@ class DelayedDrive:
         """A person stops the robot in MobilePlanner, or with another client of it."""
         self._begin_stop('another client')
         self._stopped_at_robot = True
-        self.robot.take('stop')
+        self.robot.hear_another('stop')
 
     def _begin_stop(self, how: str) -> None:
         self.stopped_at = self.now
@@ -300,5 +309,6 @@ class DelayedDrive:
         docking = (p.Docking(activity.reply.docking.value)
                    if isinstance(activity.reply, DockingStatus) else p.Docking.UNDOCKED)
         seen = p.RobotSeen(int(self.now * NANOSECONDS), *motion_of(activity.kind, activity.goal),
-                           docking, place=self.robot.position)
+                           docking, activity.kind is ActivityKind.EMERGENCY_STOP,
+                           self.robot.position)
         self.later(self.delays.statuses, lambda: self._tell(seen))

@@ -65,6 +65,10 @@ class SpeakingRobot(GraphRobot):
                            if line == 'dock' else f'Going to {self.goal}')
             self._say(self.status)
 
+    def hear_another(self, line: str) -> None:
+        """A command of another client; all hear what becomes of it."""
+        self.take(line)
+
     def _leave_dock(self, words: int) -> None:
         if words == self._words:
             self._say(_UNDOCKED)

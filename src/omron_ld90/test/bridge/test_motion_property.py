@@ -3,10 +3,9 @@ passed by one who does not know of it, and no stop is forgotten."""
 from __future__ import annotations
 
 from contextlib import suppress
-from typing import Dict, List, NamedTuple, Optional, Tuple
+from typing import List, Tuple
 
-from bridge_builders import yard
-from delayed_drive import PERSON, DelayedDrive
+from delayed_drive import PERSON
 from hypothesis import note, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import (
@@ -17,111 +16,35 @@ from hypothesis.stateful import (
     rule,
 )
 from modelled_controller import Delays
+from motion_witness import YARD, Witness
+from simulated_robot import DIALECTS
 
-from omron_arcl import ArclError, Execution, Giver
-from omron_arcl.motion_authority import AT_ONCE, Cause, Motion, MotionState
+from omron_arcl import ArclError, Giver
+from omron_arcl.motion_authority import Cause
 from omron_ld90.bridge import events as p
 
-YARD = yard()
 SECONDS = st.sampled_from([0.0, 0.05, 0.2, 1.0])
+DELAYS = st.builds(Delays, commands=SECONDS, ends=SECONDS, motions=SECONDS)
+STRATEGIES = st.sampled_from(['rolling', 'rolling', 'vertex_by_vertex'])
 GOALS = st.sampled_from(['3', '4', '5', '6'])
 PROGRAMS = ['/adapter', '/joystick']
 SETTLED = 20.0  # s in which a robot that can be reached has obeyed, in any dialect
 
 
-class Word(NamedTuple):
-    """What the controller took, or heard that another client had done; `giver` None: that."""
-
-    giver: Optional[Giver]
-    drives: bool
-
-
-class Witness(DelayedDrive):
-    """Notes by itself, in order, whose word the controller has taken, and who knew of which."""
-
-    def __init__(self, *arguments: object) -> None:
-        self.words: List[Word] = []
-        self.words_of_epoch: Dict[int, int] = {}  # so many had been taken when it was told
-        self.broken: List[str] = []
-        self.lines: List[str] = []  # drives that came to the robot from the controller
-        self.persons, self.came = '', False  # last drive, and whether it came to the robot
-        self.given_at = -100.0
-        self.drives = 0  # that were taken
-        self.foreign = False
-        super().__init__(*arguments)  # type: ignore[arg-type]
-        take = self._controller.give
-
-        def give(command: str, giver: Giver, known_epoch: int, on_end: object) -> Execution:
-            drives = command != 'stop'
-            known = self.words_of_epoch.get(known_epoch)
-            execution = take(command, giver, known_epoch, on_end)  # type: ignore[arg-type]
-            if drives and giver == PERSON:
-                self.persons, self.came = command, False
-            if drives and known_epoch and (
-                    known is None or any(word.giver != giver for word in self.words[known:])):
-                self.broken.append(f'{giver.name} passed {self.words[known or 0:]}: {command}')
-            return execution
-        self._controller.give = give  # type: ignore[method-assign]
-        self._controller.on_taken = self._on_taken
-
-    def _on_taken(self, giver: Giver, drives: bool) -> None:
-        if not (drives and self.words[-1:] == [Word(giver, True)]):  # else it just drives on
-            self.words.append(Word(giver, drives))
-        self.given_at, self.drives = self.now, self.drives + drives
-
-    def take_cancellation(self, canceller: Giver) -> None:
-        """Somebody cancels everything."""
-        self.words.append(Word(canceller, False))
-        self._controller.cancel([one for one in self._drives if one.result is None], canceller)
-
-    def another_client(self, command: str) -> None:
-        """A client of the robot's own server."""
-        self.foreign = True
-        self.robot.take(command)
-        self.foreign = False
-
-    def _on_motion(self, motion: Motion) -> None:
-        self.words_of_epoch.setdefault(motion.memory.epoch, len(self.words))
-        super()._on_motion(motion)
-
-    def _say(self, line: str) -> None:
-        """The word of another client counts once the controller has heard of it."""
-        if self.foreign and (line == 'Stopping' or line.startswith('Going to')):
-            self.later(self.delays.from_robot, lambda: self._heard(line))
-        super()._say(line)
-
-    def _heard(self, line: str) -> None:
-        """What comes beside a command of ours with the same effect nobody can tell from it."""
-        memory, state = self._controller.motion
-        if line == 'Stopping':
-            is_clear = self.now > self.given_at + AT_ONCE and state is not MotionState.STOPPING
-        else:
-            is_clear = line.split()[-1] not in memory.goals
-        if self._controller.connected and is_clear:
-            self.words.append(Word(None, line != 'Stopping'))
-
-    def _reach_robot(self, line: str) -> None:
-        if line == 'oneLineStatus':
-            super()._reach_robot(line)
-            return
-        if line != 'stop':
-            self.lines.append(line)
-            self.came = self.came or line == self.persons
-        elif (self._controller.motion.memory.drives and self.words[-1:] == [Word(PERSON, True)]
-                and self.came and self.persons == f'goto {self.robot.goal}'):
-            self.broken.append(f'an older stop ended {self.persons} of a person')
-        super()._reach_robot(line)
-
-
 class Robots(RuleBasedStateMachine):
     """One robot, its bridge, its controller, two more programs, a person, and another client."""
 
-    @initialize(strategy=st.sampled_from(['rolling', 'rolling', 'vertex_by_vertex']),
+    world: Witness
+
+    @initialize(strategy=STRATEGIES,
                 interruption=st.sampled_from(['name', 'coordinates', 'status', 'nothing']),
-                braking=st.sampled_from([0.0, 0.3, 1.5]),
-                delays=st.builds(Delays, commands=SECONDS, ends=SECONDS, motions=SECONDS))
+                braking=st.sampled_from([0.0, 0.3, 1.5]), delays=DELAYS)
     def begin(self, strategy: str, interruption: str, braking: float, delays: Delays) -> None:
-        self.world = Witness(YARD, 1, strategy, delays, interruption, braking)
+        self.start(Witness(strategy, delays, interruption, braking))
+
+    def start(self, world: Witness) -> None:
+        """Everything runs."""
+        self.world = world
         self.known = dict.fromkeys(PROGRAMS, self.world._controller.motion.memory.epoch)
         self.starts = dict.fromkeys(PROGRAMS, 1)
         self.route_id = 6
@@ -202,6 +125,9 @@ class Robots(RuleBasedStateMachine):
         if self.world.up[p.Link.COMMANDS]:
             self.world.restart_controller()
 
+    def help(self) -> None:
+        """People make the robot able to drive again."""
+
     def give(self, program: str, command: str, late: float) -> None:
         giver, known = Giver(program, str(self.starts[program])), self.known[program]
         self.last.append((giver, command, known))
@@ -229,6 +155,7 @@ class Robots(RuleBasedStateMachine):
             return
         world = self.world
         world.spared = True
+        self.help()
         world.run(SETTLED, lambda: world.is_well)
         world.run(SETTLED)
         note('\n'.join(world.trace))
@@ -240,6 +167,27 @@ class Robots(RuleBasedStateMachine):
             assert world.robot.goal is None, 'the robot drives on'
 
 
-Robots.TestCase.settings = settings(max_examples=settings.default.max_examples,
+class SimulatedRobots(Robots):
+    """The same with the simulated LD-90, in every dialect; its emergency stop is pressed, too."""
+
+    @initialize(strategy=STRATEGIES, dialect=st.sampled_from(DIALECTS), delays=DELAYS)
+    def begin(self, strategy: str, dialect: str, delays: Delays) -> None:
+        self.start(Witness(strategy, delays, dialect=dialect))
+
+    @precondition(lambda self: not self.world.robot.status.startswith('EStop'))
+    @rule()
+    def emergency_stop(self) -> None:
+        self.world.robot.inject('estop press')
+
+    @rule()
+    def help(self) -> None:
+        self.world.robot.inject('estop release')
+        self.world.robot.hear_another('enableMotors')
+
+
+Robots.TestCase.settings = settings(max_examples=settings.default.max_examples // 5,
                                     stateful_step_count=30)
+SimulatedRobots.TestCase.settings = settings(max_examples=settings.default.max_examples // 2,
+                                             stateful_step_count=30)
 TestMotion = Robots.TestCase
+TestMotionOfTheSimulator = SimulatedRobots.TestCase

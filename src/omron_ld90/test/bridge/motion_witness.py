@@ -1,0 +1,154 @@
+"""Notes by itself whose word the controller took, who knew of which, and what was broken."""
+from __future__ import annotations
+
+from typing import Callable, Dict, List, NamedTuple, Optional
+
+from bridge_builders import yard
+from delayed_drive import PERSON, TICK, AnyRobot, DelayedDrive
+from modelled_controller import Delays, ModelledController
+from simulated_robot import SimulatedRobot
+
+from omron_arcl import Execution, Giver, Result
+from omron_arcl.motion_authority import AT_ONCE, LOOK, RETRY, Motion, MotionState
+
+YARD = yard()
+OBEYED_WITHIN = 6.0  # s after a stop has come to the robot, whatever its speed was
+SENT_WITHIN = LOOK + RETRY + 1.0  # s that an owed stop may wait where the robot can be reached
+
+
+class Word(NamedTuple):
+    """What the controller took, or heard that another client had done; `giver` None: that."""
+
+    giver: Optional[Giver]
+    drives: bool
+
+
+class WitnessedController(ModelledController):
+    """Tells of each command that it takes, with what its giver knew."""
+
+    on_given: Callable[[str, Giver, int, int], None]
+
+    def give(self, command: str, giver: Giver, known_epoch: int,
+             on_end: Callable[[Result], None]) -> Execution:
+        """As the base class does it."""
+        words = self.count_words()
+        execution = super().give(command, giver, known_epoch, on_end)
+        self.on_given(command, giver, known_epoch, words)
+        return execution
+
+    count_words: Callable[[], int]
+
+
+class Witness(DelayedDrive):
+    """A drive under the eyes of a witness.
+
+    robot -- a dialect of the simulator; empty: the model of a robot, which obeys more strangely
+    broken -- what must not be
+    """
+
+    def __init__(self, strategy: str, delays: Delays, interruption: str = '',
+                 braking: float = 0.0, dialect: str = '') -> None:
+        self.words: List[Word] = []
+        self.words_of_epoch: Dict[int, int] = {}  # so many had been taken when it was told
+        self.broken: List[str] = []
+        self.lines: List[str] = []  # drives that came to the robot from the controller
+        self.persons, self.came = '', False  # last drive, and whether it came to the robot
+        self.given_at = -100.0
+        self.drives = 0  # that were taken
+        self.foreign = False
+        self._dialect = dialect
+        self._owed_since: Optional[float] = None  # a stop, and the robot can be reached
+        self._stop_came_at = -100.0
+        super().__init__(YARD, 1, strategy, delays, interruption, braking)
+        self._time.every(TICK, self._watch_owed_stop)
+
+    def make_controller(self, delays: Delays) -> ModelledController:
+        """One that is witnessed."""
+        controller = WitnessedController(self._time, delays, self._reach_robot, self._on_motion)
+        controller.on_taken, controller.on_given = self._on_taken, self._on_given
+        controller.count_words = lambda: len(self.words)
+        return controller
+
+    def make_robot(self, vertex: int, interruption: str, braking: float) -> AnyRobot:
+        """The robot that is driven."""
+        if not self._dialect:
+            return super().make_robot(vertex, interruption, braking)
+        return SimulatedRobot(vertex, self._say, lambda: self.now, self._dialect)
+
+    def _on_given(self, command: str, giver: Giver, known_epoch: int, count: int) -> None:
+        if command == 'stop':
+            return
+        if giver == PERSON:
+            self.persons, self.came = command, False
+        known = self.words_of_epoch.get(known_epoch)
+        if known_epoch and (
+                known is None or any(word.giver != giver for word in self.words[known:count])):
+            self.broken.append(f'{giver.name} passed {self.words[known or 0:count]}: {command}')
+
+    def _on_taken(self, giver: Giver, drives: bool) -> None:
+        if not (drives and self.words[-1:] == [Word(giver, True)]):  # else it just drives on
+            self.words.append(Word(giver, drives))
+        self.given_at, self.drives = self.now, self.drives + drives
+
+    def take_cancellation(self, canceller: Giver) -> None:
+        """Somebody cancels everything."""
+        self.words.append(Word(canceller, False))
+        self._controller.cancel([one for one in self._drives if one.result is None], canceller)
+
+    def another_client(self, command: str) -> None:
+        """A client of the robot's own server."""
+        self.foreign = True
+        self.robot.hear_another(command)
+        self.foreign = False
+
+    def _on_motion(self, motion: Motion) -> None:
+        self.words_of_epoch.setdefault(motion.memory.epoch, len(self.words))
+        super()._on_motion(motion)
+
+    def _say(self, line: str) -> None:
+        """The word of another client counts once the controller has heard of it.
+
+        So does an emergency stop.
+        """
+        if line == 'EStop pressed' or self.foreign and (
+                line == 'Stopping' or line.startswith('Going to')):
+            self.later(self.delays.from_robot, lambda: self._heard(line))
+        super()._say(line)
+
+    def _heard(self, line: str) -> None:
+        """What comes beside a command of ours with the same effect nobody can tell from it."""
+        memory, state = self._controller.motion
+        if line == 'Stopping':
+            is_clear = self.now > self.given_at + AT_ONCE and state is not MotionState.STOPPING
+        elif line == 'EStop pressed':
+            is_clear = True
+        else:
+            is_clear = line.split()[-1] not in memory.goals
+        if self._controller.connected and is_clear:
+            self.words.append(Word(None, line.startswith('Going to')))
+
+    def _reach_robot(self, line: str) -> None:
+        if line == 'oneLineStatus':
+            super()._reach_robot(line)
+            return
+        if line != 'stop':
+            self.lines.append(line)
+            self.came = self.came or line == self.persons
+        else:
+            self._stop_came_at = self.now
+            if (self._controller.motion.memory.drives and self.words[-1:] == [Word(PERSON, True)]
+                    and self.came and self.persons == f'goto {self.robot.goal}'):
+                self.broken.append(f'an older stop ended {self.persons} of a person')
+        super()._reach_robot(line)
+
+    def _watch_owed_stop(self) -> None:
+        memory = self._controller.motion.memory
+        if not (memory.stop_owed and self._controller.connected) or memory.drives:
+            self._owed_since = None
+            return
+        if self._owed_since is None:
+            self._owed_since = self.now
+        waits_since = max(self._owed_since + SENT_WITHIN, self._stop_came_at + OBEYED_WITHIN)
+        if self.now > waits_since:
+            self.broken.append(f'{self.now:.1f} an owed stop was not sent')
+            self._owed_since = None

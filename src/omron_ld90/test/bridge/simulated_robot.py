@@ -1,0 +1,111 @@
+"""The simulated LD-90 in the yard, in any dialect, as the model of `speaking_robot` is used."""
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Callable, Optional, Tuple
+
+from bridge_builders import DOCK_VERTEX, yard
+
+from omron_ld90_sim.behaviour.robot import Robot
+from omron_ld90_sim.clock import Clock
+from omron_ld90_sim.interface.commands import execute
+from omron_ld90_sim.interface.dialect import SWITCHES
+from omron_ld90_sim.interface.faults import Faults
+from omron_ld90_sim.interface.server import ArclServer
+from omron_ld90_sim.motion.floor import Floor
+from omron_ld90_sim.motion.kinematics import Pose
+from omron_map import MapDocument
+
+DIALECTS = ('interrupted name', 'interrupted coordinates', 'interrupted nothing',
+            'prompt Password:', 'welcome Hello', 'help names', 'help none', 'unlisted goto stop',
+            'missing dock undock', 'encoding ascii', 'goals quoted')
+assert {dialect.split()[0] for dialect in DIALECTS} == set(SWITCHES)
+_WALLS = ((-2000, -5500, 14000, -5500), (-2000, 6000, 14000, 6000), (-2000, -5500, -2000, 6000),
+          (14000, -5500, 14000, 6000))
+
+
+@lru_cache(maxsize=None)
+def _hall() -> Tuple[MapDocument, Floor]:
+    """A hall around the yard, with a goal at each of its vertices."""
+    lines = ['2D-Map', 'LineMinPos: -2000 -5500', 'LineMaxPos: 14000 6000',
+             f'NumLines: {len(_WALLS)}', 'LinesAreSorted: false',
+             'MapInfo: DockType Name=DockLynx', 'MapInfo: GoalType Name=Goal']
+    for vertex in yard().vertices.values():
+        x, y = (f'{1000.0 * value:.0f}' for value in vertex.position)
+        lines.append(f'Cairn: DockLynx {x} {y} 270.000000 "" ICON "Dock"'
+                     if vertex.id == DOCK_VERTEX else
+                     f'Cairn: Goal {x} {y} 0.000000 "" ICON "{vertex.id}"')
+    lines += ['LINES', *(' '.join(map(str, wall)) for wall in _WALLS), '']
+    document = MapDocument.from_bytes('\n'.join(lines).encode(), name='yard.map')
+    return document, Floor.from_map(document)
+
+
+class SimulatedRobot:
+    """Its core on a clock of its own, which follows that of the test whenever it is asked.
+
+    say -- called with each line that a client of its server hears
+    """
+
+    def __init__(self, vertex: int, say: Callable[[str], None], time: Callable[[], float],
+                 dialect: str) -> None:
+        self._say, self._time, self._clock = say, time, Clock()
+        x, y = yard().vertex(vertex).position
+        document, floor = _hall()
+        self._robot = Robot(self._clock, document, floor, Pose(1000.0 * x, 1000.0 * y, 0.0))
+        self._server = ArclServer(self._clock, self._robot, 'adept', execute)
+        self._faults = Faults(self._server)
+        self._faults.inject(f'dialect {dialect}')
+        self._session = self._server.connect()
+        self._session.receive(b'adept\n')
+        self._session.output.clear()
+
+    @property
+    def position(self) -> Tuple[float, float]:
+        """m"""
+        pose = self._robot.true_pose
+        return pose.x / 1000.0, pose.y / 1000.0
+
+    @property
+    def status(self) -> str:
+        """As the receiver hears it."""
+        return self._robot.status
+
+    @property
+    def goal(self) -> Optional[str]:
+        """Where it drives."""
+        activity = self._robot.activity
+        if activity is None or activity.status.startswith(('Arrived', 'Undocking')):
+            return None
+        return activity.status.split()[-1] if activity.goal else 'dock'
+
+    def take(self, line: str) -> None:
+        """A command over our connection."""
+        self._catch_up()
+        self._session.receive(f'{line}\n'.encode())
+        self._speak()
+
+    def hear_another(self, line: str) -> None:
+        """A command of another client."""
+        self.inject(f'other {line}')
+
+    def inject(self, fault: str) -> None:
+        """A fault of the simulator, such as `estop press`."""
+        self._catch_up()
+        self._faults.inject(fault)
+        self._speak()
+
+    def move(self, now: float) -> Optional[str]:
+        """Drives on; the goal at which it has arrived just now."""
+        before = self.goal
+        self._catch_up()
+        self._speak()
+        return before if self.goal is None else None
+
+    def _catch_up(self) -> None:
+        self._clock.advance(self._time())
+
+    def _speak(self) -> None:
+        text = self._session.output.decode('ascii')
+        self._session.output.clear()
+        for line in text.split('\r\n')[:-1]:
+            self._say(line)
