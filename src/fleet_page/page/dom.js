@@ -29,13 +29,13 @@ export function showRows(list, items, keyOf, build, context = '') {
     wanted.add(key);
     let row = known.get(key);
     if (!row || row.text !== text) {
+      const active = row && row.element.contains(document.activeElement) ? document.activeElement : null;
       const element = build(item);
       element.dataset.key = key;
       if (row) {
-        const focused = row.element.contains(document.activeElement) ? document.activeElement.dataset.act : null;
         if (row.element === place) place = element;
         row.element.replaceWith(element);
-        if (focused) element.querySelector(`[data-act="${focused}"]`)?.focus();
+        if (active) (element.contains(active) ? active : element.querySelector(`[data-act="${active.dataset.act}"]`))?.focus();
       }
       row = { text, element };
       known.set(key, row);

@@ -6,7 +6,7 @@ import { knowsVertex, showChosen, vertexName } from './map.js';
 
 const OPEN = ['PENDING', 'ACTIVE', 'PAUSED'];
 let chosen = []; // {vertex, stay}
-let editing = null, act = null, me = { role: 'see' };
+let editing = null, form = null, act = null, me = { role: 'see' };
 
 export function startMissions(given) {
   act = given;
@@ -108,8 +108,8 @@ function missionRow(mission) {
     const button = (name, kind) => make('button', { 'data-act': kind, onclick: () => act({ act: kind, mission: mission.id }) }, t(name));
     row.append(make('p', { class: 'row' }, button('cancel', 'cancel'),
       mission.state === 'PAUSED' ? button('continue', 'continue') : button('pause', 'pause'), button('release', 'release'),
-      make('button', { 'data-act': 'change', 'aria-expanded': String(mission.editing), onclick: () => { editing = mission.editing ? null : mission.id; showMissions(me, ''); } }, t('change'))));
-    if (mission.editing) row.append(changeForm(mission));
+      make('button', { 'data-act': 'change', 'aria-expanded': String(mission.editing), onclick: () => { editing = mission.editing ? null : mission.id; form = null; showMissions(me, ''); } }, t('change'))));
+    if (mission.editing) row.append(form = form || changeForm(mission)); // what is typed outlives news of the mission
   }
   return row;
 }

@@ -144,6 +144,18 @@ def test_priority_and_destinations_of_a_mission_are_changed(window, served):
     asked(window, served, ActKind.MODIFY, mission=7, priority=9, destinations=(4, 8))
 
 
+def test_what_is_typed_outlives_news_of_the_mission(window, served):
+    window.click('#open li[data-key^="7:"] [data-act=change]')
+    way = window.one('#open form input:not([type])')
+    way.clear()
+    way.send_keys('4 ')
+    served.do(lambda: served.page.take_status(status(7, 'ACTIVE', reached=1, reason='news')))
+    window.wait(lambda: 'news' in window.text('#open'))
+    window.driver.switch_to.active_element.send_keys('8')
+    window.click('#open form button')
+    asked(window, served, ActKind.MODIFY, mission=7, destinations=(4, 8))
+
+
 def test_edges_are_closed_and_opened(window, served):
     window.click('#tab_button_edges')
     window.one('#edge').send_keys('3')
