@@ -10,7 +10,7 @@ import importlib.machinery
 import os
 import sys
 from types import ModuleType
-from typing import Any, Callable, Dict, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Optional, Sequence
 
 
 def _without_places(module: Any) -> None:
@@ -20,8 +20,13 @@ def _without_places(module: Any) -> None:
 
 
 def _without_owed_stop(module: Any) -> None:
-    """A stop that could not be sent is forgotten."""
+    """The controller forgets a stop that could not be sent."""
     module.MotionAuthority.stop_due = lambda self, now: False
+
+
+def _without_stop_duty(module: Any) -> None:
+    """The bridge takes every stop for done that it has given once."""
+    module._NOT_TAKEN = ()
 
 
 def _forgetful(module: Any) -> None:
@@ -35,11 +40,14 @@ def _lossy(module: Any) -> None:
     module.Journal.missions = lambda self: []
 
 
-PLANTS: Dict[str, Tuple[str, Callable[[Any], None]]] = {
-    'interlocking': ('graph_fleet_manager.interlocking.interlocking', _without_places),
-    'owed-stop': ('omron_arcl.motion_authority', _without_owed_stop),
-    'restart': ('graph_fleet_manager.supervision.journal', _forgetful),
-    'restart-missions': ('graph_fleet_manager.supervision.journal', _lossy)}
+_JOURNAL = 'graph_fleet_manager.supervision.journal'
+PLANTS: Dict[str, Dict[str, Callable[[Any], None]]] = {
+    'interlocking': {'graph_fleet_manager.interlocking.interlocking': _without_places},
+    'owed-stop': {'omron_arcl.motion_authority': _without_owed_stop,
+                  'omron_ld90.bridge.stop_duty': _without_stop_duty},
+    'restart': {_JOURNAL: _forgetful},
+    'restart-missions': {_JOURNAL: _lossy}}
+"""What is planted into which modules."""
 
 
 class _Planter(importlib.abc.MetaPathFinder, importlib.abc.Loader):
@@ -72,4 +80,5 @@ class _Planter(importlib.abc.MetaPathFinder, importlib.abc.Loader):
 
 
 if os.environ.get('SOAK_PLANT'):
-    sys.meta_path.insert(0, _Planter(*PLANTS[os.environ['SOAK_PLANT']]))
+    for _name, _defect in PLANTS[os.environ['SOAK_PLANT']].items():
+        sys.meta_path.insert(0, _Planter(_name, _defect))
