@@ -59,8 +59,11 @@ class Witness(DelayedDrive):
         self._dialect = dialect
         self._owed_since: Optional[float] = None  # a stop, and the robot can be reached
         self._stop_came_at = -100.0
+        self._disobeys_since: Optional[float] = None  # it drives, although the last word is a stop
+        self._anothers = False  # whether another client sent it where it drives
         super().__init__(YARD, 1, strategy, delays, interruption, braking)
         self._time.every(TICK, self._watch_owed_stop)
+        self._time.every(TICK, self._watch_robot)
 
     def make_controller(self, delays: Delays) -> ModelledController:
         """One that is witnessed."""
@@ -98,6 +101,7 @@ class Witness(DelayedDrive):
     def another_client(self, command: str) -> None:
         """A client of the robot's own server."""
         self.foreign = True
+        self._anothers = self._anothers or command != 'stop'
         self.robot.hear_another(command)
         self.foreign = False
 
@@ -133,6 +137,7 @@ class Witness(DelayedDrive):
             return
         if line != 'stop':
             self.lines.append(line)
+            self._anothers = False
             self.came = self.came or line == self.persons
         else:
             self._stop_came_at = self.now
@@ -140,6 +145,16 @@ class Witness(DelayedDrive):
                     and self.came and self.persons == f'goto {self.robot.goal}'):
                 self.broken.append(f'an older stop ended {self.persons} of a person')
         super()._reach_robot(line)
+
+    def _watch_robot(self) -> None:
+        """Whatever the controller believes: after a stop the robot drives nowhere for us."""
+        if (not self._controller.connected or self._anothers or self.robot.goal is None
+                or not self.words or self.words[-1].drives or self.words[-1].giver is None):
+            self._disobeys_since = None
+        elif self._disobeys_since is None:
+            self._disobeys_since = self.now
+        elif self.now > self._disobeys_since + SENT_WITHIN:
+            self.broken.append(f'{self.now:.1f} the robot drives on after {self.words[-1]}')
 
     def _watch_owed_stop(self) -> None:
         memory = self._controller.motion.memory
