@@ -35,6 +35,8 @@ def test_all_ways_to_all_vertices_are_the_shortest(seed):
     targets = random.sample(range(vertices), random.randint(1, vertices))
     for target, row in zip(targets, paths.to(targets)):
         assert row.tolist() == pytest.approx(_expected(vertices, roads, target)), target
+    nearest = paths.to(targets).min(axis=0)
+    assert paths.to_nearest(targets).tolist() == pytest.approx(nearest.tolist())
 
 
 def test_a_lane_of_many_sections_is_one_link():

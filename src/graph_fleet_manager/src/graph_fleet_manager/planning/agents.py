@@ -26,12 +26,13 @@ class Errand:
     dwells       -- s to stay at each
     rests        -- vertices at which it may end for ever; None: at the last destination
     later        -- weight of the seconds after the last destination
+    common       -- rests that other errands have, too
     """
 
     def __init__(self, network: RoadNetwork, kind: RobotType, vertex: int,
                  origins: Mapping[int, float], ready: float, destinations: Sequence[int],
                  dwells: Sequence[float] = (), rests: Optional[FrozenSet[int]] = None,
-                 later: float = LATER) -> None:
+                 later: float = LATER, common: FrozenSet[int] = frozenset()) -> None:
         self.network = network
         self.vertex = vertex
         self.origins = origins
@@ -58,7 +59,7 @@ class Errand:
         self.lower_bound = ready + beyond
         """The least that it can cost, were it alone; infinite where something is out of reach."""
         if rests is not None:
-            nearest = network.paths_to_nearest(kind, rests)
+            nearest = network.paths_to_nearest(kind, rests, common)
             self.to_go.append(estimated(nearest))
             self.lower_bound += later * (float(nearest[self.destinations[-1]]) if paths
                                          else self.seconds_to(nearest))

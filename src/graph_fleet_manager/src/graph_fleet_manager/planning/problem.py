@@ -35,6 +35,9 @@ class Problem:
         for kind in reservations.kinds:  # all at once: one by one they take several times as long
             self._network.paths_to(kind, [vertex for name, task in self.tasks.items()
                                           if task.type == kind for vertex in self._wanted[name]])
+        self._common: Dict[RobotType, FrozenSet[int]] = {
+            kind: self.rests(kind, frozenset(self._robots_to)) for kind in reservations.kinds}
+        """Where robots of a type may be parked that no robot wants to come to."""
         self.agents: Dict[str, Agent] = {
             name: self._agent(task) for name, task in self.tasks.items()}
 
@@ -99,7 +102,8 @@ class Problem:
             origins[vertex] = 0.0
         later = 1.0 if task.stays else LATER
         return Errand(network, task.type, vertex, origins, ready,
-                      self._vertices(task.destinations), task.dwells, rests, later)
+                      self._vertices(task.destinations), task.dwells, rests, later,
+                      self._common[task.type])
 
     def _fixed(self, task: Task) -> Tuple[Drive, ...]:
         """What was released, driven at once."""

@@ -157,18 +157,32 @@ class RoadNetwork:
                 known[dock] = self._paths_to_dock(known, dock, roads)
         return [known[target] for target in targets]
 
-    def paths_to_nearest(self, kind: RobotType, targets: FrozenSet[int]) -> np.ndarray:
+    def paths_to_nearest(self, kind: RobotType, targets: FrozenSet[int],
+                         common: FrozenSet[int] = frozenset()) -> np.ndarray:
         """Seconds (V,) from every vertex to the nearest of some targets; inf: none is reachable.
 
         Those asked for of late are remembered: many robots park on the same places.
+
+        common -- most of the targets, which others ask for, too: only the rest takes time
         """
         nearest = self._nearest.pop((kind, targets), None)
         if nearest is None:
-            nearest = (np.minimum.reduce(self.paths_to(kind, sorted(targets))) if targets
-                       else np.full(self.vertices, math.inf))
+            nearest = self._to_nearest(kind, targets, common if common < targets else frozenset())
             while len(self._nearest) >= _NEAREST_KEPT:
                 del self._nearest[next(iter(self._nearest))]
         self._nearest[kind, targets] = nearest
+        return nearest
+
+    def _to_nearest(self, kind: RobotType, targets: FrozenSet[int],
+                    common: FrozenSet[int]) -> np.ndarray:
+        paths = [np.full(self.vertices, math.inf)]
+        if common:
+            paths += [self.paths_to_nearest(kind, common),
+                      *self.paths_to(kind, sorted(targets - common))]
+        elif targets:
+            paths += self.paths_to(kind, sorted(targets & self.docks))
+            paths.append(self.prepared(kind).to_nearest(sorted(targets - self.docks)))
+        nearest: np.ndarray = np.minimum.reduce(paths)
         return nearest
 
     def _paths_to_dock(self, known: Mapping[int, np.ndarray], dock: int,

@@ -94,8 +94,16 @@ class ShortestPaths:
 
     def to(self, targets: Sequence[int]) -> np.ndarray:
         """Seconds (T,V) from every vertex to each of T targets; infinite where there is no way."""
-        descents = [self._descents(target) for target in targets]
-        count, core = len(targets), len(self._core)
+        return self._paths([self._descents((target,)) for target in targets])
+
+    def to_nearest(self, targets: Iterable[int]) -> np.ndarray:
+        """Seconds (V,) from every vertex to the nearest of some targets, in one search."""
+        paths: np.ndarray = self._paths([self._descents(targets)])[0]
+        return paths
+
+    def _paths(self, descents: Sequence[Dict[int, float]]) -> np.ndarray:
+        """Seconds (T,V) from every vertex to where each of T descents leads."""
+        count, core = len(descents), len(self._core)
         # One node more for each target, linked to what is left of the graph.
         rows = [{v: s for v, s in row.items() if self._round[v] < 0} for row in descents]
         starts = self._starts[-1] + np.cumsum([len(row) for row in rows])
@@ -115,10 +123,11 @@ class ShortestPaths:
             paths[:, vertices] = np.minimum(paths[:, vertices], further)
         return paths
 
-    def _descents(self, target: int) -> Dict[int, float]:
-        """Seconds to the target from all that lie above it, through ever earlier rounds only."""
-        found = {target: 0.0}
-        waiting = [(self._round[target], target)]
+    def _descents(self, targets: Iterable[int]) -> Dict[int, float]:
+        """Seconds to the nearest target from all that lie above one, through ever earlier rounds
+        only."""
+        found = dict.fromkeys(targets, 0.0)
+        waiting = sorted((self._round[target], target) for target in found)
         while waiting:
             number, vertex = heappop(waiting)
             if number < 0:
