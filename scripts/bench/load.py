@@ -1,0 +1,207 @@
+#!/usr/bin/env python3
+"""The fleet manager under the load of hundreds of robots; each figure beside its floor.
+
+    robots_50, robots_200   the nodes as users run them; the robots are played by this process
+    history                 a journal with a million ended missions (no ROS)
+    planning                first plans and replans on 5,000 vertices (no ROS)
+
+`--only SECTION` runs a part.
+"""
+from __future__ import annotations
+
+import argparse
+import subprocess
+import sys
+import threading
+import time
+from contextlib import suppress
+from pathlib import Path
+from typing import Callable, Dict, Iterator, List, Sequence, Tuple
+
+import rospy
+from load_bench.endless_missions import EndlessMissions
+from load_bench.history import history
+from load_bench.light_fleet import PERIOD, LightFleet, Release
+from load_bench.planning import planning
+from load_bench.site import save_site
+from measuring.processes import cpu_seconds, descendants, node_name, proportional
+from measuring.tables import Row, print_row, print_table
+from measuring.timing import p50_and_p99
+from supervisor_bench.stacks import MANAGER, Stack
+
+from itrci_nav_msgs.msg import FleetState, PlanAnswer, PlanRequest, TargetRoute
+from system_support import Recorder, wait_until
+
+OPEN = 5000      # missions
+SETTLING = 45.0  # s after the first robots have missions, until most of the plans are made
+SECONDS = 60.0   # of a measurement
+FLOOR = 10.0     # s of the floor's
+
+
+class Planning:
+    """When the planner works: from each question to its answer."""
+
+    def __init__(self) -> None:
+        self.times: List[float] = []
+        """s by the planner's own clock."""
+        self.unserved = 0
+        self.failed = 0
+        self._begun: Dict[int, float] = {}
+        self._spans: List[Tuple[float, float]] = []
+        rospy.Subscriber('/plan_request', PlanRequest, self._on_request)
+        rospy.Subscriber('/plan_answer', PlanAnswer, self._on_answer)
+
+    def _on_request(self, request: PlanRequest) -> None:
+        self._begun[request.plan_id] = time.monotonic()
+
+    def _on_answer(self, answer: PlanAnswer) -> None:
+        now = time.monotonic()
+        self._spans.append((self._begun.get(answer.plan_id, now), now))
+        if answer.result == PlanAnswer.PLANNED:
+            self.times.append(answer.planning_time)
+            self.unserved += len(answer.unserved)
+        else:
+            self.failed += 1
+
+    def overlaps(self, release: Release) -> bool:
+        """Did the planner work between the report and the release?"""
+        begun = release.moment - release.seconds
+        return any(start <= release.moment and end >= begun for start, end in self._spans)
+
+    def share(self, begun: float, ended: float) -> float:
+        """Part of a time in which the planner worked, as questions and answers show."""
+        return sum(max(min(end, ended) - max(start, begun), 0.0)
+                   for start, end in self._spans) / (ended - begun)
+
+
+class Commits:
+    """Counts what is committed to a journal, by the log that SQLite writes first."""
+
+    def __init__(self, path: Path) -> None:
+        self.count = 0
+        self._log = Path(f'{path}-wal')
+        self._frame = (0, 0)  # salt of the log, and its frames so far
+        threading.Thread(target=self._watch, daemon=True).start()
+
+    def _watch(self) -> None:
+        while not rospy.is_shutdown():
+            with suppress(OSError):
+                self._look()
+            time.sleep(0.25)
+
+    def _look(self) -> None:
+        """A frame of the log that ends a commit tells the size of the database; others tell 0."""
+        with self._log.open('rb') as log:
+            header = log.read(32)
+            if len(header) < 32:
+                return
+            page, salt = int.from_bytes(header[8:12], 'big'), header[16:24]
+            key = int.from_bytes(salt, 'big')
+            frames = self._frame[1] if self._frame[0] == key else 0
+            log.seek(32 + frames * (page + 24))
+            while True:
+                frame = log.read(page + 24)
+                if len(frame) < page + 24 or frame[8:16] != salt:
+                    break
+                frames += 1
+                self.count += frame[4:8] != bytes(4)
+            self._frame = key, frames
+
+
+def floors(fleet: LightFleet, names: Sequence[str]) -> Tuple[str, str]:
+    """A bare hop there and back, and the CPU of a bare subscriber to all reports."""
+    hops: List[float] = []
+    rospy.Subscriber('/bare_answer', TargetRoute, lambda message: hops.append(
+        1e3 * (rospy.Time.now() - message.header.stamp).to_sec()), tcp_nodelay=True)
+    program = Path(__file__).parent / 'load_bench/bare_subscriber.py'
+    process = subprocess.Popen([sys.executable, str(program), *names])
+    try:
+        wait_until(lambda: hops, 60, 'answers of the bare subscriber')
+        time.sleep(3.0)
+        before, heard, begun = cpu_seconds(process.pid), len(hops), time.monotonic()
+        time.sleep(FLOOR)
+        share = (cpu_seconds(process.pid) - before) / (time.monotonic() - begun)
+    finally:
+        process.terminate()
+        process.wait(20)
+    return p50_and_p99(hops[heard:]), f'{100 * share:.0f} %'
+
+
+def robots(count: int, side: int) -> Iterator[Row]:
+    """So many robots at 10 Hz, all on missions, on a grid of side x side vertices."""
+    with Stack() as stack:
+        graph, places, files = save_site(stack.folder, side, count)
+        rospy.init_node('bench', anonymous=True, disable_signals=True)
+        fleet = LightFleet(graph, places)
+        hop, bare = floors(fleet, list(places))
+        manager = stack.launch(MANAGER, speed=1.0, **files)
+        plans = Planning()
+        states = Recorder('/fleet_state', FleetState)
+        states.wait_for(lambda state: all(robot.seen for robot in state.robots), 300,
+                        'all robots')
+        commits = Commits(stack.folder / 'fleet.sqlite')
+        missions = EndlessMissions(sorted(graph.vertices))
+        missions.send(OPEN)
+        states.wait_for(lambda state: sum(robot.has_mission for robot in state.robots)
+                        >= 0.9 * count, 120, 'a busy fleet')
+        time.sleep(SETTLING)
+        nodes = {node_name(pid): pid for pid in descendants(manager.pid) if node_name(pid)}
+        before = {name: cpu_seconds(pid) for name, pid in nodes.items()}
+        counts, first = (fleet.reports, commits.count, fleet.travelled, len(plans.times)), len(
+            fleet.releases)
+        begun = time.monotonic()
+        time.sleep(SECONDS)
+        ended = time.monotonic()
+        seconds = ended - begun
+        shares = {name: 100 * (cpu_seconds(pid) - before[name]) / seconds
+                  for name, pid in nodes.items()}
+        reports, committed, travelled, planned = (
+            (now - then) / seconds for now, then in zip(
+                (fleet.reports, commits.count, fleet.travelled, len(plans.times)), counts))
+        found = [one for one in fleet.releases[first:] if one.is_alone]
+        memory = proportional(nodes['path_supervisor']) / 2 ** 20
+        busy = sum(robot.has_mission for robot in states.messages[-1].robots)
+    what = f'{count} robots, {len(graph.edges)} edges'
+    yield (f'{what}: CPU; {reports:.0f} reports a second ({count / PERIOD:.0f} are due, at most '
+           f'{fleet.latest:.2f} s late), {busy} robots on missions, {len(missions.open)} open',
+           ', '.join(f'`{name}` {share:.0f} %' for name, share in sorted(shares.items()))
+           + f'; `path_supervisor` {memory:.0f} MB',
+           f'{bare}: a bare subscriber to as many reports', '`path_supervisor` < 100 %')
+    during = [one for one in found if plans.overlaps(one)]
+    for kind, some in (('', found), (' while the planner works', during)):
+        yield (f'{what}: report to release{kind}, {len(some)} of robots with nobody within 10 m',
+               p50_and_p99([1e3 * one.seconds for one in some]) if some else 'none',
+               f'{hop}: a bare hop there and back', 'p99 < 200 ms')
+    yield (f'{what}: commits a second', f'{committed:.1f}', '', '<= 25')
+    times = plans.times[counts[3]:] or [0.0]
+    yield (f'{what}: planner, {planned:.2f} plans a second, at work '
+           f'{100 * plans.share(begun, ended):.0f} % of the time; {plans.failed} failed, '
+           f'{plans.unserved} unserved', p50_and_p99([1e3 * one for one in times])
+           + f', first {1e3 * plans.times[0]:.0f} ms', '', '')
+    ends = {state: number for state, number in missions.ended.items() if number}
+    yield (f'{what}: robots drive', f'{travelled / count:.2f} m/s each; missions ended so far by '
+           f'state {ends} {missions.reasons or ""}', '1.00 m/s', '')
+
+
+SECTIONS: Dict[str, Callable[[], Iterator[Row]]] = {
+    'robots_50': lambda: robots(50, 36), 'robots_200': lambda: robots(200, 71),
+    'history': history, 'planning': planning}
+
+
+def main() -> None:
+    """Prints the table; each section in a process of its own, as a process is one ROS node."""
+    options = argparse.ArgumentParser(description=__doc__)
+    options.add_argument('--only', choices=list(SECTIONS), action='append')
+    arguments = options.parse_args()
+    sections = arguments.only or list(SECTIONS)
+    if len(sections) > 1:
+        print_table([])
+        for section in sections:
+            subprocess.run([sys.executable, __file__, '--only', section], check=True)
+        return
+    for row in SECTIONS[sections[0]]():
+        print_row(row)
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,142 @@
+"""Hundreds of robots in one process: they report at 10 Hz and obey routes, and no more.
+
+Each order for more edges is timed from the report that made it due: the first by which the robot
+has no more ahead than it needs in order not to brake.
+"""
+from __future__ import annotations
+
+import math
+import threading
+import time
+from typing import Dict, List, Mapping, NamedTuple, Optional, Tuple
+
+import rospy
+
+from fleet_simulation.plain_agv import Agv
+from graph_fleet_manager.fleet import RobotType
+from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, RouteRefused, TargetRoute
+from load_bench.site import RELEASE_AHEAD
+from trajectory_graph import Graph
+from trajectory_graph.route_messages import fill_refusal
+
+PERIOD = 0.1  # s between two reports of a robot
+ALONE = 10.0  # m around a robot without another, in which nobody but the manager holds it up
+_SLICES = 10  # in which the reports of a period are spread
+
+
+class Release(NamedTuple):
+    """More edges for a robot under the same id.
+
+    moment   -- when it came, s by the monotonic clock
+    seconds  -- since the report that made it due
+    is_alone -- was no other robot near?
+    """
+
+    moment: float
+    seconds: float
+    is_alone: bool
+
+
+class _Robot:
+    """One robot, its topics, and since when it has told that it needs more edges."""
+
+    def __init__(self, name: str, graph: Graph, kind: RobotType, vertex: int,
+                 lock: threading.Lock) -> None:
+        self.agv = Agv(graph, kind, vertex)
+        self.told_at: Optional[float] = None
+        self.extensions: List[Tuple[float, float]] = []
+        self._lock = lock
+        self._reports = rospy.Publisher(f'/{name}/execution_route_states', ExecutionRouteStates,
+                                        queue_size=10, latch=True, tcp_nodelay=True)
+        self._refusals = rospy.Publisher(f'/{name}/route_refused', RouteRefused, queue_size=10)
+        rospy.Subscriber(f'/{name}/target_route', TargetRoute, self._on_route, queue_size=100,
+                         tcp_nodelay=True)
+
+    def _on_route(self, message: TargetRoute) -> None:
+        came, edges = time.monotonic(), tuple(message.edges)
+        with self._lock:
+            agv = self.agv
+            is_same, count = message.route_id == agv.route_id, len(agv.edges)
+            refusal = agv.order(message.route_id, edges)
+            if is_same and len(edges) > count and self.told_at is not None:
+                self.extensions.append((came, came - self.told_at))
+            if not is_same or len(edges) > count:
+                self.told_at = None
+        if refusal is not None:
+            self._refusals.publish(fill_refusal(RouteRefused(), refusal,
+                                                rospy.Time.now().to_nsec()))
+
+    def _ahead(self) -> float:
+        """m of its route that it has not driven yet."""
+        agv = self.agv
+        left = sum(agv.graph.curve(edge).length for edge in agv.edges[agv.current:])
+        return left - (agv.arc if agv.is_driving else 0.0)
+
+    def report(self, stamp: rospy.Time) -> None:
+        """Publishes where the robot is."""
+        with self._lock:
+            agv = self.agv
+            report, (x, y) = agv.report(0.0), agv.position
+            if agv.edges and self.told_at is None and self._ahead() <= RELEASE_AHEAD:
+                self.told_at = time.monotonic()
+        message = ExecutionRouteStates(route_id=report.route_id, x=x, y=y, theta=math.nan,
+                                       edge_states=[EdgeState(edge, int(state)) for edge, state
+                                                    in zip(report.edges, report.states)])
+        message.header.stamp, message.header.frame_id = stamp, 'map'
+        message.symbolic_pose.edge_id = report.pose.edge
+        message.symbolic_pose.percentage = 100.0 * report.pose.fraction
+        message.reason_code = int(report.reason.code)
+        self._reports.publish(message)
+
+
+class LightFleet:
+    """The robots, driven by a thread of their own."""
+
+    def __init__(self, graph: Graph, places: Mapping[str, int]) -> None:
+        self._lock = threading.Lock()
+        kind = RobotType('agv', 0.43, 1.0)
+        self._robots: Dict[str, _Robot] = {name: _Robot(name, graph, kind, vertex, self._lock)
+                                           for name, vertex in places.items()}
+        self.releases: List[Release] = []
+        self.reports = 0
+        self.latest = 0.0
+        """s, the longest time by which reports were late so far."""
+        threading.Thread(target=self._drive, name='robots', daemon=True).start()
+
+    def _drive(self) -> None:
+        robots = list(self._robots.values())
+        due = last = time.monotonic()
+        number = 0
+        while not rospy.is_shutdown():
+            due += PERIOD / _SLICES
+            now = time.monotonic()
+            self.latest = max(self.latest, now - due)
+            time.sleep(max(due - now, 0.0))
+            if number == 0:
+                now = time.monotonic()
+                with self._lock:
+                    for robot in robots:
+                        robot.agv.drive(now - last)
+                    self._take_releases()
+                last = now
+            stamp = rospy.Time.now()
+            for robot in robots[number::_SLICES]:
+                robot.report(stamp)
+            self.reports += len(robots[number::_SLICES])
+            number = (number + 1) % _SLICES
+
+    def _take_releases(self) -> None:
+        fresh = [robot for robot in self._robots.values() if robot.extensions]
+        if not fresh:
+            return
+        places = {name: robot.agv.position for name, robot in self._robots.items()}
+        for robot in fresh:
+            own = robot.agv.position
+            near = sum(math.dist(own, place) < ALONE for place in places.values())
+            self.releases += [Release(*extension, near == 1) for extension in robot.extensions]
+            robot.extensions.clear()
+
+    @property
+    def travelled(self) -> float:
+        """m that all robots have driven."""
+        return sum(robot.agv.travelled for robot in self._robots.values())

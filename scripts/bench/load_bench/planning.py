@@ -1,0 +1,90 @@
+"""First plans and replans of 200 robots on 5,000 vertices: how long, by time of the processor."""
+from __future__ import annotations
+
+import statistics
+import time
+from random import Random
+from typing import Dict, Iterator, List, NamedTuple, Tuple
+
+from measuring.tables import Row
+
+from graph_fleet_manager.fleet import DOCK_APPROACH, Fleet, RobotType
+from graph_fleet_manager.plan_requests import PlanRequest
+from graph_fleet_manager.plan_service import PlanService
+from graph_fleet_manager.planning.tasks import PlannedDrive, Task
+from load_bench.site import grid, starts
+
+ROBOTS, SIDE = 200, 71
+AT_ONCE = 10  # robots that get a first destination together
+REPLANS = 20
+LIMIT = 30.0  # s for one plan
+KIND = RobotType('agv', 0.43, 1.0)
+
+
+class _Answer(NamedTuple):
+    seconds: float
+    unserved: int
+
+
+class _Site:
+    """The robots, what they are to do, and the plans that they have."""
+
+    def __init__(self) -> None:
+        self.graph = grid(SIDE)
+        self.goals: Dict[str, int] = {}
+        self._service = PlanService(self.graph, Fleet((KIND,), (), 0.1, DOCK_APPROACH))
+        self._service.prepare()
+        self._parking = self._service.parking_by_name()
+        self._places = starts(self.graph, ROBOTS)
+        self._vertices = sorted(self.graph.vertices)
+        self._random = Random(0)
+        self._kept: Dict[str, Tuple[PlannedDrive, ...]] = {}
+
+    def send(self, count: int, is_new: bool) -> None:
+        """Gives so many robots a destination: such as have none, or such as have one."""
+        names = [name for name in self._places if (name in self.goals) != is_new]
+        for name in self._random.sample(names, count):
+            self.goals[name] = self._random.choice(self._vertices)
+            self._kept.pop(name, None)
+
+    def plan(self) -> _Answer:
+        """Plans for all."""
+        tasks = tuple(Task(name, KIND, vertex, kept=self._kept.get(name), destinations=(
+            (self.goals[name],) if name in self.goals else ()))
+            for name, vertex in self._places.items())
+        begun = time.process_time()
+        outcome = self._service.answer(PlanRequest(
+            tasks, (), frozenset(), {}, self._parking, time_limit=LIMIT, improvement=0.0, seed=0))
+        seconds = time.process_time() - begun
+        self._kept = {name: tuple(drives) for name, drives in outcome.drives.items()
+                      if name not in outcome.unserved}
+        return _Answer(seconds, len(outcome.unserved))
+
+
+def planning() -> Iterator[Row]:
+    """In turns, and for all at once."""
+    site = _Site()
+    what = f'{ROBOTS} robots, {len(site.graph.vertices)} vertices, {len(site.graph.edges)} edges'
+    first = site.plan()
+    yield f'{what}: first answer, nobody has a destination', f'{first.seconds:.2f} s', '', ''
+    ramp: List[_Answer] = []
+    while len(site.goals) < ROBOTS:
+        site.send(AT_ONCE, True)
+        ramp.append(site.plan())
+    yield (f'{what}: {AT_ONCE} robots more get a destination, until all have one', _told(ramp), '',
+           '')
+    replans: List[_Answer] = []
+    for _ in range(REPLANS):
+        site.send(1, False)
+        replans.append(site.plan())
+    yield f'{what}: one of them gets another destination', _told(replans), '', ''
+    fresh = _Site()
+    fresh.plan()
+    fresh.send(ROBOTS, True)
+    yield f'{what}: all get a destination at once', _told([fresh.plan()]), '', ''
+
+
+def _told(answers: List[_Answer]) -> str:
+    seconds = [answer.seconds for answer in answers]
+    return (f'median {statistics.median(seconds):.2f} s, at most {max(seconds):.2f} s; unserved '
+            f'{sum(answer.unserved for answer in answers)} of {len(answers)} plans')
