@@ -6,7 +6,8 @@ curve itself; its arc length is that of the curve, not the slightly shorter one 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple, Optional, Tuple
+from bisect import bisect_right
+from typing import List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
@@ -42,6 +43,8 @@ class Curve:
             arc = np.concatenate(([0.0], np.cumsum(steps)))
         self._arc = arc[kept]
         self._lengths = np.diff(self._arc)
+        self._corners: List[Tuple[float, float, float]] = np.column_stack(
+            (self._arc, self.points)).tolist()  # of one point numpy makes much ado
 
     @property
     def length(self) -> float:
@@ -54,8 +57,14 @@ class Curve:
 
     def point_at(self, s: float) -> Tuple[float, float]:
         """x, y (m) at arc length `s`, held to 0..length."""
-        return (float(np.interp(s, self._arc, self.points[:, 0])),
-                float(np.interp(s, self._arc, self.points[:, 1])))
+        corners = self._corners
+        index = bisect_right(corners, [s, math.inf])
+        if index in (0, len(corners)):
+            _, x, y = corners[min(index, len(corners) - 1)]
+            return x, y
+        (begun, x, y), (ended, end_x, end_y) = corners[index - 1:index + 1]
+        part = (s - begun) / (ended - begun)
+        return x + part * (end_x - x), y + part * (end_y - y)
 
     def heading_at(self, s: float) -> float:
         """Driving direction (rad, -pi..pi) at arc length `s`, held to 0..length."""

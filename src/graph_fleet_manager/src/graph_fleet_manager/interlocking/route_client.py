@@ -374,7 +374,8 @@ class RouteClient:
         if position is not None and (
                 position.distance(record.graph, pose) <= record.near + TREMBLE):
             return True
-        return any(self._is_on(hold, pose) for hold in record.holds())
+        holds = sorted(record.holds(), key=lambda hold: abs(hold.edge) != abs(pose.edge))
+        return any(self._is_on(hold, pose) for hold in holds)  # its own edge costs least
 
     def _is_on(self, hold: Hold, pose: Pose) -> bool:
         """Is a pose on what is left of an edge, as near as the robot follows it?
