@@ -1,0 +1,73 @@
+"""The search of test_motion_property.py finds each of these faults, when it is planted alone."""
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from typing import Any, Callable
+
+import pytest
+from hypothesis import HealthCheck, Phase, settings
+from hypothesis.stateful import run_state_machine_as_test
+from modelled_controller import ModelledController
+from test_motion_property import SimulatedRobots
+
+from omron_arcl.motion_authority import Cause, MotionAuthority
+
+pytestmark = pytest.mark.skipif(os.environ.get('LD90_LONG_TESTS') != '1',
+                                reason='takes minutes; LD90_LONG_TESTS=1')
+SEARCH = settings(max_examples=200, stateful_step_count=30, deadline=None, database=None,
+                  phases=[Phase.generate], print_blob=False, report_multiple_bugs=False,
+                  suppress_health_check=list(HealthCheck))
+
+_BEGIN, _ON_LINK, _CONNECT = (
+    MotionAuthority._begin_epoch, MotionAuthority.on_link, ModelledController.connect)
+
+
+def _no_epoch_for(cause: Cause) -> Callable[..., None]:
+    def begin(self: Any, giver: Any, why: Cause, reason: str, drives: bool) -> None:
+        if why is cause:
+            self._keep(replace(self._memory, cause=why, drives=drives))
+        else:
+            _BEGIN(self, giver, why, reason, drives)
+    return begin
+
+
+def _link_forgets(self: Any, connected: bool, now: float) -> None:
+    _ON_LINK(self, connected, now)
+    self._keep(replace(self._memory, stop_owed=False))
+
+
+def _names_alone(self: Any, giver: Any, epoch: int) -> Any:
+    return epoch == self._memory.epoch or self._memory.giver.name == giver.name
+
+
+def _sends_again(self: Any) -> None:
+    drive = self._dispatcher.authority._drive
+    _CONNECT(self)
+    if drive is not None and drive.sent:
+        self._send_line(drive.command.text)
+
+
+FAULTS = {
+    'anybody may drive': (MotionAuthority, 'check', lambda *_: None),
+    'a stop without a link is forgotten': (
+        MotionAuthority, 'owe_stop_without_link', lambda *_: None),
+    'an owed stop is never sent': (MotionAuthority, 'stop_due', lambda *_: False),
+    'a new link forgets the owed stop': (MotionAuthority, 'on_link', _link_forgets),
+    'a restart forgets the owed stop': (ModelledController, '_keep', lambda *_: None),
+    'a cancellation is not a word': (MotionAuthority, 'take_word', lambda *_: None),
+    'a restarted giver is the same': (MotionAuthority, 'knows', _names_alone),
+    'an emergency stop begins no epoch': (
+        MotionAuthority, '_begin_epoch', _no_epoch_for(Cause.EMERGENCY_STOP)),
+    'a stop begins no epoch': (MotionAuthority, '_begin_epoch', _no_epoch_for(Cause.STOP)),
+    'another client begins no epoch': (
+        MotionAuthority, '_begin_epoch', _no_epoch_for(Cause.OTHER_CLIENT)),
+    'a drive is sent again over a new link': (ModelledController, 'connect', _sends_again),
+}
+
+
+@pytest.mark.parametrize('fault', FAULTS)
+def test_it_is_found(fault, monkeypatch):
+    monkeypatch.setattr(*FAULTS[fault])
+    with pytest.raises(AssertionError):
+        run_state_machine_as_test(SimulatedRobots, settings=SEARCH)
