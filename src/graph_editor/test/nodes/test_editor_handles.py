@@ -49,11 +49,17 @@ def test_the_handle_of_vertices_cannot_be_seen_and_is_on_top_of_their_drawing():
 
 
 def drawn(vertex: Vertex, look: Look = Look()):  # noqa: B008, a value
-    return handles.drawn_vertices(0, [ShownVertex(vertex, look)])
+    return handles.drawn_vertices(0, [with_texts(vertex, look)])
+
+
+def with_texts(vertex: Vertex, look: Look = Look()) -> ShownVertex:  # noqa: B008, a value
+    x, y = vertex.position
+    return ShownVertex(vertex, look, (x + 0.3, y + 0.3), (x, y - 0.36) if vertex.label != 'pass'
+                       else None)
 
 
 def test_what_is_seen_of_vertices_moves_with_no_mouse_and_tells_ids_and_labels():
-    marker = handles.drawn_vertices(0, [ShownVertex(vertex, Look())
+    marker = handles.drawn_vertices(0, [with_texts(vertex)
                                         for vertex in draft().vertices.values()])
     assert marker.controls[0].interaction_mode == InteractiveMarkerControl.NONE
     assert [text.text for text in shapes(marker, Marker.TEXT_VIEW_FACING)] == ['press', 'dock']

@@ -13,6 +13,7 @@ from visualization_msgs.msg import InteractiveMarker, InteractiveMarkerFeedback
 
 from graph_editor.checking.findings import Finding, Severity
 from graph_editor.editor.session import Session
+from graph_editor.editor.text_places import TextPlaces
 from graph_editor.nodes import handles
 from graph_editor.nodes.handles import PLAIN, Look, ShownEdge, ShownVertex
 from node_lifecycle.marker_server import OrderedMarkerServer
@@ -49,6 +50,7 @@ class Board:
         self._changed = changed
         self._server = OrderedMarkerServer(NAMESPACE)
         self._shown: Dict[str, Shown] = {}
+        self._texts = TextPlaces()
         self._severities: Dict[Key, Optional[Severity]] = {}
         self._grabbed: Optional[Grabbed] = None
 
@@ -90,19 +92,26 @@ class Board:
 
     def _show_vertices(self, wanted: Dict[str, Shown], looks: Mapping[int, Look]) -> None:
         groups: Dict[int, List[ShownVertex]] = {}
-        for vertex in self._session.draft.vertices.values():
-            groups.setdefault(handles.vertex_group(vertex.id), []).append(
-                ShownVertex(vertex, looks.get(vertex.id, PLAIN)))
-        for group, vertices in groups.items():
+        vertices = self._session.draft.vertices
+        ids = {('id', id): handles.id_text(vertex) for id, vertex in vertices.items()}
+        labels = {('label', id): text for id, vertex in vertices.items()
+                  for text in (handles.label_text(vertex),) if text is not None}
+        self._texts.show({**ids, **labels})
+        for vertex in vertices.values():
+            label = ('label', vertex.id)
+            groups.setdefault(handles.vertex_group(vertex.id), []).append(ShownVertex(
+                vertex, looks.get(vertex.id, PLAIN), self._texts.middle(('id', vertex.id)),
+                self._texts.middle(label) if label in labels else None))
+        for group, ones in groups.items():
             drawn, name = f'{handles.DRAWN} {group}', f'{handles.VERTICES} {group}'
-            wanted[drawn] = vertices
-            if self._shown.get(drawn) != vertices:
-                self._insert(handles.drawn_vertices(group, vertices))
+            wanted[drawn] = ones
+            if self._shown.get(drawn) != ones:
+                self._insert(handles.drawn_vertices(group, ones))
             grabbed = self._grabbed
             if grabbed is not None and grabbed.handle == name:
                 places, moved = [grabbed.start], grabbed.moved
             else:
-                places, moved = [one.vertex.position for one in vertices], (0.0, 0.0)
+                places, moved = [one.vertex.position for one in ones], (0.0, 0.0)
             wanted[name] = places
             if self._shown.get(name) != places:
                 self._insert(handles.vertices_handle(group, places, moved))

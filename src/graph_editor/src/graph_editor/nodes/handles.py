@@ -19,6 +19,7 @@ from visualization_msgs.msg import InteractiveMarker, InteractiveMarkerControl, 
 
 from graph_editor.checking.findings import Severity
 from graph_editor.editor.actions import EDGE_MENU, VERTEX_MENU, Entry, numbered
+from graph_editor.editor.text_places import Text
 from graph_editor.nodes import drawing
 from graph_editor.nodes.drawing import MAP_FRAME, colour
 from trajectory_graph import CurveType, Edge, Graph, GraphError, Vertex
@@ -26,6 +27,8 @@ from trajectory_graph.editing import Draft
 
 VERTEX_SIZE, HANDLE_SIZE, EDGE_WIDTH = 0.32, 0.26, 0.08  # m
 ID_HEIGHT, ID_PLACE = 0.24, (0.16, 0.19)  # m; from the vertex to the left lower corner of its id
+LABEL_HEIGHT, LABEL_PLACE = 0.3, (0.0, -0.36)  # m; from the vertex to the middle of its label
+UNLABELLED = ('', 'pass', 'parking')  # labels that are not written
 HEADING_REACH = 0.75  # m from a vertex to the ball that turns it
 EDGE_Z, VERTEX_Z, HANDLE_Z, TEXT_Z = 0.02, 0.06, 0.1, 0.14  # the mouse finds what is on top
 SMOOTH = 0.15  # m between the points of a drawn curve
@@ -56,10 +59,15 @@ PLAIN = Look()
 
 
 class ShownVertex(NamedTuple):
-    """What the drawing of a vertex depends on."""
+    """What the drawing of a vertex depends on.
+
+    id_place, label_place -- the middles of its id and label (m); None: it is not written
+    """
 
     vertex: Vertex
     look: Look
+    id_place: Optional[Tuple[float, float]] = None
+    label_place: Optional[Tuple[float, float]] = None
 
 
 class ShownEdge(NamedTuple):
@@ -115,7 +123,25 @@ def drawn_vertices(group: int, vertices: Iterable[ShownVertex]) -> InteractiveMa
 
 
 @lru_cache(maxsize=KEPT)
-def _drawn_vertex(vertex: Vertex, look: Look) -> Tuple[Marker, Optional[Marker]]:
+def id_text(vertex: Vertex) -> Text:
+    """The id that is written beside a vertex."""
+    width, height = drawing.number_size(vertex.id, ID_HEIGHT)
+    edge = (height - ID_HEIGHT) / 2.0
+    return Text(vertex.position, (width, height),
+                (ID_PLACE[0] - edge + width / 2.0, ID_PLACE[1] - edge + height / 2.0))
+
+
+@lru_cache(maxsize=KEPT)
+def label_text(vertex: Vertex) -> Optional[Text]:
+    """The label that is written beside a vertex, if any is."""
+    if vertex.label in UNLABELLED:
+        return None
+    return Text(vertex.position, drawing.text_size(vertex.label, LABEL_HEIGHT), LABEL_PLACE)
+
+
+@lru_cache(maxsize=KEPT)
+def _drawn_vertex(vertex: Vertex, look: Look, id_place: Optional[Tuple[float, float]],
+                  label_place: Optional[Tuple[float, float]]) -> Tuple[Marker, Optional[Marker]]:
     """A disc, an arrow along the heading and the id; and the label, which RViz writes."""
     paint = _warning(look) or (PURPLE if vertex.dock else ORANGE if vertex.parking else NAVY)
     parts = [drawing.disc(VERTEX_SIZE, VERTEX_Z, paint),
@@ -123,12 +149,17 @@ def _drawn_vertex(vertex: Vertex, look: Look) -> Tuple[Marker, Optional[Marker]]
     if look.selected or look.waiting:
         halo = VERTEX_SIZE * (2.0 if look.waiting else 1.6)
         parts.append(drawing.disc(halo, VERTEX_Z - 0.015, YELLOW))
-    number = drawing.number(vertex.id, ID_HEIGHT, TEXT_Z, BLACK)
-    parts += [drawing.moved(stroke, ID_PLACE) for stroke in number]
-    shape = drawing.flat(drawing.moved(part, vertex.position) for part in parts)
-    if vertex.label in ('', 'pass', 'parking'):
+    parts = [drawing.moved(part, vertex.position) for part in parts]
+    if id_place is not None:
+        width, height = drawing.number_size(vertex.id, ID_HEIGHT)
+        edge = (height - ID_HEIGHT) / 2.0
+        corner = id_place[0] - width / 2.0 + edge, id_place[1] - height / 2.0 + edge
+        parts += [drawing.moved(stroke, corner)
+                  for stroke in drawing.number(vertex.id, ID_HEIGHT, TEXT_Z, BLACK)]
+    shape = drawing.flat(parts)
+    if label_place is None:
         return shape, None
-    return shape, drawing.text(vertex.label, vertex.x, vertex.y - 0.36, TEXT_Z, 0.3, BLACK)
+    return shape, drawing.text(vertex.label, *label_place, TEXT_Z, LABEL_HEIGHT, BLACK)
 
 
 def edges_handle(group: int, edges: Iterable[ShownEdge]) -> InteractiveMarker:

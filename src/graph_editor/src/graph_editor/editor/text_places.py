@@ -1,0 +1,103 @@
+"""Where the ids and labels of vertices are written, so that no text covers another.
+
+A text stands at its usual place where there is room, otherwise at the next free place around its
+vertex; one that finds none within REACH is not written. What is read already keeps its place: only
+texts that changed, and those that are not at their usual places, are placed anew.
+"""
+from __future__ import annotations
+
+import math
+from itertools import product
+from typing import Dict, Iterator, Mapping, NamedTuple, Optional, Set, Tuple
+
+Point = Tuple[float, float]
+Box = Tuple[float, float, float, float]  # left, lower, right, upper; m
+Cell = Tuple[int, int]
+Key = Tuple[str, int]  # what is written, and the id of its vertex
+
+REACH = 1.5   # m that the edge of a text may be away from its vertex
+STEP = 0.15   # m from one place to the next one outwards
+MARGIN = 0.2  # m from a vertex to the nearest of its texts that is not at its usual place
+_CELL = 1.0   # m, of the grid in which texts find their neighbours
+_SIDES = ((0, 1), (0, -1), (1, 0), (-1, 0), (1, 1), (-1, 1), (1, -1), (-1, -1))
+
+
+class Text(NamedTuple):
+    """What is to be written beside a vertex (m): the width and height of the words, and where
+    their middle is at their usual place, seen from the vertex."""
+
+    vertex: Point
+    size: Point
+    usual: Point
+
+
+class TextPlaces:
+    """The places of all texts; each has a key of its own."""
+
+    def __init__(self) -> None:
+        self._texts: Dict[Key, Text] = {}
+        self._middles: Dict[Key, Optional[Point]] = {}
+        self._boxes: Dict[Key, Box] = {}
+        self._cells: Dict[Cell, Set[Key]] = {}
+
+    def middle(self, key: Key) -> Optional[Point]:
+        """The middle of a text (m); None: there is no room for it."""
+        return self._middles[key]
+
+    def show(self, texts: Mapping[Key, Text]) -> None:
+        """These are to be written from now on; the first ones have the choice."""
+        for key, text in list(self._texts.items()):
+            if texts.get(key) != text or self._middles[key] != _usual(text):
+                self._remove(key)
+        for key, text in texts.items():
+            if key not in self._texts:
+                self._place(key, text)
+
+    def _remove(self, key: Key) -> None:
+        del self._texts[key], self._middles[key]
+        box = self._boxes.pop(key, None)
+        for cell in () if box is None else _cells(box):
+            self._cells[cell].discard(key)
+
+    def _place(self, key: Key, text: Text) -> None:
+        self._texts[key], self._middles[key] = text, None
+        for middle in _places(text):
+            box = _box(middle, text.size)
+            if self._is_free(box):
+                self._middles[key], self._boxes[key] = middle, box
+                for cell in _cells(box):
+                    self._cells.setdefault(cell, set()).add(key)
+                return
+
+    def _is_free(self, box: Box) -> bool:
+        return not any(overlap(box, self._boxes[key])
+                       for cell in _cells(box) for key in self._cells.get(cell, ()))
+
+
+def overlap(one: Box, other: Box) -> bool:
+    """Do two texts cover each other anywhere?"""
+    return one[0] < other[2] and other[0] < one[2] and one[1] < other[3] and other[1] < one[3]
+
+
+def _usual(text: Text) -> Point:
+    return text.vertex[0] + text.usual[0], text.vertex[1] + text.usual[1]
+
+
+def _places(text: Text) -> Iterator[Point]:
+    """Middles, the best one first: the usual one, then outwards on all sides."""
+    yield _usual(text)
+    (x, y), (width, height) = text.vertex, text.size
+    for ring in range(int((REACH - MARGIN) / STEP) + 1):
+        away = MARGIN + ring * STEP
+        for right, up in _SIDES:
+            yield x + right * (away + width / 2.0), y + up * (away + height / 2.0)
+
+
+def _box(middle: Point, size: Point) -> Box:
+    (x, y), (width, height) = middle, size
+    return x - width / 2.0, y - height / 2.0, x + width / 2.0, y + height / 2.0
+
+
+def _cells(box: Box) -> Iterator[Cell]:
+    left, lower, right, upper = (math.floor(side / _CELL) for side in box)
+    return product(range(left, right + 1), range(lower, upper + 1))
