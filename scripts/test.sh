@@ -67,7 +67,7 @@ workflows() {  # those of the hosted service
 }
 
 wheels() {  # the libraries without ROS install with pip, and their programs start
-  local packages=(omron_arcl omron_ld90_sim omron_map trajectory_graph) here="$root/build/wheels"
+  local packages=(file_replacement omron_arcl omron_ld90_sim omron_map trajectory_graph) here="$root/build/wheels"
   rm -rf "$here/sources" "$here/wheels" &&
     mkdir "$here/sources" &&
     cp -r "${packages[@]/#/src/}" "$here/sources" &&    # building leaves files beside the sources

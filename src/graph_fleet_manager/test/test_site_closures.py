@@ -224,7 +224,7 @@ def test_an_operation_that_cannot_be_written_changes_nothing_and_may_come_again(
     def full(*_: object) -> None:
         raise OSError('the disk is full')
     with monkeypatch.context() as patch:
-        patch.setattr('graph_fleet_manager.site.closures.write_file', full)
+        patch.setattr('graph_fleet_manager.site.closures.replace_file', full)
         with pytest.raises(OSError, match='full'):
             closures.apply(said, SECOND, KNOWN)
         assert (closures.edges, closures.stamp) == (frozenset(), 0)

@@ -2,12 +2,13 @@
 from __future__ import annotations
 
 import csv
+import io
 import math
-import os
 from html import escape
 from pathlib import Path
 from typing import Dict, Iterable, List, NamedTuple, Sequence, Tuple
 
+from file_replacement import replace_file
 from fleet_simulation import svg
 from fleet_simulation.figures import Cause, Figures, Use
 from fleet_simulation.site import Site
@@ -65,13 +66,11 @@ def write(study: Study, folder: Path) -> Path:
     """Writes all files, each replaced only by a complete one; the HTML file's path."""
     folder.mkdir(parents=True, exist_ok=True)
     for name, rows in _tables(study).items():
-        part = folder / f'{name}.part'
-        with open(part, 'w', newline='', encoding='utf-8') as stream:
-            csv.writer(stream).writerows(rows)
-        os.replace(part, folder / name)
-    part, path = folder / 'report.html.part', folder / 'report.html'
-    part.write_text(html(study), encoding='utf-8')
-    os.replace(part, path)
+        table = io.StringIO()
+        csv.writer(table).writerows(rows)
+        replace_file(folder / name, table.getvalue())
+    path = folder / 'report.html'
+    replace_file(path, html(study))
     return path
 
 

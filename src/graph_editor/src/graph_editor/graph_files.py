@@ -6,9 +6,10 @@ import os
 import re
 from typing import Iterable
 
+from file_replacement import replace_file
 from graph_editor.errors import SiteError
 from trajectory_graph import Graph
-from trajectory_graph.yaml_file import dump_graph, write_file
+from trajectory_graph.yaml_file import dump_graph
 
 _SEAL = re.compile(r'# made by make_graph, seal ([0-9a-f]{16})')
 SEAL_MEANS = ('# As long as the seal fits what follows, make_graph may replace this file; '
@@ -26,7 +27,7 @@ def write_made_graph(graph: Graph, path: str, comments: Iterable[str], force: bo
     lines = [f'# {comment}' for comment in comments]
     body = '\n'.join(lines + [dump_graph(graph)])
     try:
-        write_file(path, f'# made by make_graph, seal {_seal(body)}\n{SEAL_MEANS}\n{body}')
+        replace_file(path, f'# made by make_graph, seal {_seal(body)}\n{SEAL_MEANS}\n{body}')
     except OSError as error:
         raise SiteError(f'{path} cannot be written ({error.strerror}).') from None
 

@@ -11,6 +11,7 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple, Union
 
 import yaml
 
+from file_replacement import replace_file
 from trajectory_graph.editing import Draft
 from trajectory_graph.errors import GraphError
 from trajectory_graph.strict_yaml import WrongYaml, read_file
@@ -20,7 +21,6 @@ from trajectory_graph.yaml_file import (
     flow_mapping,
     parse_graph,
     vertex_fields,
-    write_file,
 )
 
 _Loader = getattr(yaml, 'CSafeLoader', yaml.SafeLoader)
@@ -74,7 +74,7 @@ class GraphFile:
 
     def save(self, path: Union[str, os.PathLike]) -> None:
         """Replaces the file `path` by this one at once; raises OSError."""
-        write_file(path, self.text)
+        replace_file(path, self.text)
 
 
 def _for_marks(text: str) -> str:

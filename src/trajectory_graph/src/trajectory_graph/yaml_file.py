@@ -13,11 +13,11 @@ may also say `Dock` and `Parking` (true or false); without `Dock`, the label `do
 from __future__ import annotations
 
 import os
-import tempfile
 from typing import Any, Callable, Dict, List, Optional, Tuple, Union
 
 import yaml
 
+from file_replacement import replace_file
 from trajectory_graph import strict_yaml
 from trajectory_graph.errors import GraphError
 from trajectory_graph.graph import CurveType, Edge, Graph, Vertex
@@ -62,7 +62,7 @@ def save_graph(graph: Graph, path: Union[str, os.PathLike], comment: str = '') -
 
     An older file stays until the new one is complete. Raises OSError.
     """
-    write_file(path, (f'# {comment}\n' if comment else '') + dump_graph(graph))
+    replace_file(path, (f'# {comment}\n' if comment else '') + dump_graph(graph))
 
 
 def dump_graph(graph: Graph) -> str:
@@ -90,23 +90,6 @@ def vertex_fields(vertex: Vertex) -> Dict[str, Any]:
         'FrameId': vertex.frame_id, 'Id': vertex.id, 'Label': vertex.label,
         'Parking': vertex.parking, 'Theta': vertex.theta,
         'ThetaHolomonic': vertex.theta_holonomic, 'X': vertex.x, 'Y': vertex.y}
-
-
-def write_file(path: Union[str, os.PathLike], text: str) -> None:
-    """Replaces the file `path` by a complete new one, or not at all; raises OSError."""
-    target = os.path.realpath(path)
-    folder, name = os.path.split(target)
-    descriptor, temporary = tempfile.mkstemp(prefix=f'.{name}.', dir=folder)
-    try:
-        with os.fdopen(descriptor, 'w', encoding='utf-8', newline='') as stream:
-            stream.write(text)
-            stream.flush()
-            os.fsync(stream.fileno())
-        os.chmod(temporary, os.stat(target).st_mode & 0o777 if os.path.exists(target) else 0o644)
-        os.replace(temporary, target)
-    except OSError:
-        os.unlink(temporary)
-        raise
 
 
 def flow_mapping(fields: Dict[str, Any]) -> str:

@@ -13,6 +13,8 @@ from geometry_msgs.msg import Point, Pose
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
+from node_lifecycle.headings import quaternion_from_yaw
+
 MAP_FRAME = 'map'
 DISC_CORNERS = 12
 DIGITS = {
@@ -31,6 +33,8 @@ DIGITS = {
           (3, 3.3), (4, 4.7)],
 }
 """Strokes of the digits, in eighths of their height: words are slow in RViz."""
+STROKE = 1.4  # eighths: their width
+LETTER_WIDTH, LINE_HEIGHT = 0.6, 1.1  # of the height of words, in RViz's font; few are wider
 
 
 class Part(NamedTuple):
@@ -51,7 +55,7 @@ def pose_at(x: float, y: float, z: float = 0.0, yaw: float = 0.0) -> Pose:
     """A place and a direction."""
     pose = Pose()
     pose.position.x, pose.position.y, pose.position.z = x, y, z
-    pose.orientation.z, pose.orientation.w = math.sin(yaw / 2.0), math.cos(yaw / 2.0)
+    pose.orientation = quaternion_from_yaw(yaw)
     return pose
 
 
@@ -111,8 +115,19 @@ def number(value: int, height: float, z: float, paint: ColorRGBA) -> List[Part]:
     unit, parts = height / 8.0, []
     for place, digit in enumerate(str(value)):
         stroke = np.array(DIGITS.get(digit, [(0, 4), (4, 4)]), float) + (6.0 * place, 0.0)
-        parts.append(strip(unit * stroke, 1.4 * unit, z, paint))
+        parts.append(strip(unit * stroke, STROKE * unit, z, paint))
     return parts
+
+
+def number_size(value: int, height: float) -> Tuple[float, float]:
+    """Width and height of a number; its middle is half of `height` above the origin."""
+    unit = height / 8.0
+    return unit * (6.0 * len(str(value)) - 1.7 + STROKE), height + unit * STROKE
+
+
+def text_size(words: str, height: float) -> Tuple[float, float]:
+    """About the width and height of words that RViz writes."""
+    return LETTER_WIDTH * height * len(words), LINE_HEIGHT * height
 
 
 def text(words: str, x: float, y: float, z: float, height: float, paint: ColorRGBA) -> Marker:

@@ -3,9 +3,9 @@ from __future__ import annotations
 
 import json
 import os
-import tempfile
 from typing import Any, Dict, Iterable, Mapping, Union
 
+from file_replacement import replace_file
 from graph_fleet_manager.planning.tasks import Outcome
 
 
@@ -36,18 +36,9 @@ def unsolved_plan(reason: str, lower_bound: float, robots: Iterable[str],
 
 def save_plan(plan: Mapping[str, Any], path: Union[str, os.PathLike]) -> None:
     """Writes a plan, numbers in full; an older file stays until the new one is complete."""
+    text = json.dumps(plan, allow_nan=False)
     if os.path.exists(path) and not os.path.isfile(path):  # /dev/stdout, a pipe
         with open(path, 'w', encoding='utf-8') as stream:
-            json.dump(plan, stream, allow_nan=False)
+            stream.write(text)
         return
-    folder, name = os.path.split(os.path.abspath(path))
-    descriptor, temporary = tempfile.mkstemp(prefix=f'.{name}.', dir=folder)
-    try:
-        with os.fdopen(descriptor, 'w', encoding='utf-8') as stream:
-            json.dump(plan, stream, allow_nan=False)
-            stream.write('\n')
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
-    except BaseException:
-        os.unlink(temporary)
-        raise
+    replace_file(path, text + '\n')

@@ -6,12 +6,13 @@ its computer must reach the fleet manager.
 from __future__ import annotations
 
 import contextlib
-import os
 from pathlib import Path
 from typing import Optional
 
 import rosgraph.network
 import rospkg
+
+from file_replacement import replace_file
 
 
 def note(master_uri: str, service_uri: str) -> None:
@@ -21,9 +22,7 @@ def note(master_uri: str, service_uri: str) -> None:
     """
     path = _path(master_uri)
     path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(f'{path.name}.{os.getpid()}')
-    part.write_text(service_uri, encoding='ascii')
-    part.replace(path)
+    replace_file(path, service_uri)
 
 
 def noted(master_uri: str) -> Optional[str]:

@@ -6,11 +6,12 @@ import threading
 from typing import Optional
 
 import rospy
-from geometry_msgs.msg import PoseStamped, Quaternion, TransformStamped, Vector3
+from geometry_msgs.msg import PoseStamped, TransformStamped, Vector3
 from sensor_msgs.msg import BatteryState
 
 from graph_fleet_manager.agv_simulator.vehicle import Vehicle
 from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, RouteRefused, TargetRoute
+from node_lifecycle.headings import quaternion_from_yaw
 from trajectory_graph.route_messages import fill_refusal, fill_report, order_of
 from trajectory_graph.route_protocol import RouteRefusal, RouteReport
 
@@ -92,8 +93,7 @@ def _pose_message(vehicle: Vehicle, stamp: rospy.Time) -> PoseStamped:
     message = PoseStamped()
     message.header.stamp, message.header.frame_id = stamp, 'map'
     message.pose.position.x, message.pose.position.y = x, y
-    message.pose.orientation = Quaternion(0.0, 0.0, math.sin(heading / 2.0),
-                                          math.cos(heading / 2.0))
+    message.pose.orientation = quaternion_from_yaw(heading)
     return message
 
 

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Container, FrozenSet, Iterable, Optional, Tuple, Union
 
+from file_replacement import replace_file
 from graph_fleet_manager.files.errors import FileError
-from trajectory_graph.yaml_file import write_file
 
 _AHEAD = 1_000_000_000  # ns that the clock of a computer that closes an edge may be ahead of ours
 _REMEMBERED = 1000      # operations that are known again when their message comes once more
@@ -110,7 +110,7 @@ class Closures:
 
     def _save(self, edges: FrozenSet[int], stamp: int, carried_out: Tuple[str, ...]) -> None:
         os.makedirs(os.path.dirname(os.path.abspath(self._file)), exist_ok=True)
-        write_file(self._file, json.dumps({'stamp': stamp, 'edges': sorted(edges),
+        replace_file(self._file, json.dumps({'stamp': stamp, 'edges': sorted(edges),
                                            'carried_out': carried_out}) + '\n')
         self.edges, self.stamp, self._carried_out = edges, stamp, carried_out
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 import math
 from typing import Dict, Optional
 
+from node_lifecycle.headings import yaw_from_quaternion
 from omron_arcl import ActivityKind
 from omron_ld90.bridge.events import (
     CommandEnded,
@@ -16,7 +17,6 @@ from omron_ld90.bridge.events import (
 )
 from omron_ld90.bridge.motions import motion_of
 from omron_ld90.nodes.support.link_reports import words_of
-from omron_ld90.nodes.support.poses import yaw_from_quaternion
 from omron_ld90_msgs.msg import ExecuteCommandResult, LinkState, Motion, RobotStatus
 
 _KINDS: Dict[int, ActivityKind] = {getattr(RobotStatus, kind.name): kind for kind in ActivityKind}

@@ -42,6 +42,7 @@ import tf2_ros
 from geometry_msgs.msg import PointStamped, PoseStamped
 
 from node_lifecycle import number, parameter, run
+from node_lifecycle.headings import yaw_from_quaternion
 from omron_arcl import InvalidCommand, parse_line
 from omron_arcl.replies import driving
 from omron_ld90.nodes.rviz.interactive_goals import Action, InteractiveGoals
@@ -52,7 +53,6 @@ from omron_ld90.nodes.support.command_client import CommandClient
 from omron_ld90.nodes.support.displayed_map import DisplayedMap
 from omron_ld90.nodes.support.fleet_missions import FleetMissions
 from omron_ld90.nodes.support.old_messages import OldMessages, publishers_by_master
-from omron_ld90.nodes.support.poses import yaw_from_quaternion
 from omron_ld90.operator.goal_clicks import (
     Target,
     explain_miss,

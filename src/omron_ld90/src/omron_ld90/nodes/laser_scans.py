@@ -16,8 +16,8 @@ import tf2_ros
 from geometry_msgs.msg import Pose
 from sensor_msgs.msg import LaserScan, PointCloud2
 
+from node_lifecycle.headings import yaw_from_quaternion
 from omron_ld90 import laser_scan, robot_model
-from omron_ld90.nodes.support import poses
 from omron_ld90.nodes.support.clouds import places_in
 
 MAX_SKEW = rospy.Duration(0.5)  # between a cloud and the location nearest in time
@@ -80,12 +80,12 @@ class LaserScans:
         except (tf2_ros.TransformException, ValueError) as error:
             rospy.logwarn_throttle(REFUSALS_TOLD, 'No scan is made of a laser_cloud: %s', error)
             return None
-        yaw = poses.yaw_from_quaternion(base.pose.orientation)
+        yaw = yaw_from_quaternion(base.pose.orientation)
         ahead, left = laser.translation.x, laser.translation.y
         place = laser_scan.LaserPlace(
             base.pose.position.x + ahead * math.cos(yaw) - left * math.sin(yaw),
             base.pose.position.y + ahead * math.sin(yaw) + left * math.cos(yaw),
-            yaw + poses.yaw_from_quaternion(laser.rotation))
+            yaw + yaw_from_quaternion(laser.rotation))
         return scan_of(laser_scan.ranges_of(hits, place).tolist(), base.stamp, self._laser_frame)
 
 

@@ -51,6 +51,7 @@ from geometry_msgs.msg import Pose, PoseStamped, TransformStamped
 from nav_msgs.msg import Odometry
 
 from node_lifecycle import number, parameter, publish_diagnostics, run
+from node_lifecycle.headings import yaw_from_quaternion
 from omron_ld90.nodes.laser_scans import LaserScans
 from omron_ld90.nodes.support import poses, shared_parameters
 from omron_ld90.odometry import Location, Motion, Odometer
@@ -131,7 +132,7 @@ class RobotStatePublisher:
             self._scans.on_location(stamp, status.pose)
 
     def _publish_motion(self, stamp: rospy.Time, pose: Pose) -> None:
-        yaw = poses.yaw_from_quaternion(pose.orientation)
+        yaw = yaw_from_quaternion(pose.orientation)
         motion = self._odometer.add(
             Location(stamp.to_sec(), pose.position.x, pose.position.y, yaw))
         if motion is not None:

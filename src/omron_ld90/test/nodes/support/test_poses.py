@@ -8,8 +8,8 @@ from geometry_msgs.msg import Pose, Transform
 from hypothesis import given
 from hypothesis import strategies as st
 
+from node_lifecycle.headings import quaternion_from_yaw, yaw_from_quaternion
 from omron_ld90.nodes.support import poses
-from omron_ld90.nodes.support.poses import quaternion_from_yaw, yaw_from_quaternion
 
 coordinates = st.floats(-100.0, 100.0)
 angles = st.floats(-3.1, 3.1)

@@ -1,31 +1,19 @@
-"""Files of the adapter: the journal and log reports. A file is replaced whole or not."""
+"""Files of the adapter: the journal and log reports."""
 from __future__ import annotations
 
-import os
-import tempfile
 import time
 from pathlib import Path
 from typing import Optional, Sequence, Type
 
+from file_replacement import replace_file
 from node_lifecycle import ConfigurationError
 from vda5050_vehicle.core import journal
 from vda5050_vehicle.core.state import VehicleState
 from vda5050_vehicle.drivers.driver import Drive
 
 MAX_REPORTS = 20
+_PRIVATE = 0o600  # for this user only
 MAX_JOURNAL = 1_000_000  # bytes of changes, beyond which it is written anew
-
-
-def replace_file(path: Path, text: str) -> None:
-    """Writes `path`, for this user only, in one step; raises OSError."""
-    handle, name = tempfile.mkstemp(prefix=f'.{path.name}.', dir=str(path.parent))
-    try:
-        with os.fdopen(handle, 'w', encoding='utf-8') as file:
-            file.write(text)
-        os.replace(name, str(path))
-    except BaseException:
-        os.unlink(name)
-        raise
 
 
 class JournalFile:
@@ -61,7 +49,7 @@ class JournalFile:
         text = journal.line(None if is_new else before, now) + '\n'
         changes, self._changes = self._changes, MAX_JOURNAL  # should it fail
         if is_new:
-            replace_file(self._path, text)
+            replace_file(self._path, text, mode=_PRIVATE, on_disk=False)
             self._changes = 0
         else:
             with open(self._path, 'a', encoding='utf-8') as file:
@@ -79,7 +67,8 @@ class LogReports:
         """Stores a report and returns its file name; raises OSError."""
         self._folder.mkdir(parents=True, exist_ok=True)
         name = time.strftime('report_%Y%m%d_%H%M%S') + f'_{time.time_ns() % 1_000_000_000:09d}.log'
-        replace_file(self._folder / name, '\n'.join([f'reason: {reason}', *lines, '']))
+        replace_file(self._folder / name, '\n'.join([f'reason: {reason}', *lines, '']),
+                     mode=_PRIVATE)
         for old in sorted(self._folder.glob('report_*.log'))[:-MAX_REPORTS]:
             old.unlink()
         return name

@@ -5,9 +5,9 @@ import actionlib
 import rospy
 from move_base_msgs.msg import MoveBaseAction, MoveBaseGoal
 
+from node_lifecycle.headings import quaternion_from_yaw
 from vda5050_vehicle.drivers.pose_driver import GoTo, PoseCommand, PoseDriver
 from vda5050_vehicle.nodes.action_goals import ActionGoals
-from vda5050_vehicle.nodes.headings import quaternion
 from vda5050_vehicle.nodes.route_link import Tell
 
 
@@ -34,7 +34,7 @@ class MoveBaseLink:
         goal.target_pose.header.stamp = rospy.Time.now()
         pose = goal.target_pose.pose
         pose.position.x, pose.position.y = command.x, command.y
-        pose.orientation = quaternion(command.theta)
+        pose.orientation = quaternion_from_yaw(command.theta)
         return goal
 
     def check(self) -> None:

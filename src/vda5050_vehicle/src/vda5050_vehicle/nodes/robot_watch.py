@@ -21,8 +21,8 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import BatteryState as BatteryMessage
 
 from node_lifecycle import ConfigurationError
+from node_lifecycle.headings import yaw_from_quaternion
 from vda5050_vehicle.drivers.robot_view import Pose, RobotView, silence
-from vda5050_vehicle.nodes.headings import heading
 from vda5050_vehicle.protocol.values import BatteryState, EStop, Velocity
 
 SIGNALS = ('emergency_stop', 'lost', 'field_violation', 'localization_score', 'standing', 'epoch')
@@ -146,7 +146,7 @@ class RobotWatch:
                                    message.header.frame_id, self._frame)
             return
         position = message.pose.position
-        pose = Pose(position.x, position.y, heading(message.pose.orientation))
+        pose = Pose(position.x, position.y, yaw_from_quaternion(message.pose.orientation))
         if all(map(math.isfinite, (pose.x, pose.y, pose.theta))):
             self._hear('pose', pose)
 
@@ -182,7 +182,8 @@ class RobotWatch:
             if transform.header.stamp != last[0]:  # an old one is no news
                 last[0] = transform.header.stamp
                 place = transform.transform.translation
-                self._hear('pose', Pose(place.x, place.y, heading(transform.transform.rotation)))
+                self._hear('pose', Pose(place.x, place.y,
+                                        yaw_from_quaternion(transform.transform.rotation)))
 
         timer = rospy.Timer(rospy.Duration(TF_PERIOD), look)
         rospy.on_shutdown(timer.shutdown)

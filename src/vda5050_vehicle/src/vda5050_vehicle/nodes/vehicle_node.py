@@ -52,6 +52,7 @@ import rospy
 from geometry_msgs.msg import PoseWithCovarianceStamped
 
 from node_lifecycle import run
+from node_lifecycle.headings import quaternion_from_yaw
 from vda5050_vehicle.core import effects as fx
 from vda5050_vehicle.core import factsheet as sheet
 from vda5050_vehicle.core import journal
@@ -62,7 +63,6 @@ from vda5050_vehicle.drivers.robot_view import Pose
 from vda5050_vehicle.drivers.route_driver import RouteDriver
 from vda5050_vehicle.mqtt.link import MqttLink
 from vda5050_vehicle.nodes.diagnostics import show_state
-from vda5050_vehicle.nodes.headings import quaternion
 from vda5050_vehicle.nodes.move_base_link import MoveBaseLink
 from vda5050_vehicle.nodes.robot_watch import RobotWatch
 from vda5050_vehicle.nodes.ros_actions import RosActions
@@ -255,7 +255,7 @@ class VehicleNode:
         message.header.frame_id = self._settings.map_frame
         message.header.stamp = rospy.Time.now()
         message.pose.pose.position.x, message.pose.pose.position.y = pose.x, pose.y
-        message.pose.pose.orientation = quaternion(pose.theta)
+        message.pose.pose.orientation = quaternion_from_yaw(pose.theta)
         self._poses.publish(message)
 
 

@@ -6,10 +6,11 @@ import math
 from typing import Iterable, Tuple
 
 import numpy as np
-from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
+from geometry_msgs.msg import Point, Pose, Vector3
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
+from node_lifecycle.headings import quaternion_from_yaw
 from trajectory_graph import Curve
 
 FRAME = 'map'
@@ -51,8 +52,7 @@ def text(namespace: str, number: int, words: str, place: Tuple[float, float], he
 
 def pose_at(place: Tuple[float, float], yaw: float = 0.0, z: float = 0.0) -> Pose:
     """A pose from a place on the floor, a direction and a height."""
-    return Pose(Point(place[0], place[1], z),
-                Quaternion(0.0, 0.0, math.sin(yaw / 2.0), math.cos(yaw / 2.0)))
+    return Pose(Point(place[0], place[1], z), quaternion_from_yaw(yaw))
 
 
 def lines(namespace: str, number: int, paint: ColorRGBA, width: float,

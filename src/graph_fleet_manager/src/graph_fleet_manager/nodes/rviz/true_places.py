@@ -8,6 +8,7 @@ import rospy
 from geometry_msgs.msg import PoseStamped
 
 from graph_fleet_manager.nodes.rviz.robot_picture import DrawnPose
+from node_lifecycle.headings import yaw_from_quaternion
 
 FRESH = 1.5  # s that a pose is taken for the place where a robot is
 
@@ -42,4 +43,4 @@ class TruePlaces:
         position, turn = message.pose.position, message.pose.orientation
         if math.isfinite(position.x) and math.isfinite(position.y):
             self._heard[name] = rospy.Time.now().to_sec(), DrawnPose(
-                position.x, position.y, 2.0 * math.atan2(turn.z, turn.w))
+                position.x, position.y, yaw_from_quaternion(turn))

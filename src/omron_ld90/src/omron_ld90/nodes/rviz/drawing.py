@@ -10,8 +10,8 @@ from geometry_msgs.msg import Point, Pose, Vector3
 from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker
 
+from node_lifecycle.headings import quaternion_from_yaw
 from omron_ld90.nodes.rviz.fast_messages import FastMarkerArray, PointsMarker
-from omron_ld90.nodes.support.poses import quaternion_from_yaw
 
 XY = Tuple[float, float]
 

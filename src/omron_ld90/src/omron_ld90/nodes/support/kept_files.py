@@ -9,6 +9,7 @@ from typing import Any
 
 import rospkg
 
+from file_replacement import replace_file
 from node_lifecycle import ConfigurationError
 
 PATIENCE = 4.0  # s in which the node that this one replaces has ended
@@ -57,7 +58,4 @@ def replace_json(path: str, content: Any) -> None:
     It is not forced to the disk: it must outlive the process, and nothing may wait for a disk.
     """
     os.makedirs(os.path.dirname(os.path.abspath(path)), exist_ok=True)
-    part = f'{path}.part'
-    with open(part, 'w', encoding='utf-8') as stream:
-        json.dump(content, stream)
-    os.replace(part, path)
+    replace_file(path, json.dumps(content), on_disk=False)

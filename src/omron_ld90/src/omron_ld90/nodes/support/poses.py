@@ -4,22 +4,13 @@ from __future__ import annotations
 import math
 from typing import Tuple
 
-from geometry_msgs.msg import Pose, Quaternion, Transform
+from geometry_msgs.msg import Pose, Transform
 
+from node_lifecycle.headings import quaternion_from_yaw, yaw_from_quaternion
 from omron_ld90.units import metres, millimetres
 
 FARTHEST = metres(2 ** 31)  # m from the map's origin: ARCL and maps hold 32 bits of mm
 UNIT_TOLERANCE = 0.01  # of the square of a quaternion's length
-
-
-def quaternion_from_yaw(yaw: float) -> Quaternion:
-    """Rotation about z by `yaw` radians."""
-    return Quaternion(0.0, 0.0, math.sin(yaw / 2.0), math.cos(yaw / 2.0))
-
-
-def yaw_from_quaternion(q: Quaternion) -> float:
-    """Yaw in radians, in (-pi, pi], of any rotation."""
-    return math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
 
 
 def is_plausible(pose: Pose) -> bool:

@@ -1,0 +1,16 @@
+"""Headings in the plane as ROS has them: quaternions about z (REP 103), radians."""
+from __future__ import annotations
+
+import math
+
+from geometry_msgs.msg import Quaternion
+
+
+def quaternion_from_yaw(yaw: float) -> Quaternion:
+    """Rotation about z."""
+    return Quaternion(0.0, 0.0, math.sin(yaw / 2.0), math.cos(yaw / 2.0))
+
+
+def yaw_from_quaternion(q: Quaternion) -> float:
+    """Yaw in [-pi, pi] of any rotation, whatever its roll and pitch."""
+    return math.atan2(2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z))
