@@ -6,7 +6,6 @@ from fleet_builders import AGV, graph_of
 
 from fleet_simulation.supervised_fleet import SupervisedFleet
 from graph_fleet_manager.fleet import Fleet
-from graph_fleet_manager.messages.graphs import graph_message
 from graph_fleet_manager.nodes.random_missions import places_by_edge
 from graph_fleet_manager.planning.road_network import RoadNetwork
 from graph_fleet_manager.site.remarks import remarks
@@ -66,6 +65,6 @@ def test_a_part_without_robots_gets_no_mission():
 
 
 def test_random_missions_stay_in_one_part():
-    places = places_by_edge(graph_message(HALLS, None))
+    places = places_by_edge(HALLS)
     assert places[1] == [1, 2, 3, 4, 5]
     assert places[12] == [11, 12, 13, 14]

@@ -54,6 +54,7 @@ from fleet_page.web.server import Access, WebServer, serve
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
 from graph_fleet_manager.supervision.journal import HistoryLine, history
 from graph_fleet_manager.supervision.journal_database import JournalError
+from graph_topic import FollowedGraph
 from itrci_nav_msgs.msg import (
     ClosedEdges,
     DockingPoints,
@@ -67,10 +68,8 @@ from itrci_nav_msgs.msg import (
     ParkingPlaces,
     PlanAnswer,
 )
-from itrci_nav_msgs.msg import Graph as GraphMessage
 from node_lifecycle import ConfigurationError, parameter, run
-from trajectory_graph import GraphError
-from trajectory_graph.messages import graph_from_message
+from trajectory_graph import Graph
 
 TICK = 0.2          # s between two looks at what has to be done without a message
 LOOK_UP = 3.0       # s between two readings of the journal, where missions are not known
@@ -150,7 +149,7 @@ class FleetPageNode:
                 self._loop.call_soon_threadsafe(handler, message)
             return rospy.Subscriber(topic, kind, take, queue_size=waiting)
         return [
-            listen('/graph', GraphMessage, self._on_graph),
+            FollowedGraph(self._on_graph).subscribe(),
             listen('/closed_edges_in_force', ClosedEdges, self._on_closed),
             listen('/parking', ParkingPlaces, self._on_parking),
             listen('/docking_points', DockingPoints, self._on_docks),
@@ -164,17 +163,14 @@ class FleetPageNode:
             listen('/plan_answer', PlanAnswer, self._on_answer, 10),
             listen(map_topic, OccupancyGrid, self._on_map)]
 
+    def _on_graph(self, graph: Graph, _stamp: rospy.Time) -> None:
+        self._loop.call_soon_threadsafe(self._use_graph, graph)
+
     # -- what the fleet manager tells, in the thread of the event loop ----------------------------
 
-    def _on_graph(self, message: GraphMessage) -> None:
-        try:
-            graph = graph_from_message(message)
-        except GraphError as error:
-            rospy.logerr('The graph of /graph is not shown: %s', error)
-            return
-        if not graph.is_same(self._page.model.graph):
-            self._page.model.graph = graph
-            self._page.model.site_changed()
+    def _use_graph(self, graph: Graph) -> None:
+        self._page.model.graph = graph
+        self._page.model.site_changed()
 
     def _on_closed(self, message: ClosedEdges) -> None:
         self._page.model.close_edges(message.edges)

@@ -33,11 +33,9 @@ from graph_fleet_manager.agv_simulator.simulation import Simulation
 from graph_fleet_manager.fleet import Robot
 from graph_fleet_manager.nodes.agv_topics import AgvTopics
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
-from itrci_nav_msgs.msg import Graph
+from graph_topic import FollowedGraph
 from node_lifecycle import ConfigurationError, number, parameter, run
-from trajectory_graph import Graph as TrajectoryGraph
-from trajectory_graph import GraphError, load_graph
-from trajectory_graph.messages import graph_from_message
+from trajectory_graph import Graph, GraphError, load_graph
 
 DRIVER = 'agv'  # of the robots that this node drives
 TICK = 0.05     # s
@@ -60,7 +58,7 @@ class AgvSim:
         port = parameter('~control_port', 0, int)
         if port:
             self._open_control(port)
-        rospy.Subscriber('/graph', Graph, self._on_graph, queue_size=1)
+        FollowedGraph(self._on_graph).subscribe()
         self._ending = threading.Event()
         self._thread = threading.Thread(target=self._run, name='simulation', daemon=True)
         self._thread.start()
@@ -70,7 +68,7 @@ class AgvSim:
         self._ending.set()
         self._thread.join(1.0)
 
-    def _begin(self, graph: TrajectoryGraph, source: str) -> None:
+    def _begin(self, graph: Graph, source: str) -> None:
         for robot in self._robots:
             if robot.vertex not in graph.vertices:
                 raise ConfigurationError(
@@ -81,16 +79,15 @@ class AgvSim:
                         for name, vehicle in simulation.vehicles.items()}
         self._simulation = simulation
 
-    def _on_graph(self, message: Graph) -> None:
-        try:
-            graph = graph_from_message(message)
-            with self._lock:
-                if self._simulation is None:
-                    self._begin(graph, '/graph')
-                else:
-                    self._simulation.use_graph(graph)
-        except (GraphError, ConfigurationError) as error:
-            rospy.logerr('The graph of /graph is not used: %s', error)
+    def _on_graph(self, graph: Graph, _stamp: rospy.Time) -> None:
+        with self._lock:
+            if self._simulation is not None:
+                self._simulation.use_graph(graph)
+                return
+            try:
+                self._begin(graph, '/graph')
+            except ConfigurationError as error:
+                rospy.logerr('The graph of /graph is not used: %s', error)
 
     def _open_control(self, port: int) -> None:
         try:
@@ -134,7 +131,7 @@ def _read_robots() -> List[Robot]:
     return robots
 
 
-def _read_graph(path: str) -> TrajectoryGraph:
+def _read_graph(path: str) -> Graph:
     try:
         return load_graph(path)
     except GraphError as error:

@@ -40,6 +40,7 @@ from graph_fleet_manager.nodes.rviz.robot_picture import (
     robot_markers,
 )
 from graph_fleet_manager.nodes.rviz.true_places import TruePlaces
+from graph_topic import FollowedGraph
 from itrci_nav_msgs.msg import (
     ClosedEdges,
     DockingPoints,
@@ -48,10 +49,8 @@ from itrci_nav_msgs.msg import (
     MissionStatus,
     ParkingPlaces,
 )
-from itrci_nav_msgs.msg import Graph as GraphMessage
 from node_lifecycle import parameter, run
-from trajectory_graph import Graph, GraphError
-from trajectory_graph.messages import graph_from_message
+from trajectory_graph import Graph
 
 PERIOD = 0.1         # s between two pictures of the robots
 SLOW = 3             # so many of these between two pictures of the plans, and moves of the handles
@@ -85,7 +84,6 @@ class FleetVisualisation:
         self._acts = FleetActs(self._say)
         self._menus = FleetMenus(self._acts.act)
         for topic, kind, callback in (
-                ('/graph', GraphMessage, self._on_graph),
                 ('/closed_edges_in_force', ClosedEdges, self._on_closed),
                 ('/parking', ParkingPlaces, self._on_parking),
                 ('/docking_points', DockingPoints, self._on_docks),
@@ -93,19 +91,13 @@ class FleetVisualisation:
                 ('/fleet_plan', FleetPlan, self._on_plan),
                 ('/mission_status', MissionStatus, self._on_status)):
             rospy.Subscriber(topic, kind, callback, queue_size=20)
+        FollowedGraph(self._on_graph).subscribe()
         self._timer = rospy.Timer(rospy.Duration(PERIOD), self._tick)
 
     # --- what the fleet manager tells ------------------------------------------------------------
 
-    def _on_graph(self, message: GraphMessage) -> None:
-        try:
-            graph = graph_from_message(message)
-        except GraphError as error:
-            rospy.logerr('The graph of /graph is not shown: %s', error)
-            return
+    def _on_graph(self, graph: Graph, _stamp: rospy.Time) -> None:
         with self._lock:
-            if graph.is_same(self._graph):
-                return
             self._graph = graph
             self._menus.show_graph(graph)
             self._draw_graph()

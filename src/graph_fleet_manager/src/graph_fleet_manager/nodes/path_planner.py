@@ -24,7 +24,7 @@ import threading
 import time
 import traceback
 from dataclasses import replace
-from typing import Optional
+from typing import Optional, Tuple
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -36,11 +36,10 @@ from graph_fleet_manager.plan_service import PlanService
 from graph_fleet_manager.planning.layers import layered
 from graph_fleet_manager.planning.safe_intervals import find_path
 from graph_fleet_manager.planning.tasks import CannotPlan
-from itrci_nav_msgs.msg import Graph as GraphMessage
+from graph_topic import FollowedGraph
 from itrci_nav_msgs.msg import ParkingPlaces, PlanAnswer, PlanRequest
 from node_lifecycle import choice, number, parameter, publish_diagnostics, run
-from trajectory_graph import GraphError
-from trajectory_graph.messages import graph_from_message
+from trajectory_graph import Graph
 
 _WAITING = 20  # requests; of those that wait only the newest is worked on
 
@@ -59,7 +58,7 @@ class PathPlanner:
         self._longest = number('~longest_time_limit', 10.0, self._time_limit, 600.0)
         self._rate = number('~sim_speed', 1.0, 0.01, 100.0)
         self._changed = threading.Condition()
-        self._new_graph: Optional[GraphMessage] = None
+        self._new_graph: Optional[Tuple[Graph, rospy.Time]] = None
         self._request: Optional[PlanRequest] = None
         self._received = 0.0
         self._parking: Optional[ParkingPlaces] = None
@@ -72,17 +71,20 @@ class PathPlanner:
         publish_diagnostics('none', {'planner': self._report})
         threading.Thread(target=self._work, name='planner', daemon=True).start()
         self._subscribers = [
-            rospy.Subscriber('/graph', GraphMessage, self._on_graph, queue_size=1),
+            FollowedGraph(self._on_graph, each=True, on_refused=self._on_refused).subscribe(),
             rospy.Subscriber('/parking', ParkingPlaces, self._on_parking, queue_size=1),
             rospy.Subscriber('/plan_request', PlanRequest, self._on_request,
                              queue_size=_WAITING, tcp_nodelay=True)]
 
     # -- callbacks --------------------------------------------------------------------------------
 
-    def _on_graph(self, message: GraphMessage) -> None:
+    def _on_graph(self, graph: Graph, stamp: rospy.Time) -> None:
         with self._changed:
-            self._new_graph = message
+            self._new_graph = graph, stamp
             self._changed.notify()
+
+    def _on_refused(self, problem: str) -> None:
+        self._status = DiagnosticStatus.ERROR, f'a /graph that is not valid: {problem}'
 
     def _on_parking(self, message: ParkingPlaces) -> None:
         with self._changed:
@@ -117,21 +119,15 @@ class PathPlanner:
                     request, self._request = self._request, None
                     received = self._received
             if graph is not None:
-                self._take_graph(graph)
+                self._take_graph(*graph)
             elif request is not None:
                 self._answers.publish(self._answer(request, received))
 
-    def _take_graph(self, message: GraphMessage) -> None:
-        try:
-            service = PlanService(graph_from_message(message), self._fleet, self._search,
-                                  self._seed)
-        except GraphError as error:
-            self._status = DiagnosticStatus.ERROR, f'a /graph that is not valid: {error}'
-            rospy.logerr('The graph on /graph is not valid, the one before stays: %s', error)
-            return
+    def _take_graph(self, graph: Graph, stamp: rospy.Time) -> None:
+        service = PlanService(graph, self._fleet, self._search, self._seed)
         begun = time.monotonic()
         service.prepare()
-        self._service, self._stamp = service, message.header.stamp
+        self._service, self._stamp = service, stamp
         self._status = DiagnosticStatus.OK, f'ready, {len(service.graph.edges)} edges'
         rospy.loginfo('Ready to plan on %d vertices and %d edges; what excludes what took %.3f s.',
                       len(service.graph.vertices), len(service.graph.edges),

@@ -61,6 +61,7 @@ from graph_fleet_manager.supervision.journal_database import JournalUnavailable
 from graph_fleet_manager.supervision.missions import Change, Command, RequestRefused
 from graph_fleet_manager.supervision.outbox import AGAIN
 from graph_fleet_manager.supervision.supervisor import Supervisor
+from graph_topic import FollowedGraph
 from itrci_nav_msgs.msg import (
     ClosedEdges,
     ExecutionRouteStates,
@@ -69,10 +70,8 @@ from itrci_nav_msgs.msg import (
     PlanAnswer,
     RouteRefused,
 )
-from itrci_nav_msgs.msg import Graph as GraphMessage
 from node_lifecycle import ConfigurationError, number, parameter, publish_diagnostics, run
-from trajectory_graph import Graph, GraphError
-from trajectory_graph.messages import graph_from_message
+from trajectory_graph import Graph
 
 VIEW_PERIOD = 0.5  # s between two /fleet_state, and the least between two /fleet_plan
 
@@ -120,7 +119,7 @@ class PathSupervisor:
             return lambda message: handler(name, message)
 
         subscribers = [
-            listen('/graph', GraphMessage, self._on_graph, 1),
+            FollowedGraph(self._on_graph, each=True).subscribe(),
             listen('/closed_edges_in_force', ClosedEdges, self._on_closed, 1),
             listen('/mission_request', MissionRequest, self._on_request, None),
             listen('/mission_command', MissionCommand, self._on_command, None),
@@ -177,18 +176,13 @@ class PathSupervisor:
 
     # -- what comes in ----------------------------------------------------------------------------
 
-    def _on_graph(self, message: GraphMessage) -> None:
-        try:
-            graph = graph_from_message(message)
-        except GraphError as error:
-            rospy.logerr('The graph on /graph is not valid, the one before stays: %s', error)
-            return
-        self._events.put(lambda supervisor, now: self._use_graph(graph, message.header.stamp, now))
+    def _on_graph(self, graph: Graph, stamp: rospy.Time) -> None:
+        self._events.put(lambda supervisor, now: self._use_graph(graph, stamp, now))
 
     def _use_graph(self, graph: Graph, stamp: rospy.Time, now: float) -> Sequence[Action]:
         self._topics.graph_stamp = stamp
         before, self._graph = self._graph, graph
-        if graph.is_same(before):
+        if graph is before:  # told again, with another stamp
             return ()
         self._begin_at = now
         return ()

@@ -25,10 +25,10 @@ from typing import Dict, List
 import rospy
 
 from graph_fleet_manager.commands.mission_watch import SILENCE, ask_for
+from graph_topic import FollowedGraph
 from itrci_nav_msgs.msg import FleetRobot, FleetState, MissionRequest, MissionStatus
-from itrci_nav_msgs.msg import Graph as GraphMessage
 from node_lifecycle import parameter, run
-from trajectory_graph.messages import graph_from_message
+from trajectory_graph import Graph
 
 PERIOD = 1.0  # s between two looks
 REPEAT = 5.0  # s after which a request without any answer is sent again, unchanged
@@ -55,14 +55,14 @@ class RandomMissions:
         """When the last status of an open mission came; without an entry: no status came yet."""
         self._ended: Dict[int, int] = dict.fromkeys(_OVER, 0)
         self._requests = rospy.Publisher('/mission_request', MissionRequest, queue_size=100)
-        rospy.Subscriber('/graph', GraphMessage, self._on_graph, queue_size=1)
+        FollowedGraph(self._on_graph).subscribe()
         rospy.Subscriber('/fleet_state', FleetState, self._on_state, queue_size=1)
         rospy.Subscriber('/mission_status', MissionStatus, self._on_status, queue_size=100)
         self._timer = rospy.Timer(rospy.Duration(PERIOD), self._tick)
 
-    def _on_graph(self, message: GraphMessage) -> None:
+    def _on_graph(self, graph: Graph, _stamp: rospy.Time) -> None:
         with self._lock:
-            self._places = places_by_edge(message)
+            self._places = places_by_edge(graph)
 
     def _on_state(self, message: FleetState) -> None:
         with self._lock:
@@ -117,11 +117,11 @@ class RandomMissions:
         return request
 
 
-def places_by_edge(message: GraphMessage) -> Dict[int, List[int]]:
+def places_by_edge(graph: Graph) -> Dict[int, List[int]]:
     """By the id of each edge the vertices that edges join to it, but for docks and vertices where
     no robot may be parked; only where there are two or more to drive between."""
-    graph = graph_from_message(message)
-    free = {vertex.id for vertex in message.vertices if not vertex.no_parking and not vertex.dock}
+    free = {vertex.id for vertex in graph.vertices.values()
+            if vertex.parking is not False and not vertex.dock}
     found: Dict[int, List[int]] = {}
     for part in graph.parts:
         places = sorted(free & part)

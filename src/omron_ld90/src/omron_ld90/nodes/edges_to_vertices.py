@@ -48,6 +48,7 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
+from graph_topic import FollowedGraph
 from itrci_nav_msgs import msg
 from node_lifecycle import parameter, publish_diagnostics, run
 from omron_ld90.bridge import events as p
@@ -63,7 +64,6 @@ from omron_ld90.nodes.bridge_messages import (
 from omron_ld90.nodes.bridge_settings import read_settings
 from omron_ld90.nodes.support import shared_parameters
 from omron_ld90.nodes.support.command_client import CommandClient
-from omron_ld90.nodes.support.followed_graph import FollowedGraph
 from omron_ld90.nodes.support.old_messages import OldMessages, publishers_by_master
 from omron_ld90.nodes.support.worker import start_worker
 from omron_ld90_msgs.msg import (
@@ -119,7 +119,7 @@ class EdgesToVertices:
                 ('motion', Motion, self._on_motion),
                 ('target_route', msg.TargetRoute, self._on_route)):
             rospy.Subscriber(topic, kind, callback, queue_size=100, tcp_nodelay=True)
-        FollowedGraph(graph, self._on_graph).subscribe()
+        FollowedGraph(self._on_graph, graph).subscribe()
         publish_diagnostics('none', {'route': self._diagnose})
         self._thread = start_worker('route-follower', self._run)
         if graph is None:
@@ -160,7 +160,7 @@ class EdgesToVertices:
     def _on_motion(self, message: Motion) -> None:
         self._tell(motion_told(message, rospy.get_name()))
 
-    def _on_graph(self, graph: Graph) -> None:
+    def _on_graph(self, graph: Graph, _stamp: rospy.Time) -> None:
         self._calls.put(lambda now: self._follower.use_graph(graph, now))
         rospy.loginfo('Another graph has come on /graph: %d vertices, %d edges.',
                       len(graph.vertices), len(graph.edges))

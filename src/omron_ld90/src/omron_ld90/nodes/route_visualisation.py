@@ -39,6 +39,7 @@ from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import MapMetaData, Path
 from visualization_msgs.msg import Marker, MarkerArray
 
+from graph_topic import FollowedGraph
 from node_lifecycle import ConfigurationError, number, parameter, run
 from omron_ld90.nodes.driven_path import DrivenPath
 from omron_ld90.nodes.rviz import drawing
@@ -47,7 +48,6 @@ from omron_ld90.nodes.rviz.route_markers import GraphPicture
 from omron_ld90.nodes.rviz.status_markers import banner, status_markers
 from omron_ld90.nodes.support import shared_parameters
 from omron_ld90.nodes.support.displayed_map import DisplayedMap
-from omron_ld90.nodes.support.followed_graph import FollowedGraph
 from omron_ld90.nodes.support.poses import is_plausible
 from omron_ld90.nodes.support.route_states import MAX_EDGES, RouteStates
 from omron_ld90.operator.goal_clicks import Target, TargetKind, target_named, targets_of
@@ -96,7 +96,7 @@ class RouteVisualisation:
             'graph_markers', MarkerArray, queue_size=1, latch=True)
         self._show_graph()
         self._show_route()
-        FollowedGraph(graph, self._on_graph).subscribe()
+        FollowedGraph(self._on_graph, graph).subscribe()
         DisplayedMap(self._on_map, 'Destinations are not shown').subscribe()
         for topic, message, callback in (
                 ('map_metadata', MapMetaData, self._on_metadata),
@@ -108,7 +108,7 @@ class RouteVisualisation:
             rospy.Subscriber(topic, message, callback, queue_size=10, tcp_nodelay=True)
         self._timer = rospy.Timer(rospy.Duration(1.0), self._on_timer)
 
-    def _on_graph(self, graph: Graph) -> None:
+    def _on_graph(self, graph: Graph, _stamp: rospy.Time) -> None:
         picture = GraphPicture(graph, self._dock_vertex, self._frame)
         with self._lock:
             self._picture = picture

@@ -10,10 +10,9 @@ from typing import Callable, Dict
 
 import rospy
 
+from graph_topic import FollowedGraph
 from itrci_nav_msgs.msg import ExecutionRouteStates, RouteRefused, TargetRoute
-from itrci_nav_msgs.msg import Graph as GraphMessage
-from trajectory_graph import GraphError
-from trajectory_graph.messages import graph_from_message
+from trajectory_graph import Graph
 from trajectory_graph.route_protocol import reason_of
 from vda5050_vehicle.drivers.route_driver import RouteDriver
 from vda5050_vehicle.drivers.route_messages import RouteCommand, RouteReport
@@ -34,7 +33,7 @@ class RouteLink:
                          queue_size=10, tcp_nodelay=True)
         rospy.Subscriber('route_refused', RouteRefused, self._on_refused, queue_size=10,
                          tcp_nodelay=True)
-        rospy.Subscriber('/graph', GraphMessage, self._on_graph, queue_size=1)
+        FollowedGraph(self._on_graph).subscribe()
 
     def carry_out(self, command: RouteCommand) -> None:
         """Publishes a route; the same one again has the same stamp, so that it counts once."""
@@ -57,10 +56,5 @@ class RouteLink:
             message.route_id, tuple(message.edges),
             reason_of(message.reason_code, message.reason), now))
 
-    def _on_graph(self, message: GraphMessage) -> None:
-        try:
-            graph = graph_from_message(message)
-        except GraphError as error:
-            rospy.logwarn_throttle(10.0, 'A /graph is refused, the one in force stays: %s', error)
-            return
+    def _on_graph(self, graph: Graph, _stamp: rospy.Time) -> None:
         self._tell(lambda now: self._driver.use_graph(graph))

@@ -1,4 +1,4 @@
-"""The trajectory graph in force: the one of `~graph_file` until `/graph` brings another.
+"""The trajectory graph in force, as `/graph` brings it.
 
 Subscribes
     /graph (itrci_nav_msgs/Graph, latched): the fleet's graph
@@ -15,6 +15,7 @@ from trajectory_graph.messages import graph_from_message
 
 MAX_BYTES = 4 * 2**20  # of a message: some 60,000 vertices and edges
 REFUSALS_TOLD = 10.0  # s between two words about them
+OnGraph = Callable[[Graph, rospy.Time], None]
 
 
 class BoundedGraphMessage(GraphMessage):
@@ -29,15 +30,22 @@ class BoundedGraphMessage(GraphMessage):
 
 
 class FollowedGraph:
-    """Calls `on_graph(graph)` whenever another graph is in force; a republished one is no news.
+    """Tells which graph is in force: that of the last valid message, or the first one given.
 
-    `graph` is the one in force, None before there is any. A graph that is not valid is refused
-    with a warning, and the one in force stays. `on_graph` runs in a thread of the subscriber.
+    A message that is no valid graph is refused with a warning, and the graph in force stays.
+
+    on_graph   -- gets each other graph, with the stamp of its message, in a thread of ROS
+    graph      -- that is in force before the first message
+    each       -- tell every valid message, also one with the graph that is in force
+    on_refused -- gets why a message is refused
     """
 
-    def __init__(self, graph: Optional[Graph], on_graph: Callable[[Graph], None]) -> None:
+    def __init__(self, on_graph: OnGraph, graph: Optional[Graph] = None, *, each: bool = False,
+                 on_refused: Optional[Callable[[str], None]] = None) -> None:
         self.graph = graph
         self._on_graph = on_graph
+        self._each = each
+        self._on_refused = on_refused
 
     def subscribe(self) -> rospy.Subscriber:
         """Follow `/graph` from now on."""
@@ -46,18 +54,21 @@ class FollowedGraph:
     def take(self, message: BoundedGraphMessage) -> None:
         """Put the graph of a message in force."""
         if message.too_large:
-            _refuse(f'it has more than {MAX_BYTES} bytes')
+            self._refuse(f'it has more than {MAX_BYTES} bytes')
             return
         try:
             graph = graph_from_message(message)
         except GraphError as error:
-            _refuse(str(error))
+            self._refuse(str(error))
             return
-        if not graph.is_same(self.graph):
+        if self.graph is None or not graph.is_same(self.graph):
             self.graph = graph
-            self._on_graph(graph)
+        elif not self._each:
+            return
+        self._on_graph(self.graph, message.header.stamp)
 
-
-def _refuse(problem: str) -> None:
-    rospy.logwarn_throttle(REFUSALS_TOLD, 'A /graph is refused, the one in force stays: %s',
-                           problem)
+    def _refuse(self, problem: str) -> None:
+        if self._on_refused is not None:
+            self._on_refused(problem)
+        rospy.logwarn_throttle(REFUSALS_TOLD, 'A /graph is refused, the one in force stays: %s',
+                               problem)

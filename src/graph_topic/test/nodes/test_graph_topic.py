@@ -2,16 +2,20 @@
 from __future__ import annotations
 
 import io
+import re
+from pathlib import Path
 from typing import List
 
 import pytest
 import rospy
 
+import graph_topic
+from graph_topic import BoundedGraphMessage, FollowedGraph
 from itrci_nav_msgs.msg import Edge, Vertex
-from omron_ld90.nodes.support import followed_graph
-from omron_ld90.nodes.support.followed_graph import BoundedGraphMessage, FollowedGraph
 from trajectory_graph import Graph
 from trajectory_graph.messages import graph_from_message
+
+SOURCES = Path(__file__).resolve().parents[3]
 
 
 @pytest.fixture
@@ -38,7 +42,7 @@ def received(sent: BoundedGraphMessage) -> BoundedGraphMessage:
 
 def test_the_first_graph_and_every_other_one_is_told():
     told: List[Graph] = []
-    followed = FollowedGraph(None, told.append)
+    followed = FollowedGraph(lambda graph, stamp: told.append(graph))
     for length in (4.0, 5.0):
         followed.take(received(message(length)))
         assert followed.graph is told[-1]
@@ -49,7 +53,7 @@ def test_the_first_graph_and_every_other_one_is_told():
 def test_a_graph_that_is_in_force_already_is_no_news():
     told: List[Graph] = []
     from_file = graph_from_message(message())
-    followed = FollowedGraph(from_file, told.append)
+    followed = FollowedGraph(lambda graph, stamp: told.append(graph), from_file)
     for _ in range(3):
         followed.take(received(message()))
     assert told == []
@@ -58,15 +62,36 @@ def test_a_graph_that_is_in_force_already_is_no_news():
 
 def test_a_graph_that_is_not_valid_is_refused_in_words(refusals):
     told: List[Graph] = []
-    followed = FollowedGraph(graph_from_message(message()), told.append)
+    reasons: List[str] = []
+    followed = FollowedGraph(lambda graph, stamp: told.append(graph),
+                             graph_from_message(message()), on_refused=reasons.append)
     followed.take(received(message(0.0)))
     assert told == [] and followed.graph.vertex(2).x == 4.0
     assert 'which are at the same place' in refusals[0]
+    assert 'which are at the same place' in reasons[0]
 
 
 def test_a_message_that_is_too_large_is_not_even_read(refusals, monkeypatch):
-    monkeypatch.setattr(followed_graph, 'MAX_BYTES', 1000)
+    monkeypatch.setattr(graph_topic, 'MAX_BYTES', 1000)
     huge = received(message(edges=100))
     assert (huge.edges, huge.vertices) == ([], [])
-    FollowedGraph(None, pytest.fail).take(huge)
+    FollowedGraph(lambda graph, stamp: pytest.fail('a graph is told')).take(huge)
     assert 'more than 1000 bytes' in refusals[0]
+
+
+def test_each_message_is_told_with_its_stamp_where_that_is_asked_for():
+    told: List[tuple] = []
+    followed = FollowedGraph(lambda graph, stamp: told.append((graph, stamp.secs)), each=True)
+    for second in (1, 2):
+        sent = message()
+        sent.header.stamp.secs = second
+        followed.take(received(sent))
+    assert told == [(followed.graph, 1), (followed.graph, 2)]
+    assert told[0][0] is told[1][0]
+
+
+def test_all_followers_of_the_topic_are_this_one():
+    followers = {file.relative_to(SOURCES).parts[0]: text for file in SOURCES.glob('*/src/**/*.py')
+                 for text in (file.read_text(),)
+                 if re.search(r"(Subscriber|listen)\('/graph'|^ +\('/graph', ", text, re.M)}
+    assert set(followers) == {'graph_topic'}
