@@ -19,7 +19,8 @@ REACH = 1.5   # m that the edge of a text may be away from its vertex
 STEP = 0.15   # m from one place to the next one outwards
 MARGIN = 0.2  # m from a vertex to the nearest of its texts that is not at its usual place
 _CELL = 1.0   # m, of the grid in which texts find their neighbours
-_SIDES = ((0, 1), (0, -1), (1, 0), (-1, 0), (1, 1), (-1, 1), (1, -1), (-1, -1))
+# Right and left come last: there edges are.
+_SIDES = ((0, -1), (0, 1), (1, -1), (-1, -1), (1, 1), (-1, 1), (1, 0), (-1, 0))
 
 
 class Text(NamedTuple):

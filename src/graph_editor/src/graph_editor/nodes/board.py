@@ -6,15 +6,26 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Callable, ContextManager, Dict, Iterable, List, Mapping, Optional, Tuple
+from typing import (
+    Any,
+    Callable,
+    ContextManager,
+    Dict,
+    List,
+    Mapping,
+    Optional,
+    Sequence,
+    Tuple,
+)
 
 from geometry_msgs.msg import Point
 from visualization_msgs.msg import InteractiveMarker, InteractiveMarkerFeedback
 
 from graph_editor.checking.findings import Finding, Severity
 from graph_editor.editor.session import Session
-from graph_editor.editor.text_places import TextPlaces
+from graph_editor.editor.text_places import Text, TextPlaces
 from graph_editor.nodes import handles
+from graph_editor.nodes.finding_words import finding_text
 from graph_editor.nodes.handles import PLAIN, Look, ShownEdge, ShownVertex
 from node_lifecycle.marker_server import OrderedMarkerServer
 from trajectory_graph import CurveType
@@ -51,6 +62,7 @@ class Board:
         self._server = OrderedMarkerServer(NAMESPACE)
         self._shown: Dict[str, Shown] = {}
         self._texts = TextPlaces()
+        self._finding_texts: List[Optional[Text]] = []
         self._severities: Dict[Key, Optional[Severity]] = {}
         self._grabbed: Optional[Grabbed] = None
 
@@ -59,9 +71,16 @@ class Board:
         """Is a handle being dragged now?"""
         return self._grabbed is not None and self._grabbed.dragged
 
-    def mark(self, findings: Iterable[Finding]) -> None:
+    @property
+    def finding_places(self) -> List[Optional[Tuple[float, float]]]:
+        """The middles of the words of what is marked (m), as `show` placed them; None: nowhere."""
+        return [None if text is None else self._texts.middle(('finding', number))
+                for number, text in enumerate(self._finding_texts)]
+
+    def mark(self, findings: Sequence[Finding]) -> None:
         """From now on these are wrong."""
         self._severities = {}
+        self._finding_texts = [finding_text(finding) for finding in findings]
         for finding in findings:
             if finding.id is not None:
                 key = finding.kind, finding.id
@@ -96,7 +115,9 @@ class Board:
         ids = {('id', id): handles.id_text(vertex) for id, vertex in vertices.items()}
         labels = {('label', id): text for id, vertex in vertices.items()
                   for text in (handles.label_text(vertex),) if text is not None}
-        self._texts.show({**ids, **labels})
+        self._texts.show({**ids, **labels, **{
+            ('finding', number): text for number, text in enumerate(self._finding_texts)
+            if text is not None}})
         for vertex in vertices.values():
             label = ('label', vertex.id)
             groups.setdefault(handles.vertex_group(vertex.id), []).append(ShownVertex(

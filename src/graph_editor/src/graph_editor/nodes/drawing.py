@@ -127,7 +127,8 @@ def number_size(value: int, height: float) -> Tuple[float, float]:
 
 def text_size(words: str, height: float) -> Tuple[float, float]:
     """About the width and height of words that RViz writes."""
-    return LETTER_WIDTH * height * len(words), LINE_HEIGHT * height
+    lines = words.split('\n')
+    return LETTER_WIDTH * height * max(map(len, lines)), LINE_HEIGHT * height * len(lines)
 
 
 def text(words: str, x: float, y: float, z: float, height: float, paint: ColorRGBA) -> Marker:

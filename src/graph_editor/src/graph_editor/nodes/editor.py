@@ -48,8 +48,9 @@ from graph_editor.making.options import MakingOptions
 from graph_editor.nodes import drawing
 from graph_editor.nodes.board import NAMESPACE, Board, Key
 from graph_editor.nodes.drawing import MAP_FRAME
+from graph_editor.nodes.finding_words import finding_markers
 from graph_editor.nodes.graph_topic import GraphTopic
-from graph_editor.nodes.handles import AMBER, BLACK, RED
+from graph_editor.nodes.handles import BLACK
 from graph_editor.nodes.live_map import load_map
 from graph_editor.nodes.take_over import TakeOver
 from graph_editor.site import Site, SiteOptions
@@ -158,18 +159,13 @@ class EditorNode:
             self._publish_findings()
 
     def _publish_findings(self) -> None:
-        shown = tuple(self.findings), self.session.said, self.session.is_saved
+        with self.lock:
+            findings = tuple(zip(self.findings, self._board.finding_places))
+        shown = findings, self.session.said, self.session.is_saved
         if shown == getattr(self, '_shown_findings', None):
             return
         self._shown_findings = shown
-        array = MarkerArray([Marker(action=Marker.DELETEALL)])
-        for finding in self.findings:
-            if finding.place is not None:
-                paint = RED if finding.severity is Severity.ERROR else AMBER
-                x, y = finding.place
-                ring = drawing.disc(0.5, 0.03, drawing.colour(paint.r, paint.g, paint.b, 0.4))
-                array.markers.append(drawing.flat([ring], (x, y)))
-                array.markers.append(drawing.text(_in_lines(finding), x, y - 0.6, 0.3, 0.26, paint))
+        array = MarkerArray([Marker(action=Marker.DELETEALL), *finding_markers(findings)])
         floor = self._site.floor
         top = floor.origin[1] + floor.occupied.shape[0] * floor.resolution
         middle = floor.origin[0] + floor.occupied.shape[1] * floor.resolution / 2.0
@@ -197,18 +193,6 @@ def _keep_the_collector_short() -> None:
 
 def _counted(number: int, thing: str) -> str:
     return f'{number} {thing}' if number == 1 else f'{number} {thing}s'
-
-
-def _in_lines(finding: Finding) -> str:
-    """The reason, broken into lines that can be read on a map."""
-    about = f'{finding.kind} {finding.id}: ' if finding.id is not None else ''
-    lines, line = [], ''
-    for word in f'{about}{finding.text}'.split():
-        if len(line) + len(word) > 40:
-            lines.append(line)
-            line = ''
-        line = f'{line} {word}'.strip()
-    return '\n'.join([*lines, line])
 
 
 def _grid_message(site: Site) -> OccupancyGrid:

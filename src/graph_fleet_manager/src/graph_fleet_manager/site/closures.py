@@ -111,7 +111,7 @@ class Closures:
     def _save(self, edges: FrozenSet[int], stamp: int, carried_out: Tuple[str, ...]) -> None:
         os.makedirs(os.path.dirname(os.path.abspath(self._file)), exist_ok=True)
         replace_file(self._file, json.dumps({'stamp': stamp, 'edges': sorted(edges),
-                                           'carried_out': carried_out}) + '\n')
+                                             'carried_out': carried_out}) + '\n')
         self.edges, self.stamp, self._carried_out = edges, stamp, carried_out
 
 

@@ -1,0 +1,48 @@
+"""What is wrong, written in RViz where it is."""
+from __future__ import annotations
+
+from typing import Iterable, List, Optional, Tuple
+
+from visualization_msgs.msg import Marker
+
+from graph_editor.checking.findings import Finding, Severity
+from graph_editor.editor.text_places import Text
+from graph_editor.nodes import drawing
+from graph_editor.nodes.handles import AMBER, RED
+
+HEIGHT, BELOW = 0.26, 0.6  # m; from what is wrong to the middle of its words
+LINE = 40                  # letters
+
+
+def finding_text(finding: Finding) -> Optional[Text]:
+    """The words of a finding that has a place."""
+    if finding.place is None:
+        return None
+    return Text(finding.place, drawing.text_size(_in_lines(finding), HEIGHT), (0.0, -BELOW))
+
+
+def finding_markers(findings: Iterable[Tuple[Finding, Optional[Tuple[float, float]]]]
+                    ) -> List[Marker]:
+    """A ring around each finding; its words in the middle of a place, where there is one."""
+    markers = []
+    for finding, words_place in findings:
+        if finding.place is None:
+            continue
+        paint = RED if finding.severity is Severity.ERROR else AMBER
+        ring = drawing.disc(0.5, 0.03, drawing.colour(paint.r, paint.g, paint.b, 0.4))
+        markers.append(drawing.flat([ring], finding.place))
+        if words_place is not None:
+            markers.append(drawing.text(_in_lines(finding), *words_place, 0.3, HEIGHT, paint))
+    return markers
+
+
+def _in_lines(finding: Finding) -> str:
+    """The reason, broken into lines that can be read on a map."""
+    about = f'{finding.kind} {finding.id}: ' if finding.id is not None else ''
+    lines, line = [], ''
+    for word in f'{about}{finding.text}'.split():
+        if len(line) + len(word) > LINE:
+            lines.append(line)
+            line = ''
+        line = f'{line} {word}'.strip()
+    return '\n'.join([*lines, line])
