@@ -77,6 +77,8 @@ class Soak:
         for thread in threads:
             thread.start()
         self._wait_until_over(begun + 3600.0 * self._given.hours)
+        if not self.launch.is_running:
+            self._errors.append(f'roslaunch has ended; its log: {LOG}')
         self._ended.set()
         threads[-1].join(120.0)
         self._end(begun)
