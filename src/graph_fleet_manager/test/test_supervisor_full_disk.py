@@ -1,6 +1,8 @@
 """The disk cannot be written for a while: stops go out, nothing else does, nothing is lost."""
 from __future__ import annotations
 
+import tempfile
+
 import pytest
 from fleet_builders import AGV, corridor
 
@@ -270,3 +272,35 @@ def test_a_robot_that_does_not_answer_is_deaf_5_s_after_its_order_was_sent():
     sent = fleet.now
     fleet.run_until(lambda: fleet.supervisor.robots['a'].outage is Outage.DEAF)
     assert 4.5 < fleet.now - sent < 5.5
+
+
+@pytest.mark.parametrize('fault, reason', [('full', 'database or disk is full'),
+                                           ('gone', 'No such file or directory')])
+def test_a_disk_that_fails_and_comes_back(on_small_disk, monkeypatch, fault, reason):
+    """A real one, with the real words of SQLite and Linux."""
+    def act(disk):
+        monkeypatch.setattr(tempfile, 'tempdir', str(disk.folder))
+        fleet = driving(to=6, b=8)
+        with getattr(disk, fault)():
+            fleet.run(1.0)
+            fleet.sent.clear()
+            fleet.request(2, 7, robot='b')
+            refusal = fleet.statuses[-1]
+            assert refusal.state is MissionState.REFUSED
+            assert 'cannot be written' in refusal.reason and reason in refusal.reason
+            assert reason in fleet.supervisor.trouble, '/diagnostics names it'
+            fleet.run(10.0)
+            assert not any(order.edges for order in fleet.sent), 'nothing new is granted'
+            fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+            assert ('a', ()) in {(order.robot, order.edges) for order in fleet.sent}
+            fleet.run(2.0)
+            assert not fleet.agvs['a'].is_driving
+        fleet.run(3.0)
+        problems, actions = fleet.supervisor.resume_fleet(fleet.now)
+        fleet.do(actions)
+        assert problems == [] and not fleet.supervisor.trouble
+        fleet.request(3, 7, robot='b')
+        fleet.run_until_done(1, 3)
+        assert fleet.state(1) is fleet.state(3) is MissionState.SUCCEEDED
+        fleet.end()
+    on_small_disk(act)

@@ -1,6 +1,8 @@
 """What is known of the motion outlives the process, and everybody is told of it."""
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 import rospy
 
@@ -50,6 +52,64 @@ def test_a_file_that_cannot_be_written_holds_nobody_up(tmp_path, monkeypatch):
     (tmp_path / 'file').write_text('')
     MotionFile(str(tmp_path / 'file' / 'motion.json')).keep(MEMORY)
     assert told
+
+
+@pytest.fixture
+def warned(monkeypatch):
+    told = []
+    monkeypatch.setattr(controller_motion, 'warn', lambda kind, words: told.append(words))
+    return told
+
+
+EARLIER = replace(MEMORY, epoch=5, stop_owed=False)
+
+
+def test_on_a_disk_without_room_the_newest_memory_takes_the_room_of_the_one_before(
+        on_small_disk, warned):
+    def act(disk):
+        path = str(disk.folder / 'motion.json')
+        file = MotionFile(path)
+        file.keep(EARLIER)
+        with disk.full():
+            file.keep(MEMORY)
+            return MotionFile(path).read()
+    assert on_small_disk(act) == MEMORY
+    assert not warned
+
+
+def test_a_memory_that_could_not_be_replaced_is_not_there_when_the_disk_has_room_again(
+        on_small_disk, warned, monkeypatch):
+    """With it a restarted controller would let a program go on past the stop of a person."""
+    def act(disk):
+        path = str(disk.folder / 'motion.json')
+        file = MotionFile(path)
+        file.keep(EARLIER)
+
+        def fails(*_):
+            raise OSError(28, 'No space left on device')
+        with monkeypatch.context() as patch:
+            patch.setattr(controller_motion, 'replace_json', fails)
+            file.keep(MEMORY)
+        missing = MotionFile(path).read()
+        file.keep(MEMORY)
+        return missing, MotionFile(path).read()
+    assert on_small_disk(act) == (None, MEMORY)
+    assert len(warned) == 1 and 'No space left on device' in warned[0]
+
+
+def test_of_a_memory_on_a_disk_that_has_become_read_only_only_an_owed_stop_counts(
+        on_small_disk, warned):
+    """Nobody goes on by an epoch that may be long over."""
+    def act(disk):
+        path = str(disk.folder / 'motion.json')
+        file = MotionFile(path)
+        file.keep(replace(MEMORY, epoch=5))
+        with disk.read_only():
+            file.keep(EARLIER)
+            return MotionFile(path).read()
+    known = on_small_disk(act)
+    assert (known.epoch, known.previous_epoch, known.stop_owed) == (0, 0, True)
+    assert 'Read-only file system' in warned[0] and 'its folder is read-only' in warned[1]
 
 
 def test_everybody_is_told_in_the_words_of_the_message():

@@ -3,6 +3,8 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import os
+from contextlib import suppress
 from typing import Optional
 
 import rospy
@@ -26,11 +28,15 @@ class MotionFile:
         hold(self._path, '~motion_file')
 
     def read(self) -> Optional[Memory]:
-        """What was kept; None where nothing was, or nothing that can be read."""
+        """What was kept; None where nothing was, or nothing that can be read.
+
+        Where the file cannot be taken away, later epochs may have got lost: no program knows the
+        one of such a memory, so that none goes on by it. A stop that is owed counts all the same.
+        """
         try:
             with open(self._path, encoding='utf-8') as stream:
                 content = json.load(stream)
-            return Memory(**{**content, 'giver': Giver(*content['giver']),
+            memory = Memory(**{**content, 'giver': Giver(*content['giver']),
                              'cause': Cause(content['cause']), 'goals': tuple(content['goals']),
                              'newer_goals': tuple(content['newer_goals'])})
         except FileNotFoundError:
@@ -39,6 +45,10 @@ class MotionFile:
             rospy.logwarn('%s cannot be read, so nothing is known of who drove the robot last: %s',
                           self._path, error)
             return None
+        if os.access(os.path.dirname(os.path.abspath(self._path)), os.W_OK):
+            return memory
+        self._warn('its folder is read-only')
+        return dataclasses.replace(memory, epoch=0, previous_epoch=0)
 
     def keep(self, memory: Memory) -> None:
         """Replaces the file by a complete new one.
@@ -48,12 +58,23 @@ class MotionFile:
         """
         if not self._path or memory == self._kept:
             return
-        self._kept = memory
+        content = dataclasses.asdict(memory)
         try:
-            replace_json(self._path, dataclasses.asdict(memory))
+            try:
+                replace_json(self._path, content)
+            except OSError:
+                with suppress(OSError):
+                    os.unlink(self._path)  # it is not true any more, and its room may be enough
+                replace_json(self._path, content)
         except OSError as error:
-            warn('motion_file', f'{self._path} cannot be written ({error.strerror}): after a '
-                 'restart omron_controller would not know who drove the robot.')
+            self._kept = None
+            self._warn(str(error.strerror))
+        else:
+            self._kept = memory
+
+    def _warn(self, why: str) -> None:
+        warn('motion_file', f'{self._path} cannot be written ({why}): after a restart '
+                            'omron_controller would not know who drove the robot.')
 
 
 class MotionTopic:
