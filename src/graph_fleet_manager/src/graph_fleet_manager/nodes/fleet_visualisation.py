@@ -172,7 +172,7 @@ class FleetVisualisation:
         labels: Dict[str, Label] = {}
         markers: List[Marker] = []
         for robot in state.robots:
-            place = self._places.of(robot.name, now) or place_on_graph(robot, graph)
+            place = self._places.of(robot.name) or place_on_graph(robot, graph)
             place = place or self._places.last(robot.name)
             if place is not None:
                 places[robot.name] = place

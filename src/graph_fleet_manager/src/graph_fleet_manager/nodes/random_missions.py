@@ -51,6 +51,8 @@ class RandomMissions:
         self._robots: List[int] = []
         """The edge at which each robot is that could serve a mission."""
         self._open: Dict[int, MissionRequest] = {}
+        self._sent: Dict[int, float] = {}
+        """When an open mission was sent first."""
         self._heard: Dict[int, float] = {}
         """When the last status of an open mission came; without an entry: no status came yet."""
         self._ended: Dict[int, int] = dict.fromkeys(_OVER, 0)
@@ -75,7 +77,8 @@ class RandomMissions:
                 return
             self._heard[message.request_id] = time.monotonic()
             if message.state in _OVER:
-                del self._open[message.request_id], self._heard[message.request_id]
+                for kept in (self._open, self._sent, self._heard):
+                    del kept[message.request_id]
                 self._ended[message.state] += 1
                 rospy.loginfo('Missions: %d succeeded, %d failed, %d refused, %d cancelled.',
                               *(self._ended[state] for state in (
@@ -91,11 +94,12 @@ class RandomMissions:
             now = rospy.Time.now()
             for request_id, request in self._open.items():
                 if request_id not in self._heard and (
-                        now - request.header.stamp).to_sec() > REPEAT:
+                        time.monotonic() - self._sent[request_id] > REPEAT):
                     self._requests.publish(request)
             while len(self._open) < len(self._robots) and self._left:
                 request = self._request(self._random.choice(homes), now)
                 self._open[request.request_id] = request
+                self._sent[request.request_id] = time.monotonic()
                 self._requests.publish(request)
                 self._left -= 1
 

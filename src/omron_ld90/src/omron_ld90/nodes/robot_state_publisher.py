@@ -41,6 +41,7 @@ Parameters
 """
 from __future__ import annotations
 
+import time
 from typing import List, Optional
 
 import rospy
@@ -93,7 +94,7 @@ class RobotStatePublisher:
         self._base_frame = shared_parameters.base_frame()
         self._odom_frame = parameter('~odom_frame', '')
         self._filter = LocationFilter(rospy.Duration(number('~max_age', 1.0, 0.05, 60.0)))
-        self._last: Optional[rospy.Time] = None
+        self._last: Optional[float] = None  # by the clock that nobody sets
 
         self._pose = rospy.Publisher('pose', PoseStamped, queue_size=10, tcp_nodelay=True)
         self._transforms = tf2_ros.TransformBroadcaster()
@@ -121,7 +122,7 @@ class RobotStatePublisher:
         stamp = self._filter.stamp_for(status.header.stamp, rospy.Time.now())
         if stamp is None:
             return
-        self._last = stamp
+        self._last = time.monotonic()
         pose = PoseStamped(pose=status.pose)
         pose.header.stamp = stamp
         pose.header.frame_id = self._map_frame
@@ -165,7 +166,7 @@ class RobotStatePublisher:
         if self._last is None:
             status.summary(DiagnosticStatus.WARN, 'no location came on robot_status yet')
             return status
-        age = (rospy.Time.now() - self._last).to_sec()
+        age = time.monotonic() - self._last
         if age > SILENCE:
             status.summary(DiagnosticStatus.WARN, 'the robot sends no location any more')
         else:

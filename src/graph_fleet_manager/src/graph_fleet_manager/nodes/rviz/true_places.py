@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import math
+import time
 from typing import Dict, Iterable, Optional, Tuple
 
 import rospy
@@ -30,10 +31,10 @@ class TruePlaces:
             self._subscribers[name] = rospy.Subscriber(
                 f'/{name}/pose', PoseStamped, self._on_pose, name, queue_size=1)
 
-    def of(self, name: str, now: float) -> Optional[DrawnPose]:
-        """Where it is, None where nothing fresh was heard; `now` in s of the ROS clock."""
+    def of(self, name: str) -> Optional[DrawnPose]:
+        """Where it is, None where nothing fresh was heard."""
         at, place = self._heard.get(name, (-math.inf, None))
-        return place if now - at <= FRESH else None
+        return place if time.monotonic() - at <= FRESH else None
 
     def last(self, name: str) -> Optional[DrawnPose]:
         """Where it was last, however long ago."""
@@ -42,5 +43,5 @@ class TruePlaces:
     def _on_pose(self, message: PoseStamped, name: str) -> None:
         position, turn = message.pose.position, message.pose.orientation
         if math.isfinite(position.x) and math.isfinite(position.y):
-            self._heard[name] = rospy.Time.now().to_sec(), DrawnPose(
+            self._heard[name] = time.monotonic(), DrawnPose(
                 position.x, position.y, yaw_from_quaternion(turn))
