@@ -1,0 +1,277 @@
+#!/usr/bin/env python3
+"""The fleet page in a real Chromium, with simulated robots: each act from click to robot.
+
+What an act does is seen where the simulator truly has the robots, and in what the fleet manager
+says.
+"""
+from __future__ import annotations
+
+import json
+import math
+import os
+import sys
+import tempfile
+import unittest
+import urllib.request
+from pathlib import Path
+from typing import Set
+
+import rospkg
+import rospy
+from fleet_support import READY, Factory, Place, Simulators, free_fleet_ports
+
+from fleet_page.core.acts import ActKind
+from itrci_nav_msgs.msg import ClosedEdges, FleetRobot, MissionRequest, MissionStatus
+from system_support import Recorder, run_cases, wait_until
+
+sys.path.insert(0, os.path.join(rospkg.RosPack().get_path('fleet_page'), 'test'))
+from browser import MISSING, Browser  # noqa: E402
+
+SPEED = 4.0
+FLEET = '''clearance: 0.1
+robot_types:
+- {name: agv, radius: 0.4, speed: 1.0, obeys_edge_speed: false}
+- {name: guest, radius: 0.4, speed: 1.0}
+robots:
+- {name: agv_1, type: agv, vertex: 8, driver: agv}
+- {name: agv_2, type: agv, vertex: 14, driver: agv}
+- {name: visitor, type: guest, vertex: 39, driver: none}
+'''
+FIRST, SECOND, AWAY = 'agv_1', 'agv_2', 'visitor'
+NEAR = 0.2  # m
+
+
+class FleetOnThePage(unittest.TestCase):
+    """One fleet, one browser; the parts of a story, in their order."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        if MISSING:
+            raise unittest.SkipTest(MISSING)
+        ports = free_fleet_ports()
+        with tempfile.NamedTemporaryFile('w', suffix='.yaml', delete=False) as file:
+            file.write(FLEET)
+        cls.fleet_file, cls.url = Path(file.name), f'http://127.0.0.1:{ports + 9}/'
+        cls.factory = Factory(file.name, 'page:=true', f'page_port:={ports + 9}',
+                              f'sim_speed:={SPEED}', first_port=ports)
+        try:
+            cls.closed = Recorder('/closed_edges_in_force', ClosedEdges)
+            cls.requests = Recorder('/mission_request', MissionRequest)
+            cls.window = Browser()
+            wait_until(cls.is_served, 40.0, f'the page at {cls.url}')
+            cls.window.open(cls.url)
+            cls.factory.state.wait_for(
+                lambda state: sum(robot.state in READY for robot in state.robots) == 2, 40.0,
+                'fleet in which two robots are ready')
+            cls.simulators = Simulators((ports + 3,))
+        except BaseException:
+            cls.factory.stop()
+            if hasattr(cls, 'window'):
+                cls.window.close()
+            raise
+
+    @classmethod
+    def tearDownClass(cls) -> None:
+        cls.window.close()
+        cls.factory.stop()
+        cls.fleet_file.unlink()
+
+    @classmethod
+    def is_served(cls) -> bool:
+        """Does the page answer?"""
+        try:
+            return bool(urllib.request.urlopen(f'{cls.url}api/me', timeout=1).status == 200)
+        except OSError:
+            return False
+
+    # --- the story -------------------------------------------------------------------------------
+
+    def test_1_a_robot_that_is_away_is_declared_absent(self) -> None:
+        self.window.click('#tab_button_robots')
+        self.robot_button(AWAY, ActKind.ABSENT)
+        self.window.driver.switch_to.alert.accept()
+        self.factory.wait_for_state(AWAY, FleetRobot.ABSENT)
+
+    def test_2_a_mission_of_clicks_is_driven_held_and_changed(self) -> None:
+        mission = self.send(27, 18, robot=FIRST, first_stay=True, priority=3)
+        request = self.requests.messages[-1]
+        self.assertEqual((FIRST, 3, (-1.0, 0.0)),
+                         (request.robot, request.priority, tuple(request.dwell)))
+        self.wait_at(FIRST, 27)
+        wait_until(lambda: 'release' in self.factory.robot(FIRST).waits_for, 20.0,
+                   f'{FIRST} stays until it is released')
+        self.mission_button(mission, ActKind.RELEASE)
+        self.wait_until_moved(FIRST)
+        self.mission_button(mission, ActKind.PAUSE)
+        self.wait_for_status(mission, MissionStatus.PAUSED)
+        self.wait_until_standing(FIRST)
+        self.mission_button(mission, ActKind.CONTINUE)
+        self.wait_until_moved(FIRST)
+        self.window.click(self.row_of(mission, 'change'))
+        destinations = self.window.one('#open form input:not([type])')
+        destinations.clear()
+        destinations.send_keys('6')
+        self.window.click('#open form button')
+        self.wait_at(FIRST, 6)
+        self.wait_for_status(mission, MissionStatus.SUCCEEDED)
+
+    def test_3_a_favourite_is_kept_used_and_removed_and_its_mission_cancelled(self) -> None:
+        self.compose(52, robot=FIRST)
+        self.window.one('#favourite_name').send_keys('far')
+        self.window.click('#keep')
+        self.window.one('#favourites [data-act=use]')
+        self.window.click('#clear')
+        self.window.click('#favourites [data-act=use]')
+        mission = self.press_send()
+        self.wait_until_moved(FIRST)
+        self.mission_button(mission, ActKind.CANCEL)
+        self.wait_for_status(mission, MissionStatus.CANCELLED)
+        self.wait_until_standing(FIRST)
+        self.assertGreater(self.distance(FIRST, 52), 1.0)
+        self.window.click('#favourites [data-act=remove]')
+        self.window.wait(lambda: not self.window.text('#favourites'), 'no favourites')
+
+    def test_4_nobody_drives_a_closed_edge_and_an_open_one_is_driven(self) -> None:
+        self.window.click('#tab_button_edges')
+        self.window.one('#edge').send_keys('2')
+        self.window.click('#close_edge')
+        wait_until(lambda: list(self.closed.messages[-1].edges) == [2], 10.0, 'edge 2 is closed')
+        self.assertNotIn(2, self.edges_driven(SECOND, 10))
+        self.window.click('#tab_button_edges')
+        self.window.click('#closed [data-act=open]')
+        wait_until(lambda: not self.closed.messages[-1].edges, 10.0, 'edge 2 is open')
+        self.assertIn(2, self.edges_driven(SECOND, 14))
+
+    def test_5_stop_stops_all_and_robots_go_out_of_service_and_in_again(self) -> None:
+        self.send(33, 26, 33, 26, robot_type='agv', robot=SECOND)
+        self.wait_until_moved(SECOND)
+        self.window.click('#stop')
+        self.wait_until_standing(SECOND)
+        self.window.click('#resume')
+        self.wait_until_moved(SECOND)
+        self.window.picture('system')
+        self.window.click('#tab_button_robots')
+        self.robot_button(SECOND, ActKind.OUT)
+        self.factory.wait_for_state(SECOND, FleetRobot.OUT_OF_SERVICE)
+        self.wait_until_standing(SECOND)
+
+        def is_back() -> bool:
+            """The fleet manager refuses it for as long as it is not sure that the robot stands."""
+            self.robot_button(SECOND, ActKind.IN)
+            rospy.sleep(0.5)
+            return self.factory.robot(SECOND).state in READY
+        wait_until(is_back, 20.0, f'{SECOND} in service')
+
+    def test_6_all_of_it_is_in_the_audit_list(self) -> None:
+        with urllib.request.urlopen(f'{self.url}api/audit', timeout=5) as answer:
+            rows = json.load(answer)['rows']
+        done = {row['act'] for row in rows if row['ok']}
+        self.assertEqual(set(), {kind.value for kind in ActKind} - done)
+        self.assertEqual({'local'}, {row['person'] for row in rows})
+
+    # --- the page --------------------------------------------------------------------------------
+
+    def compose(self, *vertices: int, robot: str = '', robot_type: str = '',
+                first_stay: bool = False, priority: int = 0) -> None:
+        """Clicks on the vertices on the map, and chooses the rest."""
+        self.window.click('#tab_button_missions')
+        self.window.click('#clear')
+        for count, vertex in enumerate(vertices, 1):
+            self.click_vertex(vertex)
+            self.window.wait(lambda: len(self.window.driver.find_elements(
+                'css selector', '#chosen li')) == count, f'destination {vertex}')  # noqa: B023
+        if first_stay:
+            self.window.click('#chosen li:nth-child(1) input[type=checkbox]')
+        for name, value in (('send_robot', robot), ('send_type', robot_type),
+                            ('send_priority', str(priority))):
+            self.window.script('document.getElementById(arguments[0]).value = arguments[1]',
+                               name, value)
+
+    def press_send(self) -> int:
+        """Sends what is composed; its id once the fleet manager has accepted it."""
+        known = len(self.factory.statuses.messages)
+        self.window.click('#send_button')
+        status = self.factory.statuses.wait_for(
+            lambda status: status.state == MissionStatus.PENDING, 10.0, 'new mission', known)
+        return int(status.request_id)
+
+    def send(self, *vertices: int, robot: str = '', robot_type: str = '',
+             first_stay: bool = False, priority: int = 0) -> int:
+        """Both."""
+        self.compose(*vertices, robot=robot, robot_type=robot_type, first_stay=first_stay,
+                     priority=priority)
+        return self.press_send()
+
+    def click_vertex(self, vertex: int) -> None:
+        """As a finger does: on the map, where the vertex is drawn."""
+        x, y = self.window.wait(lambda: self.window.driver.execute_async_script('''
+            const [vertex, done] = arguments;
+            import('/page/map.js').then(map => done(map.screenPlace(vertex)));''', vertex),
+            f'vertex {vertex} on the map')
+        for kind, buttons in (('mousePressed', 1), ('mouseReleased', 0)):
+            self.window.driver.execute_cdp_cmd('Input.dispatchMouseEvent', {
+                'type': kind, 'x': x, 'y': y, 'button': 'left', 'buttons': buttons,
+                'clickCount': 1})
+
+    def row_of(self, mission: int, act: str) -> str:
+        """The selector of a button of an open mission."""
+        return f'#open li[data-key^="{mission}:"] [data-act={act}]'
+
+    def mission_button(self, mission: int, kind: ActKind) -> None:
+        """Presses it."""
+        self.window.click(self.row_of(mission, kind.value))
+
+    def robot_button(self, robot: str, kind: ActKind) -> None:
+        """Presses it."""
+        self.window.click(f'#robots li[data-key={robot}] [data-act={kind.value}]')
+
+    # --- the robots ------------------------------------------------------------------------------
+
+    def place(self, robot: str) -> Place:
+        """Where it truly is."""
+        return self.simulators.places()[robot]
+
+    def distance(self, robot: str, vertex: int) -> float:
+        """From it to a vertex."""
+        there = self.factory.graph.vertices[vertex]
+        return math.dist(self.place(robot), (there.x, there.y))
+
+    def wait_at(self, robot: str, vertex: int) -> None:
+        """Until it is there."""
+        wait_until(lambda: self.distance(robot, vertex) < NEAR, 30.0, f'{robot} at {vertex}')
+
+    def wait_until_moved(self, robot: str) -> None:
+        """Until it drives."""
+        before = self.place(robot)
+        wait_until(lambda: math.dist(self.place(robot), before) > NEAR, 20.0, f'{robot} drives')
+
+    def wait_until_standing(self, robot: str) -> None:
+        """Until it has stood for a moment."""
+        stood = [self.place(robot)]
+
+        def stands() -> bool:
+            rospy.sleep(0.3)
+            stood.append(self.place(robot))
+            return math.dist(stood[-1], stood[-2]) < 0.01
+        wait_until(stands, 20.0, f'{robot} stands')
+
+    def wait_for_status(self, mission: int, state: int) -> None:
+        """Until the fleet manager says so."""
+        wait_until(lambda: self.factory.status_of(mission) == state, 20.0,
+                   f'mission {mission} in state {state}')
+
+    def edges_driven(self, robot: str, vertex: int) -> Set[int]:
+        """All edges that are released to it on its way to a vertex."""
+        edges: Set[int] = set()
+
+        def arrived() -> bool:
+            edges.update(self.factory.released(robot))
+            return self.factory.status_of(mission) == MissionStatus.SUCCEEDED
+        mission = self.send(vertex, robot=robot)
+        wait_until(arrived, 30.0, f'{robot} at {vertex}')
+        return edges
+
+
+if __name__ == '__main__':
+    rospy.init_node('page_acts_test', disable_signals=True)
+    run_cases(__file__)
