@@ -18,6 +18,7 @@ Subscribes
     interactive_goals/feedback (visualization_msgs/InteractiveMarkerFeedback)
 Client of
     execute_command (omron_ld90_msgs/ExecuteCommand)
+    /get_mission_status (itrci_nav_msgs/GetMissionStatus), about missions without news for long
 Publishes
     /mission_request (itrci_nav_msgs/MissionRequest)
     user_feedback (std_msgs/String): what happened, in a sentence
@@ -51,7 +52,7 @@ from omron_ld90.nodes.support import shared_parameters
 from omron_ld90.nodes.support.click_rule import ClickRule
 from omron_ld90.nodes.support.command_client import CommandClient
 from omron_ld90.nodes.support.displayed_map import DisplayedMap
-from omron_ld90.nodes.support.fleet_missions import FleetMissions
+from omron_ld90.nodes.support.fleet_missions import SILENCE, FleetMissions
 from omron_ld90.nodes.support.old_messages import OldMessages, publishers_by_master
 from omron_ld90.operator.goal_clicks import (
     Target,
@@ -125,10 +126,12 @@ class GoalSender:
             rospy.Subscriber(topic, message, callback, queue_size=10, tcp_nodelay=True)
         DisplayedMap(self._on_map, without='Clicks do nothing').subscribe()
         self._timer = rospy.Timer(CHECK_PERIOD, lambda _: self._commands.check())
+        self._asking = rospy.Timer(rospy.Duration(SILENCE / 2), lambda _: self._missions.ask())
 
     def close(self) -> None:
         """Ends the threads."""
         self._timer.shutdown()
+        self._asking.shutdown()
         self._commands.close()
 
     # What is known of the map, the fleet and the robot

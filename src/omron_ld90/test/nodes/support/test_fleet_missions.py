@@ -1,13 +1,15 @@
 """A click on a robot of a fleet is one mission, of whose end people are told once."""
 from __future__ import annotations
 
-from typing import Any, Dict, List, Tuple
+import time
+from typing import Any, Dict, List, Optional, Tuple
 
 import pytest
 import rospy
 
 from itrci_nav_msgs.msg import MissionRequest, MissionStatus
-from omron_ld90.nodes.support.fleet_missions import FleetMissions
+from itrci_nav_msgs.srv import GetMissionStatus, GetMissionStatusResponse
+from omron_ld90.nodes.support.fleet_missions import SILENCE, FleetMissions
 from omron_ld90.operator.goal_clicks import Target, TargetKind
 from omron_ld90.operator.notices import Notice, Severity
 
@@ -19,6 +21,19 @@ class Topics:
         self.supervisors = 1
         self.requests: List[MissionRequest] = []
         self.heard: Dict[str, Any] = {}
+
+        self.stored: Optional[GetMissionStatusResponse] = None
+        self.asked = 0
+
+    def service(self, name: str, kind: type) -> Any:
+        assert (name, kind) == ('/get_mission_status', GetMissionStatus)
+        return self.ask
+
+    def ask(self, request_id: int, stamp: rospy.Time) -> GetMissionStatusResponse:
+        self.asked += 1
+        if self.stored is None:
+            raise rospy.ServiceException('it is being restarted')
+        return self.stored
 
     def publisher(self, topic: str, kind: type, **_: Any) -> Topics:
         assert (topic, kind) == ('/mission_request', MissionRequest)
@@ -43,6 +58,7 @@ def topics(monkeypatch) -> Topics:
     made = Topics()
     monkeypatch.setattr(rospy, 'Publisher', made.publisher)
     monkeypatch.setattr(rospy, 'Subscriber', made.subscribe)
+    monkeypatch.setattr(rospy, 'ServiceProxy', made.service)
     monkeypatch.setattr(rospy.Time, 'now', lambda: rospy.Time(5, 0))
     return made
 
@@ -114,3 +130,32 @@ def test_missions_of_others_are_not_told(topics, missions, told):
     missions.send(TARGET)
     topics.tell(topics.requests[0].request_id + 1, MissionStatus.FAILED)
     assert told == []
+
+
+def test_an_end_that_was_missed_is_asked_for(topics, missions, told, monkeypatch):
+    now = 100.0
+    monkeypatch.setattr(time, 'monotonic', lambda: now)
+    missions.send(TARGET)
+    id = topics.requests[0].request_id
+    missions.ask()
+    assert topics.asked == 0, 'there was news a moment ago'
+    now += 2 * SILENCE
+    missions.ask()
+    assert told == [], 'the fleet manager does not answer yet'
+    topics.stored = GetMissionStatusResponse(
+        True, MissionStatus(request_id=id, state=MissionStatus.SUCCEEDED))
+    missions.ask()
+    missions.ask()
+    assert told == [(Notice(Severity.GOOD, f'Mission {id} has succeeded'), TARGET)]
+
+
+def test_a_click_that_the_fleet_manager_never_got_is_told(topics, missions, told, monkeypatch):
+    now = 100.0
+    monkeypatch.setattr(time, 'monotonic', lambda: now)
+    missions.send(TARGET)
+    now += 2 * SILENCE
+    topics.stored = GetMissionStatusResponse()
+    missions.ask()
+    (notice, target), = told
+    assert (notice.severity, target) == (Severity.BAD, TARGET)
+    assert 'has not reached the fleet manager' in notice.text

@@ -2,13 +2,17 @@
 from __future__ import annotations
 
 import random
+import time
 from typing import Callable, Dict, Optional
 
 import rospy
 
 from itrci_nav_msgs.msg import MissionRequest, MissionStatus
+from itrci_nav_msgs.srv import GetMissionStatus
 from omron_ld90.operator.goal_clicks import Target
 from omron_ld90.operator.notices import Notice, Severity
+
+SILENCE = 10.0  # s without news of a mission after which the fleet manager is asked
 
 _ENDINGS = {
     MissionStatus.SUCCEEDED: (Severity.GOOD, 'has succeeded'),
@@ -30,6 +34,9 @@ class FleetMissions:
         self._robot = robot
         self._tell = tell
         self._sent: Dict[int, Target] = {}
+        self._heard: Dict[int, float] = {}
+        """When each of them was sent, or there was news of it."""
+        self._stored = rospy.ServiceProxy('/get_mission_status', GetMissionStatus)
         self._requests = rospy.Publisher('/mission_request', MissionRequest, queue_size=10)
         rospy.Subscriber('/mission_status', MissionStatus, self._on_status, queue_size=100)
 
@@ -41,17 +48,41 @@ class FleetMissions:
         request = MissionRequest(request_id=random.randint(1, 2 ** 31 - 1), robot=self._robot,
                                  destination_vertices_id=[int(target.name)])
         request.header.stamp = rospy.Time.now()
+        self._heard[request.request_id] = time.monotonic()
         self._sent[request.request_id] = target
         self._requests.publish(request)
         return Notice(Severity.INFO, f'{self._robot} to vertex {target.name}, as mission '
                                      f'{request.request_id} ...')
 
+    def ask(self) -> None:
+        """Asks about missions without news: their end may have been missed. It may wait."""
+        silent = time.monotonic() - SILENCE
+        for id, heard in list(self._heard.items()):
+            if heard > silent or id not in self._sent:
+                continue
+            try:
+                answer = self._stored(id, rospy.Time())
+            except rospy.ServiceException:  # it is being restarted: it is asked again
+                continue
+            if answer.found:
+                self._on_status(answer.status)
+            else:
+                self._end(id, Notice(Severity.BAD, f'Mission {id} has not reached the fleet '
+                                                   'manager: click again'))
+
     def _on_status(self, message: MissionStatus) -> None:
-        target = self._sent.get(message.request_id)
-        ending = _ENDINGS.get(message.state)
-        if target is None or ending is None:
+        id, ending = message.request_id, _ENDINGS.get(message.state)
+        if id not in self._sent:
             return
-        del self._sent[message.request_id]
+        if ending is None:
+            self._heard[id] = time.monotonic()
+            return
         severity, words = ending
         reason = f': {message.reason}' if message.reason else ''
-        self._tell(Notice(severity, f'Mission {message.request_id} {words}{reason}'), target)
+        self._end(id, Notice(severity, f'Mission {id} {words}{reason}'))
+
+    def _end(self, id: int, notice: Notice) -> None:
+        target = self._sent.pop(id, None)
+        self._heard.pop(id, None)
+        if target is not None:
+            self._tell(notice, target)
