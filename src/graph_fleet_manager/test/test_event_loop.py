@@ -297,3 +297,20 @@ def test_requests_that_come_together_share_a_commit(loop, fleet):
     told = told_by(take_all(loop, fleet, 1))
     assert told == [(id + 1, MissionState.PENDING) for id in range(BATCH)]
     assert fleet.journal.commits == before + 1
+
+
+def test_a_tick_that_is_wanted_earlier_comes_earlier_but_after_what_arrived_before(loop, clock):
+    notes = []
+    loop.hurry(clock.now + TICK / 4)
+    loop.hurry(clock.now + TICK / 2)
+    loop.hurry(None)
+    loop.put(noted(notes, 'before'))
+    clock.now += TICK / 4
+    loop.take()(None, clock.now)
+    assert notes == ['before']
+    clock.now += TICK / 100
+    loop.put(noted(notes, 'after'))
+    loop.take()
+    assert notes == ['before'], 'it was time for the tick'
+    loop.take()(None, clock.now)
+    assert notes == ['before', 'after']

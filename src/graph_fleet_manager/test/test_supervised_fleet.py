@@ -8,7 +8,12 @@ from fleet_builders import AGV, corridor, graph_of, ladder
 
 from fleet_simulation.supervised_fleet import SupervisedFleet
 from graph_fleet_manager.interlocking.reports import Pose, Report
-from graph_fleet_manager.supervision.fleet_view import RobotState, plan_views, robot_views
+from graph_fleet_manager.supervision.fleet_view import (
+    RobotState,
+    plan_progress,
+    plan_views,
+    robot_views,
+)
 from graph_fleet_manager.supervision.missions import Command, MissionState
 from graph_fleet_manager.supervision.outages import Outage
 from graph_fleet_manager.supervision.settings import RobotSettings
@@ -424,7 +429,7 @@ def test_the_view_of_the_fleet_says_what_each_robot_is_about():
     fleet.run(1.0)
     view, = robot_views(fleet.supervisor, fleet.now)
     assert (view.state, view.mission, view.destination) == (RobotState.BUSY, 1, 3)
-    (name, drives), = plan_views(fleet.supervisor)
+    (name, drives), = plan_views(plan_progress(fleet.supervisor))
     assert name == 'a' and [d.edge for d in drives][:4] == [1, 2, 3, 4]
     assert drives[0].released and not drives[3].released
     fleet.do(fleet.supervisor.stop_fleet(fleet.now))

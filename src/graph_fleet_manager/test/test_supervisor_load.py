@@ -8,9 +8,16 @@ from fleet_builders import AGV, corridor
 
 from fleet_simulation.supervised_fleet import SupervisedFleet
 from graph_fleet_manager.nodes.event_loop import BATCH, EventLoop
+from graph_fleet_manager.planning.precedence import Constraint
+from graph_fleet_manager.planning.tasks import Outcome
 from graph_fleet_manager.supervision import assignment
+from graph_fleet_manager.supervision.actions import SendRoute
+from graph_fleet_manager.supervision.assumptions import World
 from graph_fleet_manager.supervision.mission_book import MissionBook
 from graph_fleet_manager.supervision.missions import MissionState, Request
+from graph_fleet_manager.supervision.outbox import TOGETHER
+from graph_fleet_manager.supervision.questions import question_of
+from graph_fleet_manager.supervision.settings import RobotSettings
 from graph_fleet_manager.supervision.waiting_missions import AT_ONCE
 
 MANY = 2000
@@ -115,3 +122,78 @@ def test_the_book_knows_who_waits_whatever_happens_to_missions(fleet, restarts):
     assert waiting == [id for id in (3, 1, 4, 2) if fleet.state(id) is MissionState.PENDING]
     fleet.run_until_done(1, 2, 3, 4)
     assert not fleet.supervisor.book.pending
+
+
+def test_what_reports_change_shares_a_commit_with_what_follows_within_40_ms():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)},
+                            settings=RobotSettings(release_ahead=20.0))
+    fleet.request(1, 8)
+    fleet.run_until(lambda: fleet.agvs['a'].is_driving)
+    fleet.run(1.0)
+    supervisor, agv, before = fleet.supervisor, fleet.agvs['a'], fleet.journal.commits
+
+    def complete_edge() -> None:
+        agv.drive(2.0)
+        assert supervisor.report('a', agv.report(fleet.now), fleet.now) == []
+    complete_edge()
+    complete_edge()
+    assert fleet.journal.commits == before, 'a report waits for the tick'
+    assert supervisor.look_at <= fleet.now, 'the last commit is old: the tick is wanted at once'
+    fleet.do(supervisor.tick(fleet.now))
+    assert fleet.journal.commits == before + 1 and supervisor.look_at is None
+    complete_edge()
+    assert supervisor.look_at == pytest.approx(fleet.now + TOGETHER)
+
+
+def test_a_stop_does_not_wait_for_what_else_is_to_be_stored():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    fleet.request(1, 8)
+    fleet.run(1.0)
+    fleet.agvs['a'].drive(3.0)
+    fleet.supervisor.report('a', fleet.agvs['a'].report(fleet.now), fleet.now)
+    actions = fleet.supervisor.stop_fleet(fleet.now)
+    assert any(isinstance(action, SendRoute) and not action.edges for action in actions)
+
+
+def test_a_disk_that_fails_makes_nobody_look_at_the_clock_more_often():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    fleet.request(1, 8)
+    fleet.run(1.0)
+    fleet.disk_fails()
+    fleet.run(3.0)
+    assert fleet.supervisor.trouble and fleet.supervisor.look_at is None
+
+
+def test_robots_get_edges_while_the_planner_works_for_others():
+    fleet = SupervisedFleet(corridor(12, spacing=1.0), {'a': (AGV, 1), 'b': (AGV, 12)},
+                            planning=1.5)
+    fleet.request(1, 6, robot='a')
+    fleet.run_until(lambda: fleet.agvs['a'].is_driving)
+    fleet.request(2, 8, robot='b')
+    fleet.run(0.1)
+    executor, record = fleet.supervisor.plan_executor, fleet.supervisor.robots['a'].record
+    granted = record.end
+    fleet.run_until(lambda: record.end > granted, 5.0)
+    assert executor.is_planning, 'it had to wait for the planner'
+    fleet.run_until_done(1, 2)
+    assert len(fleet.plans) <= 3, 'what was granted meanwhile made plans useless'
+
+
+def test_an_answer_by_which_another_robot_goes_first_is_not_used():
+    """Robot a was granted meanwhile what b is to leave first by the new plan."""
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)}, planning=0.0)
+    fleet.request(1, 4, robot='a')
+    fleet.run_until(lambda: fleet.agvs['a'].is_driving)
+    supervisor = fleet.supervisor
+    world = World(supervisor.robots, supervisor.errands(), supervisor.network)
+    question = question_of(world, supervisor.plan_executor.plan, 0, fleet.now)
+    own = supervisor.plan_executor.plan.plans['a']
+    base = question.assumptions.robots['a'].base
+    drives = {'a': own.drives[base - own.base:], 'b': ()}
+    record = supervisor.robots['a'].record
+    end = record.end
+    fleet.run_until(lambda: record.end > end)
+    free = Outcome(drives, ())
+    assert question.plan(free, world) is not None
+    behind_b = Outcome(drives, (Constraint('b', 1, 0.0, 'a', end - base),))
+    assert question.plan(behind_b, world) is None

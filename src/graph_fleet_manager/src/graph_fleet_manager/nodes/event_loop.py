@@ -149,6 +149,11 @@ class EventLoop:
                 heapq.heappush(self._events, waiting)
                 self._room.acquire(blocking=False)
 
+    def hurry(self, due: Optional[float]) -> None:
+        """The next tick is wanted at `due`, be it before its time; None: in its time."""
+        if due is not None:
+            self._due = min(self._due, due)
+
     def take(self) -> Event:
         """The next event, or a tick when it is time for that."""
         with self._changed:

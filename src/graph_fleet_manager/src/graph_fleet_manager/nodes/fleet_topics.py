@@ -3,12 +3,13 @@ from __future__ import annotations
 
 from typing import Any, Callable, Dict, Iterable, Sequence
 
-import genpy
 import rospy
 
 from graph_fleet_manager.interlocking.stop_gate import StopGate
 from graph_fleet_manager.messages import missions as messages
 from graph_fleet_manager.messages.planning import request_message
+from graph_fleet_manager.nodes.fleet_plan import FleetPlanTopic
+from graph_fleet_manager.nodes.sending import send
 from graph_fleet_manager.plan_requests import PlanRequest
 from graph_fleet_manager.supervision.actions import (
     Action,
@@ -17,11 +18,11 @@ from graph_fleet_manager.supervision.actions import (
     SendRoute,
     TellStatus,
 )
-from graph_fleet_manager.supervision.fleet_view import plan_views, robot_views
+from graph_fleet_manager.supervision.fleet_view import plan_progress, robot_views
 from graph_fleet_manager.supervision.mission_book import MOST_OPEN
 from graph_fleet_manager.supervision.missions import Status
 from graph_fleet_manager.supervision.supervisor import Supervisor
-from itrci_nav_msgs.msg import FleetPlan, FleetState, MissionStatus, TargetRoute
+from itrci_nav_msgs.msg import FleetState, MissionStatus, TargetRoute
 from itrci_nav_msgs.msg import PlanRequest as PlanRequestMessage
 
 TellStatuses = Callable[[MissionStatus], None]
@@ -47,7 +48,7 @@ class FleetTopics:
         self._statuses = rospy.Publisher('/mission_status', MissionStatus, queue_size=2 * MOST_OPEN,
                                          subscriber_listener=_Newcomers(newcomer))
         self._states = rospy.Publisher('/fleet_state', FleetState, queue_size=1, latch=True)
-        self._plans = rospy.Publisher('/fleet_plan', FleetPlan, queue_size=1, latch=True)
+        self._plans = FleetPlanTopic(rate)
         self._requests = rospy.Publisher('/plan_request', PlanRequestMessage, queue_size=10)
         self._routes = {robot: rospy.Publisher(f'/{robot}/target_route', TargetRoute,
                                                queue_size=10) for robot in robots}
@@ -93,23 +94,9 @@ class FleetTopics:
 
         def moment(seconds: float) -> rospy.Time:
             return messages.moment_of(seconds - now, stamp)
-
-        def planned(seconds: float) -> rospy.Time:
-            plan = supervisor.plan_executor.plan
-            made_at = plan.made_at if plan else now
-            return moment(made_at + (seconds - made_at) / self._rate)
         send(self._states.publish,
              messages.state_message(robot_views(supervisor, now), moment, stamp))
-        send(self._plans.publish, messages.plan_message(plan_views(supervisor), planned, stamp))
-
-
-def send(publish: Callable[[Any], None], message: genpy.Message) -> None:
-    """Publishes a message; one that cannot be serialised is told in the log, and left out."""
-    try:
-        publish(message)
-    except (genpy.SerializationError, rospy.ROSSerializationException) as error:
-        rospy.logerr('A defect: a %s is not sent, as it cannot be serialised (%s).',
-                     type(message).__name__, error)
+        self._plans.tell(plan_progress(supervisor), now, stamp)
 
 
 def status_message(status: Status) -> MissionStatus:

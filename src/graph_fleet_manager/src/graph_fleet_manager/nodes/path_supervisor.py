@@ -53,8 +53,9 @@ from graph_fleet_manager.nodes.fleet_diagnosis import report_fleet, report_missi
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
 from graph_fleet_manager.nodes.fleet_poses import FleetPosesTopic
 from graph_fleet_manager.nodes.fleet_services import FleetServices, not_stored
-from graph_fleet_manager.nodes.fleet_topics import FleetTopics, TellStatuses, send, status_message
+from graph_fleet_manager.nodes.fleet_topics import FleetTopics, TellStatuses, status_message
 from graph_fleet_manager.nodes.journal_file import JournalFile
+from graph_fleet_manager.nodes.sending import send
 from graph_fleet_manager.supervision.actions import Action, TellStatus
 from graph_fleet_manager.supervision.journal import STOPPED
 from graph_fleet_manager.supervision.journal_database import JournalUnavailable
@@ -140,6 +141,8 @@ class PathSupervisor:
             try:
                 self._topics.do(event(self._supervisor, time.monotonic()))
                 self._topics.do(self._begin(time.monotonic()))
+                if self._supervisor is not None:
+                    self._events.hurry(self._supervisor.look_at)
                 self._publish_views()
                 self._file.forget(time.monotonic())
             except Exception:  # a fleet manager that decides nothing must not look alive

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf
-from typing import Dict, List, Mapping, NamedTuple, Sequence, Tuple
+from typing import AbstractSet, Dict, List, Mapping, NamedTuple, Sequence, Tuple
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -52,6 +52,7 @@ def assign(missions: Sequence[Mission], free: Mapping[str, ManagedRobot],
     least. What a battery is good for is reckoned by nominal times.
     """
     free = dict(free)
+    works = frozenset(name for name, robot in robots.items() if robot.works)
     assigned: List[Assigned] = []
     waiting: Dict[int, str] = {}
     short: Dict[int, str] = {}
@@ -61,7 +62,8 @@ def assign(missions: Sequence[Mission], free: Mapping[str, ManagedRobot],
         order = order[len(group):]
         able: List[Mission] = []
         for mission in group:
-            reason, empty = _why_nobody(mission, free, robots, acceptance, networks.nominal, now)
+            reason, empty = _why_nobody(mission, free, robots, works, acceptance,
+                                        networks.nominal, now)
             if reason:
                 waiting[mission.serial] = reason
                 if empty:
@@ -117,14 +119,14 @@ def _all_alike(missions: Sequence[Mission]) -> bool:
 
 
 def _why_nobody(mission: Mission, free: Mapping[str, ManagedRobot],
-                robots: Mapping[str, ManagedRobot], acceptance: Acceptance,
-                network: RoadNetwork, now: float) -> Tuple[str, str]:
+                robots: Mapping[str, ManagedRobot], working: AbstractSet[str],
+                acceptance: Acceptance, network: RoadNetwork, now: float) -> Tuple[str, str]:
     """Why none of the free robots can serve a mission; and the robot that could if charged.
 
     Each is empty where there is no such thing.
     """
     names = acceptance.robots_for(mission.request)
-    works = [name for name in names if robots[name].works]
+    works = [name for name in names if name in working]
     if not works:
         if len(names) == 1:
             return f'{names[0]}: {robots[names[0]].why or "it is stopped"}', ''

@@ -4,13 +4,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import List, Optional, Tuple
+from typing import List, Mapping, NamedTuple, Optional, Tuple
 
 from graph_fleet_manager.interlocking.allocation import Knowledge
 from graph_fleet_manager.interlocking.reports import Pose
 from graph_fleet_manager.supervision.duties import Duty, Errand
 from graph_fleet_manager.supervision.missions import MissionState
 from graph_fleet_manager.supervision.outages import Outage
+from graph_fleet_manager.supervision.plan_in_force import PlanInForce
 from graph_fleet_manager.supervision.restoring import RemovedRobot
 from graph_fleet_manager.supervision.robots import ManagedRobot
 from graph_fleet_manager.supervision.supervisor import Supervisor
@@ -63,8 +64,7 @@ class RobotView:
     waits_for: str
 
 
-@dataclass(frozen=True)
-class DriveView:
+class DriveView(NamedTuple):
     """One planned edge; times by the supervisor's clock."""
 
     edge: int
@@ -144,16 +144,35 @@ def _waits_for(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now:
     return waits_for if robot.record.is_standing else ''
 
 
-def plan_views(supervisor: Supervisor) -> List[Tuple[str, List[DriveView]]]:
-    """Every robot's plan, from the edge that it drives on."""
+class PlanProgress(NamedTuple):
+    """A plan and how far it is carried out; it does not change while others look at it.
+
+    robots -- by name, the numbers of the edge that it drives on, and behind the last one granted
+    """
+
+    plan: PlanInForce
+    robots: Mapping[str, Tuple[int, int]]
+
+
+def plan_progress(supervisor: Supervisor) -> Optional[PlanProgress]:
+    """The plan in force as it is now; None: there is none."""
     plan = supervisor.plan_executor.plan
     if plan is None:
+        return None
+    records = {name: supervisor.robots[name].record for name in plan.plans}
+    return PlanProgress(plan, {name: (record.done, record.end)
+                               for name, record in records.items()})
+
+
+def plan_views(progress: Optional[PlanProgress]) -> List[Tuple[str, List[DriveView]]]:
+    """Every robot's plan, from the edge that it drives on."""
+    if progress is None:
         return []
-    found = []
+    plan, found = progress.plan, []
     for name, own in plan.plans.items():
-        record = supervisor.robots[name].record
+        done, end = progress.robots[name]
+        first = max(done - own.base, 0)
         found.append((name, [
-            DriveView(drive.edge, plan.made_at + drive.start, plan.made_at + drive.end,
-                      own.base + k < record.end)
-            for k, drive in enumerate(own.drives) if own.base + k >= record.done]))
+            DriveView(drive.edge, plan.made_at + drive.start, plan.made_at + drive.end, k < end)
+            for k, drive in enumerate(own.drives[first:], own.base + first)]))
     return found

@@ -156,6 +156,11 @@ class MissionBook:
             self.set(mission, MissionState.SUCCEEDED)
 
     @property
+    def is_changed(self) -> bool:
+        """Is anything not stored yet?"""
+        return bool(self.changed or self._begun_stays)
+
+    @property
     def changes(self) -> List[Mission]:
         """The missions of which something is not stored yet."""
         return [self._by_serial[serial] for serial in sorted(self.changed)]

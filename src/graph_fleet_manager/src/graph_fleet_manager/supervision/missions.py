@@ -4,7 +4,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, replace
 from enum import IntEnum
-from typing import Iterable, List, Mapping, Optional, Tuple
+from typing import Dict, FrozenSet, Iterable, Mapping, Optional, Tuple
 
 from graph_fleet_manager.fleet import RobotType
 from trajectory_graph import Graph
@@ -199,11 +199,14 @@ class Acceptance:
 
     robots -- type of each robot by its name
     places -- vertices at which robots are, or from which they have driven, as far as known
+    able   -- robots for a request, by what it says of them and its docks; filled when asked
     """
 
     graph: Graph
     robots: Mapping[str, RobotType]
     places: Mapping[str, int] = field(default_factory=dict)
+    able: Dict[Tuple[str, str, FrozenSet[int]], Tuple[str, ...]] = field(
+        default_factory=dict, compare=False, repr=False)
 
     def check(self, request: Request) -> None:
         """Raises RequestRefused for what no robot of the fleet can do."""
@@ -256,10 +259,14 @@ class Acceptance:
                            destinations=change.destinations,
                            robot=mission.robot or mission.request.robot))
 
-    def robots_for(self, request: Request) -> List[str]:
+    def robots_for(self, request: Request) -> Tuple[str, ...]:
         """Robots that may serve a request as far as type, name and docks say."""
         vertices = self.graph.vertices
-        docks = [v for v in request.destinations if v in vertices and vertices[v].dock]
-        return [name for name, kind in self.robots.items()
+        docks = frozenset(v for v in request.destinations if v in vertices and vertices[v].dock)
+        key = request.robot, request.robot_type, docks
+        if key not in self.able:
+            self.able[key] = tuple(
+                name for name, kind in self.robots.items()
                 if request.robot in ('', name) and request.robot_type in ('', kind.name)
-                and all(kind.may_dock(dock) for dock in docks)]
+                and all(kind.may_dock(dock) for dock in docks))
+        return self.able[key]

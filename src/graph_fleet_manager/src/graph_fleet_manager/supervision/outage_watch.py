@@ -20,16 +20,21 @@ class OutageWatch:
 
     def look(self) -> None:
         """Draws the consequences of what changed since the last time."""
-        for name, robot in self._robots.items():
-            if name in self._before and self._before[name] is robot.outage:
-                continue
-            before = self._before.get(name)
-            self._before[name] = robot.outage
-            self._outbox.robot_changed(name)
-            if robot.outage is not None:
-                self._drop_out(robot)
-            else:
-                self._come_back(robot, before not in (None, Outage.UNSEEN))
+        for robot in self._robots.values():
+            self.look_at(robot)
+
+    def look_at(self, robot: ManagedRobot) -> None:
+        """The same for one robot."""
+        name = robot.name
+        if name in self._before and self._before[name] is robot.outage:
+            return
+        before = self._before.get(name)
+        self._before[name] = robot.outage
+        self._outbox.robot_changed(name)
+        if robot.outage is not None:
+            self._drop_out(robot)
+        else:
+            self._come_back(robot, before not in (None, Outage.UNSEEN))
 
     def _drop_out(self, robot: ManagedRobot) -> None:
         mission_progress.drop_out(self._book, robot)

@@ -19,6 +19,7 @@ from graph_fleet_manager.supervision.route_ids import RouteIds
 from trajectory_graph import Graph
 
 AGAIN = 2.0             # s between two tries to write where that fails
+TOGETHER = 0.04         # s within which all that reports change shares a commit
 _JOURNAL = '/journal'   # what is told of it; no robot has such a name
 
 
@@ -41,7 +42,7 @@ class Outbox:
         self._values: Dict[str, int] = {}
         self._graph: Optional[Graph] = None
         self._reserved = self.new_id.reserved
-        self._try_at = -inf
+        self._try_at = self._stored_at = -inf
         self._is_sending = False
         self._actions: List[Action] = []
         self._wrong: Dict[str, str] = {}
@@ -91,14 +92,33 @@ class Outbox:
         actions, self._actions = self._actions, []
         return [*orders, *actions]
 
+    def take_unless_due_later(self, now: float) -> List[Action]:
+        """The same where nothing is to be stored, or a robot is to be told something at once.
+
+        Else all of it waits until it is `due`, so that many reports share one commit.
+        """
+        return self.take(now) if self._is_sending or not self._is_anything_new else []
+
+    @property
+    def due(self) -> Optional[float]:
+        """When to take what waits: at once where the last commit is not new; None: nothing does.
+        """
+        if self.trouble or not self._is_anything_new:
+            return None
+        return self._stored_at + TOGETHER
+
+    @property
+    def _is_anything_new(self) -> bool:
+        return bool(self._stale or self._values or self._graph or self._book.is_changed
+                    or self._reserved != self.new_id.reserved)
+
     def _store(self, now: float) -> None:
+        if now < self._try_at or not (self.trouble or self._is_anything_new):
+            return
         missions, stays = self._book.changes, self._book.new_stays(now)
         values = dict(self._values)
         if self.trouble or self._reserved != self.new_id.reserved:
             values.update(self.new_id.values)
-        if now < self._try_at or not (
-                missions or stays or self._stale or values or self._graph):
-            return
         try:
             self._journal.store(missions, {name: self._memory(name)
                                            for name in sorted(self._stale)}, values, self._graph,
@@ -110,7 +130,7 @@ class Outbox:
                             'robot gets anything new to drive; stops are sent.', '')
             return
         self.trouble = self._interlocking.trouble = ''
-        self._try_at = -inf
+        self._try_at, self._stored_at = -inf, now
         self.note_state(_JOURNAL, '', 'The journal can be written again.')
         self._stale.clear()
         self._values.clear()

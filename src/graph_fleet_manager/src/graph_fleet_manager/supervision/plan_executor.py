@@ -13,12 +13,12 @@ from graph_fleet_manager.supervision.duties import Duty, goes_until
 from graph_fleet_manager.supervision.outbox import Outbox
 from graph_fleet_manager.supervision.plan_in_force import PlanInForce
 from graph_fleet_manager.supervision.questions import Question, question_of
-from graph_fleet_manager.supervision.release import due_edges
+from graph_fleet_manager.supervision.release import due_edges, has_enough
 from graph_fleet_manager.supervision.robots import ManagedRobot
 
 PLANNER_PATIENCE = 10.0  # s after which the planner is asked again
 AGAIN = 2.0              # s between two plans while a robot has none that serves it
-HOLD = 2.0               # s for which no edge is granted while an answer is due
+HOLD = 2.0               # s for which no edge is granted while an answer is due, if at all
 HELD_UP = 5.0            # s for which a due edge may be refused before the plan is useless
 USELESS = 3              # such plans in a row after which a person is called
 _OPEN = 3                # questions of which an answer is still taken
@@ -48,6 +48,8 @@ class PlanExecutor:
         self._open: Dict[int, Question] = {}
         self._number = 0
         self._asked_at = -inf
+        self._is_holding = False
+        """Edges granted while the planner worked made its answer useless; so it is waited for."""
         self._failures = 0                     # in a row; each asks with another seed
         self._delays: Dict[str, _Delay] = {}
         self._useless = 0                      # plans in a row by which a robot was held up
@@ -67,6 +69,7 @@ class PlanExecutor:
             return False
         self._tell('')
         plan = question.plan(outcome, world)
+        self._is_holding = plan is None
         if plan is not None:
             self.plan = plan
             self._open.clear()
@@ -90,12 +93,17 @@ class PlanExecutor:
     def go_on(self, world: World, now: float) -> None:
         """Has granted what is due, and asks for another plan where this one does not serve."""
         is_useful = self._is_useful(world, now)
-        is_held = bool(self._open) and now - self._asked_at < HOLD
-        if self.plan is not None and not is_held and (is_useful or self.trouble):
+        if self.plan is not None and not self._is_held(now) and (
+                is_useful or self._open or self.trouble):
             self._release(self.plan, world, is_useful, now)
         if self._open and now - self._asked_at > PLANNER_PATIENCE:
             self._tell('the planner does not answer')
         self._ask(world, is_useful, now)
+
+    def _is_held(self, now: float) -> bool:
+        """Is nothing granted until the planner's answer is there?"""
+        return bool(self._open) and now - self._asked_at < HOLD and (
+            self._is_holding or bool(self._useless))
 
     def _is_useful(self, world: World, now: float) -> bool:
         """Does the plan in force still serve?"""
@@ -123,6 +131,10 @@ class PlanExecutor:
             robot, errand = self._robots[name], world.errands[name]
             if not robot.works or robot.comes_to_rest or not (
                     is_useful or plan.assumptions.holds(name, world)):
+                self._delays.pop(name, None)
+                continue
+            if has_enough(robot.record, robot.settings.release_ahead):
+                self.waits_for[name] = ''
                 self._delays.pop(name, None)
                 continue
             until = goes_until(robot, errand, own, name in asked)

@@ -43,7 +43,15 @@ class Question:
             if record.first > base or tuple(d.edge for d in drives) != record.part(
                     end, record.end):
                 return None  # it was granted something else meanwhile, or more than the plan has
-        return PlanInForce(outcome, bases, self.asked_at, self.assumptions)
+        plan = PlanInForce(outcome, bases, self.asked_at, self.assumptions)
+        return plan if self._is_in_turn(plan, world) else None
+
+    def _is_in_turn(self, plan: PlanInForce, world: World) -> bool:
+        """Was nothing granted meanwhile that another robot goes before, by the new plan?"""
+        records = {name: robot.record for name, robot in world.robots.items()}
+        return not any(plan.in_the_way(name, number - own.base, records)
+                       for name, own in plan.plans.items()
+                       for number in range(self.assumptions.robots[name].end, records[name].end))
 
 
 def question_of(world: World, plan: Optional[PlanInForce], seed: int, now: float) -> Question:

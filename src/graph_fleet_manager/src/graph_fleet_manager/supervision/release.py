@@ -20,6 +20,11 @@ class Due(NamedTuple):
     waits_for: str = ''
 
 
+def has_enough(record: RouteRecord, ahead: float) -> bool:
+    """Has a robot more than so many m ahead, so that no edge is due for it?"""
+    return not record.is_standing and record.distance_ahead() > ahead
+
+
 def due_edges(name: str, plan: PlanInForce, records: Mapping[str, RouteRecord], until: int,
               ahead: float) -> Due:
     """What one robot is to be granted.

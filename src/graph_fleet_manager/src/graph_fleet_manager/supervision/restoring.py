@@ -44,7 +44,7 @@ def robots_of(fleet: Fleet, settings: Mapping[str, RobotSettings], graph: Graph,
     """Every robot by its name, with what is stored of it.
 
     settings -- those that are missing are as RobotSettings has them
-    before   -- the graph on which that was stored; None: nothing was
+    before   -- another graph, on which that was stored; None: it was stored on this one
     """
     robots: Dict[str, ManagedRobot] = {}
     for robot in fleet.robots:
@@ -91,9 +91,9 @@ def _restore(robot: ManagedRobot, memory: RobotMemory, graph: Graph, before: Opt
 def lost_areas(memory: Memory, graph: Graph, before: Optional[Graph]) -> List[Area]:
     """Where a robot may be that a new graph has elsewhere, or not at all.
 
-    before -- the graph on which the memory was stored; None: nothing was
+    before -- another graph, on which the memory was stored; None: it was stored on this one
     """
-    if before is None or graph.is_same(before):
+    if before is None:
         return []
     kept = memory.on(graph)
     held = {abs(edge) for edge in kept.held if _is_kept(abs(edge), graph, before)}

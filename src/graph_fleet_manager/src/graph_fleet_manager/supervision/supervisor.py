@@ -69,10 +69,14 @@ class Supervisor:
                  gate: Optional[StopGate] = None) -> None:
         self.gate = gate or StopGate()
         self.networks = Networks(graph, fleet, rate)
-        memories, before = journal.robots(), journal.graph()
+        memories, stored = journal.robots(), journal.graph()
+        is_same = graph.is_same(stored)
+        before = None if is_same else stored
         self.robots = robots_of(fleet, settings, graph, memories, before, now)
         self.removed: Dict[str, RemovedRobot] = removed_of(fleet, graph, memories, before, now)
         """Robots that are not in the fleet file any more, but may be on the site."""
+        self.acceptance = Acceptance(graph, {r.name: r.type for r in self.robots.values()})
+        """What requests are judged by."""
         self.charging = ChargeQueue(self.robots)
         self.book = MissionBook(
             journal.missions(), journal.last_serial() + 1,
@@ -93,7 +97,7 @@ class Supervisor:
         if journal.value(STOPPED):
             self._close_gate()
             self._halt(robot for robot in self.robots.values() if not robot.is_halted)
-        if not graph.is_same(before):
+        if not is_same:
             self._keep_graph(graph)
         for mission, why in mission_progress.no_longer_possible(self.book, self.acceptance):
             self.book.set(mission, MissionState.FAILED, why)
@@ -112,14 +116,17 @@ class Supervisor:
         return self._out.trouble
 
     @property
+    def look_at(self) -> Optional[float]:
+        """When the next `tick` is wanted, be it before its time; None: in its time.
+
+        What reports have changed is stored by it, with all that follows, in one commit.
+        """
+        return self._out.due
+
+    @property
     def is_stopped(self) -> bool:
         """Is every robot to stand until the fleet is resumed?"""
         return self.interlocking.is_stopped
-
-    @property
-    def acceptance(self) -> Acceptance:
-        """What requests are judged by."""
-        return Acceptance(self.network.graph, {r.name: r.type for r in self.robots.values()})
 
     # -- missions ---------------------------------------------------------------------------------
 
@@ -245,11 +252,10 @@ class Supervisor:
         self.networks.learn(robot, arrived)
         if before != robot.client.progress:
             self._out.robot_changed(name)
-            if mission_progress.follow(self.book, robot, now):
-                self._go_on(now)
+            mission_progress.follow(self.book, robot, now)
         self._separate(robot)
-        self._outages.look()
-        return self._out.take(now)
+        self._outages.look_at(robot)
+        return self._out.take_unless_due_later(now)
 
     def _take_up_stop(self, robot: ManagedRobot) -> None:
         """Makes a stop its own that a robot was given past a supervisor that hung."""
@@ -296,13 +302,13 @@ class Supervisor:
         self._out.robot_changed(name)
         if not (was_stopped and robot.outage is Outage.STOPPED):  # each trial is refused then
             self._out.note(f'{name} refused route {refusal.route_id}: {refusal.reason}.', True)
-        self._outages.look()
-        return self._out.take(now)
+        self._outages.look_at(robot)
+        return self._out.take_unless_due_later(now)
 
     def battery(self, name: str, charge: float, now: float) -> List[Action]:
         """A robot's state of charge, 0..1."""
         self.robots[name].battery.tell(charge, now)
-        return self._out.take(now)
+        return self._out.take_unless_due_later(now)
 
     # -- people -----------------------------------------------------------------------------------
 

@@ -1,0 +1,60 @@
+"""/fleet_plan: what every robot is to drive, for displays and other programs."""
+from __future__ import annotations
+
+import queue
+import threading
+import time
+from contextlib import suppress
+from typing import NamedTuple, Optional
+
+import rospy
+
+from graph_fleet_manager.messages import missions as messages
+from graph_fleet_manager.nodes.sending import send
+from graph_fleet_manager.supervision.fleet_view import PlanProgress, plan_views
+from itrci_nav_msgs.msg import FleetPlan
+
+_SHARE = 0.1  # of the time may go into messages; large plans are told less often
+
+
+class _Told(NamedTuple):
+    """A plan, and the ROS time `stamp` of the monotonic time `now`."""
+
+    progress: Optional[PlanProgress]
+    now: float
+    stamp: rospy.Time
+
+
+class FleetPlanTopic:
+    """Tells the newest plan in a thread of its own: the one that decides does not wait for it.
+
+    rate -- simulated robots are so many times faster
+    """
+
+    def __init__(self, rate: float) -> None:
+        self._rate = rate
+        self._newest: queue.Queue[_Told] = queue.Queue(1)
+        self._publisher = rospy.Publisher('/fleet_plan', FleetPlan, queue_size=1, latch=True)
+        threading.Thread(target=self._work, name='fleet_plan', daemon=True).start()
+
+    def tell(self, progress: Optional[PlanProgress], now: float, stamp: rospy.Time) -> None:
+        """This is the plan now; one that was not told yet is left out."""
+        with suppress(queue.Empty):
+            self._newest.get_nowait()
+        self._newest.put(_Told(progress, now, stamp))
+
+    def _work(self) -> None:
+        while not rospy.is_shutdown():
+            told = self._newest.get()
+            begun = time.thread_time()
+            self._publish(told)
+            time.sleep((time.thread_time() - begun) * (1.0 / _SHARE - 1.0))
+
+    def _publish(self, told: _Told) -> None:
+        made_at = told.now if told.progress is None else told.progress.plan.made_at
+
+        def planned(seconds: float) -> rospy.Time:
+            return messages.moment_of(made_at + (seconds - made_at) / self._rate - told.now,
+                                      told.stamp)
+        send(self._publisher.publish,
+             messages.plan_message(plan_views(told.progress), planned, told.stamp))
