@@ -10,15 +10,14 @@ import itertools
 import json
 import math
 import os
-import resource
 import socket
 import threading
 import unittest
-from contextlib import contextmanager
-from typing import Callable, Dict, Iterator, List, Tuple
+from typing import Callable, Dict, List, Tuple
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from small_disk import SmallDisk, why_not
 from std_srvs.srv import Trigger
 
 from graph_fleet_manager.supervision.journal import history
@@ -34,7 +33,7 @@ from itrci_nav_msgs.msg import (
 from system_support import (
     Recorder,
     connected_publisher,
-    process_of,
+    kill_node,
     run_cases,
     wait_until,
 )
@@ -155,17 +154,10 @@ class FleetFaults(unittest.TestCase):
         self.wait_for_success(mission)
 
     def test_5_on_a_full_disk_people_stop_and_cancel_and_nothing_else_is_begun(self) -> None:
-        self.control.inject('agv_3', 'stall 1000000')
-        mission = self.send('agv_3', 6)
-        self.reports.wait_for(lambda report: len(_left_of(report)) == 2, OFTEN,
-                              'route over two edges', after=len(self.reports.messages))
-        journal = rospy.get_param('/path_supervisor/journal')
-        with full_disk(process_of('/path_supervisor')):
-            other = self.send('agv_1', 3)
-            refused = self.wait_for_status(other, lambda status: True)
-            self.assertEqual(MissionStatus.REFUSED, refused.state)
-            self.assertIn('cannot be written', refused.reason)
-            self.assertIn('free space on its disk', refused.reason)
+        disk = self.move_to_a_small_disk()
+        mission = self.begin_to_drive_over_two_edges()
+        with disk.filled():
+            self.refused_for_the_disk('free space on its disk')
 
             self.commands.publish(request_id=mission, command=MissionCommand.CANCEL)
             self.reports.wait_for(lambda report: len(_left_of(report)) == 1, OFTEN,
@@ -173,24 +165,68 @@ class FleetFaults(unittest.TestCase):
             self.wait_for_status(mission, lambda status: status.reason.startswith(
                 'CANCEL is carried out, but forgotten if'))
 
-            stopped = rospy.ServiceProxy('/stop_fleet', Trigger)()
-            self.assertTrue(stopped.success, stopped.message)
-            self.assertIn('it is forgotten', stopped.message)
-            self.reports.wait_for(lambda report: not report.edge_states, OFTEN, 'stop',
-                                  after=len(self.reports.messages))
-            self.control.inject('agv_3', 'stall 0')
-
-            said = self.wait_for_fleet_diagnosis(DiagnosticStatus.ERROR)
-            self.assertIn(os.path.basename(journal), said)
-            states = {line.request_id: line.state.name for line in history(journal)}
+            self.stopped_but_not_stored()
+            states = {line.request_id: line.state.name for line in history(self.journal)}
             self.assertEqual('ACTIVE', states[mission], 'what is on the disk is as it was')
-            self.assertNotIn(other, states)
 
         self.wait_for_status(mission, lambda status: status.state == MissionStatus.CANCELLED)
         self.assertIn('stopped', self.wait_for_fleet_diagnosis(DiagnosticStatus.WARN))
         resumed = rospy.ServiceProxy('/resume_fleet', Trigger)()
         self.assertTrue(resumed.success, resumed.message)
-        self.wait_for_success(self.send('agv_3', 5))
+        self.wait_for_success(self.send('agv_3', 4))
+
+    def test_6_on_a_disk_that_dies_people_stop_and_a_new_disk_is_as_a_lost_one(self) -> None:
+        disk = self.move_to_a_small_disk()
+        self.begin_to_drive_over_two_edges()
+        disk.die()
+        self.refused_for_the_disk('disk I/O error')
+        self.stopped_but_not_stored()
+        self.move_to_a_small_disk()
+        self.wait_for_success(self.send('agv_3', 6))
+
+    def move_to_a_small_disk(self) -> SmallDisk:
+        """The fleet manager is started anew with an empty journal, on a disk of its own."""
+        reason = why_not()
+        if reason:
+            self.skipTest(reason)
+        disk = SmallDisk()
+        disk.__enter__()
+        self.addCleanup(disk.__exit__)
+        type(self).journal = str(disk.folder / 'fleet.sqlite')
+        rospy.set_param('/path_supervisor/journal', self.journal)
+        kill_node('/path_supervisor')
+        for name in ('agv_1', 'agv_2', 'agv_3'):
+            self.wait_for_state(name, FleetRobot.IDLE)
+        for publisher in (self.requests, self.commands):
+            wait_until(lambda p=publisher: any(
+                info[1].endswith('/path_supervisor') for info in p.impl.get_stats_info()),
+                30, 'the new fleet manager listens')
+        return disk
+
+    def begin_to_drive_over_two_edges(self) -> int:
+        """A mission of agv_3, from vertex 4, where it stalls."""
+        self.control.inject('agv_3', 'stall 1000000')
+        mission = self.send('agv_3', 6)
+        self.reports.wait_for(lambda report: len(_left_of(report)) == 2, OFTEN,
+                              'route over two edges', after=len(self.reports.messages))
+        return mission
+
+    def refused_for_the_disk(self, words: str) -> None:
+        refused = self.wait_for_status(self.send('agv_1', 3), lambda status: True)
+        self.assertEqual(MissionStatus.REFUSED, refused.state)
+        self.assertIn('cannot be written', refused.reason)
+        self.assertIn(words, refused.reason)
+
+    def stopped_but_not_stored(self) -> None:
+        """A stop reaches the robot, and says what becomes of it."""
+        stopped = rospy.ServiceProxy('/stop_fleet', Trigger)()
+        self.assertTrue(stopped.success, stopped.message)
+        self.assertIn('it is forgotten', stopped.message)
+        self.reports.wait_for(lambda report: not report.edge_states, OFTEN, 'stop',
+                              after=len(self.reports.messages))
+        self.control.inject('agv_3', 'stall 0')
+        self.assertIn(os.path.basename(self.journal),
+                      self.wait_for_fleet_diagnosis(DiagnosticStatus.ERROR))
 
     def wait_for_status(self, mission: int,
                         predicate: Callable[[MissionStatus], bool]) -> MissionStatus:
@@ -209,17 +245,6 @@ class FleetFaults(unittest.TestCase):
 
 def _left_of(report: ExecutionRouteStates) -> List[int]:
     return [edge.edge_id for edge in report.edge_states if edge.state == EdgeState.PROCESSING]
-
-
-@contextmanager
-def full_disk(process: int) -> Iterator[None]:
-    """No file of a process can be written: EFBIG where a full disk gives ENOSPC."""
-    before = resource.prlimit(process, resource.RLIMIT_FSIZE)
-    resource.prlimit(process, resource.RLIMIT_FSIZE, (0, before[1]))
-    try:
-        yield
-    finally:
-        resource.prlimit(process, resource.RLIMIT_FSIZE, before)
 
 
 class Control:

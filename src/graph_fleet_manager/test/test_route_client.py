@@ -214,6 +214,28 @@ def test_a_robot_that_left_the_end_of_its_route_is_noticed(client, ids):
     assert client.take(replace(away, stamp=102.0)).left
 
 
+def test_a_robot_on_what_it_was_to_be_told_of_is_not_where_it_stood_once_that_is_taken_back(
+        client, ids):
+    """A person pushed it there; the order was granted, but never sent."""
+    client.take(Report(0, (), (), Pose(1, 0.0), stamp=100.0))
+    client.extend([1, 2], ids)
+    client.take(Report(0, (), (), Pose(2, 0.5), stamp=101.0))
+    assert not client.shorten(ids)
+    assert [area.line for area in client.allocation.areas] == [((3.0, 0.0),)]
+    assert client.take(Report(0, (), (), Pose(2, 0.5), stamp=102.0)).left
+
+
+@pytest.mark.parametrize('state', [AHEAD, FAILED])
+def test_a_route_that_began_on_edges_that_a_new_graph_lacks_is_left_to_a_person(client, ids, state):
+    client.extend([1, 2, 3], ids)
+    client.due(0.0)
+    reloaded = RouteClient(RouteRecord(graph_of({3: (4, 0), 4: (6, 0)}, {3: (3, 4)}), AGV))
+    reloaded.restore(client.memory.on(reloaded.record.graph))
+    heard = reloaded.take(Report(1, (1, 2, 3), (state,) * 3, Pose(3, 0.0), no('gone'), 101.0))
+    assert heard.foreign if state is AHEAD else heard.failed
+    assert reloaded.record.held == (3,)
+
+
 def test_after_a_restart_an_order_on_its_way_is_repeated_under_its_old_id(client, ids):
     client.extend([1], ids)
     client.take(report(1, [1], 0))

@@ -469,6 +469,8 @@ class Yard:
             machine.is_ahead = not machine.is_ahead
         elif what == 'bring in':
             record = robot.client.record
+            if world.is_disk_full:
+                return False  # it would be forgotten at a restart
             if robot.client.withdrawn is not None:
                 self._halt(world, robot)
                 return True

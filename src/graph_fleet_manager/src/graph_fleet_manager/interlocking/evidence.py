@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple, Optional, Tuple
 
 from graph_fleet_manager.fleet import RobotType
-from graph_fleet_manager.geometry.areas import Area, Point
+from graph_fleet_manager.geometry.areas import Area, Point, are_nearer
 from graph_fleet_manager.interlocking.reports import (
     CLOCK_ERROR,
     NEAR,
@@ -64,6 +64,7 @@ class Evidence:
         """The last one, x, y in m."""
         self.is_absent = False
         self.clock_is_off = False
+        self._age = 0.0          # s, of the last location as it arrived
         self._told: Tuple[float, Optional[Point]] = (0.0, None)
         self._is_moved = False   # by a giver other than the fleet manager, as last reported
         self._strays = 0         # locations in a row that were outliers
@@ -107,12 +108,21 @@ class Evidence:
         self.outliers = tuple(
             judged for judged in (_judged(outlier, point) for outlier in self.outliers)
             if judged.disproofs < DISPROOFS)
+        self._age = report.age
         if is_covered:
             self._strays = 0
-            return
+        else:
+            self._stray(point)
+
+    def uncover(self) -> None:
+        """What covered the last location is not the robot's any more."""
+        if self.location is not None:
+            self._stray(self.location)
+
+    def _stray(self, point: Point) -> None:
         self._strays += 1
         self.outliers = (*(one for one in self.outliers
-                           if math.dist(one.point, point) > TREMBLE), Outlier(point, report.age))
+                           if math.dist(one.point, point) > TREMBLE), Outlier(point, self._age))
 
     def grow(self, silence: float) -> bool:
         """Nothing was heard of the robot for so many seconds; tells whether that changes anything.
@@ -136,6 +146,13 @@ class Evidence:
     def lose(self, areas: Tuple[Area, ...]) -> None:
         """The graph in force lacks what the robot held."""
         self.lost = (*self.lost, *areas)
+
+    def leave_lost(self, margin: float) -> None:
+        """The robot cannot come to the lost areas any more that are farther away than this (m)."""
+        here = self.location
+        if here is not None:
+            self.lost = tuple(area for area in self.lost
+                              if are_nearer(area.line, (here,), area.radius + margin))
 
     # -- robots that are not on the site ----------------------------------------------------------
 

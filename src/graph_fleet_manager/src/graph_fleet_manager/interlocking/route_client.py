@@ -46,6 +46,8 @@ class RouteClient:
         self._epoch = 0  # of the robot's motion, as it reported last
         self._bases: Dict[int, int] = {}  # of routes by id, in the order in which they were given
         self._acknowledged: Set[int] = set()
+        self._since_loss: Set[int] = set()
+        """Ids of routes that were given since the robot has lost edges of its record."""
         self._ended: Set[int] = set()
         self.withdrawn: Optional[int] = None
         """Id of an order that is not given any more, but may reach the robot yet."""
@@ -146,6 +148,8 @@ class RouteClient:
 
     def _begin(self, route_id: int) -> None:
         self._bases[route_id] = self.record.done
+        if self.evidence.lost:
+            self._since_loss.add(route_id)
         self.route_id = route_id
         self.over = False
         self.withdrawn = None
@@ -179,6 +183,8 @@ class RouteClient:
             self.record.cut(self.record.done)  # it was never told of all this
             self._pending.drop()
             self.over = True
+            if self.record.has_left():  # while it was thought to be on what it would be told of
+                self.evidence.uncover()
         if len(self.record.ahead) <= 1:
             return False
         if not self.is_heard or self._awaits_report or (
@@ -310,11 +316,21 @@ class RouteClient:
         if record.position is None and record.is_standing:
             record.position = position_of(report.pose, record.graph, record.near)
         heard = self._follow(report, is_new)
-        self.evidence.see(report, record.graph, self._covers(report), not heard.foreign)
+        is_covered = self._covers(report)
+        self.evidence.see(report, record.graph, is_covered, not heard.foreign)
+        if self.evidence.lost and is_covered and self._is_after_loss(report):
+            self.evidence.leave_lost(record.margin(report.age))
         heard.left = (record.is_standing and self.order is None and record.has_left()
                       and self.evidence.is_confirmed
                       and not (heard.failed or heard.foreign or heard.refused))
         return heard
+
+    def _is_after_loss(self, report: Report) -> bool:
+        """Can no order of before the loss of edges reach the robot any more?
+
+        Orders come in order, and it has acknowledged one that was given since.
+        """
+        return report.route_id in self._since_loss
 
     def _follow(self, report: Report, is_new: bool) -> Heard:
         """What a report tells of the routes; `is_new`: it has a later location than the last."""
@@ -334,7 +350,7 @@ class RouteClient:
         base = self._bases[report.route_id]
         skipped = max(record.first - base, 0)
         mine = record.part(base + skipped, base + len(report.edges))
-        if mine != report.edges[skipped:]:
+        if mine != report.edges[skipped:] or report.is_running and report.completed < skipped:
             heard.foreign = report.is_running
             return heard
         if report.is_failed and report.completed == 0 and (
@@ -352,9 +368,10 @@ class RouteClient:
             self._ended.clear()
         if awaited:
             self._take_truth(report, is_taken_up)
-        if is_new and report.edges and base + report.completed < record.done:
-            record.turn_back(base + report.completed)
-        heard.passed = record.complete(base + report.completed)
+        number = base + report.completed
+        if is_new and report.edges and record.first <= number < record.done:
+            record.turn_back(number)
+        heard.passed = record.complete(number)
         self._acknowledge(report)
         if report.is_running or record.is_standing:  # else a person may drive it back again
             record.leave(report.age)
@@ -474,6 +491,8 @@ class RouteClient:
         self._ordered, self._stamp = memory.shortened, memory.stamp
         self.withdrawn = memory.withdrawn
         if memory.is_stopping:
+            if self.evidence.lost:  # the stop was given since, or there was nothing to lose
+                self._since_loss.add(self.route_id)
             self._pending.give(Order(self.route_id, self.record.done, ()), True)
 
     # -- what else is known of where it is --------------------------------------------------------

@@ -195,12 +195,16 @@ class RouteRecord:
         if self.pose.edge != edge:
             return
         number, arc = self.done, self.pose.fraction * self.graph.curve(edge).length
-        arc -= self._slack + (max(age, 0.0) + CLOCK_ERROR) * self.kind.speed
+        arc -= self.margin(age)
         while arc < 0.0 and number > max(self.cleared[0], self.first):
             number -= 1
             arc += self.graph.curve(self.edges[number - self.first]).length
         length = self.graph.curve(self.edges[number - self.first]).length
         self.cleared = max(self.cleared, (number, min(max(arc / length, 0.0), _NOT_OVER)))
+
+    def margin(self, age: float) -> float:
+        """m by which the robot may be elsewhere than a location that is `age` s old tells."""
+        return self._slack + (max(age, 0.0) + CLOCK_ERROR) * self.kind.speed
 
     def forget(self, number: int) -> None:
         """Drops the edges before a number, as far as they are left."""

@@ -327,7 +327,8 @@ class Supervisor:
         robot = self.robots[name]
         if self.is_stopped:
             return 'the fleet is stopped: resume it first', self._out.take(now)
-        problem = robot.not_back_yet(now)
+        # Its old place would count again after a restart, and not that where it stands.
+        problem = self.trouble or robot.not_back_yet(now)
         if not problem and robot.client.withdrawn is not None:
             robot.client.halt(self._out.new_id)
             self._out.robot_changed(name)
