@@ -7,6 +7,7 @@ from itertools import count
 import pytest
 from fleet_builders import AGV, corridor, graph_of
 
+from graph_fleet_manager.geometry.areas import Area
 from graph_fleet_manager.interlocking.pending_order import REPEAT
 from graph_fleet_manager.interlocking.reports import (
     NEAR,
@@ -234,6 +235,25 @@ def test_a_route_that_began_on_edges_that_a_new_graph_lacks_is_left_to_a_person(
     heard = reloaded.take(Report(1, (1, 2, 3), (state,) * 3, Pose(3, 0.0), no('gone'), 101.0))
     assert heard.foreign if state is AHEAD else heard.failed
     assert reloaded.record.held == (3,)
+
+
+def test_what_was_held_on_another_graph_is_free_once_a_later_stop_is_acknowledged_elsewhere(
+        client, ids):
+    client.lose([Area(((4.0, 2.0), (6.0, 2.0)))])
+    client.take(Report(0, (), (), Pose(1, 0.0), stamp=100.0))
+    assert client.allocation.areas, 'an order of before may be under way'
+    client.stop_after_loss(ids)
+    client.take(Report(0, (), (), Pose(1, 0.0), stamp=101.0))
+    assert client.allocation.areas, 'the stop may be under way yet'
+    client.take(Report(client.due(0.0).route_id, (), (), Pose(1, 0.0), stamp=102.0))
+    assert not client.allocation.areas
+
+
+def test_a_robot_that_stands_on_an_edge_of_another_graph_keeps_it(client, ids):
+    client.lose([Area(((0.0, 0.0), (0.0, 2.0)))])
+    client.stop_after_loss(ids)
+    client.take(Report(client.due(0.0).route_id, (), (), Pose(1, 0.0), stamp=100.0))
+    assert client.allocation.areas
 
 
 def test_after_a_restart_an_order_on_its_way_is_repeated_under_its_old_id(client, ids):

@@ -81,6 +81,19 @@ def test_whatever_happens_to_a_fleet_its_promises_are_kept(fleet: SupervisedFlee
     check_orders(fleet.sent)
 
 
+def test_what_a_robot_held_on_another_graph_blocks_nobody_for_ever() -> None:
+    """The graph lacks an edge for a moment, behind a robot that drives on."""
+    kind = replace(AGV, docks=frozenset(DOCKS))
+    fleet = SupervisedFleet(YARD, {name: (kind, 21 + k) for k, name in enumerate(ROBOTS)},
+                            planning=0.05, parking=PARKING,
+                            settings=RobotSettings(release_ahead=3.0))
+    test_whatever_happens_to_a_fleet_its_promises_are_kept.hypothesis.inner_test(fleet, [
+        Event('request', pause=1.0), Event('request', robot=SAME, pause=0.1),
+        Event('request', robot=SAME, pause=0.3),
+        Event('request', 'order', robot=SAME, pause=2.0),
+        Event('change_graph', robot=SAME, pause=0.1)])
+
+
 def check_orders(sent: Sequence[SendRoute], may_shorten: bool = True) -> None:
     """What is released stays released.
 

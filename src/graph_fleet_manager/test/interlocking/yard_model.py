@@ -215,6 +215,7 @@ def _clone(client: RouteClient) -> RouteClient:
     other._pending = copy.copy(client._pending)
     other._bases = dict(client._bases)
     other._acknowledged, other._ended = set(client._acknowledged), set(client._ended)
+    other._since_loss = set(client._since_loss)
     return other
 
 
@@ -535,6 +536,7 @@ class Yard:
             if robot.stored is not None:
                 robot.client.restore(robot.stored.on(graph))
                 robot.client.lose(lost_areas(robot.stored, graph, before))
+                robot.client.stop_after_loss(self.interlocking(world)._new_id)
                 self._store(world, name)
             if robot.is_halted:
                 robot.client.halt(self.interlocking(world)._new_id)
@@ -694,6 +696,7 @@ def _robot_key(robot: Believed, machine: Machine, of: Callable[[int], int]) -> o
             client.takes_away, client.is_new_motion,
             tuple(sorted((of(id), base - record.first) for id, base in client._bases.items())),
             tuple(sorted(map(of, client._acknowledged))), tuple(sorted(map(of, client._ended))),
+            tuple(sorted(map(of, client._since_loss))),
             client._awaits_report, of(client.withdrawn or 0), client._ordered,
             max(client._cut_refused - record.first, -1),
             sum(stamp > client._stamp for stamp in stamps),

@@ -491,8 +491,7 @@ class RouteClient:
         self._ordered, self._stamp = memory.shortened, memory.stamp
         self.withdrawn = memory.withdrawn
         if memory.is_stopping:
-            if self.evidence.lost:  # the stop was given since, or there was nothing to lose
-                self._since_loss.add(self.route_id)
+            self._since_loss.add(self.route_id)
             self._pending.give(Order(self.route_id, self.record.done, ()), True)
 
     # -- what else is known of where it is --------------------------------------------------------
@@ -507,7 +506,15 @@ class RouteClient:
     def lose(self, areas: Sequence[Area]) -> None:
         """The graph in force lacks what the robot held, which lies there."""
         self.evidence.lose(tuple(areas))
+        if self.is_stopping:
+            self._since_loss.add(self.route_id)
         self._changed()
+
+    def stop_after_loss(self, new_id: NewId) -> None:
+        """Stops a robot that should stand: what it held on another graph is free once it says so.
+        """
+        if self.evidence.lost and self.record.is_standing and not self.is_stopping:
+            self.halt(new_id)
 
     def declare_absent(self, now: float) -> None:
         """A person says that the robot is not on the site."""

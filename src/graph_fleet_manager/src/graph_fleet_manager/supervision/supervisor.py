@@ -93,6 +93,8 @@ class Supervisor:
         self._out = Outbox(journal, self.book, self.robots, self._everywhere, self.interlocking,
                            self._ids)
         self.plan_executor = PlanExecutor(self.robots, self.interlocking, self._out)
+        for robot in self.robots.values():
+            robot.client.stop_after_loss(self._out.new_id)
         self._outages = OutageWatch(self.book, self.robots, self._out)
         if journal.value(STOPPED):
             self._close_gate()
