@@ -175,6 +175,14 @@ def test_an_order_is_late_that_was_sent_before_that_of_the_route(bench, sent, is
     assert len(bench.notes) == (not is_taken)
 
 
+def test_no_order_is_late_where_the_clock_was_set_back(bench):
+    """That of this computer: where only the sender's was, the stamps tell of a late order."""
+    after = order(sent=100.0 - 60.0, edges=(1, 2, 3))
+    assert bench.intake.take(replace(after, received=int((100.1 - 60.0) * 1e9)),
+                             driven(order()), 101.0)
+    assert not bench.intake.take(replace(after, received=int(100.1 * 1e9)), driven(order()), 101.0)
+
+
 @pytest.mark.parametrize('phase, notes', [
     (Phase.RUNNING, []), (Phase.COMPLETE, ['Route 7 was ordered again and is ignored: it is '
                                            'complete. Another drive needs another id.'])])

@@ -35,6 +35,16 @@ def check_order(order: RouteOrder, whose: str) -> None:
                               'computer: synchronise the clocks (NTP)'))
 
 
+def is_late(order: RouteOrder, last: RouteOrder) -> bool:
+    """Was the order sent before the last one that was taken up, and overtaken by it?
+
+    Where this computer's clock is before the stamp of that one, it has been set back since, and
+    the stamps tell nothing.
+    """
+    is_set_back = 0 < order.received < last.stamp - CLOCK_TOLERANCE
+    return 0 < order.stamp < last.stamp and not is_set_back
+
+
 def check_edges(graph: Graph, edges: Sequence[int]) -> None:
     """Raises RouteRefused for a route that no robot could drive."""
     try:

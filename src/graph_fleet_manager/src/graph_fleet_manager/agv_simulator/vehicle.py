@@ -15,7 +15,7 @@ from graph_fleet_manager.agv_simulator.route_rules import (
 )
 from graph_fleet_manager.agv_simulator.speed_limits import DriveLimits, SpeedLimits
 from trajectory_graph import Graph, change_of, speed_of
-from trajectory_graph.order_rules import RouteRefused
+from trajectory_graph.order_rules import RouteRefused, is_late
 from trajectory_graph.route_protocol import (
     ANSWERED_WITHIN,
     EMERGENCY_STOP,
@@ -84,8 +84,7 @@ class Vehicle:
         if not order.edges:
             self._waiting = None
             self.route = Route(order, Phase.STOPPED)
-        elif route and (0 < order.stamp < route.order.stamp
-                        or order.is_repeat_of(route.order)):
+        elif route and (is_late(order, route.order) or order.is_repeat_of(route.order)):
             return  # late, or what it drives already
         elif order.stamp and self._refused and order == self._refused[0]:
             self._refuse(*self._refused)

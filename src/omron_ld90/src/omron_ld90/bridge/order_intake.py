@@ -13,7 +13,7 @@ from typing import Callable, Optional, Tuple
 from omron_ld90.bridge.robot_monitor import RobotMonitor
 from omron_ld90.bridge.route_orders import is_change
 from omron_ld90.bridge.route_run import RouteRun
-from trajectory_graph.order_rules import RouteRefused, check_order
+from trajectory_graph.order_rules import RouteRefused, check_order, is_late
 from trajectory_graph.route_protocol import (
     ANSWERED_WITHIN,
     EMERGENCY_STOP,
@@ -62,7 +62,7 @@ class OrderIntake:
 
     def take(self, order: RouteOrder, route: Optional[RouteRun], now: float) -> bool:
         """Takes an order of edges; `route` is the last one. Whether it may be driven, once due."""
-        if route and 0 < order.stamp < route.order.stamp:
+        if route and is_late(order, route.order):
             self._note(f'Route {order.route_id} came late and was left out: route '
                        f'{route.order.route_id} was sent after it.')
         elif route and order.is_repeat_of(route.order):
