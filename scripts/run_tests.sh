@@ -37,7 +37,7 @@ python38_pytest() {  # python38_pytest OPTION...: nothing of this system's ROS i
 unit_tests() {
   say "Unit tests, $(/usr/bin/python3 --version)"
   local beside=()
-  [ "$jobs" -le 1 ] || beside=(-n "$jobs" --dist loadfile)
+  [ "$jobs" -le 1 ] || beside=(-n $((jobs + 1)) --dist loadfile)
   unit_pytest ${beside[@]+"${beside[@]}"} --junitxml="$results/unit.xml" || true
   [ -f "$results/unit.xml" ] || record "$results" failed unit-tests "pytest did not finish"
 }

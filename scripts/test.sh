@@ -8,8 +8,9 @@
 #
 # Environment: LD90_REAL_MAPS, a folder with .map files of real robots; FKIE_ARCHIVE, sources of fkie multimaster (.tar.gz)
 # where GitHub cannot be reached; VDA5050_SCHEMAS, a folder with JSON schemas of further versions of VDA 5050, one folder a
-# version (2.0.0/state.schema): what lies there is tested, too. TEST_JOBS, how many tests run at a time: 2 where there
-# are two processors, else 1; of system tests, which mostly wait for robots that drive, one more.
+# version (2.0.0/state.schema): what lies there is tested, too. TEST_JOBS, how many processors the tests may take: 2 where
+# there are two, else 1. With 2, three unit tests run at a time, as many wait for sockets, and four system tests, which
+# mostly wait for robots that drive.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
@@ -20,7 +21,7 @@ system_tests=() only=''
 while [ $# -gt 0 ]; do
   arg="$1"; shift
   case "$arg" in
-    -h | --help) sed -n '2,12s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -h | --help) sed -n '2,13s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
     --long) export LD90_LONG_TESTS=1 ;;
     --only)
       only="${1:-}"; shift || true
@@ -113,7 +114,7 @@ if [ ${#system_tests[@]} = 0 ]; then
 fi
 if [ ${#system_tests[@]} -gt 0 ]; then
   say "System tests"
-  [ "$TEST_JOBS" -le 1 ] || TEST_JOBS=$((TEST_JOBS + 1))
+  [ "$TEST_JOBS" -le 1 ] || TEST_JOBS=$((2 * TEST_JOBS))
   scripts/run_tests.sh "$results" system "${system_tests[@]}"
 fi
 /usr/bin/python3 scripts/test_results.py summary "$results"

@@ -65,8 +65,8 @@ class Clocks(unittest.TestCase):
         """By how much (s) the robot's newest report is ahead of this process's clock."""
         return (self.reports.messages[-1].header.stamp - rospy.Time.now()).to_sec()
 
-    def send(self, id: int) -> None:
-        self.requests.publish(request_id=id, destination_vertices_id=[39, 6, 18])
+    def send(self, id: int, *vertices: int) -> None:
+        self.requests.publish(request_id=id, destination_vertices_id=vertices)
 
     def wait_for_the_robots_clock(self, ahead: int) -> None:
         wait_until(lambda: abs(self.offsets() - ahead) < 60.0, 20, f'a robot {ahead} s ahead')
@@ -93,7 +93,7 @@ class Clocks(unittest.TestCase):
 
     def test_1_both_clocks_jump_together_an_hour_on_and_two_back(self) -> None:
         heard = len(self.reports.messages)
-        self.send(1)
+        self.send(1, 39, 6, 18)
         for ahead in (HOUR, -HOUR):
             self.wait_for_another_edge()
             self.set_clocks(robot=ahead, fleet=ahead)
@@ -111,7 +111,7 @@ class Clocks(unittest.TestCase):
 
     def only_one_jumps(self, id: int, computer: str, jumps: Sequence[int]) -> None:
         """The route under way is driven, and the mission ends after that."""
-        self.send(id)
+        self.send(id, 39, 18)
         for ahead in jumps:
             self.wait_for_another_edge()
             begun = len(self.fleet.messages)

@@ -221,9 +221,16 @@ class RvizTest(RvizTestCase):
         x, y = x / 1000.0, y / 1000.0
         ahead = (x + 2.0 * math.cos(math.radians(heading)),
                  y + 2.0 * math.sin(math.radians(heading)))
-        self.window.tool('p')
-        self.window.drag(self.window.pixel(x, y), self.window.pixel(*ahead))
-        self.robot_says('Localized to point')
+
+        def relocalised() -> bool:  # a drag that comes while RViz draws slowly is lost
+            self.window.tool('p')
+            self.window.drag(self.window.pixel(x, y), self.window.pixel(*ahead))
+            try:
+                self.robot_says('Localized to point', timeout=10.0)
+            except AssertionError:
+                return False
+            return True
+        wait_until(relocalised, 60.0, 'the robot is told where it is')
 
     def test_08_a_click_on_the_dock_docks_and_the_robots_menu_undocks(self):
         self.window.tool('c')

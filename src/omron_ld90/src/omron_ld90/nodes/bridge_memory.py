@@ -15,10 +15,10 @@ from typing import Any, Dict, List, Optional, Tuple
 
 import rospy
 
+from node_lifecycle.worker import start_worker
 from omron_ld90.bridge.events import RouteRecord
 from omron_ld90.nodes.support.boot_clock import Moment
 from omron_ld90.nodes.support.kept_files import hold, in_ros_home, replace_json
-from omron_ld90.nodes.support.worker import start_worker
 from trajectory_graph.route_protocol import Phase, reason_of
 
 PARAMETER = '~route_record'

@@ -38,11 +38,8 @@ Uses ~route_record, a parameter of its own, to go on with a route after a restar
 """
 from __future__ import annotations
 
-import queue
-import threading
-import time
 from dataclasses import replace
-from typing import Callable, Dict, Iterable, Tuple
+from typing import Dict, Iterable, Tuple
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -51,6 +48,8 @@ from diagnostic_updater import DiagnosticStatusWrapper
 from graph_topic import FollowedGraph
 from itrci_nav_msgs import msg
 from node_lifecycle import parameter, publish_diagnostics, run
+from node_lifecycle.event_loop import EventLoop
+from node_lifecycle.worker import start_worker
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.route_follower import RouteFollower
 from omron_ld90.bridge.running_clock import RunningClock
@@ -65,7 +64,6 @@ from omron_ld90.nodes.bridge_settings import read_settings
 from omron_ld90.nodes.support import shared_parameters
 from omron_ld90.nodes.support.command_client import CommandClient
 from omron_ld90.nodes.support.old_messages import OldMessages, publishers_by_master
-from omron_ld90.nodes.support.worker import start_worker
 from omron_ld90_msgs.msg import (
     ExecuteCommandResult,
     LinkState,
@@ -80,7 +78,6 @@ TICK = 0.1          # s between two looks at the clock, and two reports while a 
 IDLE_PERIOD = 1.0   # s between two reports without a route
 QUEUE_SIZE = 1000   # events; beyond that the topics wait, and drop what is oldest
 
-Call = Callable[[float], Iterable[p.Action]]  # of the follower, with the time
 Diagnosis = Tuple[bytes, str, Dict[str, str]]  # level, summary and values
 
 
@@ -101,9 +98,8 @@ class EdgesToVertices:
         record, age = self._memory.recall()
         if record:
             self._follower.restore(record, age < settings.restart_timeout, self._clock.read())
-        self._calls: queue.SimpleQueue[Call] = queue.SimpleQueue()
+        self._loop = EventLoop(self._tick, TICK)
         self._reported = self._diagnosed = -IDLE_PERIOD
-        self._ending = threading.Event()
         self._diagnosis: Diagnosis = (DiagnosticStatus.WARN, 'starting', {})
 
         self._states = rospy.Publisher('execution_route_states', msg.ExecutionRouteStates,
@@ -121,14 +117,14 @@ class EdgesToVertices:
             rospy.Subscriber(topic, kind, callback, queue_size=100, tcp_nodelay=True)
         FollowedGraph(self._on_graph, graph).subscribe()
         publish_diagnostics('none', {'route': self._diagnose})
-        self._thread = start_worker('route-follower', self._run)
+        self._thread = start_worker('route-follower', self._loop.run)
         if graph is None:
             rospy.logwarn('%s idles: ~graph_file is empty, and no /graph has come yet.',
                           rospy.get_name())
 
     def close(self) -> None:
         """Ends the threads."""
-        self._ending.set()
+        self._loop.end()
         self._thread.join(0.5)
         self._memory.close()
 
@@ -137,13 +133,14 @@ class EdgesToVertices:
     def _tell(self, event: p.Event) -> None:
         """Queues an event from a topic; waits while very many wait, so that the topic drops some.
         """
-        while self._calls.qsize() > QUEUE_SIZE and not self._ending.wait(TICK):
-            rospy.logwarn_throttle(10.0, '%s cannot keep up with its topics.', rospy.get_name())
-        self._calls.put(lambda now: self._follower.handle(event, now))
+        self._loop.put_if_room(
+            lambda: self._act(self._follower.handle(event, self._clock.read())), QUEUE_SIZE,
+            lambda: rospy.logwarn_throttle(10.0, '%s cannot keep up with its topics.',
+                                           rospy.get_name()))
 
     def _on_end(self, number: int, result: ExecuteCommandResult) -> None:
         event = command_ended(number, result)
-        self._calls.put(lambda now: self._follower.handle(event, now))
+        self._loop.put(lambda: self._act(self._follower.handle(event, self._clock.read())))
 
     def _on_route(self, message: msg.TargetRoute) -> None:
         self._tell(replace(order_of(message, rospy.Time.now().to_nsec()),
@@ -161,23 +158,14 @@ class EdgesToVertices:
         self._tell(motion_told(message, rospy.get_name()))
 
     def _on_graph(self, graph: Graph, _stamp: rospy.Time) -> None:
-        self._calls.put(lambda now: self._follower.use_graph(graph, now))
+        self._loop.put(lambda: self._act(self._follower.use_graph(graph, self._clock.read())))
         rospy.loginfo('Another graph has come on /graph: %d vertices, %d edges.',
                       len(graph.vertices), len(graph.edges))
 
     # --- the thread that has the follower --------------------------------------------------------
 
-    def _run(self) -> None:
-        next_tick = time.monotonic()
-        while not self._ending.is_set():
-            try:
-                call = self._calls.get(timeout=max(next_tick - time.monotonic(), 0.0))
-                self._act(call(self._clock.read()))
-            except queue.Empty:
-                next_tick = max(next_tick + TICK, time.monotonic())
-                self._tick(self._clock.read())
-
-    def _tick(self, now: float) -> None:
+    def _tick(self) -> None:
+        now = self._clock.read()
         self._commands.check()
         self._act(self._follower.tick(now))
         if now - self._diagnosed >= IDLE_PERIOD:

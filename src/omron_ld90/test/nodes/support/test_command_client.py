@@ -7,8 +7,9 @@ from types import SimpleNamespace
 import pytest
 from actionlib import CommState, GoalStatus
 
+from node_lifecycle.lost_goals import STATUSES_WAITED
 from omron_ld90.nodes.support import command_client
-from omron_ld90.nodes.support.command_client import STATUSES_WAITED, CommandClient, result_of
+from omron_ld90.nodes.support.command_client import CommandClient, result_of
 from omron_ld90_msgs.msg import ExecuteCommandResult
 
 

@@ -8,7 +8,13 @@ from typing import Any, Callable, Dict, Optional
 
 from actionlib import ActionClient, ClientGoalHandle, CommState, GoalStatus
 
-PATIENCE = 5.0  # s that a goal waits for its server, which may still be starting, or its result
+from node_lifecycle.lost_goals import GoalWatch, Loss, ServerWatch
+
+PATIENCE = 5.0  # s that a goal waits for its server, which may still be starting
+_LOSSES = {
+    Loss.SERVER: 'the action server {} is gone',
+    Loss.GOAL: 'the action server {} did not hear the goal',
+    Loss.RESULT: 'the result of the action server {} was lost'}
 
 OnEnd = Callable[[str, bool, str], None]  # name of the goal, whether it succeeded, what was said
 Clock = Callable[[], float]
@@ -16,12 +22,12 @@ Clock = Callable[[], float]
 
 @dataclass(frozen=True)
 class _Goal:
-    """It waits `until` then: for its server, or, once it is over, for its result."""
+    """It waits `until` then for its server; `sent`: once it is there."""
 
     client: ActionClient
     goal: Any
     until: float
-    handle: Optional[ClientGoalHandle] = None
+    sent: Optional[GoalWatch] = None
 
 
 class ActionGoals:
@@ -37,6 +43,7 @@ class ActionGoals:
         self._clock = clock
         self._lock = threading.Lock()
         self._goals: Dict[str, _Goal] = {}
+        self._servers: Dict[str, ServerWatch] = {}  # by the name of the action
         self._to_clear: Dict[str, ActionClient] = {}  # by name: all goals there are to be cancelled
 
     def send(self, name: str, client: ActionClient, goal: Any) -> None:
@@ -50,15 +57,15 @@ class ActionGoals:
         goal = self._goals.get(name)
         if goal is None:
             return
-        if goal.handle is None:
+        if goal.sent is None:
             self._end(name, False, 'it was cancelled before its server was there')
         else:
-            goal.handle.cancel()
+            goal.sent.handle.cancel()
 
     def cancel_all(self, client: ActionClient) -> None:
         """Cancels all goals of a server, also those that somebody else has sent."""
         for name, goal in list(self._goals.items()):
-            if goal.client is client and goal.handle is None:
+            if goal.client is client and goal.sent is None:
                 self.cancel(name)
         self._to_clear[client.ns] = client
         self.check()
@@ -72,29 +79,24 @@ class ActionGoals:
             del self._to_clear[client.ns]
         if clear:
             return  # a goal that is sent at once could overtake the cancellation, and be cancelled
+        for server in self._servers.values():
+            server.look()
         for name, goal in list(self._goals.items()):
-            if goal.handle is not None:
-                self._look_at_sent(name, goal, goal.handle)
+            if goal.sent is not None:
+                loss = goal.sent.loss()
+                if loss is not None:
+                    self._end(name, False, _LOSSES[loss].format(goal.client.ns))
             elif is_connected(goal.client):
                 self._send(name, goal)
             elif self._clock() >= goal.until:
                 self._end(name, False, f'there is no action server {goal.client.ns}')
 
-    def _look_at_sent(self, name: str, goal: _Goal, handle: ClientGoalHandle) -> None:
-        if goal.client.status_sub.get_num_connections() == 0:
-            self._end(name, False, f'the action server {goal.client.ns} is gone')
-        elif handle.get_comm_state() != CommState.WAITING_FOR_RESULT:
-            with self._lock:
-                if name in self._goals:
-                    self._goals[name] = replace(goal, until=self._clock() + PATIENCE)
-        elif self._clock() >= goal.until:
-            self._end(name, False, f'the result of the action server {goal.client.ns} was lost')
-
     def _send(self, name: str, goal: _Goal) -> None:
         handle = goal.client.send_goal(goal.goal, lambda handle: self._on_transition(name, handle))
         with self._lock:
             if name in self._goals:  # it may have ended already
-                self._goals[name] = replace(goal, handle=handle)  # actionlib forgets it otherwise
+                server = self._servers.setdefault(goal.client.ns, ServerWatch(goal.client))
+                self._goals[name] = replace(goal, sent=GoalWatch(server, handle))
 
     def _on_transition(self, name: str, handle: ClientGoalHandle) -> None:
         if handle.get_comm_state() == CommState.DONE:

@@ -41,18 +41,16 @@ Parameters
 """
 from __future__ import annotations
 
-import os
-import queue
-import threading
 import time
-import traceback
 from typing import Any, Callable, Optional, Tuple, Union
 
 import rospy
 from geometry_msgs.msg import PoseWithCovarianceStamped
 
 from node_lifecycle import run
+from node_lifecycle.event_loop import EventLoop
 from node_lifecycle.headings import quaternion_from_yaw
+from node_lifecycle.worker import start_worker
 from vda5050_vehicle.core import effects as fx
 from vda5050_vehicle.core import factsheet as sheet
 from vda5050_vehicle.core import journal
@@ -85,8 +83,7 @@ class VehicleNode:
         identity = settings.identity
         self._headers = Headers(settings.codec.version, identity.manufacturer,
                                 identity.serial_number, time.time)
-        self._calls: queue.SimpleQueue[Call] = queue.SimpleQueue()
-        self._ending = threading.Event()
+        self._loop = EventLoop(lambda: self._perform_all(self._tick), TICK)
         self._mqtt_problem = 'connecting'
         self._visualized = 0.0
         self._look_is_due = False
@@ -96,7 +93,7 @@ class VehicleNode:
         self._restore()
 
         self._link = self._make_link(self._vehicle.driver)
-        self._actions = RosActions(lambda name, succeeded, text: self._calls.put(
+        self._actions = RosActions(lambda name, succeeded, text: self._put(
             lambda now: self._vehicle.action_ended(name, succeeded, text, now)))
         self._actions.prepare(settings.table)
         self._poses = rospy.Publisher('initialpose', PoseWithCovarianceStamped, queue_size=1)
@@ -106,13 +103,14 @@ class VehicleNode:
             settings.broker, settings.prefix, f'{identity.manufacturer}_{identity.serial_number}',
             self._connection, self._on_message, self._on_mqtt_change)
         show_state(settings, self._vehicle, self._mqtt, lambda: self._mqtt_problem)
-        self._thread = threading.Thread(target=self._run, name='vehicle', daemon=True)
-        self._thread.start()
+        # A vehicle that is ONLINE and deaf would be worse than none: where the thread ends, so does
+        # the process, and the broker tells the last will.
+        self._thread = start_worker('vehicle', self._loop.run)
         self._mqtt.start()
 
     def close(self) -> None:
         """Leaves the broker; the order is kept."""
-        self._ending.set()
+        self._loop.end()
         self._thread.join(0.5)
         self._mqtt.close()
 
@@ -136,32 +134,35 @@ class VehicleNode:
 
     # --- callbacks --------------------------------------------------------------------------------
 
+    def _put(self, call: Call) -> None:
+        self._loop.put(lambda: self._perform_all(call))
+
     def _tell_driver(self, call: Callable[[float], None]) -> None:
         def told(now: float) -> Tuple[fx.Effect, ...]:
             call(now)
             return self._vehicle.tick(now)
-        self._calls.put(told)
+        self._put(told)
 
     def _on_robot(self) -> None:
         """Something was heard of the robot; several things at once are one look."""
         if not self._look_is_due:
             self._look_is_due = True
-            self._calls.put(self._look)
+            self._put(self._look)
 
     def _on_message(self, topic: str, payload: bytes, kept: bool) -> None:
         if kept:
             rospy.logwarn('A message on %s that the broker had kept is left out: masters do not '
                           'retain %s, and a motion is not repeated by itself.', topic, topic)
         elif topic == 'order':
-            self._calls.put(lambda now: self._vehicle.receive_order(payload, now))
+            self._put(lambda now: self._vehicle.receive_order(payload, now))
         else:
-            self._calls.put(lambda now: self._vehicle.receive_instant_actions(payload, now))
+            self._put(lambda now: self._vehicle.receive_instant_actions(payload, now))
 
     def _on_mqtt_change(self, connected: bool, problem: str) -> None:
         self._mqtt_problem = problem
         if connected:
             rospy.loginfo('Connected to the broker at %s.', self._settings.broker)
-            self._calls.put(self._vehicle.connected)
+            self._put(self._vehicle.connected)
         else:
             rospy.logwarn('Not connected to the broker at %s: %s', self._settings.broker, problem)
 
@@ -170,26 +171,9 @@ class VehicleNode:
 
     # --- the thread that has the vehicle ----------------------------------------------------------
 
-    def _run(self) -> None:
-        try:
-            self._serve()
-        except Exception:
-            # A vehicle that is ONLINE and deaf would be worse than none: the broker tells the last
-            # will, and roslaunch starts the node anew, with what the journal holds.
-            rospy.logfatal('%s ends on a defect of its own:\n%s', rospy.get_name(),
-                           traceback.format_exc())
-            os._exit(1)
-
-    def _serve(self) -> None:
-        next_tick = time.monotonic()
-        while not self._ending.is_set():
-            try:
-                call = self._calls.get(timeout=max(next_tick - time.monotonic(), 0.0))
-            except queue.Empty:
-                next_tick = max(next_tick + TICK, time.monotonic())
-                call = self._tick
-            for effect in call(time.monotonic()) or ():
-                self._perform(effect)
+    def _perform_all(self, call: Call) -> None:
+        for effect in call(time.monotonic()) or ():
+            self._perform(effect)
 
     def _look(self, now: float) -> Tuple[fx.Effect, ...]:
         self._look_is_due = False
@@ -247,7 +231,7 @@ class VehicleNode:
             name, written = self._settings.reports.write(effect.reason, effect.lines), True
         except OSError as error:
             name, written = f'the report cannot be stored: {error.strerror}', False
-        self._calls.put(lambda now: self._vehicle.action_ended(effect.action_id, written, name,
+        self._put(lambda now: self._vehicle.action_ended(effect.action_id, written, name,
                                                                now))
 
     def _set_pose(self, pose: Pose) -> None:

@@ -11,6 +11,7 @@ from typing import Callable, Dict, Optional
 import actionlib
 from actionlib import ClientGoalHandle, CommState, GoalStatus
 
+from node_lifecycle.lost_goals import GoalWatch, Loss, ServerWatch
 from omron_ld90.nodes.support.call_queue import CallQueue
 from omron_ld90_msgs.msg import (
     ExecuteCommandAction,
@@ -19,10 +20,10 @@ from omron_ld90_msgs.msg import (
     ExecuteCommandResult,
 )
 
-STATUSES_WAITED = 5  # of the server, five a second, in which what is on its way must come
-_ON_ITS_WAY = {
-    CommState.WAITING_FOR_GOAL_ACK: 'omron_controller did not hear the command',
-    CommState.WAITING_FOR_RESULT: 'the result of omron_controller did not come'}
+_LOSSES = {
+    Loss.SERVER: 'omron_controller is gone',
+    Loss.GOAL: 'omron_controller did not hear the command',
+    Loss.RESULT: 'the result of omron_controller did not come'}
 
 OnEnd = Callable[[int, ExecuteCommandResult], None]
 OnLine = Callable[[int, str], None]
@@ -36,11 +37,10 @@ class CommandClient:
         self._on_end = on_end
         self._on_line = on_line
         self._lock = threading.Lock()  # guards _open; not held while others are called
-        self._open: Dict[int, _Given] = {}
-        self._statuses = 0  # of the server, as far as `check` saw them
-        self._last_status: object = None
+        self._open: Dict[int, Optional[GoalWatch]] = {}  # None: it is being sent
         self._callbacks = CallQueue('execute_command')
         self._client = actionlib.ActionClient('execute_command', ExecuteCommandAction)
+        self._server = ServerWatch(self._client)
 
     @property
     def controller_is_there(self) -> bool:
@@ -54,18 +54,20 @@ class CommandClient:
 
         known_epoch: of the motion in which it makes sense; 0 for a person's, which always does.
         """
-        given = _Given(self._statuses)
         with self._lock:
-            self._open[number] = given
+            self._open[number] = None
         if not self.controller_is_there:
             self._end_later(number, ExecuteCommandResult(
                 outcome=ExecuteCommandResult.NEVER_SENT,
                 message='omron_controller is not running'))
             return
-        given.handle = self._client.send_goal(
+        handle = self._client.send_goal(
             ExecuteCommandGoal(command=command, known_epoch=known_epoch),
             transition_cb=lambda handle: self._on_transition(number, handle),
             feedback_cb=lambda handle, feedback: self._on_feedback(number, feedback))
+        with self._lock:
+            if number in self._open:  # it may have ended already
+                self._open[number] = GoalWatch(self._server, handle)
 
     def check(self) -> None:
         """Ends what the controller will not end; to be called several times a second.
@@ -73,22 +75,13 @@ class CommandClient:
         That is everything once it is gone, and what got lost on its way: a goal to one that has
         just started, or a result.
         """
-        gone = self._client.status_sub.get_num_connections() == 0
-        if self._client.last_status_msg is not self._last_status:
-            self._last_status = self._client.last_status_msg
-            self._statuses += 1
+        self._server.look()
         with self._lock:
             opened = list(self._open.items())
-        for number, given in opened:
-            if gone:
-                self._end_later(number, _lost('omron_controller is gone'))
-            elif given.handle:
-                state = given.handle.get_comm_state()
-                if state != given.state:
-                    given.state, given.statuses = state, self._statuses
-                elif (state in _ON_ITS_WAY
-                        and self._statuses - given.statuses > STATUSES_WAITED):
-                    self._end_later(number, _lost(_ON_ITS_WAY[state]))
+        for number, goal in opened:
+            loss = goal.loss() if goal is not None else None
+            if loss is not None:
+                self._end_later(number, _lost(_LOSSES[loss]))
 
     def close(self) -> None:
         """Ends the thread of the callbacks."""
@@ -112,15 +105,6 @@ class CommandClient:
                 return
             del self._open[number]
         self._on_end(number, result)
-
-
-class _Given:
-    """A command given; actionlib forgets a goal whose handle nobody keeps."""
-
-    def __init__(self, statuses: int) -> None:
-        self.state: int = CommState.WAITING_FOR_GOAL_ACK
-        self.statuses = statuses  # of the server, when it came to be in this state
-        self.handle: Optional[ClientGoalHandle] = None
 
 
 def result_of(handle: ClientGoalHandle) -> ExecuteCommandResult:

@@ -6,7 +6,7 @@ from typing import Callable, List
 import pytest
 import rospy
 
-from omron_ld90.nodes.support.worker import start_worker
+from node_lifecycle.worker import start_worker
 
 
 @pytest.fixture(autouse=True)
