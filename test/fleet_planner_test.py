@@ -113,7 +113,7 @@ class FleetPlannerTest(unittest.TestCase):
             symbolic_pose=SymbolicPose(at, 50.0))
         self.reports.publish(report)
 
-    def plan(self, *tasks: RobotTask, **fields: object) -> PlanAnswer:
+    def plan(self, *tasks: RobotTask, patience: float = 10.0, **fields: object) -> PlanAnswer:
         """The planner's answer; the request is about the graph in force and what is closed."""
         request = PlanRequest(plan_id=next(self.plan_ids), tasks=list(tasks),
                               graph_stamp=self.graphs.messages[-1].header.stamp,
@@ -122,7 +122,8 @@ class FleetPlannerTest(unittest.TestCase):
         for name, value in fields.items():
             setattr(request, name, value)
         self.requests.publish(request)
-        answer = self.answers.wait_for(lambda one: one.plan_id == request.plan_id, 10, 'answer')
+        answer = self.answers.wait_for(lambda one: one.plan_id == request.plan_id, patience,
+                                       'answer')
         self.assertEqual(request.header.stamp, answer.header.stamp)
         return answer
 
@@ -318,7 +319,7 @@ class FleetPlannerTest(unittest.TestCase):
                    20, 'the end of path_planner')
         wait_until(lambda: self.requests.get_num_connections() > 0 and self.answers.is_connected(),
                    30, 'a new path_planner')
-        answer = wait_until(lambda: self.plan_on_new_graph(task), 10, 'a plan of the new planner')
+        answer = wait_until(lambda: self.plan_on_new_graph(task), 30, 'a plan of the new planner')
         self.assertEqual([2, 3], [drive.edge_id for drive in answer.plans[0].drives])
 
     def test_nonsense_is_refused_and_another_graph_told(self):
@@ -337,11 +338,16 @@ class FleetPlannerTest(unittest.TestCase):
         self.assertTrue(self.reload(Graph(slow.vertices.values(), edges)).success)
         self.graphs.wait_for(lambda _: True, 10, 'new graph', before)
         task = RobotTask(robot='agv_1', robot_type='agv', vertex=2, destinations=[4], stays=True)
-        answer = wait_until(lambda: self.plan_on_new_graph(task), 10, 'a plan on the new graph')
+        answer = wait_until(lambda: self.plan_on_new_graph(task), 30, 'a plan on the new graph')
         self.assertEqual([8, 9], [drive.edge_id for drive in answer.plans[0].drives])
 
     def plan_on_new_graph(self, task: RobotTask) -> PlanAnswer | None:
-        answer = self.plan(task)
+        """None: not yet. What is published while connections are made is lost; it is asked again,
+        as path_supervisor does."""
+        try:
+            answer = self.plan(task, patience=2.0)
+        except AssertionError:
+            return None
         return None if answer.result == PlanAnswer.OTHER_GRAPH else answer
 
 
