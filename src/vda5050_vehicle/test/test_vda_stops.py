@@ -203,11 +203,11 @@ def test_a_refusal_that_is_heard_before_the_failure_begins_no_route(code):
     assert lab.robot.drives
 
 
-def at_an_action():
+def at_an_action(last=None):
     """A vehicle that stands in an order, and drives on once an action of its first node ends."""
     lab = Lab()
     lab.see(epoch=7)
-    lab.order(HALL.order('o', actions={'10': [say('a', 'HARD'), say('b', 'HARD')]}))
+    lab.order(HALL.order('o', actions={'10': [say('a', 'HARD'), last or say('b', 'HARD')]}))
     lab.see(epoch=8, velocity=DRIVING)  # of its own drive
     lab.drive(1)
     assert lab.errors == []
@@ -228,11 +228,20 @@ def test_a_robot_that_was_stopped_while_it_stood_is_not_driven_on():
 
 
 def test_an_epoch_of_its_own_drive_or_action_holds_nothing():
-    lab = at_an_action()
+    lab = at_an_action(action('wait', 'b', 'HARD', seconds=5))
     lab.see(epoch=9)  # of the action
     lab.end_action('b')
     assert (lab.errors, lab.robot.route) == ([], (1, 2, 3, 4))
     assert lab.robot.routes[-1].known_epoch == 9
+
+
+def test_a_person_who_stops_the_robot_while_it_speaks_holds_it():
+    lab = at_an_action()
+    lab.see(epoch=9)  # saying something is no motion
+    lab.end_action('b')
+    lab.wait(5.0)
+    assert lab.errors == ['driveError']
+    assert len(lab.robot.routes) == 1
 
 
 def test_a_route_that_is_repeated_has_the_epoch_of_its_first_message():

@@ -89,6 +89,7 @@ class ActionSpec:
     moves       -- the robot is elsewhere after it, so no order may be under way
     executed_as -- how it blocks, whatever of `blocking` it comes with; None: as it comes
     cancellable -- cancelOrder ends it
+    commands_motion -- the robot takes it for a drive, with an epoch of its own
     """
 
     action_type: str
@@ -100,6 +101,7 @@ class ActionSpec:
     moves: bool = False
     executed_as: Optional[BlockingType] = None
     result: str = ''
+    commands_motion: bool = False
     call: Optional[Call] = field(default=None, compare=False)
 
     def check(self, action: Action, scope: Scope) -> None:
@@ -152,6 +154,11 @@ class ActionTable:
         spec = self.specs.get(action.action_type)
         return spec is not None and spec.moves
 
+    def commands_motion(self, action: Action) -> bool:
+        """Whether the epoch of the robot's motion may change for it."""
+        spec = self.specs.get(action.action_type)
+        return spec is not None and (spec.moves or spec.commands_motion)
+
 
 def read_table(document: Any) -> Tuple[ActionSpec, ...]:
     """The lines of an `actions.yaml`, as YAML reads it. Raises WrongTable."""
@@ -162,7 +169,7 @@ def read_table(document: Any) -> Tuple[ActionSpec, ...]:
 
 
 _KEYS = {'description', 'scopes', 'blocking', 'executed_as', 'parameters', 'cancellable',
-         'moves', 'result', 'server', 'type', 'goal'}
+         'moves', 'commands_motion', 'result', 'server', 'type', 'goal'}
 
 
 def _spec(name: str, line: Any) -> ActionSpec:
@@ -182,7 +189,7 @@ def _spec(name: str, line: Any) -> ActionSpec:
                                                                        BlockingType])),
             parameters, bool(line.get('cancellable', True)), bool(line.get('moves', False)),
             BlockingType(line['executed_as']) if 'executed_as' in line else None,
-            str(line.get('result', '')), call)
+            str(line.get('result', '')), bool(line.get('commands_motion', False)), call)
     except (TypeError, ValueError) as error:
         raise WrongTable(f'action {name}: {error}') from None
     if spec.executed_as is not None and spec.executed_as not in spec.blocking:

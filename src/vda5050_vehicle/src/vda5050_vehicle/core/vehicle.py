@@ -116,14 +116,21 @@ class Vehicle:
 
     def _look_at_epoch(self) -> None:
         """A new epoch while nothing is done for us is another's: it drove or stopped the robot, and
-        only the master drives on after that. While an action has the robot, it is the action's."""
+        only the master drives on after that. Where an action commands the motion, it is the
+        action's."""
         state, epoch = self.state, self.context.robot.epoch
         if not epoch or epoch == state.epoch:
             return
         if (state.epoch and state.busy and not state.cancelling and not state.errors.failure
-                and state.drive.at_rest and not state.actions.hold_the_robot):
+                and state.drive.at_rest and not self._action_commands_motion):
             self._fail_to_drive('another program or person has driven or stopped the robot')
         state.epoch = epoch
+
+    @property
+    def _action_commands_motion(self) -> bool:
+        actions, table = self.state.actions, self.context.table
+        return any(actions[name].is_active and table.commands_motion(actions[name].action)
+                   for name in actions.triggered)
 
     def _pass_nodes(self) -> None:
         """Nodes that the robot has passed: their edges are left, their actions triggered."""
