@@ -137,6 +137,12 @@ def test_whatever_the_graph_nothing_leaks_and_no_corridor_is_touched(kind, seed)
     assert_good(graph, corridors, fences)
 
 
+def test_a_fence_is_not_overlooked_where_geos_leaves_a_part_out_of_a_buffer():
+    graph = tangle(967825)
+    corridors, fences = fenced(graph, kind=Fences.AREAS)
+    assert_good(graph, corridors, fences)
+
+
 def test_the_laboratory_has_few_fences_and_they_are_good():
     graph = load_graph(str(LAB / 'lab_graph.yaml'))
     conversion = convert(graph, MapDocument.load(str(LAB / 'lab_base.map')),
