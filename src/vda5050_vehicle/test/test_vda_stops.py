@@ -255,14 +255,14 @@ def test_a_route_that_is_repeated_has_the_epoch_of_its_first_message():
     assert {command.known_epoch for command in lab.robot.routes} == {7}
 
 
-@pytest.mark.parametrize('standing, velocity, ended', [
-    (True, None, True), (True, STANDING, True), (False, STANDING, False),
-    (True, DRIVING, False), (None, None, False)])
+@pytest.mark.parametrize('standing, velocity, rests, ended', [
+    (True, None, False, True), (True, STANDING, False, True), (False, STANDING, False, False),
+    (True, DRIVING, False, False), (None, None, False, False), (None, None, True, True)])
 def test_a_robot_that_tells_of_its_motion_stands_where_nothing_says_otherwise(
-        standing, velocity, ended):
+        standing, velocity, rests, ended):
     lab = under_way()
     stop = lab.act('startPause')
-    lab.see(standing=standing, velocity=velocity)
+    lab.see(standing=standing, velocity=velocity, rests=rests)
     lab.wait(3.0)
     assert (lab.status(stop) == 'FINISHED') is ended
 

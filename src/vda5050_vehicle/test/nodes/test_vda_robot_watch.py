@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import pytest
 import yaml
+from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
 from vda_builders import PACKAGE
 
@@ -59,3 +60,32 @@ def test_a_velocity_is_known_with_its_time_and_not_for_long(watch, topics):
     assert (watch.view().seen_at, watch.view().stands) == (100.0, True)
     topics_now[0] += 2.0
     assert (watch.view().velocity, watch.view().stands) == (None, False)
+
+
+def pose_at(x: float) -> PoseStamped:
+    message = PoseStamped()
+    message.header.frame_id = 'map'
+    message.pose.position.x, message.pose.orientation.w = x, 1.0
+    return message
+
+
+def test_a_robot_that_tells_only_where_it_is_stands_once_that_stays_the_same(watch, topics):
+    for x, stands in ((1.0, False), (1.3, False), (1.31, False), (1.3, True), (1.6, False)):
+        topics_now[0] += 1.0
+        tell(topics, 'pose', pose_at(x))
+        assert watch.view().stands is stands, x
+        assert watch.view().seen_at == topics_now[0]
+
+
+def test_one_pose_however_old_is_no_robot_that_stands(watch, topics):
+    tell(topics, 'pose', pose_at(1.0))
+    topics_now[0] += 2.5
+    assert not watch.view().stands
+
+
+def test_poses_count_for_nothing_where_the_robot_has_words_for_its_motion(watch, topics):
+    tell(topics, 'motion', Motion(epoch=7, state=Motion.DRIVING))
+    for _ in range(5):
+        topics_now[0] += 1.0
+        tell(topics, 'pose', pose_at(1.0))
+    assert not watch.view().stands

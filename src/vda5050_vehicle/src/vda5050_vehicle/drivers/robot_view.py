@@ -9,6 +9,7 @@ from vda5050_vehicle.protocol.values import BatteryState, EStop, Velocity
 
 STANDING_SPEED = 0.02     # m/s
 STANDING_ROTATION = 0.03  # rad/s
+REST = 2.0                # s in which a robot that tells only poses must not have moved
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,7 @@ class RobotView:
 
     seen_at  -- s; when the robot told what it tells here of its motion
     standing -- whether it says that it stands, where it has words for that
+    rests    -- whether its poses have stayed the same for REST
     epoch    -- another one since another program or person drove or stopped it; 0: not known
     lost     -- why nothing is heard of the robot; empty: it is heard, or its time is not over
     """
@@ -34,6 +36,7 @@ class RobotView:
     velocity: Optional[Velocity] = None
     seen_at: float = -math.inf
     standing: Optional[bool] = None
+    rests: bool = False
     epoch: int = 0
     localization_score: Optional[float] = None
     localized: bool = True
@@ -60,7 +63,14 @@ class RobotView:
         """Whether it is known to stand: nothing that it tells says otherwise, and one thing does.
         """
         return (not self.moves and self.standing is not False
-                and (self.velocity is not None or self.standing is True))
+                and (self.velocity is not None or self.standing is True or self.rests))
+
+
+def has_moved(before: Pose, now: Pose) -> bool:
+    """Does a pose differ by more than a standing robot's do within REST?"""
+    turned = math.remainder(now.theta - before.theta, math.tau)
+    return (math.hypot(now.x - before.x, now.y - before.y) > STANDING_SPEED * REST
+            or abs(turned) > STANDING_ROTATION * REST)
 
 
 def silence(heard_at: Optional[float], since: float, now: float, timeout: float) -> str:

@@ -22,7 +22,7 @@ from sensor_msgs.msg import BatteryState as BatteryMessage
 
 from node_lifecycle import ConfigurationError
 from node_lifecycle.headings import yaw_from_quaternion
-from vda5050_vehicle.drivers.robot_view import Pose, RobotView, silence
+from vda5050_vehicle.drivers.robot_view import REST, Pose, RobotView, has_moved, silence
 from vda5050_vehicle.protocol.values import BatteryState, EStop, Velocity
 
 SIGNALS = ('emergency_stop', 'lost', 'field_violation', 'localization_score', 'standing', 'epoch')
@@ -92,6 +92,8 @@ class RobotWatch:
         self._on_change = on_change
         self._lock = threading.Lock()
         self._heard: Dict[str, _Heard] = {}
+        self._still: Optional[_Heard[Pose]] = None
+        """The pose from which the robot has not moved since it was told first."""
         self._since = time.monotonic()
         if tf_base:
             self._follow_tf(tf_base)
@@ -109,7 +111,7 @@ class RobotWatch:
     def view(self) -> RobotView:
         """What is known now, less what is too old."""
         with self._lock:
-            heard = dict(self._heard)
+            heard, still = dict(self._heard), self._still
         now = time.monotonic()
 
         def fresh(name: str, otherwise: Any = None) -> Any:
@@ -124,9 +126,13 @@ class RobotWatch:
 
         battery, velocity, standing = heard.get('battery'), fresh('velocity'), last('standing')
         score, pose = fresh('localization_score'), heard.get('pose')
+        seen_at, rests = now, False
+        if velocity is not None:
+            seen_at = heard['velocity'].at
+        elif standing is None and pose is not None and still is not None:
+            seen_at, rests = pose.at, fresh('pose') is not None and pose.at - still.at >= REST
         return RobotView(
-            pose=fresh('pose'), velocity=velocity,
-            seen_at=now if velocity is None else heard['velocity'].at,
+            pose=fresh('pose'), velocity=velocity, seen_at=seen_at, rests=rests,
             standing=standing, epoch=last('epoch') or 0,
             localization_score=score if score is not None and 0.0 <= score <= 1.0 else None,
             localized=not fresh('lost', False),
@@ -148,7 +154,13 @@ class RobotWatch:
         position = message.pose.position
         pose = Pose(position.x, position.y, yaw_from_quaternion(message.pose.orientation))
         if all(map(math.isfinite, (pose.x, pose.y, pose.theta))):
-            self._hear('pose', pose)
+            self._hear_pose(pose)
+
+    def _hear_pose(self, pose: Pose) -> None:
+        with self._lock:
+            if self._still is None or has_moved(self._still.value, pose):
+                self._still = _Heard(pose, time.monotonic())
+        self._hear('pose', pose)
 
     def _on_odometry(self, message: Odometry) -> None:
         twist = message.twist.twist
@@ -182,8 +194,8 @@ class RobotWatch:
             if transform.header.stamp != last[0]:  # an old one is no news
                 last[0] = transform.header.stamp
                 place = transform.transform.translation
-                self._hear('pose', Pose(place.x, place.y,
-                                        yaw_from_quaternion(transform.transform.rotation)))
+                self._hear_pose(Pose(place.x, place.y,
+                                     yaw_from_quaternion(transform.transform.rotation)))
 
         timer = rospy.Timer(rospy.Duration(TF_PERIOD), look)
         rospy.on_shutdown(timer.shutdown)
