@@ -191,7 +191,10 @@ function drawSite() {
   paint.font = `${0.75 * rem}px system-ui, sans-serif`; paint.fillStyle = colour('soft');
   if (view.scale > 12) {
     for (const [id, x, y, kind] of site.vertices) {
-      if (kind !== 'cut') { const [px, py] = pixel(x, y); paint.fillText(vertexName(id), px + radius + 3, py + radius + 0.6 * rem); }
+      if (kind === 'cut') continue;
+      const [px, py] = pixel(x, y), name = vertexName(id), gap = radius + 3, width = paint.measureText(name).width;
+      const left = px + gap + width > size.width && px - gap >= width ? px - gap - width : px + gap; // never cut off at the right
+      paint.fillText(name, left, py + radius + 0.6 * rem);
     }
   }
   paint.strokeStyle = paint.fillStyle = colour('main'); paint.lineWidth = 3; paint.font = `bold ${0.875 * rem}px system-ui, sans-serif`;
