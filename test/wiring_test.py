@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import os
+import re
 import time
 import unittest
 from pathlib import Path
-from typing import Dict, List, NamedTuple, Set
+from typing import Dict, List, NamedTuple, Set, Tuple
 from xmlrpc.client import ServerProxy
 
 import rosgraph
 import rospy
+import rosservice
 
 from ports import free_port
 from system_support import Launched, run_cases, wait_until
@@ -26,6 +28,50 @@ FROM_OUTSIDE: Dict[str, Set[str]] = {
     'interactive_goals/feedback': {'rviz'}, 'graph_editor/feedback': {'rviz'},
     'fleet_handles/feedback': {'rviz'}, 'move_base/cancel': set(),
     'mission_request': {'goal_sender'}, 'mission_command': {'goal_sender', 'fleet_visualisation'}}
+#: What our nodes offer to people and other software, or to nodes that need not run.
+TO_OUTSIDE: Dict[str, Tuple[str, ...]] = {
+    'shown in RViz': (
+        'driven_path', 'feedback_markers', 'graph_markers', 'interactive_goals/update',
+        'interactive_goals/update_full', 'laser_markers', 'laser_points', 'map',
+        'map_markers/docks', 'map_markers/forbidden_areas', 'map_markers/goal_headings',
+        'map_markers/goal_names', 'map_markers/goals', 'map_markers/lines', 'map_markers/points',
+        'map_markers/sectors', 'route_markers', 'status_markers', '/graph_editor/findings',
+        '/graph_editor/graph', '/graph_editor/map', '/graph_editor/update',
+        '/graph_editor/update_full', '/graph_editor/words'),
+    'told to people and other software': (
+        'arcl_response', 'odom', 'status/battery_voltage', 'status/extended_status',
+        'status/localization_score', 'status/location', 'status/state', 'status/state_of_charge',
+        'status/temperature', 'user_feedback'),
+    'as move_base has it, for its clients': (
+        'move_base/feedback', 'move_base/result', 'move_base/status'),
+    'of the fleet, for its display and its page': (
+        '/docking_points', '/fleet_plan', '/fleet_poses'),
+    'for a fleet manager or an adapter, which need not run': (
+        '/mission_request', 'battery_state', 'route_refused')}
+#: The services of our nodes by the end of their names: type, and the program of ours that calls it.
+SERVICES: Dict[str, Tuple[str, str]] = {
+    'stop_fleet': ('std_srvs/Trigger', 'graph_fleet_manager/commands/stop.py'),
+    'resume_fleet': ('std_srvs/Trigger', 'graph_fleet_manager/nodes/fleet_acts.py'),
+    'leave_fleet': ('std_srvs/Trigger', 'graph_fleet_manager/nodes/fleet_acts.py'),
+    'join_fleet': ('std_srvs/Trigger', 'graph_fleet_manager/nodes/fleet_acts.py'),
+    'declare_absent': ('itrci_nav_msgs/DeclareAbsent', 'graph_fleet_manager/nodes/fleet_acts.py'),
+    'get_mission_status': ('itrci_nav_msgs/GetMissionStatus',
+                           'graph_fleet_manager/commands/mission_watch.py'),
+    'reload_graph': ('std_srvs/Trigger', 'graph_editor/nodes/take_over.py'),
+    'static_map': ('nav_msgs/GetMap', ''),    # as map_server's, for planners of others
+    'change_map': ('nav_msgs/LoadMap', '')}
+#: Launch files that this test does not start, the test that does, and the word by which it does.
+ELSEWHERE = {
+    'rviz.launch': ('rviz_support.py', 'rviz.launch'),
+    'editor_rviz.launch': ('graph_editor_site_test.py', 'editor_rviz'),
+    'map_converter.launch': ('converter.test', 'map_converter'),
+    'multimaster.launch': ('joined_fleet.py', 'multimaster'),
+    'join_masters.launch': ('joined_fleet.py', 'multimaster'),
+    'node_host.launch': ('hosted_test.py', 'node_host'),
+    'robot_host.launch': ('hosted.test', 'hosted')}
+#: Those that it starts, by itself or by another one.
+STARTED = {'full_stack.launch', 'robot.launch', 'sim.launch', 'visualisation.launch',
+           'vda5050.launch', 'two_robots.launch', 'fleet_manager.launch', 'edit.launch'}
 #: What a fleet manager gives, which need not run.
 OF_THE_FLEET = ('graph', 'fleet_state', 'mission_status', 'target_route')
 NOT_OURS = ('/rosout', 'body_state_publisher')
@@ -79,10 +125,13 @@ def ports(*names: str) -> Dict[str, int]:
 
 
 class Wiring(unittest.TestCase):
+    maxDiff = None
 
     @classmethod
     def setUpClass(cls) -> None:
         rospy.init_node('wiring_test')
+        cls.services: Set[str] = set()
+        cls.to_outside: Set[str] = set()
         os.environ.pop('DISPLAY', None)
 
     def check(self, found: List[Wire], has_fleet_manager: bool = False) -> None:
@@ -96,6 +145,18 @@ class Wiring(unittest.TestCase):
                     self.assertLessEqual(givers, ours, f'{wire}: nobody else gives this')
             if wire.heard and not wire.name.endswith(tuple(f'/{name}' for name in may_be_alone)):
                 self.assertTrue(wire.offered, f'{wire}: nobody offers what is listened to')
+            if wire.offered and not wire.heard:
+                self.to_outside.add(re.sub('^/(omron_ld90|robot_[ab])/', '', wire.name))
+        self.check_services()
+
+    def check_services(self) -> None:
+        for name in rosservice.get_service_list():
+            last = name.rsplit('/', 1)[1]
+            if last in ('get_loggers', 'set_logger_level', 'tf2_frames'):
+                continue
+            self.assertIn(last, SERVICES, f'{name}: nobody calls it')
+            self.assertEqual(SERVICES[last][0], rosservice.get_service_type(name), name)
+            self.services.add(last)
 
     def named(self, found: List[Wire], name: str) -> Wire:
         return next(wire for wire in found if wire.name == name)
@@ -138,6 +199,23 @@ class Wiring(unittest.TestCase):
                 if wire.name not in ('/graph', '/fleet_state', '/mission_request',
                                      '/mission_status'):
                     self.assertEqual(len(robots), 1, f'{wire}: of one robot only')
+
+    def test_z_the_tables_hold_nothing_else(self) -> None:
+        """What they allow is there, and each launch file is started by this test or another."""
+        self.assertEqual(self.services, set(SERVICES))
+        self.assertEqual(sorted(self.to_outside), sorted(
+            name for names in TO_OUTSIDE.values() for name in names))
+        for name, (kind, caller) in SERVICES.items():
+            if caller:
+                package = caller.split('/')[0]
+                source = (ROOT / 'src' / package / 'src' / caller).read_text(encoding='utf-8')
+                self.assertIn(name, source)
+                self.assertIn(kind.split('/')[1], source)
+        files = {file.name for folder in (ROOT / 'launch', *(ROOT / 'src').glob('*/launch'))
+                 for file in folder.glob('*.launch')}
+        self.assertEqual(files, {*STARTED, *ELSEWHERE})
+        for test, word in ELSEWHERE.values():
+            self.assertIn(word, (ROOT / 'test' / test).read_text(encoding='utf-8'))
 
 
 if __name__ == '__main__':
