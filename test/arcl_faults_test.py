@@ -31,6 +31,7 @@ from ports import free_port
 from system_support import Recorder, connected_publisher, run_cases, wait_until
 
 SOON = 15.0  # s
+ENDED = 40.0  # s; roscore itself gives rosout 15 s before it ends it another way
 DRIVE = 60.0  # s; the simulated robot's clock runs four times as fast
 
 
@@ -44,7 +45,7 @@ def program(*command: str, stderr: int = subprocess.DEVNULL,
         yield process
     finally:
         process.terminate()
-        process.wait(SOON)
+        process.wait(ENDED)
 
 
 class ArclFaultsTest(unittest.TestCase):
