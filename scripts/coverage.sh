@@ -11,7 +11,7 @@ prepare "${run_packages[@]}" "${test_packages[@]}"
 cd "$root"
 virtual_environment coverage /usr/bin/python3 --system-site-packages pytest-cov==5.0.0 || die "pytest-cov could not be installed from PyPI: see build/pip.log"
 jobs="${TEST_JOBS:-$(nproc)}"
-export ROS_IP=127.0.0.1 ROS_HOME="$root/build/ros_home"
+export ROS_IP=127.0.0.1 ROS_HOME="$root/build/ros_home" COVERAGE_FILE="$root/build/coverage/data"
 sources=()
 for package in src/*/src/*/__init__.py; do sources+=("--cov=$(basename "$(dirname "$package")")"); done
 exec build/coverage/bin/python -m pytest -q -o cache_dir="$root/build/coverage/cache" -n "$jobs" --dist loadfile src \
