@@ -9,7 +9,6 @@
 """
 from __future__ import annotations
 
-import argparse
 import subprocess
 import sys
 import threading
@@ -25,7 +24,8 @@ from load_bench.light_fleet import PERIOD, LightFleet, Release
 from load_bench.planning import planning
 from load_bench.site import save_site
 from measuring.processes import cpu_seconds, descendants, node_name, proportional
-from measuring.tables import Row, print_row, print_table
+from measuring.sections import print_sections
+from measuring.tables import Row
 from measuring.timing import p50_and_p99
 from supervisor_bench.stacks import MANAGER, Stack
 
@@ -188,20 +188,5 @@ SECTIONS: Dict[str, Callable[[], Iterator[Row]]] = {
     'history': history, 'planning': planning}
 
 
-def main() -> None:
-    """Prints the table; each section in a process of its own, as a process is one ROS node."""
-    options = argparse.ArgumentParser(description=__doc__)
-    options.add_argument('--only', choices=list(SECTIONS), action='append')
-    arguments = options.parse_args()
-    sections = arguments.only or list(SECTIONS)
-    if len(sections) > 1:
-        print_table([])
-        for section in sections:
-            subprocess.run([sys.executable, __file__, '--only', section], check=True)
-        return
-    for row in SECTIONS[sections[0]]():
-        print_row(row)
-
-
 if __name__ == '__main__':
-    main()
+    print_sections(SECTIONS, __doc__)

@@ -7,11 +7,8 @@ minutes, the others less than three each.
 """
 from __future__ import annotations
 
-import argparse
 import sqlite3
 import statistics
-import subprocess
-import sys
 import time
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, List, Sequence, Tuple
@@ -19,7 +16,8 @@ from typing import Any, Callable, Dict, Iterator, List, Sequence, Tuple
 import rospy
 from arcl_tap import ArclTap
 from measuring.processes import cpu_seconds, descendants, node_name, proportional
-from measuring.tables import Row, print_row, print_table
+from measuring.sections import print_sections
+from measuring.tables import Row
 from measuring.timing import p50_and_p99
 from supervisor_bench.stacks import AGVS, MANAGER, ROBOT, Stack
 
@@ -280,20 +278,5 @@ SECTIONS: Dict[str, Callable[[], Iterator[Row]]] = {
     'flood_2000': lambda: flood(2000), 'flood_5000': lambda: flood(5000)}
 
 
-def main() -> None:
-    """Prints the table; each section in a process of its own, as a process is one ROS node."""
-    options = argparse.ArgumentParser(description=__doc__)
-    options.add_argument('--only', choices=sorted(SECTIONS), action='append')
-    arguments = options.parse_args()
-    sections = arguments.only or list(SECTIONS)
-    if len(sections) > 1:
-        print_table([])
-        for section in sections:
-            subprocess.run([sys.executable, __file__, '--only', section], check=True)
-        return
-    for row in SECTIONS[sections[0]]():
-        print_row(row)
-
-
 if __name__ == '__main__':
-    main()
+    print_sections(SECTIONS, __doc__)
