@@ -8,13 +8,13 @@ import subprocess
 import tempfile
 import time
 import unittest
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Dict, Iterator, Set, Tuple
+from typing import Any, Dict, Set, Tuple
 from xmlrpc.client import ServerProxy
 
 import rosgraph
 import rospy
+from ros_master import RosMaster
 
 from itrci_nav_msgs.msg import (
     ClosedEdges,
@@ -23,7 +23,6 @@ from itrci_nav_msgs.msg import (
     PlanRequest,
     TargetRoute,
 )
-from ports import free_port
 from system_support import Recorder, connected_publisher, run_cases, wait_until
 
 HERE = Path(__file__).resolve().parent
@@ -33,31 +32,8 @@ ALL_OVER = 10.0  # s from the start of a ROS master until each node is registere
 Registrations = Set[Tuple[str, str, str]]  # node, kind, name
 
 
-class RosMaster:
-    """A ROS master that no launch depends on."""
-
-    def __init__(self) -> None:
-        self.port = free_port()
-        self.uri = f'http://127.0.0.1:{self.port}'
-        self.start()
-
-    def start(self) -> None:
-        self._process = subprocess.Popen(['rosmaster', '--core', '-p', str(self.port)],
-                                         stdout=subprocess.DEVNULL)
-        wait_until(lambda: rosgraph.is_master_online(self.uri), 20, 'a ROS master')
-
-    def kill(self) -> None:
-        self._process.kill()
-        self._process.wait(10)
-
-    @contextmanager
-    def hangs(self) -> Iterator[None]:
-        """Meanwhile it answers nothing."""
-        self._process.send_signal(signal.SIGSTOP)
-        try:
-            yield
-        finally:
-            self._process.send_signal(signal.SIGCONT)
+class WatchedMaster(RosMaster):
+    """A ROS master, and what the nodes under test are to it."""
 
     def registrations(self) -> Registrations:
         """Everything that the nodes under test have registered."""
@@ -88,7 +64,7 @@ class MasterRestartTest(unittest.TestCase):
     def setUpClass(cls) -> None:
         cls.folder = tempfile.TemporaryDirectory()
         os.environ['ROS_HOME'] = cls.folder.name  # what this fleet manager leaves there is its own
-        cls.master = RosMaster()
+        cls.master = WatchedMaster()
         os.environ['ROS_MASTER_URI'] = cls.master.uri
         cls.launch = subprocess.Popen(
             ['roslaunch', str(HERE / 'master_restart_fleet.launch'), f'files:={cls.folder.name}'])

@@ -17,10 +17,11 @@ from pathlib import Path
 from random import Random
 from typing import Callable, Dict, List
 
+from ros_master import RosMaster
 from soaking.disturbances import Disturbances
 from soaking.fleet import Fleet
 from soaking.hall import CLEARANCE, Hall, write_hall
-from soaking.launch import PLANTS, Launch, RosMaster, resources
+from soaking.launch import PLANTS, Launch, resources
 from soaking.simulators import Simulators
 
 from fleet_simulation.witness import Witness, growth

@@ -14,12 +14,13 @@ from random import Random
 from typing import Callable, Dict, Iterator, List, Sequence, Tuple
 
 import rosgraph
+from ros_master import RosMaster
 
 from fleet_simulation.witness import Witness
 from itrci_nav_msgs.msg import EdgeCommand, FleetRobot, MissionCommand
 from soaking.fleet import Fleet
 from soaking.hall import Hall
-from soaking.launch import Launch, RosMaster, process_of
+from soaking.launch import Launch, process_of
 from soaking.simulators import Simulators
 
 RECOVERS = 8.0  # s after which a robot whose program or link was away is reached again

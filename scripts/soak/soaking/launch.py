@@ -5,7 +5,6 @@ import os
 import signal
 import socket
 import subprocess
-import time
 import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import List
@@ -20,32 +19,6 @@ from ports import free_port
 PLANTS = Path(__file__).resolve().parents[1] / 'plants'
 TRUE_ANSWERS = '/plan_answer_of_planner'
 FAST = 5.0  # s after which a call to a process that hangs is given up
-
-
-class RosMaster:
-    """A ROS master that may be killed and started anew on its port."""
-
-    def __init__(self) -> None:
-        self.port = free_port()
-        self.uri = f'http://127.0.0.1:{self.port}'
-        self.start()
-
-    def start(self) -> None:
-        """Returns once it answers."""
-        self._process = subprocess.Popen(['rosmaster', '--core', '-p', str(self.port)],
-                                         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        while not rosgraph.is_master_online(self.uri):
-            time.sleep(0.05)
-
-    @property
-    def pid(self) -> int:
-        """Of its process."""
-        return self._process.pid
-
-    def kill(self) -> None:
-        """Without a word."""
-        self._process.kill()
-        self._process.wait()
 
 
 class Launch:
