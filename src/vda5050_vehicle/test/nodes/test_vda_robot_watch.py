@@ -83,6 +83,13 @@ def test_one_pose_however_old_is_no_robot_that_stands(watch, topics):
     assert not watch.view().stands
 
 
+def test_a_robot_that_was_not_heard_meanwhile_may_have_been_elsewhere(watch, topics):
+    for pause, stands in ((0.0, False), (2.5, False), (1.0, False), (1.0, True)):
+        topics_now[0] += pause
+        tell(topics, 'pose', pose_at(1.0))
+        assert watch.view().stands is stands, pause
+
+
 def test_poses_count_for_nothing_where_the_robot_has_words_for_its_motion(watch, topics):
     tell(topics, 'motion', Motion(epoch=7, state=Motion.DRIVING))
     for _ in range(5):

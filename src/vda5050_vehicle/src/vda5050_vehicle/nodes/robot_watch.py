@@ -157,9 +157,12 @@ class RobotWatch:
             self._hear_pose(pose)
 
     def _hear_pose(self, pose: Pose) -> None:
+        now = time.monotonic()
         with self._lock:
-            if self._still is None or has_moved(self._still.value, pose):
-                self._still = _Heard(pose, time.monotonic())
+            last = self._heard.get('pose')
+            if (self._still is None or has_moved(self._still.value, pose)
+                    or last is None or now - last.at > REST):  # it may have been elsewhere
+                self._still = _Heard(pose, now)
         self._hear('pose', pose)
 
     def _on_odometry(self, message: Odometry) -> None:
