@@ -2,6 +2,8 @@
 from __future__ import annotations
 
 import re
+import shutil
+import subprocess
 from pathlib import Path
 from typing import List
 
@@ -58,3 +60,16 @@ def test_there_is_one_version():
                                       ('CHANGELOG.md', r'(?m)^## (\d+\.\d+\.\d+)'))
                 for file in ROOT.glob(glob)}
     assert len(set(versions.values())) == 1, versions
+
+
+def test_the_repository_holds_what_was_written_for_it_and_nothing_that_a_run_leaves():
+    if shutil.which('git') is None:
+        pytest.skip('git is not installed')
+    listed = subprocess.run(['git', 'ls-files', '-z'], cwd=ROOT, check=False, text=True,
+                            capture_output=True)
+    if listed.returncode:
+        pytest.skip(f'this is no clone: {listed.stderr.strip()}')
+    files = listed.stdout.split('\0')
+    written = [name for name in files if name and not name.startswith('docs/images/')]
+    assert len(written) > 500
+    assert [name for name in written if b'\0' in (ROOT / name).read_bytes()] == []
