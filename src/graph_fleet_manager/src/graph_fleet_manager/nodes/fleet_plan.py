@@ -2,7 +2,6 @@
 from __future__ import annotations
 
 import queue
-import threading
 import time
 from contextlib import suppress
 from typing import NamedTuple, Optional
@@ -13,6 +12,7 @@ from graph_fleet_manager.messages import missions as messages
 from graph_fleet_manager.nodes.sending import send
 from graph_fleet_manager.supervision.fleet_view import PlanProgress, plan_views
 from itrci_nav_msgs.msg import FleetPlan
+from node_lifecycle.worker import start_worker
 
 _SHARE = 0.1  # of the time may go into messages; large plans are told less often
 
@@ -35,7 +35,7 @@ class FleetPlanTopic:
         self._rate = rate
         self._newest: queue.Queue[_Told] = queue.Queue(1)
         self._publisher = rospy.Publisher('/fleet_plan', FleetPlan, queue_size=1, latch=True)
-        threading.Thread(target=self._work, name='fleet_plan', daemon=True).start()
+        start_worker('fleet_plan', self._work)
 
     def tell(self, progress: Optional[PlanProgress], now: float, stamp: rospy.Time) -> None:
         """This is the plan now; one that was not told yet is left out."""

@@ -45,7 +45,8 @@ from trajectory_graph import CurveType, Edge, Graph, Vertex
 
 STOPPED = 'fleet_is_stopped'  # the name of the number that tells whether it is
 _PAGE = 1000  # missions that the history reads at a time
-_OPEN = tuple(state for state in MissionState if state.is_open)
+OPEN_STATES = f'({", ".join(str(int(state)) for state in MissionState if state.is_open)})'
+"""In SQL, the states of missions that have not ended."""
 
 
 class RobotMemory(NamedTuple):
@@ -162,9 +163,8 @@ class Journal:
 
         The last mission stays, so that no serial is given twice. Raises JournalUnavailable.
         """
-        marks = ', '.join(str(int(state)) for state in _OPEN)
         serials = [row[0] for row in self._run(
-            f'SELECT serial FROM mission WHERE changed < ? AND state NOT IN ({marks}) '
+            f'SELECT serial FROM mission WHERE changed < ? AND state NOT IN {OPEN_STATES} '
             'AND serial < (SELECT MAX(serial) FROM mission) ORDER BY changed LIMIT ?',
             (self._clock() - age, most))]
         if serials:
@@ -194,12 +194,11 @@ class Journal:
 
     def missions(self) -> List[Mission]:
         """The open missions and the last ended ones, in the order of their acceptance."""
-        marks = ', '.join(str(int(state)) for state in _OPEN)
         rows = self._run(
             'SELECT * FROM (SELECT serial, request, state, robot, reached, reason FROM mission '
-            f'WHERE state IN ({marks}) UNION SELECT * FROM (SELECT serial, request, state, robot, '
-            f'reached, reason FROM mission WHERE state NOT IN ({marks}) ORDER BY serial DESC '
-            'LIMIT ?)) ORDER BY serial', (REMEMBERED,))
+            f'WHERE state IN {OPEN_STATES} UNION SELECT * FROM (SELECT serial, request, state, '
+            f'robot, reached, reason FROM mission WHERE state NOT IN {OPEN_STATES} '
+            'ORDER BY serial DESC LIMIT ?)) ORDER BY serial', (REMEMBERED,))
         return [_mission(row) for row in rows]
 
     def stays(self) -> Dict[int, float]:
@@ -246,8 +245,7 @@ def history(path: str, since: float = -math.inf) -> Iterator[HistoryLine]:
 
     since -- s since 1970: missions that have not changed since then and have ended are left out
     """
-    marks = ', '.join(str(int(state)) for state in _OPEN)
-    wanted = '' if since == -math.inf else f'AND (changed >= :since OR state IN ({marks}))'
+    wanted = '' if since == -math.inf else f'AND (changed >= :since OR state IN {OPEN_STATES})'
     if not os.path.isfile(path):
         raise JournalError(f'There is no journal {path}: no mission was ever accepted on this '
                            'computer, or it is kept elsewhere.')

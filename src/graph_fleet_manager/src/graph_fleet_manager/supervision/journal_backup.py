@@ -8,6 +8,7 @@ from contextlib import closing
 from typing import Callable
 from urllib.parse import quote
 
+from graph_fleet_manager.supervision.journal import OPEN_STATES
 from graph_fleet_manager.supervision.journal_database import JournalDatabase
 from graph_fleet_manager.supervision.missions import MissionState
 
@@ -34,10 +35,9 @@ def make_as_lost(path: str, clock: Callable[[], float] = time.time) -> int:
     """
     file = JournalDatabase(path)
     try:
-        marks = ', '.join(str(int(state)) for state in MissionState if state.is_open)
         with file.transaction() as database:
             serials = [row[0] for row in database.execute(
-                f'SELECT serial FROM mission WHERE state IN ({marks})')]
+                f'SELECT serial FROM mission WHERE state IN {OPEN_STATES}')]
             now = clock()
             for serial in serials:
                 database.execute(

@@ -36,9 +36,9 @@ class MotionFile:
         try:
             with open(self._path, encoding='utf-8') as stream:
                 content = json.load(stream)
-            memory = Memory(**{**content, 'giver': Giver(*content['giver']),
-                             'cause': Cause(content['cause']), 'goals': tuple(content['goals']),
-                             'newer_goals': tuple(content['newer_goals'])})
+            memory = Memory(**{
+                **content, 'giver': Giver(*content['giver']), 'cause': Cause(content['cause']),
+                'goals': tuple(content['goals']), 'newer_goals': tuple(content['newer_goals'])})
         except FileNotFoundError:
             return None
         except (OSError, ValueError, KeyError, TypeError) as error:

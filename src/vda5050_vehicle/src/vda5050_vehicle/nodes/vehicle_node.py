@@ -231,8 +231,8 @@ class VehicleNode:
             name, written = self._settings.reports.write(effect.reason, effect.lines), True
         except OSError as error:
             name, written = f'the report cannot be stored: {error.strerror}', False
-        self._put(lambda now: self._vehicle.action_ended(effect.action_id, written, name,
-                                                               now))
+        self._put(lambda now: self._vehicle.action_ended(
+            effect.action_id, written, name, now))
 
     def _set_pose(self, pose: Pose) -> None:
         message = PoseWithCovarianceStamped()
