@@ -177,7 +177,7 @@ class FleetOnThePage(unittest.TestCase):
         self.window.click('#tab_button_missions')
         self.window.click('#clear')
         for count, vertex in enumerate(vertices, 1):
-            self.click_vertex(vertex)
+            self.window.click_vertex(vertex)
             self.window.wait(lambda: len(self.window.driver.find_elements(
                 'css selector', '#chosen li')) == count, f'destination {vertex}')  # noqa: B023
         if first_stay:
@@ -201,17 +201,6 @@ class FleetOnThePage(unittest.TestCase):
         self.compose(*vertices, robot=robot, robot_type=robot_type, first_stay=first_stay,
                      priority=priority)
         return self.press_send()
-
-    def click_vertex(self, vertex: int) -> None:
-        """As a finger does: on the map, where the vertex is drawn."""
-        x, y = self.window.wait(lambda: self.window.driver.execute_async_script('''
-            const [vertex, done] = arguments;
-            import('/page/map.js').then(map => done(map.screenPlace(vertex)));''', vertex),
-            f'vertex {vertex} on the map')
-        for kind, buttons in (('mousePressed', 1), ('mouseReleased', 0)):
-            self.window.driver.execute_cdp_cmd('Input.dispatchMouseEvent', {
-                'type': kind, 'x': x, 'y': y, 'button': 'left', 'buttons': buttons,
-                'clickCount': 1})
 
     def row_of(self, mission: int, act: str) -> str:
         """The selector of a button of an open mission."""

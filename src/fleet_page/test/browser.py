@@ -129,6 +129,27 @@ class Browser:
             return True
         self.wait(clicked, selector)
 
+    def click_vertex(self, vertex: int) -> None:
+        """As a finger does: on the map, where the vertex is drawn, once the map is at rest. Where
+        words come or go above it, it moves."""
+        x, y = self.wait(lambda: self.driver.execute_async_script('''
+            const [vertex, done] = arguments;
+            const frame = () => new Promise(requestAnimationFrame);
+            import('/page/map.js').then(async map => {
+                const before = map.screenPlace(vertex);
+                for (let k = 0; k < 3; k++) await frame();
+                const place = map.screenPlace(vertex);
+                const rests = before && place && before.every((value, k) => value === place[k]);
+                done(rests ? place : null);
+            });''', vertex), f'vertex {vertex} on the map')
+        self.click_at(x, y)
+
+    def click_at(self, x: float, y: float) -> None:
+        for kind, buttons in (('mousePressed', 1), ('mouseReleased', 0)):
+            self.driver.execute_cdp_cmd('Input.dispatchMouseEvent', {
+                'type': kind, 'x': x, 'y': y, 'button': 'left', 'buttons': buttons,
+                'clickCount': 1})
+
     def text(self, selector: str) -> str:
         return self.script('return document.querySelector(arguments[0]).textContent', selector)
 

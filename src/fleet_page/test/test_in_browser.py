@@ -53,20 +53,6 @@ def asked(window, served, kind, **values):
     return act
 
 
-def click_vertex(window, vertex):
-    """As a finger does: on the map, where the vertex is drawn."""
-    x, y = window.wait(lambda: window.driver.execute_async_script('''
-        const [vertex, done] = arguments;
-        import('/page/map.js').then(map => done(map.screenPlace(vertex)));''', vertex), 'the site')
-    click_at(window, x, y)
-
-
-def click_at(window, x, y):
-    for kind, buttons in (('mousePressed', 1), ('mouseReleased', 0)):
-        window.driver.execute_cdp_cmd('Input.dispatchMouseEvent', {
-            'type': kind, 'x': x, 'y': y, 'button': 'left', 'buttons': buttons, 'clickCount': 1})
-
-
 def test_robots_missions_alarms_and_plans_are_shown(window, served):
     assert 'a 75 %' in window.text('.robot[data-name=a]')
     assert window.one('.released[data-robot=a]')
@@ -92,7 +78,7 @@ def test_the_stop_button_stops(window, served):
 
 def test_a_mission_is_sent_by_clicks_on_the_map(window, served):
     for vertex in (3, 7, 6):
-        click_vertex(window, vertex)
+        window.click_vertex(vertex)
     window.wait(lambda: len(window.driver.find_elements('css selector', '#chosen li')) == 3)
     window.one('#chosen li:nth-child(2) input[type=number]').send_keys('5')
     window.click('#chosen li:nth-child(3) input[type=checkbox]')
@@ -109,7 +95,7 @@ def test_a_mission_is_sent_by_clicks_on_the_map(window, served):
 
 
 def test_favourites_are_kept_used_and_removed(window, served):
-    click_vertex(window, 3)
+    window.click_vertex(3)
     window.one('#favourite_name').send_keys('<b>tour</b>')
     window.click('#keep')
     window.wait(lambda: '<b>tour</b>: 3' in window.text('#favourites'))
