@@ -89,7 +89,7 @@ system_test() {  # system_test NAME ARCL_PORT OUTGOING_PORT: one rostest on free
   local name="$1" log="$results/$1.log" begun=$SECONDS verdict=passed file
   export LD90_ARCL_PORT="$2" LD90_OUTGOING_PORT="$3" ROS_TEST_RESULTS_DIR="$results/ros/$name"
   # Tests that run at the same time have robots of the same name, each with files of its own for what outlives a restart.
-  export ROS_HOME="$root/build/ros_home/$name"
+  export ROS_HOME="$root/build/ros_home/$name" ROS_LOG_DIR="$root/build/ros_home/$name/log"  # a test may change ROS_HOME
   rm -rf "$ROS_HOME"
   mkdir -p "$ROS_HOME"
   timeout --kill-after=20 "${LD90_LONG_TESTS:+1}600" ${mounts_alone[@]+"${mounts_alone[@]}"} rostest --pkgdir="$root/src/omron_ld90" --package=omron_ld90 \
