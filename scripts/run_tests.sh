@@ -142,6 +142,8 @@ once_more_alone() {  # those that failed beside another test, which may have had
   for name in "${failed[@]}"; do
     say "  $name failed beside another test, so it runs once more, alone, and that counts"
     mv "$results/$name.log" "$results/$name.first_try.log"
+    rm -rf "$root/build/ros_home/$name.first_try"
+    mv "$root/build/ros_home/$name" "$root/build/ros_home/$name.first_try"
     rm -f "$results"/ros{unit,test}-*"$name.xml" "$results/check-$name.xml"
     echo "system test $name failed beside another one, and ran once more, alone" >>"$results/once_more.note"
     system_test "$name" "$(free_port)" "$(free_port)"

@@ -1,4 +1,4 @@
-"""Becoming a node although the log cannot be written: a full or read-only disk is no reason to end.
+"""Becoming a node, even where the log cannot be written: a full or read-only disk ends no node.
 
 rospy ends a program whose log file it cannot open, and lets errors of the standard streams out.
 """
@@ -15,12 +15,15 @@ import rospkg
 import rospy
 from rospy.impl.paramserver import get_param_server_cache
 
+from node_lifecycle import topic_connections
+
 _FILE_HANDLER = 'RotatingFileHandler'  # of logging.handlers: what rospy writes its log with
 _TOPICS_LEFT_OUT = '/rosout_disable_topics_generation'
 
 
 def init_node(name: str, **options: Any) -> None:
     """rospy.init_node; without a log file where there can be none."""
+    topic_connections.mend()
     with _possible_log_file():
         rospy.init_node(name, **options)
     _ask_once()

@@ -46,10 +46,12 @@ def _received(topic: str) -> OccupancyGrid:
     import rosgraph
     import rospy
     from nav_msgs.msg import OccupancyGrid
+
+    from node_lifecycle.log_file import init_node
     if not rosgraph.is_master_online():
         raise SiteError(f'{topic} cannot be heard: there is no ROS master.')
     if not rospy.core.is_initialized():
-        rospy.init_node('graph_editor_map', anonymous=True, disable_signals=True)
+        init_node('graph_editor_map', anonymous=True, disable_signals=True)
     try:
         return rospy.wait_for_message(topic, OccupancyGrid, PATIENCE)
     except rospy.ROSException:

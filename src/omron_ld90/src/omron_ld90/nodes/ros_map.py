@@ -39,8 +39,9 @@ def _run_node() -> int:
     import rospy
 
     from node_lifecycle import ConfigurationError, choice, parameter
+    from node_lifecycle.log_file import init_node
 
-    rospy.init_node('omron_ros_map')
+    init_node('omron_ros_map')
     try:
         options = Options(
             dock_vertex=parameter('~dock_vertex', kind=int) if _given('~dock_vertex') else None,
