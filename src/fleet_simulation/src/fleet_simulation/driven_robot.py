@@ -2,7 +2,7 @@
 """
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from random import Random
 from typing import List, Optional, Tuple
 
@@ -41,27 +41,26 @@ class Delays:
 
 @dataclass(frozen=True)
 class Mechanics:
-    """How a kind of robot drives; see DriveLimits.
+    """How a kind of robot drives.
 
+    drive     -- its limits; the speed is that of its type in the fleet file
     docking, undocking -- s of manoeuvre on the edge to a dock, and on the one away
     """
 
-    acceleration: float
-    braking: float
-    turn_rate: float
-    turn_acceleration: float
+    drive: DriveLimits
     docking: float = 0.0
     undocking: float = 0.0
 
     def limits(self, kind: RobotType) -> DriveLimits:
-        """The same for the drive of a type."""
-        return DriveLimits(kind.speed, self.acceleration, self.braking, 2.0, self.turn_rate,
-                           self.turn_acceleration)
+        """Of a robot of a type."""
+        return replace(self.drive, speed=kind.speed)
 
 
-LD90 = Mechanics(0.5, 0.3, 1.75, 3.14, 12.0, 6.0)
-"""From configurations of real robots; it docks and undocks in about these times."""
-AGV = Mechanics(0.5, 0.5, 1.0, 2.0)
+LD90 = Mechanics(DriveLimits(acceleration=0.5, braking=0.2, turn_rate=1.75, turn_acceleration=3.14,
+                             bend_rate=0.25, reverses=False), 12.0, 6.0)
+"""From configurations of real robots. It brakes gently for bends and goals, and plans a path of its
+own between goals: `bend_rate` is that at which its times are those of the simulated LD-90."""
+AGV = Mechanics(DriveLimits())
 """As `agv_sim` drives."""
 
 

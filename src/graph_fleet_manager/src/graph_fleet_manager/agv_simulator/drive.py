@@ -1,7 +1,8 @@
 """A vehicle that follows edges exactly: its place, speed and heading from one moment to the next.
 
-It drives both ways alike: on a new edge it turns on the spot by the smaller angle, at most 90
-degrees, and drives on with whichever end is ahead. Edges that run on smoothly are not stopped at.
+On a new edge it turns on the spot. A vehicle that drives both ways alike turns by the smaller
+angle, at most 90 degrees, and drives on with the end that is ahead then. It does not stop between
+edges that run on smoothly.
 Metres, seconds, radians.
 """
 from __future__ import annotations
@@ -176,7 +177,8 @@ class Drive:
     def _face_ahead(self) -> None:
         """Chooses which end goes ahead on the edge that begins, and what to turn for that."""
         ahead = self.graph.curve(self.path[self.index]).heading_at(self.arc)
-        self._backwards = abs(angle_between(self.heading, ahead)) > math.pi / 2.0
+        self._backwards = self.limits.reverses and abs(
+            angle_between(self.heading, ahead)) > math.pi / 2.0
         facing = angle_between(math.pi, ahead) if self._backwards else ahead
         self._turn_to = facing if abs(angle_between(self.heading, facing)) > ON_PLACE else None
 

@@ -20,7 +20,12 @@ Stretch = Tuple[float, float]
 
 @dataclass(frozen=True)
 class DriveLimits:
-    """What a vehicle's drive can do; m/s, m/s2, rad/s, rad/s2."""
+    """What a vehicle's drive can do; m/s, m/s2, rad/s, rad/s2.
+
+    turn_rate, turn_acceleration -- of turns on the spot
+    bend_rate -- of turns while it drives, which limits its speed in bends
+    reverses  -- whether it drives backwards as well as forwards, and so turns by 90 degrees at most
+    """
 
     speed: float = 1.0
     acceleration: float = 0.5
@@ -28,6 +33,8 @@ class DriveLimits:
     emergency_braking: float = 2.0
     turn_rate: float = 1.0
     turn_acceleration: float = 2.0
+    bend_rate: float = 1.0
+    reverses: bool = True
 
 
 class SpeedLimits:
@@ -69,7 +76,7 @@ class SpeedLimits:
         cells = max(1, math.ceil(curve.length / SAMPLE))
         arcs = np.linspace(0.0, curve.length, cells + 1)
         bends = np.diff(curve.turned(arcs)) / (curve.length / cells)
-        allowed = np.minimum(top, self._drive.turn_rate / np.maximum(bends, 1e-9))
+        allowed = np.minimum(top, self._drive.bend_rate / np.maximum(bends, 1e-9))
         allowed = np.maximum(np.floor(allowed / top * _STEPS) / _STEPS * top, min(CREEP, top))
         stretches: List[Stretch] = []
         for arc, limit in zip(arcs[:-1].tolist(), allowed.tolist()):
