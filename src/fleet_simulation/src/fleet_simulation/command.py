@@ -13,14 +13,14 @@ import sys
 from dataclasses import replace
 from math import inf
 from pathlib import Path
-from typing import Dict, List, NoReturn, Optional, Sequence, Tuple
+from typing import Dict, FrozenSet, List, NoReturn, Optional, Sequence, Tuple
 
 from fleet_simulation.batch import Done, Job, Progress, run_all
 from fleet_simulation.demand_file import load_demand
 from fleet_simulation.figures import Figures
 from fleet_simulation.proposals import Proposal, proposals
 from fleet_simulation.report import Proposed, Study, in_words, write
-from fleet_simulation.site import Site, WrongSite, site_of
+from fleet_simulation.site import Site, WrongSite, site_of, with_docks
 from fleet_simulation.statistics import band, knee, sizes, waiting_by_edge
 from graph_fleet_manager.files.errors import FileError
 from graph_fleet_manager.files.fleet_file import load_fleet
@@ -40,7 +40,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     words = sys.argv[1:] if arguments is None else list(arguments)
     options = _parser().parse_args(words)
     try:
-        site = _site(options, None)
+        site = _site(options)
         counts = options.robots or (max(len(site.fleet.robots), 1),)
         for count in counts:
             site.robots(count)
@@ -121,14 +121,16 @@ def _whole(text: str) -> int:
     return int(text)
 
 
-def _site(options: argparse.Namespace, graph: Optional[Graph]) -> Site:
-    """The site of the files, or the same with another graph."""
+def _site(options: argparse.Namespace, graph: Optional[Graph] = None,
+          docks: FrozenSet[int] = frozenset()) -> Site:
+    """The site of the files, or the same with another graph and more docks."""
     if graph is None:
         graph = load_graph(options.graph)
         if options.longest_edge:
             graph = split_edges(graph, options.longest_edge)
-    return site_of(graph, load_fleet(options.fleet), load_settings(options.fleet),
-                   load_demand(options.demand, graph), options.latency, options.rounds)
+    fleet = with_docks(load_fleet(options.fleet), docks)
+    return site_of(graph, fleet, load_settings(options.fleet), load_demand(options.demand, graph),
+                   options.latency, options.rounds)
 
 
 def _runs(site: Site, counts: Sequence[int],
@@ -146,9 +148,10 @@ def _try_proposals(site: Site, runs: Sequence[Figures],
     room = 2.0 * max(kind.reach for kind in site.fleet.types) + site.fleet.clearance
     edges = list(waiting_by_edge(best))[:_PROPOSED_EDGES]
     tried: List[Tuple[Proposal, Site]] = []
-    for proposal in proposals(site.graph, edges, room):
+    docks_in_use = max(run.docks for run in best.runs)
+    for proposal in proposals(site.graph, edges, room, docks_in_use):
         try:
-            changed = _site(options, proposal.graph)
+            changed = _site(options, proposal.graph, proposal.docks)
             changed.robots(best.robots)
         except (WrongSite, FileError):
             continue  # the demand cannot be served, or the robots not be parked, with this change

@@ -1,9 +1,12 @@
-"""Changes of the graph where robots wait most: each is a graph of its own, to be simulated."""
+"""Changes of the graph where robots wait most: each is a graph of its own, to be simulated.
+
+Where all docks were in use at once, another dock is a proposal, too.
+"""
 from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Callable, Iterator, List, NamedTuple, Sequence, Tuple
+from typing import Callable, FrozenSet, Iterator, List, NamedTuple, Sequence, Tuple
 
 from trajectory_graph import Edge, Graph, TrajectoryGraphError, Vertex, split_edges
 from trajectory_graph.editing import Draft
@@ -14,19 +17,27 @@ _LONGEST = 1.5  # m of the sections of an edge that is cut
 
 
 class Proposal(NamedTuple):
-    """A change in words (`To ...`), its file's name, and the graph that it makes."""
+    """A change in words (`To ...`), its file's name, and the graph that it makes.
+
+    docks -- vertices that become docks of all types that charge
+    """
 
     what: str
     name: str
     graph: Graph
+    docks: FrozenSet[int] = frozenset()
 
 
-def proposals(graph: Graph, edges: Sequence[int], room: float) -> List[Proposal]:
+def proposals(graph: Graph, edges: Sequence[int], room: float,
+              docks_in_use: int = 0) -> List[Proposal]:
     """What may be done about the edges that are waited for most, the most first.
 
-    room -- m that two robots need between their centres
+    room         -- m that two robots need between their centres
+    docks_in_use -- the most docks in use at once
     """
     found: List[Proposal] = []
+    if docks_in_use and docks_in_use >= sum(one.dock for one in graph.vertices.values()):
+        found += _dock(graph, room)
     if any(graph.curve(id).length > _LONGEST for id in graph.edges):
         found.append(Proposal(f'cut all edges at {_LONGEST:g} m', 'cut_all',
                               split_edges(graph, _LONGEST)))
@@ -99,34 +110,57 @@ def _comes_round(graph: Graph, changed: Edge, begin: int, end: int) -> bool:
 def _passing_place(graph: Graph, id: int,
                    room: float) -> Iterator[Tuple[str, str, Sequence[Vertex], Sequence[Edge]]]:
     """A spur beside an end of the edge, where there is room."""
+    start = graph.edges[id].origin
+    for vertices, edges, _ in _spurs(graph, id, room, 'passing place', dock=False):
+        yield (f'add a passing place beside vertex {start}', f'passing_{start}', vertices, edges)
+        return
+
+
+def _dock(graph: Graph, room: float) -> Iterator[Proposal]:
+    """A spur with a dock, as near to a dock as there is room."""
+    docks = [vertex.position for vertex in graph.vertices.values() if vertex.dock]
+    for id in sorted(graph.edges, key=lambda id: min(
+            math.dist(graph.vertices[graph.edges[id].origin].position, dock) for dock in docks)):
+        start = graph.edges[id].origin
+        if graph.vertices[start].dock:
+            continue
+        for vertices, edges, dock in _spurs(graph, id, room, 'dock', dock=True):
+            yield Proposal(f'add a dock beside vertex {start} (list vertex {dock} under docks in '
+                           'the fleet file)', f'dock_{start}', Graph(vertices, edges),
+                           frozenset((dock,)))
+            return
+
+
+def _spurs(graph: Graph, id: int, room: float, label: str,
+           dock: bool) -> Iterator[Tuple[Sequence[Vertex], Sequence[Edge], int]]:
+    """The graph with an edge to a new vertex on each side of an edge's start where there is room;
+    and that vertex."""
     edge = graph.edges[id]
-    start = graph.vertices[edge.origin]
-    heading = graph.curve(id).heading_at(0.0)
+    start, heading = graph.vertices[edge.origin], graph.curve(id).heading_at(0.0)
+    aside = max(_ASIDE, room + 0.1)
+    vertex, spur = max(graph.vertices) + 1, max(graph.edges) + 1
+    speed = edge.velocity_forward or edge.velocity_backwards
     for side in (1.0, -1.0):
-        aside = max(_ASIDE, room + 0.1)
         x = start.x - side * aside * math.sin(heading)
         y = start.y + side * aside * math.cos(heading)
         nearest = graph.nearest_edge(x, y)
         if nearest is None or nearest[1].distance < room:
             continue
-        vertex, spur = max(graph.vertices) + 1, max(graph.edges) + 1
-        speed = edge.velocity_forward or edge.velocity_backwards
-        yield (f'add a passing place beside vertex {start.id}', f'passing_{start.id}_{side:+.0f}',
-               [*graph.vertices.values(), replace(start, id=vertex, x=x, y=y, dock=False,
-                                                  theta=heading + side * math.pi / 2.0,
-                                                  label='passing place', parking=True)],
+        yield ([*graph.vertices.values(),
+                replace(start, id=vertex, x=x, y=y, theta=heading + side * math.pi / 2.0,
+                        label=label, dock=dock, parking=None if dock else True)],
                [*graph.edges.values(), Edge(spur, start.id, vertex, CurveType.LINE,
-                                            velocity_forward=speed, velocity_backwards=speed)])
-        return
+                                            velocity_forward=speed, velocity_backwards=speed)],
+               vertex)
 
 
 def _parking(graph: Graph, id: int,
              _: float) -> Iterator[Tuple[str, str, Sequence[Vertex], Sequence[Edge]]]:
-    """Idle robots do not park on the ends of the edge."""
+    """Idle robots are sent elsewhere than to the ends of the edge."""
     edge = graph.edges[id]
     ends = {edge.origin, edge.destination}
     if all(graph.vertices[end].parking is False or graph.vertices[end].dock for end in ends):
         return
-    yield (f'forbid parking at the ends of edge {id}', f'no_parking_{id}',
+    yield (f'send idle robots elsewhere than to the ends of edge {id}', f'no_parking_{id}',
            [replace(vertex, parking=False) if vertex.id in ends and not vertex.dock else vertex
             for vertex in graph.vertices.values()], list(graph.edges.values()))

@@ -1,9 +1,9 @@
 """The site that is simulated: graph, robot types, demand; and the fleet of any size on it."""
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
-from typing import Dict, Tuple
+from typing import Dict, FrozenSet, Tuple
 
 from fleet_simulation.demand import Demand
 from fleet_simulation.demand_file import Wanted
@@ -83,6 +83,14 @@ def site_of(graph: Graph, fleet: Fleet, settings: Dict[str, RobotSettings], want
                                   'join them in the graph, or leave this out', line)
     return Site(graph, fleet, settings, wanted.demand, wanted.delays, _starts(network, fleet),
                 tuple(sorted(parking_for_all(network, fleet))), latency, rounds)
+
+
+def with_docks(fleet: Fleet, docks: FrozenSet[int]) -> Fleet:
+    """The fleet, whose types that charge use these docks, too."""
+    types = {kind.name: replace(kind, docks=kind.docks | docks) if kind.docks else kind
+             for kind in fleet.types}
+    return replace(fleet, types=tuple(types.values()), robots=tuple(
+        replace(robot, type=types[robot.type.name]) for robot in fleet.robots))
 
 
 def _reaches(network: RoadNetwork, kind: RobotType, source: int, target: int) -> bool:
