@@ -56,6 +56,8 @@ def test_a_vehicle_that_is_right_passes(version):
     ('2.1.0', 'ignores fields', {
         f'a field of an order is honoured or the order is rejected: {field}'
         for field in ('theta of the first node', 'theta of the last node', 'allowedDeviationXY')}),
+    ('2.1.0', 'finds no way to the first node', {
+        'an order from a node ahead, within its deviation, is driven or rejected'}),
     ('3.0.0', 'any first update', {'the orderUpdateId of a new order is 0'}),
     ('3.0.0', 'other error after cancel', {
         'an update of a cancelled order brings ORDER_UPDATE_FOLLOWING_CANCEL'}),

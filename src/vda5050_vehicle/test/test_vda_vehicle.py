@@ -279,6 +279,38 @@ def test_a_large_deviation_of_the_first_node_lets_an_order_begin_afar():
     assert lab.errors == ['noRouteError']
     lab.order(HALL.order('p', start_deviation=3.0))
     assert lab.state['orderId'] == 'p'
+    assert lab.robot.route == (1, 2, 3, 4), 'the robot stands on the first edge'
+
+
+def test_a_robot_between_nodes_comes_first_to_the_first_node_of_an_order_within_its_deviation():
+    lab = Lab()
+    lab.see(pose=Pose(-10.5, 0.0, 0.0))  # on edge 1, which leads from vertex 8 to vertex 10
+    lab.order(HALL.part(1, 3).order('p', start_deviation=3.0))
+    assert lab.errors == []
+    assert lab.robot.route == (1, 2, 3), 'the robot goes over edge 1 to the first node'
+    lab.drive()
+    assert len(lab.state['edgeStates']) == 2, 'edge 1 is no edge of the order'
+    lab.drive()
+    lab.order(HALL.part(3).order('p', 1, first_sequence=4))
+    assert lab.robot.route == (1, 2, 3, 4), 'an update makes the same route longer'
+    lab.drive(2)
+    assert lab.state['edgeStates'] == []
+
+
+def test_a_robot_at_the_end_of_the_first_edge_drives_it_back_first():
+    lab = Lab()
+    lab.stand_at(10)
+    lab.order(HALL.order('p', start_deviation=10.0))
+    assert lab.robot.route == (-1, 1, 2, 3, 4)
+
+
+def test_an_order_to_whose_first_node_no_edge_leads_is_refused_though_within_its_deviation():
+    lab = Lab()
+    x, y = laboratory().vertex(12).position
+    lab.see(pose=Pose(x + 2.0, y + 2.0, 0.0))
+    lab.order(HALL.part(2).order('p', start_deviation=50.0))
+    assert lab.errors == ['noRouteError']
+    assert lab.robot.route == ()
 
 
 # --- actions of nodes and edges -------------------------------------------------------------------

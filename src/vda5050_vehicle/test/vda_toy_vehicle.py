@@ -42,7 +42,7 @@ class ToyVehicle:
         self.send: Callable[[str, bytes], None] = lambda topic, payload: None
         self.now = 0.0
         self.x, self.theta = 0.0, 0.0
-        self.driving = self.paused = self.is_cancelled = False
+        self.driving = self.paused = self.is_cancelled = self.is_stuck = False
         self.order: Json = {'orderId': '', 'orderUpdateId': 0}
         self.last: Tuple[str, int] = ('n0', 0)
         self.nodes: List[Json] = []
@@ -228,6 +228,9 @@ class ToyVehicle:
     def _take(self, message: Json, is_update: bool) -> None:
         first = message['nodes'][0]
         if not is_update:
+            self.is_stuck = (self.wrong('finds no way to the first node')
+                             and first['nodeId'] != self.last[0]
+                             and abs(first['nodePosition']['x'] - self.x) > 0.3)
             self.nodes, self.edges, self.actions = [], [], {}
             self.instant = self.instant if self.is_3 else {
                 key: value for key, value in self.instant.items() if key in self.ends}
@@ -305,7 +308,8 @@ class ToyVehicle:
                 (self.actions if name in self.actions else self.instant)[name][
                     'actionStatus'] = 'FINISHED'
         target = next((node for node in self.nodes if node['released']), None)
-        self.driving = target is not None and not self.paused and not self.ends
+        self.driving = (target is not None and not self.paused and not self.ends
+                        and not self.is_stuck)
         if self.driving and target:
             self._drive(target)
         self.tell()

@@ -58,9 +58,10 @@ class OrderDesk:
                                   'headerId')
             self._check_actions(order, verdict)
             check_fields(order, self._abilities)
-            if verdict is Acceptance.NEW and context.robot.pose is not None:
-                check_start_heading(order.nodes[0], context.robot.pose, self._abilities)
-            legs = context.driver.plan(order.nodes, order.edges, context.robot.pose)
+            begins_at = context.robot.pose if verdict is Acceptance.NEW else None
+            if begins_at is not None:
+                check_start_heading(order.nodes[0], begins_at, self._abilities)
+            legs = context.driver.plan(order.nodes, order.edges, begins_at)
         except NotDrivable as problem:
             return Rejection(problem.kind.error(
                 str(problem), *e.order_references(order), Reference('field', problem.field)))

@@ -107,7 +107,8 @@ class Driver(ABC, Generic[D]):
     @abstractmethod
     def plan(self, nodes: Sequence[Node], edges: Sequence[Edge], pose: Optional[Pose],
              ) -> Tuple[Leg, ...]:
-        """One leg per edge; `pose` is where the robot is. Raises NotDrivable."""
+        """One leg per edge. `pose` is where the robot begins them; None: they go on with others.
+        Raises NotDrivable."""
 
     @abstractmethod
     def is_at(self, node: Node, pose: Pose) -> bool:

@@ -95,6 +95,37 @@ class OrderGraph:
             legs.append(Leg(signed, self.graph.curve(signed).length, *end.position))
         return tuple(legs)
 
+    def approach(self, first: int, pose: Pose, passing: float, corridor: float
+                 ) -> Tuple[int, ...]:
+        """The edges over which a robot comes to the start of an order's first edge: none where it
+        stands there or on that edge, else the one on which it stands.
+
+        passing  -- m within which a robot is at a vertex
+        corridor -- m within which it is on a curve
+        Raises NotDrivable where it stands on none that leads there.
+        """
+        start = self.graph.start_vertex(first)
+        if (math.dist(start.position, (pose.x, pose.y)) <= passing
+                or self._stands_on(first, pose, passing, corridor)):
+            return ()
+        leading = [-signed for signed in self.graph.edges_from(start.id)
+                   if self._is_allowed(-signed)
+                   and self._stands_on(-signed, pose, passing, corridor)]
+        if not leading:
+            raise NotDrivable(
+                e.NO_ROUTE, f'the robot stands {math.dist(start.position, (pose.x, pose.y)):.2f} m '
+                f'away from vertex {start.id}, on no edge that leads there', 'nodes')
+        return min(leading, key=lambda signed: self._distance(signed, pose)),
+
+    def _stands_on(self, signed: int, pose: Pose, passing: float, corridor: float) -> bool:
+        """On an edge, and not at its end yet."""
+        curve = self.graph.curve(signed)
+        place = curve.project(pose.x, pose.y)
+        return place.distance <= corridor and curve.length - place.arc_length > passing
+
+    def _distance(self, signed: int, pose: Pose) -> float:
+        return self.graph.curve(signed).project(pose.x, pose.y).distance
+
     def _edge_between(self, start: Vertex, end: Vertex, edge: Edge) -> int:
         joining = [signed for signed in self.graph.edges_from(start.id)
                    if self.graph.end_vertex(signed).id == end.id and self._is_allowed(signed)]

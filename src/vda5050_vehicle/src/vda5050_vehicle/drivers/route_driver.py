@@ -6,12 +6,13 @@ out. An extension has the id of the route that it extends, so the robot does not
 from __future__ import annotations
 
 import math
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Optional, Sequence, Tuple
 
 from trajectory_graph import Graph
 from trajectory_graph.route_protocol import EdgeState, Reason, ReasonCode
-from vda5050_vehicle.drivers.driver import SETTLING, Drive, Driver, Leg, Memory
+from vda5050_vehicle.drivers.driver import SETTLING, Drive, Driver, Leg, Memory, NotDrivable
 from vda5050_vehicle.drivers.order_fields import (
     Abilities,
     check_deviations,
@@ -75,6 +76,7 @@ class RouteDriver(Driver[RouteDrive]):
         self._abilities = abilities
         self._first_id = first_id
         self._epoch = 0  # the robot's now
+        self._pose: Optional[Pose] = None
 
     # --- planning ---------------------------------------------------------------------------------
 
@@ -88,7 +90,14 @@ class RouteDriver(Driver[RouteDrive]):
         check_headings(nodes, self._abilities, self._turns_there)
         legs = self._graph.legs(nodes, edges)
         check_deviations(nodes, self._graph.place, self._abilities)
+        if pose is not None and legs:
+            self._approach(legs[0].edge, pose)
         return legs
+
+    def _approach(self, first: int, pose: Pose) -> Tuple[int, ...]:
+        """Edges before the first one of an order, which begins within the deviation of its first
+        node. Raises NotDrivable."""
+        return self._graph.approach(first, pose, self._abilities.passing, self._abilities.corridor)
 
     def _turns_there(self, _: int, node: Node) -> bool:
         """An end vertex has a heading; a robot that may not turn elsewhere takes it there."""
@@ -138,7 +147,11 @@ class RouteDriver(Driver[RouteDrive]):
             self._follow(replace(route, edges=edges, complete=False), now)
 
     def _begin(self, first: int, edges: Tuple[int, ...], now: float) -> None:
-        self._follow(SentRoute(self._new_id(), edges, first), now)
+        before: Tuple[int, ...] = ()
+        if first == 0 and self._pose is not None:
+            with suppress(NotDrivable):  # the robot's side says what it knows better
+                before = self._approach(edges[0], self._pose)
+        self._follow(SentRoute(self._new_id(), before + edges, first - len(before)), now)
 
     def _follow(self, route: SentRoute, now: float) -> None:
         self._set(route=replace(route, epoch=self._epoch), stop=None, stopped_at=None,
@@ -176,7 +189,7 @@ class RouteDriver(Driver[RouteDrive]):
 
     def see(self, robot: RobotView, now: float) -> None:
         """See Driver. A stop is obeyed once the robot is known to stand after it."""
-        self._epoch = robot.epoch
+        self._epoch, self._pose = robot.epoch, robot.pose
         at = self.drive_state.stopped_at
         if at is not None and robot.stands and min(now, robot.seen_at) >= at + SETTLING:
             self._set(stop=None, stopped_at=None, rest_since=at)

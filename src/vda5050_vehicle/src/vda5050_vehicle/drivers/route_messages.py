@@ -36,7 +36,7 @@ class RouteReport:
 
 @dataclass(frozen=True)
 class SentRoute:
-    """A route that was sent; its first edge is leg number `first`.
+    """A route that was sent; its first edge is leg number `first`, or leads to the next leg.
 
     epoch    -- the robot's, when it was first sent as it is
     taken    -- how many of its edges a report has acknowledged

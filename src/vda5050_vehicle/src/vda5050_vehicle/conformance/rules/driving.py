@@ -5,7 +5,15 @@ from typing import Any, Dict, Tuple
 
 from vda5050_vehicle.conformance.master import Message, status_of
 from vda5050_vehicle.conformance.rules.rule import ONLY_3, SINCE_2_1, must, should
-from vda5050_vehicle.conformance.trial import ANSWER, NEAR, REACH, Trial, has, has_order
+from vda5050_vehicle.conformance.trial import (
+    ANSWER,
+    NEAR,
+    REACH,
+    Trial,
+    has,
+    has_order,
+    new_errors,
+)
 from vda5050_vehicle.conformance.verdicts import NotTried, expect
 
 LOOK = 0.2  # s between two looks at where the vehicle is
@@ -163,6 +171,34 @@ def _order_after_cancel(trial: Trial) -> None:
 
 @must('6.6.3.1', 'after a cancellation: an order from a temporary node where the vehicle stands')
 def _order_from_temporary_node(trial: Trial) -> None:
+    state, index = _stopped_between_nodes(trial)
+    pose = state['agvPosition']
+    rest = trial.ahead.part(index, index + 1)
+    order: Dict[str, Any] = rest.order(trial.new_id())
+    first = order['nodes'][0]
+    first['nodeId'] = order['edges'][0]['startNodeId'] = f'here-{trial.new_id()}'
+    first['nodePosition'] = {'x': pose['x'], 'y': pose['y'], 'mapId': pose['mapId']}
+    trial.taken(order)
+    trial.at_end_of(rest)
+
+
+@must('figure 8 (4)', 'an order from a node ahead, within its deviation, is driven or rejected')
+def _order_from_node_ahead(trial: Trial) -> None:
+    _, index = _stopped_between_nodes(trial)
+    if index + 2 >= len(trial.ahead.stops):
+        raise NotTried('it stopped on the last edge of the track')
+    rest = trial.ahead.part(index + 1)
+    order, was = rest.order(trial.new_id(), start_deviation=REACH), trial.master.state
+    before = trial.master.send('order', order)
+    state = trial.master.wait(lambda s: has(s, order) or bool(new_errors(was, s)), ANSWER,
+                              'the order in the state, or an error', after=before)
+    if has(state, order):
+        trial.at_end_of(rest)
+
+
+def _stopped_between_nodes(trial: Trial) -> Tuple[Message, int]:
+    """The state of a vehicle that was cancelled in the middle of an edge, and the number of the
+    edge; raises NotTried where it stands at a node."""
     _underway(trial)
     deadline = trial.master.now() + trial.patience
     while trial.nearest(trial.fetch()) <= 2.0 * NEAR and trial.master.now() < deadline:
@@ -172,14 +208,7 @@ def _order_from_temporary_node(trial: Trial) -> None:
     index = [stop.node_id for stop in trial.ahead.stops].index(state['lastNodeId'])
     if trial.nearest(state) <= NEAR or index + 1 == len(trial.ahead.stops):
         raise NotTried('it stopped at a node')
-    pose = state['agvPosition']
-    rest = trial.ahead.part(index, index + 1)
-    order: Dict[str, Any] = rest.order(trial.new_id())
-    first = order['nodes'][0]
-    first['nodeId'] = order['edges'][0]['startNodeId'] = f'here-{trial.new_id()}'
-    first['nodePosition'] = {'x': pose['x'], 'y': pose['y'], 'mapId': pose['mapId']}
-    trial.taken(order)
-    trial.at_end_of(rest)
+    return state, index
 
 
 def _cancelled(trial: Trial) -> str:
