@@ -1,0 +1,279 @@
+"""Another order of use where robots run late: corridors are reversed while that makes all sooner.
+
+A late robot holds up every robot that comes after it. Orders that are not begun yet may be turned
+round: the plans stay where they lead, and the order stays one without rings (switchable action
+dependency graphs: Berndt et al., T-RO 2024). What they propose to solve as a mixed-integer program
+is searched here greedily, corridor by corridor; what an order comes to is told by the longest paths
+through its graph, whose nodes are the beginnings of drives.
+
+Nothing here touches safety: a robot is granted only what is free. A ring would be a deadlock.
+"""
+from __future__ import annotations
+
+import time
+from math import inf
+from typing import Dict, FrozenSet, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
+
+from graph_fleet_manager.planning.corridors import Corridor
+from graph_fleet_manager.planning.precedence import Constraint
+
+GAIN = 2.0     # s that all robots together must win by reversing corridors
+LATE = 1.0     # s that a robot may hold up another one beyond the plan's times
+TRIALS = 40    # orders that are tried at most
+_IN_A_ROW = 6  # corridors that are reversed together, at most
+_LATER = 1e-4  # what a second after the errand weighs against one before it
+_EPSILON = 1e-6  # s
+
+
+class Course(NamedTuple):
+    """What a robot has left to drive, and how long it will take; times in s from now.
+
+    first   -- number of the first drive in its plan
+    begins  -- when it begins that one, if nobody keeps it from it; below 0: it is under way
+    seconds -- of each drive
+    pauses  -- for which it stands before each drive, at least
+    planned -- when the plan in force lets it begin each drive
+    done    -- number of the drive before which its errand is done; None: it has none
+    """
+
+    first: int
+    begins: float
+    seconds: Tuple[float, ...]
+    pauses: Tuple[float, ...]
+    planned: Tuple[float, ...]
+    done: Optional[int] = None
+
+
+class Switched(NamedTuple):
+    """Another order.
+
+    reversed -- the corridors, counted, that are passed the other way round now
+    starts   -- when each robot is to begin each drive of its course
+    gain     -- s that all robots together win
+    """
+
+    reversed: FrozenSet[int]
+    starts: Dict[str, Tuple[float, ...]]
+    gain: float
+
+    def order(self, corridors: Sequence[Corridor]) -> Tuple[Constraint, ...]:
+        """The order of use now."""
+        return tuple(constraint for number, corridor in enumerate(corridors)
+                     for constraint in (corridor.reverse if number in self.reversed
+                                        else corridor.constraints))
+
+
+def switch_order(courses: Mapping[str, Course], corridors: Sequence[Corridor],
+                 gain: float = GAIN, trials: int = TRIALS,
+                 deadline: float = inf) -> Optional[Switched]:
+    """A better order, where a robot is so late that it holds up another; None: there is none.
+
+    gain     -- s that each change must win, added up over the robots
+    deadline -- monotonic s
+    """
+    orders = _Orders(courses, corridors)
+    begun = orders.evaluate(frozenset())
+    if begun is None or not orders.is_late(begun):
+        return None
+    best = _Order(frozenset(), begun)
+    nodes = orders.waiting(best)
+    while nodes and orders.evaluated < trials and time.monotonic() < deadline:
+        better = orders.let_through(best, nodes.pop(0), gain)
+        if better is not None:
+            best = better
+            nodes = orders.waiting(best)
+    if not best.reversed:
+        return None
+    return Switched(best.reversed, orders.by_robot(best.times), begun.cost - best.times.cost)
+
+
+class _Times(NamedTuple):
+    """What an order comes to: when each node begins, and the weighted sum of the ends."""
+
+    starts: List[float]
+    cost: float
+
+
+class _Order(NamedTuple):
+    """The corridors that are passed the other way round, and what that comes to."""
+
+    reversed: FrozenSet[int]
+    times: _Times
+
+
+class _Arc(NamedTuple):
+    """`then` begins `lag` s after `node` at the earliest, where `corridor` is passed so."""
+
+    node: int
+    then: int
+    lag: float
+    corridor: int  # -1: none, both are drives of one robot
+    is_reverse: bool
+
+
+class _Orders:
+    """All orders of the corridors; the beginnings of drives are counted robot by robot: nodes."""
+
+    def __init__(self, courses: Mapping[str, Course], corridors: Sequence[Corridor]) -> None:
+        self.evaluated = 0
+        """Orders that were looked at."""
+        self._corridors = corridors
+        self._nodes: Dict[str, range] = {}
+        self._earliest: List[float] = []
+        self._planned: List[float] = []
+        self._ends: List[Tuple[int, float, float]] = []  # node, its seconds, what its end weighs
+        self._before: List[List[_Arc]] = []
+        self._behind: List[List[Tuple[int, float, int, bool]]] = []
+        self._of_corridor: List[List[_Arc]] = [[] for _ in corridors]
+        for name, course in courses.items():
+            self._add_course(name, course)
+        for number, corridor in enumerate(corridors):
+            for is_reverse, side in enumerate((corridor.constraints, corridor.reverse)):
+                for constraint in side:
+                    self._add_constraint(courses, constraint, number, bool(is_reverse))
+        self._open = [sum(not arc.is_reverse for arc in arcs) for arcs in self._before]
+
+    def _add_course(self, name: str, course: Course) -> None:
+        first, count = len(self._earliest), len(course.seconds)
+        self._nodes[name] = range(first, first + count)
+        self._earliest += [course.begins] * min(count, 1) + [-inf] * (count - 1)
+        self._planned += course.planned
+        self._before += [[] for _ in range(count)]
+        self._behind += [[] for _ in range(count)]
+        for k in range(1, count):
+            self._add(_Arc(first + k - 1, first + k, course.seconds[k - 1] + course.pauses[k],
+                           -1, False))
+        if count:
+            self._ends.append((first + count - 1, course.seconds[-1], _LATER))
+        if course.done is not None and 0 < course.done - course.first <= count:
+            k = course.done - course.first - 1
+            self._ends.append((first + k, course.seconds[k], 1.0))
+
+    def _add_constraint(self, courses: Mapping[str, Course], constraint: Constraint, corridor: int,
+                        is_reverse: bool) -> None:
+        before, then = courses.get(constraint.first), courses.get(constraint.then)
+        if before is None or then is None:
+            return
+        one, other = constraint.before - before.first, constraint.drive - then.first
+        if one >= 0 and other >= 0:
+            arc = _Arc(self._nodes[constraint.first][one], self._nodes[constraint.then][other],
+                       constraint.fraction * before.seconds[one], corridor, is_reverse)
+            self._add(arc)
+            self._of_corridor[corridor].append(arc)
+
+    def _add(self, arc: _Arc) -> None:
+        self._before[arc.then].append(arc)
+        self._behind[arc.node].append(arc[1:])
+
+    def by_robot(self, times: _Times) -> Dict[str, Tuple[float, ...]]:
+        """When each robot begins its drives."""
+        return {name: tuple(times.starts[node] for node in nodes)
+                for name, nodes in self._nodes.items()}
+
+    # -- one order --------------------------------------------------------------------------------
+
+    def evaluate(self, chosen: FrozenSet[int]) -> Optional[_Times]:
+        """The longest paths; None where there is a ring."""
+        times, open_nodes = self._passed(chosen)
+        return None if open_nodes else times
+
+    def _passed(self, chosen: FrozenSet[int]) -> Tuple[_Times, Set[int]]:
+        """How far all come, and the nodes that wait for each other for ever."""
+        self.evaluated += 1
+        starts, waits = list(self._earliest), list(self._open)
+        side = [False] * (len(self._corridors) + 1)  # the last one stands for none
+        for number in chosen:
+            side[number] = True
+            for arc in self._of_corridor[number]:
+                waits[arc.then] += 1 if arc.is_reverse else -1
+        ready = [node for node, count in enumerate(waits) if not count]
+        passed = 0
+        while ready:
+            node = ready.pop()
+            passed += 1
+            start = starts[node]
+            for then, lag, corridor, is_reverse in self._behind[node]:
+                if side[corridor] is is_reverse:
+                    if start + lag > starts[then]:
+                        starts[then] = start + lag
+                    waits[then] -= 1
+                    if not waits[then]:
+                        ready.append(then)
+        cost = sum(weight * (starts[node] + seconds) for node, seconds, weight in self._ends)
+        ring = set() if passed == len(starts) else {n for n, count in enumerate(waits) if count}
+        return _Times(starts, cost), ring
+
+    def is_late(self, times: _Times) -> bool:
+        """Does a robot come so late that another one begins a drive later than it was to?"""
+        starts = times.starts
+        return any(starts[then] > self._planned[then] + LATE and any(
+            arc.corridor >= 0 and not arc.is_reverse
+            and starts[arc.node] + arc.lag > self._planned[then] + LATE for arc in arcs)
+            for then, arcs in enumerate(self._before))
+
+    def waiting(self, order: _Order) -> List[int]:
+        """Nodes that wait for another robot, the longest first."""
+        found = []
+        for node, arcs in enumerate(self._before):
+            own = max([self._earliest[node], *(order.times.starts[arc.node] + arc.lag
+                                               for arc in arcs if arc.corridor < 0)])
+            wait = order.times.starts[node] - own
+            if wait > _EPSILON:
+                found.append((-wait, node))
+        return [node for _, node in sorted(found)]
+
+    # -- others near it ---------------------------------------------------------------------------
+
+    def let_through(self, order: _Order, node: int, gain: float) -> Optional[_Order]:
+        """Lets a robot that waits go ahead of the one that it waits for, and then of the next."""
+        tried = order
+        for _ in range(_IN_A_ROW):
+            binding = {arc.corridor for arc in self._active(node, tried.reversed)
+                       if tried.times.starts[arc.node] + arc.lag
+                       >= tried.times.starts[node] - _EPSILON}
+            if not binding or -1 in binding or not all(
+                    self._corridors[corridor].reverse for corridor in binding):
+                return None
+            another = self._without_rings(tried.reversed ^ binding, binding, self._robot(node))
+            if another is None:
+                return None
+            tried = another
+            if tried.times.cost < order.times.cost - gain:
+                return tried
+        return None
+
+    def _without_rings(self, chosen: FrozenSet[int], turned: Set[int],
+                       robot: range) -> Optional[_Order]:
+        """Turns further corridors round, first those in which the robot waits for another one."""
+        turned = set(turned)
+        for _ in range(_IN_A_ROW):
+            times, ring = self._passed(chosen)
+            if not ring:
+                return _Order(chosen, times)
+            loose = [arc for arc in self._ring(ring, chosen)
+                     if arc.corridor >= 0 and arc.corridor not in turned
+                     and self._corridors[arc.corridor].reverse]
+            if not loose:
+                return None
+            corridor = min(loose, key=lambda arc: arc.then not in robot).corridor
+            turned.add(corridor)
+            chosen ^= {corridor}
+        return None
+
+    def _ring(self, nodes: Set[int], chosen: FrozenSet[int]) -> List[_Arc]:
+        """One ring among nodes each of which waits for another one of them."""
+        node = min(nodes)
+        way: List[_Arc] = []
+        seen: Dict[int, int] = {}
+        while node not in seen:
+            seen[node] = len(way)
+            way.append(next(arc for arc in self._active(node, chosen) if arc.node in nodes))
+            node = way[-1].node
+        return way[seen[node]:]
+
+    def _active(self, node: int, chosen: FrozenSet[int]) -> List[_Arc]:
+        return [arc for arc in self._before[node]
+                if (arc.corridor in chosen) is arc.is_reverse]
+
+    def _robot(self, node: int) -> range:
+        return next(nodes for nodes in self._nodes.values() if node in nodes)

@@ -1,0 +1,293 @@
+"""Corridors are reversed as a whole, without rings, before they are begun, and never in vain."""
+from __future__ import annotations
+
+import os
+import time
+from dataclasses import dataclass
+from random import Random
+from typing import Dict, List, Sequence, Tuple
+
+import pytest
+from fleet_builders import AGV, as_files, corridor, graph_of
+from fleet_cases import Case
+from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import strategies as st
+from plan_checker import Order, World, faults, held_faults
+from plan_replay import replay, replay_faults
+
+from graph_fleet_manager.planning.corridors import Corridor, Progress, corridors
+from graph_fleet_manager.planning.order_switching import GAIN, Course, switch_order
+from graph_fleet_manager.planning.planner import FleetPlanner
+from graph_fleet_manager.planning.plans import Drive
+from graph_fleet_manager.planning.precedence import Constraint
+from graph_fleet_manager.planning.road_network import RoadNetwork
+from graph_fleet_manager.planning.tasks import Outcome, PlannedDrive, Task
+from trajectory_graph import Graph, GraphError
+
+LONG = os.environ.get('LD90_LONG_TESTS') == '1'
+ANY_SEED = given(seed=st.integers(0, 2 ** 32 - 1))
+MANY = settings(max_examples=settings.default.max_examples // 2,
+                suppress_health_check=list(HealthCheck))
+
+
+@dataclass
+class Moment:
+    """A fleet on its way by a plan, some of it late."""
+
+    network: RoadNetwork
+    clearance: float
+    outcome: Outcome
+    kinds: Dict[str, object]
+    now: float
+    late: Dict[str, float]
+
+    @property
+    def progress(self) -> Dict[str, Progress]:
+        """By its times, whatever is late since then."""
+        found = {}
+        for name, planned in self.outcome.drives.items():
+            plan = [Drive(self.network.drive(d.edge), d.start, d.end) for d in planned]
+            begun = sum(drive.start < self.now for drive in plan)
+            done = sum(drive.end <= self.now for drive in plan)
+            share = 0.0
+            if done < begun:
+                share = (self.now - plan[done].start) / (plan[done].end - plan[done].start)
+            found[name] = Progress(self.kinds[name], plan, begun, (done, share))
+        return found
+
+    @property
+    def courses(self) -> Dict[str, Course]:
+        """What is left to drive, by the plan's seconds."""
+        found = {}
+        for name, one in self.progress.items():
+            done = one.cleared[0]
+            left = one.plan[done:]
+            begins = (left[0].start - self.now if done < one.released else 0.0) if left else 0.0
+            late, pauses = self.late.get(name, 0.0), [0.0] * len(left)
+            if done == one.released:
+                begins += late
+            elif len(left) > 1:
+                pauses[1] = late  # it comes to where its drive ends, and no farther
+            found[name] = Course(
+                done, begins, tuple(d.end - d.start for d in left), tuple(pauses),
+                tuple(d.start - self.now for d in left), len(one.plan))
+        return found
+
+    @property
+    def corridors(self) -> List[Corridor]:
+        """Where they meet from now on."""
+        return corridors(self.network, self.clearance, self.progress)
+
+    def plan(self, order: Sequence[Constraint], starts: Dict[str, Tuple[float, ...]]) -> dict:
+        """As the checker reads it: what is behind in the old order, the rest in this one."""
+        progress = self.progress
+        robots = {}
+        for name, planned in self.outcome.drives.items():
+            done = progress[name].cleared[0]
+            new = [{'edge': d.edge, 'start': start + self.now,
+                    'end': start + self.now + (d.end - d.start)}
+                   for d, start in zip(planned[done:], starts.get(name, ()))]
+            robots[name] = [d._asdict() for d in planned[:done]] + new
+        ends = [drives[-1]['end'] if drives else 0.0 for drives in robots.values()]
+        begun = [one for one in self.outcome.precedence if one.drive < progress[one.then].released]
+        for name, one in progress.items():  # what all have left behind by now
+            done, share = one.cleared if one.cleared[1] else (one.cleared[0] - 1, 1.0)
+            begun += [Constraint(name, done, share, other, two.released)
+                      for other, two in progress.items()
+                      if other != name and done >= 0 and two.released < len(two.plan)]
+        return {'robots': robots, 'sum_of_costs': sum(ends), 'makespan': max(ends),
+                'lower_bound': 0.0, 'precedence': [list(one) for one in (*begun, *order)]}
+
+
+def moment(case: Case, random: Random) -> Moment:
+    """A random one of the fleet's plan; there must be a plan."""
+    plan = case.plan(rounds=0)
+    assume(plan is not None)
+    drives = {name: tuple([PlannedDrive(**d) for d in robot])
+              for name, robot in plan['robots'].items()}
+    ends = [d[-1].end for d in drives.values() if d]
+    assume(ends)
+    outcome = Outcome(drives, tuple(Constraint(*one) for one in plan['precedence']))
+    now = random.choice((0.0, random.uniform(0.0, max(ends))))
+    late = {name: random.choice((0.0, random.uniform(0.0, 60.0))) for name in drives}
+    return Moment(case.network, case.clearance, outcome,
+                  {name: task.type for name, task in case.robots.items()}, now, late)
+
+
+def a_case(seed: int) -> Case:
+    """A random one that makes sense."""
+    try:
+        return Case(Random(seed))
+    except GraphError:
+        assume(False)
+        raise
+
+
+def ends(courses: Dict[str, Course], order: Sequence[Constraint]) -> Dict[str, float]:
+    """When all come to their ends, found by asking again until nothing changes; no ring."""
+    starts = {(name, course.first + k): course.begins if k == 0 else 0.0
+              for name, course in courses.items() for k in range(len(course.seconds))}
+    for _ in range(len(starts) + 1):
+        before = dict(starts)
+        for name, course in courses.items():
+            for k in range(1, len(course.seconds)):
+                node, last = (name, course.first + k), (name, course.first + k - 1)
+                starts[node] = max(starts[node], starts[last] + course.seconds[k - 1]
+                                   + course.pauses[k])
+        for a, i, f, b, j in order:
+            if (a, i) in starts and (b, j) in starts:
+                lag = f * courses[a].seconds[i - courses[a].first]
+                starts[b, j] = max(starts[b, j], starts[a, i] + lag)
+        if before == starts:
+            return {name: starts[name, c.first + len(c.seconds) - 1] + c.seconds[-1]
+                    for name, c in courses.items() if c.seconds}
+    raise AssertionError('there is a ring')
+
+
+# -- any fleet ------------------------------------------------------------------------------------
+
+@MANY
+@ANY_SEED
+def test_corridors_keep_a_plan_safe_and_each_that_can_be_reversed_does_so_the_other_way_round(seed):
+    case = a_case(seed)
+    at = moment(case, Random(seed))
+    found, progress = at.corridors, at.progress
+    starts = {name: course.planned for name, course in at.courses.items()}
+    order = [one for corridor in found for one in corridor.constraints]
+    assert faults(case.world, at.plan(order, starts)) == []
+    for number, turned in enumerate(found):
+        for one in turned.reverse:
+            assert one.before >= progress[one.first].released
+            assert one.drive >= progress[one.then].released
+        order = [one for k, corridor in enumerate(found)
+                 for one in (turned.reverse if k == number else corridor.constraints)]
+        if turned.reverse and not has_ring(at.courses, order):
+            plan = at.plan(order, starts)
+            assert held_faults(case.world, plan, Order(plan)) == []
+
+
+def grid(random: Random) -> Tuple[Moment, World]:
+    """Robots that cross a grid of roads, some of them late."""
+    places = {10 * row + column: (2.0 * column, 2.0 * row)
+              for row in range(1, 5) for column in range(5)}
+    pairs = [(one, other) for one in places for other in (one + 1, one + 10) if other in places]
+    graph = graph_of(places, dict(enumerate(pairs, 1)))
+    count = random.randint(4, 8)
+    begins, goals = (random.sample(sorted(places), count) for _ in range(2))
+    at = planned(graph, **{f'r{k}': way for k, way in enumerate(zip(begins, goals))})
+    at.now = random.choice((0.0, random.uniform(0.0, 15.0)))
+    at.late = {name: random.choice((0.0, random.uniform(0.0, 60.0))) for name in at.kinds}
+    return at, World(*as_files(graph, [AGV], {f'r{k}': (AGV.name, begin)
+                                              for k, begin in enumerate(begins)},
+                               {f'r{k}': (goal,) for k, goal in enumerate(goals)}, 0.1))
+
+
+@settings(MANY, max_examples=settings.default.max_examples * 5)
+@ANY_SEED
+def test_a_switched_order_is_safe_without_rings_and_better_by_what_is_told(seed):
+    random = Random(seed)
+    at, world = grid(random)
+    found, courses = at.corridors, at.courses
+    switched = switch_order(courses, found, gain=0.01)
+    if switched is not None:
+        plan = at.plan(switched.order(found), switched.starts)
+        assert faults(world, plan) == []
+        assert replay_faults(world, plan, replay(world, plan, random)) == []
+        before = sum(ends(courses, [one for c in found for one in c.constraints]).values())
+        after = sum(ends(courses, switched.order(found)).values())
+        assert before - after == pytest.approx(switched.gain, rel=0.01, abs=0.01)
+        assert after <= before - 0.005
+    at.late = {}
+    assert switch_order(at.courses, found, gain=0.0) is None  # nobody is late
+
+
+def test_one_grid_in_ten_is_switched():
+    grids = [grid(Random(seed))[0] for seed in range(40)]
+    assert sum(switch_order(at.courses, at.corridors) is not None for at in grids) >= 4
+
+
+def has_ring(courses, order):
+    """Do robots wait for each other in a ring?"""
+    try:
+        ends(courses, order)
+    except AssertionError:
+        return True
+    return False
+
+
+# -- one story each -------------------------------------------------------------------------------
+
+def crossing() -> Graph:
+    """Two roads of four edges each, 1 to 4 and 11 to 14, that cross at vertex 3."""
+    return graph_of({1: (-4.0, 0.0), 2: (-2.0, 0.0), 3: (0.0, 0.0), 4: (2.0, 0.0), 5: (4.0, 0.0),
+                     11: (0.0, -4.0), 12: (0.0, -2.0), 14: (0.0, 2.0), 15: (0.0, 4.0)},
+                    {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (4, 5),
+                     11: (11, 12), 12: (12, 3), 13: (3, 14), 14: (14, 15)})
+
+
+def planned(graph: Graph, now: float = 0.0, late=None, **ways: Tuple[int, int]) -> Moment:
+    """Robots from one vertex to another one."""
+    network = RoadNetwork(graph)
+    tasks = [Task(name, AGV, begin, destinations=(end,), stays=True)
+             for name, (begin, end) in ways.items()]
+    outcome = FleetPlanner(network, 0.1, [AGV]).plan(tasks, (), time.monotonic() + 60.0, rounds=0)
+    assert not outcome.unserved
+    return Moment(network, 0.1, outcome, dict.fromkeys(ways, AGV), now, late or {})
+
+
+def first_through(at: Moment) -> str:
+    """Who goes first at the only place where two robots meet."""
+    (only,) = at.corridors
+    return only.first
+
+
+def test_a_late_robot_lets_the_other_one_go_first():
+    at = planned(crossing(), a=(1, 5), b=(11, 15))
+    early = first_through(at)
+    at.late = {early: 30.0}
+    switched = switch_order(at.courses, at.corridors)
+    assert switched is not None and switched.reversed == {0}
+    assert switched.gain > 20.0
+
+
+def test_a_robot_that_was_let_into_the_crossing_goes_first_however_late():
+    at = planned(crossing(), a=(1, 5), b=(11, 15))
+    early = first_through(at)
+    at.now = next(d.start for d in at.outcome.drives[early][1:]) + 0.1
+    at.late = {early: 30.0}
+    assert switch_order(at.courses, at.corridors) is None
+
+
+def test_a_gain_below_the_threshold_changes_nothing():
+    at = planned(crossing(), a=(1, 5), b=(11, 15))
+    at.late = {first_through(at): 30.0}
+    gain = switch_order(at.courses, at.corridors).gain
+    assert switch_order(at.courses, at.corridors, gain=gain + GAIN) is None
+
+
+
+def test_who_stands_on_the_way_of_the_other_is_not_overtaken():
+    at = planned(corridor(9), a=(3, 9), b=(1, 7))
+    at.late = {'a': 60.0}
+    assert [one.reverse for one in at.corridors] == [()]
+    assert switch_order(at.courses, at.corridors) is None
+
+
+def test_an_order_of_fifty_robots_is_looked_at_in_no_more_than_the_trials_given():
+    """Rings of queues: each robot crosses the ways of its neighbours."""
+    random = Random(1)
+    names = [f'r{k}' for k in range(50)]
+    courses = {name: Course(0, random.uniform(0.0, 40.0), (3.0,) * 20, (0.0,) * 20,
+                            tuple(3.0 * k for k in range(20)), 20) for name in names}
+    found = []
+    for k in range(19):
+        for one, other in zip(names[::2] if k % 2 else names[1:-1:2],
+                              names[1::2] if k % 2 else names[2::2]):
+            found.append(Corridor(one, other, (Constraint(one, k, 1.0, other, k + 1),),
+                                  (Constraint(other, k + 1, 1.0, one, k),)))
+    begun = time.process_time()
+    switched = switch_order(courses, found, trials=10)
+    assert switched is not None
+    assert time.process_time() - begun < 1.0  # on any machine
+    late = time.monotonic() - 1.0
+    assert switch_order(courses, found, deadline=late) is None
