@@ -1,10 +1,13 @@
 """Random stops: a robot that refuses, hides its velocity, loses its link, brakes late, obeys
-people, and an adapter that is killed at any step. Whatever happens:
+people, and an adapter that is killed at any step. Some robots tell whether they stand, and in which
+epoch they move (the optional signals of vehicle.yaml); those of an epoch refuse a drive that does
+not know of it. Whatever happens:
 
 * no route is sent after cancelOrder without another order;
 * cancelOrder and startPause are FINISHED only while the robot stands;
 * after a person's stop no route is begun before the master's stopPause or another order;
-* a pause holds: nothing begins to drive before stopPause.
+* a pause holds: nothing begins to drive before stopPause;
+* a robot that tells epochs drives no route that was sent before a person's last act.
 """
 from __future__ import annotations
 
@@ -39,22 +42,36 @@ class UnrulyRobot(RobotSide):
         self.braking = 0.0  # s until it stands
         self.by_hand = False  # a person drives it
         self.sent = []      # all commands, heard or not
+        self.epoch = 1      # of its motion
+        self.is_ours = True  # nobody but the adapter has moved it in this epoch
+
+    def overruled(self):
+        """A person drives or stops it."""
+        self.epoch += 1
+        self.is_ours = False
 
     def take(self, command):
         self.sent.append(command)
+        if not self.answers:
+            return
         known = (command.route_id, command.edges) == (self.route_id, self.route)
-        if not self.answers or known:
+        if known:
             super().take(command)
             return
         code = self.refuses
         if command.edges and command.route_id == self.route_id and self.reason:
             code = ReasonCode.WRONG_CHANGE  # a failed route has an end
+        if command.edges and command.known_epoch not in (0, self.epoch):
+            code = ReasonCode.OVERRULED
         if command.edges and code is not None:
             self.refusals.append((command.route_id, command.edges, Reason(code, 'refused')))
             return
         if not command.edges:
             self.braking = BRAKING if self.moves else 0.0
             self.by_hand = False
+        if not self.is_ours:  # the first command of the adapter after those of a person
+            self.epoch += 1
+            self.is_ours = True
         super().take(command)
 
     @property
@@ -66,7 +83,7 @@ class UnrulyRobot(RobotSide):
 class UnrulyLab(Lab):
     """The laboratory with this robot; it can be killed between two effects."""
 
-    hides = False
+    hides = tells_standing = tells_epoch = False
     effects_left = None
 
     def __init__(self):
@@ -78,7 +95,9 @@ class UnrulyLab(Lab):
         moves = self.robot.moves
         velocity = DRIVING if moves else STANDING
         if self.robot.answers:
-            self.see(velocity=None if self.hides else velocity)
+            self.see(velocity=None if self.hides else velocity,
+                     standing=not moves if self.tells_standing else None,
+                     epoch=self.robot.epoch if self.tells_epoch else 0)
 
     def do(self, effects):
         for effect in effects:
@@ -107,13 +126,17 @@ class UnrulyLab(Lab):
 class RandomStops(RuleBasedStateMachine):
     """One run."""
 
-    @initialize(data=st.data(), base=st.integers(3, 5))
-    def begin(self, data, base):
+    @initialize(data=st.data(), base=st.integers(3, 5), tells_standing=st.booleans(),
+                tells_epoch=st.booleans())
+    def begin(self, data, base, tells_standing, tells_epoch):
         self.lab = UnrulyLab()
+        self.lab.tells_standing, self.lab.tells_epoch = tells_standing, tells_epoch
+        self.lab.look()
         self.names = 0
         self.cancelled_at = None  # number of commands sent when the cancel was taken
         self.paused_at = None
         self.overruled_at = None
+        self.moved_at = None      # the same, of a person's act while the robot waited
         self.known = {}           # status of each stop
         self.stops = []
         self.order(data, base, False)
@@ -153,7 +176,7 @@ class RandomStops(RuleBasedStateMachine):
         self.attempt(lambda: self.lab.order(track.order(
             name, base=min(base, len(track.stops)), start_deviation=30.0, actions=actions)))
         if self.lab.vehicle.state.order.order_id == name:
-            self.cancelled_at = self.overruled_at = None
+            self.cancelled_at = self.overruled_at = self.moved_at = None
             self.paused_at = None if self.paused_at is None else sent
 
     @rule()
@@ -188,7 +211,7 @@ class RandomStops(RuleBasedStateMachine):
         if not self.lab.vehicle.state.paused:
             self.paused_at = None
         if not self.lab.vehicle.state.held:
-            self.overruled_at = None
+            self.overruled_at = self.moved_at = None
 
     # --- the robot --------------------------------------------------------------------------------
 
@@ -226,6 +249,7 @@ class RandomStops(RuleBasedStateMachine):
         robot = self.lab.robot
         robot.reason, robot.by_hand = 'taken over', drives_on
         robot.braking = BRAKING
+        robot.overruled()
         if self.lab.vehicle.state.busy:
             self.overruled_at = len(robot.sent)
 
@@ -236,6 +260,26 @@ class RandomStops(RuleBasedStateMachine):
         self.a_person_stops_it(drives_on)
         self.update()
         self.wait(1, True)
+
+    @precondition(lambda self: self.lab.tells_epoch and self.lab.robot.answers
+                  and not self.lab.vehicle.state.busy)
+    @rule(data=st.data())
+    def a_person_moves_it_between_two_drives(self, data):
+        """Beside an action of a node; the action ends after that."""
+        self.lab.robot.refuses = None
+        self.order(data, 4, True)
+        self.wait(5, False)
+        if self.lab.robot.drives:
+            self.drive(1)
+        self.wait(5, False)
+        robot, state = self.lab.robot, self.lab.vehicle.state
+        robot.overruled()
+        if state.busy and state.drive.at_rest:
+            self.moved_at = len(robot.sent)
+        self.attempt(self.lab.look)
+        for name in self.lab.started:
+            self.attempt(lambda: self.lab.end_action(name))  # noqa: B023
+        self.wait(5, False)
 
     @precondition(lambda self: self.lab.robot.by_hand)
     @rule()
@@ -283,6 +327,17 @@ class RandomStops(RuleBasedStateMachine):
     def no_route_is_begun_after_a_persons_stop(self):
         if hasattr(self, 'lab') and self.overruled_at is not None:
             assert not self.begun_since(self.overruled_at)
+
+    @invariant()
+    def no_route_gets_longer_after_a_person_moved_the_robot_that_waited(self):
+        if hasattr(self, 'lab') and self.moved_at is not None:
+            later = self.lab.robot.sent[self.moved_at:]
+            assert not [command for command in later if command.edges], later
+
+    @invariant()
+    def each_route_tells_the_epoch_in_which_it_makes_sense(self):
+        if hasattr(self, 'lab') and self.lab.tells_epoch:
+            assert all(command.known_epoch for command in self.lab.robot.sent if command.edges)
 
     @invariant()
     def a_stop_is_finished_while_the_robot_stands(self):
