@@ -6,6 +6,9 @@ from typing import FrozenSet, Mapping, Tuple
 
 from graph_fleet_manager.planning.tasks import Obstacle, Task
 
+Times = Mapping[Tuple[str, int], float]
+"""Seconds by robot type's name and signed edge id."""
+
 
 @dataclass(frozen=True)
 class PlanRequest:
@@ -24,7 +27,7 @@ class PlanRequest:
     tasks: Tuple[Task, ...]
     obstacles: Tuple[Obstacle, ...] = ()
     closed: FrozenSet[int] = frozenset()
-    edge_times: Mapping[Tuple[str, int], float] = field(default_factory=dict)
+    edge_times: Times = field(default_factory=dict)
     parking: FrozenSet[int] = frozenset()
     time_limit: float = 2.0
     improvement: float = 0.0

@@ -11,6 +11,7 @@ from graph_fleet_manager.nodes import fleet_topics
 from graph_fleet_manager.planning.tasks import Task
 from graph_fleet_manager.supervision.actions import AskPlanner, TellStatus
 from graph_fleet_manager.supervision.missions import MissionState, Status
+from itrci_nav_msgs.msg import PlanAnswer
 
 
 class _Publisher:
@@ -40,6 +41,31 @@ def test_a_question_to_the_planner_carries_its_seed(topics):
     topics.do([AskPlanner(3, (Task('r', AGV, 1),), (), frozenset(), {}, seed=7)])
     (message,) = _Publisher.sent['/plan_request']
     assert (message.plan_id, message.seed) == (3, 7)
+
+
+def test_a_question_is_asked_again_with_all_times_where_the_planner_lacks_some(topics):
+    times = {('agv', 1): 3.0}
+    for number in (3, 4):
+        topics.do([AskPlanner(number, (), (), frozenset(), times)])
+        assert topics.is_answered(answer_to(_Publisher.sent['/plan_request'][-1]))
+    assert [len(one.edge_times) for one in _Publisher.sent['/plan_request']] == [1, 0]
+    lacking = answer_to(_Publisher.sent['/plan_request'][-1], PlanAnswer.OTHER_TIMES)
+    assert not topics.is_answered(lacking)
+    again = _Publisher.sent['/plan_request'][-1]
+    assert (again.plan_id, again.edge_times_since, len(again.edge_times)) == (4, 0, 1)
+    assert topics.is_answered(answer_to(again))
+
+
+def test_an_answer_to_an_older_question_is_none(topics):
+    topics.do([AskPlanner(3, (), (), frozenset(), {}), AskPlanner(4, (), (), frozenset(), {})])
+    assert not topics.is_answered(answer_to(_Publisher.sent['/plan_request'][0]))
+
+
+def answer_to(request, result=PlanAnswer.PLANNED):
+    """The planner's."""
+    answer = PlanAnswer(plan_id=request.plan_id, result=result)
+    answer.header.stamp = request.header.stamp
+    return answer
 
 
 @pytest.mark.parametrize('error', [genpy.SerializationError('too late'),

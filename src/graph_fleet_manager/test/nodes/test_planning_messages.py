@@ -91,7 +91,7 @@ class TestRequests:
         message = through_ros(request_message(request, 7, STAMP, GRAPH, rate))
 
         assert (message.plan_id, message.header.stamp, message.graph_stamp) == (7, STAMP, GRAPH)
-        assert close(request, request_of(message, TYPES, 2.0, 10.0, rate))
+        assert close(request, request_of(message, TYPES, request.edge_times, 2.0, 10.0, rate))
 
     def test_simulated_robots_that_are_five_times_faster_need_a_fifth_of_the_time(self):
         request = PlanRequest((Task('r1', AGV, 8, ready=10.0),))
@@ -99,7 +99,7 @@ class TestRequests:
 
     def test_time_limits_are_the_nodes_where_none_is_named_and_never_longer_than_allowed(self):
         message = msg.PlanRequest(time_limit=0.0, improvement=60.0)
-        request = request_of(message, TYPES, 2.0, 10.0)
+        request = request_of(message, TYPES, {}, 2.0, 10.0)
         assert (request.time_limit, request.improvement) == (2.0, 10.0)
 
     @pytest.mark.parametrize('message, words', [
@@ -120,7 +120,7 @@ class TestRequests:
     ])
     def test_that_make_no_sense_are_refused_in_a_sentence(self, message, words):
         with pytest.raises(CannotPlan, match='.') as refused:
-            request_of(message, TYPES, 2.0, 10.0)
+            request_of(message, TYPES, {}, 2.0, 10.0)
         assert words in str(refused.value)
 
 

@@ -12,7 +12,7 @@ import genpy
 
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.geometry.areas import Area
-from graph_fleet_manager.plan_requests import PlanRequest
+from graph_fleet_manager.plan_requests import PlanRequest, Times
 from graph_fleet_manager.planning.precedence import Constraint
 from graph_fleet_manager.planning.tasks import CannotPlan, Obstacle, Outcome, PlannedDrive, Task
 from itrci_nav_msgs import msg
@@ -48,11 +48,12 @@ class Clock:
 # -- requests -------------------------------------------------------------------------------------
 
 
-def request_of(message: msg.PlanRequest, types: Mapping[str, RobotType], time_limit: float,
-               longest: float, rate: float = 1.0) -> PlanRequest:
+def request_of(message: msg.PlanRequest, types: Mapping[str, RobotType], edge_times: Times,
+               time_limit: float, longest: float, rate: float = 1.0) -> PlanRequest:
     """What a message asks. Raises CannotPlan for what no planner could make sense of.
 
     types      -- robot types of the fleet, by name
+    edge_times -- that the message means, see messages.edge_times
     time_limit -- s for the search where the message names none
     longest    -- s that no request may take
     """
@@ -68,7 +69,7 @@ def request_of(message: msg.PlanRequest, types: Mapping[str, RobotType], time_li
                        tuple(_area(robot.robot, outline) for outline in robot.outlines))
               for robot in message.obstacles),
         frozenset(abs(edge) for edge in message.closed_edges),
-        {(one.robot_type, one.edge_id): one.seconds * rate for one in message.edge_times},
+        edge_times,
         frozenset(message.parking),
         min(message.time_limit or time_limit, longest), min(message.improvement, longest),
         message.seed)
@@ -76,14 +77,15 @@ def request_of(message: msg.PlanRequest, types: Mapping[str, RobotType], time_li
 
 def request_message(request: PlanRequest, plan_id: int, stamp: genpy.Time,
                     graph_stamp: genpy.Time, rate: float = 1.0) -> msg.PlanRequest:
-    """The message that asks this; `stamp`: when the robots are where the tasks say."""
+    """The message that asks this; `stamp`: when the robots are where the tasks say.
+
+    It holds no learned times: see messages.edge_times.
+    """
     clock = Clock(stamp, rate)
     message = msg.PlanRequest(
         plan_id=plan_id, graph_stamp=graph_stamp, time_limit=request.time_limit,
         improvement=request.improvement, seed=request.seed, parking=sorted(request.parking),
         closed_edges=sorted(request.closed),
-        edge_times=[msg.EdgeTime(kind, edge, seconds / rate)
-                    for (kind, edge), seconds in request.edge_times.items()],
         tasks=[_task_message(task, clock) for task in request.tasks],
         obstacles=[msg.FleetObstacle(robot.name, robot.type.name, list(robot.vertices),
                                      list(robot.edges), [_outline(area) for area in robot.areas])

@@ -1,16 +1,17 @@
 """What the supervisor tells: routes, statuses, questions to the planner, and views of the fleet."""
 from __future__ import annotations
 
-from typing import Any, Callable, Dict, Iterable, Sequence
+from typing import Any, Callable, Dict, Iterable, Optional, Sequence, Tuple
 
 import rospy
 
 from graph_fleet_manager.interlocking.stop_gate import StopGate
 from graph_fleet_manager.messages import missions as messages
+from graph_fleet_manager.messages.edge_times import TimesSent
 from graph_fleet_manager.messages.planning import request_message
 from graph_fleet_manager.nodes.fleet_plan import FleetPlanTopic
 from graph_fleet_manager.nodes.sending import send
-from graph_fleet_manager.plan_requests import PlanRequest
+from graph_fleet_manager.plan_requests import PlanRequest, Times
 from graph_fleet_manager.supervision.actions import (
     Action,
     AskPlanner,
@@ -22,7 +23,7 @@ from graph_fleet_manager.supervision.fleet_view import plan_progress, robot_view
 from graph_fleet_manager.supervision.mission_book import MOST_OPEN
 from graph_fleet_manager.supervision.missions import Status
 from graph_fleet_manager.supervision.supervisor import Supervisor
-from itrci_nav_msgs.msg import FleetState, MissionStatus, TargetRoute
+from itrci_nav_msgs.msg import FleetState, MissionStatus, PlanAnswer, TargetRoute
 from itrci_nav_msgs.msg import PlanRequest as PlanRequestMessage
 
 TellStatuses = Callable[[MissionStatus], None]
@@ -43,7 +44,8 @@ class FleetTopics:
         self._rate, self._gate = rate, gate
         self._improvement = improvement
         self.graph_stamp = rospy.Time(0)
-        self._asked: Dict[int, rospy.Time] = {}
+        self._asked: Optional[Tuple[PlanRequestMessage, Times]] = None
+        self._times = TimesSent()
         self._route_stamps: Dict[str, rospy.Time] = {}
         self._statuses = rospy.Publisher('/mission_status', MissionStatus, queue_size=2 * MOST_OPEN,
                                          subscriber_listener=_Newcomers(newcomer))
@@ -77,16 +79,28 @@ class FleetTopics:
 
     def _ask(self, question: AskPlanner) -> None:
         stamp = rospy.Time.now()
-        self._asked = {question.number: stamp}
-        send(self._requests.publish, request_message(
-            PlanRequest(question.tasks, question.obstacles, question.closed,
-                        question.edge_times, time_limit=0.0, improvement=self._improvement,
-                        seed=question.seed),
-            question.number, stamp, self.graph_stamp, self._rate))
+        message = request_message(
+            PlanRequest(question.tasks, question.obstacles, question.closed, time_limit=0.0,
+                        improvement=self._improvement, seed=question.seed),
+            question.number, stamp, self.graph_stamp, self._rate)
+        self._times.fill(message, question.edge_times, self._rate)
+        self._asked = message, question.edge_times
+        send(self._requests.publish, message)
 
-    def has_asked(self, number: int, stamp: rospy.Time) -> bool:
-        """Is an answer with this number and stamp one to the last question?"""
-        return self._asked.get(number) == stamp
+    def is_answered(self, answer: PlanAnswer) -> bool:
+        """Does this answer the last question? One that lacked learned times is asked again."""
+        if self._asked is None:
+            return False
+        question, times = self._asked
+        if (answer.plan_id, answer.header.stamp) != (question.plan_id, question.header.stamp):
+            return False
+        if answer.result != PlanAnswer.OTHER_TIMES:
+            self._times.answered(answer.plan_id)
+            return True
+        self._times.is_lost()
+        self._times.fill(question, times, self._rate)
+        send(self._requests.publish, question)
+        return False
 
     def publish_views(self, supervisor: Supervisor, now: float) -> None:
         """Every robot's state and plan, as they are at the monotonic time `now`."""

@@ -30,8 +30,10 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
+from graph_fleet_manager.messages.edge_times import TimesKept
 from graph_fleet_manager.messages.planning import answer_message, no_plan_message, request_of
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
+from graph_fleet_manager.plan_requests import Times
 from graph_fleet_manager.plan_service import PlanService
 from graph_fleet_manager.planning.layers import layered
 from graph_fleet_manager.planning.safe_intervals import find_path
@@ -59,7 +61,8 @@ class PathPlanner:
         self._rate = number('~sim_speed', 1.0, 0.01, 100.0)
         self._changed = threading.Condition()
         self._new_graph: Optional[Tuple[Graph, rospy.Time]] = None
-        self._request: Optional[PlanRequest] = None
+        self._request: Optional[Tuple[PlanRequest, Times]] = None
+        self._times = TimesKept()
         self._received = 0.0
         self._parking: Optional[ParkingPlaces] = None
         self._service: Optional[PlanService] = None
@@ -92,11 +95,19 @@ class PathPlanner:
 
     def _on_request(self, message: PlanRequest) -> None:
         with self._changed:
-            older, self._request = self._request, message
+            times = self._times.take(message, self._rate)
+        if times is None:
+            self._answers.publish(self._told(
+                message, PlanAnswer.OTHER_TIMES,
+                'Its learned times are changes to others than those known here; ask again with '
+                'all of them.'))
+            return
+        with self._changed:
+            older, self._request = self._request, (message, times)
             self._received = time.monotonic()
             self._changed.notify()
         if older is not None:
-            self._answers.publish(no_plan_message(older, PlanAnswer.SUPERSEDED,
+            self._answers.publish(no_plan_message(older[0], PlanAnswer.SUPERSEDED,
                                                   'A newer request came.'))
 
     # -- the planning thread ----------------------------------------------------------------------
@@ -121,7 +132,7 @@ class PathPlanner:
             if graph is not None:
                 self._take_graph(*graph)
             elif request is not None:
-                self._answers.publish(self._answer(request, received))
+                self._answers.publish(self._answer(*request, received))
 
     def _take_graph(self, graph: Graph, stamp: rospy.Time) -> None:
         service = PlanService(graph, self._fleet, self._search, self._seed)
@@ -133,7 +144,7 @@ class PathPlanner:
                       len(service.graph.vertices), len(service.graph.edges),
                       time.monotonic() - begun)
 
-    def _answer(self, request: PlanRequest, received: float) -> PlanAnswer:
+    def _answer(self, request: PlanRequest, times: Times, received: float) -> PlanAnswer:
         service = self._service
         if service is None or request.graph_stamp != self._stamp:
             return self._told(request, PlanAnswer.OTHER_GRAPH,
@@ -142,7 +153,8 @@ class PathPlanner:
                               'header.stamp of the one in force.')
         begun = time.monotonic()
         try:
-            asked = request_of(request, self._types, self._time_limit, self._longest, self._rate)
+            asked = request_of(request, self._types, times, self._time_limit, self._longest,
+                               self._rate)
             if not asked.parking:
                 asked = replace(asked, parking=self._known_parking(service))
             outcome = service.answer(asked, received)

@@ -273,7 +273,7 @@ class PathSupervisor:
 
     def _on_answer(self, message: PlanAnswer) -> None:
         def take(supervisor: Supervisor, now: float, _: float) -> Sequence[Action]:
-            if not self._topics.has_asked(message.plan_id, message.header.stamp):
+            if not self._topics.is_answered(message):
                 return ()
             if message.result == PlanAnswer.PLANNED:
                 return supervisor.plan_made(message.plan_id, outcome_of(message, self._rate), now)

@@ -4,8 +4,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import FrozenSet, Tuple, Union
 
+from graph_fleet_manager.plan_requests import Times
 from graph_fleet_manager.planning.tasks import Obstacle, Task
-from graph_fleet_manager.supervision.edge_times import Times
 from graph_fleet_manager.supervision.missions import Status
 
 

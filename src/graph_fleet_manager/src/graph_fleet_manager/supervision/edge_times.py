@@ -10,17 +10,15 @@ from collections import deque
 from math import inf
 from statistics import median
 from types import MappingProxyType
-from typing import Callable, Deque, Dict, Mapping, NamedTuple, Optional, Tuple
+from typing import Callable, Deque, Dict, NamedTuple, Optional, Tuple
 
 from graph_fleet_manager.interlocking.route_record import RouteRecord
+from graph_fleet_manager.plan_requests import Times
 
 KEPT = 9         # drives of an edge of which the median is taken: one long wait does not count
 ENOUGH = 3       # drives after which it replaces the nominal time
 WORTH_IT = 0.2   # change of a time that is worth a new table: planners prepare anew for it
 PERIOD = 60.0    # s between two tables
-
-Times = Mapping[Tuple[str, int], float]
-"""Seconds by robot type's name and signed edge id."""
 
 
 class Driven(NamedTuple):

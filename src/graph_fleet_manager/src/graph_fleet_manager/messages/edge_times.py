@@ -1,0 +1,86 @@
+"""Learned times of edges on their way to the planner: all of them once, then what has changed.
+
+The supervisor counts its tables. A request names the table that it goes by (`edge_times_version`),
+and the table to which its `edge_times` are the changes (`edge_times_since`); 0: they are all. A
+planner that lacks that table, as after a restart, answers OTHER_TIMES, and is sent all. A time of 0
+takes an entry away.
+"""
+from __future__ import annotations
+
+from random import SystemRandom
+from typing import Dict, List, Optional, Tuple
+
+from graph_fleet_manager.plan_requests import Times
+from itrci_nav_msgs import msg
+
+_VERSIONS = 2 ** 32
+
+
+class TimesSent:
+    """The supervisor's side: which table the planner has."""
+
+    def __init__(self) -> None:
+        self._version = SystemRandom().randrange(1, _VERSIONS)  # another one after each start
+        self._table: Times = {}
+        self._asked: Tuple[int, int, Times] = (-1, 0, {})  # plan id, version and table
+        self._known: Tuple[int, Times] = (0, {})
+
+    def fill(self, message: msg.PlanRequest, table: Times, rate: float) -> None:
+        """Puts into a request what the planner needs to have this table."""
+        if table is not self._table and table != self._table:
+            self._version = self._version % (_VERSIONS - 1) + 1
+        self._table = table
+        since, before = self._known
+        message.edge_times_version, message.edge_times_since = self._version, since
+        message.edge_times = _messages(changes(before, table), rate)
+        self._asked = message.plan_id, self._version, table
+
+    def answered(self, plan_id: int) -> None:
+        """The planner has answered a request, so it has the table of that."""
+        asked, version, table = self._asked
+        if asked == plan_id:
+            self._known = version, table
+
+    def is_lost(self) -> None:
+        """The planner lacks the table that it had."""
+        self._known = 0, {}
+
+
+class TimesKept:
+    """The planner's side: the last table that it was sent."""
+
+    def __init__(self) -> None:
+        self._version = 0
+        self._table: Times = {}
+
+    def take(self, message: msg.PlanRequest, rate: float) -> Optional[Times]:
+        """The table by which a request goes; None: its changes are to another one than is kept."""
+        told = {(one.robot_type, one.edge_id): one.seconds * rate for one in message.edge_times}
+        if not message.edge_times_since:
+            self._table = told
+        elif message.edge_times_since == self._version:
+            if told:
+                self._table = changed(self._table, told)
+        elif message.edge_times_version != self._version:
+            return None
+        self._version = message.edge_times_version
+        return self._table
+
+
+def changes(before: Times, after: Times) -> Dict[Tuple[str, int], float]:
+    """What makes one table of another; 0.0: the entry is gone."""
+    if before is after:
+        return {}
+    gone = dict.fromkeys(before.keys() - after.keys(), 0.0)
+    return {**gone, **{key: seconds for key, seconds in after.items()
+                       if before.get(key) != seconds}}
+
+
+def changed(before: Times, told: Times) -> Times:
+    """A table with its changes."""
+    after = {**before, **told}
+    return {key: seconds for key, seconds in after.items() if seconds != 0.0}
+
+
+def _messages(times: Times, rate: float) -> List[msg.EdgeTime]:
+    return [msg.EdgeTime(kind, edge, seconds / rate) for (kind, edge), seconds in times.items()]
