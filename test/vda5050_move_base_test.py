@@ -22,6 +22,8 @@ from vda5050_vehicle.conformance.track import Stop, Track, node_ids
 from vda5050_vehicle.mqtt.link import Broker
 
 PERIOD = 0.05  # s
+FAST = 3.0  # m/s
+UNHURRIED = 0.8  # m/s: the adapter has half a second to send the next goal
 HALL = Track(tuple(Stop(name, 2.0 * i, 0.0) for i, name in enumerate('ABCD')),
              ('AB', 'BC', 'CD'), ('BA', 'CB', 'DC'))
 
@@ -32,7 +34,7 @@ class Trolley:
     def __init__(self) -> None:
         self.goals: List[Tuple[float, float]] = []
         self.blocked_at = math.inf  # x beyond which nothing is reached
-        self.speed = 3.0  # m/s that it drives at
+        self.speed = FAST  # m/s that it drives at
         self.x = 0.0
         self._speed = 0.0
         self._lock = threading.Lock()
@@ -104,7 +106,7 @@ class MoveBase(unittest.TestCase):
 
     def test_1_nodes_are_passed_without_stopping_and_the_horizon_is_not_driven(self) -> None:
         """Though the order comes before move_base is there."""
-        master = self.master
+        master, self.trolley.speed = self.master, UNHURRIED
         heard = master.send('order', HALL.order('there', base=3))
         master.wait(lambda s: s['orderId'] == 'there', 10, 'the order', after=heard)
         self.trolley.start_move_base()
@@ -120,7 +122,7 @@ class MoveBase(unittest.TestCase):
         self.assertEqual(self.trolley.goals[2:], [(6.0, 0.0)])
 
     def test_2_a_pause_stops_the_robot_and_the_goal_is_sent_anew_after_it(self) -> None:
-        master, begun = self.master, len(self.trolley.goals)
+        master, begun, self.trolley.speed = self.master, len(self.trolley.goals), UNHURRIED
         heard = master.send('order', HALL.reversed().order('back'))
         master.wait(lambda s: s['lastNodeId'] == 'C' and s['driving'], 10, 'under way', after=heard)
         self.assertEqual(master.ended(master.act('startPause'))['actionStatus'], 'FINISHED')
@@ -145,7 +147,7 @@ class MoveBase(unittest.TestCase):
                     and not s['driving'], 20, 'a robot that stands, for a reason', after=heard)
         self.assertEqual(self.trolley.goals[begun:], [(2.0, 0.0)])
         self.assertEqual(master.ended(master.act('cancelOrder'))['actionStatus'], 'FINISHED')
-        self.trolley.x, self.trolley.speed = 0.0, 3.0  # carried back
+        self.trolley.x, self.trolley.speed = 0.0, FAST  # carried back
 
     def test_4_what_move_base_cannot_reach_holds_the_order_until_it_is_cancelled(self) -> None:
         master = self.master
