@@ -23,7 +23,8 @@ from vda5050_vehicle.mqtt.link import Broker
 
 PERIOD = 0.05  # s
 FAST = 3.0  # m/s
-UNHURRIED = 0.8  # m/s: the adapter has half a second to send the next goal
+UNHURRIED = 0.5  # m/s: the adapter has a second to send the next goal
+CRAWL = 0.05  # m/s
 HALL = Track(tuple(Stop(name, 2.0 * i, 0.0) for i, name in enumerate('ABCD')),
              ('AB', 'BC', 'CD'), ('BA', 'CB', 'DC'))
 
@@ -110,7 +111,7 @@ class MoveBase(unittest.TestCase):
         heard = master.send('order', HALL.order('there', base=3))
         master.wait(lambda s: s['orderId'] == 'there', 10, 'the order', after=heard)
         self.trolley.start_move_base()
-        state = master.wait(lambda s: s['lastNodeId'] == 'C' and not s['driving'], 10,
+        state = master.wait(lambda s: s['lastNodeId'] == 'C' and not s['driving'], 20,
                             'standing at the end of the base', after=heard)
         self.assertEqual(node_ids(state), ['D'])
         self.assertEqual(self.trolley.goals, [(2.0, 0.0), (4.0, 0.0)])
@@ -124,19 +125,21 @@ class MoveBase(unittest.TestCase):
     def test_2_a_pause_stops_the_robot_and_the_goal_is_sent_anew_after_it(self) -> None:
         master, begun, self.trolley.speed = self.master, len(self.trolley.goals), UNHURRIED
         heard = master.send('order', HALL.reversed().order('back'))
-        master.wait(lambda s: s['lastNodeId'] == 'C' and s['driving'], 10, 'under way', after=heard)
+        master.wait(lambda s: s['lastNodeId'] == 'C' and s['driving'], 20, 'under way', after=heard)
+        self.trolley.speed = CRAWL  # it is paused before it is at B
         self.assertEqual(master.ended(master.act('startPause'))['actionStatus'], 'FINISHED')
         self.assertFalse(master.state['driving'])
         paused = len(self.trolley.goals)
         self.assertEqual(self.trolley.goals[paused - 1], (2.0, 0.0))
+        self.trolley.speed = UNHURRIED
         self.assertEqual(master.ended(master.act('stopPause'))['actionStatus'], 'FINISHED')
         master.wait(lambda s: s['lastNodeId'] == 'A' and not s['nodeStates'] and not s['driving'],
-                    10, 'the end of the order', after=heard)
+                    20, 'the end of the order', after=heard)
         self.assertEqual(self.trolley.goals[begun:], [(4.0, 0.0), (2.0, 0.0), (2.0, 0.0),
                                                       (0.0, 0.0)])
 
     def test_3_a_goal_that_nobody_follows_any_more_is_cancelled(self) -> None:
-        master, begun, self.trolley.speed = self.master, len(self.trolley.goals), 0.1
+        master, begun, self.trolley.speed = self.master, len(self.trolley.goals), CRAWL
         heard = master.send('order', HALL.order('killed'))
         master.wait(lambda s: s['orderId'] == 'killed' and s['driving'], 10, 'under way',
                     after=heard)

@@ -108,7 +108,7 @@ class Commits:
             self._frame = key, frames
 
 
-def floors(fleet: LightFleet, names: Sequence[str]) -> Tuple[str, str]:
+def floors(names: Sequence[str]) -> Tuple[str, str]:
     """A bare hop there and back, and the CPU of a bare subscriber to all reports."""
     hops: List[float] = []
     rospy.Subscriber('/bare_answer', TargetRoute, lambda message: hops.append(
@@ -130,25 +130,26 @@ def floors(fleet: LightFleet, names: Sequence[str]) -> Tuple[str, str]:
 def robots(count: int, side: int) -> Iterator[Row]:
     """So many robots at 10 Hz, all on missions, on a grid of side x side vertices."""
     with Stack() as stack:
-        graph, places, files = save_site(stack.folder, side, count)
+        site = save_site(stack.folder, side, count)
+        graph = site.graph
         rospy.init_node('bench', anonymous=True, disable_signals=True)
-        fleet = LightFleet(graph, places)
-        hop, bare = floors(fleet, list(places))
-        manager = stack.launch(MANAGER, speed=1.0, **files)
+        fleet = LightFleet(graph, site.places)
+        hop, bare = floors(list(site.places))
+        manager = stack.launch(MANAGER, speed=1.0, **site.files)
         plans = Planning()
         states = Recorder('/fleet_state', FleetState)
         states.wait_for(lambda state: all(robot.seen for robot in state.robots), 300,
                         'all robots')
         commits = Commits(stack.folder / 'fleet.sqlite')
-        missions = EndlessMissions(sorted(graph.vertices))
-        missions.send(OPEN)
+        missions = EndlessMissions(site.grid, site.rings)
+        missions.send_round()
+        missions.send(OPEN - len(site.rings))
         states.wait_for(lambda state: sum(robot.has_mission for robot in state.robots)
                         >= 0.9 * count, 120, 'a busy fleet')
         time.sleep(SETTLING)
         nodes = {node_name(pid): pid for pid in descendants(manager.pid) if node_name(pid)}
         before = {name: cpu_seconds(pid) for name, pid in nodes.items()}
-        counts, first = (fleet.reports, commits.count, fleet.travelled, len(plans.times)), len(
-            fleet.releases)
+        counts = fleet.reports, commits.count, fleet.travelled, len(plans.times)
         begun = time.monotonic()
         time.sleep(SECONDS)
         ended = time.monotonic()
@@ -158,7 +159,7 @@ def robots(count: int, side: int) -> Iterator[Row]:
         reports, committed, travelled, planned = (
             (now - then) / seconds for now, then in zip(
                 (fleet.reports, commits.count, fleet.travelled, len(plans.times)), counts))
-        found = [one for one in fleet.releases[first:] if one.is_alone]
+        found = [one for one in fleet.releases if begun <= one.moment - one.seconds]
         memory = proportional(nodes['path_supervisor']) / 2 ** 20
         busy = sum(robot.has_mission for robot in states.messages[-1].robots)
     what = f'{count} robots, {len(graph.edges)} edges'
@@ -169,7 +170,7 @@ def robots(count: int, side: int) -> Iterator[Row]:
            f'{bare}: a bare subscriber to as many reports', '`path_supervisor` < 100 %')
     during = [one for one in found if plans.overlaps(one)]
     for kind, some in (('', found), (' while the planner works', during)):
-        yield (f'{what}: report to release{kind}, {len(some)} of robots with nobody within 10 m',
+        yield (f'{what}: report to release{kind}, {len(some)} of robots on rings of their own',
                p50_and_p99([1e3 * one.seconds for one in some]) if some else 'none',
                f'{hop}: a bare hop there and back', 'p99 < 200 ms')
     yield (f'{what}: commits a second', f'{committed:.1f}', '', '<= 25')

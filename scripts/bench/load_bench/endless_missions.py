@@ -1,23 +1,28 @@
-"""Keeps so many missions open: for each that ends another one is sent."""
+"""Keeps so many missions open: for each that ends another one is sent.
+
+The robots on rings have one long mission each, round after round.
+"""
 from __future__ import annotations
 
 import threading
 from random import Random
-from typing import Dict, Sequence
+from typing import Dict, Mapping, Sequence
 
 import rospy
 
 from itrci_nav_msgs.msg import MissionRequest, MissionStatus
 from system_support import connected_publisher
 
+STEP, STOPS = 5, 60  # vertices of a ring from stop to stop, and stops of a mission
 _OVER = frozenset((MissionStatus.SUCCEEDED, MissionStatus.FAILED, MissionStatus.REFUSED,
                    MissionStatus.CANCELLED))
 
 
 class EndlessMissions:
-    """Missions over two of these vertices, at random."""
+    """Missions over two of these vertices, at random; `rings` by the robots that drive on them."""
 
-    def __init__(self, vertices: Sequence[int]) -> None:
+    def __init__(self, vertices: Sequence[int], rings: Mapping[str, Sequence[int]]) -> None:
+        self._rings = rings
         self._vertices, self._random, self._last = vertices, Random(1), 0
         self._lock = threading.Lock()
         self.open: Dict[int, int] = {}
@@ -28,17 +33,26 @@ class EndlessMissions:
         self._requests = connected_publisher('/mission_request', MissionRequest,
                                              to='path_supervisor')
 
+    def send_round(self) -> None:
+        """One mission for each robot on a ring."""
+        for robot, ring in self._rings.items():
+            stops = [ring[STEP * k % len(ring)] for k in range(1, STOPS + 1)]
+            self._publish(MissionRequest(destination_vertices_id=stops, robot=robot, priority=1))
+
     def send(self, count: int) -> None:
         """So many more."""
         for _ in range(count):
             with self._lock:
-                self._last += 1
-                self.open[self._last] = -1
-                request = MissionRequest(request_id=self._last,
-                                         destination_vertices_id=self._random.sample(
-                                             self._vertices, 2))
-            request.header.stamp = rospy.Time.now()
-            self._requests.publish(request)
+                chosen = self._random.sample(self._vertices, 2)
+            self._publish(MissionRequest(destination_vertices_id=chosen))
+
+    def _publish(self, request: MissionRequest) -> None:
+        with self._lock:
+            self._last += 1
+            self.open[self._last] = -1
+            request.request_id = self._last
+        request.header.stamp = rospy.Time.now()
+        self._requests.publish(request)
 
     def _hear(self, status: MissionStatus) -> None:
         if status.state not in _OVER:

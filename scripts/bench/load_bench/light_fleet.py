@@ -1,40 +1,37 @@
 """Hundreds of robots in one process: they report at 10 Hz and obey routes, and no more.
 
-Each order for more edges is timed from the report that made it due: the first by which the robot
-has no more ahead than it needs in order not to brake.
+Each order for more edges of a robot on a ring of its own is timed from the report that made it due:
+the first by which the robot has no more ahead than it needs in order not to brake.
 """
 from __future__ import annotations
 
 import math
 import threading
 import time
-from typing import Dict, List, Mapping, NamedTuple, Optional, Tuple
+from typing import Dict, List, Mapping, NamedTuple, Optional
 
 import rospy
 
 from fleet_simulation.plain_agv import Agv
 from graph_fleet_manager.fleet import RobotType
 from itrci_nav_msgs.msg import EdgeState, ExecutionRouteStates, RouteRefused, TargetRoute
-from load_bench.site import RELEASE_AHEAD
+from load_bench.site import ALONE, RELEASE_AHEAD
 from trajectory_graph import Graph
 from trajectory_graph.route_messages import fill_refusal
 
 PERIOD = 0.1  # s between two reports of a robot
-ALONE = 10.0  # m around a robot without another, in which nobody but the manager holds it up
 _SLICES = 10  # in which the reports of a period are spread
 
 
 class Release(NamedTuple):
     """More edges for a robot under the same id.
 
-    moment   -- when it came, s by the monotonic clock
-    seconds  -- since the report that made it due
-    is_alone -- was no other robot near?
+    moment  -- when it came, s by the monotonic clock
+    seconds -- since the report that made it due
     """
 
     moment: float
     seconds: float
-    is_alone: bool
 
 
 class _Robot:
@@ -44,7 +41,7 @@ class _Robot:
                  lock: threading.Lock) -> None:
         self.agv = Agv(graph, kind, vertex)
         self.told_at: Optional[float] = None
-        self.extensions: List[Tuple[float, float]] = []
+        self.releases: List[Release] = []
         self._lock = lock
         self._reports = rospy.Publisher(f'/{name}/execution_route_states', ExecutionRouteStates,
                                         queue_size=10, latch=True, tcp_nodelay=True)
@@ -59,7 +56,7 @@ class _Robot:
             is_same, count = message.route_id == agv.route_id, len(agv.edges)
             refusal = agv.order(message.route_id, edges)
             if is_same and len(edges) > count and self.told_at is not None:
-                self.extensions.append((came, came - self.told_at))
+                self.releases.append(Release(came, came - self.told_at))
             if not is_same or len(edges) > count:
                 self.told_at = None
         if refusal is not None:
@@ -97,7 +94,6 @@ class LightFleet:
         kind = RobotType('agv', 0.43, 1.0)
         self._robots: Dict[str, _Robot] = {name: _Robot(name, graph, kind, vertex, self._lock)
                                            for name, vertex in places.items()}
-        self.releases: List[Release] = []
         self.reports = 0
         self.latest = 0.0
         """s, the longest time by which reports were late so far."""
@@ -117,7 +113,6 @@ class LightFleet:
                 with self._lock:
                     for robot in robots:
                         robot.agv.drive(now - last)
-                    self._take_releases()
                 last = now
             stamp = rospy.Time.now()
             for robot in robots[number::_SLICES]:
@@ -125,16 +120,12 @@ class LightFleet:
             self.reports += len(robots[number::_SLICES])
             number = (number + 1) % _SLICES
 
-    def _take_releases(self) -> None:
-        fresh = [robot for robot in self._robots.values() if robot.extensions]
-        if not fresh:
-            return
-        places = {name: robot.agv.position for name, robot in self._robots.items()}
-        for robot in fresh:
-            own = robot.agv.position
-            near = sum(math.dist(own, place) < ALONE for place in places.values())
-            self.releases += [Release(*extension, near == 1) for extension in robot.extensions]
-            robot.extensions.clear()
+    @property
+    def releases(self) -> List[Release]:
+        """All so far of robots on rings."""
+        with self._lock:
+            return [release for name, robot in self._robots.items() if name.startswith(ALONE)
+                    for release in robot.releases]
 
     @property
     def travelled(self) -> float:

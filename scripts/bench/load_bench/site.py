@@ -1,13 +1,31 @@
-"""A site with thousands of edges, and its fleet, as files."""
+"""A site with thousands of edges, and its fleet, as files.
+
+Most robots share a grid. Some have a ring of their own, on which no other robot ever is: what these
+wait for is the fleet manager alone.
+"""
 from __future__ import annotations
 
+import math
 from pathlib import Path
-from typing import Dict, List, Tuple
+from typing import Dict, List, NamedTuple, Sequence, Tuple
 
 from trajectory_graph import CurveType, Edge, Graph, Vertex, save_graph
 
-SPACING = 2.5  # m between two vertices of a row or column
+SPACING = 2.5  # m between two vertices of a row, column or ring
+RING = 24      # vertices of a ring
+RINGS = 10     # and so many robots
+ALONE = 'alone_'  # begins the name of a robot on a ring
 RELEASE_AHEAD = 4.0  # m
+
+
+class Site(NamedTuple):
+    """The graph, where each robot begins, the vertices of the grid and of each ring, and files."""
+
+    graph: Graph
+    places: Dict[str, int]
+    grid: List[int]
+    rings: Dict[str, List[int]]
+    files: Dict[str, Path]
 
 
 def grid(side: int) -> Graph:
@@ -16,8 +34,28 @@ def grid(side: int) -> Graph:
                 for row in range(side) for column in range(side)]
     pairs = [(vertex.id, vertex.id + step) for vertex in vertices for step, is_inside in (
         (1, vertex.id % side), (side, vertex.id <= side * (side - 1))) if is_inside]
-    return Graph(vertices, [Edge(id, one, other, CurveType.LINE, 0.0, 0.0, 1.0, 1.0)
-                            for id, (one, other) in enumerate(pairs, 1)])
+    return Graph(vertices, _edges(1, pairs))
+
+
+def with_rings(graph: Graph) -> Tuple[Graph, Dict[str, List[int]]]:
+    """The graph with rings beside it; and the vertices of each by the robot on it."""
+    vertices, pairs = list(graph.vertices.values()), []
+    rings: Dict[str, List[int]] = {}
+    radius = SPACING * RING / math.tau
+    for number in range(RINGS):
+        first = len(vertices) + 1
+        ring = rings[f'{ALONE}{number}'] = list(range(first, first + RING))
+        x, y = -4.0 * radius, 3.0 * radius * number
+        vertices += [Vertex(id, x + radius * math.cos(math.tau * k / RING),
+                            y + radius * math.sin(math.tau * k / RING), 0.0)
+                     for k, id in enumerate(ring)]
+        pairs += zip(ring, ring[1:] + ring[:1])
+    return Graph(vertices, [*graph.edges.values(), *_edges(len(graph.edges) + 1, pairs)]), rings
+
+
+def _edges(first: int, pairs: Sequence[Tuple[int, int]]) -> List[Edge]:
+    return [Edge(id, one, other, CurveType.LINE, 0.0, 0.0, 1.0, 1.0)
+            for id, (one, other) in enumerate(pairs, first)]
 
 
 def starts(graph: Graph, robots: int) -> Dict[str, int]:
@@ -27,11 +65,11 @@ def starts(graph: Graph, robots: int) -> Dict[str, int]:
     return {f'agv_{k}': vertices[k * step] for k in range(robots)}
 
 
-def save_site(folder: Path, side: int, robots: int) -> Tuple[Graph, Dict[str, int],
-                                                            Dict[str, Path]]:
-    """The graph, where the robots begin, and the files of both."""
-    graph = grid(side)
-    places = starts(graph, robots)
+def save_site(folder: Path, side: int, robots: int) -> Site:
+    """The site of so many robots in all."""
+    shared = grid(side)
+    graph, rings = with_rings(shared)
+    places = {**starts(shared, robots - RINGS), **{name: ring[0] for name, ring in rings.items()}}
     files = {'graph': folder / 'graph.yaml', 'fleet': folder / 'fleet.yaml'}
     save_graph(graph, files['graph'])
     lines = ['clearance: 0.1', 'robot_types:',
@@ -40,4 +78,4 @@ def save_site(folder: Path, side: int, robots: int) -> Tuple[Graph, Dict[str, in
     lines += [f'- {{name: {name}, type: agv, vertex: {vertex}, driver: agv}}'
               for name, vertex in places.items()]
     files['fleet'].write_text('\n'.join(lines) + '\n')
-    return graph, places, files
+    return Site(graph, places, list(shared.vertices), rings, files)

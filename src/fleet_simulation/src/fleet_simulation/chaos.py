@@ -405,6 +405,8 @@ class Chaos:
         while any(robot.outage is not None for robot in fleet.supervisor.robots.values()):
             assert fleet.now < limit, fleet.picture()
             self.run(1.0)
+            if fleet.supervisor.is_stopped:  # a stop past the supervisor was under way for long
+                self.resume_all('', 0)
             for name, robot in fleet.supervisor.robots.items():
                 if robot.outage is not None and robot.outage.needs_person:
                     self.bring_in(name, 0)

@@ -47,7 +47,7 @@ class Course(NamedTuple):
 class Switched(NamedTuple):
     """Another order.
 
-    reversed -- the corridors, counted, that are passed the other way round now
+    reversed -- the corridors, counted, that are passed in the other order now
     starts   -- when each robot is to begin each drive of its course
     gain     -- s that all robots together win
     """
@@ -95,7 +95,7 @@ class _Times(NamedTuple):
 
 
 class _Order(NamedTuple):
-    """The corridors that are passed the other way round, and what that comes to."""
+    """The corridors that are passed in the other order, and what that comes to."""
 
     reversed: FrozenSet[int]
     times: _Times
@@ -263,13 +263,13 @@ class _Orders:
     def _ring(self, nodes: Set[int], chosen: FrozenSet[int]) -> List[_Arc]:
         """One ring among nodes each of which waits for another one of them."""
         node = min(nodes)
-        way: List[_Arc] = []
+        path: List[_Arc] = []
         seen: Dict[int, int] = {}
         while node not in seen:
-            seen[node] = len(way)
-            way.append(next(arc for arc in self._active(node, chosen) if arc.node in nodes))
-            node = way[-1].node
-        return way[seen[node]:]
+            seen[node] = len(path)
+            path.append(next(arc for arc in self._active(node, chosen) if arc.node in nodes))
+            node = path[-1].node
+        return path[seen[node]:]
 
     def _active(self, node: int, chosen: FrozenSet[int]) -> List[_Arc]:
         return [arc for arc in self._before[node]
