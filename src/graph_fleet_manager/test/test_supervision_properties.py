@@ -48,6 +48,7 @@ def fleets(draw: st.DrawFn) -> SupervisedFleet:
         seed=draw(st.integers(0, 1000)), loss=draw(st.sampled_from((0.0, 0.0, 0.05, 0.3))),
         repeats=draw(st.sampled_from((0.0, 0.2))),
         planning=draw(st.sampled_from((0.05, 0.3, 1.5))), parking=PARKING,
+        switches=draw(st.booleans()),
         settings=RobotSettings(release_ahead=draw(st.sampled_from((0.0, 3.0, 8.0)))))
 
 

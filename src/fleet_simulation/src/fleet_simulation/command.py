@@ -20,7 +20,7 @@ from fleet_simulation.demand_file import load_demand
 from fleet_simulation.figures import Figures
 from fleet_simulation.proposals import Proposal, proposals
 from fleet_simulation.report import Proposed, Study, in_words, write
-from fleet_simulation.site import Site, WrongSite, site_of, with_docks
+from fleet_simulation.site import Order, Site, WrongSite, site_of, with_docks
 from fleet_simulation.statistics import band, knee, sizes, waiting_by_edge
 from graph_fleet_manager.files.errors import FileError
 from graph_fleet_manager.files.fleet_file import load_fleet
@@ -84,6 +84,9 @@ def _parser() -> argparse.ArgumentParser:
                         help='virtual s until the planner answers (0.1)')
     parser.add_argument('--rounds', type=int, default=0,
                         help='in which the planner makes a plan better (0)')
+    parser.add_argument('--order', type=Order, choices=list(Order), default=Order.FIXED,
+                        metavar='|'.join(order.value for order in Order),
+                        help='of use, while robots run late (fixed)')
     parser.add_argument('--proposals', type=int, default=0, metavar='N',
                         help='try at most so many changes of the graph, on the same seeds (0)')
     parser.add_argument('--jobs', type=_whole, default=multiprocessing.cpu_count(),
@@ -129,8 +132,9 @@ def _site(options: argparse.Namespace, graph: Optional[Graph] = None,
         if options.longest_edge:
             graph = split_edges(graph, options.longest_edge)
     fleet = with_docks(load_fleet(options.fleet), docks)
-    return site_of(graph, fleet, load_settings(options.fleet), load_demand(options.demand, graph),
+    site = site_of(graph, fleet, load_settings(options.fleet), load_demand(options.demand, graph),
                    options.latency, options.rounds)
+    return replace(site, order=options.order)
 
 
 def _runs(site: Site, counts: Sequence[int],

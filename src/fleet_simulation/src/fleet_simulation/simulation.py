@@ -7,7 +7,7 @@ from typing import Dict, List, Set
 from fleet_simulation.demand import HOUR, Saturated
 from fleet_simulation.driven_robot import AGV, LD90, DrivenRobot
 from fleet_simulation.figures import Cause, Figures, Use
-from fleet_simulation.site import Site
+from fleet_simulation.site import Order, Site
 from fleet_simulation.supervised_fleet import STEP, Rhythm, VirtualFleet
 from graph_fleet_manager.fleet import RobotType
 from graph_fleet_manager.supervision.actions import SendRoute
@@ -18,6 +18,7 @@ RHYTHM = Rhythm(driving=0.5, standing=2.0, supervisor=0.5, room=1.0)
 WARM_UP = 600.0     # s that do not count, at most a tenth of a run
 _LOOK = 10          # steps between two looks at what robots do
 _BATTERY = 100      # steps between two reports of batteries
+_REPLANNING = 50    # steps between two plans, where all is planned anew again and again
 _MOVES = 0.01       # m/s
 _FIRST_SATURATED = 1_000_000  # id of the first mission that is asked for to keep robots busy
 
@@ -39,7 +40,8 @@ class Run:
             site.graph, {name: (robot.type, robot.vertex) for name, robot in fleet.items()},
             self._make, site.fleet.clearance, seed, planning=site.latency,
             settings=site.settings_of(fleet), parking=site.parking,
-            dock_approach=site.fleet.dock_approach, rhythm=RHYTHM)
+            dock_approach=site.fleet.dock_approach, rhythm=RHYTHM,
+            switches=site.order is Order.SWITCHING)
         self.world.rounds = site.rounds
         self.figures = Figures(robots, seed)
         self._seed = seed
@@ -131,6 +133,8 @@ class Run:
     def stepped(self) -> None:
         """One step of time is over."""
         self._steps += 1
+        if self._site.order is Order.REPLANNING and self._steps % _REPLANNING == 0:
+            self.world.supervisor.plan_executor.plan_anew()
         if self._steps % _BATTERY == 0:
             self._tell_batteries()
         if self._steps % _LOOK == 0 and self.world.now >= self._warm_up:

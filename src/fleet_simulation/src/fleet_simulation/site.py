@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from enum import Enum
 from math import inf
 from typing import Dict, FrozenSet, Tuple
 
@@ -21,6 +22,14 @@ class WrongSite(Exception):
     """What cannot be simulated, and what to do: one sentence."""
 
 
+class Order(Enum):
+    """What becomes of the order of use while robots run late."""
+
+    FIXED = 'fixed'
+    SWITCHING = 'switching'    # corridors are reversed where that makes all sooner
+    REPLANNING = 'replanning'  # all plans are made anew every few seconds
+
+
 @dataclass(frozen=True)
 class Site:
     """All that a run needs but the number of robots and the seed.
@@ -29,6 +38,7 @@ class Site:
     parking -- where the planner may park robots
     latency -- virtual s until the planner answers
     rounds  -- in which the planner makes a plan better
+    order   -- of use, while robots run late
     """
 
     graph: Graph
@@ -40,6 +50,7 @@ class Site:
     parking: Tuple[int, ...]
     latency: float = 0.1
     rounds: int = 0
+    order: Order = Order.FIXED
 
     def robots(self, count: int) -> Dict[str, Robot]:
         """The first robots of the fleet file; more of its types in turn, from parking places."""

@@ -47,6 +47,7 @@ from graph_fleet_manager.supervision.journal import Journal, RobotMemory
 from graph_fleet_manager.supervision.missions import Mission, MissionState, Request, Status
 from graph_fleet_manager.supervision.settings import RobotSettings
 from graph_fleet_manager.supervision.supervisor import Supervisor
+from graph_fleet_manager.supervision.switching import OrderSwitching
 from trajectory_graph import Graph
 from trajectory_graph.route_protocol import RouteRefusal
 
@@ -155,6 +156,7 @@ class VirtualFleet(Generic[Body]):
 
     make     -- a robot of a name, a type and a vertex
     settings -- of all robots, or of each by its name
+    switches -- the order of use is changed while robots are late
     """
 
     def __init__(self, graph: Graph, robots: Mapping[str, Tuple[RobotType, int]],
@@ -163,7 +165,7 @@ class VirtualFleet(Generic[Body]):
                  planning: float = 0.1,
                  settings: Union[None, RobotSettings, Mapping[str, RobotSettings]] = None,
                  parking: Optional[Sequence[int]] = None, dock_approach: float = DOCK_APPROACH,
-                 rhythm: Optional[Rhythm] = None) -> None:
+                 rhythm: Optional[Rhythm] = None, switches: bool = False) -> None:
         kinds = tuple(dict.fromkeys(kind for kind, _ in robots.values()))
         self.graph, self.clearance = graph, clearance
         self._described = (f'seed {seed}, loss {loss}, repeats {repeats}, planning {planning}, '
@@ -219,6 +221,7 @@ class VirtualFleet(Generic[Body]):
         self._supervising = self._stepping = self._planning_time = 0.0
         self._told: Dict[str, Tuple[float, object]] = {}
         self._ticks_at = self._looks_at = 0.0
+        self._switches = switches
         self._begin()
 
     def __repr__(self) -> str:
@@ -229,7 +232,10 @@ class VirtualFleet(Generic[Body]):
                                         lambda: 1e9 + self.now)
         self.journal._db.execute('PRAGMA synchronous=OFF')  # no test here cuts the power
         self.is_disk_full = False
-        self.supervisor = Supervisor(self.graph, self.fleet, self.settings, self.journal, self.now)
+        # How fast this computer is must not decide what happens.
+        switching = OrderSwitching(self.clearance, math.inf) if self._switches else None
+        self.supervisor = Supervisor(self.graph, self.fleet, self.settings, self.journal, self.now,
+                                     switching=switching)
         self.do(self.supervisor.close_edges(self.closed, self.now))
 
     def end(self) -> None:

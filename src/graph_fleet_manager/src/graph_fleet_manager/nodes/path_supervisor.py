@@ -24,6 +24,7 @@ Parameters
     ~journal      string  graph_fleet_manager/fleet.sqlite in ROS_HOME
     ~keep_days    float   90.0   for which the journal keeps missions that have ended
     ~improvement  float   0.0 s  in which the planner makes a plan better before it answers
+    ~order_switching bool  false  robots that are held up by a late one may go before it
     ~sim_speed    float   1.0    simulated robots are so many times faster
 """
 from __future__ import annotations
@@ -62,6 +63,7 @@ from graph_fleet_manager.supervision.journal_database import JournalUnavailable
 from graph_fleet_manager.supervision.missions import Change, Command, RequestRefused
 from graph_fleet_manager.supervision.outbox import AGAIN
 from graph_fleet_manager.supervision.supervisor import Supervisor
+from graph_fleet_manager.supervision.switching import OrderSwitching
 from graph_topic import FollowedGraph
 from itrci_nav_msgs.msg import (
     ClosedEdges,
@@ -88,6 +90,7 @@ class PathSupervisor:
             raise ConfigurationError(str(error)) from None
         self._file = JournalFile()
         self._rate = number('~sim_speed', 1.0, 0.01, 100.0)
+        self._switches: bool = parameter('~order_switching', False, bool)
         self._events = EventLoop(trouble=lambda: self._file.trouble)
         self._supervisor: Optional[Supervisor] = None
         self._graph: Optional[Graph] = None
@@ -212,8 +215,9 @@ class PathSupervisor:
             return waiting
         self._begin_at = now + AGAIN
         try:
+            switching = OrderSwitching(self._fleet.clearance) if self._switches else None
             supervisor = Supervisor(self._graph, self._fleet, self._settings, journal, now,
-                                    self._rate, self._gate)
+                                    self._rate, self._gate, switching)
         except JournalUnavailable as unavailable:
             self._file.fail(unavailable)
             return waiting

@@ -17,8 +17,8 @@ from typing import Dict, FrozenSet, List, Mapping, NamedTuple, Optional, Sequenc
 from graph_fleet_manager.planning.corridors import Corridor
 from graph_fleet_manager.planning.precedence import Constraint
 
-GAIN = 2.0     # s that all robots together must win by reversing corridors
-LATE = 1.0     # s that a robot may hold up another one beyond the plan's times
+GAIN = 5.0     # s that all robots together must win by reversing corridors
+LATE = 5.0     # s that a robot may hold up another one beyond the plan's times
 TRIALS = 40    # orders that are tried at most
 _IN_A_ROW = 6  # corridors that are reversed together, at most
 _LATER = 1e-4  # what a second after the errand weighs against one before it
@@ -71,13 +71,13 @@ def switch_order(courses: Mapping[str, Course], corridors: Sequence[Corridor],
     gain     -- s that each change must win, added up over the robots
     deadline -- monotonic s
     """
-    orders = _Orders(courses, corridors)
+    orders = _Orders(courses, corridors, trials, deadline)
     begun = orders.evaluate(frozenset())
     if begun is None or not orders.is_late(begun):
         return None
     best = _Order(frozenset(), begun)
     nodes = orders.waiting(best)
-    while nodes and orders.evaluated < trials and time.monotonic() < deadline:
+    while nodes and not orders.is_over:
         better = orders.let_through(best, nodes.pop(0), gain)
         if better is not None:
             best = better
@@ -114,10 +114,10 @@ class _Arc(NamedTuple):
 class _Orders:
     """All orders of the corridors; the beginnings of drives are counted robot by robot: nodes."""
 
-    def __init__(self, courses: Mapping[str, Course], corridors: Sequence[Corridor]) -> None:
-        self.evaluated = 0
-        """Orders that were looked at."""
+    def __init__(self, courses: Mapping[str, Course], corridors: Sequence[Corridor], trials: int,
+                 deadline: float) -> None:
         self._corridors = corridors
+        self._left, self._deadline = trials, deadline
         self._nodes: Dict[str, range] = {}
         self._earliest: List[float] = []
         self._planned: List[float] = []
@@ -165,6 +165,11 @@ class _Orders:
         self._before[arc.then].append(arc)
         self._behind[arc.node].append(arc[1:])
 
+    @property
+    def is_over(self) -> bool:
+        """Was enough tried?"""
+        return self._left <= 0 or time.monotonic() >= self._deadline
+
     def by_robot(self, times: _Times) -> Dict[str, Tuple[float, ...]]:
         """When each robot begins its drives."""
         return {name: tuple(times.starts[node] for node in nodes)
@@ -179,7 +184,7 @@ class _Orders:
 
     def _passed(self, chosen: FrozenSet[int]) -> Tuple[_Times, Set[int]]:
         """How far all come, and the nodes that wait for each other for ever."""
-        self.evaluated += 1
+        self._left -= 1
         starts, waits = list(self._earliest), list(self._open)
         side = [False] * (len(self._corridors) + 1)  # the last one stands for none
         for number in chosen:
@@ -212,9 +217,11 @@ class _Orders:
             for then, arcs in enumerate(self._before))
 
     def waiting(self, order: _Order) -> List[int]:
-        """Nodes that wait for another robot, the longest first."""
+        """Nodes that wait for another robot, and longer than planned, the longest first."""
         found = []
         for node, arcs in enumerate(self._before):
+            if order.times.starts[node] <= self._planned[node] + LATE:
+                continue
             own = max([self._earliest[node], *(order.times.starts[arc.node] + arc.lag
                                                for arc in arcs if arc.corridor < 0)])
             wait = order.times.starts[node] - own
@@ -247,6 +254,8 @@ class _Orders:
         """Turns further corridors round, first those in which the robot waits for another one."""
         turned = set(turned)
         for _ in range(_IN_A_ROW):
+            if self.is_over:
+                return None
             times, ring = self._passed(chosen)
             if not ring:
                 return _Order(chosen, times)

@@ -61,6 +61,10 @@ class Liveness:
         return (not self._is_running and now - self.seen <= STANDING
                 and now - self._located < STANDING and now - self._moved >= STANDING)
 
+    def stands_for(self, now: float) -> float:
+        """s since when it was last seen to move, or first seen; 0: it does not report."""
+        return now - self._moved if self.is_seen and not self.is_silent(now) else 0.0
+
     # -- answers to orders ------------------------------------------------------------------------
 
     def nothing_to_answer(self, now: float) -> None:

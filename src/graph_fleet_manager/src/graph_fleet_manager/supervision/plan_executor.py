@@ -15,6 +15,7 @@ from graph_fleet_manager.supervision.plan_in_force import PlanInForce
 from graph_fleet_manager.supervision.questions import Question, question_of
 from graph_fleet_manager.supervision.release import due_edges, has_enough
 from graph_fleet_manager.supervision.robots import ManagedRobot
+from graph_fleet_manager.supervision.switching import OrderSwitching
 
 PLANNER_PATIENCE = 10.0  # s after which the planner is asked again
 AGAIN = 2.0              # s between two plans while a robot has none that serves it
@@ -35,21 +36,25 @@ class _Delay(NamedTuple):
 
 class PlanExecutor:
     """The plan in force, the questions to the planner that are open, and what each robot waits for.
+
+    switching -- looks for a better order while robots are late; None: the order stays
     """
 
     def __init__(self, robots: Mapping[str, ManagedRobot], interlocking: Interlocking,
-                 outbox: Outbox) -> None:
+                 outbox: Outbox, switching: Optional[OrderSwitching] = None) -> None:
         self.plan: Optional[PlanInForce] = None
         self.waits_for: Dict[str, str] = {}
         """What holds up each robot, in words; empty: nothing."""
         self.trouble = ''
         """Why there is no new plan though one was asked for, in words; empty: there is."""
         self._robots, self._interlocking, self._outbox = robots, interlocking, outbox
+        self._switching = switching
         self._open: Dict[int, Question] = {}
         self._number = 0
         self._asked_at = -inf
         self._is_holding = False
         """Edges granted while the planner worked made its answer useless; so it is waited for."""
+        self._is_anew = False
         self._failures = 0                     # in a row; each asks with another seed
         self._delays: Dict[str, _Delay] = {}
         self._useless = 0                      # plans in a row by which a robot was held up
@@ -59,6 +64,10 @@ class PlanExecutor:
     def is_planning(self) -> bool:
         """Is an answer of the planner due?"""
         return bool(self._open)
+
+    def plan_anew(self) -> None:
+        """The planner is asked again in any case, and need not keep anything of the plan."""
+        self._is_anew = True
 
     # -- answers of the planner -------------------------------------------------------------------
 
@@ -93,6 +102,8 @@ class PlanExecutor:
     def go_on(self, world: World, now: float) -> None:
         """Has granted what is due, and asks for another plan where this one does not serve."""
         is_useful = self._is_useful(world, now)
+        if self._switching is not None and self.plan is not None and is_useful and not self._open:
+            self.plan = self._switching.better(self.plan, world, now) or self.plan
         if self.plan is not None and not self._is_held(now) and (
                 is_useful or self._open or self.trouble):
             self._release(self.plan, world, is_useful, now)
@@ -165,13 +176,15 @@ class PlanExecutor:
     def _ask(self, world: World, is_useful: bool, now: float) -> None:
         """Asks for another plan where this one does not serve what is to be done now."""
         again = bool(self._failures or (self.plan and self.plan.unserved))
-        if is_useful and not (again and now - self._asked_at >= AGAIN):
+        if is_useful and not self._is_anew and not (again and now - self._asked_at >= AGAIN):
             return
         if self._open and now - self._asked_at <= PLANNER_PATIENCE:
             return
         if self._failures and now - self._asked_at < AGAIN:
             return
-        kept = None if self._useless else self.plan  # one that cannot be carried out is not kept
+        # One that cannot be carried out is not kept.
+        kept = None if self._useless or self._is_anew else self.plan
+        self._is_anew = False
         question = question_of(world, kept, self._failures, now)
         self._asked_at = now
         self._number += 1

@@ -52,6 +52,7 @@ from graph_fleet_manager.supervision.restoring import (
 from graph_fleet_manager.supervision.robots import ManagedRobot
 from graph_fleet_manager.supervision.route_ids import RouteIds, is_past
 from graph_fleet_manager.supervision.settings import RobotSettings
+from graph_fleet_manager.supervision.switching import OrderSwitching
 from graph_fleet_manager.supervision.waiting_missions import WaitingMissions
 from trajectory_graph import Graph
 from trajectory_graph.route_protocol import RouteRefusal
@@ -62,11 +63,13 @@ class Supervisor:
 
     settings -- of robots by name; those that are missing are as RobotSettings has them
     rate     -- simulated robots are so many times faster than the clock
+    switching -- looks for a better order while robots are late; None: the order stays
     """
 
     def __init__(self, graph: Graph, fleet: Fleet, settings: Mapping[str, RobotSettings],
                  journal: Journal, now: float, rate: float = 1.0,
-                 gate: Optional[StopGate] = None) -> None:
+                 gate: Optional[StopGate] = None,
+                 switching: Optional[OrderSwitching] = None) -> None:
         self.gate = gate or StopGate()
         self.networks = Networks(graph, fleet, rate)
         memories, stored = journal.robots(), journal.graph()
@@ -92,7 +95,8 @@ class Supervisor:
                                          self._ids)
         self._out = Outbox(journal, self.book, self.robots, self._everywhere, self.interlocking,
                            self._ids)
-        self.plan_executor = PlanExecutor(self.robots, self.interlocking, self._out)
+        self.plan_executor = PlanExecutor(self.robots, self.interlocking, self._out,
+                                          switching)
         for robot in self.robots.values():
             robot.client.stop_after_loss(self._out.new_id)
         self._outages = OutageWatch(self.book, self.robots, self._out)

@@ -1,0 +1,39 @@
+"""How long a robot that stands on its route will still stand, by how long robots stood before."""
+from __future__ import annotations
+
+from collections import deque
+from statistics import fmean
+from typing import Deque, Dict
+
+from graph_fleet_manager.supervision.robots import ManagedRobot
+
+COUNTS = 3.0  # s of standing that is more than turning or setting out
+KEPT = 100    # standstills that are remembered
+ENOUGH = 5    # of them must have lasted longer than the present one
+
+
+class Standstills:
+    """Standstills of all robots that had something to drive: waiting for a turn is none."""
+
+    def __init__(self) -> None:
+        self._lasted: Deque[float] = deque(maxlen=KEPT)
+        self._stands: Dict[str, float] = {}
+        self._let_go: Dict[str, float] = {}
+        """Since when each robot has had something to drive."""
+
+    def further(self, robot: ManagedRobot, now: float) -> float:
+        """s for which a robot will not move yet; 0: it drives, or has nothing to drive."""
+        if not robot.record.ahead:
+            self._let_go.pop(robot.name, None)
+            self._stands.pop(robot.name, None)
+            return 0.0
+        let_go = self._let_go.setdefault(robot.name, now)
+        stands = min(robot.liveness.stands_for(now), now - let_go)
+        before = self._stands.get(robot.name, 0.0)
+        self._stands[robot.name] = stands
+        if before >= COUNTS and stands < before:
+            self._lasted.append(before)
+        if stands < COUNTS:
+            return 0.0
+        longer = [lasted - stands for lasted in self._lasted if lasted > stands]
+        return fmean(longer) if len(longer) >= ENOUGH else stands
