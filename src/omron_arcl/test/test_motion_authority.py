@@ -454,6 +454,23 @@ class TestOwedStop:
         bench.pass_time(30.0)
         assert bench.sent == ['goto 12', 'goto 3']
 
+    def test_a_stop_that_a_drive_has_followed_does_not_obey_the_cancellation_of_that_drive(
+            self, bench):
+        bench.drive(ROUTE)
+        bench.robot('Going to 12')
+        bench.stop(ROUTE)
+        bench.drive(PERSON, 'goto 13')
+        bench.authority.take_word(PERSON)
+        bench.robot('Stopping')
+        bench.robot('Stopped')
+        assert bench.memory.stop_owed, 'the robot has that drive still before it'
+        bench.pass_time(0.1)
+        assert bench.sent == ['goto 12', 'stop', 'goto 13', 'stop']
+        bench.robot('Going to 13')
+        bench.robot('Stopping')
+        bench.robot('Stopped')
+        assert not bench.memory.stop_owed
+
 
 class TestState:
     def test_it_is_what_the_robot_does(self, bench):

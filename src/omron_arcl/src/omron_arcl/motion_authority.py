@@ -142,6 +142,8 @@ class MotionAuthority:
         self._memory = stored or Memory(0)
         self._drive: Optional[Execution] = None  # the newest
         self._stop: Optional[Execution] = None  # the newest, until it is over
+        self._stop_passed = False  # by a drive, which comes to the robot after it
+        self._stop_too_old = False  # that drive is to be stopped, too
         self._connected = False
         self._activity: Optional[Activity] = None  # by the last status of this connection
         self._emergency = False
@@ -193,9 +195,10 @@ class MotionAuthority:
                 goals=(*memory.goals, *goals)[-_KEPT_GOALS:],
                 newer_goals=(*memory.newer_goals, *goals)[-_KEPT_GOALS:])
             self._drive = execution
+            self._stop_passed = self._stop is not None
             self._given(giver, Cause.OTHER_GIVER, True, f'"{command.text}" of {giver.name}')
         elif command.spec.stops:
-            self._stop = execution
+            self._begin_stop(execution)
             self._owe_stop(giver, Cause.STOP, f'"stop" of {giver.name}')
         execution.epoch = self._memory.epoch
 
@@ -216,7 +219,7 @@ class MotionAuthority:
 
     def take_own_stop(self, stop: Execution) -> None:
         """A stop that is owed, or follows a cancellation, is sent: no new word of anybody."""
-        self._stop = stop
+        self._begin_stop(stop)
         if not self._memory.stop_owed:
             self._owe_stop(stop.giver, Cause.CANCEL, 'a cancellation')
 
@@ -243,8 +246,9 @@ class MotionAuthority:
         if execution is self._stop:
             self._stop = None
             self._stopped_at = now
-            self._retry_at = now + RETRY
-            if outcome in (Outcome.SUCCEEDED, Outcome.INTERRUPTED, Outcome.EMERGENCY_STOPPED):
+            self._retry_at = now if self._stop_too_old else now + RETRY
+            if not self._stop_too_old and outcome in (
+                    Outcome.SUCCEEDED, Outcome.INTERRUPTED, Outcome.EMERGENCY_STOPPED):
                 self._keep(replace(self._memory, stop_owed=False))
         elif execution is self._drive and execution.command.spec.drives:
             execution.over_at = now
@@ -360,7 +364,12 @@ class MotionAuthority:
         else:
             self._begin_epoch(giver, cause, reason, drives)
 
+    def _begin_stop(self, stop: Execution) -> None:
+        self._stop = stop
+        self._stop_passed = self._stop_too_old = False
+
     def _owe_stop(self, giver: Giver, cause: Cause, reason: str) -> None:
+        self._stop_too_old = self._stop_too_old or self._stop_passed
         self._memory = replace(self._memory, stop_owed=True, newer_goals=())
         self._given(giver, cause, False, reason)
 
