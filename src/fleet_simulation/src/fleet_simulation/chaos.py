@@ -19,6 +19,7 @@ DOCKS = (24, 25)
 SAME = 3  # instead of a robot's rank: the one of the event before
 _SECONDS = (0.3, 1.0, 2.5, 6.0, 12.0)
 _DELAYS = (0.0, 0.2, 0.4, 1.5)
+_CLOCK = 3.0  # s, more than a report is ever under way
 _CHARGES = (0.05, 0.2, 0.5, 0.9)
 _CHARGING = 0.05  # of the battery, in a second in the dock
 
@@ -74,6 +75,15 @@ class Chaos:
         self._ends: List[Tuple[float, Callable[[], None]]] = []
         self._robot = ROBOTS[0]
         self._foreign = 10 ** 8
+
+    def hide(self, robot: str, number: int) -> None:
+        """Before anything was heard of a robot: it is switched off, and not where it is to begin.
+        """
+        agv = self.fleet.agvs[robot]
+        taken = {one.visited[-1] for one in self.fleet.agvs.values()}
+        vertex = [one for one in VERTICES if one not in taken][number % (len(VERTICES) - 3)]
+        agv.edge, agv.arc, agv.visited = YARD.edges_from(vertex)[0], 0.0, [vertex]
+        self.silence(robot, number)
 
     def run(self, seconds: float) -> None:
         """Lets time pass, in which what was to last for a while ends."""
@@ -268,6 +278,11 @@ class Chaos:
         """They are under way for a while."""
         self.fleet.orders_late[robot] = _DELAYS[number % 4]
 
+    def set_clock(self, robot: str, number: int) -> None:
+        """The clock of its computer is ahead for a while."""
+        self.fleet.clocks[robot] = _CLOCK
+        self._later(number, lambda: self.fleet.clocks.pop(robot, None))
+
     def silence(self, robot: str, number: int) -> None:
         """Nothing goes to it or comes from it."""
         self.fleet.silent[robot] = self.fleet.now + _seconds(number)
@@ -387,7 +402,7 @@ class Chaos:
         """All trouble is over; people have done their part. Now every mission ends, and truly."""
         fleet, limit = self.fleet, self.fleet.now + 100.0
         fleet.disk_fails(False)
-        for at_end in (fleet.silent, fleet.deaf, fleet.late, fleet.orders_late):
+        for at_end in (fleet.silent, fleet.deaf, fleet.late, fleet.orders_late, fleet.clocks):
             at_end.clear()
         for name, agv in fleet.agvs.items():
             fleet.find_link(name)
@@ -460,7 +475,7 @@ TROUBLE = _named(
     Chaos.stall, Chaos.slow_down, Chaos.brake_late, Chaos.switch_off, Chaos.refuse,
     Chaos.emergency_stop, Chaos.change_battery, Chaos.leave_graph, Chaos.take_over, Chaos.fail,
     Chaos.drive_by_hand, Chaos.reports_come_late, Chaos.orders_come_late, Chaos.silence,
-    Chaos.deafness, Chaos.lose_link, Chaos.close, Chaos.change_graph, Chaos.die, Chaos.restart,
+    Chaos.deafness, Chaos.lose_link, Chaos.set_clock, Chaos.close, Chaos.change_graph, Chaos.die, Chaos.restart,
     Chaos.hang, Chaos.fill_disk)
 """What goes wrong, by its name."""
 ACTS = {**_named(Chaos.request), **PEOPLE, **TROUBLE}

@@ -16,7 +16,7 @@ from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
 from fleet_simulation.supervised_fleet import STEP, SupervisedFleet, blocked
-from graph_fleet_manager.interlocking.reports import NEAR
+from graph_fleet_manager.interlocking.reports import CLOCK_ERROR, NEAR
 from graph_fleet_manager.supervision.actions import SendRoute
 from graph_fleet_manager.supervision.missions import MissionState, Request, Status
 from trajectory_graph import Graph
@@ -97,6 +97,9 @@ class Promises:
         outage = fleet.supervisor.robots[name].outage
         assert outage is None or not outage.needs_person, f'{order}: {fleet.picture()}'
         had = self._may_drive(name)
+        is_ahead = fleet.ages.get(name, 0.0) < -CLOCK_ERROR
+        assert not is_ahead or not set(self._left_of(order)) - had, (
+            f'{order} though its clock is ahead: {fleet.picture()}')
         if len(had) <= 1:
             self.resting.pop(name, None)
         rest = self.resting.get(name)

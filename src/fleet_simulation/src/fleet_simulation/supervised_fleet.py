@@ -190,6 +190,10 @@ class VirtualFleet(Generic[Body]):
         """Until when no order reaches a robot, which goes on reporting."""
         self.late: Dict[str, float] = {}
         """s that reports of a robot are under way."""
+        self.clocks: Dict[str, float] = {}
+        """s by which a robot's clock is ahead."""
+        self.ages: Dict[str, float] = {}
+        """How old the last report of each robot seemed when it came, s."""
         self.orders_late: Dict[str, float] = {}
         """s that orders to a robot are under way; none overtakes another."""
         self.lost: Dict[str, LinkedRobot] = {}
@@ -348,7 +352,7 @@ class VirtualFleet(Generic[Body]):
         for name, agv in self.agvs.items():
             if self.silent.get(name, 0.0) <= self.now and self._has_to_tell(name, agv):
                 at = self.now + self.late.get(name, 0.0)
-                told = self.lost.get(name, agv).report(self.now)
+                told = self.lost.get(name, agv).report(self.now + self.clocks.get(name, 0.0))
                 self._reports += [(at, name, told)] * self._copies()
         if not self.hangs:
             self._supervise()
@@ -390,6 +394,7 @@ class VirtualFleet(Generic[Body]):
         for at, name, report in reports:
             if at <= self.now:
                 aged = replace(report, age=self.now - report.stamp)
+                self.ages[name] = aged.age
                 self.do(self._timed(self.supervisor.report, name, aged, self.now))
             else:
                 self._reports.append((at, name, report))

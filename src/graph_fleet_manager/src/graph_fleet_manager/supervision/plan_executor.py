@@ -76,6 +76,11 @@ class PlanExecutor:
         question = self._open.pop(number, None)
         if question is None:
             return False
+        wrong = question.unvisited(outcome, world.network.graph)
+        if wrong and question.assumptions.still_useful(world):
+            self._failures += 1
+            self._tell(f'that of the planner does not lead {wrong} to its destinations')
+            return True
         self._tell('')
         plan = question.plan(outcome, world)
         self._is_holding = plan is None
@@ -201,7 +206,8 @@ class PlanExecutor:
                                     question.assumptions.seed))
 
 
-_DELAYS = (Gate.OCCUPIED, Gate.TOO_NEAR)
+_DELAYS = (Gate.OCCUPIED, Gate.TOO_NEAR, Gate.NOT_CONNECTED)
+"""Refusals that last as long as the plan does."""
 
 
 def _words(refusal: Refusal) -> str:
