@@ -400,3 +400,18 @@ def test_a_standing_robot_whose_link_is_down_needs_no_person_and_goes_on_once_it
     fleet.find_link('a')
     fleet.run_until_done(1)
     assert fleet.state(1) is MissionState.SUCCEEDED
+
+
+def test_a_robot_whose_clock_is_mended_while_the_fleet_is_stopped_goes_on_with_it():
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
+    fleet.run(1.0)
+    fleet.clocks['a'] = 3.0
+    fleet.run(2.0)
+    assert fleet.supervisor.robots['a'].outage is Outage.CLOCK
+    fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+    fleet.clocks.clear()
+    fleet.run(10.0)
+    fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
+    fleet.request(1, 4)
+    fleet.run_until_done(1, limit=60.0)
+    assert fleet.state(1) is MissionState.SUCCEEDED

@@ -420,8 +420,7 @@ class Chaos:
         while any(robot.outage is not None for robot in fleet.supervisor.robots.values()):
             assert fleet.now < limit, fleet.picture()
             self.run(1.0)
-            if fleet.supervisor.is_stopped:  # a stop past the supervisor was under way for long
-                self.resume_all('', 0)
+            self._resume_what_was_stopped_past_it()
             for name, robot in fleet.supervisor.robots.items():
                 if robot.outage is not None and robot.outage.needs_person:
                     self.bring_in(name, 0)
@@ -430,7 +429,13 @@ class Chaos:
         for request in self.requests:
             self._check_end(request)
 
+    def _resume_what_was_stopped_past_it(self) -> None:
+        """A stop past the supervisor may have been under way for long."""
+        if self.fleet.supervisor.is_stopped:
+            self.resume_all('', 0)
+
     def _all_are_done(self) -> bool:
+        self._resume_what_was_stopped_past_it()
         for mission in self.fleet.supervisor.book.open:
             if mission.state is MissionState.PAUSED:
                 self._say(mission, Command.RESUME)

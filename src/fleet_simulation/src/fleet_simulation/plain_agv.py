@@ -100,6 +100,11 @@ class Agv:
             self._refused = RouteRefusal(route_id, edges, reason) if reason else None
         return self._refused
 
+    def refuse(self, route_id: int, edges: Tuple[int, ...], reason: Reason) -> RouteRefusal:
+        """Its computer refuses an order for it; the same order is refused again."""
+        self._refused = RouteRefusal(route_id, edges, reason)
+        return self._refused
+
     def has_refused(self, route_id: int, edges: Tuple[int, ...]) -> bool:
         """Is that the last order that it refused, and would refuse again?"""
         refused = self._refused
@@ -279,7 +284,7 @@ class LostLink:
         """A stop is owed to the robot; nothing else can be taken up."""
         if edges:
             same = (route_id, edges) == (self._told.route_id, self._told.edges)
-            return None if same else RouteRefusal(
+            return None if same else self._agv.refuse(
                 route_id, edges, Reason(ReasonCode.LOST_LINK, 'the link is down'))
         self._stop = route_id
         self._told = replace(self._told, route_id=route_id, edges=(), states=(),

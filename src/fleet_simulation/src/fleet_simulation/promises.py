@@ -98,7 +98,7 @@ class Promises:
         assert outage is None or not outage.needs_person, f'{order}: {fleet.picture()}'
         had = self._may_drive(name)
         is_ahead = fleet.ages.get(name, 0.0) < -CLOCK_ERROR
-        assert not is_ahead or not set(self._left_of(order)) - had, (
+        assert order.repeated or not (is_ahead and set(self._left_of(order)) - had), (
             f'{order} though its clock is ahead: {fleet.picture()}')
         if len(had) <= 1:
             self.resting.pop(name, None)
@@ -175,11 +175,12 @@ class Promises:
         fleet, agv, robot = self.fleet, self.fleet.agvs[name], self.fleet.supervisor.robots[name]
         vertices, edges = blocked(fleet, name)
         believed = {abs(edge) for edge in robot.record.held} | set(edges)
+        is_unknown = name in fleet.supervisor.unknown  # then nothing is granted to any robot
         drives = [edge for edge in self._may_drive(name) if abs(edge) not in believed]
         if not agv.off_graph and robot.record.pose == agv.report(0.0).pose:
             self.carried.discard(name)
         if drives or (name not in self.carried and abs(agv.edge) not in believed
-                      and robot.liveness.is_seen):
+                      and not is_unknown and robot.liveness.is_seen):
             held = unary_union([*(self._lines[edge] for edge in believed),
                                 *(self._vertices[vertex] for vertex in vertices)])
             assert held.buffer(2 * NEAR).covers(self._possible(name, drives)), (

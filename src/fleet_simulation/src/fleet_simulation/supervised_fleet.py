@@ -442,7 +442,8 @@ class VirtualFleet(Generic[Body]):
     def _refuse(self, name: str, refusal: RouteRefusal) -> None:
         self.refused[name] += 1
         at = self.now + self.late.get(name, 0.0)
-        self._refusals += [(at, name, refusal, self.now)] * self._copies()
+        stamp = self.now + self.clocks.get(name, 0.0)
+        self._refusals += [(at, name, refusal, stamp)] * self._copies()
 
     def do(self, actions: Sequence[Action]) -> None:
         """Does what the supervisor wants done, unless it dies first."""

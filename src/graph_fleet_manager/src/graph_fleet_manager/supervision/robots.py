@@ -178,8 +178,15 @@ class ManagedRobot:
         elif self.client.order is None and not heard.failed and (
                 report is not None and report.is_running):
             self.notice(Sign.DRIVES)
-        if self.is_halted:
-            return
+        if not self.is_halted:
+            self._judge_motion(heard, report)
+        if self.client.clock_is_off:
+            self.notice(Sign.CLOCK_OFF, 'its clock is ahead of the fleet computer\'s: mend the '
+                                        'time of both (NTP)')
+        elif self.liveness.seen - self._retried > RETRY:
+            self.notice(Sign.CLOCK_RIGHT)
+
+    def _judge_motion(self, heard: Heard, report: Optional[Report]) -> None:
         if heard.foreign:
             self.notice(Sign.TAKEN, 'it drives a route that was not given to it here')
         elif heard.failed and self.outage is None:
@@ -190,11 +197,6 @@ class ManagedRobot:
             self.notice(Sign.LEFT_GRAPH, 'it reports to be off the graph')
         elif heard.left and self.outage is None:
             self.notice(Sign.TAKEN, f'it left {self.record.position} without a route')
-        if self.client.clock_is_off:
-            self.notice(Sign.CLOCK_OFF, 'its clock is ahead of the fleet computer\'s: mend the '
-                                        'time of both (NTP)')
-        elif self.liveness.seen - self._retried > RETRY:
-            self.notice(Sign.CLOCK_RIGHT)
 
     def _follow_refusal(self, heard: Heard) -> None:
         self._has_refused = True
