@@ -1,9 +1,13 @@
 """Chaos at the speed of virtual time: lives drawn from seeds, a tenth of the plans corrupted.
 
-The promises hold while all guards of the interlocking do; with one guard less they break.
+The promises hold while all guards of the interlocking do; without one of these guards they break.
+The supervisor asks for nothing at all where one of the other guards would refuse (a stop, a person,
+the journal, an order that is open, a robot that is too near or was never heard), so that no life
+misses these: test_interlocking_proof.py asks the interlocking itself, and misses each.
 """
 from __future__ import annotations
 
+import os
 import random
 from dataclasses import replace
 from typing import List
@@ -29,8 +33,7 @@ from graph_fleet_manager.supervision.actions import AskPlanner
 from graph_fleet_manager.supervision.settings import RobotSettings
 
 AGV = RobotType('agv', 0.4, 1.0, docks=frozenset(DOCKS))
-LIVES = 12  # with all guards
-MOST = 30   # in which a guard that is missing is to be found
+LIVES = 60 if os.environ.get('LD90_LONG_TESTS') == '1' else 20  # with all guards
 
 
 class CorruptedFleet(SupervisedFleet):
@@ -82,22 +85,16 @@ def test_with_all_guards_every_promise_is_kept() -> None:
         live(seed)
 
 
-@pytest.mark.parametrize(('table', 'guard'), [
-    ('GATES', '_fleet_is_not_stopped'), ('GATES', '_no_person_is_needed'),
-    ('GATES', '_journal_can_be_written'), ('CONDITIONS', '_edge_is_open'),
-    ('CONDITIONS', '_place_is_free'),
+@pytest.mark.parametrize(('table', 'guard', 'seed'), [
+    ('GATES', '_clock_is_right', 44), ('GATES', '_others_are_known', 25),
+    ('CONDITIONS', '_edge_follows', 44), ('CONDITIONS', '_place_is_free', 21),
 ])
-def test_a_guard_that_is_missing_is_found(table: str, guard: str,
+def test_a_guard_that_is_missing_is_found(table: str, guard: str, seed: int,
                                           monkeypatch: pytest.MonkeyPatch) -> None:
     guards = getattr(interlocking, table)
-    assert any(one.__name__ == guard for one in guards)
-    monkeypatch.setattr(interlocking, table,
-                        tuple(one for one in guards if one.__name__ != guard))
-    for seed in range(MOST):
-        try:
-            live(seed)
-        except AssertionError:
-            monkeypatch.setattr(interlocking, table, guards)
-            live(seed)  # which goes well with that guard
-            return
-    raise AssertionError(f'{guard} is not missed in {MOST} lives')
+    live(seed)
+    without = tuple(one for one in guards if one.__name__ != guard)
+    assert len(without) == len(guards) - 1
+    monkeypatch.setattr(interlocking, table, without)
+    with pytest.raises(AssertionError):
+        live(seed)

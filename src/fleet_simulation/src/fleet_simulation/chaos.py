@@ -480,8 +480,8 @@ TROUBLE = _named(
     Chaos.stall, Chaos.slow_down, Chaos.brake_late, Chaos.switch_off, Chaos.refuse,
     Chaos.emergency_stop, Chaos.change_battery, Chaos.leave_graph, Chaos.take_over, Chaos.fail,
     Chaos.drive_by_hand, Chaos.reports_come_late, Chaos.orders_come_late, Chaos.silence,
-    Chaos.deafness, Chaos.lose_link, Chaos.set_clock, Chaos.close, Chaos.change_graph, Chaos.die, Chaos.restart,
-    Chaos.hang, Chaos.fill_disk)
+    Chaos.deafness, Chaos.lose_link, Chaos.set_clock, Chaos.close, Chaos.change_graph, Chaos.die,
+    Chaos.restart, Chaos.hang, Chaos.fill_disk)
 """What goes wrong, by its name."""
 ACTS = {**_named(Chaos.request), **PEOPLE, **TROUBLE}
 """What an event names."""
