@@ -1,7 +1,7 @@
 """Notes by itself whose word the controller took, who knew of which, and what was broken."""
 from __future__ import annotations
 
-from typing import Callable, Dict, List, NamedTuple, Optional
+from typing import Callable, Dict, List, NamedTuple, Optional, Set
 
 from bridge_builders import yard
 from delayed_drive import PERSON, TICK, AnyRobot, DelayedDrive
@@ -56,6 +56,7 @@ class Witness(DelayedDrive):
         self.given_at = -100.0
         self.drives = 0  # that were taken
         self.foreign = False
+        self._forgotten: Set[int] = set()  # epochs of controllers before this one
         self._dialect = dialect
         self._owed_since: Optional[float] = None  # a stop, and the robot can be reached
         self._stop_came_at = -100.0
@@ -79,11 +80,13 @@ class Witness(DelayedDrive):
         return SimulatedRobot(vertex, self._say, lambda: self.now, self._dialect)
 
     def _on_given(self, command: str, giver: Giver, known_epoch: int, count: int) -> None:
+        known = self.words_of_epoch.get(known_epoch)
         if command == 'stop':
+            if known is not None and known_epoch not in self._forgotten:
+                self._judge_stop(giver, known, count)
             return
         if giver == PERSON:
             self.persons, self.came = command, False
-        known = self.words_of_epoch.get(known_epoch)
         if known_epoch and (
                 known is None or any(word.giver != giver for word in self.words[known:count])):
             self.broken.append(f'{giver.name} passed {self.words[known or 0:count]}: {command}')
@@ -92,6 +95,19 @@ class Witness(DelayedDrive):
         if not (drives and self.words[-1:] == [Word(giver, True)]):  # else it just drives on
             self.words.append(Word(giver, drives))
         self.given_at, self.drives = self.now, self.drives + drives
+
+    def _judge_stop(self, giver: Giver, known: int, count: int) -> None:
+        """A stop may not end a drive of which its giver did not know."""
+        unknown = [word for word in self.words[known:count]
+                   if word.drives and word.giver not in (giver, None)]
+        if unknown:
+            self.broken.append(f'a stop of {giver.name} ended {unknown}')
+
+    def restart_controller(self) -> None:
+        """It does not know what came after epochs of the one before it."""
+        if not self.spared and self._controller.connected:
+            self._forgotten = set(self.words_of_epoch)
+        super().restart_controller()
 
     def take_cancellation(self, canceller: Giver) -> None:
         """Somebody cancels everything."""

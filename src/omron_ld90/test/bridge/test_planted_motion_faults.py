@@ -11,6 +11,7 @@ from hypothesis.stateful import run_state_machine_as_test
 from modelled_controller import ModelledController
 from test_motion_property import SimulatedRobots
 
+from omron_arcl.commands import Command
 from omron_arcl.motion_authority import Cause, MotionAuthority
 
 pytestmark = pytest.mark.skipif(os.environ.get('LD90_LONG_TESTS') != '1',
@@ -19,8 +20,9 @@ SEARCH = settings(max_examples=200, stateful_step_count=30, deadline=None, datab
                   phases=[Phase.generate], print_blob=False, report_multiple_bugs=False,
                   suppress_health_check=list(HealthCheck))
 
-_BEGIN, _ON_LINK, _CONNECT = (
-    MotionAuthority._begin_epoch, MotionAuthority.on_link, ModelledController.connect)
+_BEGIN, _ON_LINK, _CONNECT, _CHECK = (
+    MotionAuthority._begin_epoch, MotionAuthority.on_link, ModelledController.connect,
+    MotionAuthority.check)
 
 
 def _no_epoch_for(cause: Cause) -> Callable[..., None]:
@@ -48,11 +50,17 @@ def _sends_again(self: Any) -> None:
         self._send_line(drive.command.text)
 
 
+def _drives_alone(self: Any, giver: Any, command: Command, known_epoch: int) -> None:
+    if command.spec.drives:
+        _CHECK(self, giver, command, known_epoch)
+
+
 FAULTS = {
     'anybody may drive': (MotionAuthority, 'check', lambda *_: None),
     'a stop without a link is forgotten': (
         MotionAuthority, 'owe_stop_without_link', lambda *_: None),
     'an owed stop is never sent': (MotionAuthority, 'stop_due', lambda *_: False),
+    'a stop ends newer drives': (MotionAuthority, 'check', _drives_alone),
     'a new link forgets the owed stop': (MotionAuthority, 'on_link', _link_forgets),
     'a restart forgets the owed stop': (ModelledController, '_keep', lambda *_: None),
     'a cancellation is not a word': (MotionAuthority, 'take_word', lambda *_: None),
