@@ -8,6 +8,7 @@ from fleet_builders import AGV, corridor, graph_of, ladder
 
 from fleet_simulation.supervised_fleet import SupervisedFleet
 from graph_fleet_manager.interlocking.reports import Pose, Report
+from graph_fleet_manager.supervision.duties import WINDOW
 from graph_fleet_manager.supervision.fleet_view import (
     RobotState,
     plan_progress,
@@ -481,3 +482,11 @@ def test_a_robot_that_was_switched_off_and_on_again_mid_route_needs_a_person(sec
         fleet.do(fleet.supervisor.bring_in('a', fleet.now)[1])
         fleet.run_until_done(id)
         assert fleet.state(id) is MissionState.SUCCEEDED
+
+
+@pytest.mark.parametrize('count', [WINDOW, WINDOW + 1, 2 * WINDOW + 3])
+def test_a_mission_has_more_destinations_than_the_planner_is_asked_for_at_once(count):
+    fleet = SupervisedFleet(ladder(5), {'a': (AGV, 1)})
+    fleet.request(1, *([5, 1] * count)[:count])
+    fleet.run_until_done(1, limit=10.0 * count)
+    assert fleet.reached(1) == count

@@ -281,7 +281,7 @@ class Chaos:
     def set_clock(self, robot: str, number: int) -> None:
         """The clock of its computer is ahead for a while."""
         self.fleet.clocks[robot] = _CLOCK
-        self._later(number, lambda: self.fleet.clocks.pop(robot, None))
+        self._later(number, lambda: self.fleet.clocks.update({robot: 0.0}))
 
     def silence(self, robot: str, number: int) -> None:
         """Nothing goes to it or comes from it."""

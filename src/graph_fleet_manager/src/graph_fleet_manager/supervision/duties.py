@@ -86,10 +86,13 @@ def to_visit(robot: ManagedRobot, mission: Mission, now: float) -> Visits:
     return Visits(destinations, tuple(dwells), reach)
 
 
-def goes_until(robot: ManagedRobot, errand: Errand, own: RobotPlan, asked: bool) -> int:
+def goes_until(robot: ManagedRobot, errand: Errand, own: RobotPlan, asked: bool,
+               reach: Optional[int] = None) -> int:
     """Number of the record's edge before which a robot must stop in any case.
 
-    On a mission: at a destination where it stays, and at the last one. Idle, or with a plan that
+    reach -- how many destinations of its mission the plan knows of; None: all
+
+    On a mission: at a destination where it stays, and at the last one that the plan knows of. Idle, or with a plan that
     does not lead to its destination: where it is, unless somebody asks it to make room.
     """
     record = robot.record
@@ -99,21 +102,23 @@ def goes_until(robot: ManagedRobot, errand: Errand, own: RobotPlan, asked: bool)
     if errand.duty is Duty.CHARGE:
         return end
     if errand.mission is not None:
-        stop = _next_stop(record.graph, own.behind(record.done), errand.mission)
+        stop = _next_stop(record.graph, own.behind(record.done), errand.mission, reach)
         if stop is not None:
             return record.done + stop
     return end if asked else record.end
 
 
-def _next_stop(graph: Graph, drives: Sequence[PlannedDrive], mission: Mission) -> Optional[int]:
+def _next_stop(graph: Graph, drives: Sequence[PlannedDrive], mission: Mission,
+               reach: Optional[int]) -> Optional[int]:
     """How many drives lead to the next destination at which a robot stops; None: not all do."""
     request, index = mission.request, mission.reached
+    last = len(request.destinations) if reach is None else reach
     if mission.dwell_until is not None:
         return 0
     for number, drive in enumerate(drives, 1):
         vertex = graph.end_vertex(drive.edge).id
         while index < len(request.destinations) and request.destinations[index] == vertex:
             index += 1
-            if request.dwell(index - 1) or index == len(request.destinations):
+            if request.dwell(index - 1) or index == last:
                 return number
     return None

@@ -153,7 +153,8 @@ class PlanExecutor:
                 self.waits_for[name] = ''
                 self._delays.pop(name, None)
                 continue
-            until = goes_until(robot, errand, own, name in asked)
+            until = goes_until(robot, errand, own, name in asked,
+                               plan.assumptions.robots[name].reach)
             due = due_edges(name, plan, records, until, robot.settings.release_ahead)
             self.waits_for[name] = due.waits_for
             if not due.edges:
