@@ -92,8 +92,9 @@ def goes_until(robot: ManagedRobot, errand: Errand, own: RobotPlan, asked: bool,
 
     reach -- how many destinations of its mission the plan knows of; None: all
 
-    On a mission: at a destination where it stays, and at the last one that the plan knows of. Idle, or with a plan that
-    does not lead to its destination: where it is, unless somebody asks it to make room.
+    On a mission: at a destination where it stays, and at the last one that the plan knows of. Idle,
+    or with a plan that does not lead to its destination: where it is, unless another robot asks it
+    to make room.
     """
     record = robot.record
     end = own.base + len(own.drives)
