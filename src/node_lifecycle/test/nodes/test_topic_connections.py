@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Dict, List
 
 import pytest
+from rosgraph.network import write_ros_handshake_header
 from rospy.impl.masterslave import ROSHandler
-from rospy.impl.tcpros_base import TCPServer
+from rospy.impl.tcpros_base import TCPROSServer, TCPServer
 
 from node_lifecycle import topic_connections
 from node_lifecycle.topic_connections import one_at_a_time
@@ -72,6 +73,24 @@ def test_many_connections_may_wait_for_a_node_that_is_busy(monkeypatch: pytest.M
         stack.callback(server.server_sock.close)
         for _ in range(MANY):
             stack.enter_context(socket.create_connection(('127.0.0.1', server.port), 0.5))
+
+
+@pytest.mark.parametrize('words', [b'', b'POST /RPC2 HTTP/1.1\r\nHost: localhost\r\n\r\n'])
+def test_a_client_that_sends_no_header_keeps_no_other_one_out(words: bytes,
+                                                               monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv('ROS_IP', '127.0.0.1')
+    topic_connections.mend()
+    server, welcomed = TCPROSServer(), threading.Event()
+    server.topic_connection_handler = lambda *_: welcomed.set()
+    server.start_server()
+    address = '127.0.0.1', server.get_address()[1]
+    with ExitStack() as stack:
+        stack.callback(server.shutdown)
+        silent, subscriber = (stack.enter_context(socket.create_connection(address, 5.0))
+                              for _ in range(2))
+        silent.sendall(words)
+        write_ros_handshake_header(subscriber, {'topic': '/graph', 'callerid': '/test'})
+        assert welcomed.wait(5.0), 'the subscriber waits behind the silent client'
 
 
 def test_to_mend_twice_changes_nothing():
