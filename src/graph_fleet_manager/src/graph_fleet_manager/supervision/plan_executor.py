@@ -77,7 +77,7 @@ class PlanExecutor:
         if question is None:
             return False
         wrong = question.unvisited(outcome, world.network.graph)
-        if wrong and question.assumptions.still_useful(world):
+        if wrong:
             self._failures += 1
             self._tell(f'that of the planner does not lead {wrong} to its destinations')
             return True
@@ -86,7 +86,7 @@ class PlanExecutor:
         self._is_holding = plan is None
         if plan is not None:
             self.plan = plan
-            self._open.clear()
+            self._open = {later: one for later, one in self._open.items() if later > number}
             self._failures = self._failures + 1 if plan.unserved else 0
             self._delays.clear()
         return True

@@ -31,9 +31,10 @@ class Question:
     asked_at: float
 
     def plan(self, outcome: Outcome, world: World) -> Optional[PlanInForce]:
-        """The plan that an answer is; None where it does not serve any more."""
-        if not self.assumptions.still_useful(world):
-            return None
+        """The plan that an answer is; None where a robot was granted meanwhile what it lacks.
+
+        Where a robot's errand has changed meanwhile, it serves all others.
+        """
         planned = {task.name for task in self.tasks}
         bases = {name: known.base for name, known in self.assumptions.robots.items()
                  if name in planned}
