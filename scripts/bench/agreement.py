@@ -105,7 +105,8 @@ def watch(master: str, count: int, seen: Any) -> None:
         served = [name for name, robot in robots.items() if robot.has_mission and name in before]
         stand = sum(not has_moved(before[name], poses[name]) for name in served)
         before = dict(poses)
-        seen.put(('look', time.monotonic(), len(served), stand))
+        if is_ready:
+            seen.put(('look', time.monotonic(), len(served), stand))
 
 
 def has_moved(before: Tuple[float, float, float], now: Tuple[float, float, float]) -> bool:
