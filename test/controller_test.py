@@ -230,10 +230,12 @@ class ControllerTest(unittest.TestCase):
         poses = connected_publisher('/omron_ld90/initialpose', PoseWithCovarianceStamped)
         nowhere, here = pose_in_map(0.0, 0.0, 0.0, frame='odom'), pose_in_map(0.0, 0.0, 0.0)
         robot = FleetRobot(name='omron_ld90', state=FleetRobot.BUSY)
-        said, told = len(self.responses.messages), len(self.refusals.messages)
+        said = len(self.responses.messages)
 
         def wait_for_refusal(command: str, words: str, robots: List[FleetRobot]) -> None:
-            """A goal that drives nowhere shows whom the controller takes for the driver."""
+            """A goal that drives nowhere shows the driver that the controller assumes."""
+            told = len(self.refusals.messages)  # the first goal may come before /fleet_state
+
             def is_refused() -> bool:
                 fleet.publish(FleetState(robots=robots))  # as the fleet manager does all the time
                 goals.publish(nowhere)

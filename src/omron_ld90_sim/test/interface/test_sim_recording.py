@@ -110,6 +110,35 @@ def test_the_client_may_skip_commands_but_not_invent_them() -> None:
     assert lines_of(session)[-2:] == ['Unknown command echooo', 'Stopping']
 
 
+OVERLAPPING = """0.000 S> Enter password:
+0.100 C> ********
+1.000 C> odometer
+1.001 C> oneLineStatus
+1.010 S> Odometer: 0 mm 0 deg 0 sec
+1.020 S> Status: Stopped
+"""
+
+
+def test_an_answer_comes_without_a_command_that_the_log_has_before_it() -> None:
+    clock = Clock()
+    session = ReplayServer(clock, read_log(OVERLAPPING.splitlines())).connect()
+    session.receive(b'x\nodometer\n')
+    clock.advance(0.4)
+    assert lines_of(session) == ['Enter password:'], 'the second command may still come'
+    clock.advance(1.0)
+    assert lines_of(session) == ['Odometer: 0 mm 0 deg 0 sec', 'Status: Stopped']
+
+
+def test_commands_that_overlap_are_answered_in_the_order_of_the_log() -> None:
+    clock = Clock()
+    session = ReplayServer(clock, read_log(OVERLAPPING.splitlines())).connect()
+    session.receive(b'x\nodometer\n')
+    clock.advance(0.2)
+    session.receive(b'oneLineStatus\n')
+    clock.advance(0.3)
+    assert lines_of(session)[1:] == ['Odometer: 0 mm 0 deg 0 sec', 'Status: Stopped']
+
+
 def test_a_telnet_client_is_understood_by_a_replay() -> None:
     session = ReplayServer(Clock(), read_log(LOG.splitlines())).connect()
     session.receive(b'\xff\xfb\x1f\xff\xfd\x03x\r\0 stop \r\0\n')

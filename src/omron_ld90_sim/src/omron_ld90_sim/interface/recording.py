@@ -31,6 +31,9 @@ def unescape(text: str) -> bytes:
                        else b'\\', text.encode('ascii', 'replace'))
 
 
+OVERLAP = 0.5  # s that an answer waits for a command that the log has before it
+
+
 class LogError(ValueError):
     """A line of a session log is none."""
 
@@ -87,6 +90,7 @@ class ReplaySession:
         self.closed = self.aborted = False
         self._script: Deque[Transfer] = deque(script)
         self._asked: Deque[bytes] = deque()
+        self._is_asked = False  # no line has followed the last command that was found
         self._input = b''
         self._shift = server.clock.now - (script[0].time if script else 0.0)
         self._go_on()
@@ -114,10 +118,16 @@ class ReplaySession:
                     return
                 self.output += unescape(head.text) + b'\r\n'
                 self._script.popleft()
+                self._is_asked = False
             elif self._asked:
                 self._answer(self._asked.popleft())
-            else:
+            elif not self._is_asked:
                 return
+            elif due + OVERLAP > clock.now:
+                clock.at(due + OVERLAP, self._go_on)
+                return
+            else:  # given before the robot answered the last command, and not given now
+                self._script.popleft()
 
     def _answer(self, line: bytes) -> None:
         """Goes on behind the recorded `line`; a line that was not recorded is unknown."""
@@ -127,6 +137,7 @@ class ReplaySession:
                 self._shift = self.server.clock.now - transfer.time
                 for _ in range(skipped + 1):
                     self._script.popleft()
+                self._is_asked = True
                 return
         self.output += b'Unknown command ' + line.split()[0] + b'\r\n'
 
