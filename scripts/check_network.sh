@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Looks whether this computer's ROS master can be joined with that of another: names, ports, ROS_IP, both masters' way to
-# each other, message definitions, clocks; each with what to do. See docs/multimaster.md.
+# each other, message definitions, clocks; each with what to do. See docs/how-to/multimaster.md.
 #
 #   scripts/check_network.sh HOST      in the shell from which this side is launched, best while both sides run
 #

@@ -60,4 +60,4 @@ prepare "${packages[@]}"
 say "Joining two ROS masters on this machine once"
 find_each_other || die "fkie multimaster was built, but two masters do not find each other: $(
   sed 's/\x1b[^m]*m//g' "$root/build/multimaster.log" | grep -m1 -E 'Error|Exception' || echo 'no error is reported') (whole log: $root/build/multimaster.log)"
-say "fkie multimaster is ready; docs/multimaster.md says how two masters are joined"
+say "fkie multimaster is ready; docs/how-to/multimaster.md says how two masters are joined"

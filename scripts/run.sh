@@ -5,7 +5,7 @@
 #   scripts/run.sh map_file:=my.map sim_speed:=2      any argument of launch/full_stack.launch
 #   scripts/run.sh sim:=false robot_ip:=10.0.0.5 password_file:=secret.txt
 #   scripts/run.sh vda5050:=true                      driven by a VDA 5050 master, over MQTT on 127.0.0.1:18830
-#                                                     (settings for masters: docs/vda5050_masters.md)
+#                                                     (settings for masters: docs/how-to/vda5050_masters.md)
 #   scripts/run.sh sim:=false ... multimaster:=true peer:=10.0.0.9    the fleet manager is on another computer
 #   scripts/run.sh fleet:=4 longest_edge:=1.5 demo:=true    so many simulated LD-90s and AGVs, and their fleet manager
 #   scripts/run.sh fleet:=fleet.yaml                  the robots of a fleet file, real and simulated; --print shows all files
@@ -31,7 +31,7 @@ refuse_what_runs() {
   running="$(timeout 10 rosnode list 2>/dev/null | sort)" || return 0
   for node in $(comm -12 - <(roslaunch --nodes "$@" 2>/dev/null | sort) <<<"$running"); do
     ! timeout 5 rosnode ping -c 1 "$node" 2>/dev/null | grep -q 'xmlrpc reply' ||
-      die "$node runs under this ROS master already, and would lose its name to this run: end what runs, or give this run a master and ports of its own (docs/troubleshooting.md)."
+      die "$node runs under this ROS master already, and would lose its name to this run: end what runs, or give this run a master and ports of its own (docs/how-to/troubleshooting.md)."
   done
 }
 

@@ -28,7 +28,7 @@ class FullStack(unittest.TestCase):
         cls.master = rosgraph.Master('/full_stack')
         cls.documents = '\n'.join(
             file.read_text(encoding='utf-8')
-            for file in [ROOT / 'docs' / 'interface.md', *ROOT.glob('docs/interface/*.md')])
+            for file in (ROOT / 'docs' / 'reference').glob('*.md'))
         links = Recorder(ROBOT + 'link_state', LinkState)
         for link in (LinkState.COMMANDS, LinkState.OUTGOING):
             links.wait_for(lambda m, link=link: m.link == link and m.state == LinkState.CONNECTED,
@@ -65,7 +65,7 @@ class FullStack(unittest.TestCase):
         own = {self.documented_name(name[len(ROBOT):]) for name in names
                if not name.endswith(('/get_loggers', '/set_logger_level', '/tf2_frames'))}
         unknown = sorted(name for name in own if f'`{name}`' not in self.documents)
-        self.assertFalse(unknown, f'docs/interface does not know: {unknown}')
+        self.assertFalse(unknown, f'docs/reference does not know: {unknown}')
 
     def test_every_parameter_stands_in_the_interface_reference(self) -> None:
         nodes = {name.rsplit('/', 1)[1] for name in self.node_names()}
@@ -74,7 +74,7 @@ class FullStack(unittest.TestCase):
             match = re.match(ROBOT + r'([^/]+)/(.+)', name)
             if match and match.group(1) in nodes and f'`~{match.group(2)}`' not in self.documents:
                 unknown.append(name)
-        self.assertFalse(unknown, f'docs/interface does not know: {unknown}')
+        self.assertFalse(unknown, f'docs/reference does not know: {unknown}')
 
     def test_the_password_is_no_parameter_and_in_no_process_list(self) -> None:
         password = (ROOT / 'src/omron_ld90_sim/config/simulator_password').read_text().strip()

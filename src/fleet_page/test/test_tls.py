@@ -25,7 +25,7 @@ pytestmark = pytest.mark.skipif(shutil.which('openssl') is None, reason='openssl
 
 
 def make_certificate(folder, name: str = 'page', *more: str):
-    """A certificate for this computer and its key, as docs/interface/fleet_page.md has it."""
+    """A certificate for this computer and its key, as docs/reference/fleet_page.md has it."""
     certificate, key = folder / f'{name}.pem', folder / f'{name}.key'
     subprocess.run(
         ['openssl', 'req', '-x509', '-newkey', 'ec', '-pkeyopt', 'ec_paramgen_curve:prime256v1',

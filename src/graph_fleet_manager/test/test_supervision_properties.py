@@ -1,4 +1,4 @@
-"""Whatever happens to a fleet: what docs/fleet.md promises is kept.
+"""Whatever happens to a fleet: what docs/explanation/fleet.md promises is kept.
 
 Nothing collides, nobody holds what another may still drive, a person's word is the last one,
 nothing accepted is lost or driven twice, and everything ends when the trouble does.

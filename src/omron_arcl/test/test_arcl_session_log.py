@@ -1,4 +1,4 @@
-"""The session log, in the format of docs/interface/session_log.md, which the simulator reads."""
+"""The session log, in the format of docs/reference/session_log.md, which the simulator reads."""
 from __future__ import annotations
 
 import os

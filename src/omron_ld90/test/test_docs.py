@@ -12,6 +12,8 @@ import pytest
 ROOT = Path(__file__).resolve().parents[3]
 DOCUMENTS = sorted([*ROOT.glob('*.md'), *(ROOT / 'docs').rglob('*.md'),
                     *(ROOT / 'src').glob('*/README.md')])
+# A page stands in the folder of its kind.
+KINDS = ('tutorials', 'how-to', 'reference', 'explanation')
 # These tell of old names, too.
 OF_HISTORY = ('upgrading.md', 'CHANGELOG.md')
 _LINK = re.compile(r'\]\(([^)#\s]+)(?:#[^)]*)?\)')
@@ -28,6 +30,21 @@ def test_what_is_linked_to_is_there(document: Path):
     links = [link for link in _LINK.findall(document.read_text(encoding='utf-8'))
              if '://' not in link]
     assert [link for link in links if not (document.parent / link).exists()] == []
+
+
+def test_every_page_stands_in_the_folder_of_its_kind():
+    pages = [page.relative_to(ROOT / 'docs') for page in (ROOT / 'docs').rglob('*.md')]
+    assert [str(page) for page in pages
+            if page.name != 'index.md' and page.parent.as_posix() not in KINDS] == []
+    assert {page.parent.as_posix() for page in pages} - {'.'} <= set(KINDS)
+
+
+def test_the_first_page_leads_to_every_page():
+    index = ROOT / 'docs' / 'index.md'
+    linked = {(index.parent / link).resolve()
+              for link in _LINK.findall(index.read_text(encoding='utf-8'))}
+    assert [name_of(page) for page in sorted((ROOT / 'docs').rglob('*.md'))
+            if page != index and page not in linked] == []
 
 
 @pytest.mark.parametrize('document', [document for document in DOCUMENTS
@@ -47,7 +64,7 @@ def is_module(name: str) -> bool:
 
 def test_every_package_that_is_installed_stands_with_its_licence():
     table = (ROOT / 'scripts' / 'common.sh').read_text(encoding='utf-8')
-    told = (ROOT / 'docs' / 'dependencies.md').read_text(encoding='utf-8')
+    told = (ROOT / 'docs' / 'reference' / 'dependencies.md').read_text(encoding='utf-8')
     packages = re.findall(r'^  "([\w.-]+) +[\w.-]+"$', table.split('multimaster_packages')[0], re.M)
     assert len(packages) > 30
     assert [name for name in packages if f'`{name}`' not in told] == []

@@ -1,4 +1,4 @@
-"""Imports point one way, as docs/architecture.md says: upper layers import lower ones only."""
+"""Upper layers import lower ones only, as docs/explanation/architecture.md says."""
 from __future__ import annotations
 
 import ast

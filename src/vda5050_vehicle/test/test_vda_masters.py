@@ -1,4 +1,4 @@
-"""Messages in the form of the masters of docs/vda5050_masters.md, with the settings told there."""
+"""Messages in the form of the masters of docs/how-to/vda5050_masters.md, with its settings."""
 from __future__ import annotations
 
 import json
@@ -146,7 +146,7 @@ def test_vda_5050_lib_finds_its_rejected_order_by_the_references():
 
 @pytest.mark.parametrize('name', MASTERS)
 def test_the_page_tells_the_settings_that_are_tried_here(name):
-    page = (ROOT / 'docs' / 'vda5050_masters.md').read_text(encoding='utf-8')
+    page = (ROOT / 'docs' / 'how-to' / 'vda5050_masters.md').read_text(encoding='utf-8')
     section = page.split(f'## {name}\n')[1].split('\n## ')[0]
     settings = dict(re.findall(r'(vda5050_\w+):=([^\s`\'"]+)', section))
     assert settings.get('vda5050_version', '2.1.0') == MASTERS[name].version

@@ -1,4 +1,4 @@
-"""What docs/fleet.md promises, checked while things happen to a fleet.
+"""What docs/explanation/fleet.md promises, checked while things happen to a fleet.
 
 What is true is read from the robots, the network and the journal's file; what the supervisor
 believes must never be less than that.

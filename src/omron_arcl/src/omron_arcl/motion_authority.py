@@ -6,7 +6,7 @@ whenever anybody but the present giver drives, stops or cancels, and whenever th
 command of another client. A drive names the epoch that its giver knows, so that it cannot pass a
 stop or a drive of which its giver has not heard. No timer orders two commands that were taken here.
 
-The limits of what can be known stand in docs/interface/omron_controller.md.
+The limits of what can be known stand in docs/reference/omron_controller.md.
 """
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ _ESCAPED[ord('\\')] = '\\\\'
 
 
 class SessionLog:
-    """Writes what both sides say, in the format of docs/interface/session_log.md, times since 1970.
+    """Writes what both sides say, in the format of docs/reference/session_log.md, times since 1970.
 
     Passwords come redacted already. A file that is there is kept as `<path>.old`, and so is one
     that has grown to `size` bytes: both together never take more than twice that. Raises OSError

@@ -92,7 +92,7 @@ def test_every_launch_file_expands(file):
 
 @pytest.mark.parametrize('file', LAUNCH_FILES, ids=lambda file: file.name)
 def test_the_interface_reference_has_every_argument_with_its_default_and_meaning(file):
-    text = (ROOT / 'docs' / 'interface.md').read_text(encoding='utf-8')
+    text = (ROOT / 'docs' / 'reference' / 'interface.md').read_text(encoding='utf-8')
     section = text.split(f'### `{file.name}`')[1].split('###')[0]
     rows = {name: (default, meaning) for name, default, meaning
             in re.findall(r'^\| `(\w+)` \| (.*?) \| (.*) \|$', section, re.MULTILINE)}

@@ -1,6 +1,6 @@
 """The values that a robot and the fleet manager speak of: orders in, reports and refusals out.
 
-The rules are those of docs/interface/route_protocol.md. Stamps in nanoseconds of the ROS clock.
+The rules are those of docs/reference/route_protocol.md. Stamps in nanoseconds of the ROS clock.
 """
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """The fleet in a browser: shows it live, and asks the fleet manager for what people want done.
 
-See docs/interface/fleet_page.md. It decides nothing about robots.
+See docs/reference/fleet_page.md. It decides nothing about robots.
 
 Subscribes
     /graph, /closed_edges_in_force, /parking, /docking_points (latched, of graph_server)

@@ -1,4 +1,4 @@
-"""Which orders a vehicle takes up: the rules of docs/interface/route_protocol.md as questions."""
+"""Which orders a vehicle takes up: the rules of docs/reference/route_protocol.md as questions."""
 from __future__ import annotations
 
 from dataclasses import dataclass

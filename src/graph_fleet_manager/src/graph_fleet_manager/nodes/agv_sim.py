@@ -1,7 +1,7 @@
 """Simulated AGVs: every robot of the fleet file with `driver: agv`, all in this one process.
 
 They follow the edges of the graph exactly and speak the robot's side of the route protocol
-(docs/interface/route_protocol.md).
+(docs/reference/route_protocol.md).
 
 Subscribes
     /graph (itrci_nav_msgs/Graph): replaces the graph of ~graph_file

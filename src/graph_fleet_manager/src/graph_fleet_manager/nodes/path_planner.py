@@ -1,7 +1,7 @@
 """path_planner: plans the paths of all robots, free of conflict whatever runs late.
 
 It answers requests one at a time and remembers nothing between them but the graph: it can be ended
-at any time, and its client goes on. See docs/interface/path_planner.md for requests and answers.
+at any time, and its client goes on. See docs/reference/path_planner.md for requests and answers.
 
 Subscribes
     /graph (itrci_nav_msgs/Graph, latched), /parking (itrci_nav_msgs/ParkingPlaces, latched)

@@ -2,7 +2,7 @@
 
 It may be ended at any time: what was accepted, and what every robot may hold, is on the disk. Where
 that cannot be written it waits until it can, and sends stops meanwhile. See
-docs/interface/path_supervisor.md and docs/fleet.md for its rules.
+docs/reference/path_supervisor.md and docs/explanation/fleet.md for its rules.
 
 Subscribes
     /mission_request (itrci_nav_msgs/MissionRequest), /mission_command (MissionCommand)

@@ -2,7 +2,7 @@
 
 Is the other side there, does its clock go right, has it the same message definitions: what is wrong
 there shows else only as topics that are listed and stay silent. It runs beside master_discovery,
-see docs/multimaster.md, and moves nothing.
+see docs/how-to/multimaster.md, and moves nothing.
 
 Publishes
     /diagnostics: one status for each peer, `peer_watch: <address>`

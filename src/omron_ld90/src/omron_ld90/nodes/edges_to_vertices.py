@@ -1,7 +1,7 @@
 """The bridge between the fleet manager, which thinks in edges, and the LD-90, which knows goals.
 
 Takes routes of edges, sends the robot over their vertices, and tells how far it is, as
-docs/interface/route_protocol.md says. What it thinks is in `omron_ld90.bridge.route_follower`.
+docs/reference/route_protocol.md says. What it thinks is in `omron_ld90.bridge.route_follower`.
 
 Subscribes
     target_route (itrci_nav_msgs/TargetRoute): the route to drive

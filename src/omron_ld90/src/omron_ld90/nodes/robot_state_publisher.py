@@ -20,7 +20,7 @@ grow with the time between locations.
 
 `scan`, off by default, is for software that knows nothing else than sensor_msgs/LaserScan. It is
 made of `laser_cloud`, and so of what the robot's own localisation has put into the map: what a real
-scan is for, it cannot be. See docs/interface/robot_state_publisher.md.
+scan is for, it cannot be. See docs/reference/robot_state_publisher.md.
 
 Subscribes
     robot_status (omron_ld90_msgs/RobotStatus)

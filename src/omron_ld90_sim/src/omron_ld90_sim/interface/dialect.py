@@ -1,7 +1,8 @@
 """How a robot speaks: as an LD-90 does, and in ways in which other robots differ.
 
-The default is what the sources tell (docs/sources.md). Everything else is for developers whose
-software has to get along with robots that are less exact; the fault `dialect` switches it on.
+The default is what the sources tell (docs/explanation/sources.md). Everything else is for
+developers whose software has to get along with robots that are less exact; the fault
+`dialect` switches it on.
 """
 from __future__ import annotations
 

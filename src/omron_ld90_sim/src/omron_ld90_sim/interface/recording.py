@@ -1,6 +1,6 @@
 """Session logs: written by `--log`, served again by `--replay`.
 
-The format is docs/interface/session_log.md; the controller's `~session_log` is written in it, too.
+The format is docs/reference/session_log.md; the controller's `~session_log` is written in it, too.
 """
 from __future__ import annotations
 

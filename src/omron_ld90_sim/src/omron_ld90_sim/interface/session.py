@@ -1,7 +1,7 @@
 """One ARCL connection without I/O: it takes bytes and holds the bytes to send.
 
-Framing, login and echo are a robot's (docs/sources.md): lines end with CRLF, LF or CR, a wrong
-password closes without a word, a command over 5,000 characters drops the client.
+Framing, login and echo are a robot's (docs/explanation/sources.md): lines end with CRLF, LF or
+CR, a wrong password closes without a word, a command over 5,000 characters drops the client.
 """
 from __future__ import annotations
 
