@@ -36,7 +36,7 @@ def test_every_page_stands_in_the_folder_of_its_kind():
     pages = [page.relative_to(ROOT / 'docs') for page in (ROOT / 'docs').rglob('*.md')]
     assert [str(page) for page in pages
             if page.name != 'index.md' and page.parent.as_posix() not in KINDS] == []
-    assert {page.parent.as_posix() for page in pages} - {'.'} <= set(KINDS)
+    assert {page.parent.as_posix() for page in pages} - {'.'} == set(KINDS)
 
 
 def test_the_first_page_leads_to_every_page():
