@@ -1,4 +1,4 @@
-"""The tables that benchmarks print: Markdown, as docs/reference/performance.md has them."""
+"""The tables that benchmarks print: Markdown, as docs/performance.md has them."""
 from __future__ import annotations
 
 from typing import Iterable, NamedTuple, Sequence

@@ -10,7 +10,7 @@ from typing import Dict, List, NamedTuple, Set
 import pytest
 
 ROOT = Path(__file__).resolve().parents[3]
-GLOSSARY = ROOT / 'docs' / 'reference' / 'glossary.md'
+GLOSSARY = ROOT / 'docs' / 'glossary.md'
 PACKAGE = ROOT / 'src' / 'graph_fleet_manager' / 'src' / 'graph_fleet_manager'
 
 
