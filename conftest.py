@@ -37,7 +37,7 @@ _MOUNTS = 0x20000  # CLONE_NEWNS
 
 
 class SmallDisk:
-    """A tmpfs of 2 MB. Nobody but the thread that made it, and threads that this starts, sees it.
+    """A tmpfs of 2 MB. Only the thread that made it, and threads that this starts, see it.
     """
 
     def __init__(self, folder: Path) -> None:

@@ -71,7 +71,7 @@ die() { printf '\nCannot go on: %s\n' "$*" >&2; exit 1; }
 
 # prepare PACKAGE_LINE...: installs what is missing of these, and builds the workspace.
 prepare() {
-  export PATH="/usr/bin:$PATH"  # ROS lives in /usr/bin/python3, whatever other python3 there is
+  export PATH="/usr/bin:$PATH"  # ROS lives in /usr/bin/python3, even beside another python3
   if [ -f /opt/ros/noetic/setup.bash ]; then
     _install_missing 2 "$@"
     _source /opt/ros/noetic/setup.bash
@@ -219,13 +219,13 @@ provide_vda5050_schemas() {
   ln -sfn "$found" "$folder/2.1.0"
 }
 
-# provide_axe: axe-core, which judges whether everybody can use a page, as build/axe. Its tests are skipped where it cannot be had.
+# provide_axe: axe-core, which judges the accessibility of a page, as build/axe. Its tests are skipped where it cannot be had.
 provide_axe() { virtual_environment axe /usr/bin/python3 --no-deps axe-playwright-python==0.1.8 || true; }
 
 # record RESULTS passed|failed|skipped NAME [REASON]: the result of something that is no test of pytest or rostest
 record() { /usr/bin/python3 "$root/scripts/test_results.py" record "$@"; }
 
-# port_is_free PORT: nothing listens there on this machine. Nobody is connected to for that: on the port of a robot's
+# port_is_free PORT: nothing listens there on this machine. The check makes no connection: on the port of a robot's
 # outgoing connection the newest one counts, and the running robot would lose its own.
 port_is_free() {
   /usr/bin/python3 - "$1" 2>/dev/null <<'END'

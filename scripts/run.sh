@@ -44,7 +44,7 @@ start_fleet() {
   (trap '' INT TERM HUP; tail -s 0.5 -f --pid=$$ /dev/null; rm -rf "$(dirname "$launch")") </dev/null >/dev/null 2>&1 &
   if grep -q 'name="multimaster" value="true"' "$launch"; then
     [ -n "${ROS_IP:-}" ] || die "robots of this fleet have computers of their own: export ROS_IP to this computer's address, by which they reach it."
-  # Nobody outside this computer needs its nodes where all robots are simulated.
+  # No other computer needs its nodes where all robots are simulated.
   elif ! grep '"robot_ip"' "$launch" | grep -qv '"127.0.0.1"'; then
     export ROS_IP="${ROS_IP:-127.0.0.1}"
   fi
@@ -104,7 +104,7 @@ fi
 
 prepare "${run_packages[@]}"
 
-# From here on there is a Python, whatever the machine came with.
+# From here on there is a Python, on every machine.
 if is_true "${given[multimaster]:-}"; then
   [ -n "${ROS_IP:-}" ] || ROS_IP="$(address_towards "${given[peer]}")" ||
     die "there is no way to peer:=${given[peer]}: is it the address of the fleet manager's computer, and is the network up?"

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Wrong input: each is answered with one clear sentence, and whatever can still work goes on."""
+"""Wrong input: each is answered with one clear sentence, and all that can still work goes on."""
 from __future__ import annotations
 
 import shutil
@@ -83,7 +83,7 @@ class BadInput(unittest.TestCase):
             self.assertNotIn('guess', stack.output)
 
     def test_an_unreachable_robot_is_named_with_its_address(self) -> None:
-        port = free_port()  # where nobody listens
+        port = free_port()  # where no program listens
         with self.stack('unreachable', sim='false', arcl_port=port,
                         password_file=SIMULATOR_PASSWORD) as stack:
             stack.wait_for_line('"commands"', f'127.0.0.1:{port}', 'refused')

@@ -277,7 +277,7 @@ class FleetManager:
             FleetState(robots=[FleetRobot(name='omron_ld90', state=self.state)])))
 
     def end(self) -> None:
-        """From the next message on nobody is managed any more."""
+        """From the next message on no robot is managed any more."""
         self._timer.shutdown()
         self._timer.join(2.0)
         self._publisher.publish(FleetState())

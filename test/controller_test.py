@@ -253,7 +253,7 @@ class ControllerTest(unittest.TestCase):
         self.assertEqual([], moved)
         goals.publish(here)
         self.responses.wait_for(lambda line: parse_line(line.data) == GoingToPoint(), SOON,
-                                'drive once nobody manages the robot', said)
+                                'drive once no fleet manages the robot', said)
         self.result_of(self.run_command('stop'))
 
     def test_a_simple_goal_is_a_new_goal_of_the_action(self):

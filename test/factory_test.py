@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A fleet file of nine robots: missions end, faults hold up nobody else, menus act.
+"""A fleet file of nine robots: missions end, faults hold up no other robot, menus act.
 
 Three LD-90s and four AGVs are simulated by the launch; another LD-90 is a real one as far as the
 fleet knows: all that is known of it is its address and a password of its own. One more is switched

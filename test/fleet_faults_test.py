@@ -66,8 +66,8 @@ class FleetFaults(unittest.TestCase):
         self.assertGreater(self.control.time(), 0.0)
 
     def tearDown(self) -> None:
-        distance, who = self.watch.nearest
-        self.assertGreaterEqual(distance, ALLOWED - 0.001, f'{who} came too near to each other')
+        distance, pair = self.watch.nearest
+        self.assertGreaterEqual(distance, ALLOWED - 0.001, f'{pair} came too near to each other')
         self.assertGreater(self.watch.looks, 10)
 
     def send(self, robot: str, *vertices: int) -> int:
@@ -110,7 +110,7 @@ class FleetFaults(unittest.TestCase):
             for name, vertex in zip(('agv_1', 'agv_2'), ends):
                 self.assertLess(math.dist(places[name], (3.0 * (vertex - 1), 0.0)), 0.01)
             ends = ends[::-1]
-        if SWAPS % 2:  # everybody where the other tests expect them
+        if SWAPS % 2:  # all robots where the other tests expect them
             self.wait_for_success(self.send('agv_1', 1), self.send('agv_2', 5))
 
     def test_2_after_an_emergency_stop_a_robot_goes_on_by_itself(self) -> None:
@@ -118,7 +118,7 @@ class FleetFaults(unittest.TestCase):
         self.wait_until_on_its_way('agv_1')
         self.control.inject('agv_1', 'estop')
         self.wait_for_state('agv_1', FleetRobot.STOPPED)
-        other = self.send('agv_2', 4)  # nobody else is kept from working
+        other = self.send('agv_2', 4)  # no other robot is kept from working
         self.wait_for_success(other)
         self.control.inject('agv_1', 'release')
         self.wait_for_success(mission)

@@ -143,7 +143,7 @@ class FleetMission(unittest.TestCase):
         self.assertIn('taken over', taken.robots[0].waits_for)
         self.lines.wait_for(lambda line: line.data == 'Arrived at 39', 60, 'end of the drive to 39',
                             after=said)
-        self.assertEqual(['goto 39'], self.commands.texts[given:])  # and nobody interfered
+        self.assertEqual(['goto 39'], self.commands.texts[given:])  # and no other giver interfered
         wait_until(lambda: command('fleet', 'in', 'omron_ld90').returncode == 0, 30, 'fleet in')
         end = self.statuses.wait_for(
             lambda status: status.request_id == mission and status.state not in (

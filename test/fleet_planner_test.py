@@ -169,7 +169,7 @@ class FleetPlannerTest(unittest.TestCase):
     def test_what_the_graph_allows_is_told_in_words(self):
         self.reload(corridor(8, 9))
         self.log.wait_for(lambda line: line.name == '/graph_server' and line.msg.startswith(
-            'The graph holds 2 robots of type agv without cutting anybody off'), 20, 'capacity')
+            'The graph holds 2 robots of type agv without cutting any robot off'), 20, 'capacity')
 
     def test_a_graph_that_breaks_a_running_route_is_refused_until_it_is_driven(self):
         before = len(self.graphs.messages)

@@ -231,7 +231,7 @@ class FleetByMouse(unittest.TestCase):
             for name, other in self.factory.places().items() if name != but)
 
     def free_vertex(self) -> int:
-        """A station at which nobody stands and to which nobody is to come back."""
+        """A station at which no robot stands and to which none is to come back."""
         return next(id for id in self.factory.stations if id not in self.factory.homes()
                     and self.is_clickable(self.place_at(id), 1.5))
 

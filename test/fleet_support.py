@@ -234,7 +234,7 @@ class Factory:
 
     def run_until(self, condition: Callable[[], bool], timeout: float, what: str,
                   missions: Sequence[int] = ()) -> int:
-        """Waits, and sees to it that nobody comes near anybody; returns how often it looked."""
+        """Waits, and checks that no robot comes near another one; returns how often it looked."""
         looks, deadline = 0, time.monotonic() + timeout
         while not condition():
             assert time.monotonic() < deadline, (
@@ -261,8 +261,8 @@ class Factory:
     def check_distances(self) -> float:
         """How far the two nearest robots are beyond the distance allowed, in m; fails below 0.
 
-        Simulators are asked one after the other, between which a robot may have driven on: who
-        seems too near must be so beside where the other is a moment later, too.
+        Simulators are asked one after the other, between which a robot may have driven on: a robot
+        that seems too near must be so beside where the other is a moment later, too.
         """
         places = self.places()
         nearest = math.inf
@@ -284,7 +284,7 @@ class Factory:
                 if math.dist(place, before[name]) > 0.5]
 
     def wait_until_all_stand(self) -> None:
-        """Nobody moves any more."""
+        """No robot moves any more."""
         before = self.places()
 
         def all_stand() -> bool:

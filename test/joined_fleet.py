@@ -149,7 +149,7 @@ class JoinedFleet:
         return next(line for line in history(str(self.journal)) if line.request_id == number)
 
     def is_open(self, number: int) -> bool:
-        """Is there still something to do? Nobody knows while the journal cannot be read."""
+        """Is there still something to do? That is unknown while the journal cannot be read."""
         try:
             return self.mission(number).state.is_open
         except JournalError:  # the fleet manager is being killed, or starts
@@ -229,7 +229,7 @@ class Odometer:
 
 
 def kept_folder(name: str) -> Path:
-    """A folder for what the computers print, kept for who looks for what went wrong."""
+    """A folder for what the computers print, kept for the analysis of failures."""
     folder = Path(os.environ.get('SYSTEM_TEST_ARTEFACTS', '/tmp')) / name
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)

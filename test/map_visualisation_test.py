@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The displayed map: all of it reaches whoever joins, whenever they join, and follows its file."""
+"""The displayed map: all of it reaches each subscriber, whenever it joins, and follows its file."""
 from __future__ import annotations
 
 import math

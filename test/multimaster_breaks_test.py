@@ -66,7 +66,7 @@ class Breaks(unittest.TestCase):
             self.assertAlmostEqual(driven, undisturbed, delta=METRES, msg='driven (m)')
 
     def note(self, text: str) -> None:
-        """Keeps a line for who looks what was done."""
+        """Keeps a line for the analysis of failures."""
         with self.journal.open('a') as journal:
             journal.write(f'{text}\n')
 
@@ -92,7 +92,7 @@ class Breaks(unittest.TestCase):
         return driven
 
     def break_off(self, kind: str) -> None:
-        """One break; how long it is, and who comes back first, are part of what is tried."""
+        """One break; how long it is, and which side comes back first, are part of what is tried."""
         self.note(kind)
         if kind in ('cable', 'radio'):
             with self.cable.pulled() if kind == 'cable' else self.cable.in_radio_shadow():

@@ -33,7 +33,7 @@ class JoinedMasters(unittest.TestCase):
     """The LD-90's computer is there before the fleet manager's, agv_1's comes later.
 
     With --long agv_2's is there before, too, and agv_1 has other definitions of a message at first;
-    it stands where it is in nobody's way.
+    it stands where it is in no other robot's way.
     """
 
     @classmethod
@@ -136,7 +136,7 @@ class JoinedMasters(unittest.TestCase):
                 odometer.wait_for(1.0)
                 for computer in dying:
                     computer.kill()
-                odometer.wait_for_rest_or(0.5)   # nobody stops what is being driven
+                odometer.wait_for_rest_or(0.5)   # the drive under way is not stopped
                 for computer in dying:
                     computer.start()
             self.newcomer.start()

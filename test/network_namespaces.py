@@ -63,7 +63,7 @@ class Cable:
 
     @contextlib.contextmanager
     def in_radio_shadow(self) -> Iterator[None]:
-        """Whatever is sent meanwhile is lost, and nobody learns it: as by radio.
+        """All that is sent meanwhile is lost, and no side learns it: as by radio.
 
         Where a cable is pulled, the sender's own computer knows, and tries again all the time.
         """

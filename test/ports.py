@@ -2,7 +2,7 @@
 """Free TCP ports for tests: `free_port()`, or run as a program, which prints one.
 
 They lie below the range that the kernel takes for outgoing connections: a port of that range may
-be somebody's outgoing one by the time it is used, if only for a moment.
+be another program's outgoing one by the time it is used, if only for a moment.
 """
 from __future__ import annotations
 

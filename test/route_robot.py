@@ -24,7 +24,7 @@ VERTEX_8 = (-12000.0, 0.0, 0.0)  # mm and degrees
 
 
 class FleetManager:
-    """Sends routes to the robot, and hears of it what anybody can hear."""
+    """Sends routes to the robot, and hears of it what every node can hear."""
 
     def __init__(self) -> None:
         self.states = Recorder('/omron_ld90/execution_route_states', ExecutionRouteStates)

@@ -85,7 +85,7 @@ class Screen:
     def picture(self) -> Image.Image:
         """What is on the screen: Xvfb keeps it in a file in the format of xwd."""
         path = os.path.join(self._folder.name, 'Xvfb_screen0')
-        header = np.fromfile(path, '>u4', 25)  # big-endian, whatever the computer is
+        header = np.fromfile(path, '>u4', 25)  # big-endian, on each computer
         header_size, line_size, colours = int(header[0]), int(header[12]), int(header[19])
         pixels = np.fromfile(path, np.uint8, HEIGHT * line_size,
                              offset=header_size + 12 * colours)

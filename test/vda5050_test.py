@@ -120,7 +120,7 @@ class Vda5050(unittest.TestCase):
                             after=master.count())
         self.assertEqual(state['orderId'], 'mission')
         self.assertEqual(node_ids(state), node_ids(before))
-        self.assertFalse(state['paused'], 'nobody paused it')
+        self.assertFalse(state['paused'], 'no pause was given')
         state = master.wait(lambda s: 'agvPosition' in s, 20, 'a robot that is heard')
         self.assertEqual([error['errorType'] for error in state['errors']], ['actionError'])
         self.assertEqual(master.ended(master.act('stopPause'))['actionStatus'], 'FINISHED')

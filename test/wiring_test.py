@@ -142,9 +142,9 @@ class Wiring(unittest.TestCase):
             for suffix, ours in FROM_OUTSIDE.items():
                 if wire.name.endswith(f'/{suffix}'):
                     givers = {node.rsplit('/', 1)[1] for node in wire.offered}
-                    self.assertLessEqual(givers, ours, f'{wire}: nobody else gives this')
+                    self.assertLessEqual(givers, ours, f'{wire}: no other part gives this')
             if wire.heard and not wire.name.endswith(tuple(f'/{name}' for name in may_be_alone)):
-                self.assertTrue(wire.offered, f'{wire}: nobody offers what is listened to')
+                self.assertTrue(wire.offered, f'{wire}: no node offers what is listened to')
             if wire.offered and not wire.heard:
                 self.to_outside.add(re.sub('^/(omron_ld90|robot_[ab])/', '', wire.name))
         self.check_services()
@@ -154,7 +154,7 @@ class Wiring(unittest.TestCase):
             last = name.rsplit('/', 1)[1]
             if last in ('get_loggers', 'set_logger_level', 'tf2_frames'):
                 continue
-            self.assertIn(last, SERVICES, f'{name}: nobody calls it')
+            self.assertIn(last, SERVICES, f'{name}: no node calls it')
             self.assertEqual(SERVICES[last][0], rosservice.get_service_type(name), name)
             self.services.add(last)
 

@@ -78,7 +78,7 @@ def additions() -> float:
 
 
 def ratio(outcome: Outcome) -> float:
-    """Cost over the lower bound, of those who are served."""
+    """Cost over the lower bound, of the robots that are served."""
     return outcome.cost / outcome.lower_bound if outcome.lower_bound else 1.0
 
 
@@ -259,14 +259,14 @@ def laboratory(robots: int, longest: float, kind: operation.RobotType, seeds: in
         yield (f'laboratory, {robots} x {kind.name}, {edges}, 1 h',
                f'{statistics.median(run.missions for run in runs):.0f} missions '
                f'({min(run.missions for run in runs)} to {max(run.missions for run in runs)}); '
-               f'nobody drives for at most {still:.0f} s', aim)
+               f'no robot drives for at most {still:.0f} s', aim)
     return section
 
 
 def station_queues() -> Iterator[Row]:
     """What robots could do that wait for each other at the stations only."""
     found = [queueing.missions(8, seed) for seed in range(200)]
-    yield ('laboratory, 8 robots that meet nobody but at the dead ends of the stations, 200 seeds',
+    yield ('laboratory, 8 robots that meet only at the dead ends of the stations, 200 seeds',
            f'{statistics.mean(found):.0f} missions on average ({min(found)} to {max(found)})',
            'what the graph allows')
 

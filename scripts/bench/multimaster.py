@@ -33,7 +33,7 @@ COUNTED = 10.0           # s over which bytes are counted
 
 
 class Listener:
-    """Hears a topic on a computer, whoever publishes it, in a process of its own there."""
+    """Hears a topic on a computer, from every publisher, in a process of its own there."""
 
     def __init__(self, computer: Computer, namespace: str, topic: Tuple[str, str]) -> None:
         self.heard: List[Tuple[float, int]] = []

@@ -1,4 +1,4 @@
-"""What the laboratory's dead ends alone allow: robots that meet nobody but at the stations.
+"""What the laboratory's dead ends alone allow: robots that meet only at the stations.
 
 Every station lies at the end of an edge with no other way out, so one robot after the other drives
 in and out again, in the order in which they come. Everywhere else robots drive as if alone. No

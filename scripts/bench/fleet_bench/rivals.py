@@ -1,9 +1,9 @@
 """Other planners on the same instances, and whether robots could really drive what they plan.
 
 They know vertices, edges and steps that all take equally long; conflict sets, durations, sizes and
-delays cannot be told to any of them. So their moves are put into an order, step by step, who leaves
-a vertex before who enters it, and timed by our own rules; then the checker says whether that is
-safe. A plan in which robots follow each other in a ring has no such order.
+delays cannot be told to any of them. So their moves are put into an order, step by step, which
+robot leaves a vertex before which one enters it, and timed by our own rules; then the checker says
+whether that is safe. A plan in which robots follow each other in a ring has no such order.
 """
 from __future__ import annotations
 

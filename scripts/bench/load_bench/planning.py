@@ -66,7 +66,7 @@ def planning() -> Iterator[Row]:
     site = _Site()
     what = f'{ROBOTS} robots, {len(site.graph.vertices)} vertices, {len(site.graph.edges)} edges'
     first = site.plan()
-    yield f'{what}: first answer, nobody has a destination', f'{first.seconds:.2f} s', '', ''
+    yield f'{what}: first answer, no robot has a destination', f'{first.seconds:.2f} s', '', ''
     ramp: List[_Answer] = []
     while len(site.goals) < ROBOTS:
         site.send(AT_ONCE, True)

@@ -211,7 +211,7 @@ class Disturbances:
         self._simulators.fault(name, words)
 
     def remedy_all(self) -> None:
-        """Whatever may still be wrong with a robot is ended."""
+        """Ends each fault that a robot may still have."""
         for name in self._names:
             table = LD90_FAULTS if name in self._ld90s else AGV_FAULTS
             for remedy in {words for fault in table for words in fault.remedies

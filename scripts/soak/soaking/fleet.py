@@ -23,12 +23,12 @@ from node_lifecycle.master_watch import watch_master
 from soaking.corruption import CORRUPTIONS, corrupted
 from soaking.launch import TRUE_ANSWERS
 
-REPEAT = 5.0  # s after which a request that nobody answered is sent again, unchanged
+REPEAT = 5.0  # s after which a request without an answer is sent again, unchanged
 SERVICE = 3.0  # s within which a service is found
 
 
 class Fleet:
-    """Asks and listens; the witness is told of all of it. One lock holds whatever tells it."""
+    """Asks and listens; the witness is told of all of it. One lock guards all that tells it."""
 
     def __init__(self, witness: Witness, lock: threading.RLock, seed: int, share: float) -> None:
         rospy.init_node('soak', disable_signals=True)

@@ -1,4 +1,4 @@
-"""The page over HTTP: who may do what, hostile requests, and streams that cost nothing."""
+"""The page over HTTP: permissions, hostile requests, and streams that cost nothing."""
 from __future__ import annotations
 
 import asyncio

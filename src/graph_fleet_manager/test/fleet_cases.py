@@ -22,7 +22,8 @@ GIVE_UP = 0.3  # s of the processor after which an instance counts as one withou
 
 
 def plan_in_time(planner, tasks, rounds):
-    """A plan whose time limit counts the processor's time, whatever else runs on the machine."""
+    """A plan whose time limit counts the processor's time, regardless of other load on the
+    machine."""
     with patch('time.monotonic', time.process_time), \
             patch.object(layers, 'time_now', time.process_time), \
             patch.object(safe_intervals, 'time_now', time.process_time):

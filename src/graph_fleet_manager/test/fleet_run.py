@@ -1,7 +1,7 @@
 """A fleet at work, as a discrete-event run of the planning core: missions come, robots run late.
 
 Robots begin a drive when its precedence allows, at the last moment (nothing is released ahead).
-Whenever a mission ends, its robot gets the next one and all is planned from where everybody is.
+Whenever a mission ends, its robot gets the next one and all is planned from where all robots are.
 """
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ class FleetRun:
                 self._plan()
 
     def _plan_again_when_stuck(self, seconds: float) -> bool:
-        """Nobody drives: the fleet manager would try again, a moment later."""
+        """No robot drives: the fleet manager would try again, a moment later."""
         self.longest_standstill += 1.0
         self.now += 1.0
         if self.longest_standstill > 300.0 or self.now > seconds:

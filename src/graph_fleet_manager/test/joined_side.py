@@ -68,7 +68,7 @@ class OtherSide:
 
 
 def unused_port(address: str) -> int:
-    """A port at which nobody listens now."""
+    """A port at which no program listens now."""
     with socket.socket() as probe:
         probe.bind((address, 0))
         return probe.getsockname()[1]

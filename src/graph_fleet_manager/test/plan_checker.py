@@ -2,7 +2,7 @@
 
 Everything is worked out anew: curves as the fleet's files describe them, lengths by fine sampling,
 distances by Shapely. A plan is judged by the places that two robots can hold at once under its
-precedence, whatever each of them is late: for every robot and drive it is worked out how far the
+precedence, however late each of them is: for every robot and drive it is worked out how far the
 others must be by then, and all that they may still hold is kept apart from it.
 """
 from __future__ import annotations
@@ -298,7 +298,7 @@ def _shape(world: World, plan: dict, name: str, k: int, fraction: float = 0.0):
 
 
 def nominal_faults(world: World, plan: dict, step: float = 0.1) -> List[str]:
-    """Robots too near each other if everybody keeps its times; looked at every `step` s."""
+    """Robots too near each other if all robots keep their times; looked at every `step` s."""
     names = list(plan['robots'])
     if not names:
         return []

@@ -1,8 +1,8 @@
 """Drives a plan with random delays and stalls; shares no code with the planner.
 
 Robots keep the precedence and nothing else: each drive takes as long as chance will have it, with
-stops anywhere on it, and begins as soon as the order allows. Where everybody is at any time is then
-looked at in steps.
+stops anywhere on it, and begins as soon as the order allows. The place of each robot at any time is
+then looked at in steps.
 """
 from __future__ import annotations
 

@@ -139,7 +139,7 @@ def test_a_dock_and_its_approach_are_for_one_robot_alone():
     assert aside in conflicts.row(approach)
     at = conflicts.starts[aside] + conflicts.row(aside).index(approach)
     assert conflicts.forward[at] == pytest.approx(0.5 / 4.0), 'the approach ends 0.5 m behind 2'
-    assert 2 not in conflicts.row(0), 'who is docked is in nobody\'s way elsewhere'
+    assert 2 not in conflicts.row(0), 'a docked robot is in no other robot\'s way elsewhere'
 
 
 def test_what_is_asked_twice_is_computed_once():

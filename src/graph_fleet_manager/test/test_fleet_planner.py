@@ -43,7 +43,8 @@ def test_a_robot_goes_on_from_what_was_released_to_it():
 
 @pytest.mark.parametrize('rounds', [0, 2])
 def test_nobody_slips_through_before_a_slow_robot_that_was_let_go_there(rounds):
-    """What was released stays so: who could be through long before comes after it all the same."""
+    """What was released stays so: a robot that could be through long before comes after it all the
+    same."""
     crossing = graph_of({1: (0.0, 0.0), 2: (2.0, 0.0), 3: (4.0, 0.0), 4: (6.0, 0.0), 5: (8.0, 0.0),
                          6: (6.0, 2.0), 7: (6.0, -2.0)},
                         {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (4, 5), 5: (6, 4), 6: (4, 7)})
@@ -59,7 +60,7 @@ def test_nobody_slips_through_before_a_slow_robot_that_was_let_go_there(rounds):
 
 @pytest.mark.parametrize('seed', range(20))
 def test_whatever_was_released_plans_for_new_destinations_keep_it(seed):
-    """All that waits for nobody is released; then everybody is sent elsewhere."""
+    """All that waits for no robot is released; then all robots are sent elsewhere."""
     random = Random(seed)
     graph, slow = ladder(8), RobotType('slow', 0.4, 0.2)
     planner = _planner(graph, kinds=(AGV, slow))
@@ -192,7 +193,7 @@ def test_priorities_decide_who_waits():
 
 
 def test_where_not_all_can_be_served_somebody_is():
-    """Everybody wants to be where somebody else is, and there is room for one to step aside."""
+    """Each robot wants to be where another one is, and there is room for one to step aside."""
     graph = corridor(6, siding_at=3)
     tasks = [Task(name, AGV, vertex, destinations=(goal,), kept=())
              for name, vertex, goal in (('a', 1, 6), ('b', 6, 1), ('c', 4, 2))]
@@ -234,7 +235,7 @@ def test_improvement_makes_no_plan_worse():
 
 
 def test_robots_whose_ends_are_in_each_others_only_way_change_places_in_a_siding():
-    """One after the other, whoever is planned behind the other has to drive 45 m the other way."""
+    """One after the other, the robot that is planned second has to drive 45 m the other way."""
     row = {k: (3.0 * k, 0.0) for k in range(1, 6)}
     graph = graph_of({**row, 9: (6.0, 3.0), 10: (3.0, -15.0), 11: (15.0, -15.0)},
                      {**{k: (k, k + 1) for k in range(1, 5)}, 9: (2, 9), 10: (1, 10), 11: (10, 11),
@@ -336,7 +337,7 @@ def test_the_laboratory_has_room_for_thirteen_and_not_for_one_more(lab_graph):
 
 
 def test_the_largest_set_of_a_ladder_with_dead_ends_is_found():
-    """Every rung leads on to a dead end; robots parked in these are in nobody's way."""
+    """Every rung leads on to a dead end; robots parked in these are in no other robot's way."""
     graph = graph_of({**{k: (3.0 * k, 0.0) for k in range(1, 6)},
                       **{10 + k: (3.0 * k, 2.0) for k in range(1, 6)}},
                      {**{k: (k, k + 1) for k in range(1, 5)},

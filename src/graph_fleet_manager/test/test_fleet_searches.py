@@ -73,7 +73,7 @@ def _best_sum(graph: Graph, starts: Sequence[int], goals: Sequence[int]) -> Opti
         at, done = state
         if all(done):
             return cost
-        for k, vertex in enumerate(at):  # who is at its goal may stay for good
+        for k, vertex in enumerate(at):  # a robot at its goal may stay for good
             if not done[k] and vertex == goals[k]:
                 _offer(best, heap, cost, (at, (*done[:k], True, *done[k + 1:])))
         options = [[vertex] if finished else neighbours[vertex]
@@ -215,7 +215,7 @@ def test_fine_layers_and_safe_intervals_agree(seed):
                     priority=-1)
         costs.append(planner.plan([task, *others], (), time.monotonic() + 5.0, 0))
     drives = max(len(outcome.drives[first.name]) for outcome in costs)
-    # Who is in its way drives, too, and whose way is found first decides over all others'.
+    # The robot in its way drives, too, and the path that is found first decides over all others.
     alone = not any(outcome.drives[task.name] for outcome in costs for task in others)
     if alone and not any(outcome.unserved for outcome in costs):
         assert costs[0].cost <= costs[1].cost + 1e-6

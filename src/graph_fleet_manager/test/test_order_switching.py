@@ -43,7 +43,7 @@ class Moment:
 
     @property
     def progress(self) -> Dict[str, Progress]:
-        """By its times, whatever is late since then."""
+        """By its times, regardless of delays since then."""
         found = {}
         for name, planned in self.outcome.drives.items():
             plan = [Drive(self.network.drive(d.edge), d.start, d.end) for d in planned]
@@ -198,7 +198,7 @@ def test_a_switched_order_is_safe_without_rings_and_better_by_what_is_told(seed)
         assert before - after == pytest.approx(switched.gain, rel=0.01, abs=0.01)
         assert after <= before - 0.005
     at.late = {}
-    assert switch_order(at.courses, found, gain=0.0) is None  # nobody is late
+    assert switch_order(at.courses, found, gain=0.0) is None  # no robot is late
 
 
 def test_one_grid_in_ten_is_switched():
@@ -236,7 +236,7 @@ def planned(graph: Graph, now: float = 0.0, late=None, **trips: Tuple[int, int])
 
 
 def first_through(at: Moment) -> str:
-    """Who goes first at the only place where two robots meet."""
+    """The robot that goes first at the only place where two robots meet."""
     (only,) = at.corridors
     return only.first
 

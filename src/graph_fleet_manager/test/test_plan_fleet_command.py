@@ -162,7 +162,7 @@ def test_a_destination_behind_a_one_way_edge_is_refused(tmp_path, capsys):
 
 
 def test_more_robots_than_can_park_are_refused(tmp_path, capsys):
-    """c is to end between the places of a and b, who have only one left between them."""
+    """c is to end between the places of a and b, which have only one left between them."""
     graph = graph_of({1: (0, 0), 2: (0.5, 0), 3: (1, 0), 4: (3, 0)}, {k: (k, k + 1)
                                                                      for k in (1, 2, 3)})
     files = Files(tmp_path, graph, {'a': ('agv', 1), 'b': ('agv', 3), 'c': ('agv', 4)}, {'c': [2]})

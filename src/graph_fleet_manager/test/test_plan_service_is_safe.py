@@ -94,7 +94,7 @@ def test_who_is_blocked_keeps_the_plan_that_it_owns(seed):
     first = fleet.answer(fleet.tasks)
     owners = [task for task in fleet.tasks if task.name not in first.unserved]
     assume(owners)
-    here = fleet.obstacle.vertices  # nobody can come there
+    here = fleet.obstacle.vertices  # no robot can come there
     tasks = tuple(replace(task, destinations=here if task is owners[0] else task.destinations,
                           kept=first.drives[task.name]) for task in fleet.tasks)
     second = fleet.answer(tasks)

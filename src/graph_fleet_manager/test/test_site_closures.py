@@ -1,4 +1,4 @@
-"""What is closed stays closed, whatever dies, until somebody says otherwise."""
+"""What is closed stays closed, after all crashes, until it is opened."""
 from __future__ import annotations
 
 from pathlib import Path
@@ -82,7 +82,7 @@ def test_a_message_that_comes_again_is_carried_out_once(file: Path) -> None:
             again.apply(first, 3 * SECOND, KNOWN)
         assert again.edges == frozenset()
     closures.apply(operation(CLOSE, 3, identity='/editor 2 5000'), 4 * SECOND, KNOWN)
-    assert closures.edges == {3}, 'the next message of the same sender counts, whatever its stamp'
+    assert closures.edges == {3}, 'the next message of a sender counts, regardless of its stamp'
 
 
 def test_an_operation_without_an_identity_always_counts(file: Path) -> None:

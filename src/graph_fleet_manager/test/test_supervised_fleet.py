@@ -1,4 +1,4 @@
-"""A supervised fleet of simulated AGVs: missions are served whatever runs late."""
+"""A supervised fleet of simulated AGVs: missions are served however late robots are."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -463,7 +463,7 @@ def test_a_stop_that_was_obeyed_is_not_given_again_by_a_restart():
     sent = len(fleet.sent)
     fleet.restart()
     fleet.run(10.0)
-    assert fleet.sent[sent:] == [], 'whoever drives it meanwhile would be stopped'
+    assert fleet.sent[sent:] == [], 'its present driver would be stopped'
     fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
     fleet.run_until_done(1)
     assert fleet.state(1) is MissionState.SUCCEEDED

@@ -1,6 +1,6 @@
-"""Whatever happens to a fleet: what docs/explanation/fleet.md promises is kept.
+"""A fleet keeps what docs/explanation/fleet.md promises, under all events.
 
-Nothing collides, nobody holds what another may still drive, a person's word is the last one,
+Nothing collides, no robot holds what another may still drive, a person's word is the last one,
 nothing accepted is lost or driven twice, and everything ends when the trouble does.
 """
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Who charges, where and until when, whatever comes between."""
+"""Which robot charges, where and until when, under all events."""
 from __future__ import annotations
 
 import math

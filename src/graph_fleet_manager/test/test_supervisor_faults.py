@@ -1,4 +1,5 @@
-"""Robots that drop out, stand elsewhere than was thought, or come back: who moves then, and how."""
+"""Robots that drop out, stand elsewhere than was thought, or come back: which robots move then, and
+how."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -16,7 +17,7 @@ from graph_fleet_manager.supervision.settings import RobotSettings
 
 
 def carry(agv, edge, arc):
-    """Somebody carries a robot to a place on an edge, where it stands without a route."""
+    """A person carries a robot to a place on an edge, where it stands without a route."""
     agv.forget()
     agv.edge, agv.arc = edge, arc
 
@@ -291,7 +292,7 @@ def test_a_robot_switched_off_and_on_where_it_stands_does_not_drive_its_old_rout
     fleet.run_until(lambda: bool(fleet.supervisor.robots['a'].record.ahead))
     agv.forget()
     fleet.run(10.0)
-    if deafness:  # nobody knows what it has driven of it
+    if deafness:  # it is unknown what it has driven of it
         assert fleet.supervisor.robots['a'].why == 'it has forgotten its route'
         assert agv.travelled == before
         fleet.do(fleet.supervisor.bring_in('a', fleet.now)[1])

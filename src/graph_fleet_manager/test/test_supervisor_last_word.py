@@ -1,4 +1,4 @@
-"""A stop, a cancel, a takeover: that is the last word, whatever is late, lost or unknown."""
+"""A stop, a cancel, a takeover: that is the last word, also when messages are late or lost."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -25,7 +25,7 @@ FAR = RobotSettings(release_ahead=8.0)
 
 
 def carry(agv, edge, arc):
-    """Somebody carries a robot to a place on an edge, where it stands without a route."""
+    """A person carries a robot to a place on an edge, where it stands without a route."""
     agv.forget()
     agv.edge, agv.arc = edge, arc
 
@@ -34,7 +34,7 @@ def robot(fleet, name='a'):
     return fleet.supervisor.robots[name]
 
 
-# -- who is believed to stand still ---------------------------------------------------------------
+# -- robots that are believed to stand still -------------------------------------------------------
 
 
 @pytest.mark.parametrize('how', ['lost link', 'stop all', 'fleet out'])
@@ -69,7 +69,7 @@ def test_who_does_not_know_where_it_is_now_does_not_stand_still(how):
 
 
 def test_who_still_has_a_route_to_drive_is_not_brought_in_where_it_waits():
-    """It refused more, and waits on its way for somebody who stands before it."""
+    """It refused more, and waits on its way for a robot that stands before it."""
     fleet = SupervisedFleet(corridor(12), {'a': (AGV, 1)}, settings=FAR)
     fleet.request(1, 12, robot='a')
     fleet.run(3.0)

@@ -166,7 +166,7 @@ def test_a_pause_outlives_a_restart_while_the_robot_is_silent():
 
 @pytest.mark.parametrize('starts_anew', [True, False])
 def test_a_request_that_comes_again_after_others_with_its_id_is_not_driven_twice(starts_anew):
-    """It was latched, and whoever takes missions joins again."""
+    """It was latched, and a node that takes missions joins again."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     for stamp, vertex in ((100.0, 3), (200.0, 1)):
         fleet.request(7, vertex, stamp=stamp)
@@ -222,7 +222,7 @@ def test_edges_that_the_disk_does_not_know_to_be_driven_may_be_gone_from_the_gra
 
 
 def test_a_robot_that_is_off_the_graph_keeps_its_place_though_it_has_an_unknown_route():
-    """As somebody stopped it past a fleet manager that hung, and then was ended."""
+    """As a person stopped it past a fleet manager that hung, and then was ended."""
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 3)})
     fleet.run(1.0)
     fleet.agvs['a'].off_graph = True

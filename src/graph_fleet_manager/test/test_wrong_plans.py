@@ -1,4 +1,4 @@
-"""Whatever the planner answers, robots drive on as soon as it answers rightly again."""
+"""After every answer of the planner, robots drive on as soon as it answers rightly again."""
 from __future__ import annotations
 
 from dataclasses import replace

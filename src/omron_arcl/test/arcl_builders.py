@@ -282,6 +282,6 @@ class Noted:
 
 
 def free_port() -> int:
-    """A port on which nobody listens."""
+    """A port on which no program listens."""
     with socket.create_server(('127.0.0.1', 0)) as server:
         return server.getsockname()[1]

@@ -1,4 +1,4 @@
-"""Whatever a robot says, in whatever order and pieces, with cancels, stops, broken links between:
+"""All that a robot may say, in any order and pieces, with cancels, stops, broken links between:
 a command given ends within its bound, has one outcome, no motion is sent twice, a stop goes first.
 300 histories by default, 10,000 with LD90_LONG_TESTS=1.
 """

@@ -1,4 +1,4 @@
-"""Several commands at once: who waits, who is replaced, stopped, cancelled, lost."""
+"""Several commands at once: which one waits, is replaced, stopped, cancelled or lost."""
 from __future__ import annotations
 
 import pytest

@@ -1,4 +1,4 @@
-"""Whatever comes: no exception, no unbounded memory, and no good line lost beside a bad one.
+"""For any input: no exception, no unbounded memory, and no good line lost beside a bad one.
 
 5,000 examples by default, 200,000 with LD90_LONG_TESTS=1, shared out among the properties.
 """

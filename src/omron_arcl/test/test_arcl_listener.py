@@ -1,4 +1,4 @@
-"""The listener takes the robot's connection, nobody else's, and survives what comes over it."""
+"""The listener takes the robot's connection, no other one, and survives what comes over it."""
 from __future__ import annotations
 
 import errno
@@ -226,7 +226,7 @@ def test_after_a_failure_the_name_is_looked_up_again(names, received):
     names.fails = True
     names.answers.set()
     with Listener('127.0.0.1', 0, 'ld90.site', on_line=received) as listener:
-        wait_for(lambda: names.asked >= 3, 'further look-ups, though nobody connects')
+        wait_for(lambda: names.asked >= 3, 'further look-ups, though no robot connects')
         names.fails = False
         asked = names.asked
         wait_for(lambda: names.asked > asked, 'an answer')

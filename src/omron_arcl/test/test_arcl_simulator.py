@@ -184,7 +184,7 @@ def test_a_stop_that_another_client_overtakes_ends_at_once_with_what_happened(ro
                 robot.inject('other goto 20')
 
         result = client.execute('stop', on_line=overtake).wait(10.0)
-        assert result, 'the stop still waits for a robot that drives for somebody else'
+        assert result, 'the stop still waits for a robot that drives for another client'
         assert result.outcome is Outcome.INTERRUPTED
         assert result.words == 'taken over: Going to 20'
         assert goto.result.words == 'Interrupted: Going to 8'

@@ -1,4 +1,4 @@
-"""A status is put together from its lines, whatever their order and number."""
+"""A status is put together from its lines, in any order and number."""
 from __future__ import annotations
 
 import itertools

@@ -1,5 +1,5 @@
-"""Who drives the robot: no drive passes a stop or drive that its giver does not know of, and a stop
-is owed until the robot has obeyed it."""
+"""The driver of the robot: no drive passes a stop or drive that its giver does not know of, and a
+stop is owed until the robot has obeyed it."""
 from __future__ import annotations
 
 from itertools import count

@@ -21,6 +21,19 @@ _LINK = re.compile(r'\]\(([^)#\s]+)(?:#[^)]*)?\)')
 _MODULE = re.compile(r'`((?:omron_arcl|omron_map|omron_ld90|omron_ld90_sim|trajectory_graph)'
                      r'(?:\.[a-z]\w*)+)`')
 
+# A sentence names its subject. These words name none, unless a noun for people stands before `who`.
+_OPEN_SUBJECT = re.compile(r'\b(?:who(?:ever|m)?|some(?:body|one)|any(?:body|one)|nobody|'
+                           r'every(?:body|one)|whatever)\b', re.IGNORECASE)
+_PEOPLE_WHO = re.compile(r'\b(?:person|people|persons|users?|readers?|engineers?) who\b',
+                         re.IGNORECASE)
+# The standard's own words, a question of a robot, and a name that no robot has.
+_QUOTED = ('for whatever reason', 'prompt Who are you?', "'nobody'")
+PROSE = sorted([*DOCUMENTS, *(path for pattern in ('src/*/src/**/*.py', 'src/*/launch/*.launch',
+                                                   'src/*/msg/*.msg', 'src/*/srv/*.srv',
+                                                   'src/*/package.xml', 'src/*/config/*.yaml',
+                                                   'scripts/**/*.py', 'scripts/*.sh')
+                              for path in ROOT.glob(pattern))])
+
 
 def name_of(document: Path) -> str:
     return str(document.relative_to(ROOT))
@@ -31,6 +44,18 @@ def test_what_is_linked_to_is_there(document: Path):
     links = [link for link in _LINK.findall(document.read_text(encoding='utf-8'))
              if '://' not in link]
     assert [link for link in links if not (document.parent / link).exists()] == []
+
+
+def test_each_sentence_names_its_subject():
+    found = []
+    for path in PROSE:
+        for number, line in enumerate(path.read_text(encoding='utf-8').splitlines(), 1):
+            for words in _QUOTED:
+                line = line.replace(words, '')
+            if _OPEN_SUBJECT.search(_PEOPLE_WHO.sub('', line)):
+                found.append(f'{name_of(path)}:{number}: {line.strip()}')
+    assert len(PROSE) > 300
+    assert found == [], 'name the person, program or robot instead'
 
 
 def test_every_page_stands_in_the_folder_of_its_kind():

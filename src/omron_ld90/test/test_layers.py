@@ -37,7 +37,7 @@ def files_of(layer: str) -> Iterator[Path]:
 
 
 def imported_by(file: Path) -> Set[str]:
-    """Names of the modules that a file imports, on whatever line."""
+    """Names of the modules that a file imports, on any line."""
     names: Set[str] = set()
     for node in ast.walk(ast.parse(file.read_text(encoding='utf-8'))):
         if isinstance(node, ast.Import):

@@ -19,7 +19,7 @@ def map_file(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def listener() -> Iterator[socket.socket]:
-    """Somebody who listens, for the outgoing connection or in its way."""
+    """A program that listens, for the outgoing connection or in its way."""
     with socket.socket() as sock:
         sock.bind(('127.0.0.1', 0))
         sock.listen(4)

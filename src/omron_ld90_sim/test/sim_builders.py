@@ -79,7 +79,7 @@ def lonely_floor(*walls: Tuple[float, float, float, float]) -> Floor:
 
 @lru_cache(maxsize=4)
 def floor_of(document: MapDocument) -> Floor:
-    """The floor of a map, which nobody changes."""
+    """The floor of a map, which no event changes."""
     return Floor.from_map(document)
 
 

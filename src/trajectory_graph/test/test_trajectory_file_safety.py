@@ -1,4 +1,4 @@
-"""A graph file that somebody else named: only regular files, and nothing of another is told."""
+"""A graph file that another program named: only regular files, and nothing of another is told."""
 from __future__ import annotations
 
 import os

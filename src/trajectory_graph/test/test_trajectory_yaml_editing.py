@@ -11,7 +11,7 @@ from trajectory_graph.yaml_editing import GraphFile
 
 FLOW = """\
 # Graph of the hall -- do not lose this comment
-Fleet: {name: hall, colour: [1, 2]}   # a key that nobody here knows
+Fleet: {name: hall, colour: [1, 2]}   # a key that no program here knows
 Edges:
 # the long one
 - {CurveType: line, Destination_ID: 2, Id: 1, Origin_ID: 1, ParamB: 0.25, ParamF: 0.25, VelocityBackwards: 0.3, VelocityForward: 1.0, Zone: A}  # main lane

@@ -36,7 +36,7 @@ def test_a_failed_route_holds_the_vehicle_and_keeps_its_order(reason):
     assert (error['errorType'], error['errorLevel']) == ('driveError', 'FATAL')
     assert error['errorDescription'] == reason
     assert lab.nodes == ['12', '14', '32']
-    assert not lab.state['paused'], 'nobody paused it'
+    assert not lab.state['paused'], 'no pause was given'
     routes = len(lab.robot.routes)
     lab.wait(60.0)
     assert len(lab.robot.routes) == routes, 'a motion was repeated by itself'
@@ -97,7 +97,7 @@ def test_a_robot_that_is_lost_has_no_pose_and_is_said_to_be():
     error = lab.state['errors'][0]
     assert (error['errorType'], error['errorLevel']) == ('vehicleConnectionError', 'FATAL')
     lab.order(HALL.order('o'))
-    assert 'noRouteError' in lab.errors, 'nobody knows where an order would begin'
+    assert 'noRouteError' in lab.errors, 'it is unknown where an order would begin'
     lab.see(pose=Pose(-12.0, 0.0, 0.0), velocity=STANDING, lost='')
     assert lab.errors == ['noRouteError']
 

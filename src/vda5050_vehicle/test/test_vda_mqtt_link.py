@@ -32,7 +32,7 @@ class Mosquitto:
         self.port = free_port()
         folder.chmod(0o755)
         self._file = folder / 'mosquitto.conf'
-        # As root it would go on as another user, who cannot read the test's folder.
+        # As root it would go on as another user, which cannot read the test's folder.
         text = (lines or configuration(0)).replace('listener 0', 'listener PORT')
         self._file.write_text(f'user {getpass.getuser()}\n'
                               + text.replace('PORT', str(self.port)))

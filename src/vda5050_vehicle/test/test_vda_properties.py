@@ -1,4 +1,4 @@
-"""Random masters, random robots, random losses: what must hold whatever happens.
+"""Random masters, random robots, random losses: what must always hold.
 
 The vehicle of the laboratory gets orders, updates, cancels, pauses, duplicates, messages out of
 order and messages lost, its robot drives, fails, is stopped, and the adapter is killed. Every state

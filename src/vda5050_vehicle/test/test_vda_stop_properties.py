@@ -1,7 +1,7 @@
 """Random stops: a robot that refuses, hides its velocity, loses its link, brakes late, obeys
 people, and an adapter that is killed at any step. Some robots tell whether they stand, and in which
 epoch they move (the optional signals of vehicle.yaml); those of an epoch refuse a drive that does
-not know of it. Whatever happens:
+not know of it. Always:
 
 * no route is sent after cancelOrder without another order;
 * cancelOrder and startPause are FINISHED only while the robot stands;
@@ -43,7 +43,7 @@ class UnrulyRobot(RobotSide):
         self.by_hand = False  # a person drives it
         self.sent = []      # all commands, heard or not
         self.epoch = 1      # of its motion
-        self.is_ours = True  # nobody but the adapter has moved it in this epoch
+        self.is_ours = True  # only the adapter has moved it in this epoch
 
     def overruled(self):
         """A person drives or stops it."""

@@ -1,5 +1,5 @@
 """A cancel or a pause always reaches the robot, is FINISHED only where the robot is known to stand,
-and nothing is driven after somebody else's stop."""
+and nothing is driven after another giver's stop."""
 from __future__ import annotations
 
 import time

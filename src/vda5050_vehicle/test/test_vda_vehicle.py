@@ -371,7 +371,7 @@ def test_a_failed_action(blocking, holds):
         'actionError', 'FATAL' if holds else 'WARNING')
     assert references(lab) == {'topic': 'order', 'orderId': 'o', 'orderUpdateId': '0',
                                'actionId': 'a'}
-    assert not lab.state['paused'], 'nobody paused it'
+    assert not lab.state['paused'], 'no pause was given'
     assert lab.nodes == ['12', '14', '32']
     if holds:
         assert lab.robot.route == (1,)

@@ -91,7 +91,7 @@ def prepare(options: Options, folder: str, check: bool = True) -> Dict[str, str]
 
 
 def _fleet(options: Options, folder: str, graph: Graph) -> Tuple[Fleet, str]:
-    """The fleet, and the path of its file. Nobody parks where a long edge is cut, so `graph` is
+    """The fleet, and the path of its file. No robot parks where a long edge is cut, so `graph` is
     the whole one."""
     if options.fleet.isdigit():
         count = int(options.fleet)

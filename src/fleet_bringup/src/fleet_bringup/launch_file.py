@@ -1,6 +1,6 @@
 """The launch file of a fleet: roslaunch has no loops, so it is written out, robot by robot.
 
-Whatever one robot needs stands in the launch files of its package, which are included here.
+All that one robot needs stands in the launch files of its package, which are included here.
 """
 from __future__ import annotations
 
@@ -15,7 +15,8 @@ from fleet_bringup.robot_entries import AGV, LD90, Entry
 RESPAWN = {'respawn': 'true', 'respawn_delay': '2'}
 #: Where the bridge of a real robot keeps its last route, in ROS_HOME.
 ROUTE_FILE = 'omron_ld90/{}_route.json'
-#: How lines look on the screen that all robots share: with who says it, unless the user has a form.
+#: How lines look on the screen that all robots share: with the name of the robot, unless the user
+#: has a form.
 SCREEN = "$(eval optenv('ROSCONSOLE_FORMAT', '[${severity}] [${time}] ${node}: ${message}'))"
 #: Namespace of the one node that shows the LD-90s' map.
 MAP = 'fleet'

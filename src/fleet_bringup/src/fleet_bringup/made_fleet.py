@@ -25,7 +25,7 @@ def made_fleet(count: int, graph: Graph) -> Fleet:
     if 2 * count > len(starts):
         raise CannotStart(
             f'fleet:={count} makes {2 * count} robots, but the graph has places for {len(starts)} '
-            f'to park without cutting anybody off: choose fleet:={len(starts) // 2} or less, or '
+            f'to park without cutting any robot off: choose fleet:={len(starts) // 2} or less, or '
             'another graph.')
     names = [f'{kind}_{number + 1}' for number in range(count) for kind in ('ld90', 'agv')]
     step = len(starts) / len(names)

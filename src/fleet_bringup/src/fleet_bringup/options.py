@@ -30,7 +30,7 @@ class Options:
     page_port: int = _option(8080, 'port of the page')
     listen: str = _option('127.0.0.1', 'address at which browsers reach the page; another one '
                                        'needs token_file')
-    token_file: str = _option('', 'who may see, operate or administer on the page')
+    token_file: str = _option('', 'tokens of the roles see, operate and administer')
     certificate_file: str = _option('', 'PEM file; with key_file, the page is served by TLS')
     key_file: str = _option('', 'PEM file')
     strategy: str = _option('rolling', 'how LD-90s drive routes')

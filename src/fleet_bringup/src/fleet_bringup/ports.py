@@ -43,7 +43,7 @@ def check_ports(ports: Iterable[Tuple[int, str]]) -> None:
 
 
 def is_taken(port: int) -> bool:
-    """Does somebody listen there, on any address of this computer?"""
+    """Does a program listen there, on any address of this computer?"""
     with socket.socket() as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:

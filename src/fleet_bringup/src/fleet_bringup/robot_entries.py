@@ -154,4 +154,4 @@ def check_count(fleet: Fleet, capacity: int, source: str) -> None:
     if len(fleet.robots) > capacity:
         raise CannotStart(
             f'{source} has {len(fleet.robots)} robots, but the graph has places for {capacity} to '
-            'park without cutting anybody off: take some out, or give the graph more dead ends.')
+            'park without cutting any robot off: take some out, or give the graph more dead ends.')

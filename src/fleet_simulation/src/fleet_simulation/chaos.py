@@ -233,7 +233,7 @@ class Chaos:
         self._later(number, lambda: setattr(agv, 'off_graph', False))
 
     def take_over(self, robot: str, _: int) -> None:
-        """Somebody stops it; no more than that, for what they drive into is not ours."""
+        """A person stops it; no more than that, for what they drive into is not ours."""
         self.promises.blamed.add(robot)
         self.fleet.agvs[robot].fail(TAKEN_OVER)
 
@@ -243,7 +243,7 @@ class Chaos:
         self.fleet.agvs[robot].fail(Reason(ReasonCode.OTHER, 'something lies in its way'))
 
     def drive_by_hand(self, robot: str, _: int) -> None:
-        """Somebody else gives it a route to the end of its edge."""
+        """Another program gives it a route to the end of its edge."""
         agv = self.fleet.agvs[robot]
         if agv.is_driving and robot not in self.fleet.lost:
             self.promises.blamed.add(robot)
@@ -251,7 +251,7 @@ class Chaos:
             agv.order(self._foreign, (agv.edges[agv.current],))
 
     def carry(self, robot: str, number: int) -> None:
-        """Somebody carries a robot that is left to a person to where there is room."""
+        """A person carries a robot that is out of service to where there is room."""
         fleet, agv = self.fleet, self.fleet.agvs[robot]
         edges = sorted(fleet.graph.edges)
         edge, share = edges[number % len(edges)], (0.0, 0.4)[number % 2]
@@ -335,26 +335,26 @@ class Chaos:
         self.fleet.restart()
 
     def stop_all(self, _: str, __: int) -> None:
-        """Somebody stops the fleet."""
+        """A person stops the fleet."""
         supervisor = self.fleet.supervisor
         actions = supervisor.stop_fleet(self.fleet.now)
         self.promises.stop()
         self.fleet.do(actions)
 
     def resume_all(self, _: str, __: int) -> None:
-        """Somebody lets the fleet go on."""
+        """A person lets the fleet go on."""
         self.promises.stopped = None
         self.fleet.do(self.fleet.supervisor.resume_fleet(self.fleet.now)[1])
 
     def take_out(self, robot: str, _: int) -> None:
-        """Somebody takes a robot out of service."""
+        """A person takes a robot out of service."""
         self.promises.blamed.add(robot)
         actions = self.fleet.supervisor.take_out(robot, self.fleet.now)
         self.promises.take_out(robot)
         self.fleet.do(actions)
 
     def bring_in(self, robot: str, _: int) -> None:
-        """Somebody puts a robot back into service, one that cannot work if there is one."""
+        """A person puts a robot back into service, one that cannot work if there is one."""
         robots = self.fleet.supervisor.robots
         if robots[robot].works:
             robot = next((name for name in ROBOTS if not robots[name].works), robot)
@@ -373,7 +373,7 @@ class Chaos:
         self.fleet.restart()
 
     def hang(self, _: str, number: int) -> None:
-        """The supervisor hangs for a while; maybe somebody stops the fleet past it, and then it is
+        """The supervisor hangs for a while; maybe a person stops the fleet past it, and then it is
         killed or goes on."""
         fleet, is_stopped, is_killed = self.fleet, number % 4 > 0, number % 4 > 1
         hears = not fleet.loss and not any(

@@ -31,7 +31,7 @@ class Delays:
 
     slower -- each edge takes between 1 and so many times as long as it might
     stall  -- the robot itself does not go on
-    people -- somebody is in the way
+    people -- a person is in the way
     """
 
     slower: float = 1.1

@@ -68,11 +68,11 @@ class Promises:
     # -- what people say --------------------------------------------------------------------------
 
     def stop(self, is_past: bool = False) -> None:
-        """Somebody stopped all robots, maybe past the supervisor."""
+        """A person stopped all robots, maybe past the supervisor."""
         self.stopped = Word(self.fleet.now, is_past=is_past)
 
     def take_out(self, name: str) -> None:
-        """Somebody took a robot out of service."""
+        """A person took a robot out of service."""
         self.out[name] = Word(self.fleet.now)
 
     def rest(self, name: str) -> None:
@@ -81,7 +81,7 @@ class Promises:
             self.resting[name] = Rest(Word(self.fleet.now), self.fleet.refused[name])
 
     def closed(self) -> None:
-        """Somebody closed edges: only what robots were given by now may still lead there."""
+        """A person closed edges: only what robots were given by now may still lead there."""
         self._given = {name: set(map(abs, robot.record.held))
                        for name, robot in self.fleet.supervisor.robots.items()}
 

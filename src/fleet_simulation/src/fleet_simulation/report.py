@@ -96,9 +96,9 @@ def in_words(study: Study) -> str:
     if following:
         more, number = following[0], following[0].robots - best.robots
         gain = 100 * (more.per_hour.mean / max(best.per_hour.mean, 1e-9) - 1)
-        who = 'One more' if number == 1 else f'{_count(number, "more")}'
-        told.append(f'{who} {"adds" if number == 1 else "add"} {gain:.0f} %.' if gain >= 0.5 else
-                    f'{who} {"adds" if number == 1 else "add"} nothing.')
+        these = 'One more' if number == 1 else f'{_count(number, "more")}'
+        told.append(f'{these} {"adds" if number == 1 else "add"} {gain:.0f} %.' if gain >= 0.5 else
+                    f'{these} {"adds" if number == 1 else "add"} nothing.')
     elif len(found) > 1:
         told.append('It is the largest fleet that was tried: a larger one may serve more.')
     edges = list(waiting_by_edge(best).items())[:2]

@@ -58,7 +58,7 @@ class Site:
             return {robot.name: robot for robot in self.fleet.robots[:count]}
         if count > len(self.starts):
             raise WrongSite(f'{count} robots are more than the {len(self.starts)} that the graph '
-                            'can park without cutting anybody off: choose fewer, or add parking.')
+                            'can park without cutting any robot off: choose fewer, or add parking.')
         known = self.fleet.robots
         drivers = {robot.type.name: robot.driver for robot in known}
         kinds = [robot.type for robot in known] or list(self.fleet.types)

@@ -68,7 +68,7 @@ class _CountingJournal(Journal):
 
 
 class Watcher(Protocol):
-    """Who looks at everything that happens to a fleet."""
+    """An observer of all that happens to a fleet."""
 
     def sends(self, order: SendRoute) -> None:
         """An order goes out now."""
@@ -338,7 +338,7 @@ class VirtualFleet(Generic[Body]):
         return self.now - begun
 
     def step(self) -> None:
-        """One step of everybody."""
+        """One step of all robots."""
         begun, before = time.thread_time(), self._supervising + self._planning_time
         self.now += STEP
         self._deliver_orders()
@@ -529,7 +529,7 @@ class SupervisedFleet(VirtualFleet[Agv]):
         super().__init__(graph, robots, lambda _, kind, vertex: Agv(graph, kind, vertex), **more)
 
     def lose_link(self, name: str, commands_only: bool = False) -> None:
-        """A robot's computer loses the link to it: it drives on as it was told, and nobody knows
+        """A robot's computer loses the link to it: it drives on as it was told, and no node knows
         where. Its route fails; a stop is obeyed once the link is back."""
         if name not in self.lost:
             self.lost[name] = LostLink(self.agvs[name], self.now, commands_only)

@@ -44,7 +44,7 @@ class _Mission:
     state: Optional[State] = None  # none was told yet
     robot: str = ''
     reached: int = 0
-    is_cancelled: bool = False  # somebody asked for it
+    is_cancelled: bool = False  # a person asked for it
     served_by: Set[str] = field(default_factory=set)
 
     @property
@@ -221,7 +221,7 @@ class Witness:
                             f'{asked.robot} never was at {missed} in this order',
                             'missed', str(mission))
         elif asked.state is State.CANCELLED and not asked.is_cancelled:
-            self._break(f'nobody cancelled mission {mission}: {reason}', 'cancel', str(mission))
+            self._break(f'no person cancelled mission {mission}: {reason}', 'cancel', str(mission))
         elif asked.state is State.REFUSED:
             self._break(f'mission {mission} was refused: {reason}', 'refused', str(mission))
         elif asked.state is State.FAILED and not any(

@@ -1,4 +1,4 @@
-"""Files of made graphs: they say that nobody has edited them, so that no edit is ever lost."""
+"""Files of made graphs: they say that they were not edited, so that no edit is ever lost."""
 from __future__ import annotations
 
 import hashlib

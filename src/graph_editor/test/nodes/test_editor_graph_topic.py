@@ -1,4 +1,4 @@
-"""What those who follow the edited graph hear while a graph is edited."""
+"""What followers of the edited graph hear while a graph is edited."""
 from __future__ import annotations
 
 import pytest

@@ -15,7 +15,7 @@ class RobotType:
     speed            -- what it drives where the edge allows
     play             -- how far it may stray from its curve
     obeys_edge_speed -- does it keep to an edge's speed where that is lower? Where an edge's speed
-                        is 0 nobody may drive, in any case
+                        is 0 no robot may drive, in any case
     docks            -- dock vertices at which it charges and may park; None: at none, but it may be
                         sent to any
     """
@@ -67,7 +67,7 @@ class Fleet:
     """All robots that share a graph.
 
     clearance     -- m that stays free between any two robots
-    dock_approach -- m before a dock in which nobody else drives while a robot docks or leaves
+    dock_approach -- m before a dock in which no other robot drives while a robot docks or leaves
     """
 
     types: Tuple[RobotType, ...]

@@ -16,7 +16,7 @@ class PlanRequest:
 
     tasks       -- one for each robot that obeys, names unique
     obstacles   -- robots that do not
-    closed      -- ids of the edges that nobody may use
+    closed      -- ids of the edges that no robot may use
     edge_times  -- learned seconds by robot type's name and signed edge; they replace length / speed
     parking     -- ids of the vertices at which robots may be parked
     time_limit  -- s in which ways are searched for

@@ -1,7 +1,7 @@
 """The planner as a service to the supervisor: requests in, plans out; of the graph it has.
 
 It keeps what depends on the graph only, so that a request costs no geometry, and nothing else: the
-same request has the same answer, whatever was asked before.
+same request has the same answer, regardless of earlier requests.
 """
 from __future__ import annotations
 
@@ -51,7 +51,8 @@ class PlanService:
         self._planner(_Roadmap(frozenset(), frozenset())).prepare()
 
     def parking_by_name(self) -> FrozenSet[int]:
-        """Ids of all vertices at which the graph allows parking, whoever is cut off by that."""
+        """Ids of all vertices at which the graph allows parking, even where that cuts robots
+        off."""
         return frozenset(self._open.vertex_ids[vertex] for kind in self._fleet.types
                          for vertex in named_parking(self._open, kind))
 
@@ -85,13 +86,13 @@ class PlanService:
                 raise CannotPlan(f'The learned time of {kind} on edge {edge} is {seconds} s, but '
                                  'must be a time; leave it out.')
 
-    def _check_ids(self, who: str, vertices: Tuple[int, ...], edges: Tuple[int, ...]) -> None:
+    def _check_ids(self, asker: str, vertices: Tuple[int, ...], edges: Tuple[int, ...]) -> None:
         for id in vertices:
             if id not in self.graph.vertices:
-                raise CannotPlan(f'{who}: the graph has no vertex {id}; choose another.')
+                raise CannotPlan(f'{asker}: the graph has no vertex {id}; choose another.')
         for id in edges:
             if abs(id) not in self.graph.edges:
-                raise CannotPlan(f'{who}: the graph has no edge {id}; choose another.')
+                raise CannotPlan(f'{asker}: the graph has no edge {id}; choose another.')
 
     def _planner(self, roadmap: _Roadmap) -> FleetPlanner:
         """The planner for these closures and times; made where it was not used of late."""

@@ -1,4 +1,4 @@
-"""AGVs that the tests share, and someone who listens to them."""
+"""AGVs that the tests share, and a listener to them."""
 from __future__ import annotations
 
 from typing import List, Optional, Sequence

@@ -1,4 +1,4 @@
-"""Whatever a fleet manager orders, and whatever happens: an AGV keeps the route protocol."""
+"""An AGV keeps the route protocol, under all orders and events."""
 from __future__ import annotations
 
 import math

@@ -1,4 +1,4 @@
-"""The interlocking keeps robots apart whatever happens, and each of its conditions is needed."""
+"""The interlocking always keeps robots apart, and each of its conditions is needed."""
 from __future__ import annotations
 
 import os
@@ -85,7 +85,7 @@ def test_without_any_one_of_its_conditions_something_goes_wrong(monkeypatch, nam
     kept = tuple(c for c in getattr(interlocking, conditions) if c.__name__ != name)
     monkeypatch.setattr(interlocking, conditions, kept)
     unheard = {'unheard': frozenset('d')} if name == '_others_are_known' else {}
-    assert first_fault(**unheard) is not None, f'nobody would miss {name}'
+    assert first_fault(**unheard) is not None, f'no search misses {name}'
 
 
 def test_an_order_that_is_sent_before_it_is_stored_is_found():

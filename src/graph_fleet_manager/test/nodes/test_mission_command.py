@@ -1,4 +1,4 @@
-"""The command `mission` follows its own request, whatever else is told under the same id."""
+"""The command `mission` follows its own request, regardless of other news under the same id."""
 from __future__ import annotations
 
 import pytest
@@ -32,7 +32,7 @@ class Told:
 
 
 class Nobody:
-    """A topic of which nothing comes, or to which nobody needs to listen."""
+    """A topic without messages, or without subscribers."""
 
     def __init__(self, *_):
         self.published = []
@@ -156,7 +156,7 @@ def test_a_mission_that_is_so_already_is_told_at_once(monkeypatch, capsys, word,
     (True, True, 'made_fleet'), (True, False, 'ros_home'), (False, False, 'ros_home')])
 def test_history_is_that_of_the_fleet_manager_that_runs(
         monkeypatch, capsys, tmp_path, is_online, runs, place):
-    """A simulated fleet keeps its journal in a folder that nobody knows by heart."""
+    """A simulated fleet keeps its journal in a folder that has no fixed name."""
     class Master:
         def __init__(self, *_):
             pass

@@ -1,4 +1,4 @@
-"""`mission --wait` learns of the end of its mission, whatever was lost on the way."""
+"""`mission --wait` learns of the end of its mission, also after losses."""
 from __future__ import annotations
 
 from typing import FrozenSet, List, Optional

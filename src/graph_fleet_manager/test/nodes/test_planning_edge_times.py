@@ -101,7 +101,7 @@ def test_times_are_those_of_the_robots_however_fast_the_simulation_is(rate):
 
 
 class LossesAndRestarts(RuleBasedStateMachine):
-    """Whatever is lost, and whichever side is restarted, the planner goes by the right table."""
+    """The planner goes by the right table after all losses and restarts."""
 
     @initialize()
     def begin(self):

@@ -1,4 +1,4 @@
-"""Where a robot says that it is counts for a short time, whatever the clock is set to."""
+"""A reported place counts for a short time, regardless of the clock."""
 from __future__ import annotations
 
 import time

@@ -28,7 +28,7 @@ from node_lifecycle.parameters import ConfigurationError
 from node_lifecycle.watchdog import Watchdog
 
 MASTER_PERIOD = 0.3  # s between two looks for a ROS master
-END_WITHIN = 3.0  # s from SIGINT or SIGTERM to the end of the process, whatever rospy does
+END_WITHIN = 3.0  # s from SIGINT or SIGTERM to the end of the process, regardless of rospy
 
 
 def run(name: str, start: Callable[[], Any],

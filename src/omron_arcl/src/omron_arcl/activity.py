@@ -1,4 +1,4 @@
-"""What the robot does, read from its status text: one table for everybody.
+"""What the robot does, read from its status text: one table for all programs.
 
 A status text is another line in itself (`Going to 12`, `DockingState: Docked ...`), and many of
 those lines are also sent on their own when they become true.

@@ -3,7 +3,7 @@
 The robot answers in the order of sending, with lines that carry no id. So a line is offered to the
 commands that were sent, and the specification of each tells whether it is its own; `endings` reads
 what goes wrong, `drive_watch` what the robot does. This is the one place where it is decided whose
-line it is: whoever wants a command done waits for its `Execution`.
+line it is: a program that wants a command done waits for its `Execution`.
 """
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from omron_arcl.execution import Execution, Outcome
 from omron_arcl.replies import driving, equipment, general, refusals, safety, site, status, tasks
 from omron_arcl.replies.reply import Reply
 
-# Said to everybody, or refusals: these never answer a command whose answer is not known.
+# Said to all clients, or refusals: these never answer a command whose answer is not known.
 _NO_ANSWER = frozenset((
     driving.DockingStatus, driving.GoingTo, driving.GoingToPoint, driving.ArrivedAt,
     driving.ArrivedAtPoint, driving.Parking, driving.Stopping, driving.Stopped,
@@ -145,7 +145,7 @@ class Attribution:
         return type(reply) in _SETTING_OUT
 
     def _taken_over(self, text: str) -> None:
-        """The robot obeys somebody else: whatever of ours it had begun to obey is over.
+        """The robot obeys another client: our commands that it had begun to obey are over.
 
         A stop is among that once the robot has said `Stopping`. Before, it may be still to come.
         """

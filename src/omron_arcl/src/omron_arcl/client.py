@@ -49,7 +49,7 @@ class Client(Transport):
     on_login(HelpList): logged in, once per connection. log: takes all that both sides say.
     heartbeat: seconds between signs of life asked of the robot; timeout: seconds without any, after
     which the link counts as dead. `names` is how the robot writes the names that it has listed and
-    that are not ASCII. authority: knows who drives the robot.
+    that are not ASCII. authority: knows the driver of the robot.
     on_motion(Motion): that has changed; called by any thread.
     """
 
@@ -146,12 +146,12 @@ class Client(Transport):
 
     @property
     def motion(self) -> Motion:
-        """Who drives the robot, and what it does."""
+        """The driver of the robot, and its motion."""
         with self._lock:
             return self._dispatcher.authority.motion
 
     def _tell_motion(self) -> None:
-        """Tells who drives the robot, where that has changed."""
+        """Tells the driver of the robot, where that has changed."""
         if self._on_motion:
             with self._telling:
                 motion = self.motion
@@ -292,7 +292,7 @@ class Client(Transport):
         self._call_back()
 
     def _call_back(self) -> None:
-        """Tells those who gave commands what has become of them."""
+        """Tells the givers of commands their outcomes."""
         self._tell_motion()
         with self._lock:
             callbacks = self._dispatcher.pop_callbacks()

@@ -42,7 +42,7 @@ def parse_command(text: str, full_name: Callable[[str], Optional[str]] = lambda 
 
 
 def is_stop(text: str) -> bool:
-    """Whether a command line stops the robot, whatever follows the word."""
+    """Whether a command line stops the robot, with any text after the word."""
     words = text.split(maxsplit=1)
     return bool(words) and spec_of(words[0]).stops
 

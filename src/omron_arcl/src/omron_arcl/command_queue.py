@@ -16,7 +16,8 @@ _UNHEEDED = (Outcome.TIMED_OUT, Outcome.REJECTED, Outcome.UNKNOWN_COMMAND)
 class CommandQueue:
     """Executions in order. `add`, `next_to_send` and `end` keep the rules; all else only looks.
 
-    What is to be told to those who wait gathers for `pop_callbacks`: it is told outside of locks.
+    What is to be told to the waiting callers gathers for `pop_callbacks`: it is told outside of
+    locks.
     """
 
     def __init__(self, authority: MotionAuthority) -> None:
@@ -99,7 +100,7 @@ class CommandQueue:
             self.authority.on_begun(execution)
 
     def end(self, execution: Execution, outcome: Outcome, words: str, keep: bool = False) -> None:
-        """Ends it for the asker; `keep` it where its lines are still to come, to nobody."""
+        """Ends it for the asker; `keep` it where its lines are still to come, without a reader."""
         if execution.cancel_requested is not None and outcome is Outcome.INTERRUPTED:
             outcome = Outcome.CANCELLED
         if execution.end(outcome, words):
@@ -119,7 +120,7 @@ class CommandQueue:
                 self.end(other, Outcome.INTERRUPTED, words)
 
     def _give_up_cancelled(self, stop: Execution, outcome: Outcome, words: str) -> None:
-        """The stop came to nothing: whoever waits for its effect must not for ever."""
+        """The stop came to nothing: a caller that waits for its effect must not wait for ever."""
         for drive in list(self.drives):
             if drive.cancel_requested is not None and drive.order < stop.order:
                 self.end(drive, outcome, f'stop: {words}')

@@ -8,8 +8,8 @@ The rules, of which `command_queue` keeps the order, `attribution` the meaning o
 - `stop` overtakes all that is unsent, and unsent driving commands are dropped for it;
 - a `Stopped` ends every stop that was sent before the next driving command; a stop that another
   client's drive overtook while the robot braked was interrupted, for the robot does not stand;
-- nothing is ever sent twice, and whatever is under way ends as LOST with the link;
-- a command ends within its bound, whatever the robot says or does not say.
+- nothing is ever sent twice, and each command under way ends as LOST with the link;
+- a command ends within its bound, regardless of the robot's answers.
 """
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def _may_take_longer(execution: Execution) -> bool:
 class Dispatcher:
     """The commands of one connection. The caller brings the clock (s, monotonic) and the lock.
 
-    `pop_callbacks` gives what is to be told to those who wait; it is told outside the lock, so
+    `pop_callbacks` gives what is to be told to the waiting callers; it is told outside the lock, so
     that a callback may give the next command.
     """
 
@@ -53,7 +53,7 @@ class Dispatcher:
               on_end: Optional[Callable[[Result], None]] = None,
               stop_on_timeout: bool = False, giver: Giver = NO_GIVER,
               known_epoch: int = 0) -> Execution:
-        """Takes a command of `giver`, who knows of the epoch; raises Busy, Overruled or Unclear.
+        """Takes a command of `giver`, which knows of the epoch; raises Busy, Overruled or Unclear.
 
         timeout: seconds without a word about it, else the command's own. stop_on_timeout: a drive
         that has timed out is stopped, unless a newer one is under way.

@@ -1,6 +1,6 @@
 """Whether a drive still goes on, by what the robot says of itself.
 
-Not every end of a drive is said in words that name it: a robot that somebody else stops may say no
+Not every end of a drive is said in words that name it: a robot that another client stops may say no
 more than `Stopping`, `Stopped`, or name a point instead of the goal. So every line and status that
 tells what the robot does is held against what it was told to do. What contradicts a drive for some
 seconds ends it. One word to the contrary does not: right after a command the status may still be
@@ -86,7 +86,7 @@ class Observation(NamedTuple):
 
     @property
     def words(self) -> str:
-        """What is told to the one who gave the command."""
+        """What the giver of the command is told."""
         return f'the robot\'s status is "{self.text}"' if self.is_status else self.text
 
 

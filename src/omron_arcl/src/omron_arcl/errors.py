@@ -20,7 +20,7 @@ class InvalidCommand(ArclError):
 
 
 class NotConnected(ArclError):
-    """A command was given while nobody is logged in at the robot; `reason` tells why not."""
+    """A command was given without a login at the robot; `reason` tells why not."""
 
     def __init__(self, reason: str) -> None:
         self.reason = reason

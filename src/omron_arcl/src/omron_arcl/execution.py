@@ -1,4 +1,4 @@
-"""A command under way, as the one who gave it sees it."""
+"""A command under way, as its giver sees it."""
 from __future__ import annotations
 
 import math
@@ -126,7 +126,7 @@ class Execution:
         return True
 
     def announce(self) -> None:
-        """Tells those who wait; called after `end`, without locks held."""
+        """Tells the waiting callers; called after `end`, without locks held."""
         self._ended.set()
         if self.on_end and self.result:
             self.on_end(self.result)

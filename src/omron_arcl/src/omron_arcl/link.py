@@ -35,7 +35,7 @@ class Link:
 class Backoff:
     """Seconds until the next try: doubling from `first` to `cap`, spread by `jitter` (a share).
 
-    A wrong password is tried again after `wrong_password` s: somebody has to mend it first, and
+    A wrong password is tried again after `wrong_password` s: a person has to mend it first, and
     robots may count the tries.
     """
 

@@ -36,7 +36,7 @@ class Listener(Transport):
     """Waits for the robot's outgoing connection until `close`; the last connection counts.
 
     robot: name or address of the only host that may connect. on_line(Received): a line came.
-    on_link(Link): the link changed. on_refused(str): somebody else, with this address, was turned
+    on_link(Link): the link changed. on_refused(str): another peer, with this address, was turned
     away. timeout: seconds without a line after which the connection counts as dead.
     A port that another program has is tried again until it is free, and the link says so meanwhile.
     Raises OSError where it can never listen at (bind, port).

@@ -1,10 +1,11 @@
-"""Who drives the robot, whether it obeys, and whether it still owes us a stop: one owner.
+"""The driver of the robot, its obedience, and the stop that is owed: one owner.
 
 Every command that moves or stops the robot passes `take`, in the order in which commands are given;
 what the robot says passes `on_reply`. From both comes the *epoch*: a random number, another one
-whenever anybody but the present giver drives, stops or cancels, and whenever the robot acts on the
-command of another client. A drive names the epoch that its giver knows, so that it cannot pass a
-stop or a drive of which its giver has not heard. No timer orders two commands that were taken here.
+whenever another giver than the present one drives, stops or cancels, and whenever the robot acts on
+the command of another client. A drive names the epoch that its giver knows, so that it cannot pass
+a stop or a drive of which its giver has not heard. No timer orders two commands that were taken
+here.
 
 The limits of what can be known stand in docs/reference/omron_controller.md.
 """
@@ -66,12 +67,12 @@ class Overruled(ArclError):
 
 
 class Unclear(ArclError):
-    """A drive for a robot of which nobody can tell at this moment whether it still obeys us."""
+    """A drive for a robot whose obedience is unknown at this moment."""
 
 
 @dataclass(frozen=True)
 class Memory:
-    """What outlives a restart, and what is told to everybody but for `goals`.
+    """What outlives a restart, and what is published but for `goals`.
 
     giver -- the program that drove or stopped the robot last; empty: another client, or the robot
     drives -- whether the last command that moved or stopped the robot was a drive
@@ -92,7 +93,7 @@ class Memory:
 
 
 class Motion(NamedTuple):
-    """What everybody may know."""
+    """What is published."""
 
     memory: Memory
     state: MotionState
@@ -156,11 +157,11 @@ class MotionAuthority:
 
     @property
     def motion(self) -> Motion:
-        """What everybody may know now."""
+        """What is published now."""
         return Motion(self._memory, self._state())
 
     def knows(self, giver: Giver, epoch: int) -> bool:
-        """Whether `giver`, who knows of `epoch`, has itself done all that came after it."""
+        """Whether `giver`, which knows of `epoch`, has itself done all that came after it."""
         return epoch == self._memory.epoch or self._others_since(giver, epoch) == ()
 
     def stop_due(self, now: float) -> bool:
@@ -208,9 +209,9 @@ class MotionAuthority:
             self._owe_stop(canceller, Cause.CANCEL, f'a cancellation of {canceller.name}')
 
     def take_word(self, canceller: Giver) -> None:
-        """A giver cancels everything: a drive of which nobody has heard yet must not pass that.
+        """A giver cancels everything: a drive that is not known yet must not pass that.
 
-        Nor may one go on of which nobody knows what became of it.
+        Nor may one go on whose outcome is unknown.
         """
         if self._memory.drives and self._may_go_on():
             self._owe_stop(canceller, Cause.CANCEL, f'a cancellation of {canceller.name}')
@@ -218,7 +219,7 @@ class MotionAuthority:
             self._given(canceller, Cause.CANCEL, False, f'a cancellation of {canceller.name}')
 
     def take_own_stop(self, stop: Execution) -> None:
-        """A stop that is owed, or follows a cancellation, is sent: no new word of anybody."""
+        """A stop that is owed, or follows a cancellation, is sent: no new command of a giver."""
         self._begin_stop(stop)
         if not self._memory.stop_owed:
             self._owe_stop(stop.giver, Cause.CANCEL, 'a cancellation')
@@ -440,7 +441,7 @@ class MotionAuthority:
         return self._may_go_on() and (not is_named or '' in goals or _DOCK in goals)
 
     def _may_go_on(self) -> bool:
-        """Whether the last drive is under way, or nobody knows what became of it."""
+        """Whether the last drive is under way, or its outcome is unknown."""
         if self._drive is None:
             return self._memory.drives or self._memory.stop_owed
         result = self._drive.result

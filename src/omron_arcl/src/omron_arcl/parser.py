@@ -2,7 +2,7 @@
 
 A row is a phrase that the line begins with and the reader of what follows it. The first row whose
 phrase fits, and whose reader does not raise ValueError, wins; words are compared without case. A
-line that fits no row is an UnknownLine. Nothing here raises, whatever the line holds.
+line that fits no row is an UnknownLine. Nothing here raises, for any line.
 """
 from __future__ import annotations
 
@@ -156,7 +156,7 @@ _TABLE: Tuple[Row, ...] = (
         'EndPayloadQuery', 'EndPayloadQueryLocal', 'EndPayloadSlotCount',
         'EndPayloadSlotCountLocal', 'EndQueueShow', 'EndQueueShowCompleted', 'EndQueueShowRobot',
         'EndQueueShowRobotLocal', 'EndQueueQuery', 'EndQueueQueryLocal', 'EndQueueMulti')),
-    # said once it is done, or said to everybody
+    # said once it is done, or said to all clients
     ('Map changed', read.exactly(site.MapChanged())),
     ('Configuration changed', read.exactly(site.ConfigurationChanged())),
     ('Config had errors parsing:', site.ConfigErrors),

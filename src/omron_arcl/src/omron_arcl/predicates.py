@@ -15,7 +15,7 @@ def never(command: Command, reply: Reply) -> bool:
 
 
 def is_one_of(*kinds: type) -> Predicate:
-    """A reply of one of these kinds, whatever it says."""
+    """A reply of one of these kinds, with any content."""
     return lambda command, reply: isinstance(reply, kinds)
 
 

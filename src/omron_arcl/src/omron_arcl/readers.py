@@ -219,7 +219,7 @@ def key_and_value(kind: Callable[[str, str], Reply]) -> Reader:
 
 
 def localizing(done: bool, head: str) -> Reader:
-    """Whatever follows: the wording varies between robots."""
+    """Any rest of the line: the wording varies between robots."""
     return lambda text: driving.Localizing(done, f'{head} {text}'.strip())
 
 

@@ -7,7 +7,7 @@ gives what is to be sent for the session's own part: the password, and `echo off
 
 The login of a real LD-90 is a prompt on a line of its own, `Welcome to the server.` and a help list
 with an end line; after a wrong password it closes the connection without a word. Others do it
-otherwise, so whatever asks for a password is a prompt, and whatever comes after the password and
+otherwise, so each line that asks for a password is a prompt, and each line after the password and
 neither asks again nor complains is a welcome. Where a line that is expected does not come, the
 login goes on without it.
 """

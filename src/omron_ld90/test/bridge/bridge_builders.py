@@ -110,7 +110,7 @@ class GraphRobot:
         self.goal, self._way, self.speed, self.motion = None, [], 0.0, motion
 
     def press_emergency_stop(self) -> List[p.Event]:
-        """Somebody presses the button."""
+        """A person presses the button."""
         self.emergency = True
         self.halt(p.Motion.STANDING)
         number, self.number = self.number, None
@@ -208,7 +208,7 @@ class Bench:
         self.tell(p.MotionTold(self.epoch, self.epoch - 1, reason=reason))
 
     def overrule(self, reason: str = '"stop" of /rviz', command: str = '') -> None:
-        """Somebody else stops or drives the robot, and the controller says so."""
+        """Another giver stops or drives the robot, and the controller says so."""
         self.epoch += 1
         if command:
             self.robot.obey(None, command)
@@ -270,7 +270,7 @@ class Bench:
         while self.now < end:
             self.now += GraphRobot.STEP
             self.robot.step(self.now)
-        self.robot.number = None  # whoever gave the command hears of its end no more
+        self.robot.number = None  # the giver of the command hears of its end no more
         self.follower = RouteFollower(follower.settings, follower.graph, tuple(self.link_is_up))
         if record:
             self.follower.restore(record, away < 20.0, self.now)
@@ -292,7 +292,7 @@ class Bench:
     def give(self, give: p.Give) -> None:
         """What the node does with a command: here the robot hears it at once."""
         if give.known_epoch not in (0, self.epoch):
-            self.tell(p.CommandEnded(give.number, p.Ending.OVERRULED, 'somebody came first'))
+            self.tell(p.CommandEnded(give.number, p.Ending.OVERRULED, 'another giver came first'))
             return
         self.tell(*self.robot.obey(give.number, give.command))
 

@@ -35,7 +35,7 @@ class DelayedDrive:
     passed -- drives of the route that the bridge gave, or the controller let through, although it
         knew of the person's stop
     crossed -- a drive that was on its way when the person stopped the robot itself, and that
-        nobody could hold back any more, came to the robot after that stop
+        that could not be held back any more, came to the robot after that stop
     """
 
     def __init__(self, graph: Graph, vertex: int, strategy: str, delays: Delays,
@@ -280,7 +280,8 @@ class DelayedDrive:
         self._controller.say(line)
 
     def _on_motion(self, motion: Motion) -> None:
-        """The controller tells who drives the robot; a bridge that starts later hears it, too."""
+        """The controller tells the driver of the robot; a bridge that starts later hears it,
+        too."""
         self._told = motion
         if motion.memory.cause is Cause.OTHER_CLIENT and self.stopped_at is not None:
             self.controller_knows = True

@@ -105,7 +105,7 @@ class ModelledController:
         self.call_back()
 
     def call_back(self) -> None:
-        """Tells those who gave commands what has become of them."""
+        """Tells the givers of commands their outcomes."""
         self._tell()
         for call in self._dispatcher.pop_callbacks():
             call()

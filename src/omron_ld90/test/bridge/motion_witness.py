@@ -1,4 +1,5 @@
-"""Notes by itself whose word the controller took, who knew of which, and what was broken."""
+"""Notes by itself whose command the controller took, which giver knew of which, and what was
+broken."""
 from __future__ import annotations
 
 from typing import Callable, Dict, List, NamedTuple, Optional, Set
@@ -12,7 +13,7 @@ from omron_arcl import Execution, Giver, Result
 from omron_arcl.motion_authority import AT_ONCE, LOOK, RETRY, Motion, MotionState
 
 YARD = yard()
-OBEYED_WITHIN = 6.0  # s after a stop has come to the robot, whatever its speed was
+OBEYED_WITHIN = 6.0  # s after a stop has come to the robot, at each speed
 SENT_WITHIN = LOOK + RETRY + 1.0  # s that an owed stop may wait where the robot can be reached
 
 
@@ -110,7 +111,7 @@ class Witness(DelayedDrive):
         super().restart_controller()
 
     def take_cancellation(self, canceller: Giver) -> None:
-        """Somebody cancels everything."""
+        """A giver cancels everything."""
         self.words.append(Word(canceller, False))
         self._controller.cancel([one for one in self._drives if one.result is None], canceller)
 
@@ -136,7 +137,7 @@ class Witness(DelayedDrive):
         super()._say(line)
 
     def _heard(self, line: str) -> None:
-        """What comes beside a command of ours with the same effect nobody can tell from it."""
+        """A command beside one of ours with the same effect cannot be told from it."""
         memory, state = self._controller.motion
         if line == 'Stopping':
             is_clear = self.now > self.given_at + AT_ONCE and state is not MotionState.STOPPING
@@ -163,7 +164,7 @@ class Witness(DelayedDrive):
         super()._reach_robot(line)
 
     def _watch_robot(self) -> None:
-        """Whatever the controller believes: after a stop the robot drives nowhere for us."""
+        """In each belief of the controller: after a stop the robot drives nowhere for us."""
         if (not self._controller.connected or self._anothers or self.robot.goal is None
                 or not self.words or self.words[-1].drives or self.words[-1].giver is None):
             self._disobeys_since = None

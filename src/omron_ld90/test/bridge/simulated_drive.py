@@ -117,7 +117,7 @@ class SimulatedDrive:
         self._faults.inject(fault)
 
     def enable_motors(self) -> None:
-        """Somebody lets the robot drive again, and it says so in its status."""
+        """A person lets the robot drive again, and it says so in its status."""
         self._client.receive(b'enableMotors\n')
         self.wait(2.0 * STATUS_PERIOD)
 

@@ -89,7 +89,7 @@ class SpeakingRobot(GraphRobot):
             here, left = point, left - length
 
     def _stand(self, words: int) -> None:
-        if words == self._words:  # nobody has sent it elsewhere while it braked
+        if words == self._words:  # no giver has sent it elsewhere while it braked
             self.halt(p.Motion.STANDING)
             self.status = 'Stopped'
             self._say('Stopped')

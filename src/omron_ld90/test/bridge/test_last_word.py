@@ -20,7 +20,7 @@ YARD = yard()  # what is worked out about its corners is kept
 ROUTES = ((1, 5, 6), (1, 2, 3, 4), (1, -1, 9), (1, 5), (-9, 1))
 LONGEST_DRIVE = 60.0  # s of any of these routes
 LONGEST_END = 45.0  # s until the end of a drive is known: a dock may be tried several times
-LONGEST_STOP = 8.0  # s until the bridge gives a stop that came to nothing, whatever it sees
+LONGEST_STOP = 8.0  # s until the bridge gives a stop that came to nothing, in any case
 SECONDS = st.sampled_from([0.0, 0.01, 0.05, 0.2])
 MOMENTS = st.one_of(
     st.tuples(st.just('order'), st.just(1), st.floats(0.0, 25.0)),

@@ -1,5 +1,5 @@
-"""Whoever drives or stops one robot, whatever is lost and restarted meanwhile: nobody's word is
-passed by one who does not know of it, and no stop is forgotten."""
+"""Many givers drive and stop one robot, with losses and restarts: no command of a giver is
+passed by one that does not know of it, and no stop is forgotten."""
 from __future__ import annotations
 
 from contextlib import suppress
@@ -150,7 +150,7 @@ class Robots(RuleBasedStateMachine):
             assert len(self.world.lines) <= self.world.drives
 
     def teardown(self) -> None:
-        """In the end every stop is obeyed that nobody's later drive has overtaken."""
+        """In the end every stop is obeyed that no later drive has overtaken."""
         if not hasattr(self, 'world'):
             return
         world = self.world

@@ -1,4 +1,4 @@
-"""Where the robot goes is because of us, or somebody else's doing."""
+"""Where the robot goes is because of us, or another giver's doing."""
 from __future__ import annotations
 
 import pytest

@@ -1,4 +1,4 @@
-"""Whatever comes in whatever order: the follower stands, takes nothing back, makes nothing up."""
+"""For all events in any order: the follower stands, takes nothing back, makes nothing up."""
 from __future__ import annotations
 
 from typing import Sequence, Tuple

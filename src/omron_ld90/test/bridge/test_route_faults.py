@@ -374,7 +374,7 @@ class TestLinks:
         assert 'commands: its node has reported nothing for 2' in reason.text
 
 class Unreachable:
-    """In place of the bench's way to the controller: nobody hears the commands."""
+    """In place of the bench's way to the controller: no controller hears the commands."""
 
     def __init__(self, bench: Bench) -> None:
         self.bench = bench

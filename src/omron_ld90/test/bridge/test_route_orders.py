@@ -78,7 +78,7 @@ def test_a_complete_route_can_be_extended():
 def test_a_complete_route_cannot_be_extended_from_elsewhere():
     bench = under_way(edges=(1, 4))
     bench.run()
-    bench.robot.position = (1.0, 0.0)  # somebody drove it back
+    bench.robot.position = (1.0, 0.0)  # a person drove it back
     bench.now += 1.0
     bench.look()
     commands = len(bench.commands)

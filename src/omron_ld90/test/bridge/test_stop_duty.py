@@ -11,7 +11,7 @@ def given(number: int = 1, now: float = 0.0) -> StopDuty:
     """A duty whose stop was given at once."""
     duty = StopDuty()
     duty.require(7)
-    assert duty.is_due(False, now), 'the first time it is given whatever is known of the link'
+    assert duty.is_due(False, now), 'the first time it is given regardless of the link'
     duty.given(number, now)
     return duty
 

@@ -1,4 +1,4 @@
-"""What the bridge writes down is what the next one reads, whatever else stands there."""
+"""What the bridge writes down is what the next one reads, regardless of other content."""
 from __future__ import annotations
 
 import math

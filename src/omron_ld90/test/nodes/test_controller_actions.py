@@ -157,7 +157,7 @@ def test_a_time_out_that_is_none_is_refused(bench, timeout):
 @pytest.mark.parametrize(('error', 'outcome', 'message'), [
     (ArclError('not allowed'), R.REFUSED, 'not allowed'),
     (NotConnected('no route'), R.NEVER_SENT, str(NotConnected('no route'))),
-    (Unclear('Not sent, nobody knows.'), R.NEVER_SENT, 'Not sent, nobody knows.'),
+    (Unclear('Not sent, it is unknown.'), R.NEVER_SENT, 'Not sent, it is unknown.'),
     (Overruled('"stop" of /rviz'), R.OVERRULED,
      'Not sent, another command came first: "stop" of /rviz.')])
 def test_a_goal_that_cannot_be_given_is_rejected_with_its_reason(bench, error, outcome, message):

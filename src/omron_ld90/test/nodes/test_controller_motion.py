@@ -1,4 +1,4 @@
-"""What is known of the motion outlives the process, and everybody is told of it."""
+"""What is known of the motion outlives the process, and is published."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -99,7 +99,7 @@ def test_a_memory_that_could_not_be_replaced_is_not_there_when_the_disk_has_room
 
 def test_of_a_memory_on_a_disk_that_has_become_read_only_only_an_owed_stop_counts(
         on_small_disk, warned):
-    """Nobody goes on by an epoch that may be long over."""
+    """No giver goes on by an epoch that may be long over."""
     def act(disk):
         path = str(disk.folder / 'motion.json')
         file = MotionFile(path)

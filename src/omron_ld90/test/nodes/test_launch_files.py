@@ -72,7 +72,7 @@ def test_a_simulated_robot_begins_anew_whatever_its_ros_master_remembers(name, i
 @pytest.mark.parametrize('given, expected', [
     (None, '[${severity}] [${time}] ${node}: ${message}'), ('${message}', '${message}')])
 def test_of_two_robots_every_line_on_the_screen_tells_whose_it_is(monkeypatch, given, expected):
-    """As do those of a fleet, see fleet_bringup; who wants another form keeps it."""
+    """As do those of a fleet, see fleet_bringup; a user's own form is kept."""
     monkeypatch.delenv('ROSCONSOLE_FORMAT', raising=False)
     if given:
         monkeypatch.setenv('ROSCONSOLE_FORMAT', given)

@@ -29,7 +29,7 @@ def taken_port():
 
 @pytest.fixture
 def free_port():
-    with socket.socket() as holder:  # bound, but nobody listens: no other program gets it
+    with socket.socket() as holder:  # bound, but no program listens: no other program gets it
         holder.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         holder.bind(('127.0.0.1', 0))
         yield holder.getsockname()[1]

@@ -74,7 +74,7 @@ class Clock:
 class Ticker:
     """Calls back at every whole multiple of `period` seconds: it does not drift.
 
-    The multiples are the clock's own, so that it does not matter when exactly somebody connects.
+    The multiples are the clock's own, so that it does not matter when exactly a client connects.
     """
 
     def __init__(self, clock: Clock, period: float, callback: Callable[[], None]) -> None:

@@ -11,7 +11,7 @@ from omron_map import MapDocument
 
 
 def speaking(*switches: str, start: str = ROOM, coding: str = 'utf-8') -> Rig:
-    """A robot in a room, with switches set before anybody connects."""
+    """A robot in a room, with switches set before a client connects."""
     rig = Rig(MapDocument.from_bytes(start.encode(coding), name='room.map'))
     for switch in switches:
         Faults(rig.server).inject(f'dialect {switch}')

@@ -1,4 +1,4 @@
-"""Whatever a client sends, the robot goes on and answers in whole lines."""
+"""For all that a client may send, the robot goes on and answers in whole lines."""
 from __future__ import annotations
 
 import contextlib

@@ -1,4 +1,5 @@
-"""Who receives what, the outgoing link, and who is left or dropped; without sockets."""
+"""Which client receives what, the outgoing link, and which clients are left or dropped; without
+sockets."""
 from __future__ import annotations
 
 from sim_builders import Client, Rig

@@ -45,7 +45,7 @@ def main(arguments: Optional[List[str]] = None) -> int:
         return FAILED
     except KeyboardInterrupt:
         return INTERRUPTED
-    except BrokenPipeError:     # whoever read has seen enough, as in `ld_map info FILE | head`
+    except BrokenPipeError:     # the reader has seen enough, as in `ld_map info FILE | head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return DONE
 

@@ -47,7 +47,7 @@ class OccupancyGrid:
         pitch = resolution if resolution is not None else document.resolution
         if pitch is None or pitch <= 0:
             raise MapError(document.name, 'it gives no pitch for a grid', field='Resolution',
-                           expected='a resolution in mm from whoever wants the grid')
+                           expected='a resolution in mm from the caller')
         points, lines = _rows(document, use)
         ends = np.concatenate((points, lines.reshape(-1, 2)))
         if not len(ends):

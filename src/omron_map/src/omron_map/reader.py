@@ -62,7 +62,7 @@ def read_content(data: bytes, name: str) -> Content:
 def check_category(data: bytes, name: str) -> None:
     """Raise MapError unless `data`, the beginning of the file `name`, is that of a map.
 
-    The file may be anybody's secret, given by mistake or by malice: the error quotes none of it.
+    The file may hold a secret, given by mistake or by malice: the error quotes none of it.
     """
     head = data[len(BOM) if data.startswith(BOM) else 0:HEAD_BYTES]  # no copy of all the rows
     line = head.lstrip().split(b'\n', 1)[0]

@@ -1,4 +1,4 @@
-"""Opening files that somebody else named: a path may lead to anything, and reading must not wait.
+"""Opening files that another program named: a path may lead to anything, and reading must not wait.
 
 Only regular files are opened, directly or through links: a pipe would block the reader for ever,
 a device can deliver without end, and opening some devices does something.

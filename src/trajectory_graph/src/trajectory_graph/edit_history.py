@@ -46,7 +46,7 @@ class History:
         return True
 
     def end_gesture(self) -> None:
-        """The next change is undone by itself, whatever its gesture."""
+        """The next change is undone by itself, with any gesture."""
         self._gesture = None
 
     def undo(self) -> Optional[str]:

@@ -1,7 +1,7 @@
 """What another graph changes of an edge, for robots that are on it or are to drive it.
 
-One rule for all: the one who replaces a graph asks it, and so do the robots that then go on. Speeds
-may change under way; ids, ends, curves and docks may not.
+One rule for all: the node that replaces a graph asks it, and so do the robots that then go on.
+Speeds may change under way; ids, ends, curves and docks may not.
 """
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which orders no robot takes up, whatever it is and wherever it stands."""
+"""Which orders no robot takes up, of any type and at any place."""
 from __future__ import annotations
 
 from typing import Sequence, Tuple
@@ -21,7 +21,7 @@ class RouteRefused(Exception):
 
 
 def check_order(order: RouteOrder, whose: str) -> None:
-    """Raises RouteRefused for an order that is wrong whatever the graph and the robot.
+    """Raises RouteRefused for an order that is wrong for each graph and robot.
 
     whose -- the robot, in words
     """

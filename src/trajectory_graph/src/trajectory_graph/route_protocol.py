@@ -90,7 +90,7 @@ class Reason:
 NO_REASON = Reason()
 TAKEN_OVER = Reason(ReasonCode.TAKEN_OVER, 'taken over')
 OVERRULED = Reason(ReasonCode.OVERRULED,
-                   'the order was made before somebody else drove or stopped the robot')
+                   'the order was made before another giver drove or stopped the robot')
 EMERGENCY_STOP = Reason(ReasonCode.EMERGENCY_STOP, 'emergency stop')
 
 

@@ -82,7 +82,7 @@ def compose_data(data: bytes) -> yaml.Node:
 
 
 def _unquoted(problem: Optional[str]) -> str:
-    """What YAML found, without the words of the file: it may be anybody's, given by mistake."""
+    """What YAML found, without the words of the file: it may be a wrong file, given by mistake."""
     return re.sub(r"""\s*(['"]).{2,}\1""", '', problem or 'no reason is known')
 
 

@@ -134,7 +134,7 @@ def test_a_failure_is_not_forgotten():
     lab.wait(5.0)
     assert lab.errors == ['driveError']
     assert lab.state['errors'][0]['errorDescription'] == 'emergency stop'
-    assert not lab.state['paused'], 'nobody paused it'
+    assert not lab.state['paused'], 'no pause was given'
 
 
 def test_a_stop_that_was_owed_is_given():

@@ -1,1 +1,1 @@
-"""What the page shows and who may do what: without ROS and without a web server."""
+"""What the page shows, and which role permits which act: without ROS and without a web server."""

@@ -40,7 +40,7 @@ class Act:
     """One act; what it does not need is empty.
 
     mission -- request id
-    robot   -- for which robot, or who must serve the mission
+    robot   -- for which robot, or the robot that must serve the mission
     stays   -- s at each destination, negative: until released; empty: nowhere
     name    -- of a favourite
     """
@@ -125,7 +125,7 @@ _EDGES: Dict[str, Field] = {'edges': _edges}
 
 @dataclass(frozen=True)
 class Rule:
-    """Who may do an act, and what it needs and may have."""
+    """The role that an act needs, and the fields that it needs and may have."""
 
     role: Role
     needed: Mapping[str, Field]

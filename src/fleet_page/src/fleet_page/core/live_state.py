@@ -1,6 +1,6 @@
 """The newest state, as entries with keys; a client is no more than the revision that it has seen.
 
-So there is no queue for anybody: a client that was slow gets what is newest once it reads again,
+So no client has a queue: a client that was slow gets what is newest once it reads again,
 and one that reads nothing costs nothing.
 """
 from __future__ import annotations
@@ -9,7 +9,7 @@ import json
 from collections import OrderedDict
 from typing import Any, Dict, Mapping, Optional, Tuple
 
-MOST_GONE = 5000  # removed keys that are remembered; who has seen less gets everything anew
+MOST_GONE = 5000  # removed keys that are remembered; a client that lacks more gets all anew
 _KEPT_TEXTS = 8   # updates that are kept as text, as most clients have seen the same
 
 
@@ -20,7 +20,7 @@ class LiveState:
         self.revision = 1
         self._entries: Dict[str, Tuple[int, Any]] = {}
         self._gone: OrderedDict[str, int] = OrderedDict()
-        self._oldest = 0  # who has seen less than this revision may lack removals
+        self._oldest = 0  # a client that has seen less than this revision may lack removals
         self._texts: OrderedDict[Tuple[int, int], str] = OrderedDict()
 
     def put(self, key: str, value: Any) -> None:

@@ -1,4 +1,4 @@
-"""The page without its transport: what is shown, who is who, what is asked and what becomes of it.
+"""The page without its transport: what it shows, its sessions, its requests and their outcomes.
 """
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ class Page:
             self._keep('audit list', lambda: self.records.mission_became(status.id, words))
 
     def take_request(self, request: MissionRequest, sender: str, now: float) -> None:
-        """A mission is asked for; `sender`: by whom, past this page; empty: not to be kept."""
+        """A mission is asked for; `sender`: its sender beside this page; empty: not to be kept."""
         is_new = not self.model.knows(request)
         self.model.take_request(request)
         if sender and is_new:

@@ -1,4 +1,4 @@
-"""What the page itself keeps: who asked for what, favourites, and sums for the history."""
+"""What the page itself keeps: acts with their senders, favourites, and sums for the history."""
 from __future__ import annotations
 
 import json
@@ -56,7 +56,7 @@ class Records:
     # -- audit ------------------------------------------------------------------------------------
 
     def note(self, time: float, person: str, act: Act, outcome: Outcome) -> None:
-        """Somebody asked for something, and this came of it."""
+        """A request of a person, and its outcome."""
         details = {name: value for name, value in asdict(act).items() if value and name != 'kind'}
         self._db.execute('INSERT INTO audit VALUES (NULL, ?, ?, ?, ?, ?, ?, ?)', (
             time, person, act.kind.value, json.dumps(details), outcome.ok, outcome.text,

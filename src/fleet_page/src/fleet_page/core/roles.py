@@ -1,4 +1,4 @@
-"""Who may do what: tokens in a file give roles, a token opens a session, a session is a cookie."""
+"""Permissions: tokens in a file give roles, a token opens a session, a session is a cookie."""
 from __future__ import annotations
 
 import hashlib
@@ -27,14 +27,14 @@ class Role(IntEnum):
 
 @dataclass(frozen=True)
 class Person:
-    """Who asks; the name goes into the records and into `requested_by`."""
+    """The asker; the name goes into the records and into `requested_by`."""
 
     name: str
     role: Role
 
 
 LOCAL = Person('local', Role.ADMIN)
-"""On loopback without a token file, whoever reaches the page works on this computer."""
+"""On loopback without a token file, each user of the page works on this computer."""
 
 
 class TokenFileError(Exception):
@@ -108,7 +108,7 @@ class Sessions:
         return session
 
     def person(self, session: str, now: float) -> Optional[Person]:
-        """Whose session it is; None: of nobody, or it is over."""
+        """The owner of the session; None: there is no such session, or it is over."""
         key = _digest(session)
         known = self._sessions.get(key)
         if known is None:

@@ -5,7 +5,7 @@ See docs/reference/fleet_page.md. It decides nothing about robots.
 Subscribes
     /graph, /closed_edges_in_force, /parking, /docking_points (latched, of graph_server)
     /fleet_state, /fleet_plan, /fleet_poses, /mission_status (of path_supervisor)
-    /mission_request, /mission_command, /edge_command: what was asked for, by whom
+    /mission_request, /mission_command, /edge_command: what was asked for, with its sender
     /plan_answer: how long the planner takes
     ~map_topic (nav_msgs/OccupancyGrid, latched): the walls
 Publishes
@@ -227,7 +227,7 @@ class FleetPageNode:
 
 
 def _access(host: str) -> Any:
-    """Who may do what, and the certificates; raises ConfigurationError."""
+    """The roles and the certificates; raises ConfigurationError."""
     token_file = parameter('~token_file', '')
     if not token_file and not is_loopback(host):
         raise ConfigurationError(
@@ -245,7 +245,7 @@ def _access(host: str) -> Any:
         except WrongCertificate as wrong:
             raise ConfigurationError(str(wrong)) from None
     elif not is_loopback(host):
-        rospy.logwarn('The page is served without TLS: whoever listens on the network reads its '
+        rospy.logwarn('The page is served without TLS: every listener on the network can read its '
                       'tokens. Name ~certificate and ~key.')
     names = [name.strip() for name in parameter('~names', '').split(',') if name.strip()]
     secure = certificates is not None

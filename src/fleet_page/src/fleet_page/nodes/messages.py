@@ -83,7 +83,8 @@ def edges_of(message: msg.EdgeCommand) -> Optional[Act]:
 
 
 def sender_of(message: Any, own: str) -> str:
-    """Who asks past this page, which has the name `own`; empty: the page itself, or not said."""
+    """The sender beside this page, which has the name `own`; empty: the page itself, or not
+    said."""
     sender = (message._connection_header or {}).get('callerid', '')
     return '' if sender == own else person_of(message.requested_by)
 

@@ -41,7 +41,7 @@ _LOG = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class Access:
-    """How the page is reached; without tokens whoever reaches it may do everything."""
+    """How the page is reached; without tokens each user of it may do everything."""
 
     addresses: Addresses
     tokens: Optional[Tokens] = None
@@ -87,7 +87,7 @@ class WebServer:
         self._threads.shutdown(wait=False)
         self._stop_threads.shutdown(wait=False)
 
-    # -- who asks ---------------------------------------------------------------------------------
+    # -- the asker ---------------------------------------------------------------------------------
 
     @property
     def _guard(self) -> Any:
@@ -128,7 +128,7 @@ class WebServer:
         return self._sessions.person(session, time.time()) if session else None
 
     def _may(self, request: web.Request, role: Role) -> Person:
-        """Who asks; raises for a person without that role."""
+        """The asker; raises for a person without that role."""
         person = self._person(request)
         if person is None:
             raise web.HTTPUnauthorized(reason='Log in first.')

@@ -1,4 +1,5 @@
-"""Findings about a whole draft: what hangs together, who is in whose way, what is not served."""
+"""Findings about a whole draft: what hangs together, which robots are in each other's way, what is
+not served."""
 from __future__ import annotations
 
 import math
@@ -40,7 +41,7 @@ Curves = Mapping[int, DrawnEdge]
 
 
 def check_together(draft: Draft, curves: Curves, rules: CheckRules) -> List[Finding]:
-    """What is wrong with the draft whatever the floor."""
+    """What is wrong with the draft on every floor."""
     return [*_parts(draft), *_one_way(draft), *_close(draft, rules), *_docks(draft),
             *_crossings(draft, curves), *_parking(draft, curves, rules)]
 

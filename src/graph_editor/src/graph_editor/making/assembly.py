@@ -140,7 +140,7 @@ def _speed(graph: Graph, edge: Edge, floor: Floor, options: MakingOptions) -> fl
 
 def _with_parking(graph: Graph, places: Mapping[int, Place], floor: Floor,
                   options: MakingOptions) -> Graph:
-    """Dead ends where a robot can turn, and is in nobody's way, are parking."""
+    """Dead ends where a robot can turn, and is in no other robot's way, are parking."""
     curves = {id: LineString(graph.curve(id).points) for id in graph.edges}
     vertices = dict(graph.vertices)
     for id, vertex in graph.vertices.items():

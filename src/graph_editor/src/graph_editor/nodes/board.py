@@ -52,7 +52,7 @@ class Grabbed:
 
 
 class Board:
-    """The handles of one session; whoever calls it holds the session's lock."""
+    """The handles of one session; the caller holds the session's lock."""
 
     def __init__(self, session: Session, lock: ContextManager, changed: Callable[[], None]) -> None:
         """`changed` is called after what a person did in RViz, with the lock held."""

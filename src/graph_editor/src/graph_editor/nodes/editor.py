@@ -67,7 +67,7 @@ GRAPH_PERIOD = 0.25  # s between two messages with drafts, at least
 
 
 class EditorNode:
-    """Connects a session with RViz, with those who follow its graph, and with the window."""
+    """Connects a session with RViz, with the followers of its graph, and with the window."""
 
     def __init__(self, session: Session, site: Site, rules: CheckRules) -> None:
         self.session = session

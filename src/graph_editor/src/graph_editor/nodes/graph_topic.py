@@ -1,4 +1,4 @@
-"""A draft as a message, for those who follow a graph."""
+"""A draft as a message, for the followers of a graph."""
 from __future__ import annotations
 
 from typing import Any, Dict, Mapping, Tuple
@@ -28,7 +28,7 @@ class GraphTopic:
         self._edges: Made = {}
 
     def publish(self, draft: Draft) -> None:
-        """Sends a draft, but for one that is not valid: who follows keeps the last one that was."""
+        """Sends a draft, but for one that is not valid: a follower keeps the last one that was."""
         try:
             draft.graph()
         except GraphError:

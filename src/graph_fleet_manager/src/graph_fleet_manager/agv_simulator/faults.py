@@ -44,7 +44,7 @@ FAULTS: Dict[str, Fault] = {
     'leave': Fault('is switched off', [], Vehicle.leave),
     'join': Fault('is switched on, and knows nothing of its route', [], Vehicle.join),
     'fail': Fault('its route fails', [], lambda vehicle: vehicle.fail(ON_DEMAND)),
-    'takeover': Fault('somebody else drives it: its route fails with "taken over"', [],
+    'takeover': Fault('another program drives it: its route fails with "taken over"', [],
                       lambda vehicle: vehicle.fail(TAKEN_OVER)),
     'estop': Fault('emergency stop: brakes hard, the route fails', [],
                    Vehicle.press_emergency_stop),

@@ -171,14 +171,14 @@ class Vehicle:
         self.emergency = False
 
     def push_off_graph(self, metres: float) -> None:
-        """Somebody pushes it aside, to its left: its route fails, and it is on no edge."""
+        """A person pushes it aside, to its left: its route fails, and it is on no edge."""
         x, y, heading = self.pose
         self.drive.speed = 0.0
         self._off_graph = (x - metres * math.sin(heading), y + metres * math.cos(heading), heading)
         self.fail(Reason(ReasonCode.OFF_GRAPH, 'off the corridor'))
 
     def put_on(self, vertex: int) -> None:
-        """Somebody puts it onto a vertex; a running route fails. Raises UnknownVertex."""
+        """A person puts it onto a vertex; a running route fails. Raises UnknownVertex."""
         drive = self._placed(self.drive.graph, vertex)
         self._fail(TAKEN_OVER)
         self.drive, self._off_graph = drive, None

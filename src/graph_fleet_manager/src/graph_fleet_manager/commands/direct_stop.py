@@ -71,7 +71,7 @@ def _stop(topics: Mapping[str, str]) -> Stopped:
     time.sleep(FLUSHED_IN)
     left = missed()
     for route in routes.values():
-        route.unregister()  # else whoever connects later would be stopped, too
+        route.unregister()  # else a robot that connects later would be stopped, too
     return Stopped(tuple(name for name in routes if name not in left), tuple(left))
 
 

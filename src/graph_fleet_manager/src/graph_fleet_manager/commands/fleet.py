@@ -85,7 +85,7 @@ def _unseen() -> List[str]:
 
 
 def _absent(robots: Sequence[str]) -> int:
-    """Each of them, whatever becomes of the others."""
+    """Each of them, regardless of the others."""
     status = OK
     for robot in robots:
         try:

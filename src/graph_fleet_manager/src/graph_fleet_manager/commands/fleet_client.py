@@ -84,8 +84,8 @@ def connected_publisher(topic: str, kind: Type[Any]) -> rospy.Publisher:
     deadline = time.monotonic() + PATIENCE
     while publisher.get_num_connections() == 0:
         if time.monotonic() > deadline:
-            raise CommandError(f'Nobody listens to {topic}: is the fleet manager running? Start it '
-                               'with fleet_manager.launch.')
+            raise CommandError(f'No node listens to {topic}: is the fleet manager running? Start '
+                               'it with fleet_manager.launch.')
         time.sleep(0.02)
     return publisher
 

@@ -121,7 +121,7 @@ def _send(arguments: List[str]) -> int:
 
 
 def _requested_by() -> str:
-    """Who asks, for the records: the user and the computer."""
+    """The asker, for the records: the user and the computer."""
     try:
         user = getpass.getuser()
     except (KeyError, OSError):  # a user without a name, as in containers
@@ -231,7 +231,7 @@ def _change(word: str, arguments: List[str]) -> int:
     message.header.stamp = rospy.Time.now()
     deadline = time.monotonic() + 2.0
     known: Optional[MissionStatus] = None
-    while time.monotonic() < deadline and not known:  # open missions are told to who comes new
+    while time.monotonic() < deadline and not known:  # open missions are told to new subscribers
         listener.wait(0.2)
         known = next((s for s in listener.take()
                       if s.request_id == options.id and MissionState(s.state).is_open), None)

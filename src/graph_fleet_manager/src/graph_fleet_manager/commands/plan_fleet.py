@@ -60,7 +60,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 
 def _parser() -> argparse.ArgumentParser:
     parser = _Parser(prog='plan_fleet',
-                     description='Plans the routes of a fleet once, free of conflict whatever '
+                     description='Plans the routes of a fleet once, free of conflict however '
                                  'runs late, and writes them as JSON.')
     parser.add_argument('--graph', required=True, help='trajectory graph (YAML)')
     parser.add_argument('--fleet', required=True, help='robot types and robots (YAML)')

@@ -1,7 +1,7 @@
-"""The fleet file: one YAML that says to everybody which robots there are.
+"""The fleet file: one YAML that lists the robots for all programs.
 
     clearance: 0.1                # m between any two robots
-    dock_approach: 2.0            # m before a dock that belong to who docks (optional)
+    dock_approach: 2.0            # m before a dock that belong to a robot that docks (optional)
     robot_types:
     - {name: agv, radius: 0.4, speed: 1.0}
     - {name: truck, radius: 0.6, speed: 1.35, play: 0.25, obeys_edge_speed: false, docks: [16]}

@@ -38,4 +38,4 @@ def _check(node: yaml.Node, what: str, known: Sequence[str]) -> None:
             line = next(name for name, _ in node.value if name.value == key)
             near = difflib.get_close_matches(key, known, 1)
             meant = f'did you mean {near[0]}?' if near else f'there are: {", ".join(known)}'
-            raise WrongYaml(f'{what} has a key {key!r} that nobody reads; {meant}', line)
+            raise WrongYaml(f'{what} has a key {key!r} that no program reads; {meant}', line)

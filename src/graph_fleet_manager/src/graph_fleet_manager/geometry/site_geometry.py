@@ -39,7 +39,7 @@ class SiteGeometry:
         """(E,) arc lengths in m."""
 
     def edge_place(self, signed_id: int) -> int:
-        """The place of an edge, whatever its direction."""
+        """The place of an edge, in both directions."""
         return len(self.vertex_ids) + self.edge_index[abs(signed_id)]
 
     @cached_property

@@ -219,7 +219,7 @@ class Interlocking:
         self._with_areas.discard(name)
         self._unknown.discard(name)
 
-    # -- who is in whose way ----------------------------------------------------------------------
+    # -- which robots are in each other's way ------------------------------------------------------
 
     @property
     def unknown_robots(self) -> List[str]:

@@ -11,7 +11,7 @@ REPEAT = 1.0  # s after which an order that was not acknowledged is repeated
 class PendingOrder:
     """At most one order of one robot.
 
-    takes_away -- it stops the robot, or cuts its route short, whoever drives it by now
+    takes_away -- it stops the robot, or cuts its route short, regardless of its driver by now
     """
 
     def __init__(self) -> None:

@@ -11,7 +11,7 @@ from trajectory_graph import Graph
 from trajectory_graph.route_protocol import NO_REASON, EdgeState, Location, Reason
 
 LONGEST = 1000     # edges in a route; more is a mistake or an attack
-NEAR = 0.3         # m from a vertex at which a robot stands on it at most, whatever its play
+NEAR = 0.3         # m from a vertex at which a robot stands on it at most, regardless of its play
 AT_VERTEX = 0.02   # m from a vertex at which a robot that follows its edges exactly stands on it
 TREMBLE = 0.05     # m by which the location of a robot that stands may change
 CLOCK_ERROR = 0.2  # s by which a robot's clock may differ; `peer_watch` warns from there on

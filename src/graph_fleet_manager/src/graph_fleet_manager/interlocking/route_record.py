@@ -1,6 +1,6 @@
 """All edges that a robot was ever granted, counted through, and how far it is on them.
 
-Whatever the ids of its routes, the edges go on counting: the *route record*. What is on it and not
+Across the ids of its routes, the edges go on counting: the *route record*. What is on it and not
 yet left is the robot's alone; a record only gets shorter when a report says so.
 """
 from __future__ import annotations

@@ -7,7 +7,7 @@ from typing import Iterator, Sequence
 
 
 class StopGate:
-    """While it is closed only empty routes pass, whenever and by whatever they were made.
+    """While it is closed only empty routes pass, regardless of their time and origin.
 
     A stop closes it before the empty routes are sent. What was decided before the stop, and comes
     out of a hanging disk or a queue after it, is held here.

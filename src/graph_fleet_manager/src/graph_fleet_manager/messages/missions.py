@@ -47,12 +47,12 @@ def request_of(message: msg.MissionRequest) -> Request:
 
 
 def person_of(text: str) -> str:
-    """Who asks, as it is kept: short, and what can be printed."""
+    """The asker, as it is kept: short, and what can be printed."""
     return _words(text[:_LONGEST_NAME])
 
 
 def refusal_status(message: msg.MissionRequest, reason: str) -> Status:
-    """A message that is no request, or that nobody can take up now, is refused."""
+    """A message that is no request, or that no node can take up now, is refused."""
     return Status(message.request_id, MissionState.REFUSED, reason=reason,
                   stamp=message.header.stamp.to_sec())
 

@@ -96,8 +96,8 @@ class EdgeClosures:
                 self.publish()
         except OutOfDate as late:  # also a latched message of a publisher that joined anew
             rospy.logwarn('A list of closed edges of %.3f s is not used: it is not from after the '
-                          'last change, of %.3f s. Use /edge_command, which counts whatever its '
-                          'stamp.', stamp.to_sec(), late.stamp / 1e9)
+                          'last change, of %.3f s. Use /edge_command, which ignores the stamp.',
+                          stamp.to_sec(), late.stamp / 1e9)
             return
         except OSError as error:
             _log_full(error)

@@ -35,7 +35,7 @@ _TOO_EARLY = f'the fleet manager has not begun yet, and {MOST_OPEN} already wait
 Event = Callable[[Optional[Supervisor], float], Sequence[Action]]
 """What happened, told to the supervisor (None: there is none yet) with the time; what follows."""
 ReadyEvent = Callable[[Supervisor, float], Sequence[Action]]
-"""The same for events that nobody but a supervisor understands."""
+"""The same for events that only a supervisor understands."""
 ReportEvent = Callable[[Supervisor, float, float], Sequence[Action]]
 """The same with the time at which it arrived, after the time that it is now."""
 

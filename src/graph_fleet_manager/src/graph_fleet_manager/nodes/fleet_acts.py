@@ -65,7 +65,7 @@ class FleetActs:
                                  requested_by=rospy.get_name())
         request.header.stamp = rospy.Time.now()
         if not self._requests.get_num_connections():
-            self._say('Nobody takes missions: is path_supervisor running?')
+            self._say('No node takes missions: is path_supervisor running?')
             return
         self._requests.publish(request)
         self._say(f'{robot or "A robot"} is sent to vertex {vertex}, '

@@ -78,7 +78,7 @@ class FleetServices:
                    'manager, and at its log'))
 
     def stop(self, _: TriggerRequest) -> TriggerResponse:
-        """Stops all robots, whatever the supervisor is about."""
+        """Stops all robots, even while the supervisor is busy."""
         self._gate.close()
 
         def early(now: float) -> Tuple[TriggerResponse, Sequence[Action]]:
@@ -133,8 +133,8 @@ class FleetServices:
                 lasts: bool = False) -> Optional[TriggerResponse]:
         """What became of it; None where nothing did within `patience`.
 
-        Nor will it then, unless it `lasts`: whoever was told that robots do not go on relies on it.
-        What lasts stops robots, and is urgent.
+        Nor will it then, unless it `lasts`: a person who was told that robots do not go on relies
+        on it. What lasts stops robots, and is urgent.
         """
         answer: queue.Queue[TriggerResponse] = queue.Queue(1)
         turn = threading.Lock()  # is taken once: to do it, or to give it up

@@ -50,7 +50,7 @@ class JournalFile:
         if self.journal is None or now < self._forget_at:
             return
         self._forget_at = now + FORGET_PERIOD
-        with suppress(JournalUnavailable):  # whatever is to be stored next tells of it
+        with suppress(JournalUnavailable):  # the next thing to be stored tells of it
             self.journal.forget(self._keep)
 
     def fail(self, unavailable: JournalUnavailable) -> None:

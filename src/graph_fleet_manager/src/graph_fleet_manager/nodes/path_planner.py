@@ -1,4 +1,4 @@
-"""path_planner: plans the paths of all robots, free of conflict whatever runs late.
+"""path_planner: plans the paths of all robots, free of conflict however late robots are.
 
 It answers requests one at a time and remembers nothing between them but the graph: it can be ended
 at any time, and its client goes on. See docs/reference/path_planner.md for requests and answers.

@@ -10,7 +10,7 @@ Subscribes
     /<robot>/execution_route_states, /<robot>/route_refused, of every robot in the fleet file
     /<robot>/battery_state (sensor_msgs/BatteryState), where there is one
 Publishes
-    /mission_status (itrci_nav_msgs/MissionStatus); the open ones again to who comes late
+    /mission_status (itrci_nav_msgs/MissionStatus); the open ones again to late subscribers
     /fleet_state (itrci_nav_msgs/FleetState), /fleet_plan (FleetPlan), both latched
     /fleet_poses (itrci_nav_msgs/FleetPoses), 5 Hz
     /plan_request (itrci_nav_msgs/PlanRequest), /<robot>/target_route (TargetRoute)

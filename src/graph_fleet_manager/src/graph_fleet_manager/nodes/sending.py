@@ -1,4 +1,4 @@
-"""Messages out, whatever is in them."""
+"""Messages out, of any content."""
 from __future__ import annotations
 
 from typing import Any, Callable

@@ -1,1 +1,1 @@
-"""Routes for many robots that stay free of conflict whatever runs late; no ROS, no files."""
+"""Routes for many robots that stay free of conflict however late robots are; no ROS, no files."""

@@ -104,7 +104,7 @@ class Agent(NamedTuple):
     vertex: int
     """Where it stands before it drives anything; of no meaning where `fixed` begins in a drive."""
     fixed: Tuple[Drive, ...]
-    """What it will drive whatever is planned, timed."""
+    """What it will drive under every plan, timed."""
     errand: Errand
     priority: int = 0
     mid_edge: Optional[MidEdgePosition] = None

@@ -29,7 +29,7 @@ class Course(NamedTuple):
     """What a robot has left to drive, and how long it will take; times in s from now.
 
     first   -- number of the first drive in its plan
-    begins  -- when it begins that one, if nobody keeps it from it; below 0: it is under way
+    begins  -- when it begins that one, if no robot holds it up; below 0: it is under way
     seconds -- of each drive
     pauses  -- for which it stands before each drive, at least
     planned -- when the plan in force lets it begin each drive

@@ -1,8 +1,8 @@
-"""Where robots may stand for ever without cutting anybody off.
+"""Where robots may stand for ever without cutting any robot off.
 
 A set of parking vertices is *well-formed* if, with a robot standing on every one of them, the rest
 of the graph still hangs together and each of these robots can leave and come back (Cap et al.,
-arXiv 1501.07704). Then a robot can always move, whatever missions come. Vertices that the graph
+arXiv 1501.07704). Then a robot can always move, for all missions. Vertices that the graph
 forbids as parking, like those that cut an edge into sections, may be cut off. Where closed edges
 leave parts of a graph without a path between them, all this holds for each of them. How many
 vertices such a set can have is the capacity of the graph. The largest set is hard to find; here it
@@ -83,8 +83,8 @@ class Parking:
         return bool((alone | (part[vertices] == part[self._vertices + vertices])).all())
 
     def _core(self, count: np.ndarray) -> Optional[np.ndarray]:
-        """The vertices (V,) between which everybody can drive, as `count` robots stand in the way
-        of each place, in each part of the graph; None where that leaves some out that somebody may
+        """The vertices (V,) between which all robots can drive, as `count` robots stand in the way
+        of each place, in each part of the graph; None where that leaves some out that a robot may
         want to come to."""
         free = count[:self._vertices] == 0
         usable = count[self._edge] == 0

@@ -228,7 +228,7 @@ class Pibt:
             self._taken[kind].update(edges)
 
     def _in_the_way(self, robot: int, drive: int) -> List[int]:
-        """Robots that stand where they exclude a drive, whatever they do in this step."""
+        """Robots that stand where they exclude a drive, with each of their moves in this step."""
         at, kinds = self._at, self._kinds
         found = []
         for kind, vertices, _ in self._neighbours(robot, drive):

@@ -1,10 +1,10 @@
 """The planning pipeline: from what every robot owns by now to plans that serve all of them.
 
 A valid plan is never dropped before a better one stands. First the robots that lack a way look for
-one past the kept plans of all others, asking those who merely stand in the way to make room; if
-that fails, everybody is planned anew by TEA*, and then by the search over configurations. Who still
-has no way keeps its old plan, and it is said who is in its way. What time is left improves the
-plan.
+one past the kept plans of all others, asking robots that merely stand in the way to make room; if
+that fails, all robots are planned anew by TEA*, and then by the search over configurations. A robot
+that still has no path keeps its old plan, and the answer names the robots in its way. The rest of
+the time improves the plan.
 """
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from graph_fleet_manager.planning.tea_star import Path, Paths, TeaStar, by_lengt
 _ORDERS = 10      # in which all are planned anew before the search over configurations begins
 _ROOM_ORDERS = 4  # in which a robot and those in its way are planned
 _QUICKLY_BOOKED = 20000  # drives, after the time limit
-_TO_EXPLAIN = 0.05  # s after the time limit until which it is looked for who is in the way
+_TO_EXPLAIN = 0.05  # s after the time limit until which the robots in the way are looked for
 _TO_FINISH = 0.002  # s that are left at the end, and so many times what an outcome took before:
 _SLOWER = 1.5
 _MOST_STEPS = 3000  # of that search where there is no deadline: then only counts bound it
@@ -105,7 +105,7 @@ class PlanningPipeline:
     # -- what is there already --------------------------------------------------------------------
 
     def _ground_who_is_too_near(self) -> None:
-        """Robots that stand too near each other stay where they are, in everybody's way."""
+        """Robots that stand too near each other stay where they are, in the way of all others."""
         for one, other in self._problem.too_near():
             for name, near in ((one, other), (other, one)):
                 self._unserved[name] = (f'it stands nearer to {near} than is allowed; move one of '
@@ -115,7 +115,7 @@ class PlanningPipeline:
             self._book_standing(self._agents[name])
 
     def _give_up_what_is_out_of_reach(self) -> None:
-        """Who cannot get where it is to go, even alone, is only parked."""
+        """A robot that cannot reach its destination, even alone, is only parked."""
         for agent in self._mobile():
             if agent.errand.lower_bound == inf:
                 self._unserved[agent.name] = out_of_reach(self._network, agent)
@@ -131,10 +131,11 @@ class PlanningPipeline:
             if cost < inf:
                 self._paths[name] = Path(cost, plan)
 
-    # -- ways for those who have none -------------------------------------------------------------
+    # -- paths for robots without one -------------------------------------------------------------
 
     def _serve(self, missing: Sequence[Agent], deadline: float) -> None:
-        """Finds ways for these; who gets none is unserved, and keeps its old plan if it has one."""
+        """Finds paths for these; a robot without one is unserved, and keeps its old plan if it has
+        one."""
         failed = list(missing)
         if self._old:
             for agent in missing:
@@ -164,7 +165,7 @@ class PlanningPipeline:
         self._stand(standing)
 
     def _serve_one(self, agent: Agent, deadline: float) -> bool:
-        """A way past everybody's plans, or past those that make room."""
+        """A path past all plans, or past those that make room."""
         self._tea_star.forget((agent,))
         path = self._tea_star.path_of(agent, deadline)
         is_late = is_too_late(deadline, len(path.plan) if path is not None else 0)
@@ -189,7 +190,7 @@ class PlanningPipeline:
         return True
 
     def _making_room(self, other: Agent, agent: Agent) -> Agent:
-        """One who is in the way, that must end where it leaves the other's destinations free."""
+        """A robot in the way, which must end where it leaves the other's destinations free."""
         if other.errand.rests is None:
             return other
         near = {vertex for destination in agent.errand.destinations
@@ -199,7 +200,7 @@ class PlanningPipeline:
         return self._problem.with_rests(other, rests) if rests else other
 
     def _plan_all(self, first: Sequence[Agent], deadline: float) -> bool:
-        """Everybody anew; those who lacked a way come first. Nothing changes where that fails."""
+        """All robots anew; those without a path come first. Nothing changes where that fails."""
         mobile = self._mobile()
         names = {t.name for t in first}
         order = [*first, *(t for t in self._in_order(mobile) if t.name not in names)]
@@ -219,7 +220,8 @@ class PlanningPipeline:
         return True
 
     def _serve_somebody(self, failed: Sequence[Agent], deadline: float) -> List[Agent]:
-        """One of these, for whom all others without a way only make room; returns who is left."""
+        """One of these, for which all others without a path only make room; returns those that are
+        left."""
         for chosen in failed:
             if time.monotonic() > deadline:
                 break
@@ -243,8 +245,8 @@ class PlanningPipeline:
         return list(failed)
 
     def _take_unfinished(self) -> List[Agent]:
-        """Better some robots with a way than none; returns who has none."""
-        self._old.clear()  # which says of nobody more than that it stands
+        """Better some robots with a path than none; returns those without one."""
+        self._old.clear()  # which says of each robot only that it stands
         self._paths.update(self._unfinished)
         mobile = self._mobile()
         for agent in mobile:
@@ -287,7 +289,7 @@ class PlanningPipeline:
             standing = [self._agents[name] for name in sorted(blocked)
                         if name in self._agents]
             for agent in standing:
-                self._unserved.setdefault(agent.name, 'somebody without a plan is in its way')
+                self._unserved.setdefault(agent.name, 'a robot without a plan is in its way')
 
     def _who_passes(self, agent: Agent) -> Set[str]:
         """Whose plans lead past the place at which a robot stands, which is not booked."""

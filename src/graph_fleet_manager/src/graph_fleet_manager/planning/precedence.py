@@ -1,4 +1,4 @@
-"""The order of use of places: the action dependency graph of a plan, safe whatever runs late.
+"""The order of use of places: the action dependency graph of a plan, safe however late robots are.
 
 For every pair of drives that exclude each other the plan's times fix an order. Kept, that order
 makes the plan safe however long a drive takes and wherever a robot comes to rest; the times only

@@ -24,7 +24,7 @@ class Task:
 
     name, type    -- of the robot
     vertex        -- the vertex on which it stands; None where it is on an edge
-    released      -- signed ids of the edges that it will drive whatever is planned, in order
+    released      -- signed ids of the edges that it will drive under every plan, in order
     begun         -- the fraction of the first of them that lies behind it
     mid_edge      -- signed id and fraction of the edge on which it stands, free to go either way;
                      None where it stands on a vertex or is driving

@@ -1,7 +1,7 @@
 """May a graph be replaced by another one while robots drive on it?
 
-Judged by what the robots themselves reported last: that holds whoever sent their routes, and also
-while nobody plans. What is planned but not under way may change; it is planned anew.
+Judged by what the robots themselves reported last: that holds for every sender of their routes, and
+also without a planner. What is planned but not under way may change; it is planned anew.
 """
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Which edges are closed: kept in a file, for a closure outlives its sender and power cuts.
 
 An operation opens or closes edges and leaves all others as they are. Operations count in the order
-in which they arrive; no clock decides on them. A list of all closed edges replaces whatever was
+in which they arrive; no clock decides on them. A list of all closed edges replaces all that was
 closed, so one that was said before the last change is out of date.
 """
 from __future__ import annotations

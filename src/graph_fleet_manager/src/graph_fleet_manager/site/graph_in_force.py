@@ -1,7 +1,7 @@
 """Which graph is in force, and when a file may replace it: never under robots that drive on it.
 
-The graph in force is kept in a copy. For who starts anew while robots drive, the file may have
-changed since, and the copy is what they drive on.
+The graph in force is kept in a copy. For a node that starts anew while robots drive, the file may
+have changed since, and the copy is what they drive on.
 """
 from __future__ import annotations
 

@@ -50,7 +50,7 @@ def _wrong_in_fleet(graph: Graph, fleet: Fleet) -> Iterable[str]:
     unused = docks.difference(*(kind.docks or () for kind in fleet.types))
     if unused:
         yield (f'No robot type lists {_named("dock", "docks", sorted(unused))} under docks in the '
-               'fleet file: nobody charges there.')
+               'fleet file: no robot charges there.')
 
 
 def _on_parking(fleet: Fleet, found: Survey) -> Iterable[Remark]:
@@ -58,8 +58,8 @@ def _on_parking(fleet: Fleet, found: Survey) -> Iterable[Remark]:
     for one in found.capacities:
         beside = f', and {one.docks} more at docks' if one.docks else ''
         total = one.robots + one.docks
-        text = (f'The graph holds {_robots(one.robots)} of type {one.type} without cutting anybody '
-                f'off, docks kept free{beside}; the fleet has {count[one.type]}')
+        text = (f'The graph holds {_robots(one.robots)} of type {one.type} without cutting any '
+                f'robot off, docks kept free{beside}; the fleet has {count[one.type]}')
         if count[one.type] > total:
             yield Remark(True, f'{text}: they will block each other for good, take some out or '
                          'give the graph more dead-end parking.')
@@ -81,7 +81,7 @@ def _on_dead_ends(graph: Graph, found: Survey) -> Iterable[Remark]:
     if spurs:
         ids = sorted(end.vertices[0] for end in spurs)
         yield Remark(False, f'{_named("Vertex", "Vertices", ids)} '
-                     f'{"ends" if len(ids) == 1 else "end"} an edge: who is there comes back the '
+                     f'{"ends" if len(ids) == 1 else "end"} an edge: a robot there comes back the '
                      'way it went in.')
     for end in found.dead_ends:
         if end.entry is None:

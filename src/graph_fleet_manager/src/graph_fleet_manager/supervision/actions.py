@@ -1,4 +1,4 @@
-"""What the supervisor wants done; whoever runs it does this in the order given."""
+"""What the supervisor wants done; its caller does this in the order given."""
 from __future__ import annotations
 
 from dataclasses import dataclass

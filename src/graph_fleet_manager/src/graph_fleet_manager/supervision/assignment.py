@@ -21,7 +21,7 @@ except ImportError:  # scipy before 1.6
     min_weight_full_bipartite_matching = None
 
 _NEVER = 1e15   # s: as good as never; the matching wants finite costs
-_LATER = 1e7    # s: more than all ways together; who is older goes first, whatever its way
+_LATER = 1e7    # s: more than all ways together; an older mission goes first, however long its path
 
 
 class Assigned(NamedTuple):
@@ -33,7 +33,7 @@ class Assigned(NamedTuple):
 
 @dataclass(frozen=True)
 class Assignment:
-    """Who gets what now, and for the missions that nobody gets, why, in words.
+    """Which robot gets which mission now, and why some missions get no robot, in words.
 
     short -- by the serial of a mission, the robot that it waits for until that is charged
     """

@@ -1,4 +1,5 @@
-"""Who charges where: below one threshold a robot goes to a dock, above another it may leave it."""
+"""Which robot charges where: below one threshold it goes to a dock, above another it may leave
+it."""
 from __future__ import annotations
 
 import math
@@ -24,7 +25,7 @@ class ChargeQueue:
 
     def update(self, busy: AbstractSet[str], short: AbstractSet[str],
                network: RoadNetwork, now: float) -> List[str]:
-        """Looks at all batteries; tells who was given a dock or gave one back.
+        """Looks at all batteries; tells which robots were given a dock or gave one back.
 
         busy  -- robots that serve a mission: they charge after it
         short -- robots whose battery cannot end a mission that waits for them
@@ -60,7 +61,7 @@ class ChargeQueue:
             self.waiting[robot.name] = 'a free dock'
 
     def _is_free(self, dock: int) -> bool:
-        """Nobody has it, and nobody stands there who cannot leave."""
+        """No robot has it, and no robot stands there that cannot leave."""
         return not any(robot.dock == dock
                        or (not robot.works and robot.record.position is not None
                            and robot.record.position.vertex == dock)

@@ -19,7 +19,7 @@ WINDOW = 8               # destinations of a mission for which a plan is made at
 class Duty(Enum):
     """What a robot is about."""
 
-    IDLE = 'idle'        # makes room where somebody needs it
+    IDLE = 'idle'        # makes room where another robot needs it
     MISSION = 'mission'
     CHARGE = 'charge'
     STAND = 'stand'      # paused: it stays where it is

@@ -1,8 +1,9 @@
 """How long robots really take for an edge: learned while they drive, for the running fleet only.
 
 A nominal time is length over speed; what bends, turns, doors and people cost shows only at work.
-What a robot type usually loses on its edges is taken out: otherwise every edge on which nobody has
-driven yet would look faster than the known ones. Safety rests on the order of use, never on times.
+What a robot type usually loses on its edges is taken out: otherwise every edge on which no robot
+has driven yet would look faster than the known ones. Safety rests on the order of use, never on
+times.
 """
 from __future__ import annotations
 
@@ -48,7 +49,7 @@ class EdgeTimer:
                 record.done == self._number + 1):
             driven = Driven(self._edge, now - self._since)
         if record.done != self._number:
-            # Nobody knows when one that is already driving set out.
+            # The start of a drive that is already under way is unknown.
             self._counts = self._number is not None or record.is_standing
             self._number, self._since = record.done, None
         if self._counts and self._since is None and record.ahead:

@@ -1,6 +1,6 @@
 """What must outlive a restart, in one SQLite file: missions, robots, the counter of route ids.
 
-Everything is on the disk before anybody is told of it, or a robot sent an order for it: the
+Everything is on the disk before it is published, or a robot sent an order for it: the
 supervisor stores once for each event and acts after that. The history of every mission is kept
 beside them.
 """

@@ -27,7 +27,7 @@ def copy_database(path: str, copy: str) -> None:
 
 
 def make_as_lost(path: str, clock: Callable[[], float] = time.time) -> int:
-    """Takes from an old journal whatever may not be true any more; tells how many missions ended.
+    """Takes from an old journal all that may not be true any more; tells how many missions ended.
 
     Robots and missions went on after the copy was made. So the fleet manager is to begin as with a
     lost journal: it knows of no robot, route or open mission, and finds out by the robots' reports.

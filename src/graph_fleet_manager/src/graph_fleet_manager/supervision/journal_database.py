@@ -1,4 +1,4 @@
-"""The SQLite file of a journal: its layout and how older ones become it, and who may write it."""
+"""The SQLite file of a journal: its layout and how older ones become it, and its one writer."""
 from __future__ import annotations
 
 import fcntl

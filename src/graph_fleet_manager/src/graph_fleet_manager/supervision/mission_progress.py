@@ -55,7 +55,7 @@ def drop_out(book: MissionBook, robot: ManagedRobot) -> None:
 
     It waits for a robot that comes back by itself. Of one that needs a person it is taken away: a
     mission of which nothing is done goes to another robot, or waits if it is for this one alone;
-    one that was begun has failed, for nobody knows what the robot carries.
+    one that was begun has failed, for the robot's load is unknown.
     """
     mission = book.of_robot(robot.name)
     if mission is None or robot.outage is None:
@@ -71,7 +71,7 @@ def drop_out(book: MissionBook, robot: ManagedRobot) -> None:
 
 
 def no_longer_possible(book: MissionBook, acceptance: Acceptance) -> Iterator[Tuple[Mission, str]]:
-    """Open missions that cannot be ended, as fleet or graph changed while nobody supervised; why.
+    """Open missions that cannot be ended, as fleet or graph changed while no supervisor ran; why.
     """
     for mission in book.open:
         if mission.robot and mission.robot not in acceptance.robots:

@@ -50,7 +50,7 @@ class CommandCode(IntEnum):
 
 @dataclass(frozen=True)
 class Request:
-    """What somebody wants done: visit these vertices in order.
+    """A request: visit these vertices in order.
 
     robot_type -- name; empty: any
     robot      -- the robot that must do it; empty: the best placed
@@ -127,7 +127,7 @@ class Mission:
     reason      -- why it ended, or what it waits for
     changes     -- how often it got other destinations: plans for the ones before serve no more
     stored      -- its status as it is on the disk; None: it is not there yet
-    changed_by  -- who requested what is not stored of it yet; empty: no one, or it was not said
+    changed_by  -- the requester of its changes that are not stored yet; empty: none, or not given
     """
 
     serial: int

@@ -1,4 +1,4 @@
-"""The plan by which robots are released: whose turn it is, whatever runs late."""
+"""The plan by which robots are released: which robot's turn it is, however late robots are."""
 from __future__ import annotations
 
 from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Set, Tuple
@@ -39,7 +39,7 @@ class PlanInForce:
             self._waited_for.setdefault(first, []).append((before, then))
 
     def in_the_way(self, name: str, drive: int, records: Mapping[str, RouteRecord]) -> str:
-        """Who must go on before a robot may begin its drive; empty: nobody."""
+        """The robots that must go on before a robot may begin its drive."""
         for turn in self._turns.get((name, drive), ()):
             plan = self.plans.get(turn.first)
             if plan is None:
@@ -50,7 +50,7 @@ class PlanInForce:
         return ''
 
     def asked_to_move(self, working: Iterable[str], ends: Mapping[str, int]) -> Set[str]:
-        """Robots for whom one of `working` waits, or one who is asked to move himself.
+        """Robots for which one of `working` waits, or one that is asked to move itself.
 
         ends -- number behind the record of each robot: what is released already needs no asking
         """

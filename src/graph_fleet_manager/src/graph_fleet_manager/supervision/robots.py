@@ -85,7 +85,7 @@ class ManagedRobot:
 
     @property
     def position(self) -> Optional[GraphPosition]:
-        """Where it stands; None while it drives or nobody knows."""
+        """Where it stands; None while it drives, or where that is unknown."""
         return self.record.position if self.record.is_standing else None
 
     def stands_at(self, vertices: Collection[int]) -> bool:

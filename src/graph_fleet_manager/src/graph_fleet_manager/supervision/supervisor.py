@@ -446,8 +446,8 @@ class Supervisor:
     def tick(self, now: float, heard: Optional[float] = None) -> List[Action]:
         """Looks at the clock; to be called ten to twenty times a second.
 
-        heard -- all reports that arrived until then were told before: who is silent is judged by
-                 that
+        heard -- all reports that arrived until then were told before: a robot's silence is judged
+                 by that
         """
         self._heard = now if heard is None else heard
         self._go_on(now)

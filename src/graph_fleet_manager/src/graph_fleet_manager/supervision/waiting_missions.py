@@ -11,7 +11,7 @@ from graph_fleet_manager.supervision.networks import Networks
 from graph_fleet_manager.supervision.pending_missions import FIRST, Key, key_of
 from graph_fleet_manager.supervision.robots import ManagedRobot
 
-AGAIN = 1.0   # s after which waiting missions are looked at although nobody came free
+AGAIN = 1.0   # s after which waiting missions are looked at although no robot came free
 AT_ONCE = 50  # missions that are looked at beside those that robots could serve now
 
 
@@ -37,7 +37,7 @@ class WaitingMissions:
         return frozenset(self._short.values())
 
     def hold(self, reason: str) -> None:
-        """None is given to anybody now, and why."""
+        """None is given to a robot now, and why."""
         self._question = None
         for mission in self._next():
             self._book.set(mission, MissionState.PENDING, reason)

@@ -82,11 +82,11 @@ class Ending(Enum):
 
     SUCCEEDED = 'succeeded'
     FAILED = 'failed'
-    INTERRUPTED = 'interrupted'              # somebody else drives or stopped the robot
-    CANCELLED = 'cancelled'                  # by somebody else
+    INTERRUPTED = 'interrupted'              # another giver drives or stopped the robot
+    CANCELLED = 'cancelled'                  # by another giver
     EMERGENCY_STOPPED = 'emergency stop'
-    OVERRULED = 'overruled'                  # never sent: somebody else's command came first
-    LOST = 'lost'                            # nobody knows whether the robot obeys it
+    OVERRULED = 'overruled'                  # never sent: another giver's command came first
+    LOST = 'lost'                            # it is unknown whether the robot obeys it
     NEVER_SENT = 'never sent'                # it certainly did not reach the robot
 
 
@@ -103,11 +103,11 @@ class CommandEnded:
 
 @dataclass(frozen=True)
 class MotionTold:
-    """The controller says who drives the robot (omron_ld90_msgs/Motion).
+    """The controller tells the driver of the robot (omron_ld90_msgs/Motion).
 
     is_ours -- the bridge itself began the epoch, or an emergency stop did, which ends routes anyway
     by_robot -- the robot did something that no command of ours asked for
-    goes_on -- the controller was restarted, and nobody did anything meanwhile as far as it knows
+    goes_on -- the controller was restarted, and no giver did anything meanwhile as far as it knows
     reason -- why there is another epoch, for people
     """
 

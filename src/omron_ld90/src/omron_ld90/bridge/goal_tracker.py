@@ -28,7 +28,7 @@ class Knowledge(Enum):
 
     NOTHING = 'no goal was sent'
     AWAITED = 'the controller will tell how it ends'
-    DOUBTFUL = 'nobody can tell yet whether the robot obeys it'
+    DOUBTFUL = 'it is not known yet whether the robot obeys it'
     WATCHED = 'the robot is on its way; its status will tell'
 
 
@@ -45,7 +45,7 @@ class RouteFailed(Exception):
 
 
 class TakenOver(RouteFailed):
-    """The robot obeys somebody else already, so that it is not ours to stop."""
+    """The robot obeys another giver already, so that it is not ours to stop."""
 
     def __init__(self, how: str) -> None:
         super().__init__(TAKEN_OVER, how)
@@ -182,13 +182,14 @@ class GoalTracker:
         self._interruption = self._interruption or (now, words)
 
     def goes_on(self, now: float) -> None:
-        """Nobody else did anything: a drive that was refused for its epoch can be given again."""
+        """No other giver did anything: a drive that was refused for its epoch can be given
+        again."""
         if self._never_sent and self._interruption is not None:
             self._interruption = None
             self._doubt(now)
 
     def check_clock(self, now: float) -> None:
-        """An interruption whose cause was not told in time was somebody's doing."""
+        """An interruption whose cause was not told in time was another giver's doing."""
         if self._interruption is not None and now - self._interruption[0] > REASON_DELAY:
             self.failure = TakenOver(self._interruption[1] or 'The motion was interrupted.')
 
@@ -217,7 +218,7 @@ class GoalTracker:
             self.give_again = True
 
     def _watch(self, status: RobotSeen, now: float) -> None:
-        """Takes the robot's status for the end of the command that nobody else will tell."""
+        """Takes the robot's status for the end of the command that no other message will tell."""
         if status.motion in _UNCLEAR:
             return
         if (status.motion is Motion.ARRIVED and status.goal == self.goal) or (
@@ -234,7 +235,7 @@ class GoalTracker:
     def _contradict(self, status: RobotSeen, now: float) -> None:
         """The robot does something else: for an instant that may be, for longer it is not ours.
 
-        A goal that is neither ours nor shown since before our command is somebody else's at once.
+        A goal that is neither ours nor shown since before our command is another giver's at once.
         """
         shown_before = self._before is not None and self._before.goal == status.goal
         foreign = (status.motion is Motion.GOING and status.goal not in self.goals

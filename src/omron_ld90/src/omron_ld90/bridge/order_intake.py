@@ -1,6 +1,6 @@
 """Which orders of the fleet manager are taken up, and when.
 
-One that came late, that was on its way when somebody took the robot over, or that was refused
+One that came late, that was on its way when another giver took the robot over, or that was refused
 before is not; one that comes before the robot is known waits for that. What an order must be by
 itself, and beside the route that runs, is in `route_orders`.
 """
@@ -52,7 +52,7 @@ class OrderIntake:
         self._note = note
         self._waiting: Optional[Tuple[RouteOrder, float]] = None  # to be judged; give up
         self._refused: Optional[Tuple[RouteOrder, Reason]] = None    # the last one, and why
-        self._overruled_at = -math.inf  # somebody else stopped or drove the robot
+        self._overruled_at = -math.inf  # another giver stopped or drove the robot
         self.past: Tuple[Tuple[int, int], ...] = ()
         """The orders that were driven, the last ones at the end; see `key_of`."""
         self._explained: Optional[int] = None  # route of which a duplicate was explained
@@ -86,11 +86,11 @@ class OrderIntake:
         return False
 
     def drop(self) -> None:
-        """Nobody wants what waits any more."""
+        """No giver wants what waits any more."""
         self._waiting = None
 
     def overrule(self, now: float) -> None:
-        """Somebody else stops or drives the robot: no order given before may pass that."""
+        """Another giver stops or drives the robot: no order given before may pass that."""
         self._overruled_at = now
         if self._waiting:
             order, _ = self._waiting
@@ -103,7 +103,8 @@ class OrderIntake:
         return now - age < self._overruled_at and now < self._overruled_at + LATE_ORDER
 
     def _explain_duplicate(self, route: RouteRun) -> None:
-        """Nothing is done; who orders a route once more that is over is told so, once."""
+        """Nothing is done; a fleet manager that orders a route once more that is over is told so,
+        once."""
         if not route.running and self._explained != route.order.route_id:
             self._explained = route.order.route_id
             self._note(f'Route {route.order.route_id} was ordered again and is ignored: it is '
@@ -114,7 +115,7 @@ class OrderIntake:
     def due(self, why_unknown: Callable[[float], Reason], now: float) -> Optional[RouteOrder]:
         """The order that waited and can be judged now; it is refused here when it is too old.
 
-        `why_unknown` tells why nobody knows yet whether the robot could drive it, or nothing.
+        `why_unknown` tells why it is unknown whether the robot could drive it, or nothing.
         """
         if self._waiting is None:
             return None
@@ -135,7 +136,7 @@ class OrderIntake:
         return order
 
     def refuse(self, order: RouteOrder, reason: Reason) -> None:
-        """Says so. In an emergency stop once: whoever waits for its end tries on."""
+        """Says so. In an emergency stop once: a giver that waits for its end tries on."""
         self._refused = (order, reason)
         self._tell_refusal(order, reason)
         if not (self._robot.emergency and self._emergency_told):

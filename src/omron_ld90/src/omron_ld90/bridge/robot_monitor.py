@@ -31,7 +31,7 @@ class RobotMonitor:
         self._settings = settings
         self.epoch = 0
         """Of the motion, that is known here; 0: none was heard of yet."""
-        self._own_epochs: Tuple[int, ...] = ()  # in all of which nobody else did anything
+        self._own_epochs: Tuple[int, ...] = ()  # in which no other giver did anything
         self._taken_over: Optional[TakenOver] = None
         self._count = 0  # of commands given
         self._handlers: Dict[Type[object], Callable[..., None]] = {
@@ -48,7 +48,7 @@ class RobotMonitor:
         self.stop_duty.require(epoch)
 
     def leave(self) -> None:
-        """The robot is somebody else's: we have no more business with it."""
+        """The robot belongs to another giver: this route has no claim to it."""
         self.tracker.end()
 
     def begin(self) -> None:
@@ -58,7 +58,8 @@ class RobotMonitor:
         self.tracker.forget()
 
     def go_on(self) -> None:
-        """A route that was complete gets longer: who drove the robot meanwhile took nothing over.
+        """A route that was complete gets longer: a giver that drove the robot meanwhile took
+        nothing over.
         """
         self._taken_over = None
 
@@ -83,19 +84,19 @@ class RobotMonitor:
         self.epoch, self._own_epochs = epoch, (epoch,) if epoch else ()
 
     def knows(self, epoch: int) -> bool:
-        """Whether nobody but us has done anything since an epoch."""
+        """Whether only this bridge has done anything since an epoch."""
         return epoch in self._own_epochs
 
     # --- what is to be known ----------------------------------------------------------------------
 
     def why_unknown(self, now: float) -> Reason:
-        """What must be known before anybody can say whether the robot can drive, and is not."""
+        """Facts that are missing to tell whether the robot can drive."""
         if self.location.last is None:
             return Reason(ReasonCode.NO_LOCATION, 'the robot has not told where it is')
         unusable = self.links.why_unusable(now)
         if not unusable and not self.epoch and self.links.are_expected:
             return Reason(ReasonCode.NOT_READY,
-                          'omron_controller has not told who drives the robot')
+                          'omron_controller has not told the driver of the robot')
         if not unusable and self.is_location_overdue(now):
             return _no_location(now - self.location.heard)
         return unusable

@@ -317,7 +317,7 @@ class RouteFollower:
         self._go_on(now)
 
     def _fail(self, failure: RouteFailed, now: float) -> None:
-        """Ends the route; with a stop, unless the robot obeys somebody else already."""
+        """Ends the route; with a stop, unless the robot obeys another giver already."""
         route = self.route
         assert route is not None  # only a running route fails
         if isinstance(failure, TakenOver):

@@ -52,7 +52,7 @@ def _current_edge(record: RouteRecord, here: GraphLocation, seen: RobotSeen) -> 
         return record.completed + found
     if seen.motion is Motion.BY_HAND or (
             seen.motion is Motion.GOING and seen.goal != record.goal):
-        raise TakenOver('While the bridge was restarted, somebody drove the robot elsewhere.')
+        raise TakenOver('While the bridge was restarted, another giver drove the robot elsewhere.')
     raise RouteFailed(Reason(
         ReasonCode.RESTARTED,
         'the robot was not on the route any more after a restart of the bridge'))

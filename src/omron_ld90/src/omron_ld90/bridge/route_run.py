@@ -152,7 +152,7 @@ class RouteRun:
     def drive(self) -> None:
         """Sends the robot where the strategy wants it, unless it is on its way there.
 
-        To a vertex that it missed it goes first, whatever the strategy. Nothing is sent while it is
+        To a vertex that it missed it goes first, with each strategy. Nothing is sent while it is
         not known whether the robot obeys the last command.
         """
         if self.progress.done or self._tracker.is_doubtful:

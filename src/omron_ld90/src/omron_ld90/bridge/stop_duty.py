@@ -1,7 +1,7 @@
 """A stop that is handed over to the controller, which sends it as soon as the robot can be reached.
 
 That the controller is away, or its link broken, only delays it. Each attempt carries the epoch that
-the stop is to end, so that it ends no newer drive of anybody else.
+the stop is to end, so that it ends no newer drive of another giver.
 """
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ class StopDuty:
         return self.to_give or bool(self.problem) and self.owed_by_controller
 
     def require(self, epoch: int) -> None:
-        """The robot is to stop in what it does in this epoch; 0: whatever it does."""
+        """The robot is to stop in what it does in this epoch; 0: in any case."""
         self.forgive()
         self.to_give, self.epoch = True, epoch
 
     def forgive(self) -> None:
-        """Nobody wants the stop any more, or nobody may give it."""
+        """No giver wants the stop any more, or none may give it."""
         self.to_give = False
         """Whether the controller has not taken it yet."""
         self.epoch = 0
@@ -45,7 +45,7 @@ class StopDuty:
         self._not_before = -math.inf
 
     def is_due(self, link_stands: bool, now: float) -> bool:
-        """Whether to give the stop now; the first time whatever is known of the link."""
+        """Whether to give the stop now; the first time regardless of the link."""
         if not self.to_give or self.number is not None:
             return False
         return self._not_before == -math.inf or (link_stands and now >= self._not_before)

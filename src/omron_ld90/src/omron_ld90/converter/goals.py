@@ -1,7 +1,7 @@
 """The vertices of a trajectory graph as goals and dock of a map.
 
 The graph is in metres and radians, a map in millimetres and degrees: this module changes the one
-into the other for whatever is written into a map.
+into the other for all that is written into a map.
 
 A robot waits at an *end vertex* (touched by exactly one edge) facing its way out, so that it can
 leave without turning on the spot. A dock is reached the other way round: facing the station.

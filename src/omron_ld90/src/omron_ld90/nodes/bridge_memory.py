@@ -51,8 +51,8 @@ class RouteMemory:
     def recall(self) -> Tuple[Optional[RouteRecord], float]:
         """The record left by the program before this one, and its age in s; None without one.
 
-        One of another launch is infinitely old, unless it stands in the file and nobody ended that
-        launch: its computer died.
+        One of another launch is infinitely old, unless it stands in the file and no person ended
+        that launch: its computer died.
         """
         found: List[Tuple[Moment, RouteRecord, bool]] = []
         for content, outlives in ((rospy.get_param(PARAMETER, None), False), (self._read(), True)):

@@ -53,7 +53,7 @@ def command_ended(number: int, result: ExecuteCommandResult) -> CommandEnded:
 
 
 def motion_told(message: Motion, own_name: str) -> MotionTold:
-    """Who drives the robot."""
+    """The driver of the robot."""
     is_ours = message.giver == own_name or message.cause == Motion.EMERGENCY_STOP
     return MotionTold(message.epoch, message.previous_epoch, is_ours,
                       message.cause == Motion.RESTART, message.stop_owed, message.reason,

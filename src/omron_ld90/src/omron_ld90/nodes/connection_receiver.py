@@ -109,7 +109,7 @@ class ConnectionReceiver:
 
     def _on_line(self, line: Received) -> None:
         reply = line.reply
-        if line.late:  # nobody knows when it was sent: it must not be taken for news
+        if line.late:  # its time of sending is unknown: it must not be taken for news
             self._assembler.drop()
             warn('late', 'This node stood still for a while. What the robot sent meanwhile is '
                  'not published, for its time is not known.')
@@ -166,7 +166,7 @@ def _on_refused(address: str) -> None:
 
 
 def _bind_address(robot: str) -> str:
-    """Loopback for a robot on this computer, so that nobody else can even knock."""
+    """Loopback for a robot on this computer, so that no other computer can connect."""
     try:
         addresses = {entry[4][0] for entry in resolve(robot)}
     except OSError:

@@ -9,8 +9,8 @@ Topics in:
 Topics out:
   arcl_response (std_msgs/String): every line that the robot sends after the login, byte for byte
   command_refused (omron_ld90_msgs/CommandRefused): what came by topic and came to nothing
-  motion (omron_ld90_msgs/Motion, latched): who drives the robot, what it does, a stop that is owed
-  link_state (omron_ld90_msgs/LinkState, latched): link `commands`
+  motion (omron_ld90_msgs/Motion, latched): the driver of the robot, what it does, a stop that is
+  owed link_state (omron_ld90_msgs/LinkState, latched): link `commands`
   /diagnostics
 Actions:
   execute_command (omron_ld90_msgs/ExecuteCommand): one command to its completion
@@ -27,8 +27,8 @@ Parameters:
   ~session_log (''): file for all that both sides say, passwords redacted; an older one is kept as
       <file>.old; ld90_sim --replay serves it
   ~session_log_size (50.0 MB): a file that has grown to this size becomes the older one
-  ~motion_file (omron_ld90/<namespace>_motion.json): keeps over a restart who drove the robot, and a
-      stop that is owed; relative to ROS_HOME; '': nothing is kept
+  ~motion_file (omron_ld90/<namespace>_motion.json): keeps over a restart the driver of the robot,
+      and a stop that is owed; relative to ROS_HOME; '': nothing is kept
   ~allow_takeover (false): the two topics of clicks move a robot that a fleet drives, too
   ~stop_on_shutdown (false): send `stop` when the node is ended, as by Ctrl-C; without it the robot
       drives on to its goal

@@ -1,7 +1,7 @@
 """The action server of actionlib, in the ways in which it must differ for a robot that is driven.
 
 actionlib refuses goals whose stamp is not younger than that of the last cancellation, a stop among
-them, with a result that is empty; a clock that is ahead would so lock everybody out.
+them, with a result that is empty; a clock that is ahead would so lock all givers out.
 """
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from omron_ld90.nodes.support.callers import giver_of
 class ActionServer(actionlib.ActionServer):
     """No cancellation counts for what is given after it, nor for a stop.
 
-    always_taken -- whether a goal, such as a stop, is taken whatever was cancelled before
+    always_taken -- whether a goal, such as a stop, is taken regardless of earlier cancellations
     on_cancel_all -- called when everything is cancelled, be anything under way or not
     `canceller` is the program whose cancellation is being carried out.
     """

@@ -1,6 +1,6 @@
 """What the controller's actions have in common: each goal is a command, carried out to its end.
 
-Succeeded is SUCCEEDED; cancelled, and replaced by another command, is PREEMPTED; whatever else
+Succeeded is SUCCEEDED; cancelled, and replaced by another command, is PREEMPTED; each other end
 ended the command is ABORTED with a text that says what; what was never sent is REJECTED. Commands
 may run side by side: queries do, and a driving command replaces the one before it in the robot.
 
@@ -152,7 +152,7 @@ class CommandActions:
         return False
 
     def _on_line(self, handle: actionlib.ServerGoalHandle, line: str) -> None:
-        """A line that belongs to the command; by default told nobody."""
+        """A line that belongs to the command; by default not passed on."""
 
     def _result(self, result: Result) -> object:
         raise NotImplementedError
@@ -162,7 +162,7 @@ class CommandActions:
         raise NotImplementedError
 
     def _tell(self, goal_id: str, reason: Optional[str]) -> None:
-        """The goal has ended; `reason` where it came to nothing. By default told nobody else."""
+        """The goal has ended; `reason` where it came to nothing. By default not passed on."""
 
 
 def _keep_results() -> None:

@@ -42,7 +42,7 @@ class MotionFile:
         except FileNotFoundError:
             return None
         except (OSError, ValueError, KeyError, TypeError) as error:
-            rospy.logwarn('%s cannot be read, so nothing is known of who drove the robot last: %s',
+            rospy.logwarn('%s cannot be read, so the last driver of the robot is unknown: %s',
                           self._path, error)
             return None
         if os.access(os.path.dirname(os.path.abspath(self._path)), os.W_OK):
@@ -74,7 +74,7 @@ class MotionFile:
 
     def _warn(self, why: str) -> None:
         warn('motion_file', f'{self._path} cannot be written ({why}): after a restart '
-                            'omron_controller would not know who drove the robot.')
+                            'omron_controller would not know the last driver of the robot.')
 
 
 class MotionTopic:

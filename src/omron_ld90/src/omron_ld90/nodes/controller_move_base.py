@@ -44,15 +44,15 @@ def robot_pose(pose: PoseStamped, map_frame: str) -> Tuple[int, int, int]:
 class MoveBaseServer(CommandActions):
     """Action `move_base`; feedback is where the robot is, whenever it says so.
 
-    A goal that comes by topic becomes a goal of the action, as with the real move_base: whoever
-    watches `move_base/status` sees a new one.
+    A goal that comes by topic becomes a goal of the action, as with the real move_base: a program
+    that watches `move_base/status` sees a new one.
     """
 
     def __init__(self, execute: Execute, cancel: Cancel, cancel_all: Callable[[Giver], None],
                  old: OldMessages, refusals: Refusals, map_frame: str) -> None:
         self._map_frame = map_frame
         self._refusals = refusals
-        self._forwarded: Dict[str, Giver] = {}  # goal id -> who gave it by topic
+        self._forwarded: Dict[str, Giver] = {}  # goal id -> its giver by topic
         self._count = 0
         super().__init__('move_base', MoveBaseAction, execute, cancel, cancel_all, old)
         self._goals = rospy.Publisher(self._topic, MoveBaseActionGoal, queue_size=10)
@@ -96,7 +96,7 @@ class MoveBaseServer(CommandActions):
         return MoveBaseResult()
 
     def _tell(self, goal_id: str, reason: Optional[str]) -> None:
-        """Who gave a goal by topic has no result to look at."""
+        """The giver of a goal by topic has no result to look at."""
         with self._lock:
             giver = self._forwarded.pop(goal_id, None)
         if giver and reason:

@@ -60,7 +60,7 @@ class TopicCommands:
         self._send(message.data, giver)
 
     def _on_goal_pose(self, message: PoseStamped, giver: Giver) -> None:
-        """As the real move_base does it, so that whoever watches the action sees a new goal."""
+        """As the real move_base does it, so that an observer of the action sees a new goal."""
         try:
             robot_pose(message, self._map_frame)
         except Refused as error:
@@ -79,7 +79,7 @@ class TopicCommands:
             self._send(f'localizeToPoint {x} {y} {heading}', giver)
 
     def _send(self, text: str, giver: Giver) -> None:
-        """Sends a command for whose end nobody waits, so failures are told."""
+        """Sends a command for whose end no caller waits, so failures are told."""
         def on_end(result: Result) -> None:
             reason = failure(text, result)
             if reason:

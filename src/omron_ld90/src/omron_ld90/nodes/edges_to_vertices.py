@@ -7,7 +7,7 @@ Subscribes
     target_route (itrci_nav_msgs/TargetRoute): the route to drive
     /graph (itrci_nav_msgs/Graph): replaces the graph of ~graph_file
     robot_status (omron_ld90_msgs/RobotStatus), link_state (omron_ld90_msgs/LinkState)
-    motion (omron_ld90_msgs/Motion): who drives the robot; what anybody else does ends the route
+    motion (omron_ld90_msgs/Motion): the driver of the robot; an act of another giver ends the route
 Publishes
     execution_route_states (itrci_nav_msgs/ExecutionRouteStates, latched): 10 Hz and on change
         while a route runs, else 1 Hz

@@ -259,7 +259,7 @@ class GoalSender:
             self._feedback.say(notice.severity, notice.text, _place(target))
 
     def _on_refused(self, message: CommandRefused) -> None:
-        """The controller refused what somebody sent by topic; it has logged that already."""
+        """The controller refused what was sent by topic; it has logged that already."""
         self._feedback.show(Notice(
             Severity.BAD, f'{message.command} refused: {message.reason}'))
 

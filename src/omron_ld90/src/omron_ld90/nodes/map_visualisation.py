@@ -106,9 +106,9 @@ class ShownMap:
 class MapVisualisation:
     """The displayed map, its topics and services.
 
-    Whoever asks for the displayed map gets it at once: it is replaced as a whole, and no lock is
-    held for it. `_loading` is held while a map is loaded and shown, so that of two maps the later
-    one stays.
+    A caller that asks for the displayed map gets it at once: it is replaced as a whole, and no lock
+    is held for it. `_loading` is held while a map is loaded and shown, so that of two maps the
+    later one stays.
     """
 
     def __init__(self, settings: Settings, path: str, made_from: Tuple[str, ...] = ()) -> None:

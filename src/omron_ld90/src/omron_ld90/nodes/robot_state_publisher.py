@@ -3,7 +3,7 @@
 The LD-90 localizes itself on its own map and sends a location some two to ten times a second. There
 is no odometry with a fixed rate to fill the time between, so the transform goes from `map` straight
 to the robot's base (REP 105 puts `odom` between the two for continuous odometry, which ARCL has
-not). Who brings an odometry of their own sets `~odom_frame`: then `map` -> odom is published such
+not). A user with another odometry sets `~odom_frame`: then `map` -> odom is published such
 that the robot is where it says it is. The name `robot_state_publisher` is this workspace's
 contract; the frames of the body come from the standard node of that name, run as
 `body_state_publisher`.
@@ -94,7 +94,7 @@ class RobotStatePublisher:
         self._base_frame = shared_parameters.base_frame()
         self._odom_frame = parameter('~odom_frame', '')
         self._filter = LocationFilter(rospy.Duration(number('~max_age', 1.0, 0.05, 60.0)))
-        self._last: Optional[float] = None  # by the clock that nobody sets
+        self._last: Optional[float] = None  # by the clock that no person sets
 
         self._pose = rospy.Publisher('pose', PoseStamped, queue_size=10, tcp_nodelay=True)
         self._transforms = tf2_ros.TransformBroadcaster()

@@ -1,4 +1,4 @@
-"""Opens RViz with the whole map in view, whatever the map and the screen.
+"""Opens RViz with the whole map in view, for each map and screen.
 
     rviz_view MAP_FILE CONFIGURATION [more arguments of rviz]
 

@@ -1,4 +1,4 @@
-"""Calls are made in order and one at a time, whatever becomes of one of them."""
+"""Calls are made in order and one at a time, also after one of them fails."""
 from __future__ import annotations
 
 import threading

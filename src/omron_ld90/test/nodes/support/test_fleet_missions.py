@@ -15,7 +15,7 @@ from omron_ld90.operator.notices import Notice, Severity
 
 
 class Topics:
-    """In place of ROS: what is published, and who hears what."""
+    """In place of ROS: what is published, and which topics have subscribers."""
 
     def __init__(self) -> None:
         self.supervisors = 1
@@ -98,7 +98,7 @@ def test_where_nobody_takes_missions_none_is_sent(topics, missions):
     notice = missions.send(TARGET)
     assert topics.requests == []
     assert notice == Notice(
-        Severity.BAD, 'Not sent: nobody takes missions. Is path_supervisor running?')
+        Severity.BAD, 'Not sent: no node takes missions. Is path_supervisor running?')
 
 
 @pytest.mark.parametrize(('state', 'reason', 'severity', 'words'), [

@@ -81,7 +81,7 @@ def test_a_link_that_stays_as_it_is_is_logged_once(logged):
 
 
 def test_a_link_that_the_ending_node_closes_is_no_warning(monkeypatch):
-    """Whoever presses Ctrl-C is not told of a link that is down."""
+    """A user who presses Ctrl-C is not told of a link that is down."""
     said: List[str] = []
     warned: List[str] = []
     monkeypatch.setattr(rospy, 'loginfo', lambda text, *arguments: said.append(text % arguments))

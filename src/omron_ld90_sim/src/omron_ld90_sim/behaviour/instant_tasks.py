@@ -1,4 +1,4 @@
-"""Instant tasks: over at once, whatever the robot is doing (`doTaskInstant`, routes, macros).
+"""Instant tasks: over at once, during every activity (`doTaskInstant`, routes, macros).
 
 Which tasks are instant, and their arguments, is what real robots' maps declare (`TaskInfo:`).
 """

@@ -1,7 +1,7 @@
 """The robot: one body on one floor, doing one activity at a time.
 
 It says `Interrupted:` for an activity that another replaces, knows what forbids driving, and tells
-everybody what happens through `announce`. Its `executive` carries the activities out.
+all clients what happens through `announce`. Its `executive` carries the activities out.
 """
 from __future__ import annotations
 
@@ -239,11 +239,11 @@ class Robot:
         return known
 
     def press_estop(self) -> None:
-        """The emergency stop button: motors off, whatever runs has ended."""
+        """The emergency stop button: motors off, all that runs has ended."""
         self.cut_motors(Motors.ESTOP)
 
     def cut_motors(self, motors: Motors) -> None:
-        """Motors off: whatever runs has ended, nothing goes on by itself."""
+        """Motors off: all that runs has ended, nothing goes on by itself."""
         self._drop_activity()
         self.executive.brake(self.base.limits.emergency_deceleration)
         self._set_motors(motors)

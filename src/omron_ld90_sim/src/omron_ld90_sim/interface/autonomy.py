@@ -53,7 +53,7 @@ class Autonomy:
             self._server.broadcast('TextRequestChargeVoltage')
 
     def _give_out(self) -> None:
-        """The battery is empty: everything goes off, until somebody charges and starts it."""
+        """The battery is empty: everything goes off, until a person charges and starts it."""
         self._server.broadcast(EMPTY)
         self._robot.halt()
         self._server.shut_down()

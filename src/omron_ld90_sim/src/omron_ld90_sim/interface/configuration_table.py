@@ -43,7 +43,7 @@ _detailed = partial(Parameter, priority='Detailed')
 
 
 def default_configuration() -> Configuration:
-    """A robot's configuration before anybody has changed it."""
+    """A robot's configuration before any change."""
     known = _known()
     return Configuration({name: known.get(name, Section('')) for name in SECTIONS})
 

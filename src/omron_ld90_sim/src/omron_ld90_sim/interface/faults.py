@@ -69,7 +69,7 @@ class Faults:
         def later() -> None:
             try:
                 self.inject(rest)
-            except UnknownFault as error:   # nobody waits for an answer any more
+            except UnknownFault as error:   # no client waits for an answer any more
                 print(f'ld90_sim: {error}', file=sys.stderr)
 
         self._server.clock.at(seconds, later)

@@ -2,7 +2,7 @@
 
 The loop sleeps until a socket is ready or the clock's next callback is due; wall time times the
 speed factor is simulated time. What a client sends counts from the robot's next cycle on, and the
-clock goes there at once: nobody waits, and a client that answers within a cycle finds the same
+clock goes there at once: no client waits, and a client that answers within a cycle finds the same
 times in every run.
 """
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The ARCL server without I/O: who is connected, and who hears what.
+"""The ARCL server without I/O: which clients are connected, and what each one hears.
 
 Replies go to the session that asked; `broadcast` goes to every logged-in one, the outgoing link
 included. What a command line does is the interpreter's business (`commands`).
@@ -121,7 +121,7 @@ class ArclServer:
                     session.close()
 
     def broadcast(self, line: str) -> None:
-        """Sends a line to everybody who is logged in."""
+        """Sends a line to all clients that are logged in."""
         for session in list(self.sessions):
             if session.phase is Phase.OPEN:
                 session.send(line)

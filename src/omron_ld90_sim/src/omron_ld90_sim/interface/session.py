@@ -53,7 +53,7 @@ class Host(Protocol):
     dialect: Dialect
 
     def log(self, number: int, direction: str, line: bytes) -> None:
-        """A line was sent: by whom (`C` or `S`), over which connection."""
+        """A line was sent: by which side (`C` or `S`), over which connection."""
 
     def execute(self, session: Session, line: str) -> None:
         """Carries out a command line."""

@@ -57,7 +57,7 @@ class Server(Protocol):
         """The outgoing connection stands."""
 
     def shut_down(self) -> None:
-        """Says good-bye to everybody."""
+        """Says good-bye to all clients."""
 
 
 class Connection:
@@ -188,7 +188,7 @@ class TcpServer:
         return (host, port) if host and port and wanted else None
 
     def _dial(self) -> None:
-        """Tries the outgoing connection; again in a while when nobody listens."""
+        """Tries the outgoing connection; again in a while when no program listens."""
         target, now = self._target(), self.loop.clock.now
         standing = any(c.session.outgoing for c in self._connections)
         if target is None or standing or self._dialling is not None or now < self._next_dial:
@@ -229,7 +229,7 @@ class TcpServer:
         if open_port and self._listener is None and self.loop.clock.now >= self._next_listen:
             try:
                 self._listener = self._listen(self.port)
-            except (PortTaken, OSError):    # by somebody else meanwhile; no free descriptor
+            except (PortTaken, OSError):    # by another program meanwhile; no free descriptor
                 self._listen_later()
         elif not open_port:
             self._close_listener()
@@ -239,7 +239,7 @@ class TcpServer:
         self._dial()
 
     def close(self) -> None:
-        """Says good-bye to everybody and closes."""
+        """Says good-bye to all clients and closes."""
         self._closing = True
         self.server.shut_down()
         self._maintain()

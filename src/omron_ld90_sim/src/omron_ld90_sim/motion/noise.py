@@ -1,4 +1,4 @@
-"""Noise of sensors, as a function of seed and time: who asks how often changes nothing."""
+"""Noise of sensors, as a function of seed and time: the number of queries changes nothing."""
 from __future__ import annotations
 
 import numpy as np

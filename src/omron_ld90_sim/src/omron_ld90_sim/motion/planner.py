@@ -2,7 +2,7 @@
 
 The body is 699 x 500 mm, so a place can be wide enough to drive through (half width free) and too
 narrow to turn in (half diagonal free). A way is therefore a chain of straight segments with half
-the width free all along, whose inner vertices have half the diagonal free: whatever the heading,
+the width free all along, whose inner vertices have half the diagonal free: for each heading,
 the body touches nothing. `manoeuvres` rounds the vertices off.
 """
 from __future__ import annotations

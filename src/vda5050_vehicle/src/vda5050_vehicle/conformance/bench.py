@@ -91,7 +91,7 @@ class Bench:
                 raise NotTried(f'the vehicle cannot be brought back: {reason}') from None
 
     def _falls_silent(self, start: Start) -> bool:
-        """Whether no state comes any more; once known, nobody waits for one again."""
+        """Whether no state comes any more; once known, no rule waits for one again."""
         if start is Start.NOTHING:
             return False
         try:
@@ -157,7 +157,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
                         help='of instantActions; drafts of 2.0 say instantActions')
     parser.add_argument('--slow-action', default='', metavar='"TYPE KEY=VALUE ..."',
                         help='an action of the vehicle, instant and at nodes, that takes 5 s or '
-                             'more and harms nobody')
+                             'more and does no harm')
     parser.add_argument('--patience', type=float, default=60.0,
                         help='s that the vehicle may take for a part of the track')
     options = parser.parse_args(arguments)

@@ -65,7 +65,7 @@ class Master:
             'connection', 'state', 'factsheet', 'visualization')])
 
     def receive(self, topic: str, payload: bytes, retained: bool = False, qos: int = 1) -> None:
-        """A message of the vehicle; never raises, whatever it is."""
+        """A message of the vehicle; never raises, for any content."""
         moment = self.now()
         if self._on_payload:
             self._on_payload(topic, payload)
@@ -150,7 +150,7 @@ class Master:
         return self.send_bytes(topic, json.dumps({**header, **body}).encode())
 
     def send_bytes(self, topic: str, payload: bytes) -> int:
-        """Sends whatever it is."""
+        """Sends it, of any content."""
         before = self.count()
         self.sent.append((topic, payload))
         self._publish(topic, payload)

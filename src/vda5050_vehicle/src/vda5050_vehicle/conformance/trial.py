@@ -24,7 +24,7 @@ ENDED = ('FINISHED', 'FAILED')
 
 @dataclass(frozen=True)
 class SlowAction:
-    """An action of the vehicle that takes some seconds and harms nobody."""
+    """An action of the vehicle that takes some seconds and does no harm."""
 
     kind: str
     parameters: Mapping[str, Any] = field(default_factory=dict)
@@ -238,7 +238,7 @@ class Trial:
         raise Broken(f'it does not stay so: {what}')
 
     def let_pass(self, seconds: float) -> None:
-        """Time goes by, whatever the vehicle says."""
+        """Time goes by, regardless of the vehicle."""
         try:
             self.master.wait(lambda s: False, seconds, 'nothing')
         except TooLate:

@@ -51,7 +51,7 @@ class ActionRunner:
                          'the edge was left before the action could start')
 
     def miss(self, sequence_id: int) -> None:
-        """Nobody was there when the node was passed."""
+        """The adapter was not running when the node was passed."""
         for entry in self._state.actions.of(sequence_id):
             self.end(entry.action.action_id, ActionStatus.FAILED, AWAY)
 

@@ -87,7 +87,8 @@ class ActionSpec:
     """A line of the table; without `call` the vehicle does it by itself.
 
     moves       -- the robot is elsewhere after it, so no order may be under way
-    executed_as -- how it blocks, whatever of `blocking` it comes with; None: as it comes
+    executed_as -- how it blocks, regardless of the `blocking` with which it comes; None: as it
+    comes
     cancellable -- cancelOrder ends it
     commands_motion -- the robot takes it for a drive, with an epoch of its own
     """

@@ -68,7 +68,7 @@ class Context:
         return drive.at_rest and robot.stands and robot.seen_at >= drive.rest_since
 
     def stop(self, now: float) -> None:
-        """The master stops the robot: whatever became of its route, unless it is known to stand, or
+        """The master stops the robot: in each state of its route, unless it is known to stand, or
         an action has it."""
         drive = self.state.drive
         if not (drive.in_order and (self.is_known_to_stand

@@ -1,4 +1,4 @@
-"""What the vehicle wants done; carried out in this order by whoever runs it."""
+"""What the vehicle wants done; carried out in this order by its caller."""
 from __future__ import annotations
 
 from dataclasses import dataclass

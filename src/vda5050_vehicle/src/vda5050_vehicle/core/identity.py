@@ -1,4 +1,4 @@
-"""Who the vehicle is, and on which map."""
+"""The identity of the vehicle, and its map."""
 from __future__ import annotations
 
 from dataclasses import dataclass

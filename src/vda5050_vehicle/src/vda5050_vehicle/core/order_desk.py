@@ -106,7 +106,7 @@ class OrderDesk:
         if order.order_id == self._state.order.order_id or self._state.busy:
             return True
         if pose is None:
-            raise NotDrivable(e.NO_ROUTE, 'nobody knows where the vehicle is', 'nodes')
+            raise NotDrivable(e.NO_ROUTE, 'the position of the vehicle is unknown', 'nodes')
         return self._context.driver.is_at(order.nodes[0], pose)
 
     def _check_actions(self, order: Order, verdict: Acceptance) -> None:

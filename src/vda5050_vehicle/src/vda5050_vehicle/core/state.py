@@ -24,7 +24,7 @@ class VehicleState:
     cancels -- ids of cancelOrder under way; and `pauses` of startPause
     wish    -- of initPosition: where the robot is to believe that it is
     epoch   -- the robot's, in which it was sent last
-    away    -- nodes may have been passed while nobody was there
+    away    -- nodes may have been passed while the adapter was not running
     """
 
     order: OrderState = OrderState()

@@ -80,7 +80,7 @@ D = TypeVar('D', bound=Drive)
 class Driver(ABC, Generic[D]):
     """Drives legs, numbered from the beginning of the order; a motion is never repeated by itself.
 
-    What it knows is in the vehicle's state. `commands` are collected by whoever runs the driver, in
+    What it knows is in the vehicle's state. `commands` are collected by the driver's caller, in
     their order.
     """
 
@@ -136,7 +136,7 @@ class Driver(ABC, Generic[D]):
 
     @abstractmethod
     def stop(self, now: float) -> None:
-        """Stops the robot, whatever it drives, and whether or not it is known to."""
+        """Stops the robot, also when it is not known to drive."""
 
     def forgive(self) -> None:
         """A failure was seen to: `drive` may be asked for again."""

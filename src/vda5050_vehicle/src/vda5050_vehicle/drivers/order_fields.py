@@ -23,7 +23,7 @@ class Abilities:
 
     corridor -- half the width that it may need on an edge
     passing  -- a vertex of a route is passed within this
-    map_id   -- the only map that it knows; empty: whatever the master calls it
+    map_id   -- the only map that it knows; empty: any name that the master uses
     ignored  -- fields that a site chose to ignore, by their keys
     """
 

@@ -179,7 +179,7 @@ class PoseDriver(Driver[PoseDrive]):
         """See Driver: move_base has patience of its own."""
 
     def restart(self, now: float) -> None:
-        """See Driver. A goal that nobody follows any more is cancelled."""
+        """See Driver. A goal that no order follows any more is cancelled."""
         drive = self.drive_state
         if drive.goal > 0 and not drive.failure:
             self._set(failure='the adapter was restarted under way')

@@ -26,8 +26,8 @@ from vda5050_vehicle.drivers.robot_view import Pose, RobotView
 from vda5050_vehicle.drivers.route_messages import RouteCommand, RouteReport, SentRoute
 from vda5050_vehicle.protocol.values import Edge, Node
 
-REPEAT = 1.0           # s between two sendings of what nobody has acknowledged
-PATIENCE = 10.0        # s until somebody must have
+REPEAT = 1.0           # s between two sendings of a route without an acknowledgement
+PATIENCE = 10.0        # s until it must be acknowledged
 RESTART_PATIENCE = 25.0  # s in which the robot's side must be heard after our restart
 LARGEST_ID = 2 ** 31 - 1
 # Refusals because another program or person has the robot: it is not ours to stop unasked.

@@ -12,7 +12,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-CONFIGURATION = '''# Generated. Anonymous, as nobody but this computer can reach it.
+CONFIGURATION = '''# Generated. Anonymous, as only this computer can reach it.
 listener {port} 127.0.0.1
 allow_anonymous true
 set_tcp_nodelay true
@@ -46,7 +46,7 @@ def main() -> None:
     folder = Path(tempfile.gettempdir()) / f'vda5050_broker_{os.getuid()}_{options.port}'
     folder.mkdir(mode=0o755, exist_ok=True)
     if folder.stat().st_uid != os.getuid():
-        sys.exit(f'{folder} belongs to somebody else: remove it')
+        sys.exit(f'{folder} belongs to another user: remove it')
     file = folder / 'mosquitto.conf'
     file.write_text(configuration(options.port))
     os.execv(program, [program, '-c', str(file)])

@@ -114,7 +114,7 @@ class MqttLink:
 
 
 def make_client(client_id: str) -> mqtt.Client:
-    """A client that does not wait to send, of whatever paho-mqtt there is."""
+    """A client that does not wait to send, with each version of paho-mqtt."""
     versions = getattr(mqtt, 'CallbackAPIVersion', None)
     client = (mqtt.Client(client_id) if versions is None
               else mqtt.Client(versions.VERSION1, client_id))

@@ -63,7 +63,7 @@ class ActionGoals:
             goal.sent.handle.cancel()
 
     def cancel_all(self, client: ActionClient) -> None:
-        """Cancels all goals of a server, also those that somebody else has sent."""
+        """Cancels all goals of a server, also those that another client has sent."""
         for name, goal in list(self._goals.items()):
             if goal.client is client and goal.sent is None:
                 self.cancel(name)

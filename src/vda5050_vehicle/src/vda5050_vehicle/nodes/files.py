@@ -20,7 +20,7 @@ class JournalFile:
     """Where the vehicle's state is kept over a restart, as a log of changes.
 
     It is not forced to the disk: it must outlive this process, not the computer, after whose
-    restart nobody drives the order's route any more.
+    restart no robot drives the order's route any more.
     """
 
     def __init__(self, path: Path) -> None:

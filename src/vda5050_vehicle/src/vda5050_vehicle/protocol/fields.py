@@ -76,7 +76,7 @@ class Number(Kind):
         return number
 
     def write(self, value: float) -> float:
-        """See Kind; a millimetre's tenth and a microradian are enough for anybody."""
+        """See Kind; a millimetre's tenth and a microradian are enough for every use."""
         return round(value, 6)
 
 

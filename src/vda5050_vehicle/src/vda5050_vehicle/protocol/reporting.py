@@ -8,7 +8,7 @@ from vda5050_vehicle.protocol.values import State
 
 DRIVING_PERIOD = 0.5  # s: a master that comes late sees nothing before
 IDLE_PERIOD = 5.0     # s; the standard's limit is 30 s
-EARLY = 0.05          # s: half a tick of whoever asks
+EARLY = 0.05          # s: half a tick of the caller
 
 
 class Reporter:
@@ -20,7 +20,7 @@ class Reporter:
         self._asked = True
 
     def ask(self) -> None:
-        """Somebody wants a state whether or not it changed."""
+        """A state is wanted whether or not it changed."""
         self._asked = True
 
     def is_due(self, state: State, now: float) -> bool:

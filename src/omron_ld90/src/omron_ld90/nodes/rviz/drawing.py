@@ -113,5 +113,5 @@ def arrowhead(tip: XY, yaw: float, length: float, z: float) -> np.ndarray:
 
 
 def complete(markers: Iterable[Marker]) -> FastMarkerArray:
-    """All there is to see: whatever the display showed before is taken away first."""
+    """All there is to see: what the display showed before is taken away first."""
     return FastMarkerArray(markers=[Marker(action=Marker.DELETEALL), *markers])

@@ -1,7 +1,7 @@
 """Handles in RViz: goals and docks that a left click drives to, with a menu on the right button.
 
 A robot handle stops it with one left click. The handles only report what was asked for; whether it
-is done is decided by who owns them.
+is done is decided by their owner.
 """
 from __future__ import annotations
 

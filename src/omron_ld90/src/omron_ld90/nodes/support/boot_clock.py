@@ -1,4 +1,4 @@
-"""How long ago something was noted, whatever was done to the wall clock since."""
+"""How long ago something was noted, regardless of the wall clock."""
 from __future__ import annotations
 
 import math

@@ -1,4 +1,4 @@
-"""Calls made in order by a thread of their own, so that whoever asks for them never waits."""
+"""Calls made in order by a thread of their own, so that their caller never waits."""
 from __future__ import annotations
 
 import queue

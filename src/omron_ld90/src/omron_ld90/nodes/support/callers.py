@@ -1,4 +1,4 @@
-"""Who sent a message."""
+"""The sender of a message."""
 from __future__ import annotations
 
 from typing import Dict

@@ -11,14 +11,14 @@ from itrci_nav_msgs.msg import ExecutionRouteStates, FleetRobot, FleetState
 from node_lifecycle import parameter
 from omron_ld90.operator.route_watch import RouteWatch
 
-SILENCE = 3.0  # s without /fleet_state after which nobody manages the robot any more
+SILENCE = 3.0  # s without /fleet_state after which no fleet manages the robot any more
 WITH_A_PERSON = frozenset((FleetRobot.TAKEN_OVER, FleetRobot.FAILED, FleetRobot.OFF_GRAPH,
                            FleetRobot.OUT_OF_SERVICE))
 """States in which the fleet manager waits for a person to bring the robot back."""
 
 
 class ClickRule:
-    """Knows who drives the robot, by /fleet_state and by the routes that it reports.
+    """Knows the driver of the robot, by /fleet_state and by the routes that it reports.
 
     robot          -- its name in the fleet: that of its namespace
     allow_takeover -- clicks always may: a route ends as `taken over`

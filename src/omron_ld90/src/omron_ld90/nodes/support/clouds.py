@@ -1,4 +1,4 @@
-"""The places in a PointCloud2, whoever made it."""
+"""The places in a PointCloud2, from every maker."""
 from __future__ import annotations
 
 import numpy as np

@@ -1,7 +1,7 @@
 """Commands given to the controller by its action `execute_command`, each to its end.
 
-For whoever wants a command done and its outcome. actionlib calls back with its own lock held; here
-callbacks come from a thread of their own, so that they may take locks and give commands.
+For callers that want a command done and its outcome. actionlib calls back with its own lock held;
+here callbacks come from a thread of their own, so that they may take locks and give commands.
 """
 from __future__ import annotations
 

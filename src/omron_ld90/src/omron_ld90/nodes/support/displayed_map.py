@@ -1,4 +1,4 @@
-"""The map on display, for whoever draws on it or takes clicks on it.
+"""The map on display, for nodes that draw on it or take clicks on it.
 
 Subscribes
     map_file (std_msgs/String, latched): path of the map that `map_visualisation` shows
@@ -22,7 +22,7 @@ class DisplayedMap:
 
     `document` is None where no map is displayed, or its file cannot be read; `without` says, for
     people, what is missing then. Only the node `map_visualisation` of the same namespace is
-    believed: the path of anybody else would make this node read, and tell of, any file.
+    believed: the path of another publisher would make this node read, and tell of, any file.
     `on_map` runs in a thread of the subscriber, and must take its own locks.
     """
 

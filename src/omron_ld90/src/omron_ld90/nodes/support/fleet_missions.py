@@ -43,7 +43,7 @@ class FleetMissions:
     def send(self, target: Target) -> Notice:
         """Sends the robot to the vertex that `target` is named after; tells that, or why not."""
         if not self._requests.get_num_connections():
-            return Notice(Severity.BAD, 'Not sent: nobody takes missions. Is path_supervisor '
+            return Notice(Severity.BAD, 'Not sent: no node takes missions. Is path_supervisor '
                                         'running?')
         request = MissionRequest(request_id=random.randint(1, 2 ** 31 - 1), robot=self._robot,
                                  destination_vertices_id=[int(target.name)])

@@ -54,7 +54,8 @@ class OldMessages:
         return self
 
     def watch(self, topic: str) -> None:
-        """Notes who publishes `topic` already; to be called before it is subscribed to."""
+        """Notes the publishers that `topic` has already; to be called before it is subscribed
+        to."""
         self._earlier[topic] = set(self._publishers(topic))
 
     def reason(self, message: rospy.Message, topic: str, is_stop: bool = False) -> Optional[str]:

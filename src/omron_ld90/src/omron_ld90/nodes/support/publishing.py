@@ -26,7 +26,7 @@ def publish_checked(publisher: rospy.Publisher, message: genpy.Message) -> bool:
     """Publishes a message that can be serialised; drops any other, and logs that. Whether it was.
 
     rospy would leave half of a message that cannot be serialised in the topic's buffer. The next
-    one then reaches nobody, for every subscriber drops the connection.
+    one then reaches no subscriber, for every subscriber drops the connection.
     """
     try:
         message.serialize(BytesIO())

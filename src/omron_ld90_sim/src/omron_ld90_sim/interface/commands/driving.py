@@ -52,14 +52,14 @@ def goto_point(call: Call) -> None:
 
 @command('stop', 'Stops the robot')
 def stop(call: Call) -> None:
-    """Ends whatever runs."""
+    """Ends all that runs."""
     call.robot.stop()
 
 
 @command('go', 'Lets the robot go on')
 @command('stay', 'Lets the robot stay')
 def known_by_name(call: Call) -> None:
-    """Stands in the help lists of real robots; nobody has written down what it does or answers, so
+    """Stands in the help lists of real robots; no source describes what it does or answers, so
     it does and answers nothing."""
 
 

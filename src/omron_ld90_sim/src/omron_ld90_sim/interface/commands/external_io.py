@@ -1,7 +1,7 @@
 """External inputs and outputs: sets are added and removed, and their values updated.
 
-An update goes to everybody, who may be the device that drives the outputs; the rest is answered to
-the asker.
+An update goes to all clients, since one may be the device that drives the outputs; the rest is
+answered to the asker.
 """
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ def end_session(call: Call) -> None:
 
 @command('arclSendText', 'Sends the given message to all ARCL clients', '<string>', 1)
 def send_text(call: Call) -> None:
-    """Sends a text, as it is, to everybody."""
+    """Sends a text, as it is, to all clients."""
     call.server.broadcast(call.text)
 
 

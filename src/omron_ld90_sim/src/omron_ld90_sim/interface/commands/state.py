@@ -10,7 +10,7 @@ LASER = 'Laser_1'
 TEMPERATURE = 36        # deg C
 
 # A robot's own infos: those of I617-E-02 p. 124 and 126, and those that clients of real robots ask
-# for, who read numbers from them. Of what is not simulated the values are plausible constants.
+# for, which read numbers from them. Of what is not simulated the values are plausible constants.
 INFOS: Dict[str, Callable[[Robot], object]] = {
     'WirelessLink': lambda robot: 100,
     'WirelessQuality': lambda robot: 70,

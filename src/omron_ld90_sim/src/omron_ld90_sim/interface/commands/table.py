@@ -48,7 +48,7 @@ class Call:
         return text
 
     def reply(self, line: str) -> None:
-        """Answers the asker, and nobody else."""
+        """Answers the asker only."""
         self.session.send(line)
 
     def named(self, names: Iterable[str], what: str) -> str:

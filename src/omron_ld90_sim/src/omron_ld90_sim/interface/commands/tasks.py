@@ -75,7 +75,7 @@ def wait_task_state(call: Call) -> None:
 
 @command('waitTaskCancel', 'Cancels the wait task')
 def wait_task_cancel(call: Call) -> None:
-    """Ends a running wait; the announcement tells everybody."""
+    """Ends a running wait; the announcement tells all clients."""
     if call.robot.waiting:
         call.robot.waiting = ''
     else:
@@ -90,7 +90,7 @@ def pause_task_state(call: Call) -> None:
 
 @command('pauseTaskCancel', 'Cancels the pause task')
 def pause_task_cancel(call: Call) -> None:
-    """Ends a running pause; the announcement tells everybody."""
+    """Ends a running pause; the announcement tells all clients."""
     if call.robot.pausing:
         call.robot.pausing = False
     else:

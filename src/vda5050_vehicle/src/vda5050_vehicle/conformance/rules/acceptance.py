@@ -1,6 +1,6 @@
 """Rules for orders and updates that are accepted, ignored or refused: figure 8.
 
-An order whose base is its first node keeps a vehicle busy, and nobody has to wait for a drive.
+An order whose base is its first node keeps a vehicle busy, and no rule has to wait for a drive.
 """
 from __future__ import annotations
 

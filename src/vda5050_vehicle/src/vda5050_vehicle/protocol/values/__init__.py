@@ -52,7 +52,7 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Header:
-    """Who sent a message, and when; ids count per topic."""
+    """The sender of a message, and its time; ids count per topic."""
 
     header_id: int
     timestamp: str

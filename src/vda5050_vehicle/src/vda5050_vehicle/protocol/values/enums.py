@@ -67,7 +67,7 @@ class EStop(Enum):
 
 
 class OperatingMode(Enum):
-    """Who is in control of the vehicle."""
+    """The party in control of the vehicle."""
 
     AUTOMATIC = 'AUTOMATIC'
     SEMIAUTOMATIC = 'SEMIAUTOMATIC'
