@@ -471,6 +471,30 @@ class TestOwedStop:
         bench.robot('Stopped')
         assert not bench.memory.stop_owed
 
+    def test_a_new_stop_does_not_wait_for_the_next_try_of_an_older_one(self, bench):
+        bench.stop(ROUTE)
+        bench.robot('Stopping', 'Stopped')
+        bench.drive(PERSON, 'goto 4')
+        bench.authority.take_word(PERSON)
+        bench.pass_time(0.0)
+        assert bench.sent == ['stop', 'goto 4', 'stop']
+
+    def test_a_cancelled_drive_is_stopped_although_another_clients_drive_is_heard_first(
+            self, bench):
+        bench.drive(PERSON, 'goto 4')
+        bench.authority.take_word(PERSON)
+        bench.robot('Going to 3')  # said before `goto 4` came to the robot
+        assert bench.memory.cause is Cause.OTHER_CLIENT
+        assert bench.sent == ['goto 4', 'stop'], 'the robot would go on to 4'
+
+    def test_another_clients_drive_long_after_ours_ends_the_stop_that_is_owed(self, bench):
+        bench.drive(PERSON, 'goto 4')
+        bench.robot('Going to 4')
+        bench.authority.take_word(PERSON)
+        bench.robot('Going to 3')
+        assert not bench.memory.stop_owed
+        assert bench.sent == ['goto 4']
+
 
 class TestState:
     def test_it_is_what_the_robot_does(self, bench):

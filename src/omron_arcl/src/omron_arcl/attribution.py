@@ -50,7 +50,7 @@ class Attribution:
             self._bad_endings.on_reply(reply, text, now)
         claimed = self._offer_to_drives(reply, text, now, sets_out)
         if sets_out and not claimed:
-            authority.on_set_out(reply, text)
+            authority.on_set_out(reply, text, now)
             self._taken_over(text)
         self._offer_to_others(reply, text, now, claimed)
         self._watch(reply, text, now)

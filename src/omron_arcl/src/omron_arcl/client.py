@@ -143,6 +143,7 @@ class Client(Transport):
         with self._lock:
             self._dispatcher.authority.take_word(canceller)
         self._tell_motion()
+        self._waker.wake()
 
     @property
     def motion(self) -> Motion:

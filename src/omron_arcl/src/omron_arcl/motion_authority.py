@@ -284,12 +284,20 @@ class MotionAuthority:
         elif isinstance(reply, EStop) and reply.pressed:
             self._see_emergency('emergency stop')
 
-    def on_set_out(self, reply: Reply, text: str) -> None:
-        """The robot begins a motion that no command of ours asked for."""
+    def on_set_out(self, reply: Reply, text: str, now: float) -> None:
+        """The robot begins a motion that no command of ours asked for.
+
+        Where a drive that we no longer want may come to the robot after that, the stop that is
+        owed ends both.
+        """
         activity = activity_of(reply)
         if not self._may_be_ours(activity) or not (activity.goal or self._stands_by()):
-            self._foreign(Cause.ROBOT if activity.kind is ActivityKind.DOCKING
-                          and self._stands_by() else Cause.OTHER_CLIENT, True, text)
+            cause = (Cause.ROBOT if activity.kind is ActivityKind.DOCKING and self._stands_by()
+                     else Cause.OTHER_CLIENT)
+            if self._memory.stop_owed and self._crosses(now):
+                self._begin_epoch(None, cause, text, False)
+            else:
+                self._foreign(cause, True, text)
 
     def on_status(self, activity: Activity, text: str, now: float) -> None:
         """The robot shows what it does."""
@@ -348,12 +356,16 @@ class MotionAuthority:
 
     def _foreign_stop(self, words: str, now: float) -> None:
         """A drive that was sent a moment ago may come to the robot after that stop."""
-        drive = self._drive
-        crosses = (drive is not None and drive.sent and drive.result is None and not drive.begun
-                   and now < drive.sent_at + AT_ONCE)
+        crosses = self._crosses(now)
         self._foreign(Cause.OTHER_CLIENT, False, words)
         if crosses:
             self._keep(replace(self._memory, stop_owed=True, newer_goals=()))
+
+    def _crosses(self, now: float) -> bool:
+        """Whether the robot may have said its last line before our drive came to it."""
+        drive = self._drive
+        return (drive is not None and drive.sent and drive.result is None and not drive.begun
+                and now < drive.sent_at + AT_ONCE)
 
     # --- epochs -----------------------------------------------------------------------------------
 
@@ -371,6 +383,7 @@ class MotionAuthority:
 
     def _owe_stop(self, giver: Giver, cause: Cause, reason: str) -> None:
         self._stop_too_old = self._stop_too_old or self._stop_passed
+        self._retry_at = -math.inf  # this stop is new: it does not wait for an older one's turn
         self._memory = replace(self._memory, stop_owed=True, newer_goals=())
         self._given(giver, cause, False, reason)
 
